@@ -1,0 +1,33 @@
+//! A prefiltered cube chain: what a bake makes, and what the writers and readers of `io` carry.
+
+use crate::environment::Rgb;
+use crate::sphere::cube::Face;
+
+/// One level: six faces of `size` x `size` texels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CubeLevel {
+    /// Texels along an edge of a face.
+    pub size: u32,
+    /// Perceptual roughness in [0, 1].
+    pub roughness: f64,
+    /// Linear radiance, row-major, the faces one after the other in the order of [`Face::ALL`].
+    pub texels: Vec<Rgb>,
+    /// The certified error bound of each texel in absolute luminance, same order; `None` where the filter has none.
+    pub bounds: Option<Vec<f32>>,
+}
+
+impl CubeLevel {
+    /// The texels of one face, row-major.
+    #[must_use]
+    pub fn face(&self, face: Face) -> &[Rgb] {
+        let area = self.size as usize * self.size as usize;
+        &self.texels[face.index() * area..][..area]
+    }
+}
+
+/// Levels from the sharpest to the roughest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CubeChain {
+    /// At least one; level l has max(1, size >> l) texels along an edge.
+    pub levels: Vec<CubeLevel>,
+}

@@ -1,0 +1,174 @@
+//! An environment in memory: radiance on a panorama, a cube or an octahedral square, and how it is turned.
+
+use crate::error::{Error, Result};
+use crate::sphere::{cube, equirect, octahedral};
+use glam::{DMat3, DVec3};
+
+/// Linear radiance, red, green, blue.
+pub type Rgb = [f32; 3];
+
+/// The weights of luminance (Rec. 709 primaries).
+pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Luminance of `rgb`.
+#[must_use]
+pub fn luminance(rgb: Rgb) -> f32 {
+    LUMINANCE[0] * rgb[0] + LUMINANCE[1] * rgb[1] + LUMINANCE[2] * rgb[2]
+}
+
+/// How an environment's texels cover the sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// `width` x `height` texels, see [`equirect`]. Files must be 2:1; in memory any size will do.
+    Panorama {
+        /// Columns, at least 1.
+        width: u32,
+        /// Rows, at least 1.
+        height: u32,
+    },
+    /// Six faces of `size` x `size` texels in the order of [`cube::Face::ALL`], see [`cube`].
+    Cube {
+        /// Texels along an edge, at least 1.
+        size: u32,
+    },
+    /// `size` x `size` texels, see [`octahedral`].
+    Octahedral {
+        /// Texels along an edge, at least 1.
+        size: u32,
+    },
+}
+
+impl Layout {
+    /// Texels in all.
+    #[must_use]
+    pub fn texel_count(self) -> usize {
+        let area = |w: u32, h: u32| w as usize * h as usize;
+        match self {
+            Self::Panorama { width, height } => area(width, height),
+            Self::Cube { size } => 6 * area(size, size),
+            Self::Octahedral { size } => area(size, size),
+        }
+    }
+}
+
+/// Radiance from every direction.
+///
+/// Texels are row-major, a cube's faces one after the other; each is finite, not negative, and constant over its own
+/// solid angle. Directions of the world are turned into the source's own by [`Environment::source_from_world`].
+#[derive(Clone, Debug)]
+pub struct Environment {
+    layout: Layout,
+    texels: Vec<Rgb>,
+    source_from_world: DMat3,
+}
+
+impl Environment {
+    /// An environment of `texels` in `layout`, not turned.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where the count is not the layout's, a side is zero, or a texel is not finite or negative.
+    pub fn new(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
+        if layout.texel_count() == 0 || texels.len() != layout.texel_count() {
+            return Err(Error::Parameter(format!(
+                "{layout:?} takes {} texels, got {}; neither may be zero",
+                layout.texel_count(),
+                texels.len()
+            )));
+        }
+        if let Some(at) = texels.iter().position(|t| t.iter().any(|c| !(c.is_finite() && *c >= 0.0))) {
+            return Err(Error::Parameter(format!(
+                "texel {at} is {:?}; radiance must be finite and not negative",
+                texels[at]
+            )));
+        }
+        Ok(Self { layout, texels, source_from_world: DMat3::IDENTITY })
+    }
+
+    /// The same environment turned about +Y: +90 degrees carries what was at +Z to +X.
+    #[must_use]
+    pub fn rotated_y(mut self, degrees: f64) -> Self {
+        // A world direction is looked up where the rotation took it from. Whole quarter turns stay exact.
+        let (sin, cos) = match degrees.rem_euclid(360.0) {
+            0.0 => (0.0, 1.0),
+            90.0 => (1.0, 0.0),
+            180.0 => (0.0, -1.0),
+            270.0 => (-1.0, 0.0),
+            other => other.to_radians().sin_cos(),
+        };
+        let world_from_previous =
+            DMat3::from_cols(DVec3::new(cos, 0.0, -sin), DVec3::Y, DVec3::new(sin, 0.0, cos));
+        self.source_from_world *= world_from_previous.transpose();
+        self
+    }
+
+    /// The same environment with its picture flipped left to right: a panorama about its centre (z becomes -z), cube
+    /// faces and octahedral squares by x becoming -x, which is what photographs taken from inside need.
+    #[must_use]
+    pub fn mirrored(mut self) -> Self {
+        let flip = match self.layout {
+            Layout::Panorama { .. } => DVec3::new(1.0, 1.0, -1.0),
+            Layout::Cube { .. } | Layout::Octahedral { .. } => DVec3::new(-1.0, 1.0, 1.0),
+        };
+        self.source_from_world = DMat3::from_diagonal(flip) * self.source_from_world;
+        self
+    }
+
+    /// How the texels cover the sphere.
+    #[must_use]
+    pub const fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// The texels, in the layout's order.
+    #[must_use]
+    pub fn texels(&self) -> &[Rgb] {
+        &self.texels
+    }
+
+    /// Turns (and mirrors) a direction of the world into the source's own.
+    #[must_use]
+    pub const fn source_from_world(&self) -> DMat3 {
+        self.source_from_world
+    }
+
+    /// Calls `visit` with every texel's unit direction in the world at its centre, its solid angle and its radiance.
+    pub fn for_each_texel(&self, mut visit: impl FnMut(DVec3, f64, Rgb)) {
+        let world_from_source = self.source_from_world.transpose();
+        let mut texels = self.texels.iter();
+        let mut next = |direction: DVec3, solid_angle: f64| {
+            visit(world_from_source * direction, solid_angle, *texels.next().expect("one texel a visit"));
+        };
+        match self.layout {
+            Layout::Panorama { width, height } => {
+                for j in 0..height {
+                    let solid_angle = equirect::texel_solid_angle(width, height, j);
+                    for i in 0..width {
+                        let u = (f64::from(i) + 0.5) / f64::from(width);
+                        let v = (f64::from(j) + 0.5) / f64::from(height);
+                        next(equirect::direction_from_equirect(u, v), solid_angle);
+                    }
+                }
+            }
+            Layout::Cube { size } => {
+                for face in cube::Face::ALL {
+                    for j in 0..size {
+                        for i in 0..size {
+                            next(
+                                cube::direction_from_texel(face, size, i, j),
+                                cube::texel_solid_angle(size, i, j),
+                            );
+                        }
+                    }
+                }
+            }
+            Layout::Octahedral { size } => {
+                for j in 0..size {
+                    for i in 0..size {
+                        let uv = octahedral::texel_centre(size, i, j);
+                        next(octahedral::direction_from_oct(uv), octahedral::texel_solid_angle(size, i, j));
+                    }
+                }
+            }
+        }
+    }
+}

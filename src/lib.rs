@@ -1,0 +1,14 @@
+//! Glossy reflections of any roughness from one spherical summed-area table.
+
+pub mod bake;
+pub mod chain;
+pub mod environment;
+pub mod error;
+pub mod lobe;
+pub mod oem;
+pub mod reflector;
+pub mod sh;
+pub mod sphere;
+
+pub use environment::{Environment, Layout, Rgb};
+pub use error::{Error, Result};

@@ -1,0 +1,93 @@
+//! The bordered octahedral environment map (OEM): per texel the energy L*w (red, green, blue) and the solid angle w.
+
+use crate::environment::Rgb;
+use crate::sphere::octahedral::wrap_texel;
+
+/// Size of an OEM.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OemSize {
+    /// Texels along an edge of the square itself, at least 1.
+    pub inner: u32,
+    /// Texels added on every side, wrapped by the map's own rule.
+    pub border: u32,
+}
+
+impl OemSize {
+    /// Texels along an edge, border included.
+    #[must_use]
+    pub const fn bordered(self) -> u32 {
+        self.inner + 2 * self.border
+    }
+}
+
+/// An OEM. Texels are row-major, border included: [L_r*w, L_g*w, L_b*w, w], w the texel's exact solid angle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Oem {
+    size: OemSize,
+    texels: Vec<[f32; 4]>,
+}
+
+impl Oem {
+    /// An OEM from the `inner`^2 texels of the square itself; the border is filled by wrapping.
+    ///
+    /// # Panics
+    /// Where the count is not `size.inner` squared.
+    #[must_use]
+    pub fn from_square(size: OemSize, square: Vec<[f32; 4]>) -> Self {
+        let inner = size.inner as usize;
+        assert_eq!(square.len(), inner * inner, "texels of the square");
+        if size.border == 0 {
+            return Self { size, texels: square };
+        }
+        let (border, side) = (i64::from(size.border), i64::from(size.bordered()));
+        let mut texels = Vec::with_capacity((side * side) as usize);
+        for y in 0..side {
+            for x in 0..side {
+                let (x, y) = wrap_texel(size.inner, x - border, y - border);
+                texels.push(square[y as usize * inner + x as usize]);
+            }
+        }
+        Self { size, texels }
+    }
+
+    /// Its size.
+    #[must_use]
+    pub const fn size(&self) -> OemSize {
+        self.size
+    }
+
+    /// All texels, border included.
+    #[must_use]
+    pub fn texels(&self) -> &[[f32; 4]] {
+        &self.texels
+    }
+
+    /// Texel (`x`, `y`) of the square, 0 <= x, y < inner.
+    #[must_use]
+    pub fn texel(&self, x: u32, y: u32) -> [f32; 4] {
+        let side = self.size.bordered() as usize;
+        self.texels[(y + self.size.border) as usize * side + (x + self.size.border) as usize]
+    }
+
+    /// Total energy (red, green, blue) and solid angle of the square, summed in double precision.
+    #[must_use]
+    pub fn totals(&self) -> [f64; 4] {
+        let n = self.size.inner;
+        let mut totals = [0.0; 4];
+        for y in 0..n {
+            for x in 0..n {
+                for (total, value) in totals.iter_mut().zip(self.texel(x, y)) {
+                    *total += f64::from(value);
+                }
+            }
+        }
+        totals
+    }
+
+    /// Radiance of texel (`x`, `y`) of the square.
+    #[must_use]
+    pub fn radiance(&self, x: u32, y: u32) -> Rgb {
+        let [r, g, b, w] = self.texel(x, y);
+        [r / w, g / w, b / w]
+    }
+}

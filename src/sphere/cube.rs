@@ -1,0 +1,96 @@
+//! The cube map: six faces in the order +X -X +Y -Y +Z -Z, each with the s_c/t_c axes of OpenGL, Vulkan and
+//! Direct3D. Texel (i, j) of an n x n face lies at s = (i + 1/2)/n*2 - 1, t likewise and downwards.
+
+use glam::DVec3;
+
+/// A face of the cube, in storage order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Face {
+    /// +X: direction (1, -t, -s).
+    PosX,
+    /// -X: direction (-1, -t, s).
+    NegX,
+    /// +Y: direction (s, 1, t).
+    PosY,
+    /// -Y: direction (s, -1, -t).
+    NegY,
+    /// +Z: direction (s, -t, 1).
+    PosZ,
+    /// -Z: direction (-s, -t, -1).
+    NegZ,
+}
+
+impl Face {
+    /// All six, in storage order.
+    pub const ALL: [Self; 6] = [Self::PosX, Self::NegX, Self::PosY, Self::NegY, Self::PosZ, Self::NegZ];
+
+    /// Position in [`Face::ALL`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// The two letters of file names: `px`, `nx`, `py`, `ny`, `pz`, `nz`.
+    #[must_use]
+    pub const fn short_name(self) -> &'static str {
+        ["px", "nx", "py", "ny", "pz", "nz"][self as usize]
+    }
+}
+
+/// Point on the cube (not normalised) at `s`, `t` in [-1, 1] of `face`.
+#[must_use]
+pub fn cube_point(face: Face, s: f64, t: f64) -> DVec3 {
+    match face {
+        Face::PosX => DVec3::new(1.0, -t, -s),
+        Face::NegX => DVec3::new(-1.0, -t, s),
+        Face::PosY => DVec3::new(s, 1.0, t),
+        Face::NegY => DVec3::new(s, -1.0, -t),
+        Face::PosZ => DVec3::new(s, -t, 1.0),
+        Face::NegZ => DVec3::new(-s, -t, -1.0),
+    }
+}
+
+/// Unit direction at `s`, `t` in [-1, 1] of `face`.
+#[must_use]
+pub fn direction_from_cube(face: Face, s: f64, t: f64) -> DVec3 {
+    cube_point(face, s, t).normalize()
+}
+
+/// Unit direction of the centre of texel (`i`, `j`) of an `n` x `n` face.
+#[must_use]
+pub fn direction_from_texel(face: Face, n: u32, i: u32, j: u32) -> DVec3 {
+    let scale = 2.0 / f64::from(n);
+    direction_from_cube(face, (f64::from(i) + 0.5) * scale - 1.0, (f64::from(j) + 0.5) * scale - 1.0)
+}
+
+/// The face that `direction` (any length but zero) points through, and s, t in [-1, 1] on it.
+///
+/// On edges and corners the axis first in x, y, z order among the greatest wins.
+#[must_use]
+pub fn cube_from_direction(direction: DVec3) -> (Face, f64, f64) {
+    let d = direction;
+    let a = d.abs();
+    if a.x >= a.y && a.x >= a.z {
+        if d.x >= 0.0 { (Face::PosX, -d.z / a.x, -d.y / a.x) } else { (Face::NegX, d.z / a.x, -d.y / a.x) }
+    } else if a.y >= a.z {
+        if d.y >= 0.0 { (Face::PosY, d.x / a.y, d.z / a.y) } else { (Face::NegY, d.x / a.y, -d.z / a.y) }
+    } else if d.z >= 0.0 {
+        (Face::PosZ, d.x / a.z, -d.y / a.z)
+    } else {
+        (Face::NegZ, -d.x / a.z, -d.y / a.z)
+    }
+}
+
+/// Solid angle of the rectangle from the face's centre to (`s`, `t`), signed by s*t.
+fn quadrant_solid_angle(s: f64, t: f64) -> f64 {
+    (s * t).atan2((s * s + t * t + 1.0).sqrt())
+}
+
+/// Exact solid angle of texel (`i`, `j`) of an `n` x `n` face, in steradians.
+#[must_use]
+pub fn texel_solid_angle(n: u32, i: u32, j: u32) -> f64 {
+    let edge = |k: u32| f64::from(k) / f64::from(n) * 2.0 - 1.0;
+    let (s0, s1, t0, t1) = (edge(i), edge(i + 1), edge(j), edge(j + 1));
+    quadrant_solid_angle(s1, t1) - quadrant_solid_angle(s0, t1) - quadrant_solid_angle(s1, t0)
+        + quadrant_solid_angle(s0, t0)
+}
