@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod chain;
+pub mod cpu;
 pub mod environment;
 pub mod error;
 pub mod lobe;

@@ -1,0 +1,4 @@
+//! The CPU engine: one file a stage.
+
+pub mod overlap;
+pub mod reparameterise;
