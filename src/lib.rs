@@ -8,6 +8,8 @@ pub mod error;
 pub mod lobe;
 pub mod oem;
 pub mod reflector;
+pub mod sat;
+pub mod sat_f32;
 pub mod sh;
 pub mod sphere;
 

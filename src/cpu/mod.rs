@@ -2,3 +2,4 @@
 
 pub mod overlap;
 pub mod reparameterise;
+pub mod sat_scan;
