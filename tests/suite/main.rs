@@ -1,1 +1,6 @@
 //! The test suite: one binary, a module a concern.
+
+mod io_write;
+mod ktx2_write;
+mod output;
+mod written;
