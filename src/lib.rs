@@ -4,6 +4,7 @@ pub mod bake;
 pub mod chain;
 pub mod environment;
 pub mod error;
+pub mod io;
 pub mod lobe;
 pub mod oem;
 pub mod reflector;
