@@ -4,12 +4,16 @@ pub mod bake;
 pub mod chain;
 pub mod environment;
 pub mod error;
+mod font;
 pub mod io;
 pub mod lobe;
 pub mod oem;
+pub mod preview;
 pub mod reflector;
+pub mod seamless;
 pub mod sh;
 pub mod sphere;
+pub mod synth;
 
 pub use environment::{Environment, Layout, Rgb};
 pub use error::{Error, Result};
