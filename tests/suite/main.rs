@@ -3,4 +3,6 @@
 mod io_write;
 mod ktx2_write;
 mod output;
+mod preview;
+mod synth;
 mod written;
