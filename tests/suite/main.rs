@@ -1,1 +1,10 @@
 //! The test suite: one binary, a module a concern.
+
+mod fuzz;
+mod inputs;
+mod io_read;
+mod mutation;
+
+/// Counts what is allocated, for [`fuzz`].
+#[global_allocator]
+static MEMORY: peakmem_alloc::PeakMemAlloc<std::alloc::System> = peakmem_alloc::PeakMemAlloc::system();
