@@ -18,15 +18,25 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::io::Cursor;
 
-/// What one block takes beside its own bytes while it is decoded: compressed, planar and interleaved copies.
+/// What one block takes while it is decoded, in its own bytes: compressed, planar and interleaved copies.
 const BLOCK_COPIES: u64 = 6;
+
+/// Bytes that the blocks in flight may take together, where one alone does not take more.
+const IN_FLIGHT_BYTES: u64 = 256 << 20;
+
+/// Layers smaller than this are decoded on the calling thread: waking others would take longer.
+const PARALLEL_BYTES: usize = 1 << 20;
+
+/// Blocks to decode at once: enough to keep every thread busy, few enough to stay small beside the texels.
+fn batch_size(header: &Header) -> u64 {
+    let block = BLOCK_COPIES.saturating_mul(header.max_block_byte_size() as u64).max(1);
+    (IN_FLIGHT_BYTES / block).clamp(1, 4 * rayon::current_num_threads() as u64)
+}
 
 /// Refuses a file whose blocks would not fit beside the texels.
 pub(super) fn check_block_memory(source: &Source<'_>, header: &Header, window: &Window) -> Result<()> {
     let texels = u64::from(window.width) * u64::from(window.height) * TEXEL_BYTES;
-    let blocks = (rayon::current_num_threads() as u64)
-        .saturating_mul(BLOCK_COPIES)
-        .saturating_mul(header.max_block_byte_size() as u64);
+    let blocks = (batch_size(header) * BLOCK_COPIES).saturating_mul(header.max_block_byte_size() as u64);
     let needed = texels.saturating_add(blocks).saturating_add(source.bytes.len() as u64);
     if needed > source.memory_limit {
         let what = format!("blocks for {}x{} pixels", window.data_width, window.data_height);
@@ -61,16 +71,18 @@ pub(super) fn decode_into(
     // Distinct places in the number expected cover the image: offset tables may point twice at one block.
     let mut places = HashSet::with_capacity(expected.min(source.bytes.len() / 8));
     let mut row = RowBuffer::default();
+    let serial = header.layer_size.area() * header.channels.bytes_per_pixel < PARALLEL_BYTES;
+    let batch_size = usize::try_from(batch_size(header)).unwrap_or(1);
     loop {
-        let batch: Vec<Chunk> = chunks
-            .by_ref()
-            .take(rayon::current_num_threads())
-            .collect::<::exr::error::Result<_>>()
-            .map_err(as_ours)?;
-        let blocks: Vec<Result<UncompressedBlock>> = match batch.len() {
-            0 => break,
-            1 => batch.into_iter().map(decompress).collect(),
-            _ => batch.into_par_iter().map(decompress).collect(),
+        let batch: Vec<Chunk> =
+            chunks.by_ref().take(batch_size).collect::<::exr::error::Result<_>>().map_err(as_ours)?;
+        if batch.is_empty() {
+            break;
+        }
+        let blocks: Vec<Result<UncompressedBlock>> = if serial {
+            batch.into_iter().map(decompress).collect()
+        } else {
+            batch.into_par_iter().map(decompress).collect()
         };
         for block in blocks {
             let block = block?;
