@@ -11,6 +11,7 @@ pub mod io;
 pub mod lobe;
 pub mod oem;
 pub mod preview;
+pub mod oracle;
 pub mod reflector;
 pub mod report;
 pub mod sat;

@@ -3,3 +3,12 @@
 pub mod overlap;
 pub mod reparameterise;
 pub mod sat_scan;
+
+pub mod adaptive;
+pub mod cells;
+pub mod kernel;
+mod subtexel;
+mod tent;
+pub(crate) mod bake_level;
+pub mod box_filter;
+pub mod mirror;
