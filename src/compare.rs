@@ -3,15 +3,14 @@
 use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::{Environment, LUMINANCE, Layout};
 use crate::error::{Error, Result};
-use crate::lobe::Lobe;
+use crate::lobe::{Lobe, full_width_at_half_maximum};
 use crate::oracle::Oracle;
-use crate::sphere::cube::{Face, direction_from_texel};
-use crate::sun::beside;
+use crate::sphere::cube::{Face, cube_point, direction_from_texel, texel_solid_angle};
+use crate::sun::{beside, texel_width};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A lobe narrower than this many source texels shows how texels are filtered, not how lobes are.
@@ -98,17 +97,16 @@ pub fn errors_against_bake(bake: &CubeChain, reference: &CubeChain) -> Result<Ve
 /// Below that the answer would be how a texel is reconstructed, on which bake and integration need not agree.
 #[must_use]
 pub fn is_measurable(level: &CubeLevel, lobe: Lobe, layout: Layout) -> bool {
-    let texel = match layout {
-        Layout::Panorama { height, .. } => PI / f64::from(height),
-        Layout::Cube { size } => PI / 2.0 / f64::from(size),
-        Layout::Octahedral { size } => PI / f64::from(size),
-    };
-    // 2.6 alpha is the full width of GGX at half maximum.
-    lobe == Lobe::Cosine || 2.6 * level.roughness * level.roughness >= NARROW * texel
+    lobe == Lobe::Cosine || lobe_width(level, lobe) >= NARROW * texel_width(layout)
+}
+
+fn lobe_width(level: &CubeLevel, lobe: Lobe) -> f64 {
+    full_width_at_half_maximum(lobe, level.roughness * level.roughness)
 }
 
 /// Compares the [measurable](is_measurable) levels of `bake` with `lobe` integrated over `source`: `texels` of each
-/// level, always the same ones, or all. `progress` is told the integrations done and their number, from any thread.
+/// level, always the same ones, or all. The lobe is that at a texel's centre, and where the texel is wide for it the
+/// mean over the texel's footprint, as in a bake. `progress` is told the integrations done and their number, from any thread.
 #[must_use]
 pub fn errors_against_source(
     bake: &CubeChain,
@@ -131,13 +129,48 @@ pub fn errors_against_source(
         .into_iter()
         .map(|(index, level)| {
             let value = |at: usize| {
-                let answer = oracle.reflect(lobe, level.roughness, direction(level.size, at));
+                let answer = footprint_mean(level, lobe, at, &|direction| {
+                    oracle.reflect(lobe, level.roughness, direction)
+                });
                 progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
                 answer
             };
             level_errors(index, level, &value, texels)
         })
         .collect()
+}
+
+/// Mean of `radiance` over as much of texel `at` as has joined the lobe: none where the texel is narrower than a third
+/// of the lobe's full width at half maximum, all of it from a half on.
+fn footprint_mean(
+    level: &CubeLevel,
+    lobe: Lobe,
+    at: usize,
+    radiance: &dyn Fn(DVec3) -> [f64; 3],
+) -> [f64; 3] {
+    let (face, i, j) = place(level.size, at);
+    let share = texel_solid_angle(level.size, i, j).sqrt() / lobe_width(level, lobe);
+    let fade = ((share - 1.0 / 3.0) * 6.0).clamp(0.0, 1.0);
+    if fade == 0.0 {
+        return radiance(direction(level.size, at));
+    }
+    let extent = fade * fade * (3.0 - 2.0 * fade);
+    // Points at most a sixth of a lobe apart, weighted by the solid angle they stand for.
+    let count = (6.0 * share).ceil().clamp(4.0, 64.0) as u32;
+    let coordinate = |texel: u32, k: u32| {
+        let offset = ((f64::from(k) + 0.5) / f64::from(count) - 0.5) * extent;
+        (f64::from(texel) + 0.5 + offset) * 2.0 / f64::from(level.size) - 1.0
+    };
+    let (mut sum, mut whole) = ([0.0; 3], 0.0);
+    for (a, b) in (0..count).flat_map(|b| (0..count).map(move |a| (a, b))) {
+        let point = cube_point(face, coordinate(i, a), coordinate(j, b));
+        let weight = point.length_squared().powf(-1.5);
+        whole += weight;
+        for (sum, value) in sum.iter_mut().zip(radiance(point.normalize())) {
+            *sum += weight * value;
+        }
+    }
+    sum.map(|c| c / whole)
 }
 
 fn integrations(level: &CubeLevel, texels: Option<usize>) -> u64 {
@@ -325,6 +358,7 @@ impl SplitMix {
 mod tests {
     use super::*;
     use crate::environment::Rgb;
+    use std::f64::consts::PI;
 
     fn level(size: u32, value: impl Fn(DVec3) -> f32) -> CubeLevel {
         let count = 6 * size as usize * size as usize;
@@ -377,6 +411,16 @@ mod tests {
             let pairs: BTreeSet<_> = (0..steps_within(size)).map(|k| step_within(size, k)).collect();
             assert_eq!(pairs.len(), steps_within(size));
         }
+    }
+
+    #[test]
+    fn a_wide_texel_is_measured_over_its_footprint() {
+        let wide = level(1, |_| 0.0);
+        // Over a whole face d.x has the mean 6/(4 pi) * the integral of cos over it, Lambert's formula: 0.8310.
+        let mean = footprint_mean(&wide, Lobe::Ggx, 0, &|d| [d.x, 1.0, d.y]);
+        assert!((mean[0] - 0.831).abs() < 2e-3 && mean[1] == 1.0 && mean[2].abs() < 1e-9, "{mean:?}");
+        let narrow = level(64, |_| 0.0);
+        assert_eq!(footprint_mean(&narrow, Lobe::Ggx, 9, &|d| d.to_array()), direction(64, 9).to_array());
     }
 
     #[test]
