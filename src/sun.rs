@@ -4,9 +4,13 @@ use crate::environment::{Environment, Layout, Rgb, luminance};
 use crate::sphere::{cube, equirect, octahedral};
 use glam::DVec3;
 use std::collections::VecDeque;
+use std::f64::consts::PI;
 
-/// The surroundings of the peak are the texels between these angles from it.
-const SURROUNDINGS_DEGREES: [f64; 2] = [5.0, 15.0];
+/// The surroundings of the peak begin at this angle from it, or at two texels where those are wider.
+const SURROUNDINGS_DEGREES: f64 = 10.0;
+
+/// They end at this many times that angle.
+const SURROUNDINGS_REACH: f64 = 3.0;
 
 /// A peak this many times as bright as its surroundings is a sun (or a lamp); less is weather.
 const CONTRAST: f64 = 8.0;
@@ -18,8 +22,8 @@ const EDGE: f64 = 0.1;
 ///
 /// It is the region connected to the texel of greatest luminance, over texels that touch by a side or a corner
 /// (across cube edges, the panorama's seam and its poles as well), whose luminance is at least a tenth of the way up
-/// from the surroundings to the peak. The surroundings' luminance is the median between 5 and 15 degrees from the
-/// peak, and a peak below eight times that is no sun.
+/// from the surroundings to the peak. The surroundings' luminance is the median between 10 and 30 degrees from the
+/// peak (further where texels are coarse), and a peak below eight times that is no sun.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sun {
     /// Unit direction in the world: the region's centre of energy.
@@ -93,7 +97,8 @@ impl Sun {
 
 /// Median luminance of the texels around `peak` (a direction of the source), or of all where none is that near.
 fn surroundings(environment: &Environment, peak: DVec3) -> Option<f64> {
-    let [inner, outer] = SURROUNDINGS_DEGREES.map(|degrees| degrees.to_radians().cos());
+    let begin = SURROUNDINGS_DEGREES.to_radians().max(2.0 * texel_width(environment.layout()));
+    let [inner, outer] = [begin, SURROUNDINGS_REACH * begin].map(|angle| angle.min(PI).cos());
     let peak = environment.source_from_world().transpose() * peak;
     let mut around = Vec::new();
     environment.for_each_texel(|direction, _, texel| {
@@ -107,6 +112,15 @@ fn surroundings(environment: &Environment, peak: DVec3) -> Option<f64> {
     }
     let middle = around.len() / 2;
     (!around.is_empty()).then(|| f64::from(*around.select_nth_unstable_by(middle, f32::total_cmp).1))
+}
+
+/// Angle across a texel, roughly.
+pub(crate) fn texel_width(layout: Layout) -> f64 {
+    match layout {
+        Layout::Panorama { height, .. } => PI / f64::from(height),
+        Layout::Cube { size } => PI / 2.0 / f64::from(size),
+        Layout::Octahedral { size } => PI / f64::from(size),
+    }
 }
 
 /// The texels of a layout by index, in the source's own space.
