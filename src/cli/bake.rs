@@ -145,7 +145,7 @@ impl Plan {
         }
         let told = |stored: Stored| {
             let mut warnings = opened.warnings.clone();
-            for warning in stored_warnings(&stored) {
+            for warning in stored_warnings(&stored, job.outputs.encoding) {
                 talk.warn(&format!("{}: {warning}", job.outputs.main.display()));
                 warnings.push(warning);
             }
@@ -271,7 +271,7 @@ fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-fn stored_warnings(stored: &Stored) -> Vec<String> {
+fn stored_warnings(stored: &Stored, encoding: Encoding) -> Vec<String> {
     let mut warnings = Vec::new();
     if stored.clamped > 0 {
         warnings.push(format!(
@@ -279,9 +279,7 @@ fn stored_warnings(stored: &Stored) -> Vec<String> {
             stored.clamped
         ));
     }
-    // Half was asked for or left to us; float came of it.
-    let mixed = stored.floats > 0 && stored.floats < stored.pixels.len();
-    if mixed {
+    if stored.floats > 0 && encoding == Encoding::Exr(ExrPixel::Auto) {
         warnings.push(format!(
             "{} of {} levels are stored as float, having values above 65504",
             stored.floats,

@@ -29,7 +29,8 @@ struct Bench {
     sat_f32: Timing,
     /// A panorama of `size` columns into an octahedral map of `size` texels.
     oem: ByThreads,
-    /// A 512x256 panorama into 256^2, five Filament levels, adaptive:0.005, all threads.
+    /// A panorama into a cube of half its width (512x256 into 256^2 where `size` allows), Filament levels,
+    /// adaptive:0.005, all threads.
     bake: BakeTiming,
     ratios: Ratios,
 }
@@ -56,6 +57,8 @@ struct ByThreads {
 #[derive(Serialize)]
 struct BakeTiming {
     runs: u32,
+    source_width: u32,
+    cube_size: u32,
     whole: Timing,
     levels: Vec<Timing>,
 }
@@ -112,7 +115,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
         sat_hensley_radix_4,
         sat_f32,
         oem,
-        bake: time_bake(few)?,
+        bake: time_bake(size.min(512), few)?,
     };
     print(&(serde_json::to_string_pretty(&report).map_err(anyhow::Error::from)? + "\n"))
 }
@@ -158,10 +161,14 @@ fn time_oem(environment: &Environment, size: u32, runs: u32) -> Timing {
     time(runs, make)
 }
 
-fn time_bake(runs: u32) -> Outcome<BakeTiming> {
-    let environment = sky(512)?;
-    let settings =
-        BakeSettings { ladder: Ladder::Filament, filter: Filter::Adaptive(0.005), ..BakeSettings::default() };
+fn time_bake(source_width: u32, runs: u32) -> Outcome<BakeTiming> {
+    let environment = sky(source_width)?;
+    let settings = BakeSettings {
+        size: source_width / 2,
+        ladder: Ladder::Filament,
+        filter: Filter::Adaptive(0.005),
+        ..BakeSettings::default()
+    };
     let (mut whole, mut levels) = (Vec::new(), Vec::new());
     for _ in 0..runs {
         let start = Instant::now();
@@ -172,7 +179,13 @@ fn time_bake(runs: u32) -> Outcome<BakeTiming> {
             level.push(stats.seconds);
         }
     }
-    Ok(BakeTiming { runs, whole: timing(whole), levels: levels.into_iter().map(timing).collect() })
+    Ok(BakeTiming {
+        runs,
+        source_width,
+        cube_size: settings.size,
+        whole: timing(whole),
+        levels: levels.into_iter().map(timing).collect(),
+    })
 }
 
 /// A panorama of `width` columns: a sky with a sun, a ground, and some texture in both.

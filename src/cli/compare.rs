@@ -44,10 +44,11 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
     }
     on_threads(args.threads, || {
         let Some(bake) = read_bake(&args.bake)? else {
-            return usage(format!(
-                "{} is no bake: a .ktx2 file of octagloss bake or a folder of levels is needed",
-                args.bake.display()
-            ));
+            let path = args.bake.display();
+            return Err(anyhow!(
+                "{path}: no bake; a .ktx2 file of octagloss bake or a folder of levels is needed"
+            )
+            .into());
         };
         let comparison = match read_bake(&args.against)? {
             Some(reference) => against_bake(&args, &bake, &reference)?,
@@ -197,9 +198,8 @@ fn judge(levels: &[LevelErrors], limit: Option<f64>) -> Outcome {
 
 impl Comparison {
     fn text(&self) -> String {
-        let mut text = String::from(
-            "level   size  roughness   texels   relRMSE        L1     seam  reference's  worst texel\n",
-        );
+        let mut text =
+            String::from("level   size  roughness   texels   relRMSE        L1     seam  reference's seam\n");
         let ratio = |seam: Option<f64>| seam.map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.3}"));
         for errors in &self.levels {
             let worst = &errors.worst;
@@ -207,8 +207,8 @@ impl Comparison {
             let radiance = |rgb: [f64; 3]| rgb.map(|c| format!("{c:.4e}")).join(" ");
             writeln!(
                 text,
-                "{:>5}  {:>5}  {:>9.4}  {:>7}  {:>8.6}  {:>8.6}  {:>7}  {:>11}  {:.4} off at {} ({}, {}), \
-                 direction {x:.4} {y:.4} {z:.4}: {} for {}",
+                "{:>5}  {:>5}  {:>9.4}  {:>7}  {:>8.6}  {:>8.6}  {:>7}  {:>16}\n       worst: {:.4} off at \
+                 {} ({}, {}), direction {x:.4} {y:.4} {z:.4}: {} for {}",
                 errors.level,
                 errors.size,
                 errors.roughness,

@@ -145,7 +145,8 @@ pub(super) fn layout_name(layout: Layout) -> &'static str {
 
 /// The bake in `path`: a folder of levels, or a KTX2 file that tells its levels' roughness. `None` for other files.
 pub(super) fn read_bake(path: &Path) -> octagloss::Result<Option<CubeChain>> {
-    if path.is_dir() {
+    let metadata = fs::metadata(path).map_err(|error| octagloss::Error::io(path, error))?;
+    if metadata.is_dir() {
         return io::read_chain(path).map(Some);
     }
     // What else is wrong with a KTX2 file is told when its level 0 is read as an environment.

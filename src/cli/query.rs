@@ -82,9 +82,14 @@ fn read_directions(path: &Path) -> anyhow::Result<Vec<Asked>> {
     parse_directions(file).with_context(|| path.display().to_string())
 }
 
-fn parse_directions(from: impl Read) -> anyhow::Result<Vec<Asked>> {
-    let mut reader =
-        csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(from);
+fn parse_directions(mut from: impl Read) -> anyhow::Result<Vec<Asked>> {
+    let mut text = Vec::new();
+    from.read_to_end(&mut text)?;
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(&text[..]);
     let mut records = reader.records();
     let header = records.next().transpose()?.ok_or_else(|| anyhow!("empty; a line x,y,z must come first"))?;
     // A byte order mark is no part of the name.
@@ -95,7 +100,7 @@ fn parse_directions(from: impl Read) -> anyhow::Result<Vec<Asked>> {
     let mut asked = Vec::new();
     for record in records {
         let record = record?;
-        let line = record.position().map_or(0, csv::Position::line);
+        let line = record.position().map_or(0, |position| line_of(position, &text));
         if record.len() != 3 {
             bail!("line {line} has {} values; x,y,z are three", record.len());
         }
@@ -118,4 +123,11 @@ fn parse_directions(from: impl Read) -> anyhow::Result<Vec<Asked>> {
         });
     }
     Ok(asked)
+}
+
+/// The line a record stands on: its position is that of the empty lines before it.
+fn line_of(position: &csv::Position, text: &[u8]) -> u64 {
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let empty = rest.iter().take_while(|byte| b"\r\n".contains(byte)).filter(|byte| **byte == b'\n').count();
+    position.line() + empty as u64
 }

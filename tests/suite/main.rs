@@ -1,5 +1,6 @@
 //! The test suite: one binary, a module a concern.
 
+mod cli;
 mod fuzz;
 mod inputs;
 mod io_read;
