@@ -238,7 +238,7 @@ mod tests {
                 let sun = Sun::find(&sky(layout, place, 8.0)).expect("a sun");
                 let whole = std::f64::consts::TAU * (1.0 - 8_f64.to_radians().cos());
                 assert!(sun.direction.dot(place) > 0.9995, "{layout:?} {place}: {}", sun.direction);
-                assert!((sun.solid_angle / whole - 1.0).abs() < 0.1, "{layout:?} {place}: {sun:?}");
+                assert!((sun.solid_angle / whole - 1.0).abs() < 0.15, "{layout:?} {place}: {sun:?}");
                 assert!((sun.irradiance[1] / (1000.0 * sun.solid_angle) - 1.0).abs() < 1e-9, "{sun:?}");
             }
         }

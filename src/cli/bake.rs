@@ -5,10 +5,11 @@ use super::input::{self, Source};
 use super::output::{Encoding, Outputs, Stored};
 use super::talk::{self, Talk};
 use super::{Failure, Outcome, on_threads, print, usage};
+use anyhow::anyhow;
 use octagloss::Environment;
 use octagloss::bake::{BakeSettings, Filter, bake};
 use octagloss::io::exr_write::ExrPixel;
-use octagloss::io::output::Existing;
+use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::oracle::Oracle;
 use octagloss::report::{Circumstances, RepairReport};
@@ -106,9 +107,17 @@ impl Plan {
             other => Err(other),
         };
         // What cannot be written is told before anything is baked.
+        let fresh = self.folder.as_deref().filter(|folder| !folder.exists());
+        match (&self.folder, fresh) {
+            (Some(folder), None) if !folder.is_dir() => {
+                return Err(anyhow!("{}: is a file; several inputs need a folder", folder.display()).into());
+            }
+            (_, Some(fresh)) => output::check_folder(fresh, Existing::Keep)?,
+            _ => {}
+        }
         let mut ready = Vec::new();
         for job in &self.jobs {
-            match job.outputs.check() {
+            match job.outputs.check(fresh) {
                 Ok(()) => ready.push(job),
                 Err(error) => tell(error.into())?,
             }

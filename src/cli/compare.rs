@@ -187,7 +187,7 @@ fn lobe_named(name: &str) -> Option<Lobe> {
 fn judge(levels: &[LevelErrors], limit: Option<f64>) -> Outcome {
     let Some(limit) = limit else { return Ok(()) };
     // Not a number is no better than too great.
-    let bad = levels.iter().filter(|errors| !(errors.rel_rmse <= limit));
+    let bad = levels.iter().filter(|errors| errors.rel_rmse.is_nan() || errors.rel_rmse > limit);
     match bad.max_by(|a, b| a.rel_rmse.total_cmp(&b.rel_rmse)) {
         None => Ok(()),
         Some(errors) => {

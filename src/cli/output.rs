@@ -99,13 +99,11 @@ impl Outputs {
         std::iter::once(&self.main).chain(others.into_iter().flatten()).map(PathBuf::as_path)
     }
 
-    /// Fails where writing would before it begins.
-    pub(super) fn check(&self) -> Result<()> {
-        // A folder for many bakes that is yet to be made holds nothing to replace.
-        let parent = self.main.parent().filter(|parent| !parent.as_os_str().is_empty());
-        let fresh = parent.is_some_and(|parent| !parent.exists());
+    /// Fails where writing would before it begins. What is to stand in `fresh`, a folder that is yet to be made,
+    /// replaces nothing.
+    pub(super) fn check(&self, fresh: Option<&Path>) -> Result<()> {
         for place in self.places() {
-            if fresh && place.parent() == parent {
+            if fresh.is_some() && place.parent() == fresh {
                 continue;
             }
             let folder = (place == self.main && self.is_folder()) || Some(place) == self.bounds.as_deref();

@@ -59,9 +59,11 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
                     let [x, y, z] = &asked.typed;
                     let mut row = format!("{x},{y},{z},{r:?},{g:?},{b:?}");
                     if bound {
-                        // Zero bound where the answer is a look-up and nothing is left out.
-                        let bound = answers[0].bound.unwrap_or(0.0);
-                        write!(row, ",{bound:?}").expect("a string takes all");
+                        row.push(',');
+                        // A mirror is a look-up: it has no bound, and the field is empty.
+                        if let Some(bound) = answers[0].bound {
+                            write!(row, "{bound:?}").expect("a string takes all");
+                        }
                     }
                     row.push('\n');
                     row

@@ -177,11 +177,13 @@ fn failures_exit_with_1_and_write_nothing() {
     fs::write(folder.path().join("text.exr"), "not an image").expect("writable");
     fs::write(folder.path().join("d.csv"), "x,y,z\n0,1,0\n").expect("writable");
     let before = names(folder.path());
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
         (&["bake", "missing.exr"], "missing.exr"),
         (&["bake", "text.exr"], "text.exr"),
         (&["bake", "sky.exr", "-o", "no/such/place.ktx2"], "no/such"),
         (&["bake", "sky.exr", "--layout", "octahedral"], "sky.exr"),
+        (&["bake", "sky.exr", "missing.exr", "-o", "no/such"], "no/such"),
+        (&["bake", "sky.exr", "missing.exr", "-o", "d.csv"], "is a file"),
         (&["info", "missing.exr"], "missing.exr"),
         (&["query", "missing.exr", "--directions", "d.csv", "--roughness", "1"], "missing.exr"),
         (&["query", "sky.exr", "--directions", "e.csv", "--roughness", "1"], "e.csv"),
