@@ -16,12 +16,14 @@ pub(crate) const PEAK_LIMIT: usize = MEMORY_LIMIT as usize + (8 << 20);
 /// What one reading may take.
 pub(crate) const TIME_LIMIT: Duration = Duration::from_secs(2);
 
+/// Whether a reader takes the bytes without an error.
+type Read = Box<dyn Fn(&[u8]) -> bool>;
+
 /// One reader and the files it is tried on.
 pub(crate) struct Reader {
     pub(crate) name: &'static str,
     seeds: Vec<Vec<u8>>,
-    /// Whether it reads the bytes without an error.
-    read: Box<dyn Fn(&[u8]) -> bool>,
+    read: Read,
 }
 
 /// What became of a reader's inputs.
