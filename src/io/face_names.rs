@@ -23,10 +23,9 @@ fn named_face(path: &Path) -> Option<Face> {
         NAMES[face.index()].iter().any(|name| {
             let Some(before) = lower.strip_suffix(name) else { return false };
             let (before, name) = stem.split_at(before.len());
-            let starts_a_word = !before.ends_with(char::is_alphabetic)
+            !before.ends_with(char::is_alphabetic)
                 || name.starts_with(['+', '-'])
-                || before.ends_with(char::is_lowercase) && name.starts_with(char::is_uppercase);
-            starts_a_word
+                || before.ends_with(char::is_lowercase) && name.starts_with(char::is_uppercase)
         })
     })
 }

@@ -2,7 +2,7 @@
 //! at all. One codec a file.
 //!
 //! A file is read by its content, not by its name. Whatever it holds, reading it ends in a [`Loaded`] or in a one-line
-//! [`Error`]: decoders run contained (see [`contain`]), and no header is believed before its size is
+//! [`Error`]: a panic of a decoder is caught, and no header is believed before its size is
 //! checked against [`ReadOptions::memory_limit`].
 
 mod color;

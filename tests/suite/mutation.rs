@@ -16,12 +16,14 @@ pub(crate) const PEAK_LIMIT: usize = MEMORY_LIMIT as usize + (8 << 20);
 /// What one reading may take.
 pub(crate) const TIME_LIMIT: Duration = Duration::from_secs(2);
 
+/// Whether a reader takes the bytes without an error.
+type Read = Box<dyn Fn(&[u8]) -> bool>;
+
 /// One reader and the files it is tried on.
 pub(crate) struct Reader {
     pub(crate) name: &'static str,
     seeds: Vec<Vec<u8>>,
-    /// Whether it reads the bytes without an error.
-    read: Box<dyn Fn(&[u8]) -> bool>,
+    read: Read,
 }
 
 /// What became of a reader's inputs.
@@ -119,7 +121,31 @@ fn mutated(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
             }
         }
     }
+    // Checksums set right, or damage would not get past them.
+    if random.below(4) > 0 && bytes.starts_with(b"\x89PNG") {
+        mend_png_checksums(&mut bytes);
+    }
     bytes
+}
+
+/// Gives every whole chunk of a PNG the checksum of its content.
+fn mend_png_checksums(bytes: &mut [u8]) {
+    let crc32 = |bytes: &[u8]| {
+        !bytes.iter().fold(u32::MAX, |crc, byte| {
+            (0..8).fold(crc ^ u32::from(*byte), |crc, _| crc >> 1 ^ (0xedb8_8320 & (crc & 1).wrapping_neg()))
+        })
+    };
+    let mut at = 8;
+    while let Some(length) = bytes.get(at..at + 4) {
+        let length = u32::from_be_bytes([length[0], length[1], length[2], length[3]]) as usize;
+        let end = at + 8 + length;
+        if end + 4 > bytes.len() {
+            return;
+        }
+        let crc = crc32(&bytes[at + 4..end]);
+        bytes[end..end + 4].copy_from_slice(&crc.to_be_bytes());
+        at = end + 4;
+    }
 }
 
 /// Overwrites one, two, four or eight bytes, little or big end first.

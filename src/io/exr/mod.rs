@@ -50,9 +50,8 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
 
 fn exr_error(source: &Source<'_>, error: &ExrError) -> crate::Error {
     match error {
-        ExrError::NotSupported(what) if what.contains("deep") => {
-            source.error("deep data; flatten it to one sample a pixel")
-        }
+        ExrError::NotSupported(what) if what.contains("subsampling") => source
+            .error("it has subsampled channels (luminance-chroma), which cannot be read; convert it to RGB"),
         ExrError::NotSupported(what) => source.error(format!("OpenEXR feature not supported: {what}")),
         other => source.decoder_error("OpenEXR", other),
     }

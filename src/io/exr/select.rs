@@ -2,7 +2,6 @@
 
 use super::super::picture::Source;
 use crate::error::Result;
-use ::exr::math::Vec2;
 use ::exr::meta::header::Header;
 
 /// Channels to read, by their index in the header's list.
@@ -87,15 +86,6 @@ pub(super) fn select(source: &Source<'_>, headers: &[Header]) -> Result<Selectio
         )));
     }
     let chosen = candidates.remove(0);
-    let list = &headers[chosen.header].channels.list;
-    if let Some(channel) = list.iter().find(|channel| channel.sampling != Vec2(1, 1)) {
-        return Err(source.error(format!(
-            "channel {} is subsampled {}x{}, which cannot be read; convert it to RGB",
-            channel.name,
-            channel.sampling.x(),
-            channel.sampling.y()
-        )));
-    }
     Ok(Selection {
         header: chosen.header,
         channels: chosen.channels,
