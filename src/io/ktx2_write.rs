@@ -12,7 +12,8 @@ use ktx2::dfd::{Basic, Block};
 use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme};
 use std::path::Path;
 
-/// zstd's own default: level 19 takes thirty times as long and saves two per cent on half floats.
+/// zstd's own default. On half-float faces of a real panorama level 1 is three times as fast and leaves 14 % more
+/// bytes, level 19 takes sixty times as long and leaves 11 % fewer.
 const ZSTD_LEVEL: i32 = 3;
 
 /// The key that lists each level's roughness, comma-separated, the sharpest first.

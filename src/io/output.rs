@@ -37,8 +37,8 @@ pub fn write_file(
     // As `File::create` would have it: the umask decides.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let fail = |e| Error::io(path, system_error(e));
-    let mut file = builder.tempfile_in(folder_of(&place)?).map_err(fail)?;
+    let fail = |e| Error::io(path, e);
+    let mut file = builder.tempfile_in(folder_of(&place)?).map_err(|e| not_made(path, &e))?;
     let mut buffered = BufWriter::with_capacity(1 << 16, file.as_file_mut());
     write(&mut buffered).and_then(|()| buffered.flush()).map_err(fail)?;
     drop(buffered);
@@ -59,8 +59,11 @@ pub fn write_file(
 pub fn write_folder<T>(path: &Path, existing: Existing, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
     check_folder(path, existing)?;
     let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let fail = |e| Error::io(path, system_error(e));
-    let temporary = Builder::new().prefix(TEMPORARY_PREFIX).tempdir_in(folder_of(&place)?).map_err(fail)?;
+    let fail = |e| Error::io(path, e);
+    let temporary = Builder::new()
+        .prefix(TEMPORARY_PREFIX)
+        .tempdir_in(folder_of(&place)?)
+        .map_err(|e| not_made(path, &e))?;
     let new = temporary.path().join("new");
     fs::create_dir(&new).map_err(fail)?;
     let value = write(&new).map_err(|e| with_final_path(e, &new, path))?;
@@ -175,14 +178,9 @@ fn refused(path: &Path, message: &str) -> Error {
     Error::io(path, io::Error::new(io::ErrorKind::AlreadyExists, message))
 }
 
-/// What the system said, without the temporary name that `tempfile` adds.
-fn system_error(error: io::Error) -> io::Error {
-    error
-        .get_ref()
-        .and_then(|wrapped| wrapped.source())
-        .and_then(|source| source.downcast_ref::<io::Error>())
-        .and_then(io::Error::raw_os_error)
-        .map_or(error, io::Error::from_raw_os_error)
+/// A temporary that could not be made: the kind alone, because `tempfile` puts the temporary name into its message.
+fn not_made(path: &Path, error: &io::Error) -> Error {
+    Error::io(path, error.kind().into())
 }
 
 /// `error` with its path moved from the temporary folder to the final one.
