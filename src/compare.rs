@@ -155,8 +155,8 @@ fn footprint_mean(
         return radiance(direction(level.size, at));
     }
     let extent = fade * fade * (3.0 - 2.0 * fade);
-    // Points at most a sixth of a lobe apart, weighted by the solid angle they stand for.
-    let count = (6.0 * share).ceil().clamp(4.0, 64.0) as u32;
+    // Points at most a quarter of a lobe apart, weighted by the solid angle they stand for.
+    let count = (4.0 * share).ceil().clamp(4.0, 64.0) as u32;
     let coordinate = |texel: u32, k: u32| {
         let offset = ((f64::from(k) + 0.5) / f64::from(count) - 0.5) * extent;
         (f64::from(texel) + 0.5 + offset) * 2.0 / f64::from(level.size) - 1.0
