@@ -120,7 +120,7 @@ impl<'a> Reflector<'a> {
 
     /// The OEM's cells.
     pub fn cells(&self) -> &Cells {
-        self.cells.get_or_init(|| Cells::new(&self.oem, self.block))
+        self.cells.get_or_init(|| Cells::new(&self.oem, self.block, crate::cpu::tent::Reconstruction::Constant))
     }
 
     fn oracle(&self) -> &Oracle<'a> {

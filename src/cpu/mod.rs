@@ -8,7 +8,7 @@ pub mod adaptive;
 pub mod cells;
 pub mod kernel;
 mod subtexel;
-mod tent;
+pub mod tent;
 pub(crate) mod bake_level;
 pub mod box_filter;
 pub mod mirror;
