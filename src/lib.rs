@@ -6,6 +6,7 @@ pub mod environment;
 pub mod error;
 pub mod lobe;
 pub mod oem;
+pub mod oracle;
 pub mod reflector;
 pub mod sh;
 pub mod sphere;

@@ -1,1 +1,72 @@
 //! Spherical harmonics of an environment.
+//!
+//! Real, orthonormal, without the Condon-Shortley phase, in the world's own axes (x, y up, z), in the order
+//! L0; L1 by y, z, x; L2 by xy, yz, 3z^2 - 1, zx, x^2 - y^2, which is m = -l..l of the usual formulas. Coefficients
+//! are of radiance: c_k is the integral of L * Y_k over the sphere, and L(d) is about the sum of c_k Y_k(d).
+
+use crate::environment::Environment;
+use crate::oracle::SourceTexels;
+use glam::{DMat3, DVec3};
+use std::f64::consts::PI;
+
+/// The nine basis functions at `direction` (unit length).
+#[must_use]
+pub fn basis(direction: DVec3) -> [f64; 9] {
+    let d = direction;
+    let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
+    from_moments(1.0, d, outer)
+}
+
+/// Coefficients of `environment`'s radiance up to L2, red, green and blue.
+///
+/// The basis functions are polynomials of the direction, so the exact integrals of 1, l and l l^T over each texel are
+/// all that it takes.
+#[must_use]
+pub fn spherical_harmonics(environment: &Environment) -> [[f64; 3]; 9] {
+    let texels = SourceTexels::new(environment.layout());
+    let world_from_source = environment.source_from_world().transpose();
+    let mut coefficients = [[0.0; 3]; 9];
+    for channel in 0..3 {
+        // Moments of the radiance, gathered in each frame's own space and then turned.
+        let frame_count = texels.frames().len();
+        let mut area = 0.0;
+        let mut first = vec![DVec3::ZERO; frame_count];
+        let mut second = vec![DMat3::ZERO; frame_count];
+        texels.for_each(|index, block, frame| {
+            let texel = &texels.blocks()[block];
+            let energy = f64::from(environment.texels()[index][channel]) * texel.solid_angle;
+            area += energy;
+            first[frame] += texel.mean * energy;
+            second[frame] += texel.second_moment() * energy;
+        });
+        let mut world_first = DVec3::ZERO;
+        let mut world_second = DMat3::ZERO;
+        for ((frame, first), second) in texels.frames().iter().zip(first).zip(second) {
+            let world_from_block = world_from_source * frame.transpose();
+            world_first += world_from_block * first;
+            world_second += world_from_block * second * world_from_block.transpose();
+        }
+        for (coefficient, value) in coefficients.iter_mut().zip(from_moments(area, world_first, world_second))
+        {
+            coefficient[channel] = value;
+        }
+    }
+    coefficients
+}
+
+/// The integrals of the nine basis functions, from those of 1, l and l l^T.
+fn from_moments(area: f64, first: DVec3, second: DMat3) -> [f64; 9] {
+    let linear = (3.0 / (4.0 * PI)).sqrt();
+    let quadratic = (15.0 / (4.0 * PI)).sqrt();
+    [
+        area / (4.0 * PI).sqrt(),
+        linear * first.y,
+        linear * first.z,
+        linear * first.x,
+        quadratic * second.y_axis.x,
+        quadratic * second.z_axis.y,
+        (5.0 / (16.0 * PI)).sqrt() * (3.0 * second.z_axis.z - area),
+        quadratic * second.x_axis.z,
+        quadratic / 2.0 * (second.x_axis.x - second.y_axis.y),
+    ]
+}
