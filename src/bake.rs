@@ -1,10 +1,15 @@
 //! Lobes to cube chains: the levels and roughnesses of a bake, and the bake itself.
 
 use crate::chain::{CubeChain, CubeLevel};
-use crate::environment::Environment;
-use crate::error::Result;
+use crate::cpu::{bake_level, box_filter};
+use crate::environment::{Environment, Layout};
+use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
+use crate::reflector::{Reflector, ReflectorSettings, default_oem_size};
+use crate::sh;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 /// How a level's roughness follows from its index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,6 +71,57 @@ impl Default for BakeSettings {
     }
 }
 
+/// A level to be baked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rung {
+    /// Texels along an edge.
+    pub size: u32,
+    /// Perceptual roughness in [0, 1].
+    pub roughness: f64,
+}
+
+impl BakeSettings {
+    /// Size and roughness of every level.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for no size, no levels, or more levels than reach a size of 1.
+    pub fn rungs(&self) -> Result<Vec<Rung>> {
+        if self.size == 0 {
+            return Err(Error::Parameter("--size must be at least 1".to_owned()));
+        }
+        let most = self.size.ilog2() + 1;
+        let own = match self.ladder {
+            Ladder::Linear => most,
+            // Down to 16: 256 has five.
+            Ladder::Filament => most.saturating_sub(4).max(1),
+        };
+        let levels = match self.lobe {
+            // Irradiance knows no roughness.
+            Lobe::Cosine => self.levels.unwrap_or(1),
+            _ => self.levels.unwrap_or(own),
+        };
+        if levels == 0 {
+            return Err(Error::Parameter("--levels must be at least 1".to_owned()));
+        }
+        if levels > most {
+            return Err(Error::Parameter(format!(
+                "--levels {levels} is more than reach a size of 1 from --size {}; at most {most}",
+                self.size
+            )));
+        }
+        let roughness = |level: u32| {
+            let step = if levels == 1 { 0.0 } else { f64::from(level) / f64::from(levels - 1) };
+            match self.ladder {
+                Ladder::Linear => step,
+                Ladder::Filament => 1.0 - (1.0 - step).sqrt(),
+            }
+        };
+        Ok((0..levels)
+            .map(|level| Rung { size: (self.size >> level).max(1), roughness: roughness(level) })
+            .collect())
+    }
+}
+
 /// Figures of one baked level.
 #[derive(Clone, Debug)]
 pub struct LevelStats {
@@ -114,11 +170,97 @@ pub struct Progress {
 /// Bakes `environment`; calls `progress` now and then, from any thread.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for settings that make no sense together.
+/// [`Error::Parameter`] for settings that make no sense together, [`Error::Limit`] where a table would not fit.
 pub fn bake(
-    _environment: &Environment,
-    _settings: &BakeSettings,
-    _progress: &(dyn Fn(Progress) + Sync),
+    environment: &Environment,
+    settings: &BakeSettings,
+    progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Bake> {
-    Err(crate::Error::Parameter("the bake is under construction".to_owned()))
+    let rungs = settings.rungs()?;
+    if settings.irradiance == Some(0) {
+        return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
+    }
+    let texels = |size: u32| 6 * u64::from(size) * u64::from(size);
+    let total =
+        rungs.iter().map(|rung| texels(rung.size)).sum::<u64>() + settings.irradiance.map_or(0, texels);
+    let done = AtomicU64::new(0);
+    let advance = |level: usize, texels: u64| {
+        let done = done.fetch_add(texels, Ordering::Relaxed) + texels;
+        progress(Progress { level: level as u32, done, total });
+    };
+
+    let reflector = Reflector::new(environment, &reflector_settings(environment, settings, &rungs))?;
+    let mut warnings = Vec::new();
+    let fitting = default_oem_size(environment.layout(), 0);
+    let full = match environment.layout() {
+        Layout::Panorama { width, .. } => width,
+        Layout::Cube { size } => 2 * size,
+        Layout::Octahedral { size } => size,
+    };
+    let inner = reflector.oem().size().inner;
+    if inner < full {
+        warnings.push(format!(
+            "the OEM of {inner} texels is coarser than the source, which would fill {full} (at most {fitting} by default)"
+        ));
+    }
+
+    let mut chain = CubeChain { levels: Vec::with_capacity(rungs.len()) };
+    let mut stats = Vec::with_capacity(rungs.len());
+    for (index, &rung) in rungs.iter().enumerate() {
+        let start = Instant::now();
+        let baked = bake_level::bake_level(&reflector, rung, settings.lobe, settings.filter, &|n| advance(index, n))?;
+        let bounds = baked.bounds.as_deref();
+        stats.push(LevelStats {
+            seconds: start.elapsed().as_secs_f64(),
+            leaves_per_texel: baked.leaves_per_texel,
+            error_bound_max: bounds.map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),
+            error_bound_mean: bounds.map(|b| b.iter().map(|v| f64::from(*v)).sum::<f64>() / b.len() as f64),
+        });
+        chain.levels.push(CubeLevel {
+            size: rung.size,
+            roughness: rung.roughness,
+            texels: baked.texels,
+            bounds: baked.bounds.filter(|_| settings.bounds),
+        });
+    }
+    let irradiance = settings
+        .irradiance
+        .map(|size| {
+            let rung = Rung { size, roughness: 1.0 };
+            let baked =
+                bake_level::bake_level(&reflector, rung, Lobe::Cosine, settings.filter, &|n| advance(rungs.len(), n))?;
+            Ok::<_, Error>(CubeLevel { size, roughness: 1.0, texels: baked.texels, bounds: None })
+        })
+        .transpose()?;
+
+    let mut source_energy = [0.0; 3];
+    environment.for_each_texel(|_, solid_angle, radiance| {
+        for (sum, value) in source_energy.iter_mut().zip(radiance) {
+            *sum += solid_angle * f64::from(value);
+        }
+    });
+    let totals = reflector.oem().totals();
+    Ok(Bake {
+        chain,
+        stats,
+        irradiance,
+        sh: sh::spherical_harmonics(environment),
+        oem: reflector.oem().size(),
+        source_energy,
+        oem_energy: [totals[0], totals[1], totals[2]],
+        warnings,
+    })
+}
+
+/// What the reflector of a bake must serve.
+fn reflector_settings(environment: &Environment, settings: &BakeSettings, rungs: &[Rung]) -> ReflectorSettings {
+    let sharpest = rungs.iter().map(|rung| rung.roughness).filter(|r| *r > 0.0).fold(1.0, f64::min);
+    let border = settings.border.or_else(|| {
+        // The safety border: plain four-corner reads for the widest box of the ladder.
+        let roughest = rungs.iter().map(|rung| rung.roughness).fold(0.0, f64::max);
+        let inner = settings.oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0));
+        (settings.filter == Filter::Box)
+            .then(|| box_filter::widest_half_extent(settings.lobe, roughest * roughest, inner))
+    });
+    ReflectorSettings { oem_size: settings.oem_size, border, sharpest }
 }

@@ -2,12 +2,15 @@
 
 pub mod bake;
 pub mod chain;
+pub mod cpu;
 pub mod environment;
 pub mod error;
 pub mod lobe;
 pub mod oem;
 pub mod oracle;
 pub mod reflector;
+pub mod sat;
+pub mod sat_f32;
 pub mod sh;
 pub mod sphere;
 

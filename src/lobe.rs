@@ -91,6 +91,26 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
     }
 }
 
+/// Angle across the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX.
+#[must_use]
+pub fn full_width_at_half_maximum(lobe: Lobe, alpha: f64) -> f64 {
+    if alpha <= 0.0 && lobe != Lobe::Cosine {
+        return 0.0;
+    }
+    let half = kernel(lobe, alpha, 0.0) / 2.0;
+    // Bisection of a decreasing function in theta, from the horizon down.
+    let (mut low, mut high) = (0.0_f64, PI / 2.0);
+    for _ in 0..60 {
+        let theta = (low + high) / 2.0;
+        if kernel(lobe, alpha, (theta / 2.0).sin().powi(2)) > half {
+            low = theta;
+        } else {
+            high = theta;
+        }
+    }
+    2.0 * low
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

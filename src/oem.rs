@@ -69,16 +69,21 @@ impl Oem {
         self.texels[(y + self.size.border) as usize * side + (x + self.size.border) as usize]
     }
 
+    /// Row `y` of the square, without its border.
+    #[must_use]
+    pub fn row(&self, y: u32) -> &[[f32; 4]] {
+        let start =
+            (y + self.size.border) as usize * self.size.bordered() as usize + self.size.border as usize;
+        &self.texels[start..start + self.size.inner as usize]
+    }
+
     /// Total energy (red, green, blue) and solid angle of the square, summed in double precision.
     #[must_use]
     pub fn totals(&self) -> [f64; 4] {
-        let n = self.size.inner;
         let mut totals = [0.0; 4];
-        for y in 0..n {
-            for x in 0..n {
-                for (total, value) in totals.iter_mut().zip(self.texel(x, y)) {
-                    *total += f64::from(value);
-                }
+        for texel in (0..self.size.inner).flat_map(|y| self.row(y)) {
+            for (total, value) in totals.iter_mut().zip(texel) {
+                *total += f64::from(*value);
             }
         }
         totals

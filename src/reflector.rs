@@ -1,16 +1,58 @@
 //! Point queries: an environment made ready once, then asked for any direction and roughness.
 
 use crate::bake::Filter;
-use crate::environment::{Environment, Rgb};
-use crate::error::Result;
+use crate::cpu::adaptive::{Adaptive, LANES, Packet, Scratch};
+use crate::cpu::box_filter::BoxFilter;
+use crate::cpu::cells::Cells;
+use crate::cpu::kernel::Kernel;
+use crate::cpu::{mirror, reparameterise};
+use crate::environment::{Environment, Layout, Rgb};
+use crate::error::{Error, Result};
 use crate::lobe::Lobe;
-use crate::oem::OemSize;
-use glam::DVec3;
+use crate::oem::{Oem, OemSize};
+use crate::oracle::Oracle;
+use crate::sat::{Sat, Scan};
+use glam::{DMat3, DVec3};
+use std::sync::OnceLock;
 
-/// An environment's OEM and tables, ready to answer.
+/// Lobes of a smaller alpha than this are served as mirrors: their tails hold less than 1e-10 of any energy.
+const MIRROR_ALPHA: f64 = 1e-9;
+
+/// How a reflector is laid out. `Default` serves every query.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReflectorSettings {
+    /// Texels along an edge of the OEM without its border; `None` for [`default_oem_size`].
+    pub oem_size: Option<u32>,
+    /// Border of the OEM in texels; `None` for none.
+    pub border: Option<u32>,
+    /// The least roughness above 0 that will be asked of [`Filter::Adaptive`]: cells much finer than its lobe are
+    /// not kept.
+    pub sharpest: f64,
+}
+
+/// The OEM's default size: a panorama's width, twice a cube's face, an octahedral square's own edge, rounded up to a
+/// multiple of 64, at most 4096 with its border.
+#[must_use]
+pub fn default_oem_size(layout: Layout, border: u32) -> u32 {
+    let own = match layout {
+        Layout::Panorama { width, .. } => width,
+        Layout::Cube { size } => size.saturating_mul(2),
+        Layout::Octahedral { size } => size,
+    };
+    let most = 4096_u32.saturating_sub(border.saturating_mul(2)).max(64);
+    own.min(most).next_multiple_of(64).min(most)
+}
+
+/// An environment's OEM and tables, ready to answer. Tables are built when first asked for.
 #[derive(Debug)]
-pub struct Reflector {
-    size: OemSize,
+pub struct Reflector<'a> {
+    environment: &'a Environment,
+    oem: Oem,
+    /// Texels along an edge of the finest cells.
+    block: u32,
+    cells: OnceLock<Cells>,
+    sat: OnceLock<Sat>,
+    oracle: OnceLock<Oracle<'a>>,
 }
 
 /// The answer to a query.
@@ -23,24 +65,158 @@ pub struct Answer {
     pub bound: Option<f32>,
 }
 
-impl Reflector {
-    /// Makes `environment` ready. `oem_size` and `border`: `None` for the defaults.
+impl<'a> Reflector<'a> {
+    /// Makes `environment` ready.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where the table would not fit.
-    pub fn new(_environment: &Environment, _oem_size: Option<u32>, _border: Option<u32>) -> Result<Self> {
-        Err(crate::Error::Parameter("the reflector is under construction".to_owned()))
+    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
+    pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
+        let border = settings.border.unwrap_or(0);
+        let inner = settings.oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), border));
+        if inner == 0 {
+            return Err(Error::Parameter("an OEM of 0 texels: --oem-size must be at least 1".to_owned()));
+        }
+        // Indices are 32 bits wide, and a table entry takes 32 bytes.
+        let side = u64::from(inner) + 2 * u64::from(border);
+        if side > 16384 {
+            return Err(Error::Limit {
+                what: format!("an OEM of {inner} texels with a border of {border}"),
+                needed: side * side * 48,
+                available: 16384 * 16384 * 48,
+                remedy: "choose --oem-size and --border to make at most 16384".to_owned(),
+            });
+        }
+        let oem = reparameterise::oem_from_environment(environment, OemSize { inner, border })?;
+        // Cells of an eighth of the sharpest lobe's alpha: a texel is at least 2/n wide.
+        let alpha = settings.sharpest * settings.sharpest;
+        let finest = alpha / 8.0 * f64::from(inner) / 2.0;
+        let block = if finest >= 2.0 { 1 << (finest.log2() as u32).min(6) } else { 1 };
+        Ok(Self {
+            environment,
+            oem,
+            block,
+            cells: OnceLock::new(),
+            sat: OnceLock::new(),
+            oracle: OnceLock::new(),
+        })
     }
 
-    /// The OEM's size.
+    /// The environment.
     #[must_use]
-    pub const fn oem_size(&self) -> OemSize {
-        self.size
+    pub const fn environment(&self) -> &'a Environment {
+        self.environment
+    }
+
+    /// The OEM, in the source's own space.
+    #[must_use]
+    pub const fn oem(&self) -> &Oem {
+        &self.oem
+    }
+
+    /// The OEM's exact table.
+    pub fn sat(&self) -> &Sat {
+        self.sat.get_or_init(|| Sat::new(&self.oem, Scan::default()))
+    }
+
+    /// The OEM's cells.
+    pub fn cells(&self) -> &Cells {
+        self.cells.get_or_init(|| Cells::new(&self.oem, self.block))
+    }
+
+    fn oracle(&self) -> &Oracle<'a> {
+        self.oracle.get_or_init(|| Oracle::new(self.environment))
+    }
+
+    /// Lobes of one family and roughness by one filter.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a roughness outside [0, 1] or an adaptive error outside (0, 1).
+    pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_, 'a>> {
+        if !(0.0..=1.0).contains(&roughness) {
+            return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
+        }
+        if let Filter::Adaptive(error) = filter
+            && !(error > 0.0 && error < 1.0)
+        {
+            return Err(Error::Parameter(format!("adaptive:{error} is outside (0, 1)")));
+        }
+        let alpha = roughness * roughness;
+        let mirror = lobe != Lobe::Cosine && alpha < MIRROR_ALPHA;
+        let method = match filter {
+            Filter::Reference => Method::Reference(self.oracle(), lobe, roughness),
+            Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),
+            Filter::Adaptive(_) if mirror => Method::Mirror(&self.oem),
+            Filter::Adaptive(error) => Method::Adaptive(Adaptive::new(self.cells(), Kernel::new(lobe, alpha), error)),
+        };
+        Ok(Lobes { source_from_world: self.environment.source_from_world(), method })
     }
 
     /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (of the world, any length but zero).
-    #[must_use]
-    pub fn query(&self, _direction: DVec3, _roughness: f64, _lobe: Lobe, _filter: Filter) -> Answer {
-        Answer { radiance: [0.0; 3], bound: None }
+    ///
+    /// # Errors
+    /// Those of [`Reflector::lobes`].
+    pub fn query(&self, direction: DVec3, roughness: f64, lobe: Lobe, filter: Filter) -> Result<Answer> {
+        let mut answers = Vec::with_capacity(1);
+        self.lobes(lobe, roughness, filter)?.evaluate(&[direction.normalize()], &mut Workspace::default(), &mut answers);
+        Ok(answers[0])
+    }
+}
+
+#[derive(Debug)]
+enum Method<'r, 'e> {
+    Adaptive(Adaptive<'r>),
+    Box(BoxFilter<'r>),
+    Mirror(&'r Oem),
+    Reference(&'r Oracle<'e>, Lobe, f64),
+}
+
+/// Lobes of one family, roughness and filter over a reflector.
+#[derive(Debug)]
+pub struct Lobes<'r, 'e> {
+    source_from_world: DMat3,
+    method: Method<'r, 'e>,
+}
+
+/// Buffers of evaluations, one a thread.
+#[derive(Debug, Default)]
+pub struct Workspace {
+    scratch: Scratch,
+    /// Leaves of the quadrature so far, each counted once a packet of directions.
+    pub leaves: u64,
+    /// Packets so far.
+    pub packets: u64,
+}
+
+impl Lobes<'_, '_> {
+    /// Appends the answer for each of `directions` (unit vectors of the world). Directions near one another go
+    /// together, up to [`LANES`] share one walk.
+    pub fn evaluate(&self, directions: &[DVec3], workspace: &mut Workspace, answers: &mut Vec<Answer>) {
+        let source_from_world = self.source_from_world;
+        let unbounded = |radiance: Rgb| Answer { radiance, bound: None };
+        match &self.method {
+            Method::Adaptive(adaptive) => {
+                let mut turned = [DVec3::ZERO; LANES];
+                for group in directions.chunks(LANES) {
+                    for (turned, direction) in turned.iter_mut().zip(group) {
+                        *turned = source_from_world * *direction;
+                    }
+                    let packet = Packet::new(&turned[..group.len()]);
+                    let shares = adaptive.evaluate(&packet, &mut workspace.scratch);
+                    workspace.leaves += shares.leaves as u64;
+                    workspace.packets += 1;
+                    answers.extend(
+                        (0..group.len())
+                            .map(|k| Answer { radiance: shares.radiance[k], bound: Some(shares.bound[k]) }),
+                    );
+                }
+            }
+            Method::Box(filter) => answers
+                .extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d)))),
+            Method::Mirror(oem) => answers
+                .extend(directions.iter().map(|d| unbounded(mirror::radiance(oem, source_from_world * *d)))),
+            Method::Reference(oracle, lobe, roughness) => answers.extend(
+                directions.iter().map(|d| unbounded(oracle.reflect(*lobe, *roughness, *d).map(|c| c as f32))),
+            ),
+        }
     }
 }

@@ -1,0 +1,154 @@
+//! One level of a bake: every texel of six faces, tiles of neighbours sharing their walks.
+
+use super::reparameterise::footprints_from_environment;
+use crate::bake::{Filter, Rung};
+use crate::environment::Rgb;
+use crate::error::Result;
+use crate::lobe::{self, Lobe};
+use crate::reflector::{Answer, Reflector, Workspace};
+use crate::sphere::cube::{Face, direction_from_cube, texel_solid_angle};
+use rayon::prelude::*;
+
+/// Texels along an edge of a tile: sixteen directions, one packet.
+const TILE: u32 = 4;
+
+/// A texel's footprint joins the lobe from this share of the lobe's full width at half maximum on,
+const FOOTPRINT_FROM: f64 = 1.0 / 3.0;
+/// and is whole from this share on.
+const FOOTPRINT_WHOLE: f64 = 1.0 / 2.0;
+
+/// A baked level.
+pub(crate) struct BakedLevel {
+    pub(crate) texels: Vec<Rgb>,
+    pub(crate) bounds: Option<Vec<f32>>,
+    pub(crate) leaves_per_texel: Option<f64>,
+}
+
+/// Bakes `lobe` into `rung`; `advance` is told of texels done, from any thread.
+pub(crate) fn bake_level(
+    reflector: &Reflector<'_>,
+    rung: Rung,
+    lobe: Lobe,
+    filter: Filter,
+    advance: &(dyn Fn(u64) + Sync),
+) -> Result<BakedLevel> {
+    let size = rung.size;
+    if rung.roughness == 0.0 && lobe != Lobe::Cosine {
+        // A mirror shows what each texel covers.
+        let texels = footprints_from_environment(reflector.environment(), size)?;
+        advance(texels.len() as u64);
+        return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
+    }
+    let lobes = reflector.lobes(lobe, rung.roughness, filter)?;
+    let footprint = Footprint::new(reflector.oem().size().inner, rung, lobe);
+    // Tiles across; their texels times their subdivisions make full packets.
+    let tile = (TILE / footprint.divisions).max(1);
+    let tiles = size.div_ceil(tile);
+
+    let rows: Vec<(Vec<Answer>, Workspace)> = (0..6 * tiles)
+        .into_par_iter()
+        .map_init(
+            || (Vec::new(), Vec::new()),
+            |(directions, answers), row| {
+                let (face, top) = (Face::ALL[(row / tiles) as usize], row % tiles * tile);
+                let bottom = (top + tile).min(size);
+                let width = size as usize;
+                let mut line =
+                    vec![Answer { radiance: [0.0; 3], bound: None }; width * (bottom - top) as usize];
+                let mut workspace = Workspace::default();
+                for left in (0..size).step_by(tile as usize) {
+                    let right = (left + tile).min(size);
+                    directions.clear();
+                    answers.clear();
+                    for (i, j) in (top..bottom).flat_map(|j| (left..right).map(move |i| (i, j))) {
+                        footprint.for_each_direction(i, j, |s, t| directions.push(direction_from_cube(face, s, t)));
+                    }
+                    lobes.evaluate(directions, &mut workspace, answers);
+                    let mut samples = answers.chunks_exact(footprint.samples());
+                    for (i, j) in (top..bottom).flat_map(|j| (left..right).map(move |i| (i, j))) {
+                        let samples = samples.next().expect("one group a texel");
+                        line[(j - top) as usize * width + i as usize] = mean(samples);
+                    }
+                }
+                advance(line.len() as u64);
+                (line, workspace)
+            },
+        )
+        .collect();
+
+    let texels: Vec<Rgb> = rows.iter().flat_map(|(line, _)| line.iter().map(|answer| answer.radiance)).collect();
+    let bounds = rows.iter().flat_map(|(line, _)| line.iter().map(|answer| answer.bound)).collect();
+    let leaves: u64 = rows.iter().map(|(_, workspace)| workspace.leaves).sum();
+    let packets: u64 = rows.iter().map(|(_, workspace)| workspace.packets).sum();
+    // Every direction of a packet sums all its leaves.
+    let per_texel = leaves as f64 / packets as f64 * footprint.samples() as f64;
+    let leaves_per_texel = (packets > 0).then_some(per_texel);
+    Ok(BakedLevel { texels, bounds, leaves_per_texel })
+}
+
+/// Mean of a texel's samples; bounds average like the values they belong to.
+fn mean(samples: &[Answer]) -> Answer {
+    if let [only] = samples {
+        return *only;
+    }
+    let share = 1.0 / samples.len() as f32;
+    let mut sum = [0.0; 3];
+    for sample in samples {
+        for (sum, value) in sum.iter_mut().zip(sample.radiance) {
+            *sum += value * share;
+        }
+    }
+    let bound = samples.iter().map(|sample| sample.bound).sum::<Option<f32>>().map(|bound| bound * share);
+    Answer { radiance: sum, bound }
+}
+
+/// How much of a texel's own extent its lobe is averaged over.
+struct Footprint {
+    size: u32,
+    /// Full width at half maximum of what is served: the lobe, smoothed by an OEM texel.
+    width: f64,
+    /// Directions along an edge of a texel.
+    divisions: u32,
+}
+
+impl Footprint {
+    fn new(oem: u32, rung: Rung, lobe: Lobe) -> Self {
+        let alpha = rung.roughness * rung.roughness;
+        // An OEM texel is nowhere narrower than 2/n.
+        let width = lobe::full_width_at_half_maximum(lobe, alpha).max(2.0 / f64::from(oem));
+        let widest = texel_solid_angle(rung.size, rung.size / 2, rung.size / 2).sqrt();
+        let share = widest / width;
+        let divisions = if share <= FOOTPRINT_FROM {
+            1
+        } else {
+            // Samples at most half a lobe apart.
+            ((2.0 * share).ceil() as u32).next_power_of_two().clamp(2, 64)
+        };
+        Self { size: rung.size, width, divisions }
+    }
+
+    const fn samples(&self) -> usize {
+        (self.divisions * self.divisions) as usize
+    }
+
+    /// Calls `visit` with s, t of every direction of texel (`i`, `j`).
+    fn for_each_direction(&self, i: u32, j: u32, mut visit: impl FnMut(f64, f64)) {
+        let scale = 2.0 / f64::from(self.size);
+        let place = |k: u32, offset: f64| (f64::from(k) + 0.5 + offset) * scale - 1.0;
+        if self.divisions == 1 {
+            return visit(place(i, 0.0), place(j, 0.0));
+        }
+        let share = texel_solid_angle(self.size, i, j).sqrt() / self.width;
+        let fade = ((share - FOOTPRINT_FROM) / (FOOTPRINT_WHOLE - FOOTPRINT_FROM)).clamp(0.0, 1.0);
+        let extent = fade * fade * (3.0 - 2.0 * fade);
+        let count = f64::from(self.divisions);
+        // Midpoints, drawn apart to have the variance of the whole texel.
+        let spacing = extent / (count * count - 1.0).sqrt();
+        let offset = |k: u32| (f64::from(k) - (count - 1.0) / 2.0) * spacing;
+        for b in 0..self.divisions {
+            for a in 0..self.divisions {
+                visit(place(i, offset(a)), place(j, offset(b)));
+            }
+        }
+    }
+}

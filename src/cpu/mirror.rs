@@ -1,0 +1,36 @@
+//! Roughness 0: the OEM's energy, bilinear between texel centres.
+
+use crate::environment::Rgb;
+use crate::oem::Oem;
+use crate::sphere::octahedral::{oct_from_direction, solid_angle_density, wrap_texel};
+use glam::DVec3;
+
+/// Radiance seen along `direction` (unit, of the OEM's space): the limit of lobes as roughness goes to 0.
+///
+/// c + sum over the four nearest texels of their share times (E - c w) over the solid angle of a texel's area here,
+/// c the least of their radiances: a constant stays one, and energies stay what they are.
+#[must_use]
+pub fn radiance(oem: &Oem, direction: DVec3) -> Rgb {
+    let n = oem.size().inner;
+    let uv = oct_from_direction(direction);
+    let scale = f64::from(n) / 2.0;
+    let at = (uv + 1.0) * scale - 0.5;
+    let low = at.floor();
+    let share = at - low;
+    let texel = |dx: i64, dy: i64| {
+        let (x, y) = wrap_texel(n, low.x as i64 + dx, low.y as i64 + dy);
+        oem.texel(x, y).map(f64::from)
+    };
+    let corners = [
+        (texel(0, 0), (1.0 - share.x) * (1.0 - share.y)),
+        (texel(1, 0), share.x * (1.0 - share.y)),
+        (texel(0, 1), (1.0 - share.x) * share.y),
+        (texel(1, 1), share.x * share.y),
+    ];
+    let solid_angle = solid_angle_density(uv) / (scale * scale);
+    std::array::from_fn(|c| {
+        let least = corners.iter().map(|(texel, _)| texel[c] / texel[3]).fold(f64::INFINITY, f64::min);
+        let above: f64 = corners.iter().map(|(texel, share)| share * (texel[c] - least * texel[3])).sum();
+        (least + above / solid_angle) as f32
+    })
+}

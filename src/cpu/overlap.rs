@@ -1,0 +1,140 @@
+//! Which share of which source texel falls into which target texel: a sparse matrix of solid angles.
+//!
+//! Source and target are cut into the eight octants of the sphere, each mirrored to x, y, z >= 0. On an octant's plane
+//! x + y + z = 1 great circles are straight lines, so the texels of cubes and octahedra are polygons there, and so are
+//! a panorama's once its parallels (conics) are chorded. [`grid`] walks such a polygon over the target's grid.
+//!
+//! Where source and target are both symmetric in the three coordinate planes (every even size that is not turned)
+//! one octant is walked and the other seven read the same matrix through their own index maps.
+
+mod cells;
+mod grid;
+mod index;
+
+use crate::environment::{Environment, Layout};
+use crate::error::{Error, Result};
+use cells::Cell;
+use rayon::prelude::*;
+
+pub use index::Target;
+
+/// One entry of the matrix before it is sorted.
+#[derive(Clone, Copy)]
+struct Entry {
+    target: u32,
+    source: u32,
+    solid_angle: f32,
+}
+
+/// The matrix: for every target texel its source texels and the solid angles they share.
+#[derive(Debug)]
+pub struct Overlaps {
+    source: Layout,
+    target: Target,
+    /// Rows are the first octant's texels and sources are packed, to be mapped to every octant; else both are whole.
+    symmetric: bool,
+    starts: Vec<u32>,
+    entries: Vec<(u32, f32)>,
+}
+
+impl Overlaps {
+    /// The overlaps of `environment`'s texels with those of `target`; turned into the world where `turned`, else in
+    /// the source's own space.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where the matrix would have more than 2^32 entries.
+    pub fn new(environment: &Environment, target: Target, turned: bool) -> Result<Self> {
+        let source = environment.layout();
+        let turn = if turned { environment.source_from_world().transpose() } else { glam::DMat3::IDENTITY };
+        let symmetric = turn == glam::DMat3::IDENTITY && index::is_symmetric(source, target);
+        let parts: Vec<Vec<Entry>> = if symmetric {
+            cells::octant_bands(source)
+                .into_par_iter()
+                .map(|band| {
+                    let mut walker = grid::Walker::new(target);
+                    let mut entries = Vec::new();
+                    cells::for_each_octant_cell(source, target, band, |cell: Cell<'_>| {
+                        walker.walk(cell.corners, 0, |target, solid_angle| {
+                            entries.push(Entry { target, source: cell.index, solid_angle });
+                        });
+                    });
+                    entries
+                })
+                .collect()
+        } else {
+            cells::bands(source)
+                .into_par_iter()
+                .map(|band| {
+                    let mut walker = grid::Walker::new(target);
+                    let mut clipper = grid::OctantClipper::default();
+                    let mut entries = Vec::new();
+                    cells::for_each_cell(source, target, band, |cell: Cell<'_>| {
+                        clipper.clip(cell.corners, turn, |octant, corners| {
+                            walker.walk(corners, octant, |target, solid_angle| {
+                                entries.push(Entry { target, source: cell.index, solid_angle });
+                            });
+                        });
+                    });
+                    entries
+                })
+                .collect()
+        };
+        let count: usize = parts.iter().map(Vec::len).sum();
+        if u32::try_from(count).is_err() {
+            return Err(Error::Limit {
+                what: "the overlap of source and target texels".to_owned(),
+                needed: count as u64 * 8,
+                available: u64::from(u32::MAX) * 8,
+                remedy: "bake from a smaller source or to a smaller size".to_owned(),
+            });
+        }
+        let rows = if symmetric { index::octant_rows(target) } else { target.texel_count() };
+        let row_of = |entry: &Entry| {
+            if symmetric { index::octant_row(target, entry.target) } else { entry.target as usize }
+        };
+        let (starts, entries) = sort_by_row(rows, row_of, parts);
+        Ok(Self { source, target, symmetric, starts, entries })
+    }
+
+    /// Calls `visit` with every source texel that overlaps target texel `target` and the solid angle they share, in
+    /// an order that never changes.
+    pub fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
+        let row = |row: usize| &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize];
+        if self.symmetric {
+            for (octant, octant_row) in index::octants_of_texel(self.target, target).into_iter().flatten() {
+                for &(packed, solid_angle) in row(octant_row) {
+                    visit(index::source_index(self.source, octant, packed), solid_angle);
+                }
+            }
+        } else {
+            for &(source, solid_angle) in row(target) {
+                visit(source as usize, solid_angle);
+            }
+        }
+    }
+}
+
+/// Counting sort, stable: within a row the sources keep their order.
+fn sort_by_row(
+    rows: usize,
+    row_of: impl Fn(&Entry) -> usize,
+    parts: Vec<Vec<Entry>>,
+) -> (Vec<u32>, Vec<(u32, f32)>) {
+    let mut starts = vec![0_u32; rows + 1];
+    for entry in parts.iter().flatten() {
+        starts[row_of(entry) + 1] += 1;
+    }
+    for row in 0..rows {
+        starts[row + 1] += starts[row];
+    }
+    let mut next = starts.clone();
+    let mut entries = vec![(0, 0.0); starts[rows] as usize];
+    for part in parts {
+        for entry in &part {
+            let place = &mut next[row_of(entry)];
+            entries[*place as usize] = (entry.source, entry.solid_angle);
+            *place += 1;
+        }
+    }
+    (starts, entries)
+}

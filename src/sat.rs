@@ -1,0 +1,269 @@
+//! The summed-area table (SAT; Crow 1984) of an OEM, exact: 64-bit fixed point, sums modulo 2^64.
+//!
+//! Float32 tables over HDR environments are broken (a sun of 1e6 leaves single-texel boxes of a 2048^2 table wrong by
+//! more than the sky's radiance). Integers are exact: intermediate entries may wrap, a box is right as long as the box
+//! itself fits, and since addition modulo 2^64 is associative and commutative every scan gives the same bits.
+
+use crate::cpu::sat_scan;
+use crate::oem::{Oem, OemSize};
+use glam::DVec2;
+
+/// How a table is scanned; every choice gives the same bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scan {
+    /// Strips of rows in parallel: reads its input twice and writes once.
+    #[default]
+    Strips,
+    /// One entry after the other.
+    Serial,
+    /// Recursive doubling, horizontally and then vertically, with this many samples a pass (at least 2).
+    /// Hensley et al. 2005, section 3.
+    Hensley {
+        /// Samples summed a pass: 2 in the paper's figures, 4, 8 or 16 for fewer passes.
+        radix: u32,
+    },
+}
+
+/// The fixed-point scale of each channel: a value v is stored as floor(v * 2^F).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FixedPoint {
+    /// F of red, green, blue energy and of solid angle.
+    pub exponents: [i32; 4],
+}
+
+impl FixedPoint {
+    /// The largest F of each channel with T * 2^F < 2^62 - N, where T is the channel's total over the `inner` x
+    /// `inner` square and N its texels: any box of side up to 2 * `inner` on the unfolded plane, which counts a texel
+    /// at most four times, fits 64 bits. A channel of zeros gets 0.
+    ///
+    /// Found without floating-point arithmetic and without order: the greatest bit pattern, then an integer sum.
+    #[must_use]
+    pub fn of_square(oem: &Oem) -> Self {
+        let inner = oem.size().inner;
+        let rows = || (0..inner).map(|y| oem.row(y));
+        let mut greatest = [0_u32; 4];
+        for texel in rows().flatten() {
+            for (greatest, value) in greatest.iter_mut().zip(texel) {
+                *greatest = (*greatest).max(value.to_bits());
+            }
+        }
+        let count = u64::from(inner) * u64::from(inner);
+        let count_log2 = i32::try_from(64 - (count - 1).leading_zeros()).expect("at most 64");
+        // At this scale the greatest value times the count stays below 2^62.
+        let provisional = Self {
+            exponents: greatest.map(|bits| {
+                let exponent = i32::try_from((bits >> 23).max(1)).expect("eight bits") - 126;
+                62 - count_log2 - exponent
+            }),
+        };
+        let mut sums = [0_u64; 4];
+        for texel in rows().flatten() {
+            for (sum, value) in sums.iter_mut().zip(provisional.quantise(*texel)) {
+                *sum += value;
+            }
+        }
+        let mut exponents = [0; 4];
+        for (channel, exponent) in exponents.iter_mut().enumerate() {
+            if greatest[channel] == 0 {
+                continue;
+            }
+            // Truncation lost less than one unit a texel; each doubling doubles what it may have lost.
+            let limit = (1_u128 << 62) - u128::from(count);
+            let total = u128::from(sums[channel]) + u128::from(count);
+            let mut up = 0;
+            while total << (up + 1) < limit {
+                up += 1;
+            }
+            *exponent = provisional.exponents[channel] + up;
+        }
+        Self { exponents }
+    }
+
+    /// Four non-negative finite values as integers, truncated: shifts of their bit patterns, no float arithmetic.
+    #[inline]
+    #[must_use]
+    pub fn quantise(self, values: [f32; 4]) -> [u64; 4] {
+        let mut out = [0; 4];
+        for channel in 0..4 {
+            let bits = values[channel].to_bits();
+            let exponent = (bits >> 23) as i32;
+            let normal = exponent != 0;
+            let mantissa = u64::from(bits & 0x007f_ffff | (u32::from(normal) << 23));
+            // value = mantissa * 2^(max(exponent, 1) - 150)
+            let shift = exponent.max(1) - 150 + self.exponents[channel];
+            // Shifts of 64 and more are clamped to ones that leave nothing of a 24-bit mantissa.
+            let left = mantissa << shift.clamp(0, 63);
+            let right = mantissa >> (-shift).clamp(0, 63);
+            out[channel] = if shift >= 0 { left } else { right };
+        }
+        out
+    }
+
+    /// One integer of `channel` as a value.
+    #[inline]
+    #[must_use]
+    pub fn value(self, channel: usize, integer: u64) -> f64 {
+        integer as f64 * (-f64::from(self.exponents[channel])).exp2()
+    }
+
+    /// Four integers as values.
+    #[inline]
+    #[must_use]
+    pub fn values(self, integers: [u64; 4]) -> [f64; 4] {
+        std::array::from_fn(|channel| self.value(channel, integers[channel]))
+    }
+}
+
+/// The exact table of an OEM, border included; inclusive, entry (x, y) being the sum of texels up to and with (x, y).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sat {
+    size: OemSize,
+    fixed: FixedPoint,
+    entries: Vec<[u64; 4]>,
+}
+
+impl Sat {
+    /// The table of `oem`.
+    ///
+    /// # Panics
+    /// Where a Hensley radix is below 2.
+    #[must_use]
+    pub fn new(oem: &Oem, scan: Scan) -> Self {
+        let fixed = FixedPoint::of_square(oem);
+        let side = oem.size().bordered() as usize;
+        let mut entries = vec![[0; 4]; side * side];
+        sat_scan::scan(scan, fixed, oem.texels(), side, &mut entries);
+        Self { size: oem.size(), fixed, entries }
+    }
+
+    /// Size of the OEM summed.
+    #[must_use]
+    pub const fn size(&self) -> OemSize {
+        self.size
+    }
+
+    /// The scale of the entries.
+    #[must_use]
+    pub const fn fixed_point(&self) -> FixedPoint {
+        self.fixed
+    }
+
+    /// All entries, row-major, border included.
+    #[must_use]
+    pub fn entries(&self) -> &[[u64; 4]] {
+        &self.entries
+    }
+
+    /// Sum of the texels with coordinates below (`x`, `y`), counted from the bordered table's corner.
+    #[inline]
+    fn prefix(&self, x: usize, y: usize) -> [u64; 4] {
+        if x == 0 || y == 0 { [0; 4] } else { self.entries[(y - 1) * self.size.bordered() as usize + x - 1] }
+    }
+
+    /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1`; the square's first texel is (0, 0), the border's are negative
+    /// or from `inner` on. Four reads.
+    ///
+    /// # Panics
+    /// Where the box leaves the border or is turned inside out.
+    #[inline]
+    #[must_use]
+    pub fn bordered_box(&self, x0: i64, y0: i64, x1: i64, y1: i64) -> [u64; 4] {
+        let border = i64::from(self.size.border);
+        let far = i64::from(self.size.inner) + border;
+        assert!(
+            -border <= x0 && x0 <= x1 && x1 <= far && -border <= y0 && y0 <= y1 && y1 <= far,
+            "box ({x0}, {y0}) .. ({x1}, {y1}) within a border of {border} around {}",
+            self.size.inner
+        );
+        let at = |x: i64, y: i64| self.prefix((x + border) as usize, (y + border) as usize);
+        difference(at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1))
+    }
+
+    /// Sum of the texels 0 <= x < `x`, 0 <= y < `y` of the unfolded plane, for any integers (negative ones count
+    /// backwards), from the square's own table: wallpaper group p2 by parity.
+    #[must_use]
+    pub fn plane_prefix(&self, x: i64, y: i64) -> [u64; 4] {
+        let n = i64::from(self.size.inner);
+        let (i, x) = (x.div_euclid(n), x.rem_euclid(n));
+        let (j, y) = (y.div_euclid(n), y.rem_euclid(n));
+        let inside = |x: i64, y: i64| self.bordered_box(0, 0, x, y);
+        let (total, a, b) = (inside(n, n), inside(x, n), inside(n, y));
+        let (a_turned, b_turned) = (inside(n - x, n), inside(n, n - y));
+        // How many of the tiles below are upright (ev) and how many turned (od).
+        let (ev, od) = (|k: i64| (k + 1).div_euclid(2), |k: i64| k.div_euclid(2));
+        let even = |k: i64| k.rem_euclid(2) == 0;
+        let (upright_a, turned_a) = if even(i) { (ev(j), od(j)) } else { (od(j), ev(j)) };
+        let (upright_b, turned_b) = if even(j) { (ev(i), od(i)) } else { (od(i), ev(i)) };
+        let corner = if even(i + j) { inside(x, y) } else { inside(n - x, n - y) };
+        std::array::from_fn(|c| {
+            let times = |count: i64, value: u64| (count as u64).wrapping_mul(value);
+            let last = if even(i + j) {
+                corner[c]
+            } else {
+                total[c].wrapping_sub(a_turned[c]).wrapping_sub(b_turned[c]).wrapping_add(corner[c])
+            };
+            times(i.wrapping_mul(j), total[c])
+                .wrapping_add(times(upright_a, a[c]))
+                .wrapping_add(times(turned_a, total[c].wrapping_sub(a_turned[c])))
+                .wrapping_add(times(upright_b, b[c]))
+                .wrapping_add(times(turned_b, total[c].wrapping_sub(b_turned[c])))
+                .wrapping_add(last)
+        })
+    }
+
+    /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1` of the unfolded plane; exact for sides up to 2 * `inner`.
+    #[must_use]
+    pub fn plane_box(&self, x0: i64, y0: i64, x1: i64, y1: i64) -> [u64; 4] {
+        let at = |x: i64, y: i64| self.plane_prefix(x, y);
+        difference(at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1))
+    }
+
+    /// Energy (red, green, blue) and solid angle of a box with fractional edges on the unfolded plane, in texels of
+    /// the square: nine integer boxes, each non-negative and exact, weighted by the share of their texels inside.
+    ///
+    /// Sides must be at most 2 * `inner`.
+    #[must_use]
+    pub fn fractional_box(&self, low: DVec2, high: DVec2) -> [f64; 4] {
+        let columns = fractional_spans(low.x, high.x);
+        let rows = fractional_spans(low.y, high.y);
+        // The sixteen table entries around the four corners give all nine boxes.
+        let prefixes = rows.edges.map(|y| columns.edges.map(|x| self.plane_prefix(x, y)));
+        let mut sum = [0.0; 4];
+        for j in 0..3 {
+            for i in 0..3 {
+                let share = columns.shares[i] * rows.shares[j];
+                if share > 0.0 {
+                    let (upper, lower) = (&prefixes[j], &prefixes[j + 1]);
+                    let part = difference(upper[i], upper[i + 1], lower[i], lower[i + 1]);
+                    for (sum, value) in sum.iter_mut().zip(self.fixed.values(part)) {
+                        *sum += share * value;
+                    }
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// A box from the four corners' prefixes, modulo 2^64.
+#[inline]
+fn difference(a: [u64; 4], b: [u64; 4], c: [u64; 4], d: [u64; 4]) -> [u64; 4] {
+    std::array::from_fn(|k| d[k].wrapping_sub(b[k]).wrapping_sub(c[k]).wrapping_add(a[k]))
+}
+
+/// An interval with fractional ends as a partial texel, whole texels and a partial texel.
+struct Spans {
+    edges: [i64; 4],
+    shares: [f64; 3],
+}
+
+fn fractional_spans(low: f64, high: f64) -> Spans {
+    let (first, last) = (low.floor(), high.ceil());
+    if last - first <= 1.0 {
+        // Both ends in one texel.
+        let edge = first as i64;
+        return Spans { edges: [edge, edge + 1, edge + 1, edge + 1], shares: [high - low, 0.0, 0.0] };
+    }
+    let edges = [first as i64, first as i64 + 1, last as i64 - 1, last as i64];
+    Spans { edges, shares: [first + 1.0 - low, 1.0, high - (last - 1.0)] }
+}
