@@ -146,7 +146,9 @@ impl<'a> Reflector<'a> {
             Filter::Reference => Method::Reference(self.oracle(), lobe, roughness),
             Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),
             Filter::Adaptive(_) if mirror => Method::Mirror(&self.oem),
-            Filter::Adaptive(error) => Method::Adaptive(Adaptive::new(self.cells(), Kernel::new(lobe, alpha), error)),
+            Filter::Adaptive(error) => {
+                Method::Adaptive(Adaptive::new(self.cells(), Kernel::new(lobe, alpha), error))
+            }
         };
         Ok(Lobes { source_from_world: self.environment.source_from_world(), method })
     }
@@ -157,7 +159,11 @@ impl<'a> Reflector<'a> {
     /// Those of [`Reflector::lobes`].
     pub fn query(&self, direction: DVec3, roughness: f64, lobe: Lobe, filter: Filter) -> Result<Answer> {
         let mut answers = Vec::with_capacity(1);
-        self.lobes(lobe, roughness, filter)?.evaluate(&[direction.normalize()], &mut Workspace::default(), &mut answers);
+        self.lobes(lobe, roughness, filter)?.evaluate(
+            &[direction.normalize()],
+            &mut Workspace::default(),
+            &mut answers,
+        );
         Ok(answers[0])
     }
 }
@@ -210,8 +216,9 @@ impl Lobes<'_, '_> {
                     );
                 }
             }
-            Method::Box(filter) => answers
-                .extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d)))),
+            Method::Box(filter) => {
+                answers.extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d))))
+            }
             Method::Mirror(oem) => answers
                 .extend(directions.iter().map(|d| unbounded(mirror::radiance(oem, source_from_world * *d)))),
             Method::Reference(oracle, lobe, roughness) => answers.extend(

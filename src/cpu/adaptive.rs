@@ -171,7 +171,15 @@ impl<'a> Adaptive<'a> {
                         continue;
                     }
                     if cells.block == 1 {
-                        subtexel::refine(cells, (i, j), &self.kernel, packet.axis, packet.radius, self.tolerance, leaves);
+                        subtexel::refine(
+                            cells,
+                            (i, j),
+                            &self.kernel,
+                            packet.axis,
+                            packet.radius,
+                            self.tolerance,
+                            leaves,
+                        );
                         continue;
                     }
                 }
@@ -224,7 +232,8 @@ impl<'a> Adaptive<'a> {
             let interval = raised.max(leaves.gap - raised) * per_integral;
             let luminance = |rgb: [f64; 3]| (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum::<f64>();
             let base = luminance(least.map(f64::from));
-            shares.bound[k] = (interval + self.kernel.rounding(count) * luminance(above) + base * 2e-7) as f32;
+            shares.bound[k] =
+                (interval + self.kernel.rounding(count) * luminance(above) + base * 2e-7) as f32;
         }
         shares
     }

@@ -95,8 +95,10 @@ impl Cells {
                         return texel(i, j);
                     }
                     let range = |k: u32| k * block..((k + 1) * block).min(n);
-                    let members: Vec<Cell> =
-                        range(j).flat_map(|y| range(i).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect();
+                    let members: Vec<Cell> = range(j)
+                        .flat_map(|y| range(i).map(move |x| (x, y)))
+                        .map(|(x, y)| texel(x, y))
+                        .collect();
                     merge(&members)
                 })
             })
@@ -106,7 +108,10 @@ impl Cells {
         let (mut quads, mut levels) = (Vec::new(), Vec::new());
         loop {
             let above = width.div_ceil(2);
-            levels.push(Level { first: u32::try_from(quads.len()).expect("fewer than 2^32 cells"), width: above });
+            levels.push(Level {
+                first: u32::try_from(quads.len()).expect("fewer than 2^32 cells"),
+                width: above,
+            });
             let (level, parents): (Vec<Quad>, Vec<Cell>) = (0..above * above)
                 .into_par_iter()
                 .map(|k| {

@@ -43,7 +43,8 @@ pub(super) fn refine(
     let h = 2.0 / f64::from(n);
     let energy = cells.energies[y as usize * n as usize + x as usize];
     let luminance: f64 = (0..3).map(|c| f64::from(LUMINANCE[c]) * f64::from(energy[c])).sum();
-    for signs in [DVec2::new(1.0, 1.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0), DVec2::new(-1.0, -1.0)] {
+    for signs in [DVec2::new(1.0, 1.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0), DVec2::new(-1.0, -1.0)]
+    {
         let direction = |p: DVec2| direction_from_oct(wrap_oct(centre + signs * p * h));
         let mut stack = vec![Piece { low: DVec2::ZERO, high: DVec2::ONE, depth: 0 }];
         while let Some(Piece { low, high, depth }) = stack.pop() {
@@ -74,13 +75,25 @@ pub(super) fn refine(
                 let middle = (low + high) / 2.0;
                 let depth = depth + 1;
                 stack.push(Piece { low, high: middle, depth });
-                stack.push(Piece { low: DVec2::new(middle.x, low.y), high: DVec2::new(high.x, middle.y), depth });
-                stack.push(Piece { low: DVec2::new(low.x, middle.y), high: DVec2::new(middle.x, high.y), depth });
+                stack.push(Piece {
+                    low: DVec2::new(middle.x, low.y),
+                    high: DVec2::new(high.x, middle.y),
+                    depth,
+                });
+                stack.push(Piece {
+                    low: DVec2::new(low.x, middle.y),
+                    high: DVec2::new(middle.x, high.y),
+                    depth,
+                });
                 stack.push(Piece { low: middle, high, depth });
                 continue;
             }
             leaves.gap += gap;
-            leaves.push(offset.as_vec3().to_array(), spread as f32, energy.map(|e| (f64::from(e) * share) as f32));
+            leaves.push(
+                offset.as_vec3().to_array(),
+                spread as f32,
+                energy.map(|e| (f64::from(e) * share) as f32),
+            );
         }
     }
 }

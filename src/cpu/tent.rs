@@ -57,8 +57,11 @@ fn tent(n: u32, centre: DVec2) -> Moments {
     let smooth = !near_kink(centre, h);
     let centroid = if smooth {
         // Three nodes a side with the tent's own second and fourth moments, h^2/6 and h^4/15.
-        const NODES: [(f64, f64); 3] =
-            [(-0.632_455_532_033_675_9, 5.0 / 24.0), (0.0, 14.0 / 24.0), (0.632_455_532_033_675_9, 5.0 / 24.0)];
+        const NODES: [(f64, f64); 3] = [
+            (-0.632_455_532_033_675_9, 5.0 / 24.0),
+            (0.0, 14.0 / 24.0),
+            (0.632_455_532_033_675_9, 5.0 / 24.0),
+        ];
         let mut sum = DVec3::ZERO;
         for (v, weight_v) in NODES {
             for (u, weight_u) in NODES {
@@ -132,13 +135,18 @@ mod tests {
                 let mut sum = DVec3::ZERO;
                 for j in 0..count {
                     for i in 0..count {
-                        let p = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) * (2.0 / f64::from(count)) - 1.0;
+                        let p =
+                            (DVec2::new(f64::from(i), f64::from(j)) + 0.5) * (2.0 / f64::from(count)) - 1.0;
                         let weight = (1.0 - p.x.abs()) * (1.0 - p.y.abs()) * (2.0 / f64::from(count)).powi(2);
                         sum += direction_from_oct(wrap_oct(centre + p * h)) * weight;
                     }
                 }
                 let moments = tents.at(x, y);
-                assert!(moments.centroid.distance(sum) < 3e-5, "n {n} ({x}, {y}): {} against {sum}", moments.centroid);
+                assert!(
+                    moments.centroid.distance(sum) < 3e-5,
+                    "n {n} ({x}, {y}): {} against {sum}",
+                    moments.centroid
+                );
             }
         }
     }

@@ -138,9 +138,14 @@ impl Kernel {
         }
     }
 
-    /// The mean of the kernel over cosines spread evenly over `cosine` +- `half_width`, across the edge of the support,
-    /// and how far that may be from the mean over a texel of the same variance.
-    pub(super) fn estimate_at_edge(&self, cosine: f64, half_width: f64) -> (f64, f64) {
+    /// The kernel over a texel of `solid_angle`, across the edge of the support, as if cosines were spread evenly over
+    /// `cosine` +- `half_width`; and how far off that may be.
+    pub(super) fn estimate_at_edge(&self, cosine: f64, half_width: f64, solid_angle: f64) -> (f64, f64) {
+        let (mean, doubt) = self.mean_at_edge(cosine, half_width);
+        (mean * solid_angle, doubt * solid_angle)
+    }
+
+    fn mean_at_edge(&self, cosine: f64, half_width: f64) -> (f64, f64) {
         if let Profile::Cone { cosine: edge, .. } = self.profile {
             return (((cosine - edge) / half_width / 2.0 + 0.5).clamp(0.0, 1.0), 0.3);
         }

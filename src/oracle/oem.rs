@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 const QUADRANT_ACCURACY: f64 = 1e-9;
 
 /// Levels of splitting at the edge of a cone, down to pieces that are cut along a chord.
-const CONE_LEVELS: u32 = 12;
+const CONE_LEVELS: u32 = 40;
 
 /// An OEM made ready for exhaustive integration.
 ///
