@@ -208,8 +208,7 @@ pub fn bake(
     let mut stats = Vec::with_capacity(rungs.len());
     for (index, &rung) in rungs.iter().enumerate() {
         let start = Instant::now();
-        let baked =
-            bake_level::bake_level(&reflector, rung, settings.lobe, settings.filter, &|n| advance(index, n))?;
+        let baked = bake_level::bake_level(&reflector, rung, settings.lobe, settings.filter, &|n| advance(index, n))?;
         let bounds = baked.bounds.as_deref();
         stats.push(LevelStats {
             seconds: start.elapsed().as_secs_f64(),
@@ -228,9 +227,8 @@ pub fn bake(
         .irradiance
         .map(|size| {
             let rung = Rung { size, roughness: 1.0 };
-            let baked = bake_level::bake_level(&reflector, rung, Lobe::Cosine, settings.filter, &|n| {
-                advance(rungs.len(), n)
-            })?;
+            let baked =
+                bake_level::bake_level(&reflector, rung, Lobe::Cosine, settings.filter, &|n| advance(rungs.len(), n))?;
             Ok::<_, Error>(CubeLevel { size, roughness: 1.0, texels: baked.texels, bounds: None })
         })
         .transpose()?;
@@ -255,11 +253,7 @@ pub fn bake(
 }
 
 /// What the reflector of a bake must serve.
-fn reflector_settings(
-    environment: &Environment,
-    settings: &BakeSettings,
-    rungs: &[Rung],
-) -> ReflectorSettings {
+fn reflector_settings(environment: &Environment, settings: &BakeSettings, rungs: &[Rung]) -> ReflectorSettings {
     let sharpest = rungs.iter().map(|rung| rung.roughness).filter(|r| *r > 0.0).fold(1.0, f64::min);
     let border = settings.border.or_else(|| {
         // The safety border: plain four-corner reads for the widest box of the ladder.

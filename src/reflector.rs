@@ -120,7 +120,7 @@ impl<'a> Reflector<'a> {
 
     /// The OEM's cells.
     pub fn cells(&self) -> &Cells {
-        self.cells.get_or_init(|| Cells::new(&self.oem, self.block))
+        self.cells.get_or_init(|| Cells::new(&self.oem, self.block, crate::cpu::tent::Reconstruction::Constant))
     }
 
     fn oracle(&self) -> &Oracle<'a> {
@@ -146,9 +146,7 @@ impl<'a> Reflector<'a> {
             Filter::Reference => Method::Reference(self.oracle(), lobe, roughness),
             Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),
             Filter::Adaptive(_) if mirror => Method::Mirror(&self.oem),
-            Filter::Adaptive(error) => {
-                Method::Adaptive(Adaptive::new(self.cells(), Kernel::new(lobe, alpha), error))
-            }
+            Filter::Adaptive(error) => Method::Adaptive(Adaptive::new(self.cells(), Kernel::new(lobe, alpha), error)),
         };
         Ok(Lobes { source_from_world: self.environment.source_from_world(), method })
     }
@@ -159,11 +157,7 @@ impl<'a> Reflector<'a> {
     /// Those of [`Reflector::lobes`].
     pub fn query(&self, direction: DVec3, roughness: f64, lobe: Lobe, filter: Filter) -> Result<Answer> {
         let mut answers = Vec::with_capacity(1);
-        self.lobes(lobe, roughness, filter)?.evaluate(
-            &[direction.normalize()],
-            &mut Workspace::default(),
-            &mut answers,
-        );
+        self.lobes(lobe, roughness, filter)?.evaluate(&[direction.normalize()], &mut Workspace::default(), &mut answers);
         Ok(answers[0])
     }
 }
@@ -216,9 +210,8 @@ impl Lobes<'_, '_> {
                     );
                 }
             }
-            Method::Box(filter) => {
-                answers.extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d))))
-            }
+            Method::Box(filter) => answers
+                .extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d)))),
             Method::Mirror(oem) => answers
                 .extend(directions.iter().map(|d| unbounded(mirror::radiance(oem, source_from_world * *d)))),
             Method::Reference(oracle, lobe, roughness) => answers.extend(

@@ -1,23 +1,30 @@
 //! Lobes by adaptive quadrature over the cells, with a certified bound of the error.
 //!
-//! A lobe's kernel is a convex, decreasing function k(s) of s = |l - R|^2/4 (GGX, cosine, and Phong from n = 2). Over
-//! a cell with energy E, centroid m, spread q and reach rho the mean of s is exactly t = (|m - R|^2 + q)/4, so by
-//! Jensen's inequality the cell's share lies in
+//! A lobe's kernel is a function k of s = |l - R|^2/4, decreasing, convex and with a decreasing second derivative up to
+//! the horizon s = 1/2 (GGX, cosine, and Phong from n = 2). Over a cell's energy, with centroid m, covariance C and
+//! reach rho, the mean of s is exactly t = (|m - R|^2 + tr C)/4 and its variance exactly V = R.C.R/4, and s stays
+//! between a = max(0, |m - R| - rho)^2/4 and b = (|m - R| + rho)^2/4. The means of k that such an s can have form an
+//! interval whose ends are those of two-point distributions (Chebyshev, Markov and Krein's extremal problem for the
+//! moments 1, s, s^2):
 //!
 //! ```text
-//! E k(t)  <=  share  <=  E min(k(s0), k(t) + V k''(s0)/2 + kink),      s0 = max(0, |m - R| - rho)^2/4
+//! greatest:  on a and t + V/(t - a),  with weights V : (t - a)^2
+//! least:     on b and t - V/(b - t),  with weights V : (b - t)^2
 //! ```
 //!
-//! where V bounds the variance of s over the cell: with theta the angle between m and R, the tangential part of
-//! (l - m).R is at most sqrt(q) sin(theta) and the radial one sqrt(q) rho/2 (Bhatia and Davis 2000 on [1 - rho^2/2,
-//! 1]), so V <= q/4 (sin(theta) + rho/2)^2; a cell across the horizon s = 1/2, where k' jumps by J, may gain J
-//! sqrt(V)/2 more. Cells are split while the width of that interval, times their energy, exceeds the tolerance;
-//! the estimate adds the second-order term of an isotropic cell, E q s(1 - s) k''/4, to the lower end.
+//! The estimate is k(t) + V k''(t)/2, kept inside the interval; the certified error is the greater of the sums of what
+//! lies above and what lies below. Two cases bound less sharply: a cell across the horizon, where k has a kink, takes the chord of k from a to b above and
+//! k(t) below (Edmundson and Madansky; Jensen), and lobes that are not smooth (cones, wide Phong) take k(a) and k(b).
 //!
-//! Other lobes (cones, wide Phong) fall back on the first-order interval E k(s1) <= share <= E k(s0), s1 the farthest.
+//! V is used as ((R - m).C.(R - m)), which keeps its precision near the peak; what that leaves out is the radial part
+//! (l - m).m, whose deviation is at most sqrt(tr C) rho/2 (Bhatia and Davis 2000 on [1 - rho^2/2, 1]), so V lies
+//! within (sqrt((R - m).C.(R - m)) +- sqrt(tr C) rho/2)^2/4.
+//!
+//! Cells are split where the error to be expected, times their energy, exceeds the tolerance for any direction of the
+//! packet. Which cells are leaves decides how tight the bound is, never whether it holds.
 
 use super::cells::Cells;
-use super::kernel::Kernel;
+use super::kernel::{Kernel, Radial, expected_error, interval, with_radial};
 use super::subtexel;
 use crate::environment::{LUMINANCE, Rgb};
 use glam::DVec3;
@@ -25,15 +32,15 @@ use glam::DVec3;
 /// Directions evaluated together.
 pub const LANES: usize = 16;
 
-/// A tolerance of E allows every leaf this share of E times the mean radiance. Measured: see the README's table of
-/// errors; the leaves' errors have random signs and mostly lie far inside their intervals.
-const LEAF_SHARE: f64 = 0.05;
+/// A tolerance of E allows every leaf this share of E times the mean radiance. Measured, see the README's table of
+/// errors: the leaves' errors have random signs and mostly lie far inside their intervals.
+const LEAF_SHARE: f64 = 0.5;
 
 /// Up to [`LANES`] directions near one another, in the space of the cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet {
-    axis: DVec3,
-    radius: f32,
+    pub(super) axis: DVec3,
+    pub(super) radius: f32,
     /// Directions less the axis: differences keep the precision that sharp lobes need.
     x: [f32; LANES],
     y: [f32; LANES],
@@ -76,50 +83,32 @@ pub struct Shares {
     pub leaves: usize,
 }
 
-/// The leaves of one packet's cut, relative to its axis; kept between packets.
-#[derive(Debug, Default)]
-pub(super) struct Leaves {
-    pub(super) x: Vec<f32>,
-    pub(super) y: Vec<f32>,
-    pub(super) z: Vec<f32>,
-    pub(super) spread: Vec<f32>,
-    pub(super) energy: Vec<Rgb>,
-    /// Sum of the widths of the leaves' intervals.
-    pub(super) gap: f64,
-}
-
-impl Leaves {
-    fn clear(&mut self) {
-        for field in [&mut self.x, &mut self.y, &mut self.z, &mut self.spread] {
-            field.clear();
-        }
-        self.energy.clear();
-        self.gap = 0.0;
-    }
-
-    pub(super) fn push(&mut self, offset: [f32; 3], spread: f32, energy: Rgb) {
-        self.x.push(offset[0]);
-        self.y.push(offset[1]);
-        self.z.push(offset[2]);
-        self.spread.push(spread);
-        self.energy.push(energy);
-    }
+/// One leaf of a cut, relative to the packet's axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    pub(super) offset: [f32; 3],
+    /// xx, yy, zz, yz, zx, xy.
+    pub(super) covariance: [f32; 6],
+    pub(super) radius: f32,
+    pub(super) energy: Rgb,
 }
 
 /// Buffers of an evaluation, kept between packets.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    leaves: Leaves,
+    pub(super) leaves: Vec<Leaf>,
+    /// Certified widths, times luminance, of what has no exact centroid.
+    pub(super) slack: f64,
     stack: Vec<(u8, u32, u32)>,
 }
 
 /// Evaluates lobes of one kernel over one environment's cells to one tolerance.
 #[derive(Debug)]
 pub struct Adaptive<'a> {
-    cells: &'a Cells,
+    pub(super) cells: &'a Cells,
     kernel: Kernel,
-    /// Greatest width of a leaf's interval, in units of the kernel times energy.
-    tolerance: f64,
+    /// Greatest half-width of a leaf's interval, in units of the kernel times energy.
+    pub(super) tolerance: f64,
     arch: pulp::Arch,
 }
 
@@ -134,106 +123,98 @@ impl<'a> Adaptive<'a> {
     /// The lobes around a packet's directions.
     pub fn evaluate(&self, packet: &Packet, scratch: &mut Scratch) -> Shares {
         scratch.leaves.clear();
-        self.arch.dispatch(|| {
-            self.cut(packet, scratch);
-            self.sum(packet, &scratch.leaves)
-        })
+        scratch.slack = 0.0;
+        with_radial!(self.kernel.shape, radial => self.arch.dispatch(|| {
+            self.cut(radial, packet, scratch);
+            self.sum(radial, packet, scratch)
+        }))
     }
 
     /// Collects the coarsest cells whose intervals are narrow enough for every direction of the packet.
     #[inline(always)]
-    fn cut(&self, packet: &Packet, scratch: &mut Scratch) {
-        let Scratch { leaves, stack } = scratch;
+    fn cut<R: Radial>(&self, kernel: R, packet: &Packet, scratch: &mut Scratch) {
         let cells = self.cells;
         let axis = packet.axis.as_vec3();
         let tolerance = self.tolerance as f32;
-        stack.clear();
-        stack.push((u8::try_from(cells.levels.len() - 1).expect("few levels"), 0, 0));
-        while let Some((level, i, j)) = stack.pop() {
+        scratch.stack.clear();
+        scratch.stack.push((u8::try_from(cells.levels.len() - 1).expect("few levels"), 0, 0));
+        while let Some((level, i, j)) = scratch.stack.pop() {
             let place = cells.levels[usize::from(level)];
             let quad = &cells.quads[(place.first + j * place.width + i) as usize];
-            let mut gap = [0.0_f32; 4];
+            let mut error = [0.0_f32; 4];
             for k in 0..4 {
                 let (x, y, z) = (quad.x[k] - axis.x, quad.y[k] - axis.y, quad.z[k] - axis.z);
                 let distance = (x * x + y * y + z * z).sqrt();
-                gap[k] = quad.luminance[k]
-                    * self.kernel.gap(distance, quad.radius[k], packet.radius, quad.spread[k]);
+                let trace = quad.covariance[0][k] + quad.covariance[1][k] + quad.covariance[2][k];
+                error[k] = quad.luminance[k] * expected_error(kernel, distance, quad.radius[k], packet.radius, trace);
             }
             for k in 0..4 {
-                // A black cell's gap is 0, or NaN where its kernel overflows: neither splits nor counts.
+                // Black cells say nothing.
                 if quad.luminance[k] == 0.0 {
                     continue;
                 }
                 let (i, j) = (2 * i + (k as u32 & 1), 2 * j + (k as u32 >> 1));
-                if gap[k] > tolerance {
+                if error[k] > tolerance {
                     if level > 0 {
-                        stack.push((level - 1, i, j));
+                        scratch.stack.push((level - 1, i, j));
                         continue;
                     }
                     if cells.block == 1 {
-                        subtexel::refine(
-                            cells,
-                            (i, j),
-                            &self.kernel,
-                            packet.axis,
-                            packet.radius,
-                            self.tolerance,
-                            leaves,
-                        );
+                        subtexel::refine(self, kernel, (i, j), packet, scratch);
                         continue;
                     }
                 }
-                leaves.gap += f64::from(gap[k]);
-                let offset = [
-                    (f64::from(quad.x[k]) - packet.axis.x) as f32,
-                    (f64::from(quad.y[k]) - packet.axis.y) as f32,
-                    (f64::from(quad.z[k]) - packet.axis.z) as f32,
-                ];
-                leaves.push(offset, quad.spread[k], [quad.red[k], quad.green[k], quad.blue[k]]);
+                scratch.leaves.push(Leaf {
+                    offset: [
+                        (f64::from(quad.x[k]) - packet.axis.x) as f32,
+                        (f64::from(quad.y[k]) - packet.axis.y) as f32,
+                        (f64::from(quad.z[k]) - packet.axis.z) as f32,
+                    ],
+                    covariance: std::array::from_fn(|c| quad.covariance[c][k]),
+                    radius: quad.radius[k],
+                    energy: [quad.red[k], quad.green[k], quad.blue[k]],
+                });
             }
         }
     }
 
     /// Sums the leaves for every lane.
     #[inline(always)]
-    fn sum(&self, packet: &Packet, leaves: &Leaves) -> Shares {
+    fn sum<R: Radial>(&self, kernel: R, packet: &Packet, scratch: &Scratch) -> Shares {
         let mut sums = [[0.0_f32; LANES]; 3];
-        let mut second_order = [0.0_f32; LANES];
-        let count = leaves.x.len();
-        let (xs, ys, zs) = (&leaves.x[..count], &leaves.y[..count], &leaves.z[..count]);
-        let (spreads, energies) = (&leaves.spread[..count], &leaves.energy[..count]);
-        for leaf in 0..count {
-            let (lx, ly, lz, spread) = (xs[leaf], ys[leaf], zs[leaf], spreads[leaf]);
-            let energy = energies[leaf];
-            let luminance = LUMINANCE[0] * energy[0] + LUMINANCE[1] * energy[1] + LUMINANCE[2] * energy[2];
-            let mut low = [0.0_f32; LANES];
-            let mut curved = [0.0_f32; LANES];
+        // How far the truth can lie above and below the estimate.
+        let (mut above, mut below) = ([0.0_f32; LANES], [0.0_f32; LANES]);
+        for leaf in &scratch.leaves {
+            let [lx, ly, lz] = leaf.offset;
+            let [xx, yy, zz, yz, zx, xy] = leaf.covariance;
+            let trace = xx + yy + zz;
+            let [red, green, blue] = leaf.energy;
+            let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
             for k in 0..LANES {
                 let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
-                let s = (x * x + y * y + z * z + spread) * 0.25;
-                (low[k], curved[k]) = self.kernel.share(s, spread);
-            }
-            for k in 0..LANES {
-                let value = low[k] + curved[k];
-                sums[0][k] += value * energy[0];
-                sums[1][k] += value * energy[1];
-                sums[2][k] += value * energy[2];
-                second_order[k] += curved[k] * luminance;
+                let squared = x * x + y * y + z * z;
+                let along = xx * x * x + yy * y * y + zz * z * z + 2.0 * (yz * y * z + zx * z * x + xy * x * y);
+                let share = interval(kernel, squared, trace, along, leaf.radius);
+                sums[0][k] += share.estimate * red;
+                sums[1][k] += share.estimate * green;
+                sums[2][k] += share.estimate * blue;
+                above[k] += (share.greatest - share.estimate) * luminance;
+                below[k] += (share.estimate - share.least) * luminance;
             }
         }
         let least = self.cells.least;
         let per_integral = 1.0 / self.kernel.integral;
-        let mut shares = Shares { radiance: [[0.0; 3]; LANES], bound: [0.0; LANES], leaves: count };
+        let rounding = self.kernel.rounding(scratch.leaves.len());
+        let luminance = |rgb: [f64; 3]| (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum::<f64>();
+        let base = luminance(least.map(f64::from));
+        let mut shares =
+            Shares { radiance: [[0.0; 3]; LANES], bound: [0.0; LANES], leaves: scratch.leaves.len() };
         for k in 0..LANES {
-            let above: [f64; 3] = std::array::from_fn(|c| f64::from(sums[c][k]) * per_integral);
-            shares.radiance[k] = std::array::from_fn(|c| (f64::from(least[c]) + above[c]) as f32);
-            // The truth lies between the sum less its second-order terms and that sum plus all the gaps.
-            let raised = f64::from(second_order[k]);
-            let interval = raised.max(leaves.gap - raised) * per_integral;
-            let luminance = |rgb: [f64; 3]| (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum::<f64>();
-            let base = luminance(least.map(f64::from));
-            shares.bound[k] =
-                (interval + self.kernel.rounding(count) * luminance(above) + base * 2e-7) as f32;
+            let lobe: [f64; 3] = std::array::from_fn(|c| f64::from(sums[c][k]) * per_integral);
+            shares.radiance[k] = std::array::from_fn(|c| (f64::from(least[c]) + lobe[c]) as f32);
+            let width = (f64::from(above[k].max(below[k])) + scratch.slack) * per_integral;
+            // The least radiance and every E - c w are float32 differences: 2^-22 of the whole.
+            shares.bound[k] = (width + rounding * luminance(lobe) + 2.4e-7 * base) as f32;
         }
         shares
     }

@@ -1,11 +1,11 @@
-//! The OEM's cells: a quadtree whose nodes know their energy, its centroid on the sphere, its spread and its reach.
+//! The OEM's cells: a quadtree whose nodes know their energy, its centroid and covariance on the sphere, and its reach.
 //!
-//! Centroids make evaluation second order: the kernel's argument s = |l - R|^2/4 is linear in l, so its mean over a
-//! cell's energy is exactly (|centroid - R|^2 + spread)/4 (the centre of mass of Barnes and Hut 1986, the clusters of
-//! Walter et al. 2005, "Lightcuts"). Energies are those above the least radiance c of each channel: E - c*w, so that
-//! a constant environment is black and dark cells stay coarse.
+//! The kernel's argument s = |l - R|^2/4 is linear in l, so its mean over a cell's energy is exactly (|centroid - R|^2
+//! + trace of the covariance)/4 and its variance R.covariance.R/4 (the centre of mass of Barnes and Hut 1986, the
+//! clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least radiance c of each channel,
+//! E - c*w, so that a constant environment is black and dark cells stay coarse.
 
-use super::tent::{Moments, Tents};
+use super::tent::{Moments, Reconstruction, Tents};
 use crate::environment::LUMINANCE;
 use crate::oem::Oem;
 use rayon::prelude::*;
@@ -17,8 +17,8 @@ pub(super) struct Quad {
     pub(super) x: [f32; 4],
     pub(super) y: [f32; 4],
     pub(super) z: [f32; 4],
-    /// Mean squared distance from the centroid.
-    pub(super) spread: [f32; 4],
+    /// Covariance of the directions: xx, yy, zz, yz, zx, xy.
+    pub(super) covariance: [[f32; 4]; 6],
     /// Greatest distance from the centroid.
     pub(super) radius: [f32; 4],
     /// Luminance of the energy.
@@ -55,6 +55,7 @@ pub struct Cells {
     pub(super) quads: Vec<Quad>,
     /// From the finest (texels, or blocks of them) to the root, whose quad is the last.
     pub(super) levels: Vec<Level>,
+    pub(super) reconstruction: Reconstruction,
     /// Texels along an edge of a finest cell: 1 where the tree goes down to texels.
     pub(super) block: u32,
     /// The texels' energies above the least radiance, for what goes below texels; empty where the tree stops above.
@@ -68,14 +69,14 @@ impl Cells {
     /// # Panics
     /// Where `block` is zero.
     #[must_use]
-    pub fn new(oem: &Oem, block: u32) -> Self {
+    pub fn new(oem: &Oem, block: u32, reconstruction: Reconstruction) -> Self {
         assert!(block > 0, "blocks of at least one texel");
         let n = oem.size().inner;
         let least = least_radiance(oem);
         let totals = oem.totals();
         let mean_luminance =
             (0..3).map(|c| f64::from(LUMINANCE[c]) * totals[c]).sum::<f64>() / (4.0 * std::f64::consts::PI);
-        let tents = Tents::new(n);
+        let tents = Tents::new(n, reconstruction);
         let above_least = |x: u32, y: u32| -> [f32; 3] {
             let texel = oem.texel(x, y);
             std::array::from_fn(|c| (texel[c] - least[c] * texel[3]).max(0.0))
@@ -95,10 +96,8 @@ impl Cells {
                         return texel(i, j);
                     }
                     let range = |k: u32| k * block..((k + 1) * block).min(n);
-                    let members: Vec<Cell> = range(j)
-                        .flat_map(|y| range(i).map(move |x| (x, y)))
-                        .map(|(x, y)| texel(x, y))
-                        .collect();
+                    let members: Vec<Cell> =
+                        range(j).flat_map(|y| range(i).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect();
                     merge(&members)
                 })
             })
@@ -108,10 +107,7 @@ impl Cells {
         let (mut quads, mut levels) = (Vec::new(), Vec::new());
         loop {
             let above = width.div_ceil(2);
-            levels.push(Level {
-                first: u32::try_from(quads.len()).expect("fewer than 2^32 cells"),
-                width: above,
-            });
+            levels.push(Level { first: u32::try_from(quads.len()).expect("fewer than 2^32 cells"), width: above });
             let (level, parents): (Vec<Quad>, Vec<Cell>) = (0..above * above)
                 .into_par_iter()
                 .map(|k| {
@@ -131,7 +127,7 @@ impl Cells {
                 break;
             }
         }
-        Self { n, least, mean_luminance, quads, levels, block, energies }
+        Self { n, least, mean_luminance, quads, levels, reconstruction, block, energies }
     }
 }
 
@@ -163,9 +159,9 @@ fn merge(members: &[Cell]) -> Cell {
     if union.weight > 0.0 {
         union.moments.centroid /= union.weight;
         for member in members.iter().filter(|member| member.weight > 0.0) {
-            let apart = member.moments.centroid.distance_squared(union.moments.centroid);
-            union.moments.spread += member.weight / union.weight * (member.moments.spread + apart);
-            union.moments.radius = union.moments.radius.max(apart.sqrt() + member.moments.radius);
+            union.moments.add_spread(&member.moments, member.weight / union.weight);
+            let apart = member.moments.centroid.distance(union.moments.centroid);
+            union.moments.radius = union.moments.radius.max(apart + member.moments.radius);
         }
     }
     union
@@ -179,7 +175,14 @@ fn quad(siblings: &[Cell; 4]) -> Quad {
         x: field(|cell| cell.moments.centroid.x),
         y: field(|cell| cell.moments.centroid.y),
         z: field(|cell| cell.moments.centroid.z),
-        spread: field(|cell| cell.moments.spread),
+        covariance: [
+            field(|cell| cell.moments.diagonal.x),
+            field(|cell| cell.moments.diagonal.y),
+            field(|cell| cell.moments.diagonal.z),
+            field(|cell| cell.moments.mixed.x),
+            field(|cell| cell.moments.mixed.y),
+            field(|cell| cell.moments.mixed.z),
+        ],
         radius: upward(|cell| cell.moments.radius),
         luminance: upward(|cell| cell.weight),
         red: std::array::from_fn(|k| siblings[k].energy[0]),

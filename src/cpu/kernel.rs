@@ -1,4 +1,4 @@
-//! Lobes as the engine evaluates them: float32, bounds beside values.
+//! Lobes as the engine evaluates them: float32 kernels of s = |l - R|^2/4, with intervals for cells of energy.
 
 use crate::lobe::{self, Lobe};
 use std::f64::consts::PI;
@@ -6,25 +6,36 @@ use std::f64::consts::PI;
 /// A lobe at one roughness.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
-    shape: Shape,
+    pub(super) shape: Shape,
     /// Integral over the sphere, closed form.
     pub(super) integral: f64,
-    /// GGX's alpha or the like: the angle on which the kernel changes.
+    /// GGX's alpha or the like: the distance over which the kernel changes.
     width: f64,
 }
 
 /// k(s) of each lobe, scaled as in [`lobe::kernel`].
 #[derive(Clone, Copy, Debug)]
-enum Shape {
-    /// peak (1 - 2 s) w^2, w = 1/(1 + steep s), peak = 1/(pi alpha^2), steep = (1 - alpha^2)/alpha^2.
-    Ggx { peak: f32, steep: f32 },
-    /// (1 - 2 s)^n.
-    Phong { exponent: f32 },
-    /// 1 up to the edge.
-    Cone { edge: f32 },
-    /// 1 - 2 s.
-    Cosine,
+pub(super) enum Shape {
+    Ggx(Ggx),
+    Phong(Phong),
+    WidePhong(WidePhong),
+    Cone(Cone),
+    Cosine(Cosine),
 }
+
+/// Evaluates `$body` with `$radial` bound to whichever kernel `$shape` holds.
+macro_rules! with_radial {
+    ($shape:expr, $radial:ident => $body:expr) => {
+        match $shape {
+            $crate::cpu::kernel::Shape::Ggx($radial) => $body,
+            $crate::cpu::kernel::Shape::Phong($radial) => $body,
+            $crate::cpu::kernel::Shape::WidePhong($radial) => $body,
+            $crate::cpu::kernel::Shape::Cone($radial) => $body,
+            $crate::cpu::kernel::Shape::Cosine($radial) => $body,
+        }
+    };
+}
+pub(super) use with_radial;
 
 impl Kernel {
     /// `lobe` at `alpha` in (0, 1].
@@ -33,105 +44,280 @@ impl Kernel {
         let shape = match lobe {
             Lobe::Ggx => {
                 let squared = alpha * alpha;
-                Shape::Ggx { peak: (1.0 / (PI * squared)) as f32, steep: ((1.0 - squared) / squared) as f32 }
+                Shape::Ggx(Ggx { peak: (1.0 / (PI * squared)) as f32, steep: ((1.0 - squared) / squared) as f32 })
             }
-            Lobe::Phong => Shape::Phong { exponent: lobe::phong_exponent(alpha) as f32 },
-            Lobe::Cone => Shape::Cone { edge: lobe::cone_edge(alpha) as f32 },
-            Lobe::Cosine => Shape::Cosine,
+            Lobe::Phong => {
+                let exponent = lobe::phong_exponent(alpha) as f32;
+                if exponent >= 2.0 {
+                    Shape::Phong(Phong { exponent })
+                } else {
+                    Shape::WidePhong(WidePhong { exponent })
+                }
+            }
+            Lobe::Cone => Shape::Cone(Cone { edge: lobe::cone_edge(alpha) as f32 }),
+            Lobe::Cosine => Shape::Cosine(Cosine),
         };
         let width = if lobe == Lobe::Cosine { 1.0 } else { alpha };
         Self { shape, integral: lobe::kernel_integral(lobe, alpha), width }
     }
 
-    /// Lower end of a cell's interval and the second-order term above it, at mean `s` and spread, an energy of 1.
-    #[inline(always)]
-    pub(super) fn share(&self, s: f32, spread: f32) -> (f32, f32) {
-        let cosine = (1.0 - 2.0 * s).max(0.0);
-        match self.shape {
-            Shape::Ggx { peak, steep } => {
-                let w = 1.0 / (1.0 + steep * s);
-                let steep_w = steep * w;
-                let peak_w2 = peak * w * w;
-                let value = peak_w2 * cosine;
-                // q/4 s (1 - s) k''; more than the value itself is no second-order term any more.
-                let curvature = peak_w2 * steep_w * (8.0 + 6.0 * steep_w * cosine);
-                (value, (0.25 * spread * s * (1.0 - s) * curvature).min(value))
-            }
-            Shape::Phong { exponent } => {
-                let value = cosine.powf(exponent);
-                if exponent < 2.0 || cosine <= 0.0 {
-                    return (value, 0.0);
-                }
-                let curvature = 4.0 * exponent * (exponent - 1.0) * value / (cosine * cosine);
-                (value, (0.25 * spread * s * (1.0 - s) * curvature).min(value))
-            }
-            Shape::Cone { edge } => (if s <= edge { 1.0 } else { 0.0 }, 0.0),
-            Shape::Cosine => (cosine, 0.0),
-        }
-    }
-
-    /// Width of the interval of a cell at `distance` from a packet's axis, for the worst of its directions, an energy
-    /// of 1. See [`super::adaptive`] for the derivation.
-    #[inline(always)]
-    pub(super) fn gap(&self, distance: f32, radius: f32, packet: f32, spread: f32) -> f32 {
-        let near = (distance - radius - packet).max(0.0);
-        let low = 0.25 * near * near;
-        let far = distance + packet;
-        let high = 0.25 * (far + radius) * (far + radius);
-        let cosine = (1.0 - 2.0 * low).max(0.0);
-        // The chord is at least the sine; the centroid lies up to half its spread inside the sphere.
-        let sine = (far + 0.5 * spread).min(1.0);
-        let deviation = 0.5 * spread.sqrt() * (sine + 0.5 * radius);
-        match self.shape {
-            Shape::Ggx { peak, steep } => {
-                let w = 1.0 / (1.0 + steep * low);
-                let peak_w2 = peak * w * w;
-                let ratio = steep * w * deviation;
-                let curved = peak_w2 * (4.0 * ratio * deviation + 3.0 * cosine * ratio * ratio);
-                let w_horizon = 1.0 / (1.0 + 0.5 * steep);
-                let kink = if high > 0.5 { peak * w_horizon * w_horizon * deviation } else { 0.0 };
-                let curved = if low < 0.5 { curved } else { 0.0 };
-                (curved + kink).min(peak_w2 * cosine)
-            }
-            Shape::Phong { exponent } => {
-                let most = cosine.powf(exponent);
-                if exponent < 2.0 {
-                    return most - (1.0 - 2.0 * high).max(0.0).powf(exponent);
-                }
-                let curvature = 4.0 * exponent * (exponent - 1.0) * cosine.powf(exponent - 2.0);
-                (0.5 * curvature * deviation * deviation).min(most)
-            }
-            Shape::Cone { edge } => {
-                if low <= edge && high >= edge {
-                    1.0
-                } else {
-                    0.0
-                }
-            }
-            Shape::Cosine => {
-                if high > 0.5 {
-                    deviation.min(cosine)
-                } else {
-                    0.0
-                }
-            }
-        }
-    }
-
-    /// Width of the first-order interval k(nearest) - k(farthest), for cells whose centroid is not known exactly.
-    pub(super) fn first_order_gap(&self, distance: f32, radius: f32, packet: f32) -> f32 {
-        let near = (distance - radius - packet).max(0.0);
-        let far = distance + radius + packet;
-        self.share(0.25 * near * near, 0.0).0 - self.share((0.25 * far * far).min(1.0), 0.0).0
-    }
-
     /// Relative rounding error of a sum over `leaves`.
     ///
     /// Float32 centroids are off by 2^-24, and k changes by at most 1/width of itself for a unit of distance (GGX:
-    /// |dk/d(distance)|/k <= distance/(s + alpha^2) <= 1/alpha); a share takes fewer than 16 roundings and the sum
-    /// one a leaf, each 2^-24, of which all but a few standard deviations cancel.
+    /// |dk/d(distance)|/k <= distance/(s + alpha^2) <= 1/alpha); a share takes fewer than 32 roundings and the sum
+    /// one a leaf, each 2^-24.
     pub(super) fn rounding(&self, leaves: usize) -> f64 {
-        let unit = 1.0 / f64::from(1_u32 << 24);
-        unit * (2.0 / self.width + 16.0 + leaves as f64)
+        (2.0 / self.width + 32.0 + leaves as f64) / f64::from(1_u32 << 24)
     }
+}
+
+/// A kernel of s, decreasing.
+pub(super) trait Radial: Copy {
+    /// Whether it is convex with a decreasing second derivative up to the horizon s = 1/2 and 0 beyond: what the
+    /// sharp bounds from mean and variance ask for.
+    const SMOOTH: bool;
+
+    /// k at `s`.
+    fn value(self, s: f32) -> f32;
+
+    /// k'' at `s`, below the horizon.
+    fn curvature(self, s: f32) -> f32;
+
+    /// How much k' jumps at the horizon.
+    fn kink(self) -> f32;
+
+    /// The length t on which k changes around `s`: |k'''| is about 24 k/t^3, as in a tail of t^-2.
+    fn scale(self, s: f32) -> f32;
+
+    /// The distance between `near` and `far` at which a cell's relative error is greatest.
+    fn worst_distance(self, near: f32, far: f32) -> f32 {
+        // The nearest, but for what only a horizon far away spoils.
+        let _ = far;
+        near
+    }
+}
+
+/// peak (1 - 2 s) w^2, w = 1/(1 + steep s), peak = 1/(pi alpha^2), steep = (1 - alpha^2)/alpha^2.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ggx {
+    peak: f32,
+    steep: f32,
+}
+
+impl Radial for Ggx {
+    const SMOOTH: bool = true;
+
+    #[inline(always)]
+    fn value(self, s: f32) -> f32 {
+        let w = 1.0 / (1.0 + self.steep * s);
+        self.peak * w * w * (1.0 - 2.0 * s).max(0.0)
+    }
+
+    #[inline(always)]
+    fn curvature(self, s: f32) -> f32 {
+        let w = 1.0 / (1.0 + self.steep * s);
+        let steep_w = self.steep * w;
+        self.peak * w * w * steep_w * (8.0 + 6.0 * steep_w * (1.0 - 2.0 * s))
+    }
+
+    #[inline(always)]
+    fn scale(self, s: f32) -> f32 {
+        // At alpha = 1 the kernel is a straight line.
+        s + 1.0 / self.steep.max(1e-6)
+    }
+
+    #[inline(always)]
+    fn kink(self) -> f32 {
+        let w = 1.0 / (1.0 + 0.5 * self.steep);
+        2.0 * self.peak * w * w
+    }
+
+    #[inline(always)]
+    fn worst_distance(self, near: f32, far: f32) -> f32 {
+        // distance/(s + alpha^2) is greatest at distance 2 alpha.
+        (1.2 / (self.steep + 1.0).sqrt()).clamp(near, far)
+    }
+}
+
+/// (1 - 2 s)^n, n at least 2.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Phong {
+    exponent: f32,
+}
+
+impl Radial for Phong {
+    const SMOOTH: bool = true;
+
+    #[inline(always)]
+    fn value(self, s: f32) -> f32 {
+        // Through the logarithm: 1 - 2 s would round away a sharp lobe.
+        if s < 0.5 { (self.exponent * (-2.0 * s).ln_1p()).exp() } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn curvature(self, s: f32) -> f32 {
+        let cosine = (1.0 - 2.0 * s).max(1e-3);
+        4.0 * self.exponent * (self.exponent - 1.0) * self.value(s) / (cosine * cosine)
+    }
+
+    #[inline(always)]
+    fn scale(self, s: f32) -> f32 {
+        1.44 * (1.0 - 2.0 * s).max(1e-3) / self.exponent
+    }
+
+    fn kink(self) -> f32 {
+        0.0
+    }
+}
+
+/// (1 - 2 s)^n, n below 2: not smooth, and for n = 0 a step at the horizon.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WidePhong {
+    exponent: f32,
+}
+
+impl Radial for WidePhong {
+    const SMOOTH: bool = false;
+
+    #[inline(always)]
+    fn value(self, s: f32) -> f32 {
+        if s < 0.5 { (1.0 - 2.0 * s).powf(self.exponent) } else { 0.0 }
+    }
+
+    fn curvature(self, _: f32) -> f32 {
+        0.0
+    }
+
+    fn scale(self, _: f32) -> f32 {
+        0.0
+    }
+
+    fn kink(self) -> f32 {
+        0.0
+    }
+}
+
+/// 1 up to the edge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cone {
+    edge: f32,
+}
+
+impl Radial for Cone {
+    const SMOOTH: bool = false;
+
+    #[inline(always)]
+    fn value(self, s: f32) -> f32 {
+        if s <= self.edge { 1.0 } else { 0.0 }
+    }
+
+    fn curvature(self, _: f32) -> f32 {
+        0.0
+    }
+
+    fn scale(self, _: f32) -> f32 {
+        0.0
+    }
+
+    fn kink(self) -> f32 {
+        0.0
+    }
+}
+
+/// 1 - 2 s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cosine;
+
+impl Radial for Cosine {
+    const SMOOTH: bool = true;
+
+    #[inline(always)]
+    fn value(self, s: f32) -> f32 {
+        (1.0 - 2.0 * s).max(0.0)
+    }
+
+    fn curvature(self, _: f32) -> f32 {
+        0.0
+    }
+
+    fn scale(self, _: f32) -> f32 {
+        f32::INFINITY
+    }
+
+    fn kink(self) -> f32 {
+        2.0
+    }
+}
+
+/// What is known of the mean of k over a cell of unit energy.
+#[derive(Clone, Copy)]
+pub(super) struct Interval {
+    /// The least that it can be.
+    pub(super) least: f32,
+    /// The greatest.
+    pub(super) greatest: f32,
+    /// What it is most likely to be.
+    pub(super) estimate: f32,
+}
+
+/// The mean of k over a cell of unit energy: `squared` is the squared distance of its centroid from R, `trace` and
+/// `along` are its covariance's trace and R - centroid's square in it, `radius` its reach. See [`super::adaptive`] for
+/// the derivation.
+#[inline(always)]
+pub(super) fn interval<R: Radial>(kernel: R, squared: f32, trace: f32, along: f32, radius: f32) -> Interval {
+    let distance = squared.sqrt();
+    let near = (distance - radius).max(0.0);
+    let far = distance + radius;
+    let (low, high) = (0.25 * near * near, (0.25 * far * far).min(1.0));
+    let s = 0.25 * (squared + trace);
+    let value = kernel.value(s);
+    if !R::SMOOTH {
+        return Interval { least: kernel.value(high), greatest: kernel.value(low), estimate: value };
+    }
+    // s - low and high - s without their cancellation.
+    let down = if distance > radius { 0.25 * (radius * (2.0 * distance - radius) + trace) } else { s };
+    let up = (0.25 * (radius * (2.0 * distance + radius) - trace)).max(1e-6 * down);
+    let (tangential, radial) = (along.max(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
+    let most = 0.25 * (tangential + radial) * (tangential + radial);
+    let least = 0.25 * (tangential - radial).max(0.0) * (tangential - radial).max(0.0);
+    let smooth = high < 0.5;
+    let step_up = if smooth { (most / down).min(up) } else { up };
+    let step_down = if smooth { (least / up).min(down) } else { 0.0 };
+    let (inner, outer) = (kernel.value(s + step_up), kernel.value(s - step_down));
+    let greatest = inner + step_up / (down + step_up) * (kernel.value(low) - inner);
+    let least = (outer + step_down / (up + step_down) * (kernel.value(high) - outer)).min(greatest);
+    // The second-order term below the horizon, and what energy spread evenly over s gains from the kink.
+    let second_order = if s < 0.5 { 0.125 * kernel.curvature(s) * along } else { 0.0 };
+    let half_width = 0.866 * along.max(0.0).sqrt();
+    let across = (half_width - (s - 0.5).abs()).max(0.0);
+    let gain = if smooth { 0.0 } else { kernel.kink() * across * across / (4.0 * half_width).max(1e-12) };
+    let estimate = (value + second_order + gain).max(least).min(greatest);
+    Interval { least, greatest, estimate }
+}
+
+/// The error to expect of the estimate for a cell of unit energy and the direction it serves worst, among those within
+/// `packet` of an axis at `distance` from its centroid: for choosing which cells to split, no bound.
+#[inline(always)]
+pub(super) fn expected_error<R: Radial>(kernel: R, distance: f32, radius: f32, packet: f32, trace: f32) -> f32 {
+    let worst = kernel.worst_distance((distance - packet).max(0.0), distance + packet);
+    // Half of the trace lies along the line to R, give or take.
+    let along = 0.6 * trace * worst * worst;
+    let interval = interval(kernel, worst * worst, trace, along, radius);
+    let s = 0.25 * (worst * worst + trace);
+    let scale = kernel.scale(s);
+    let reach = 0.25 * radius * (2.0 * worst + radius);
+    let far = worst + radius;
+    // The third-order term E|s - mean|^3 |k'''|/6, while the series makes sense; else what is certain.
+    if reach < 0.5 * scale && 0.25 * far * far < 0.5 {
+        interval.estimate * 0.25 * (along + 0.25 * trace * radius * radius) * reach / (scale * scale * scale)
+    } else {
+        0.25 * (interval.greatest - interval.least)
+    }
+}
+
+/// Width of the interval k(nearest) - k(farthest), for cells whose centroid is not known exactly.
+pub(super) fn first_order_width<R: Radial>(kernel: R, distance: f32, radius: f32, packet: f32) -> f32 {
+    let near = (distance - radius - packet).max(0.0);
+    let far = distance + radius + packet;
+    kernel.value(0.25 * near * near) - kernel.value((0.25 * far * far).min(1.0))
 }

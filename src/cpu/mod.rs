@@ -5,10 +5,10 @@ pub mod reparameterise;
 pub mod sat_scan;
 
 pub mod adaptive;
-pub(crate) mod bake_level;
-pub mod box_filter;
 pub mod cells;
 pub mod kernel;
-pub mod mirror;
 mod subtexel;
-mod tent;
+pub mod tent;
+pub(crate) mod bake_level;
+pub mod box_filter;
+pub mod mirror;

@@ -1,34 +1,109 @@
-//! What an OEM texel looks like on the sphere under the reconstruction that is served: its energy spread by a tent,
-//! two texels wide, in (u, v) (constant inside a texel, convolved with a one-texel box).
+//! What an OEM texel looks like on the sphere: its energy constant in (u, v) over the texel, or spread by a tent two
+//! texels wide (the same convolved with a one-texel box), which at roughness 0 is bilinear interpolation.
 
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
-/// Mean direction, spread and reach of a patch of the sphere under a weight.
+/// How a texel's energy is spread around its centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reconstruction {
+    /// Constant over the texel: for lobes much wider than it.
+    Constant,
+    /// A tent over two texels: for lobes of its own size and sharper.
+    Bilinear,
+}
+
+impl Reconstruction {
+    /// Half of the spread's width in texels.
+    pub(super) const fn reach(self) -> f64 {
+        match self {
+            Self::Constant => 0.5,
+            Self::Bilinear => 1.0,
+        }
+    }
+
+    /// The spread's density at `offset` from the centre along one axis, in texels.
+    fn density(self, offset: f64) -> f64 {
+        match self {
+            Self::Constant => 1.0,
+            Self::Bilinear => 1.0 - offset.abs(),
+        }
+    }
+
+    /// Three nodes a side with the spread's own second and fourth moments, and their weights.
+    const fn nodes(self) -> [(f64, f64); 3] {
+        match self {
+            // Gauss and Legendre on [-1/2, 1/2].
+            Self::Constant => {
+                [(-0.387_298_334_620_741_7, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.387_298_334_620_741_7, 5.0 / 18.0)]
+            }
+            // Moments 1/6 and 1/15.
+            Self::Bilinear => {
+                [(-0.632_455_532_033_675_9, 5.0 / 24.0), (0.0, 14.0 / 24.0), (0.632_455_532_033_675_9, 5.0 / 24.0)]
+            }
+        }
+    }
+}
+
+/// The first two moments of energy on the sphere, and how far it reaches.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moments {
     /// Mean of the unit directions: a point inside the sphere.
     pub(super) centroid: DVec3,
-    /// Mean squared distance from the centroid, 1 - |centroid|^2.
-    pub(super) spread: f64,
+    /// Covariance of the unit directions: xx, yy, zz.
+    pub(super) diagonal: DVec3,
+    /// Covariance of the unit directions: yz, zx, xy.
+    pub(super) mixed: DVec3,
     /// Greatest distance of a direction from the centroid.
     pub(super) radius: f64,
 }
 
-/// The tents of all texels of an n x n square: one table for its four mirror images.
+impl Moments {
+    /// Adds `share` of the energy, itself spread as `part`, at its place around `centroid`.
+    pub(super) fn add_spread(&mut self, part: &Self, share: f64) {
+        let apart = part.centroid - self.centroid;
+        self.diagonal += (part.diagonal + apart * apart) * share;
+        self.mixed += (part.mixed + apart.yzx() * apart.zxy()) * share;
+    }
+
+    /// Moments of weighted directions; weights sum to 1. The radius is left 0.
+    pub(super) fn of(weighted: impl Iterator<Item = (DVec3, f64)> + Clone) -> Self {
+        let mut moments = Self::default();
+        for (direction, weight) in weighted.clone() {
+            moments.centroid += direction * weight;
+        }
+        for (direction, weight) in weighted {
+            let apart = direction - moments.centroid;
+            moments.diagonal += apart * apart * weight;
+            moments.mixed += apart.yzx() * apart.zxy() * weight;
+        }
+        moments
+    }
+
+    /// The octant's mirror image.
+    fn mirrored(mut self, signs: DVec3) -> Self {
+        self.centroid *= signs;
+        self.mixed *= signs.yzx() * signs.zxy();
+        self
+    }
+}
+
+/// The spreads of all texels of an n x n square: one table for its four mirror images.
 pub(super) struct Tents {
     n: u32,
     quadrant: Vec<Moments>,
 }
 
 impl Tents {
-    pub(super) fn new(n: u32) -> Self {
+    pub(super) fn new(n: u32, reconstruction: Reconstruction) -> Self {
         let half = n.div_ceil(2);
         let first = n - half;
         let quadrant = (0..half)
             .into_par_iter()
-            .flat_map_iter(|y| (0..half).map(move |x| tent(n, texel_centre(n, first + x, first + y))))
+            .flat_map_iter(|y| {
+                (0..half).map(move |x| spread(n, texel_centre(n, first + x, first + y), reconstruction))
+            })
             .collect();
         Self { n, quadrant }
     }
@@ -38,41 +113,36 @@ impl Tents {
         let first = self.n - half;
         let fold = |k: u32| if k >= first { (k - first, 1.0) } else { (self.n - 1 - k - first, -1.0) };
         let ((x, sign_x), (y, sign_z)) = (fold(x), fold(y));
-        let mut moments = self.quadrant[y as usize * half as usize + x as usize];
-        moments.centroid *= DVec3::new(sign_x, 1.0, sign_z);
-        moments
+        self.quadrant[y as usize * half as usize + x as usize].mirrored(DVec3::new(sign_x, 1.0, sign_z))
     }
 }
 
 /// Whether the map has a kink (axis, fold diagonal or edge of the square) nearer than `reach` to `centre`, u, v >= 0.
 fn near_kink(centre: DVec2, reach: f64) -> bool {
+    // A texel's own outline may touch a kink.
+    let reach = reach * (1.0 - 1e-9);
     let most = centre.max_element();
     centre.min_element() < reach || most > 1.0 - reach || (1.0 - centre.x - centre.y).abs() < 2.0 * reach
 }
 
-/// Moments of the tent around `centre` (u, v >= 0).
-fn tent(n: u32, centre: DVec2) -> Moments {
+/// Moments of the spread around `centre` (u, v >= 0).
+fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
     let h = 2.0 / f64::from(n);
+    let reach = reconstruction.reach();
     let direction = |offset: DVec2| direction_from_oct(wrap_oct(centre + offset * h));
-    let smooth = !near_kink(centre, h);
-    let centroid = if smooth {
-        // Three nodes a side with the tent's own second and fourth moments, h^2/6 and h^4/15.
-        const NODES: [(f64, f64); 3] = [
-            (-0.632_455_532_033_675_9, 5.0 / 24.0),
-            (0.0, 14.0 / 24.0),
-            (0.632_455_532_033_675_9, 5.0 / 24.0),
-        ];
-        let mut sum = DVec3::ZERO;
-        for (v, weight_v) in NODES {
-            for (u, weight_u) in NODES {
-                sum += direction(DVec2::new(u, v)) * (weight_u * weight_v);
-            }
+    let smooth = !near_kink(centre, reach * h);
+    let mut moments = if smooth {
+        let nodes = reconstruction.nodes();
+        let mut weighted = [(DVec3::ZERO, 0.0); 9];
+        for (k, node) in weighted.iter_mut().enumerate() {
+            let ((u, weight_u), (v, weight_v)) = (nodes[k % 3], nodes[k / 3]);
+            *node = (direction(DVec2::new(u, v)), weight_u * weight_v);
         }
-        sum
+        Moments::of(weighted.iter().copied())
     } else {
-        kinked_centroid(direction)
+        kinked(direction, reconstruction)
     };
-    // Kinks meet the tent's outline at its corners and half-texel points only; between them the patch is a spherical
+    // Kinks meet the outline at its corners and half-texel points only; between them the patch is a spherical
     // polygon, and the farthest point of a polygon is a corner.
     let step = if smooth { 4 } else { 1 };
     let mut radius_squared = 0.0_f64;
@@ -84,41 +154,38 @@ fn tent(n: u32, centre: DVec2) -> Moments {
             2 => DVec2::new(-along, 1.0),
             _ => DVec2::new(-1.0, -along),
         };
-        radius_squared = radius_squared.max(direction(corner).distance_squared(centroid));
+        radius_squared = radius_squared.max(direction(corner * reach).distance_squared(moments.centroid));
     }
-    if n < 4 {
-        // So coarse that a tent may reach around the sphere.
-        radius_squared = 4.0;
-    }
-    Moments { centroid, spread: (1.0 - centroid.length_squared()).max(0.0), radius: radius_squared.sqrt() }
+    // So coarse that a spread may reach around the sphere.
+    moments.radius = if n < 4 { 2.0 } else { radius_squared.sqrt() };
+    moments
 }
 
-/// The centroid where kinks cross the tent: half-texel squares, each cut along both diagonals, Gauss points in each
+/// Moments where kinks cross the spread: squares of half a reach, each cut along both diagonals, Gauss points in each
 /// triangle. Axes, edges and fold diagonals all run along those cuts.
-fn kinked_centroid(direction: impl Fn(DVec2) -> DVec3) -> DVec3 {
+fn kinked(direction: impl Fn(DVec2) -> DVec3, reconstruction: Reconstruction) -> Moments {
     const NODES: [(f64, f64); 3] =
         [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
-    let mut sum = DVec3::ZERO;
-    for j in 0..4 {
-        for i in 0..4 {
-            let low = DVec2::new(f64::from(i), f64::from(j)) / 2.0 - 1.0;
-            let middle = low + 0.25;
-            let corners = [low, low + DVec2::new(0.5, 0.0), low + 0.5, low + DVec2::new(0.0, 0.5)];
-            for k in 0..4 {
-                let (a, b) = (corners[k], corners[(k + 1) % 4]);
-                for (along, weight_along) in NODES {
-                    for (across, weight_across) in NODES {
-                        // Collapsed coordinates: the triangle's point shrinks towards the middle.
-                        let point = middle + (a.lerp(b, across) - middle) * along;
-                        let area = along * 0.125 * weight_along * weight_across;
-                        let tent = (1.0 - point.x.abs()) * (1.0 - point.y.abs());
-                        sum += direction(point) * (tent * area);
-                    }
+    let reach = reconstruction.reach();
+    let mut weighted = Vec::with_capacity(16 * 4 * 9);
+    for (i, j) in (0..4).flat_map(|j| (0..4).map(move |i| (i, j))) {
+        let low = DVec2::new(f64::from(i), f64::from(j)) / 2.0 - 1.0;
+        let middle = low + 0.25;
+        let corners = [low, low + DVec2::new(0.5, 0.0), low + 0.5, low + DVec2::new(0.0, 0.5)];
+        for k in 0..4 {
+            let (a, b) = (corners[k], corners[(k + 1) % 4]);
+            for (along, weight_along) in NODES {
+                for (across, weight_across) in NODES {
+                    // Collapsed coordinates: the triangle's point shrinks towards the middle.
+                    let point = (middle + (a.lerp(b, across) - middle) * along) * reach;
+                    let area = along * 0.125 * weight_along * weight_across * reach * reach;
+                    let density = reconstruction.density(point.x) * reconstruction.density(point.y);
+                    weighted.push((direction(point), density * area));
                 }
             }
         }
     }
-    sum
+    Moments::of(weighted.iter().copied())
 }
 
 #[cfg(test)]
@@ -126,27 +193,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_rules_find_the_brute_force_centroid() {
-        for n in [16, 17] {
-            let tents = Tents::new(n);
+    fn both_rules_find_the_brute_force_moments() {
+        for (n, reconstruction) in [
+            (16, Reconstruction::Bilinear),
+            (17, Reconstruction::Bilinear),
+            (16, Reconstruction::Constant),
+            (17, Reconstruction::Constant),
+        ] {
+            let tents = Tents::new(n, reconstruction);
+            let reach = reconstruction.reach();
             for (x, y) in [(0, 0), (3, 9), (12, 12), (11, 14), (8, 8), (15, 2), (4, 13)] {
                 let (centre, h) = (texel_centre(n, x, y), 2.0 / f64::from(n));
                 let count = 200;
-                let mut sum = DVec3::ZERO;
-                for j in 0..count {
-                    for i in 0..count {
-                        let p =
-                            (DVec2::new(f64::from(i), f64::from(j)) + 0.5) * (2.0 / f64::from(count)) - 1.0;
-                        let weight = (1.0 - p.x.abs()) * (1.0 - p.y.abs()) * (2.0 / f64::from(count)).powi(2);
-                        sum += direction_from_oct(wrap_oct(centre + p * h)) * weight;
-                    }
-                }
-                let moments = tents.at(x, y);
-                assert!(
-                    moments.centroid.distance(sum) < 3e-5,
-                    "n {n} ({x}, {y}): {} against {sum}",
-                    moments.centroid
-                );
+                let weighted: Vec<(DVec3, f64)> = (0..count * count)
+                    .map(|k| {
+                        let p = (DVec2::new(f64::from(k % count), f64::from(k / count)) + 0.5)
+                            * (2.0 / f64::from(count))
+                            - 1.0;
+                        let p = p * reach;
+                        let density = reconstruction.density(p.x) * reconstruction.density(p.y);
+                        let area = (2.0 * reach / f64::from(count)).powi(2);
+                        (direction_from_oct(wrap_oct(centre + p * h)), density * area)
+                    })
+                    .collect();
+                let expected = Moments::of(weighted.iter().copied());
+                let found = tents.at(x, y);
+                assert!(found.centroid.distance(expected.centroid) < 3e-5, "n {n} ({x}, {y}) {reconstruction:?}");
+                assert!(found.diagonal.distance(expected.diagonal) < 3e-6, "n {n} ({x}, {y}) {reconstruction:?}");
+                assert!(found.mixed.distance(expected.mixed) < 3e-6, "n {n} ({x}, {y}) {reconstruction:?}");
+                let reached = weighted.iter().map(|(d, _)| d.distance(found.centroid)).fold(0.0, f64::max);
+                assert!(reached <= found.radius, "n {n} ({x}, {y}): {reached} within {}", found.radius);
             }
         }
     }

@@ -214,8 +214,7 @@ mod tests {
                         sum += texels.integrate(block, &kernel.around(frames[frame]), &accuracy);
                     });
                     // A cone's edge, where pieces are halved eight times and not cut, is the worst.
-                    let tolerance =
-                        if lobe == Lobe::Cone { 2e-3 / roughness } else { 2e-5 };
+                    let tolerance = if lobe == Lobe::Cone { 2e-3 / roughness } else { 2e-5 };
                     let off = (sum / kernel.integral() - 1.0).abs();
                     assert!(off < tolerance, "{layout:?} {lobe:?} {roughness}: off by {off:e}");
                 }

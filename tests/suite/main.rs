@@ -1,5 +1,6 @@
 //! The test suite: one binary, a module a concern.
 
 mod common;
+mod oem;
 mod oracle;
 mod sphere;
