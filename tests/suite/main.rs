@@ -3,4 +3,5 @@
 mod common;
 mod oem;
 mod oracle;
+mod sat;
 mod sphere;

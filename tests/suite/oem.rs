@@ -118,7 +118,10 @@ fn a_sun_arrives_whole_in_odd_and_tiny_squares() {
     ];
     let everywhere = |layout: Layout| (0..layout.texel_count()).collect();
     let fine = Layout::Panorama { width: 512, height: 256 };
-    let cases = layouts.map(|layout| (layout, everywhere(layout))).into_iter().chain([(fine, places_of_interest(fine))]);
+    let cases = layouts
+        .map(|layout| (layout, everywhere(layout)))
+        .into_iter()
+        .chain([(fine, places_of_interest(fine))]);
     for (layout, places) in cases {
         for inner in [1, 2, 3, 5, 17] {
             for_each_triple(&places, |suns| {
