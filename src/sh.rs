@@ -46,7 +46,8 @@ pub fn spherical_harmonics(environment: &Environment) -> [[f64; 3]; 9] {
             world_first += world_from_block * first;
             world_second += world_from_block * second * world_from_block.transpose();
         }
-        for (coefficient, value) in coefficients.iter_mut().zip(from_moments(area, world_first, world_second)) {
+        for (coefficient, value) in coefficients.iter_mut().zip(from_moments(area, world_first, world_second))
+        {
             coefficient[channel] = value;
         }
     }

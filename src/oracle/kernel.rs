@@ -2,7 +2,7 @@
 
 use crate::lobe::Lobe;
 use glam::DVec3;
-use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, SQRT_2};
 
 /// The lobe's profile.
 #[derive(Clone, Copy, Debug)]
@@ -24,11 +24,20 @@ pub(super) enum Side {
     Inside,
 }
 
+/// Minus the logarithm of the share of the peak below which a Phong lobe counts as nothing, 1e-30, and below which its
+/// integrals need not be as exact in relation to themselves, 1e-8.
+const NOTHING: f64 = 69.0;
+const FAINT: f64 = 18.4;
+
 /// The kernel of one query.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kernel {
     pub(super) direction: DVec3,
     profile: Profile,
+    /// Chord of the support's half-angle.
+    pub(super) support: f64,
+    /// Chord beyond which there is nothing: the support's, or less where the kernel has fallen to nothing.
+    pub(super) vanishes: f64,
 }
 
 impl Kernel {
@@ -37,6 +46,8 @@ impl Kernel {
         let alpha_squared = roughness.powi(4);
         let profile = match lobe {
             Lobe::Ggx => Profile::Ggx { alpha_squared },
+            // At roughness 1 the exponent is 0 and the lobe a hemisphere.
+            Lobe::Phong if roughness == 1.0 => Profile::Cone { half_angle: FRAC_PI_2, cosine: 0.0 },
             Lobe::Phong => Profile::Phong { exponent: 2.0 / alpha_squared - 2.0 },
             Lobe::Cone => {
                 let half_angle = roughness * FRAC_PI_2;
@@ -44,7 +55,15 @@ impl Kernel {
             }
             Lobe::Cosine => Profile::Cosine,
         };
-        Self { direction, profile }
+        let support = match profile {
+            Profile::Cone { half_angle, .. } => 2.0 * (half_angle / 2.0).sin(),
+            Profile::Ggx { .. } | Profile::Phong { .. } | Profile::Cosine => SQRT_2,
+        };
+        let vanishes = match profile {
+            Profile::Phong { exponent } => (-2.0 * (-NOTHING / exponent).exp_m1()).sqrt().min(support),
+            Profile::Ggx { .. } | Profile::Cone { .. } | Profile::Cosine => support,
+        };
+        Self { direction, profile, support, vanishes }
     }
 
     /// The same profile around another direction.
@@ -55,14 +74,6 @@ impl Kernel {
     /// Whether the support ends in a jump.
     pub(super) const fn jumps(&self) -> bool {
         matches!(self.profile, Profile::Cone { .. })
-    }
-
-    /// Half-angle of the support.
-    const fn support(&self) -> f64 {
-        match self.profile {
-            Profile::Cone { half_angle, .. } => half_angle,
-            Profile::Ggx { .. } | Profile::Phong { .. } | Profile::Cosine => FRAC_PI_2,
-        }
     }
 
     /// Signed distance of `point` (any length) from the boundary of the support, positive inside, in units of the
@@ -77,12 +88,10 @@ impl Kernel {
 
     /// Where the cap of chord `radius` around the unit vector `centre` lies.
     pub(super) fn side(&self, centre: DVec3, radius: f64) -> Side {
-        let angle = 2.0 * ((centre - self.direction).length() / 2.0).min(1.0).asin();
-        // An arc is at most pi/2 times its chord; a chord beyond a quarter turn is as good as the whole sphere.
-        let spread = radius * FRAC_PI_2;
-        if angle - spread >= self.support() {
+        let distance = centre.distance(self.direction);
+        if distance - radius >= self.vanishes {
             Side::Outside
-        } else if angle + spread <= self.support() {
+        } else if distance + radius <= self.support {
             Side::Inside
         } else {
             Side::Across
@@ -129,26 +138,26 @@ impl Kernel {
         }
     }
 
-    /// The mean of the kernel over cosines spread evenly over `cosine` +- `half_width`, across the edge of the support,
-    /// and how far that may be from the mean over a texel of the same variance.
-    pub(super) fn estimate_at_edge(&self, cosine: f64, half_width: f64) -> (f64, f64) {
+    /// The kernel over a texel of `solid_angle`, across the edge of the support, as if cosines were spread evenly over
+    /// `cosine` +- `half_width`; and how far off that may be.
+    pub(super) fn estimate_at_edge(&self, cosine: f64, half_width: f64, solid_angle: f64) -> (f64, f64) {
+        let (mean, doubt) = self.mean_at_edge(cosine, half_width);
+        (mean * solid_angle, doubt * solid_angle)
+    }
+
+    fn mean_at_edge(&self, cosine: f64, half_width: f64) -> (f64, f64) {
         if let Profile::Cone { cosine: edge, .. } = self.profile {
             return (((cosine - edge) / half_width / 2.0 + 0.5).clamp(0.0, 1.0), 0.3);
         }
-        let inside = (cosine + half_width).max(0.0).min(2.0 * half_width);
+        let inside = (cosine + half_width).clamp(0.0, 2.0 * half_width);
         let mean = if cosine > half_width { cosine } else { inside * inside / (4.0 * half_width) };
-        (self.slope_at_horizon() * mean, self.slope_at_horizon() * half_width / 8.0)
-    }
-
-    /// The slope at the horizon, in the cosine; the kernel ends there with a kink.
-    fn slope_at_horizon(&self) -> f64 {
         match self.profile {
+            Profile::Phong { exponent } => (mean.powf(exponent), (2.0 * half_width).powf(exponent)),
             Profile::Ggx { alpha_squared } => {
-                4.0 * FRAC_1_PI * alpha_squared / ((1.0 + alpha_squared) * (1.0 + alpha_squared))
+                let slope = 4.0 * FRAC_1_PI * alpha_squared / ((1.0 + alpha_squared) * (1.0 + alpha_squared));
+                (slope * mean, slope * half_width / 8.0)
             }
-            Profile::Phong { exponent } => f64::from(u8::from(exponent <= 1.0)),
-            Profile::Cone { .. } => 0.0,
-            Profile::Cosine => 1.0,
+            Profile::Cosine | Profile::Cone { .. } => (mean, half_width / 8.0),
         }
     }
 
@@ -157,10 +166,9 @@ impl Kernel {
     pub(super) fn reach(&self, distance: f64) -> f64 {
         match self.profile {
             Profile::Ggx { alpha_squared } => (distance * distance + 4.0 * alpha_squared).sqrt().min(1.0),
-            // An entire function: the length over which it changes by a factor e^3, and no more than matters where it
-            // has fallen below 1e-20 of its peak.
+            // An entire function: the length over which it changes by a factor e^3.
             Profile::Phong { exponent } => {
-                let felt = distance.min((92.0 / (exponent + 1.0)).sqrt());
+                let felt = distance.min((2.0 * FAINT / (exponent + 1.0)).sqrt());
                 (3.0 / ((exponent + 1.0).sqrt() + exponent * felt)).min(1.0)
             }
             Profile::Cone { .. } | Profile::Cosine => 1.0,

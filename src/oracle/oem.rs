@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 const QUADRANT_ACCURACY: f64 = 1e-9;
 
 /// Levels of splitting at the edge of a cone, down to pieces that are cut along a chord.
-const CONE_LEVELS: u32 = 12;
+const CONE_LEVELS: u32 = 40;
 
 /// An OEM made ready for exhaustive integration.
 ///
@@ -112,7 +112,8 @@ impl OemOracle {
 
     fn mirror(&self, direction: DVec3) -> [f64; 3] {
         let uv = octahedral::oct_from_direction(direction);
-        let half_texel = |t: f64| (((t + 1.0) * f64::from(self.size)) as usize).min(2 * self.size as usize - 1);
+        let half_texel =
+            |t: f64| (((t + 1.0) * f64::from(self.size)) as usize).min(2 * self.size as usize - 1);
         let (first, sites) = self.sites(half_texel(uv.x), half_texel(uv.y));
         let place = (uv - first) * f64::from(self.size) / 2.0;
         let weights = [

@@ -34,11 +34,6 @@ pub(super) fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
 const ORDERS: [u32; 5] = [2, 3, 4, 6, 8];
 static RULES: LazyLock<[Vec<(f64, f64)>; 5]> = LazyLock::new(|| ORDERS.map(gauss_legendre));
 
-/// The rule for moments of whole texels.
-pub(super) fn finest_rule() -> &'static [(f64, f64)] {
-    &RULES[4]
-}
-
 /// A quadrature point: where (any length), the squared length, the chart's coordinates and the weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
@@ -69,6 +64,12 @@ impl Accuracy {
             4.0 * rho / (rho * rho - 1.0)
         });
         Self { sides, edge_levels }
+    }
+
+    /// The cheapest rule for a piece of this side, in units of the reach; `None` where it must be split.
+    pub(super) fn rule(&self, side: f64) -> Option<&'static [(f64, f64)]> {
+        let order = self.sides.iter().position(|&limit| side <= limit)?;
+        Some(&RULES[order])
     }
 
     /// The same with another number of levels at edges.
@@ -126,11 +127,14 @@ fn integrate_inside<P: Patch, V: FnMut(Sample, f64)>(
     visit: &mut V,
 ) {
     let (centre, radius) = patch.cap();
-    let nearest = ((centre - kernel.direction).length() - radius).max(0.0);
+    let nearest = (centre.distance(kernel.direction) - radius).max(0.0);
+    if nearest >= kernel.vanishes {
+        return;
+    }
     let side = SQRT_2 * radius / kernel.reach(nearest);
     // A sixtieth halving is below the rounding of a direction.
-    match accuracy.sides.iter().position(|&limit| side <= limit).or((level == 60).then_some(4)) {
-        Some(order) => patch.sample(&RULES[order], &mut |s| visit(s, kernel.at(s.point, s.length_squared))),
+    match accuracy.rule(side).or_else(|| (level == 60).then_some(&RULES[4])) {
+        Some(rule) => patch.sample(rule, &mut |s| visit(s, kernel.at(s.point, s.length_squared))),
         None => {
             for quarter in patch.split() {
                 integrate_inside(&quarter, kernel, accuracy, level + 1, visit);
@@ -204,12 +208,7 @@ impl Patch for Flat {
 
     fn split(&self) -> [Self; 4] {
         let quarter = |a: f64, b: f64| Self {
-            corners: [
-                self.at(a, b),
-                self.at(a + 0.5, b),
-                self.at(a + 0.5, b + 0.5),
-                self.at(a, b + 0.5),
-            ],
+            corners: [self.at(a, b), self.at(a + 0.5, b), self.at(a + 0.5, b + 0.5), self.at(a, b + 0.5)],
             ..*self
         };
         [quarter(0.0, 0.0), quarter(0.5, 0.0), quarter(0.5, 0.5), quarter(0.0, 0.5)]
@@ -237,9 +236,9 @@ impl Patch for Flat {
 
     fn cut(&self, kernel: &Kernel, keep: &mut impl FnMut(Self)) -> bool {
         if kernel.jumps() {
-            // A circle is cut along a chord: its sag on a piece of a thousandth of a radian is below 1e-6 of it.
+            // A circle is cut along chords: with pieces this small the area between is below 1e-6 of its own.
             let (_, radius) = self.cap();
-            if radius > 1e-3 {
+            if radius > 1e-3 * kernel.support {
                 return false;
             }
         }

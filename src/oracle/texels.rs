@@ -4,7 +4,7 @@
 //! cube. What is worked out once is a *block*; a *frame* carries a source direction into the block's own space.
 
 use super::kernel::Kernel;
-use super::patch::{Accuracy, Band, Flat, Measure, Patch, Plane, Sample, finest_rule, integrate};
+use super::patch::{Accuracy, Band, Flat, Measure, Patch, Plane, Sample, integrate};
 use crate::environment::Layout;
 use crate::sphere::{cube, equirect, octahedral};
 use glam::{DMat3, DVec2, DVec3};
@@ -116,15 +116,16 @@ impl SourceTexels {
 
     fn work_out(&self, block: usize) -> Texel {
         let mut moments = Moments { area: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
+        let accuracy = Accuracy::new(1e-15, 0);
         let (solid_angle, cap) = match self.layout {
             Layout::Panorama { width, height } => {
                 let band = panorama_texel(width, height, block);
-                moments.add_patch(&band, 0);
+                moments.add_patch(&band, &accuracy);
                 (equirect::texel_solid_angle(width, height, block as u32), band.cap())
             }
             Layout::Cube { size } => {
                 let flat = cube_texel(size, block);
-                moments.add_patch(&flat, 0);
+                moments.add_patch(&flat, &accuracy);
                 let (i, j) = (block as u32 % size, block as u32 / size);
                 (cube::texel_solid_angle(size, i, j), flat.cap())
             }
@@ -133,7 +134,7 @@ impl SourceTexels {
                 let centre = octahedral::direction_from_oct(octahedral::texel_centre(size, x, y));
                 let mut radius: f64 = 0.0;
                 for_each_octahedral_piece(size, block, |piece| {
-                    moments.add_patch(&piece, 0);
+                    moments.add_patch(&piece, &accuracy);
                     let (middle, spread) = piece.cap();
                     radius = radius.max(middle.distance(centre) + spread).min(2.0);
                 });
@@ -154,20 +155,21 @@ struct Moments {
 }
 
 impl Moments {
-    /// By Gauss's rule of eighth order, on pieces small enough for it to be exact to rounding.
-    fn add_patch<P: Patch>(&mut self, patch: &P, level: u32) {
-        if patch.cap().1 > 0.2 && level < 6 {
-            for quarter in patch.split() {
-                self.add_patch(&quarter, level + 1);
+    /// To rounding: the integrands' poles lie where |point| = 0, half a unit or more away.
+    fn add_patch<P: Patch>(&mut self, patch: &P, accuracy: &Accuracy) {
+        match accuracy.rule(patch.cap().1 / 0.5) {
+            Some(rule) => patch.sample(rule, &mut |s: Sample| {
+                let direction = s.point / s.length_squared.sqrt();
+                self.area += s.weight;
+                self.first += direction * s.weight;
+                self.second += outer(direction) * s.weight;
+            }),
+            None => {
+                for quarter in patch.split() {
+                    self.add_patch(&quarter, accuracy);
+                }
             }
-            return;
         }
-        patch.sample(finest_rule(), &mut |s: Sample| {
-            let direction = s.point / s.length_squared.sqrt();
-            self.area += s.weight;
-            self.first += direction * s.weight;
-            self.second += outer(direction) * s.weight;
-        });
     }
 }
 
