@@ -4,7 +4,7 @@ use super::kernel::Kernel;
 use super::patch::{Accuracy, Measure, Sample, integrate};
 use super::texels::for_each_flat_of_quadrant;
 use crate::lobe::Lobe;
-use crate::oem::Oem;
+use crate::oem::{Oem, bilinear_share};
 use crate::sphere::octahedral;
 use glam::{DVec2, DVec3};
 
@@ -17,10 +17,10 @@ const CONE_LEVELS: u32 = 40;
 /// An OEM made ready for exhaustive integration.
 ///
 /// The answer is L = c + sum_t Kbar_t * (E_t - c w_t) / W in each channel: c is the least radiance of the channel in
-/// the OEM, W the kernel's integral over the sphere, and Kbar_t the kernel averaged with a tent over texel t in
-/// (u, v), two texels wide on the unfolded plane. Summed over t that is the kernel times the bilinear interpolation of
-/// (E_t - c w_t) per (u, v) area, integrated over the square; it is done quadrant by quadrant of each texel, where
-/// interpolation, map and fold have no kinks.
+/// the OEM, W the kernel's integral over the sphere, and Kbar_t the kernel averaged over texel t in (u, v), with a tent two texels
+/// wide on the unfolded plane to the share that [`bilinear_share`] says, evenly for the rest. Summed over t that is the
+/// kernel times the bilinear (or constant) interpolation of (E_t - c w_t) per (u, v) area, integrated over the square;
+/// it is done quadrant by quadrant of each texel, where interpolation, map and fold have no kinks.
 #[derive(Debug)]
 pub struct OemOracle {
     size: u32,
@@ -80,6 +80,7 @@ impl OemOracle {
         let kernel = Kernel::new(lobe, roughness, direction.normalize());
         let accuracy = Accuracy::new(QUADRANT_ACCURACY, CONE_LEVELS);
         let texels_per_unit = f64::from(self.size) / 2.0;
+        let bilinear = bilinear_share(lobe, roughness * roughness, self.size);
         let mut sum = [0.0; 3];
         for j in 0..2 * self.size as usize {
             for i in 0..2 * self.size as usize {
@@ -98,7 +99,9 @@ impl OemOracle {
                     integrate(&flat, &kernel, &accuracy, &mut add);
                 });
                 let [m, a, b, ab] = moments;
-                let weights = [m - a - b + ab, a - ab, b - ab, ab];
+                let mut weights = [m - a - b + ab, a - ab, b - ab, ab].map(|weight| weight * bilinear);
+                // The quadrant's own texel is the second site of a left or upper half, the first of the other.
+                weights[(1 - i % 2) + 2 * (1 - j % 2)] += m * (1.0 - bilinear);
                 for (site, weight) in sites.iter().zip(weights) {
                     for (sum, density) in sum.iter_mut().zip(site) {
                         *sum += weight * density;
