@@ -1,3 +1,9 @@
-//! The command-line program.
+//! The command-line program: parses, checks and runs one subcommand of [`octagloss`].
 
-fn main() {}
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::main()
+}

@@ -87,9 +87,9 @@ impl<'a> Reflector<'a> {
             });
         }
         let oem = reparameterise::oem_from_environment(environment, OemSize { inner, border })?;
-        // Cells of an eighth of the sharpest lobe's alpha: a texel is at least 2/n wide.
+        // Cells of a quarter of the sharpest lobe's alpha: a texel is at least 2/n wide.
         let alpha = settings.sharpest * settings.sharpest;
-        let finest = alpha / 8.0 * f64::from(inner) / 2.0;
+        let finest = alpha / 4.0 * f64::from(inner) / 2.0;
         let block = if finest >= 2.0 { 1 << (finest.log2() as u32).min(6) } else { 1 };
         Ok(Self {
             environment,

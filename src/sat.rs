@@ -80,7 +80,7 @@ impl FixedPoint {
     }
 
     /// Four non-negative finite values as integers, truncated: shifts of their bit patterns, no float arithmetic.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn quantise(self, values: [f32; 4]) -> [u64; 4] {
         let mut out = [0; 4];

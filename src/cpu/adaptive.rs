@@ -112,6 +112,24 @@ pub struct Adaptive<'a> {
     arch: pulp::Arch,
 }
 
+/// One packet's evaluation, compiled for the widest vectors there are: a closure would not be inlined into them.
+struct Evaluation<'a, R> {
+    adaptive: &'a Adaptive<'a>,
+    kernel: R,
+    packet: &'a Packet,
+    scratch: &'a mut Scratch,
+}
+
+impl<R: Radial> pulp::NullaryFnOnce for Evaluation<'_, R> {
+    type Output = Shares;
+
+    #[inline(always)]
+    fn call(self) -> Shares {
+        self.adaptive.cut(self.kernel, self.packet, self.scratch);
+        self.adaptive.sum(self.kernel, self.packet, self.scratch)
+    }
+}
+
 impl<'a> Adaptive<'a> {
     /// Lobes of `kernel` to a relRMSE of `error` over the sphere.
     #[must_use]
@@ -124,9 +142,11 @@ impl<'a> Adaptive<'a> {
     pub fn evaluate(&self, packet: &Packet, scratch: &mut Scratch) -> Shares {
         scratch.leaves.clear();
         scratch.slack = 0.0;
-        with_radial!(self.kernel.shape, radial => self.arch.dispatch(|| {
-            self.cut(radial, packet, scratch);
-            self.sum(radial, packet, scratch)
+        with_radial!(self.kernel.shape, kernel => self.arch.dispatch(Evaluation {
+            adaptive: self,
+            kernel,
+            packet,
+            scratch,
         }))
     }
 

@@ -17,6 +17,15 @@ const FOOTPRINT_FROM: f64 = 1.0 / 3.0;
 /// and is whole from this share on.
 const FOOTPRINT_WHOLE: f64 = 1.0 / 2.0;
 
+/// A footprint of less than this share of a texel's edge changes a lobe by less than a thousandth.
+const NEGLIGIBLE_EXTENT: f64 = 0.1;
+
+/// The share of a texel's edge that its lobe is averaged over, `share` being the texel over the lobe's width.
+fn extent(share: f64) -> f64 {
+    let fade = ((share - FOOTPRINT_FROM) / (FOOTPRINT_WHOLE - FOOTPRINT_FROM)).clamp(0.0, 1.0);
+    fade * fade * (3.0 - 2.0 * fade)
+}
+
 /// A baked level.
 pub(crate) struct BakedLevel {
     pub(crate) texels: Vec<Rgb>,
@@ -118,7 +127,7 @@ impl Footprint {
         let width = lobe::full_width_at_half_maximum(lobe, alpha).max(2.0 / f64::from(oem));
         let widest = texel_solid_angle(rung.size, rung.size / 2, rung.size / 2).sqrt();
         let share = widest / width;
-        let divisions = if share <= FOOTPRINT_FROM {
+        let divisions = if extent(share) < NEGLIGIBLE_EXTENT {
             1
         } else {
             // Samples at most half a lobe apart.
@@ -139,8 +148,7 @@ impl Footprint {
             return visit(place(i, 0.0), place(j, 0.0));
         }
         let share = texel_solid_angle(self.size, i, j).sqrt() / self.width;
-        let fade = ((share - FOOTPRINT_FROM) / (FOOTPRINT_WHOLE - FOOTPRINT_FROM)).clamp(0.0, 1.0);
-        let extent = fade * fade * (3.0 - 2.0 * fade);
+        let extent = extent(share);
         let count = f64::from(self.divisions);
         // Midpoints, drawn apart to have the variance of the whole texel.
         let spacing = extent / (count * count - 1.0).sqrt();

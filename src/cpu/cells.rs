@@ -5,9 +5,10 @@
 //! clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least radiance c of each channel,
 //! E - c*w, so that a constant environment is black and dark cells stay coarse.
 
-use super::tent::{Moments, Reconstruction, Tents};
+use super::tent::{Patch, Reconstruction, Tents};
 use crate::environment::LUMINANCE;
 use crate::oem::Oem;
+use glam::{Vec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Four sibling cells, field by field, so that one visit judges all four at once.
@@ -31,9 +32,9 @@ pub(super) struct Quad {
 /// One cell while the tree is built.
 #[derive(Clone, Copy, Default)]
 struct Cell {
-    moments: Moments,
-    energy: [f32; 3],
-    weight: f64,
+    patch: Patch,
+    energy: Vec3,
+    luminance: f32,
 }
 
 /// One level of quads: those of cell (i, j) of the level above at `first` + j * `width` + i.
@@ -77,50 +78,46 @@ impl Cells {
         let mean_luminance =
             (0..3).map(|c| f64::from(LUMINANCE[c]) * totals[c]).sum::<f64>() / (4.0 * std::f64::consts::PI);
         let tents = Tents::new(n, reconstruction);
-        let above_least = |x: u32, y: u32| -> [f32; 3] {
-            let texel = oem.texel(x, y);
-            std::array::from_fn(|c| (texel[c] - least[c] * texel[3]).max(0.0))
+        let texel = |x: u32, y: u32| {
+            let [r, g, b, w] = oem.texel(x, y);
+            let energy = (Vec3::new(r, g, b) - Vec3::from(least) * w).max(Vec3::ZERO);
+            Cell { patch: tents.at(x, y), energy, luminance: energy.dot(Vec3::from(LUMINANCE)) }
         };
 
         let mut width = n.div_ceil(block);
-        let mut cells: Vec<Cell> = (0..width)
-            .into_par_iter()
-            .flat_map_iter(|j| {
-                let (tents, above_least) = (&tents, &above_least);
-                (0..width).map(move |i| {
-                    let texel = |x: u32, y: u32| {
-                        let energy = above_least(x, y);
-                        Cell { moments: tents.at(x, y), energy, weight: weight(energy) }
-                    };
-                    if block == 1 {
-                        return texel(i, j);
-                    }
-                    let range = |k: u32| k * block..((k + 1) * block).min(n);
-                    let members: Vec<Cell> =
-                        range(j).flat_map(|y| range(i).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect();
-                    merge(&members)
-                })
-            })
-            .collect();
-        let energies = if block == 1 { cells.iter().map(|cell| cell.energy).collect() } else { Vec::new() };
+        let mut cells = vec![Cell::default(); width as usize * width as usize];
+        cells.par_chunks_mut(width as usize).zip(0..width).for_each(|(row, j)| {
+            let range = |k: u32| k * block..((k + 1) * block).min(n);
+            let mut members = Vec::with_capacity((block * block) as usize);
+            for (cell, i) in row.iter_mut().zip(0..width) {
+                members.clear();
+                for y in range(j) {
+                    members.extend(range(i).map(|x| texel(x, y)));
+                }
+                *cell = merge(&members);
+            }
+        });
+        let energies = if block == 1 { cells.iter().map(|cell| cell.energy.to_array()).collect() } else { Vec::new() };
 
         let (mut quads, mut levels) = (Vec::new(), Vec::new());
         loop {
             let above = width.div_ceil(2);
-            levels.push(Level { first: u32::try_from(quads.len()).expect("fewer than 2^32 cells"), width: above });
-            let (level, parents): (Vec<Quad>, Vec<Cell>) = (0..above * above)
-                .into_par_iter()
-                .map(|k| {
-                    let (i, j) = (k % above, k / above);
+            let first = quads.len();
+            levels.push(Level { first: u32::try_from(first).expect("fewer than 2^32 cells"), width: above });
+            quads.resize(first + above as usize * above as usize, Quad::default());
+            let mut parents = vec![Cell::default(); above as usize * above as usize];
+            let rows = quads[first..].par_chunks_mut(above as usize).zip(parents.par_chunks_mut(above as usize));
+            rows.zip(0..above).for_each(|((quads, parents), j)| {
+                for ((quad, parent), i) in quads.iter_mut().zip(parents).zip(0..above) {
                     let siblings = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(di, dj)| {
                         let (i, j) = (2 * i + di, 2 * j + dj);
                         let inside = i < width && j < width;
                         if inside { cells[(j * width + i) as usize] } else { Cell::default() }
                     });
-                    (quad(&siblings), merge(&siblings))
-                })
-                .unzip();
-            quads.extend(level);
+                    *quad = Quad::of(&siblings);
+                    *parent = merge(&siblings);
+                }
+            });
             cells = parents;
             width = above;
             if width == 1 {
@@ -142,51 +139,58 @@ fn least_radiance(oem: &Oem) -> [f32; 3] {
     least
 }
 
-fn weight(energy: [f32; 3]) -> f64 {
-    (0..3).map(|c| f64::from(LUMINANCE[c]) * f64::from(energy[c])).sum()
-}
-
 /// The union of cells, centred by luminance; cells without energy do not count.
 fn merge(members: &[Cell]) -> Cell {
-    let mut union = Cell::default();
-    for member in members {
-        union.weight += member.weight;
-        union.moments.centroid += member.moments.centroid * member.weight;
-        for (sum, energy) in union.energy.iter_mut().zip(member.energy) {
-            *sum += energy;
-        }
+    if let [only] = members {
+        return *only;
     }
-    if union.weight > 0.0 {
-        union.moments.centroid /= union.weight;
-        for member in members.iter().filter(|member| member.weight > 0.0) {
-            union.moments.add_spread(&member.moments, member.weight / union.weight);
-            let apart = member.moments.centroid.distance(union.moments.centroid);
-            union.moments.radius = union.moments.radius.max(apart + member.moments.radius);
+    let members = || members.iter().filter(|member| member.luminance > 0.0);
+    let mut union = Cell::default();
+    let mut offset = Vec3::ZERO;
+    for member in members() {
+        if union.luminance == 0.0 {
+            union.patch.centroid = member.patch.centroid;
         }
+        union.luminance += member.luminance;
+        union.energy += member.energy;
+        // Summed as differences, which float32 keeps.
+        offset += (member.patch.centroid - union.patch.centroid) * member.luminance;
+    }
+    if union.luminance == 0.0 {
+        return union;
+    }
+    let share = 1.0 / union.luminance;
+    union.patch.centroid += offset * share;
+    for member in members() {
+        let apart = member.patch.centroid - union.patch.centroid;
+        let share = member.luminance * share;
+        union.patch.diagonal += (member.patch.diagonal + apart * apart) * share;
+        union.patch.mixed += (member.patch.mixed + apart.yzx() * apart.zxy()) * share;
+        union.patch.radius = union.patch.radius.max((apart.length() + member.patch.radius) * (1.0 + 1e-6));
     }
     union
 }
 
-fn quad(siblings: &[Cell; 4]) -> Quad {
-    let field = |get: fn(&Cell) -> f64| std::array::from_fn(|k| get(&siblings[k]) as f32);
-    // Rounded up where the bound relies on it.
-    let upward = |get: fn(&Cell) -> f64| std::array::from_fn(|k| (get(&siblings[k]) * (1.0 + 1e-6)) as f32);
-    Quad {
-        x: field(|cell| cell.moments.centroid.x),
-        y: field(|cell| cell.moments.centroid.y),
-        z: field(|cell| cell.moments.centroid.z),
-        covariance: [
-            field(|cell| cell.moments.diagonal.x),
-            field(|cell| cell.moments.diagonal.y),
-            field(|cell| cell.moments.diagonal.z),
-            field(|cell| cell.moments.mixed.x),
-            field(|cell| cell.moments.mixed.y),
-            field(|cell| cell.moments.mixed.z),
-        ],
-        radius: upward(|cell| cell.moments.radius),
-        luminance: upward(|cell| cell.weight),
-        red: std::array::from_fn(|k| siblings[k].energy[0]),
-        green: std::array::from_fn(|k| siblings[k].energy[1]),
-        blue: std::array::from_fn(|k| siblings[k].energy[2]),
+impl Quad {
+    fn of(siblings: &[Cell; 4]) -> Self {
+        let field = |get: fn(&Cell) -> f32| siblings.each_ref().map(get);
+        Self {
+            x: field(|cell| cell.patch.centroid.x),
+            y: field(|cell| cell.patch.centroid.y),
+            z: field(|cell| cell.patch.centroid.z),
+            covariance: [
+                field(|cell| cell.patch.diagonal.x),
+                field(|cell| cell.patch.diagonal.y),
+                field(|cell| cell.patch.diagonal.z),
+                field(|cell| cell.patch.mixed.x),
+                field(|cell| cell.patch.mixed.y),
+                field(|cell| cell.patch.mixed.z),
+            ],
+            radius: field(|cell| cell.patch.radius),
+            luminance: field(|cell| cell.luminance),
+            red: field(|cell| cell.energy.x),
+            green: field(|cell| cell.energy.y),
+            blue: field(|cell| cell.energy.z),
+        }
     }
 }

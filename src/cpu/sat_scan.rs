@@ -22,7 +22,7 @@ pub fn scan(scan: Scan, fixed: FixedPoint, texels: &[[f32; 4]], width: usize, ou
     }
 }
 
-#[inline]
+#[inline(always)]
 fn add(a: [u64; 4], b: [u64; 4]) -> [u64; 4] {
     std::array::from_fn(|k| a[k].wrapping_add(b[k]))
 }
@@ -55,13 +55,7 @@ fn strips(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64;
         .take((texels.len() - 1) / strip)
         .map(|texels| {
             let mut columns = vec![[0; 4]; width];
-            arch.dispatch(|| {
-                for row in texels.chunks_exact(width) {
-                    for (column, texel) in columns.iter_mut().zip(row) {
-                        *column = add(*column, fixed.quantise(*texel));
-                    }
-                }
-            });
+            arch.dispatch(ColumnSums { fixed, texels, columns: &mut columns });
             columns
         })
         .collect();
@@ -76,24 +70,61 @@ fn strips(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64;
     }
 
     texels.par_chunks(strip).zip(out.par_chunks_mut(strip)).enumerate().for_each(|(index, (texels, out))| {
-        arch.dispatch(|| {
-            let zeros;
-            let mut above: &[[u64; 4]] = if index > 0 {
-                &carries[index - 1]
-            } else {
-                zeros = vec![[0; 4]; width];
-                &zeros
-            };
-            for (row, out) in texels.chunks_exact(width).zip(out.chunks_exact_mut(width)) {
-                let mut run = [0; 4];
-                for ((out, texel), above) in out.iter_mut().zip(row).zip(above) {
-                    run = add(run, fixed.quantise(*texel));
-                    *out = add(run, *above);
-                }
-                above = out;
-            }
-        });
+        let zeros;
+        let above: &[[u64; 4]] = if index > 0 {
+            &carries[index - 1]
+        } else {
+            zeros = vec![[0; 4]; width];
+            &zeros
+        };
+        arch.dispatch(StripSums { fixed, texels, above, out });
     });
+}
+
+/// Adds a strip's rows to `columns`.
+struct ColumnSums<'a> {
+    fixed: FixedPoint,
+    texels: &'a [[f32; 4]],
+    columns: &'a mut [[u64; 4]],
+}
+
+impl pulp::NullaryFnOnce for ColumnSums<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for row in self.texels.chunks_exact(self.columns.len()) {
+            for (column, texel) in self.columns.iter_mut().zip(row) {
+                *column = add(*column, self.fixed.quantise(*texel));
+            }
+        }
+    }
+}
+
+/// The table of a strip under the row `above`.
+struct StripSums<'a> {
+    fixed: FixedPoint,
+    texels: &'a [[f32; 4]],
+    above: &'a [[u64; 4]],
+    out: &'a mut [[u64; 4]],
+}
+
+impl pulp::NullaryFnOnce for StripSums<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let width = self.above.len();
+        let mut above = self.above;
+        for (row, out) in self.texels.chunks_exact(width).zip(self.out.chunks_exact_mut(width)) {
+            let mut run = [0; 4];
+            for ((out, texel), above) in out.iter_mut().zip(row).zip(above) {
+                run = add(run, self.fixed.quantise(*texel));
+                *out = add(run, *above);
+            }
+            above = out;
+        }
+    }
 }
 
 /// Passes of out[i] = sum over k < radix of in[i - k * radix^pass], along rows until they are summed, then along

@@ -2,7 +2,7 @@
 //! texels wide (the same convolved with a one-texel box), which at roughness 0 is bilinear interpolation.
 
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
-use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use glam::{DVec2, DVec3, Vec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// How a texel's energy is spread around its centre.
@@ -31,20 +31,26 @@ impl Reconstruction {
         }
     }
 
-    /// Three nodes a side with the spread's own second and fourth moments, and their weights.
-    const fn nodes(self) -> [(f64, f64); 3] {
-        match self {
+    /// Nodes a side with the spread's own moments, and their weights: up to the fourth, or from [`FINE`] on, where
+    /// the fourth is below float32, the second.
+    const fn nodes(self, n: u32) -> &'static [(f64, f64)] {
+        match (self, n < FINE) {
             // Gauss and Legendre on [-1/2, 1/2].
-            Self::Constant => {
-                [(-0.387_298_334_620_741_7, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.387_298_334_620_741_7, 5.0 / 18.0)]
+            (Self::Constant, true) => {
+                &[(-0.387_298_334_620_741_7, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.387_298_334_620_741_7, 5.0 / 18.0)]
             }
+            (Self::Constant, false) => &[(-0.288_675_134_594_812_9, 0.5), (0.288_675_134_594_812_9, 0.5)],
             // Moments 1/6 and 1/15.
-            Self::Bilinear => {
-                [(-0.632_455_532_033_675_9, 5.0 / 24.0), (0.0, 14.0 / 24.0), (0.632_455_532_033_675_9, 5.0 / 24.0)]
+            (Self::Bilinear, true) => {
+                &[(-0.632_455_532_033_675_9, 5.0 / 24.0), (0.0, 14.0 / 24.0), (0.632_455_532_033_675_9, 5.0 / 24.0)]
             }
+            (Self::Bilinear, false) => &[(-0.408_248_290_463_863, 0.5), (0.408_248_290_463_863, 0.5)],
         }
     }
 }
+
+/// From this size on the map is straight enough for two nodes a side: (2/n)^4 is 2e-10.
+const FINE: u32 = 512;
 
 /// The first two moments of energy on the sphere, and how far it reaches.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,13 +66,6 @@ pub(super) struct Moments {
 }
 
 impl Moments {
-    /// Adds `share` of the energy, itself spread as `part`, at its place around `centroid`.
-    pub(super) fn add_spread(&mut self, part: &Self, share: f64) {
-        let apart = part.centroid - self.centroid;
-        self.diagonal += (part.diagonal + apart * apart) * share;
-        self.mixed += (part.mixed + apart.yzx() * apart.zxy()) * share;
-    }
-
     /// Moments of weighted directions; weights sum to 1. The radius is left 0.
     pub(super) fn of(weighted: impl Iterator<Item = (DVec3, f64)> + Clone) -> Self {
         let mut moments = Self::default();
@@ -80,9 +79,32 @@ impl Moments {
         }
         moments
     }
+}
 
+/// [`Moments`] in float32, as cells are built from them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Patch {
+    pub(super) centroid: Vec3,
+    pub(super) diagonal: Vec3,
+    pub(super) mixed: Vec3,
+    pub(super) radius: f32,
+}
+
+impl From<Moments> for Patch {
+    fn from(moments: Moments) -> Self {
+        Self {
+            centroid: moments.centroid.as_vec3(),
+            diagonal: moments.diagonal.as_vec3(),
+            mixed: moments.mixed.as_vec3(),
+            // Rounded up: bounds rely on it.
+            radius: (moments.radius * (1.0 + 1e-6)) as f32,
+        }
+    }
+}
+
+impl Patch {
     /// The octant's mirror image.
-    fn mirrored(mut self, signs: DVec3) -> Self {
+    fn mirrored(mut self, signs: Vec3) -> Self {
         self.centroid *= signs;
         self.mixed *= signs.yzx() * signs.zxy();
         self
@@ -92,7 +114,7 @@ impl Moments {
 /// The spreads of all texels of an n x n square: one table for its four mirror images.
 pub(super) struct Tents {
     n: u32,
-    quadrant: Vec<Moments>,
+    quadrant: Vec<Patch>,
 }
 
 impl Tents {
@@ -102,18 +124,19 @@ impl Tents {
         let quadrant = (0..half)
             .into_par_iter()
             .flat_map_iter(|y| {
-                (0..half).map(move |x| spread(n, texel_centre(n, first + x, first + y), reconstruction))
+                (0..half).map(move |x| spread(n, texel_centre(n, first + x, first + y), reconstruction).into())
             })
             .collect();
         Self { n, quadrant }
     }
 
-    pub(super) fn at(&self, x: u32, y: u32) -> Moments {
+    #[inline]
+    pub(super) fn at(&self, x: u32, y: u32) -> Patch {
         let half = self.n.div_ceil(2);
         let first = self.n - half;
         let fold = |k: u32| if k >= first { (k - first, 1.0) } else { (self.n - 1 - k - first, -1.0) };
         let ((x, sign_x), (y, sign_z)) = (fold(x), fold(y));
-        self.quadrant[y as usize * half as usize + x as usize].mirrored(DVec3::new(sign_x, 1.0, sign_z))
+        self.quadrant[y as usize * half as usize + x as usize].mirrored(Vec3::new(sign_x, 1.0, sign_z))
     }
 }
 
@@ -129,13 +152,18 @@ fn near_kink(centre: DVec2, reach: f64) -> bool {
 fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
     let h = 2.0 / f64::from(n);
     let reach = reconstruction.reach();
-    let direction = |offset: DVec2| direction_from_oct(wrap_oct(centre + offset * h));
     let smooth = !near_kink(centre, reach * h);
+    // Away from kinks nothing needs wrapping.
+    let direction = |offset: DVec2| {
+        let uv = centre + offset * h;
+        direction_from_oct(if smooth { uv } else { wrap_oct(uv) })
+    };
     let mut moments = if smooth {
-        let nodes = reconstruction.nodes();
+        let nodes = reconstruction.nodes(n);
         let mut weighted = [(DVec3::ZERO, 0.0); 9];
+        let weighted = &mut weighted[..nodes.len() * nodes.len()];
         for (k, node) in weighted.iter_mut().enumerate() {
-            let ((u, weight_u), (v, weight_v)) = (nodes[k % 3], nodes[k / 3]);
+            let ((u, weight_u), (v, weight_v)) = (nodes[k % nodes.len()], nodes[k / nodes.len()]);
             *node = (direction(DVec2::new(u, v)), weight_u * weight_v);
         }
         Moments::of(weighted.iter().copied())
@@ -218,11 +246,13 @@ mod tests {
                     .collect();
                 let expected = Moments::of(weighted.iter().copied());
                 let found = tents.at(x, y);
-                assert!(found.centroid.distance(expected.centroid) < 3e-5, "n {n} ({x}, {y}) {reconstruction:?}");
-                assert!(found.diagonal.distance(expected.diagonal) < 3e-6, "n {n} ({x}, {y}) {reconstruction:?}");
-                assert!(found.mixed.distance(expected.mixed) < 3e-6, "n {n} ({x}, {y}) {reconstruction:?}");
-                let reached = weighted.iter().map(|(d, _)| d.distance(found.centroid)).fold(0.0, f64::max);
-                assert!(reached <= found.radius, "n {n} ({x}, {y}): {reached} within {}", found.radius);
+                let (centroid, diagonal, mixed) =
+                    (found.centroid.as_dvec3(), found.diagonal.as_dvec3(), found.mixed.as_dvec3());
+                assert!(centroid.distance(expected.centroid) < 3e-5, "n {n} ({x}, {y}) {reconstruction:?}");
+                assert!(diagonal.distance(expected.diagonal) < 2e-5, "n {n} ({x}, {y}) {reconstruction:?}");
+                assert!(mixed.distance(expected.mixed) < 2e-5, "n {n} ({x}, {y}) {reconstruction:?}");
+                let reached = weighted.iter().map(|(d, _)| d.distance(centroid)).fold(0.0, f64::max);
+                assert!(reached <= f64::from(found.radius), "n {n} ({x}, {y}): {reached} within {}", found.radius);
             }
         }
     }

@@ -1,7 +1,22 @@
 //! The test suite: one binary, a module a concern.
 
+mod cli;
 mod common;
+mod fuzz;
+mod inputs;
+mod io_read;
+mod io_write;
+mod ktx2_write;
+mod mutation;
 mod oem;
 mod oracle;
+mod output;
+mod preview;
 mod sat;
 mod sphere;
+mod synth;
+mod written;
+
+/// Counts what is allocated, for [`fuzz`].
+#[global_allocator]
+static MEMORY: peakmem_alloc::PeakMemAlloc<std::alloc::System> = peakmem_alloc::PeakMemAlloc::system();

@@ -1,0 +1,51 @@
+//! Tries every reader on mutated inputs: `cargo run --release --example fuzz_readers [COUNT] [READER]`, a reader named
+//! as in the output; 100,000 inputs and all readers by default. Fails where a reader panics, hangs or swells.
+
+#[path = "../tests/suite/inputs.rs"]
+mod inputs;
+#[path = "../tests/suite/mutation.rs"]
+mod mutation;
+
+use std::process::ExitCode;
+
+#[global_allocator]
+static MEMORY: peakmem_alloc::PeakMemAlloc<std::alloc::System> = peakmem_alloc::PeakMemAlloc::system();
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args().skip(1);
+    let count = arguments.next().map_or(Ok(100_000), |count| count.parse());
+    let Ok(count) = count else {
+        eprintln!("the first argument is the number of inputs a reader");
+        return ExitCode::from(2);
+    };
+    let only = arguments.next();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    println!(
+        "{:<14}{:>10}{:>10}{:>10}{:>8}{:>12}{:>12}",
+        "reader", "inputs", "errors", "read", "panics", "worst ms", "peak MiB"
+    );
+    let mut holds = true;
+    for reader in mutation::readers(folder.path()) {
+        if only.as_ref().is_some_and(|only| only != reader.name) {
+            continue;
+        }
+        let tally = mutation::fuzz(&reader, count, &MEMORY);
+        println!(
+            "{:<14}{:>10}{:>10}{:>10}{:>8}{:>12.1}{:>12.2}",
+            reader.name,
+            tally.mutations,
+            tally.errors,
+            tally.reads,
+            tally.panics,
+            1e3 * tally.slowest.as_secs_f64(),
+            tally.peak_bytes as f64 / f64::from(1 << 20),
+        );
+        holds &= tally.holds();
+    }
+    println!(
+        "limits: no panics, {} ms, {} MiB",
+        mutation::TIME_LIMIT.as_millis(),
+        mutation::PEAK_LIMIT >> 20
+    );
+    if holds { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,0 +1,453 @@
+//! What was typed: the options of every subcommand, each checked on its own. Their doc comments are the help.
+
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use octagloss::bake::{Filter, Ladder};
+use octagloss::io::pixels::Pixel;
+use octagloss::lobe::Lobe;
+use std::path::PathBuf;
+
+/// Texels along an edge of a cube or of an OEM.
+const MAX_SIZE: i64 = 16_384;
+
+/// Bakes HDR environments into glossy reflections of any roughness
+///
+/// One summed-area table over the sphere, exact 64-bit sums, no noise, and an error bound for every texel.
+#[derive(Debug, Parser)]
+#[command(name = "octagloss", version, max_term_width = 80, help_expected = true)]
+#[command(disable_help_subcommand = true, subcommand_required = true, arg_required_else_help = true)]
+pub(super) struct Args {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Bake environments into prefiltered cube chains
+    Bake(BakeArgs),
+    /// Radiance of a lobe around given directions, as CSV
+    Query(QueryArgs),
+    /// Say what is in an environment or in a bake
+    Info(InfoArgs),
+    /// Measure a bake against its source or another bake
+    Compare(CompareArgs),
+    /// Time the stages of a bake, as JSON
+    Bench(BenchArgs),
+    /// Write one of the environments that the examples use
+    Synth(SynthArgs),
+}
+
+/// How input files are read.
+#[derive(Clone, Debug, ClapArgs)]
+#[command(next_help_heading = "Input")]
+pub(super) struct InputArgs {
+    /// How the texels cover the sphere [default: auto]
+    ///
+    /// auto goes by the shape: 2:1 is a panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces takes six
+    /// files as one cube, in the order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...).
+    #[arg(long, value_name = "LAYOUT", default_value = "auto", hide_default_value = true)]
+    pub(super) layout: LayoutArg,
+    /// Turn about +Y; +90 carries +Z to +X [default: 0]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
+    pub(super) rotate_y: Option<f64>,
+    /// Flip left to right, for photographs from inside
+    #[arg(long)]
+    pub(super) mirror: bool,
+    /// Repair NaN (to 0) and Inf (to a finite neighbour)
+    ///
+    /// Inf becomes the largest finite value around it. What was repaired is counted.
+    #[arg(long)]
+    pub(super) sanitize: bool,
+    /// Make any repair of the input an error
+    ///
+    /// Without it negative radiance becomes 0, is counted, and one warning says how much energy it was.
+    #[arg(long, conflicts_with = "sanitize")]
+    pub(super) strict: bool,
+}
+
+/// The table that lobes are read from.
+#[derive(Clone, Copy, Debug, ClapArgs)]
+#[command(next_help_heading = "Table")]
+pub(super) struct TableArgs {
+    /// Edge of the octahedral map, 1 to 16384 [default: source's]
+    ///
+    /// By default the width of a panorama, twice the face of a cube, rounded up to a multiple of 64, at most 4096
+    /// with its border.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
+    pub(super) oem_size: Option<u32>,
+    /// Its border in texels, 0 to 16384 [default: filter's]
+    ///
+    /// By default 0 for adaptive, and as wide as the widest box for box.
+    #[arg(long, value_name = "B", value_parser = clap::value_parser!(u32).range(0..=MAX_SIZE))]
+    pub(super) border: Option<u32>,
+}
+
+/// What computes.
+#[derive(Clone, Copy, Debug, ClapArgs)]
+#[command(next_help_heading = "Engine")]
+pub(super) struct EngineArgs {
+    /// What computes: auto or cpu [default: auto]
+    #[arg(long, value_name = "ENGINE", default_value = "auto")]
+    #[arg(hide_default_value = true, hide_possible_values = true)]
+    pub(super) engine: EngineArg,
+    /// Threads, 1 to 1024 [default: one a core]
+    ///
+    /// The result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(super) threads: Option<u32>,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct BakeArgs {
+    /// Environments: .hdr, .exr, .png, .jpg; .ktx2 or bakes
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+    /// File or folder to write [default: INPUT's name]
+    ///
+    /// By default in the current folder. A file for ktx2, a folder for exr and hdr. With several inputs a folder that gets one of these for each,
+    /// named after its input.
+    #[arg(short, long, value_name = "OUT")]
+    pub(super) output: Option<PathBuf>,
+    /// Edge of level 0, 1 to 16384
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
+    pub(super) size: u32,
+    /// Levels, each half the last [default: ladder's]
+    ///
+    /// At least 1, which has roughness 0; at most down to size 1. By default down to size 1 for linear and to 16 for
+    /// filament.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=15))]
+    pub(super) levels: Option<u32>,
+    /// Roughness of levels: linear or filament
+    ///
+    /// linear: level/(levels-1), as glTF, Bevy and the Khronos sampler have it. filament:
+    /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it.
+    #[arg(long, value_name = "LADDER", default_value = "linear", hide_possible_values = true)]
+    pub(super) ladder: LadderArg,
+    /// Reflection lobe: ggx, phong, cone or cosine
+    ///
+    /// cosine is irradiance over pi; it has no roughness and bakes one level.
+    #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
+    pub(super) lobe: LobeArg,
+    /// adaptive:E, box or reference
+    ///
+    /// adaptive:E is quadrature with a certified bound, E in (0, 1) the relative RMS error aimed at; adaptive alone
+    /// is adaptive:0.005. box is the single box of the octahedron environment maps paper. reference integrates
+    /// exhaustively in double precision: slow, for auditing.
+    #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
+    pub(super) filter: Filter,
+    /// ktx2, exr or hdr [default: OUT's, else ktx2]
+    ///
+    /// By default what OUT's extension says.
+    #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
+    pub(super) format: Option<FormatArg>,
+    /// f16, f32 or rgb9e5 [default: f16]
+    ///
+    /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels as floats. rgb9e5 is for
+    /// ktx2 only. hdr has a format of its own and takes none.
+    #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
+    pub(super) pixel: Option<PixelArg>,
+    /// Add an irradiance cube of edge N, 1 to 1024
+    ///
+    /// Its values are irradiance over pi. exr and hdr: irradiance_{face} beside the levels; ktx2: a second file,
+    /// OUT's stem with .irradiance.ktx2.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(super) irradiance: Option<u32>,
+    /// Write a picture of spheres down the ladder
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) preview: Option<PathBuf>,
+    /// Write every texel's certified error bound
+    ///
+    /// m{level}_{face}_bound.exr, absolute luminance. exr and hdr: beside the levels; ktx2: in the folder OUT.bounds.
+    #[arg(long)]
+    pub(super) bounds: bool,
+    /// Print the report instead of writing it
+    ///
+    /// A line an input on standard output, instead of writing report.json (exr, hdr) or OUT.report.json (ktx2).
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+    /// Replace outputs that exist
+    #[arg(long)]
+    pub(super) force: bool,
+    #[command(flatten)]
+    pub(super) table: TableArgs,
+    #[command(flatten)]
+    pub(super) input: InputArgs,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct QueryArgs {
+    /// An environment; six of them with --layout faces
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+    /// CSV with the header x,y,z; - is standard input
+    #[arg(long, value_name = "FILE.csv", required = true)]
+    pub(super) directions: PathBuf,
+    /// Roughness in [0, 1]; 0 is a mirror
+    ///
+    /// Required but for the cosine lobe, which has none.
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = roughness)]
+    pub(super) roughness: Option<f64>,
+    /// Reflection lobe: ggx, phong, cone or cosine
+    #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
+    pub(super) lobe: LobeArg,
+    /// adaptive:E, box or reference
+    ///
+    /// As in bake.
+    #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
+    pub(super) filter: Filter,
+    /// Add a column bound: luminance's certified error
+    #[arg(long)]
+    pub(super) bound: bool,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+    #[command(flatten)]
+    pub(super) table: TableArgs,
+    #[command(flatten)]
+    pub(super) input: InputArgs,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct InfoArgs {
+    /// An environment, a .ktx2 bake or a folder of levels
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+    /// Print JSON, on one line
+    #[arg(long)]
+    pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) input: InputArgs,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct CompareArgs {
+    /// A bake: a .ktx2 file or a folder of levels
+    #[arg(value_name = "A")]
+    pub(super) bake: PathBuf,
+    /// The bake or the source environment to measure it by
+    #[arg(value_name = "B")]
+    pub(super) against: PathBuf,
+    /// Texels to integrate a level: a number or all
+    ///
+    /// Against a source each costs an exhaustive integration. Against a bake all texels are compared.
+    #[arg(long, value_name = "N|all", default_value = "400", value_parser = texels)]
+    pub(super) texels: Texels,
+    /// Reflection lobe of the bake [default: what it says, or ggx]
+    #[arg(long, value_name = "LOBE", hide_possible_values = true)]
+    pub(super) lobe: Option<LobeArg>,
+    /// Write a picture of the errors
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) picture: Option<PathBuf>,
+    /// Exit with 1 if a level's relRMSE is above X
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = threshold)]
+    pub(super) fail_above: Option<f64>,
+    /// Print JSON, on one line
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Say nothing but errors on standard error
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+    /// Replace the picture if it exists
+    #[arg(long)]
+    pub(super) force: bool,
+    /// Threads, 1 to 1024 [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(super) threads: Option<u32>,
+    #[command(flatten)]
+    pub(super) input: InputArgs,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct BenchArgs {
+    /// Edge of the table, 64 to 8192
+    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(64..=8192))]
+    pub(super) size: u32,
+    /// Runs of which the median counts, 1 to 1000
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(super) runs: u32,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct SynthArgs {
+    /// Which; see --list
+    #[arg(required_unless_present = "list")]
+    pub(super) name: Option<String>,
+    /// Where to, .exr or .hdr [default: its own name]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// List the names and what each is for
+    #[arg(long, conflicts_with_all = ["name", "output"])]
+    pub(super) list: bool,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+    /// Replace the file if it exists
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LayoutArg {
+    /// By the image's shape
+    Auto,
+    /// Panorama, 2:1
+    Equirect,
+    /// Horizontal 4:3 or vertical 3:4 cross
+    Cross,
+    /// Six faces in a row or a column
+    Strip,
+    /// Six files
+    Faces,
+    /// Octahedral square
+    Octahedral,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum EngineArg {
+    /// The best there is
+    Auto,
+    /// All cores
+    Cpu,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LadderArg {
+    Linear,
+    Filament,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LobeArg {
+    Ggx,
+    Phong,
+    Cone,
+    Cosine,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum FormatArg {
+    Ktx2,
+    Exr,
+    Hdr,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PixelArg {
+    F16,
+    F32,
+    Rgb9e5,
+}
+
+/// How many texels of a level to compare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Texels {
+    Some(usize),
+    All,
+}
+
+impl From<LadderArg> for Ladder {
+    fn from(ladder: LadderArg) -> Self {
+        match ladder {
+            LadderArg::Linear => Self::Linear,
+            LadderArg::Filament => Self::Filament,
+        }
+    }
+}
+
+impl From<LobeArg> for Lobe {
+    fn from(lobe: LobeArg) -> Self {
+        match lobe {
+            LobeArg::Ggx => Self::Ggx,
+            LobeArg::Phong => Self::Phong,
+            LobeArg::Cone => Self::Cone,
+            LobeArg::Cosine => Self::Cosine,
+        }
+    }
+}
+
+impl From<PixelArg> for Pixel {
+    fn from(pixel: PixelArg) -> Self {
+        match pixel {
+            PixelArg::F16 => Self::F16,
+            PixelArg::F32 => Self::F32,
+            PixelArg::Rgb9e5 => Self::Rgb9e5,
+        }
+    }
+}
+
+impl FormatArg {
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Ktx2 => "ktx2",
+            Self::Exr => "exr",
+            Self::Hdr => "hdr",
+        }
+    }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "not a number".to_owned())
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    Some(number(text)?).filter(|value| value.is_finite()).ok_or_else(|| "must be finite".to_owned())
+}
+
+fn roughness(text: &str) -> Result<f64, String> {
+    Some(number(text)?)
+        .filter(|value| (0.0..=1.0).contains(value))
+        .ok_or_else(|| "must be between 0 and 1".to_owned())
+}
+
+fn threshold(text: &str) -> Result<f64, String> {
+    Some(finite(text)?).filter(|value| *value >= 0.0).ok_or_else(|| "must not be negative".to_owned())
+}
+
+fn texels(text: &str) -> Result<Texels, String> {
+    match text {
+        "all" => Ok(Texels::All),
+        _ => match text.parse() {
+            Ok(count) if count > 0 => Ok(Texels::Some(count)),
+            _ => Err("must be a number above 0, or all".to_owned()),
+        },
+    }
+}
+
+/// The filter's name on the command line and in reports, parsed.
+pub(super) fn filter(text: &str) -> Result<Filter, String> {
+    let (name, value) = text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value)));
+    match (name, value) {
+        ("adaptive", None) => Ok(Filter::Adaptive(0.005)),
+        ("adaptive", Some(value)) => match value.parse() {
+            Ok(error) if 0.0 < error && error < 1.0 => Ok(Filter::Adaptive(error)),
+            _ => Err("the error of adaptive:E must be a number above 0 and below 1".to_owned()),
+        },
+        ("box", None) => Ok(Filter::Box),
+        ("reference", None) => Ok(Filter::Reference),
+        _ => Err("there are adaptive:E, box and reference".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn every_option_is_told_on_a_line_of_at_most_80_columns() {
+        let mut command = Args::command();
+        command.build();
+        command.clone().debug_assert();
+        for sub in std::iter::once(&mut command.clone()).chain(command.get_subcommands_mut()) {
+            for line in sub.render_help().to_string().lines() {
+                assert!(line.chars().count() <= 80, "{}: {line:?}", sub.get_name());
+            }
+        }
+    }
+}

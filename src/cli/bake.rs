@@ -1,0 +1,324 @@
+//! `octagloss bake`: environments into prefiltered cube chains.
+
+use super::args::{BakeArgs, EngineArg, FormatArg, InputArgs, LobeArg, PixelArg};
+use super::input::{self, Source};
+use super::output::{Encoding, Outputs, Stored};
+use super::talk::{self, Talk};
+use super::{Failure, Outcome, on_threads, print, usage};
+use anyhow::anyhow;
+use octagloss::Environment;
+use octagloss::bake::{BakeSettings, Filter, bake};
+use octagloss::io::exr_write::ExrPixel;
+use octagloss::io::output::{self, Existing};
+use octagloss::io::pixels::Pixel;
+use octagloss::oracle::Oracle;
+use octagloss::report::{Circumstances, RepairReport};
+use octagloss::sphere::cube::{Face, direction_from_texel};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What is to be done, checked.
+struct Plan {
+    settings: BakeSettings,
+    jobs: Vec<Job>,
+    /// The folder for several outputs.
+    folder: Option<PathBuf>,
+    input: InputArgs,
+    json: bool,
+}
+
+/// One environment and where it goes.
+struct Job {
+    source: Source,
+    outputs: Outputs,
+}
+
+pub(super) fn run(args: BakeArgs) -> Outcome {
+    let talk = Talk::new(args.quiet);
+    let (engine, threads) = (args.engine.engine, args.engine.threads);
+    let plan = Plan::new(args)?;
+    if engine == EngineArg::Auto {
+        talk.note("engine: cpu, the only one there is");
+    }
+    on_threads(threads, || plan.run(&talk))
+}
+
+impl Plan {
+    fn new(args: BakeArgs) -> Outcome<Self> {
+        let settings = settings(&args)?;
+        let encoding = encoding(&args)?;
+        let existing = if args.force { Existing::Replace } else { Existing::Keep };
+        let sources = input::sources(args.inputs, &args.input)?;
+        let format = encoding.format();
+        let suffix = if format == FormatArg::Ktx2 { ".ktx2" } else { "" };
+
+        if let Some(path) = &args.preview {
+            if extension(path) != Some("png".to_owned()) {
+                return usage(format!("--preview {} must end in .png", path.display()));
+            }
+            if sources.len() > 1 {
+                return usage("--preview takes one input, since it names one picture");
+            }
+        }
+        let mut by_stem = BTreeMap::new();
+        for source in &sources {
+            if let Some(other) = by_stem.insert(source.stem(), source.path()) {
+                return usage(format!(
+                    "{} and {} would both be written as {}{suffix}; rename one or bake them apart",
+                    other.display(),
+                    source.path().display(),
+                    source.stem()
+                ));
+            }
+        }
+        let several = sources.len() > 1;
+        let folder = args.output.clone().filter(|_| several);
+        let jobs: Vec<Job> = sources
+            .into_iter()
+            .map(|source| {
+                let name = PathBuf::from(source.stem() + suffix);
+                let main = match &args.output {
+                    Some(folder) if several => folder.join(name),
+                    Some(path) => path.clone(),
+                    None => name,
+                };
+                let preview = args.preview.clone();
+                let outputs = Outputs::around(main, encoding, existing, &settings, args.json, preview);
+                Job { source, outputs }
+            })
+            .collect();
+        for job in &jobs {
+            job.check_places(&jobs)?;
+        }
+        Ok(Self { settings, jobs, folder, input: args.input, json: args.json })
+    }
+
+    fn run(&self, talk: &Talk) -> Outcome {
+        let mut failed = false;
+        let mut tell = |failure: Failure| match failure {
+            Failure::Failed(error) => {
+                talk::error(&format!("{error:#}"));
+                failed = true;
+                Ok(())
+            }
+            other => Err(other),
+        };
+        // What cannot be written is told before anything is baked.
+        let fresh = self.folder.as_deref().filter(|folder| !folder.exists());
+        match (&self.folder, fresh) {
+            (Some(folder), None) if !folder.is_dir() => {
+                return Err(anyhow!("{}: is a file; several inputs need a folder", folder.display()).into());
+            }
+            (_, Some(fresh)) => output::check_folder(fresh, Existing::Keep)?,
+            _ => {}
+        }
+        let mut ready = Vec::new();
+        for job in &self.jobs {
+            match job.outputs.check(fresh) {
+                Ok(()) => ready.push(job),
+                Err(error) => tell(error.into())?,
+            }
+        }
+        for job in ready {
+            if let Err(failure) = self.bake(job, talk) {
+                tell(failure)?;
+            }
+        }
+        if failed { Err(Failure::Told) } else { Ok(()) }
+    }
+
+    fn bake(&self, job: &Job, talk: &Talk) -> Outcome {
+        let start = Instant::now();
+        let opened = job.source.open(&self.input, talk)?;
+        if self.settings.filter == Filter::Reference {
+            let seconds = foretell(&opened.environment, &self.settings)?;
+            talk.note(&format!(
+                "{}: the reference filter will take about {}",
+                job.source.path().display(),
+                talk::duration(seconds)
+            ));
+        }
+        let bar = talk.bar(&job.source.stem());
+        let mut baked = bake(&opened.environment, &self.settings, &|progress| bar.bake(progress))?;
+        drop(bar);
+        baked.warnings.dedup();
+        for warning in &baked.warnings {
+            talk.warn(&format!("{}: {warning}", job.source.path().display()));
+        }
+
+        if let Some(folder) = &self.folder {
+            fs::create_dir_all(folder).map_err(|e| octagloss::Error::io(folder, e))?;
+        }
+        let told = |stored: Stored| {
+            let mut warnings = opened.warnings.clone();
+            for warning in stored_warnings(&stored, job.outputs.encoding) {
+                talk.warn(&format!("{}: {warning}", job.outputs.main.display()));
+                warnings.push(warning);
+            }
+            Circumstances {
+                input: job.source.path().display().to_string(),
+                repaired: RepairReport {
+                    negative: opened.repaired.negative,
+                    nan: opened.repaired.nan,
+                    infinite: opened.repaired.infinite,
+                    negative_energy_share: opened.repaired.negative_energy_share,
+                },
+                layout: opened.layout.to_owned(),
+                rotate_y: self.input.rotate_y.unwrap_or(0.0),
+                mirror: self.input.mirror,
+                sanitize: self.input.sanitize,
+                format: job.outputs.encoding.format().name().to_owned(),
+                pixel: job.outputs.encoding.pixel_name().to_owned(),
+                level_pixels: stored.pixels,
+                clamped: stored.clamped,
+                warnings,
+                seconds: start.elapsed().as_secs_f64(),
+            }
+        };
+        let (report, bytes) = job.outputs.write(&self.settings, &baked, told)?;
+        let bound = match report.error_bound_max() {
+            Some(bound) => format!("greatest error bound {bound:.3e}"),
+            None => "no error bound".to_owned(),
+        };
+        talk.note(&format!(
+            "{}: {} in {:.2} s on {}, OEM {} + {}, {bound}",
+            job.outputs.main.display(),
+            talk::bytes(bytes),
+            start.elapsed().as_secs_f64(),
+            report.engine,
+            report.oem.size,
+            report.oem.border,
+        ));
+        if self.json {
+            let line = serde_json::to_string(&report).map_err(anyhow::Error::from)?;
+            print(&(line + "\n"))?;
+        }
+        Ok(())
+    }
+}
+
+impl Job {
+    /// Outputs must differ from one another and from every input of `jobs`.
+    fn check_places(&self, jobs: &[Self]) -> Outcome {
+        let places: Vec<&Path> = self.outputs.places().collect();
+        for (index, place) in places.iter().enumerate() {
+            if places[..index].contains(place) {
+                return usage(format!("{} is named for two outputs", place.display()));
+            }
+            let Ok(real) = place.canonicalize() else { continue };
+            let inputs = jobs.iter().flat_map(|job| job.source.files());
+            if inputs.filter_map(|input| input.canonicalize().ok()).any(|input| input == real) {
+                return usage(format!("{} is an input; name another output with -o", place.display()));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
+    if args.lobe == LobeArg::Cosine && args.levels.is_some_and(|levels| levels > 1) {
+        return usage("--lobe cosine has no roughness and bakes one level; leave --levels out");
+    }
+    if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
+        return usage("--bounds needs --filter adaptive:E; the others certify nothing");
+    }
+    let settings = BakeSettings {
+        size: args.size,
+        levels: args.levels,
+        ladder: args.ladder.into(),
+        lobe: args.lobe.into(),
+        filter: args.filter,
+        oem_size: args.table.oem_size,
+        border: args.table.border,
+        bounds: args.bounds,
+        irradiance: args.irradiance,
+    };
+    match settings.rungs() {
+        Ok(_) => Ok(settings),
+        Err(error) => usage(error.to_string()),
+    }
+}
+
+/// The format as said, else by the output's extension, else ktx2, and the pixels it can have.
+fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
+    let named = args.output.as_deref().and_then(extension).and_then(|extension| match extension.as_str() {
+        "ktx2" => Some(FormatArg::Ktx2),
+        "exr" => Some(FormatArg::Exr),
+        "hdr" => Some(FormatArg::Hdr),
+        _ => None,
+    });
+    let output = || args.output.as_deref().unwrap_or(Path::new("")).display().to_string();
+    let several = args.inputs.len() > 1 && args.input.layout != super::args::LayoutArg::Faces;
+    if let (true, Some(_)) = (several, named) {
+        return usage(format!("several inputs are written into a folder; {} names a file", output()));
+    }
+    let format = match (args.format, named) {
+        (Some(said), Some(named)) if said != named => {
+            return usage(format!(
+                "--format {} and the output {} contradict each other; leave one out",
+                said.name(),
+                output()
+            ));
+        }
+        (said, named) => said.or(named).unwrap_or(FormatArg::Ktx2),
+    };
+    match (format, args.pixel) {
+        (FormatArg::Ktx2, pixel) => Ok(Encoding::Ktx2(pixel.map_or(Pixel::F16, Pixel::from))),
+        (FormatArg::Exr, None) => Ok(Encoding::Exr(ExrPixel::Auto)),
+        (FormatArg::Exr, Some(PixelArg::F16)) => Ok(Encoding::Exr(ExrPixel::F16)),
+        (FormatArg::Exr, Some(PixelArg::F32)) => Ok(Encoding::Exr(ExrPixel::F32)),
+        (FormatArg::Exr, Some(PixelArg::Rgb9e5)) => usage("--pixel rgb9e5 is for ktx2; exr has f16 and f32"),
+        (FormatArg::Hdr, None) => Ok(Encoding::Hdr),
+        (FormatArg::Hdr, Some(_)) => usage("--pixel does not go with hdr, whose pixels are always RGBE"),
+    }
+}
+
+fn extension(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+fn stored_warnings(stored: &Stored, encoding: Encoding) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if stored.clamped > 0 {
+        warnings.push(format!(
+            "{} texels are brighter than the pixel format can hold and were clamped; --pixel f32 keeps them",
+            stored.clamped
+        ));
+    }
+    if stored.floats > 0 && encoding == Encoding::Exr(ExrPixel::Auto) {
+        warnings.push(format!(
+            "{} of {} levels are stored as float, having values above 65504",
+            stored.floats,
+            stored.pixels.len()
+        ));
+    }
+    warnings
+}
+
+/// Seconds that the reference filter will take: a few texels of each level are timed.
+fn foretell(environment: &Environment, settings: &BakeSettings) -> octagloss::Result<f64> {
+    let start = Instant::now();
+    let oracle = Oracle::new(environment);
+    let prepared = start.elapsed().as_secs_f64();
+    let threads = rayon::current_num_threads();
+    // As many texels as there are threads, one on each face in turn.
+    let directions: Vec<_> =
+        (0..threads).map(|k| direction_from_texel(Face::ALL[k % 6], 5, (k % 5) as u32, 1)).collect();
+    let (mut seconds, mut last) = (prepared, 0.0);
+    for level in settings.rungs()? {
+        let texels = 6.0 * f64::from(level.size) * f64::from(level.size);
+        // Lobes cost alike from level to level: once one is slow it stands for the rest.
+        if last < 1.0 {
+            let start = Instant::now();
+            directions.par_iter().for_each(|direction| {
+                std::hint::black_box(oracle.reflect(settings.lobe, level.roughness, *direction));
+            });
+            last = start.elapsed().as_secs_f64();
+        }
+        seconds += last * texels / threads as f64;
+    }
+    Ok(seconds)
+}

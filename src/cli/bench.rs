@@ -1,0 +1,210 @@
+//! `octagloss bench`: how long the stages take, as JSON. Ratios within one run are what counts.
+
+use super::args::BenchArgs;
+use super::{Outcome, on_threads, print};
+use octagloss::bake::{BakeSettings, Filter, Ladder, bake};
+use octagloss::cpu::reparameterise::oem_from_environment;
+use octagloss::cpu::sat_scan;
+use octagloss::oem::{Oem, OemSize};
+use octagloss::sat::{FixedPoint, Scan};
+use octagloss::sat_f32::SatF32;
+use octagloss::sphere::equirect::direction_from_equirect;
+use octagloss::{Environment, Layout, Rgb};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+#[derive(Serialize)]
+struct Bench {
+    version: &'static str,
+    machine: Machine,
+    size: u32,
+    runs: u32,
+    /// Reading and writing as many bytes as a table has.
+    copy: ByThreads,
+    /// The exact table: four channels of 64 bits into memory that was touched before.
+    sat: ByThreads,
+    sat_serial: Timing,
+    sat_hensley_radix_4: Timing,
+    sat_f32: Timing,
+    /// A panorama of `size` columns into an octahedral map of `size` texels.
+    oem: ByThreads,
+    /// A panorama into a cube of half its width (512x256 into 256^2 where `size` allows), Filament levels,
+    /// adaptive:0.005, all threads.
+    bake: BakeTiming,
+    ratios: Ratios,
+}
+
+#[derive(Serialize)]
+struct Machine {
+    cpu: Option<String>,
+    cores: usize,
+    os: &'static str,
+}
+
+#[derive(Clone, Copy, Serialize)]
+struct Timing {
+    median_seconds: f64,
+    least_seconds: f64,
+}
+
+#[derive(Serialize)]
+struct ByThreads {
+    one: Timing,
+    two: Timing,
+}
+
+#[derive(Serialize)]
+struct BakeTiming {
+    runs: u32,
+    source_width: u32,
+    cube_size: u32,
+    whole: Timing,
+    levels: Vec<Timing>,
+}
+
+#[derive(Serialize)]
+struct Ratios {
+    sat_over_copy: f64,
+    sat_over_copy_two_threads: f64,
+    sat_two_threads_speedup: f64,
+    sat_f32_over_copy: f64,
+    oem_two_threads_speedup: f64,
+}
+
+pub(super) fn run(args: BenchArgs) -> Outcome {
+    let (size, runs) = (args.size, args.runs);
+    let environment = sky(size)?;
+    let oem = oem_from_environment(&environment, OemSize { inner: size, border: 0 })?;
+
+    let count = size as usize * size as usize;
+    let from: Vec<[u64; 4]> = (0..count as u64).map(|k| [k; 4]).collect();
+    let mut to = vec![[1; 4]; count];
+    let copy = by_threads(|| time(runs, || copy(&from, &mut to)))?;
+    drop(from);
+    let fixed = FixedPoint::of_square(&oem);
+    let mut scan =
+        |scan, runs| time(runs, || sat_scan::scan(scan, fixed, oem.texels(), size as usize, &mut to));
+    let sat = by_threads(|| scan(Scan::Strips, runs))?;
+    // These are there to be compared with, not to be waited for.
+    let few = runs.div_ceil(4);
+    let sat_serial = on_threads(Some(1), || Ok(scan(Scan::Serial, few)))?;
+    let sat_hensley_radix_4 = on_threads(Some(1), || Ok(scan(Scan::Hensley { radix: 4 }, few)))?;
+    let sat_f32 = on_threads(Some(1), || Ok(time(few, || SatF32::new(&oem))))?;
+    let oem = by_threads(|| time_oem(&environment, size, few))?;
+
+    let report = Bench {
+        version: env!("CARGO_PKG_VERSION"),
+        machine: Machine {
+            cpu: cpu_name(),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            os: std::env::consts::OS,
+        },
+        size,
+        runs,
+        ratios: Ratios {
+            sat_over_copy: sat.one.median_seconds / copy.one.median_seconds,
+            sat_over_copy_two_threads: sat.two.median_seconds / copy.two.median_seconds,
+            sat_two_threads_speedup: sat.one.median_seconds / sat.two.median_seconds,
+            sat_f32_over_copy: sat_f32.median_seconds / copy.one.median_seconds,
+            oem_two_threads_speedup: oem.one.median_seconds / oem.two.median_seconds,
+        },
+        copy,
+        sat,
+        sat_serial,
+        sat_hensley_radix_4,
+        sat_f32,
+        oem,
+        bake: time_bake(size.min(512), few)?,
+    };
+    print(&(serde_json::to_string_pretty(&report).map_err(anyhow::Error::from)? + "\n"))
+}
+
+/// `work` on one thread and on two.
+fn by_threads(mut work: impl FnMut() -> Timing + Send) -> Outcome<ByThreads> {
+    let one = on_threads(Some(1), || Ok(work()))?;
+    let two = on_threads(Some(2), || Ok(work()))?;
+    Ok(ByThreads { one, two })
+}
+
+/// Median of `runs`, after one to warm up.
+fn time<T>(runs: u32, mut work: impl FnMut() -> T) -> Timing {
+    std::hint::black_box(work());
+    let seconds = (0..runs)
+        .map(|_| {
+            let start = Instant::now();
+            std::hint::black_box(work());
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    timing(seconds)
+}
+
+fn timing(mut seconds: Vec<f64>) -> Timing {
+    seconds.sort_by(f64::total_cmp);
+    let middle = seconds.len() / 2;
+    let median =
+        if seconds.len() % 2 == 1 { seconds[middle] } else { (seconds[middle - 1] + seconds[middle]) / 2.0 };
+    Timing { median_seconds: median, least_seconds: seconds[0] }
+}
+
+/// A plain copy, a share to each thread.
+fn copy(from: &[[u64; 4]], to: &mut [[u64; 4]]) {
+    let share = from.len().div_ceil(rayon::current_num_threads());
+    to.par_chunks_mut(share).zip(from.par_chunks(share)).for_each(|(to, from)| to.copy_from_slice(from));
+}
+
+fn time_oem(environment: &Environment, size: u32, runs: u32) -> Timing {
+    let make = || -> Oem {
+        oem_from_environment(environment, OemSize { inner: size, border: 0 }).expect("it was made before")
+    };
+    time(runs, make)
+}
+
+fn time_bake(source_width: u32, runs: u32) -> Outcome<BakeTiming> {
+    let environment = sky(source_width)?;
+    let settings = BakeSettings {
+        size: source_width / 2,
+        ladder: Ladder::Filament,
+        filter: Filter::Adaptive(0.005),
+        ..BakeSettings::default()
+    };
+    let (mut whole, mut levels) = (Vec::new(), Vec::new());
+    for _ in 0..runs {
+        let start = Instant::now();
+        let baked = bake(&environment, &settings, &|_| ())?;
+        whole.push(start.elapsed().as_secs_f64());
+        levels.resize(baked.stats.len(), Vec::new());
+        for (level, stats) in levels.iter_mut().zip(&baked.stats) {
+            level.push(stats.seconds);
+        }
+    }
+    Ok(BakeTiming {
+        runs,
+        source_width,
+        cube_size: settings.size,
+        whole: timing(whole),
+        levels: levels.into_iter().map(timing).collect(),
+    })
+}
+
+/// A panorama of `width` columns: a sky with a sun, a ground, and some texture in both.
+fn sky(width: u32) -> octagloss::Result<Environment> {
+    let height = width / 2;
+    let radiance = |k: u32| -> Rgb {
+        let (u, v) = (f64::from(k % width) + 0.5, f64::from(k / width) + 0.5);
+        let d = direction_from_equirect(u / f64::from(width), v / f64::from(height));
+        let texture = 1.0 + 0.3 * (40.0 * d.x).sin() * (50.0 * d.z).sin() * (30.0 * d.y).cos();
+        let base = if d.y > 0.0 { [0.4, 0.7, 1.0 + d.y] } else { [0.2, 0.15, 0.1] };
+        let sun = if d.x + 0.5 * d.y > 1.117 { 2e4 } else { 0.0 };
+        base.map(|c| (c * texture + sun) as f32)
+    };
+    Environment::new(Layout::Panorama { width, height }, (0..width * height).map(radiance).collect())
+}
+
+/// The processor's name, where the system tells it.
+fn cpu_name() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}

@@ -1,0 +1,231 @@
+//! `octagloss compare`: how far a bake is from its source or from another bake.
+
+use super::args::{CompareArgs, InputArgs, Texels};
+use super::input::{self, ktx2_text, read_bake};
+use super::output::LOBE_KEY;
+use super::talk::Talk;
+use super::{Outcome, on_threads, print, usage};
+use anyhow::anyhow;
+use image::RgbImage;
+use octagloss::chain::CubeChain;
+use octagloss::compare::{LevelErrors, errors_against_bake, errors_against_source, is_measurable};
+use octagloss::io::output::{self, Existing};
+use octagloss::io::png_write::write_png;
+use octagloss::lobe::Lobe;
+use octagloss::preview::error_picture;
+use octagloss::report::Report;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Comparison {
+    bake: String,
+    against: String,
+    /// `source` or `bake`.
+    reference: &'static str,
+    /// The lobe integrated over a source.
+    lobe: Option<&'static str>,
+    /// Levels whose lobe is narrower than two texels of the source.
+    skipped: Vec<usize>,
+    levels: Vec<LevelErrors>,
+}
+
+pub(super) fn run(args: CompareArgs) -> Outcome {
+    let talk = Talk::new(args.quiet);
+    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    if let Some(path) = &args.picture {
+        if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+            return usage(format!("--picture {} must end in .png", path.display()));
+        }
+        output::check_file(path, existing)?;
+    }
+    on_threads(args.threads, || {
+        let Some(bake) = read_bake(&args.bake)? else {
+            let path = args.bake.display();
+            return Err(anyhow!(
+                "{path}: no bake; a .ktx2 file of octagloss bake or a folder of levels is needed"
+            )
+            .into());
+        };
+        let comparison = match read_bake(&args.against)? {
+            Some(reference) => against_bake(&args, &bake, &reference)?,
+            None if args.picture.is_some() && args.texels != Texels::All => {
+                return usage("--picture against a source needs every texel: --texels all");
+            }
+            None => against_source(&args, &bake, &talk)?,
+        };
+        if let Some(path) = &args.picture {
+            write_png(path, existing, &picture(&bake, &comparison.levels)?)?;
+        }
+        if args.json {
+            print(&(serde_json::to_string(&comparison).map_err(anyhow::Error::from)? + "\n"))?;
+        } else {
+            print(&comparison.text())?;
+        }
+        judge(&comparison.levels, args.fail_above)
+    })
+}
+
+fn against_bake(args: &CompareArgs, bake: &CubeChain, reference: &CubeChain) -> Outcome<Comparison> {
+    Ok(Comparison {
+        bake: args.bake.display().to_string(),
+        against: args.against.display().to_string(),
+        reference: "bake",
+        lobe: None,
+        skipped: Vec::new(),
+        levels: errors_against_bake(bake, reference)?,
+    })
+}
+
+fn against_source(args: &CompareArgs, bake: &CubeChain, talk: &Talk) -> Outcome<Comparison> {
+    let told = Told::of(&args.bake);
+    let lobe = match (args.lobe.map(Lobe::from), told.lobe) {
+        (Some(typed), _) => typed,
+        (None, Some(told)) => told,
+        (None, None) => {
+            talk.warn(&format!("{} does not say its lobe; ggx it is, or --lobe", args.bake.display()));
+            Lobe::Ggx
+        }
+    };
+    // Turned and flipped as the bake was, unless said otherwise.
+    let input = InputArgs {
+        rotate_y: args.input.rotate_y.or(told.rotate_y),
+        mirror: args.input.mirror || told.mirror,
+        ..args.input.clone()
+    };
+    let source = input::single_source(vec![args.against.clone()], &input)?;
+    let opened = source.open(&input, talk)?;
+    let skipped: Vec<usize> = (0..bake.levels.len())
+        .filter(|level| !is_measurable(&bake.levels[*level], lobe, opened.environment.layout()))
+        .collect();
+    if skipped.len() == bake.levels.len() {
+        return Err(anyhow!(
+            "no level of {} has a lobe as wide as two texels of {}; bake rougher levels to compare",
+            args.bake.display(),
+            args.against.display()
+        )
+        .into());
+    }
+    for level in &skipped {
+        talk.note(&format!("level {level} is left out: its lobe is narrower than two texels of the source"));
+    }
+    let texels = match args.texels {
+        Texels::Some(count) => Some(count),
+        Texels::All => None,
+    };
+    let bar = talk.bar("integrating");
+    let progress = |done, total| bar.at(done, total);
+    let levels = errors_against_source(bake, &opened.environment, lobe, texels, &progress);
+    Ok(Comparison {
+        bake: args.bake.display().to_string(),
+        against: args.against.display().to_string(),
+        reference: "source",
+        lobe: Some(lobe.name()),
+        skipped,
+        levels,
+    })
+}
+
+/// The levels' error pictures, one below the other.
+fn picture(bake: &CubeChain, levels: &[LevelErrors]) -> octagloss::Result<RgbImage> {
+    let pictures = levels.iter().filter_map(|errors| {
+        let reference = errors.reference.as_ref()?;
+        Some(error_picture(&bake.levels[errors.level], reference))
+    });
+    let pictures = pictures.collect::<octagloss::Result<Vec<_>>>()?;
+    let width = pictures.iter().map(RgbImage::width).max().unwrap_or(1);
+    let height = pictures.iter().map(RgbImage::height).sum::<u32>().max(1);
+    // The ground of each picture is that of its corner.
+    let ground = pictures.first().map_or(image::Rgb([0; 3]), |picture| *picture.get_pixel(0, 0));
+    let mut whole = RgbImage::from_pixel(width, height, ground);
+    let mut top = 0;
+    for picture in pictures {
+        image::imageops::replace(&mut whole, &picture, 0, top);
+        top += i64::from(picture.height());
+    }
+    Ok(whole)
+}
+
+/// What a bake says of itself, in its report or its metadata.
+#[derive(Default)]
+struct Told {
+    lobe: Option<Lobe>,
+    rotate_y: Option<f64>,
+    mirror: bool,
+}
+
+impl Told {
+    fn of(bake: &Path) -> Self {
+        let report: PathBuf = if bake.is_dir() {
+            bake.join("report.json")
+        } else {
+            let mut name = bake.as_os_str().to_owned();
+            name.push(".report.json");
+            name.into()
+        };
+        let report = fs::read(report).ok().and_then(|text| serde_json::from_slice::<Report>(&text).ok());
+        match report {
+            Some(Report { options, .. }) => Self {
+                lobe: lobe_named(&options.lobe),
+                rotate_y: Some(options.rotate_y),
+                mirror: options.mirror,
+            },
+            None => {
+                Self { lobe: ktx2_text(bake, LOBE_KEY).and_then(|name| lobe_named(&name)), ..Self::default() }
+            }
+        }
+    }
+}
+
+fn lobe_named(name: &str) -> Option<Lobe> {
+    [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine].into_iter().find(|lobe| lobe.name() == name)
+}
+
+fn judge(levels: &[LevelErrors], limit: Option<f64>) -> Outcome {
+    let Some(limit) = limit else { return Ok(()) };
+    // Not a number is no better than too great.
+    let bad = levels.iter().filter(|errors| errors.rel_rmse.is_nan() || errors.rel_rmse > limit);
+    match bad.max_by(|a, b| a.rel_rmse.total_cmp(&b.rel_rmse)) {
+        None => Ok(()),
+        Some(errors) => {
+            Err(anyhow!("relRMSE {:.6} of level {} is above {limit}", errors.rel_rmse, errors.level).into())
+        }
+    }
+}
+
+impl Comparison {
+    fn text(&self) -> String {
+        let mut text =
+            String::from("level   size  roughness   texels   relRMSE        L1     seam  reference's seam\n");
+        let ratio = |seam: Option<f64>| seam.map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.3}"));
+        for errors in &self.levels {
+            let worst = &errors.worst;
+            let [x, y, z] = worst.direction;
+            let radiance = |rgb: [f64; 3]| rgb.map(|c| format!("{c:.4e}")).join(" ");
+            writeln!(
+                text,
+                "{:>5}  {:>5}  {:>9.4}  {:>7}  {:>8.6}  {:>8.6}  {:>7}  {:>16}\n       worst: {:.4} off at \
+                 {} ({}, {}), direction {x:.4} {y:.4} {z:.4}: {} for {}",
+                errors.level,
+                errors.size,
+                errors.roughness,
+                errors.texels,
+                errors.rel_rmse,
+                errors.l1,
+                ratio(errors.seam),
+                ratio(errors.reference_seam),
+                worst.relative,
+                worst.face,
+                worst.i,
+                worst.j,
+                radiance(worst.value),
+                radiance(worst.reference),
+            )
+            .expect("a string takes all");
+        }
+        text
+    }
+}

@@ -1,0 +1,168 @@
+//! Inputs: which files make one environment, and reading them.
+
+use super::args::{InputArgs, LayoutArg};
+use super::talk::Talk;
+use super::{Outcome, usage};
+use octagloss::chain::CubeChain;
+use octagloss::io::{self, LayoutChoice, ReadOptions, Repairs};
+use octagloss::{Environment, Layout};
+use std::fs;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+/// The files of one environment: one, or the six faces of a cube.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Source(Vec<PathBuf>);
+
+/// An environment as it is to be used, and what is to be told of it.
+pub(super) struct Opened {
+    pub(super) environment: Environment,
+    pub(super) repaired: Repairs,
+    pub(super) warnings: Vec<String>,
+    pub(super) format: String,
+    pub(super) layout: &'static str,
+    pub(super) width: u32,
+    pub(super) height: u32,
+}
+
+/// The environments that `paths` are: each its own, or six one under `--layout faces`.
+pub(super) fn sources(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Vec<Source>> {
+    match (args.layout, paths.len()) {
+        // A single KTX2 cube or level folder holds its faces already.
+        (LayoutArg::Faces, 6 | 1) => Ok(vec![Source(paths)]),
+        (LayoutArg::Faces, count) => usage(format!(
+            "--layout faces takes the six files of one cube, or one file that holds a cube; {count} were given"
+        )),
+        _ => Ok(paths.into_iter().map(|path| Source(vec![path])).collect()),
+    }
+}
+
+/// [`sources`] for subcommands that take one environment.
+pub(super) fn single_source(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Source> {
+    let mut sources = sources(paths, args)?;
+    match (sources.pop(), sources.len()) {
+        (Some(source), 0) => Ok(source),
+        (_, more) => usage(format!(
+            "{} inputs where one environment is needed; six files are one cube under --layout faces",
+            more + 1
+        )),
+    }
+}
+
+impl Source {
+    /// The file, or the first of the six.
+    pub(super) fn path(&self) -> &Path {
+        &self.0[0]
+    }
+
+    pub(super) fn files(&self) -> &[PathBuf] {
+        &self.0
+    }
+
+    /// What outputs are named after: the file's stem or the folder's name; of six faces what their stems begin with,
+    /// or else the name of their folder.
+    pub(super) fn stem(&self) -> String {
+        let stem = |path: &Path| {
+            let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
+            match name {
+                Some(name) => name.to_string_lossy().into_owned(),
+                // `.` and `..` have names of their own only when resolved.
+                None => path
+                    .canonicalize()
+                    .ok()
+                    .and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
+                    .unwrap_or_else(|| "environment".to_owned()),
+            }
+        };
+        let first = stem(self.path());
+        if self.0.len() == 1 {
+            return first;
+        }
+        let shared = self.0.iter().map(|path| stem(path)).fold(first, |shared, other| {
+            let same = shared.chars().zip(other.chars()).take_while(|(a, b)| a == b);
+            same.map(|(a, _)| a).collect()
+        });
+        let shared = shared.trim_end_matches(['_', '-', '.', ' ', '+']);
+        if shared.is_empty() {
+            self.path()
+                .parent()
+                .and_then(Path::file_name)
+                .map_or_else(|| "cube".to_owned(), |name| name.to_string_lossy().into_owned())
+        } else {
+            shared.to_owned()
+        }
+    }
+
+    /// Reads, turns and flips; warnings are said here.
+    pub(super) fn open(&self, args: &InputArgs, talk: &Talk) -> octagloss::Result<Opened> {
+        let options = ReadOptions {
+            layout: match args.layout {
+                LayoutArg::Auto => LayoutChoice::Auto,
+                LayoutArg::Equirect => LayoutChoice::Equirect,
+                LayoutArg::Cross => LayoutChoice::Cross,
+                LayoutArg::Strip => LayoutChoice::Strip,
+                LayoutArg::Faces => LayoutChoice::Faces,
+                LayoutArg::Octahedral => LayoutChoice::Octahedral,
+            },
+            sanitize: args.sanitize,
+            strict: args.strict,
+            ..ReadOptions::default()
+        };
+        let loaded = match &self.0[..] {
+            [path] => io::read(path, &options)?,
+            faces => io::read_faces(faces, &options)?,
+        };
+        for warning in &loaded.warnings {
+            talk.warn(&format!("{}: {warning}", self.path().display()));
+        }
+        let mut environment = loaded.environment;
+        if args.mirror {
+            environment = environment.mirrored();
+        }
+        if let Some(degrees) = args.rotate_y {
+            environment = environment.rotated_y(degrees);
+        }
+        Ok(Opened {
+            environment,
+            repaired: loaded.repaired,
+            warnings: loaded.warnings,
+            format: loaded.format,
+            layout: loaded.layout,
+            width: loaded.width,
+            height: loaded.height,
+        })
+    }
+}
+
+/// A layout in the words of `--layout` and its size.
+pub(super) fn layout_name(layout: Layout) -> &'static str {
+    match layout {
+        Layout::Panorama { .. } => "panorama",
+        Layout::Cube { .. } => "cube",
+        Layout::Octahedral { .. } => "octahedral",
+    }
+}
+
+/// The bake in `path`: a folder of levels, or a KTX2 file that tells its levels' roughness. `None` for other files.
+pub(super) fn read_bake(path: &Path) -> octagloss::Result<Option<CubeChain>> {
+    let metadata = fs::metadata(path).map_err(|error| octagloss::Error::io(path, error))?;
+    if metadata.is_dir() {
+        return io::read_chain(path).map(Some);
+    }
+    // What else is wrong with a KTX2 file is told when its level 0 is read as an environment.
+    Ok(if is_ktx2(path) { io::read_chain(path).ok() } else { None })
+}
+
+fn is_ktx2(path: &Path) -> bool {
+    let mut magic = [0; ktx2::MAGIC.len()];
+    let read = fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic));
+    read.is_ok() && magic == ktx2::MAGIC
+}
+
+/// The text under `key` in a KTX2 file that [`read_bake`] could read.
+pub(super) fn ktx2_text(path: &Path, key: &str) -> Option<String> {
+    let bytes = fs::read(path).ok()?;
+    let reader = ktx2::Reader::new(&bytes).ok()?;
+    let (_, value) = reader.key_value_data().find(|(name, _)| *name == key)?;
+    Some(String::from_utf8_lossy(value).trim_end_matches('\0').to_owned())
+}

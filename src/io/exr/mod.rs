@@ -1,0 +1,196 @@
+//! OpenEXR, every compression that the `exr` crate knows. Only the blocks of one layer's largest level are decoded,
+//! straight into texels.
+
+mod blocks;
+mod select;
+
+use super::color::{self, Primaries};
+use super::picture::{Content, Picture, Source, TEXEL_BYTES};
+use crate::environment::Rgb;
+use crate::error::Result;
+use ::exr::error::Error as ExrError;
+use ::exr::meta::attribute::{Chromaticities, Compression, SampleType};
+use ::exr::meta::header::Header;
+use ::exr::meta::{BlockDescription, MetaData};
+use select::{Channels, Selection};
+use std::io::Cursor;
+
+/// Decodes an OpenEXR file into its display window.
+pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
+    // Bytes 4 to 8 are the version and its flags.
+    let is_deep = source.bytes.get(5).is_some_and(|flags| flags & 0x08 != 0);
+    if is_deep {
+        return Err(source.error("deep data; flatten it to one sample a pixel"));
+    }
+    let reader =
+        ::exr::block::read(Cursor::new(source.bytes), false).map_err(|error| exr_error(source, &error))?;
+    let metadata: MetaData = reader.meta_data().clone();
+    let selection = select::select(source, &metadata.headers)?;
+    let header = &metadata.headers[selection.header];
+    let window = Window::of(source, header)?;
+    source.check_memory(window.width, window.height, TEXEL_BYTES)?;
+    blocks::check_block_memory(source, header, &window)?;
+
+    let mut texels = vec![Rgb::default(); window.width as usize * window.height as usize];
+    blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
+
+    let mut warnings = Vec::new();
+    warnings.extend(selection.warning());
+    warnings.extend(window.warning());
+    convert_color(header, selection.channels, &mut texels, &mut warnings);
+    Ok(Picture {
+        width: window.width,
+        height: window.height,
+        texels,
+        content: Content::Image,
+        format: describe(header, &selection),
+        warnings,
+    })
+}
+
+fn exr_error(source: &Source<'_>, error: &ExrError) -> crate::Error {
+    match error {
+        ExrError::NotSupported(what) if what.contains("subsampling") => source
+            .error("it has subsampled channels (luminance-chroma), which cannot be read; convert it to RGB"),
+        ExrError::NotSupported(what) => source.error(format!("OpenEXR feature not supported: {what}")),
+        other => source.decoder_error("OpenEXR", other),
+    }
+}
+
+/// The display window, and where the data window lies in it.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    width: u32,
+    height: u32,
+    /// The data window's top left corner, in pixels of the display window.
+    data_x: i64,
+    data_y: i64,
+    data_width: usize,
+    data_height: usize,
+}
+
+impl Window {
+    fn of(source: &Source<'_>, header: &Header) -> Result<Self> {
+        let display = header.shared_attributes.display_window;
+        let data = header.own_attributes.layer_position;
+        let too_large = |_| source.error("its display window is larger than 32 bits can count");
+        let window = Self {
+            width: u32::try_from(display.size.x()).map_err(too_large)?,
+            height: u32::try_from(display.size.y()).map_err(too_large)?,
+            data_x: i64::from(data.x()) - i64::from(display.position.x()),
+            data_y: i64::from(data.y()) - i64::from(display.position.y()),
+            data_width: header.layer_size.x(),
+            data_height: header.layer_size.y(),
+        };
+        let overlaps = window.visible_columns().is_some() && window.visible_rows().is_some();
+        if !overlaps && window.width > 0 && window.height > 0 {
+            return Err(source.error(format!(
+                "its {}x{} data window at ({}, {}) lies outside the {}x{} display window",
+                window.data_width,
+                window.data_height,
+                window.data_x,
+                window.data_y,
+                window.width,
+                window.height
+            )));
+        }
+        Ok(window)
+    }
+
+    /// The columns of the display window that have data.
+    fn visible_columns(&self) -> Option<std::ops::Range<usize>> {
+        overlap(self.data_x, self.data_width, self.width)
+    }
+
+    /// The rows of the display window that have data.
+    fn visible_rows(&self) -> Option<std::ops::Range<usize>> {
+        overlap(self.data_y, self.data_height, self.height)
+    }
+
+    fn warning(&self) -> Option<String> {
+        let same = (self.data_x, self.data_y) == (0, 0)
+            && (self.data_width, self.data_height) == (self.width as usize, self.height as usize);
+        (!same).then(|| {
+            format!(
+                "its {}x{} data window at ({}, {}) was cropped to the {}x{} display window, the rest is black",
+                self.data_width, self.data_height, self.data_x, self.data_y, self.width, self.height
+            )
+        })
+    }
+}
+
+/// The part of 0..`shown` that `length` from `start` covers.
+fn overlap(start: i64, length: usize, shown: u32) -> Option<std::ops::Range<usize>> {
+    let end = start.saturating_add(i64::try_from(length).ok()?).min(i64::from(shown));
+    let start = start.max(0);
+    (start < end)
+        .then(|| usize::try_from(start).ok().zip(usize::try_from(end).ok()))
+        .flatten()
+        .map(|(a, b)| a..b)
+}
+
+/// Luminance-chroma to RGB, and the file's primaries to Rec. 709.
+fn convert_color(header: &Header, channels: Channels, texels: &mut [Rgb], warnings: &mut Vec<String>) {
+    let primaries = header.shared_attributes.chromaticities.map_or(color::REC709, primaries_from);
+    if let Channels::LuminanceChroma(_) = channels {
+        // Texels hold Y, (R - Y)/Y, (B - Y)/Y.
+        let [wr, wg, wb] = primaries
+            .luminance_weights()
+            .or_else(|| color::REC709.luminance_weights())
+            .expect("Rec. 709 has weights")
+            .map(|weight| weight as f32);
+        for texel in texels.iter_mut() {
+            let [y, ry, by] = *texel;
+            let (r, b) = ((ry + 1.0) * y, (by + 1.0) * y);
+            *texel = [r, (y - wr * r - wb * b) / wg, b];
+        }
+    }
+    if primaries.are_rec709() || matches!(channels, Channels::Luminance(_)) {
+        return;
+    }
+    if let Some(matrix) = primaries.rec709_from_rgb() {
+        color::transform(texels, matrix);
+        warnings.push("its chromaticities are not Rec. 709; converted".to_owned());
+    } else {
+        warnings.push("its chromaticities span no gamut; ignored".to_owned());
+    }
+}
+
+fn primaries_from(attribute: Chromaticities) -> Primaries {
+    let pair = |xy: ::exr::math::Vec2<f32>| [f64::from(xy.x()), f64::from(xy.y())];
+    Primaries {
+        red: pair(attribute.red),
+        green: pair(attribute.green),
+        blue: pair(attribute.blue),
+        white: pair(attribute.white),
+    }
+}
+
+/// Such as `OpenEXR, half, DWAB, tiled`.
+fn describe(header: &Header, selection: &Selection) -> String {
+    let sample = match header.channels.list[selection.channels.indices()[0]].sample_type {
+        SampleType::F16 => "half",
+        SampleType::F32 => "float",
+        SampleType::U32 => "uint",
+    };
+    let compression = match header.compression {
+        Compression::Uncompressed => "uncompressed",
+        Compression::RLE => "RLE",
+        Compression::ZIP1 => "ZIPS",
+        Compression::ZIP16 => "ZIP",
+        Compression::PIZ => "PIZ",
+        Compression::PXR24 => "PXR24",
+        Compression::B44 => "B44",
+        Compression::B44A => "B44A",
+        Compression::DWAA(_) => "DWAA",
+        Compression::DWAB(_) => "DWAB",
+        Compression::HTJ2K32 | Compression::HTJ2K256 => "HTJ2K",
+    };
+    let tiled = if matches!(header.blocks, BlockDescription::Tiles(_)) { ", tiled" } else { "" };
+    let luminance = match selection.channels {
+        Channels::Rgb(_) => "",
+        Channels::Luminance(_) => ", luminance",
+        Channels::LuminanceChroma(_) => ", luminance-chroma",
+    };
+    format!("OpenEXR, {sample}, {compression}{tiled}{luminance}")
+}

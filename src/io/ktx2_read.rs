@@ -1,0 +1,234 @@
+//! KTX2 files: RGBA16F, RGBA32F and RGB9E5 cubes and 2D images with their mips, plain or zstd.
+
+use super::picture::{Content, Picture, Source, TEXEL_BYTES};
+use crate::chain::{CubeChain, CubeLevel};
+use crate::environment::Rgb;
+use crate::error::Result;
+use half::slice::HalfFloatSliceExt as _;
+use ktx2::{Format, SupercompressionScheme};
+use std::borrow::Cow;
+
+/// The key of the levels' roughnesses: decimals, comma separated, NUL-terminated.
+pub(super) const ROUGHNESS_KEY: &str = "octaglossRoughness";
+
+/// A parsed file whose header makes sense.
+struct Container<'a> {
+    source: Source<'a>,
+    reader: ktx2::Reader<&'a [u8]>,
+    width: u32,
+    height: u32,
+    pixel: Pixel,
+    is_cube: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pixel {
+    Rgba16F,
+    Rgba32F,
+    Rgb9E5,
+}
+
+impl Pixel {
+    const fn bytes(self) -> usize {
+        match self {
+            Self::Rgba16F => 8,
+            Self::Rgba32F => 16,
+            Self::Rgb9E5 => 4,
+        }
+    }
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Rgba16F => "RGBA16F",
+            Self::Rgba32F => "RGBA32F",
+            Self::Rgb9E5 => "RGB9E5",
+        }
+    }
+}
+
+/// Level 0 as a picture.
+pub(super) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
+    let container = Container::open(source)?;
+    let levels = container.reader.levels().len();
+    let kind = if container.is_cube { "cube" } else { "2D" };
+    Ok(Picture {
+        width: container.width,
+        height: if container.is_cube { 6 * container.width } else { container.height },
+        texels: container.level(0)?,
+        content: if container.is_cube { Content::Cube } else { Content::Image },
+        format: format!("KTX2 {kind}, {}, {levels} levels", container.pixel.name()),
+        warnings: Vec::new(),
+    })
+}
+
+/// Every level of a cube, with its roughness.
+pub(super) fn decode_chain(source: &Source<'_>) -> Result<CubeChain> {
+    if !source.bytes.starts_with(&ktx2::MAGIC) {
+        return Err(source.error("not a KTX2 file; a chain is a KTX2 cube or a level folder"));
+    }
+    let container = Container::open(source)?;
+    if !container.is_cube {
+        return Err(source.error("it holds a 2D image; a chain is a cube"));
+    }
+    let roughness = container.roughness()?;
+    let levels = (0u32..)
+        .zip(roughness)
+        .map(|(level, roughness)| {
+            let size = (container.width >> level).max(1);
+            let texels = container.level(level as usize)?;
+            super::level_folder::check_finite(source.path, level, size, &texels)?;
+            Ok(CubeLevel { size, roughness, texels, bounds: None })
+        })
+        .collect::<Result<_>>()?;
+    Ok(CubeChain { levels })
+}
+
+impl<'a> Container<'a> {
+    fn open(source: &Source<'a>) -> Result<Self> {
+        // The parser adds up offsets without looking for overflow in every place; its panics are contained.
+        let reader = ktx2::Reader::new(source.bytes).map_err(|error| match error {
+            ktx2::ParseError::UnexpectedEnd => source.error(format!(
+                "truncated: the KTX2 data ends after {} bytes; copy it anew",
+                source.bytes.len()
+            )),
+            other => source.error(format!("not a readable KTX2 file: {other}")),
+        })?;
+        let header = reader.header();
+        let pixel = match header.format {
+            Some(Format::R16G16B16A16_SFLOAT) => Pixel::Rgba16F,
+            Some(Format::R32G32B32A32_SFLOAT) => Pixel::Rgba32F,
+            Some(Format::E5B9G9R9_UFLOAT_PACK32) => Pixel::Rgb9E5,
+            other => {
+                let name =
+                    other.map_or_else(|| "a universal texture".to_owned(), |format| format!("{format:?}"));
+                return Err(
+                    source.error(format!("its pixels are {name}; RGBA16F, RGBA32F and RGB9E5 can be read"))
+                );
+            }
+        };
+        match header.supercompression_scheme {
+            None | Some(SupercompressionScheme::Zstandard) => {}
+            Some(other) => {
+                return Err(source.error(format!("supercompressed by {other:?}; zstd and none can be read")));
+            }
+        }
+        if header.pixel_depth > 1 || header.layer_count > 1 {
+            return Err(source.error(format!(
+                "{} layers of depth {}; one flat layer can be read",
+                header.layer_count.max(1),
+                header.pixel_depth.max(1)
+            )));
+        }
+        let (width, height) = (header.pixel_width, header.pixel_height);
+        let is_cube = match header.face_count {
+            1 => false,
+            6 if width == height => true,
+            6 => return Err(source.error(format!("cube faces of {width}x{height} are not square"))),
+            other => return Err(source.error(format!("{other} faces; 1 (2D) and 6 (cube) can be read"))),
+        };
+        if reader.levels().len() > 32 {
+            return Err(
+                source.error(format!("{} levels; 32 are the most there can be", reader.levels().len()))
+            );
+        }
+        // The decompressed bytes of level 0 beside its texels; the mips together are a third of it.
+        let faces = if is_cube { 6 } else { 1 };
+        let mips = if reader.levels().len() > 1 { 2 } else { 1 };
+        source.check_memory(width, height, faces * (mips * TEXEL_BYTES + pixel.bytes() as u64))?;
+        Ok(Self { source: *source, reader, width, height, pixel, is_cube })
+    }
+
+    /// The texels of one level, a cube's faces one after the other.
+    fn level(&self, level: usize) -> Result<Vec<Rgb>> {
+        let side = |full: u32| (full >> level).max(1) as usize;
+        let (width, height) = (side(self.width), side(self.height));
+        let faces = if self.is_cube { 6 } else { 1 };
+        let expected = width * height * faces * self.pixel.bytes();
+        let stored = self.reader.levels().nth(level).expect("the caller counts levels").data;
+        let zstd = self.reader.header().supercompression_scheme.is_some();
+        let bytes = if zstd {
+            Cow::Owned(zstd::bulk::decompress(stored, expected).map_err(|error| {
+                self.source.error(format!("level {level} is corrupt: {error}; copy the file anew"))
+            })?)
+        } else {
+            Cow::Borrowed(stored)
+        };
+        if bytes.len() != expected {
+            return Err(self.source.error(format!(
+                "level {level} holds {} bytes, {width}x{height} pixels take {expected}; copy the file anew",
+                bytes.len()
+            )));
+        }
+        let mut texels = texels_from(self.pixel, &bytes);
+        if !self.is_cube && self.is_bottom_up() {
+            texels = texels.chunks_exact(width).rev().flatten().copied().collect();
+        }
+        Ok(texels)
+    }
+
+    /// Whether rows run upwards (`KTXorientation` `ru`), as OpenGL's do.
+    fn is_bottom_up(&self) -> bool {
+        self.reader
+            .key_value_data()
+            .any(|(key, value)| key == "KTXorientation" && value.get(1) == Some(&b'u'))
+    }
+
+    /// The roughness of each level.
+    fn roughness(&self) -> Result<Vec<f64>> {
+        let levels = self.reader.levels().len();
+        let Some((_, value)) = self.reader.key_value_data().find(|(key, _)| *key == ROUGHNESS_KEY) else {
+            return Err(self.source.error(format!(
+                "it does not say its levels' roughness (key {ROUGHNESS_KEY}); octagloss bake writes it"
+            )));
+        };
+        let text = String::from_utf8_lossy(value.split(|&byte| byte == 0).next().unwrap_or_default());
+        let parsed: Option<Vec<f64>> = text
+            .split(',')
+            .map(|word| word.trim().parse().ok().filter(|r| (0.0..=1.0).contains(r)))
+            .collect();
+        match parsed {
+            Some(roughness) if roughness.len() == levels => Ok(roughness),
+            _ => Err(self.source.error(format!(
+                "{ROUGHNESS_KEY} is not {levels} numbers in [0, 1], one a level; bake it anew"
+            ))),
+        }
+    }
+}
+
+fn texels_from(pixel: Pixel, bytes: &[u8]) -> Vec<Rgb> {
+    match pixel {
+        Pixel::Rgba16F => bytes
+            .as_chunks::<8>()
+            .0
+            .iter()
+            .map(|texel| {
+                let half = |c: usize| half::f16::from_le_bytes([texel[2 * c], texel[2 * c + 1]]);
+                let halves = [half(0), half(1), half(2), half(3)];
+                let mut floats = [0.0; 4];
+                halves.as_slice().convert_to_f32_slice(&mut floats);
+                [floats[0], floats[1], floats[2]]
+            })
+            .collect(),
+        Pixel::Rgba32F => bytes
+            .as_chunks::<16>()
+            .0
+            .iter()
+            .map(|texel| {
+                let channel =
+                    |c: usize| f32::from_le_bytes(texel[4 * c..4 * c + 4].try_into().expect("4 bytes"));
+                [channel(0), channel(1), channel(2)]
+            })
+            .collect(),
+        Pixel::Rgb9E5 => bytes
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|texel| {
+                let packed = u32::from_le_bytes(*texel);
+                // Nine bits of mantissa without an implied one, exponent bias 15 (Vulkan, E5B9G9R9).
+                let scale = f64::from(2.0f32).powi((packed >> 27).cast_signed() - 24);
+                [0, 9, 18].map(|shift| (f64::from(packed >> shift & 0x1ff) * scale) as f32)
+            })
+            .collect(),
+    }
+}

@@ -1,0 +1,138 @@
+//! Which part of an image shows which part of the sphere.
+//!
+//! Cells of crosses and strips hold face images as in [`crate::sphere::cube`], upright but for -Z of the vertical
+//! cross, which is turned by 180 degrees so that it goes on from -Y above it:
+//!
+//! ```text
+//! horizontal cross (4:3)    vertical cross (3:4)    row strip (6:1)        column strip (1:6)
+//!
+//!     +Y                        +Y                  +X -X +Y -Y +Z -Z      +X
+//! -X  +Z  +X  -Z            -X  +Z  +X                                     -X
+//!     -Y                        -Y                                         ...
+//!                               -Z turned                                  -Z
+//! ```
+
+use super::picture::Content;
+use crate::environment::{Layout, Rgb};
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// How an image covers the sphere, as the user says it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LayoutChoice {
+    /// By its shape: 2:1 panorama, 4:3 and 3:4 crosses, 6:1 and 1:6 strips, 1:1 octahedral square.
+    #[default]
+    Auto,
+    /// A panorama, 2:1.
+    Equirect,
+    /// A cube unfolded into a horizontal (4:3) or vertical (3:4) cross.
+    Cross,
+    /// Six faces in a row (6:1) or column (1:6).
+    Strip,
+    /// Six files, or a file that holds a cube.
+    Faces,
+    /// An octahedral square, 1:1.
+    Octahedral,
+}
+
+/// A face's place in the image, in units of its size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Cell {
+    column: u32,
+    row: u32,
+    turned: bool,
+}
+
+/// Where each texel of a layout lies in the image.
+#[derive(Clone, Debug)]
+pub(super) struct Arrangement {
+    pub(super) layout: Layout,
+    pub(super) name: &'static str,
+    /// Six for a cube that must be cut out; none where the image is the layout already.
+    cells: Vec<Cell>,
+}
+
+const fn cell(column: u32, row: u32) -> Cell {
+    Cell { column, row, turned: false }
+}
+
+const HORIZONTAL_CROSS: [Cell; 6] = [cell(2, 1), cell(0, 1), cell(1, 0), cell(1, 2), cell(1, 1), cell(3, 1)];
+const VERTICAL_CROSS: [Cell; 6] =
+    [cell(2, 1), cell(0, 1), cell(1, 0), cell(1, 2), cell(1, 1), Cell { column: 1, row: 3, turned: true }];
+const ROW_STRIP: [Cell; 6] = [cell(0, 0), cell(1, 0), cell(2, 0), cell(3, 0), cell(4, 0), cell(5, 0)];
+
+/// The arrangement of a `width` x `height` picture under `choice`.
+pub(super) fn arrangement(
+    path: &Path,
+    width: u32,
+    height: u32,
+    content: Content,
+    choice: LayoutChoice,
+) -> Result<Arrangement> {
+    let shaped = |w: u32, h: u32| {
+        let (width, height) = (u64::from(width), u64::from(height));
+        width * u64::from(h) == height * u64::from(w) && width % u64::from(w) == 0
+    };
+    let cube = |size: u32, name, cells: &[Cell]| Arrangement {
+        layout: Layout::Cube { size },
+        name,
+        cells: cells.to_vec(),
+    };
+    let whole = |layout, name| Arrangement { layout, name, cells: Vec::new() };
+
+    let equirect = || shaped(2, 1).then(|| whole(Layout::Panorama { width, height }, "panorama"));
+    let cross = || {
+        let horizontal = shaped(4, 3).then(|| cube(width / 4, "horizontal cross", &HORIZONTAL_CROSS));
+        horizontal.or_else(|| shaped(3, 4).then(|| cube(width / 3, "vertical cross", &VERTICAL_CROSS)))
+    };
+    let strip = || {
+        let row = shaped(6, 1).then(|| cube(height, "row strip", &ROW_STRIP));
+        row.or_else(|| shaped(1, 6).then(|| cube(width, "column strip", &[])))
+    };
+    let octahedral = || shaped(1, 1).then(|| whole(Layout::Octahedral { size: width }, "octahedral square"));
+
+    if content == Content::Cube {
+        return match choice {
+            LayoutChoice::Auto | LayoutChoice::Faces => Ok(cube(width, "cube", &[])),
+            _ => Err(Error::input(path, "it holds a cube; leave --layout out or say --layout faces")),
+        };
+    }
+    let (found, needed) = match choice {
+        LayoutChoice::Auto => (
+            equirect().or_else(cross).or_else(strip).or_else(octahedral),
+            "no known layout has that shape: a panorama is 2:1, crosses 4:3 or 3:4, strips 6:1 or 1:6, an octahedral \
+             square 1:1; resize it, then say which with --layout",
+        ),
+        LayoutChoice::Equirect => (equirect(), "a panorama must be 2:1; resize it or say another --layout"),
+        LayoutChoice::Cross => (cross(), "a cross must be 4:3 or 3:4; say another --layout"),
+        LayoutChoice::Strip => (strip(), "a strip must be 6:1 or 1:6; say another --layout"),
+        LayoutChoice::Faces => {
+            (None, "one image is not six faces; give six files, or say --layout cross or strip")
+        }
+        LayoutChoice::Octahedral => (octahedral(), "an octahedral square must be 1:1; say another --layout"),
+    };
+    found.ok_or_else(|| Error::input(path, format!("{width}x{height}: {needed}")))
+}
+
+impl Arrangement {
+    /// The layout's texels out of those of an image with rows of `width`.
+    pub(super) fn arrange(&self, image: Vec<Rgb>, width: u32) -> Vec<Rgb> {
+        let (Layout::Cube { size }, false) = (self.layout, self.cells.is_empty()) else { return image };
+        let (size, width) = (size as usize, width as usize);
+        let mut texels = Vec::with_capacity(6 * size * size);
+        for cell in &self.cells {
+            let row_at = |j: usize| {
+                let start = (cell.row as usize * size + j) * width + cell.column as usize * size;
+                &image[start..start + size]
+            };
+            for j in 0..size {
+                if cell.turned {
+                    texels.extend(row_at(size - 1 - j).iter().rev());
+                } else {
+                    texels.extend_from_slice(row_at(j));
+                }
+            }
+        }
+        texels
+    }
+}

@@ -1,0 +1,136 @@
+//! Level folders as `bake` writes them: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`) and `report.json`.
+
+use super::contain::contained;
+use super::picture::{Content, Picture, Source};
+use crate::chain::{CubeChain, CubeLevel};
+use crate::environment::Rgb;
+use crate::error::{Error, Result};
+use crate::sphere::cube::Face;
+use std::path::{Path, PathBuf};
+
+/// The part of `report.json` that says what the files are.
+#[derive(serde::Deserialize)]
+struct Report {
+    levels: Vec<ReportLevel>,
+}
+
+#[derive(Clone, Copy, serde::Deserialize)]
+struct ReportLevel {
+    level: u32,
+    size: u32,
+    roughness: f64,
+}
+
+/// Level 0 as a picture.
+pub(super) fn read_environment(folder: &Path, memory_limit: u64) -> Result<Picture> {
+    let levels = read_report(folder, memory_limit)?;
+    let first = levels[0];
+    let mut picture = read_level(folder, first, memory_limit)?;
+    picture.format = format!("level folder, {}, {} levels", picture.format, levels.len());
+    Ok(picture)
+}
+
+/// Every level, with its roughness.
+pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<CubeChain> {
+    let levels = read_report(folder, memory_limit)?
+        .into_iter()
+        .map(|level| {
+            let ReportLevel { size, roughness, .. } = level;
+            let texels = read_level(folder, level, memory_limit)?.texels;
+            check_finite(folder, level.level, size, &texels)?;
+            Ok(CubeLevel { size, roughness, texels, bounds: None })
+        })
+        .collect::<Result<_>>()?;
+    Ok(CubeChain { levels })
+}
+
+/// Refuses NaN and Inf in a level of a chain.
+pub(super) fn check_finite(path: &Path, level: u32, size: u32, texels: &[Rgb]) -> Result<()> {
+    let Some(at) = texels.iter().position(|texel| texel.iter().any(|value| !value.is_finite())) else {
+        return Ok(());
+    };
+    let (size, face) = (size as usize, at / (size as usize * size as usize));
+    let place = at % (size * size);
+    Err(Error::input(
+        path,
+        format!(
+            "level {level} face {} pixel ({}, {}) is {:?}; bake it anew",
+            Face::ALL[face].short_name(),
+            place % size,
+            place / size,
+            texels[at]
+        ),
+    ))
+}
+
+/// The levels that `report.json` lists, checked: numbered from 0, each half the size of the one before.
+fn read_report(folder: &Path, memory_limit: u64) -> Result<Vec<ReportLevel>> {
+    let path = folder.join("report.json");
+    if !path.is_file() {
+        return Err(Error::input(
+            folder,
+            "a directory without a report.json; give an image, or a level folder that octagloss bake wrote",
+        ));
+    }
+    let bytes = super::file_bytes(&path, memory_limit)?;
+    let source = Source { path: &path, bytes: &bytes, memory_limit };
+    let report: Report = serde_json::from_slice(&bytes)
+        .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
+    let Some(first) = report.levels.first() else { return Err(source.error("it lists no levels")) };
+    for (expected, level) in (0u32..).zip(&report.levels) {
+        let size = first.size.checked_shr(expected).unwrap_or(0).max(1);
+        if level.level != expected || level.size != size || !(0.0..=1.0).contains(&level.roughness) {
+            return Err(source.error(format!(
+                "its entry {expected} is level {} of size {} and roughness {}; level {expected} of size {size} and a \
+                 roughness in [0, 1] is needed",
+                level.level, level.size, level.roughness
+            )));
+        }
+        if expected > 31 {
+            return Err(source.error(format!("{} levels; 32 are the most there can be", report.levels.len())));
+        }
+    }
+    Ok(report.levels)
+}
+
+/// Six faces of one level, one below the other.
+fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Picture> {
+    let mut cube: Option<Picture> = None;
+    for face in Face::ALL {
+        let path = face_file(folder, level.level, face)?;
+        let bytes = super::file_bytes(&path, memory_limit)?;
+        let source = Source { path: &path, bytes: &bytes, memory_limit };
+        let mut picture = contained(&path, || super::decode(&source))?;
+        if (picture.width, picture.height) != (level.size, level.size) {
+            return Err(source.error(format!(
+                "{}x{}, but report.json says that level {} is {size}x{size}",
+                picture.width,
+                picture.height,
+                level.level,
+                size = level.size
+            )));
+        }
+        match &mut cube {
+            None => cube = Some(picture),
+            Some(cube) => cube.texels.append(&mut picture.texels),
+        }
+    }
+    let mut cube = cube.expect("there are six faces");
+    cube.height = 6 * cube.width;
+    cube.content = Content::Cube;
+    Ok(cube)
+}
+
+fn face_file(folder: &Path, level: u32, face: Face) -> Result<PathBuf> {
+    let stem = format!("m{level}_{}", face.short_name());
+    ["exr", "hdr"]
+        .into_iter()
+        .map(|extension| folder.join(format!("{stem}.{extension}")))
+        .find(|path| path.is_file())
+        .ok_or_else(|| {
+            Error::input(
+                folder,
+                format!("{stem}.exr (or .hdr) is missing, though report.json lists its level; bake it anew"),
+            )
+        })
+}

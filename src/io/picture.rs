@@ -1,0 +1,89 @@
+//! What the codecs take and give: a file in memory, and its pixels.
+
+use crate::environment::Rgb;
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// Bytes of one texel.
+pub(super) const TEXEL_BYTES: u64 = size_of::<Rgb>() as u64;
+
+/// A file in memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Source<'a> {
+    /// Its name, for messages.
+    pub(super) path: &'a Path,
+    /// Its content.
+    pub(super) bytes: &'a [u8],
+    /// Bytes that reading may take at its peak, `bytes` included.
+    pub(super) memory_limit: u64,
+}
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Content {
+    /// An image whose layout is to be found.
+    Image,
+    /// Six faces, one below the other.
+    Cube,
+}
+
+/// Decoded pixels: linear RGB, Rec. 709 primaries, not yet checked.
+#[derive(Clone, Debug)]
+pub(super) struct Picture {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// Row-major, from the top left.
+    pub(super) texels: Vec<Rgb>,
+    pub(super) content: Content,
+    /// The encoding in words.
+    pub(super) format: String,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Source<'_> {
+    /// An [`Error::Input`] about this file, on one line whatever `message` quotes.
+    pub(super) fn error(&self, message: impl Into<String>) -> Error {
+        let message: String = message.into();
+        Error::input(self.path, message.split_whitespace().collect::<Vec<_>>().join(" "))
+    }
+
+    /// A decoder's error about this file, in its own words unless it ran out of bytes.
+    pub(super) fn decoder_error(&self, format: &str, error: &dyn std::error::Error) -> Error {
+        let words = error.to_string();
+        let ends_early =
+            ["missing bytes", "fill whole buffer", "EOF", "end of file", "nexpected end", "truncated"];
+        if ends_early.iter().any(|phrase| words.contains(phrase)) {
+            self.error(format!(
+                "truncated: the {format} data ends after {} bytes; copy it anew",
+                self.bytes.len()
+            ))
+        } else {
+            self.error(format!("not a readable {format} file: {words}"))
+        }
+    }
+
+    /// Refuses an image without pixels, and one whose reading would pass the memory limit at `bytes_per_pixel`
+    /// (the texels and whatever the decoder holds beside them).
+    pub(super) fn check_memory(&self, width: u32, height: u32, bytes_per_pixel: u64) -> Result<()> {
+        if width == 0 || height == 0 {
+            return Err(self.error(format!("{width}x{height} has no pixels")));
+        }
+        let pixels = u64::from(width) * u64::from(height);
+        let needed = pixels.saturating_mul(bytes_per_pixel).saturating_add(self.bytes.len() as u64);
+        if needed > self.memory_limit {
+            let what = format!("an image of {width}x{height} pixels");
+            return Err(limit(self.path, &what, needed, self.memory_limit));
+        }
+        Ok(())
+    }
+}
+
+/// An [`Error::Limit`] about `path`.
+pub(super) fn limit(path: &Path, what: &str, needed: u64, available: u64) -> Error {
+    Error::Limit {
+        what: format!("{}: {what}", path.display()),
+        needed,
+        available,
+        remedy: "scale it down first".to_owned(),
+    }
+}

@@ -1,0 +1,97 @@
+//! Pixel formats of the outputs and the conversions into them: rounded to nearest, clamped, counted.
+
+use crate::environment::Rgb;
+use half::f16;
+use half::slice::HalfFloatSliceExt as _;
+
+/// The greatest finite half float.
+pub const HALF_MAX: f32 = 65504.0;
+
+/// The greatest value of a channel in RGB9E5: (511/512) * 2^16.
+pub const RGB9E5_MAX: f32 = 65408.0;
+
+/// How a texel is stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Pixel {
+    /// Half float, clamped at [`HALF_MAX`].
+    #[default]
+    F16,
+    /// Float, exact.
+    F32,
+    /// Three 9-bit mantissas and a shared 5-bit exponent, clamped at [`RGB9E5_MAX`].
+    Rgb9e5,
+}
+
+impl Pixel {
+    /// Name on the command line and in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::F16 => "f16",
+            Self::F32 => "f32",
+            Self::Rgb9e5 => "rgb9e5",
+        }
+    }
+
+    /// The greatest value of a channel.
+    #[must_use]
+    pub const fn max(self) -> f32 {
+        match self {
+            Self::F16 => HALF_MAX,
+            Self::F32 => f32::MAX,
+            Self::Rgb9e5 => RGB9E5_MAX,
+        }
+    }
+
+    /// Number of `texels` with a channel that this format clamps.
+    #[must_use]
+    pub fn clamped(self, texels: &[Rgb]) -> u64 {
+        texels.iter().filter(|t| t.iter().any(|c| *c > self.max())).count() as u64
+    }
+}
+
+/// Appends `values` to `out` as half floats, little endian: to nearest, ties to even, at most [`HALF_MAX`].
+pub fn push_halves(values: &[f32], out: &mut Vec<u8>) {
+    const BATCH: usize = 256;
+    let mut floats = [0.0; BATCH];
+    let mut halves = [f16::ZERO; BATCH];
+    for batch in values.chunks(BATCH) {
+        let (floats, halves) = (&mut floats[..batch.len()], &mut halves[..batch.len()]);
+        for (float, value) in floats.iter_mut().zip(batch) {
+            *float = value.min(HALF_MAX);
+        }
+        halves.convert_from_f32_slice(floats);
+        out.extend(halves.iter().flat_map(|h| h.to_le_bytes()));
+    }
+}
+
+/// `rgb` in RGB9E5, each channel clamped to [0, [`RGB9E5_MAX`]]: red in the lowest bits, the exponent in the highest.
+///
+/// The algorithm of OpenGL 4.6 section 8.5.2 and Vulkan's "RGB to shared exponent conversion", with the exponent
+/// read from the float instead of a logarithm.
+#[must_use]
+pub fn rgb9e5_from_rgb(rgb: Rgb) -> u32 {
+    const MANTISSA_BITS: i32 = 9;
+    const BIAS: i32 = 15;
+    let clamped = rgb.map(|c| f64::from(c.clamp(0.0, RGB9E5_MAX)));
+    let greatest = clamped[0].max(clamped[1]).max(clamped[2]);
+    // floor(log2(greatest)); zero reads as -1023 and ends at the least exponent like everything below 2^-16.
+    let log2 = (greatest.to_bits() >> 52) as i32 - 1023;
+    let round = |value: f64, exponent: i32| {
+        (value * f64::from(BIAS + MANTISSA_BITS - exponent).exp2() + 0.5).floor() as u32
+    };
+    let mut exponent = log2.max(-BIAS - 1) + 1 + BIAS;
+    // The greatest mantissa may round up to 2^9: then the next exponent holds it.
+    if round(greatest, exponent) == 1 << MANTISSA_BITS {
+        exponent += 1;
+    }
+    let [r, g, b] = clamped.map(|c| round(c, exponent));
+    r | g << 9 | b << 18 | (exponent as u32) << 27
+}
+
+/// The colour that `packed` stands for in RGB9E5; exact.
+#[must_use]
+pub fn rgb_from_rgb9e5(packed: u32) -> Rgb {
+    let scale = ((packed >> 27) as f32 - 24.0).exp2();
+    [0, 9, 18].map(|shift| ((packed >> shift) & 0x1ff) as f32 * scale)
+}
