@@ -20,7 +20,7 @@ const CONE_LEVELS: u32 = 40;
 /// the OEM, W the kernel's integral over the sphere, and Kbar_t the kernel averaged with a tent over texel t in
 /// (u, v), two texels wide on the unfolded plane. Summed over t that is the kernel times the bilinear interpolation of
 /// (E_t - c w_t) per (u, v) area, integrated over the square; it is done quadrant by quadrant of each texel, where
-/// interpolation, map and fold have no kinks.
+/// interpolation, map and fold have no kinks. [`OemOracle::with_constant_texels`] leaves the tent out.
 #[derive(Debug)]
 pub struct OemOracle {
     size: u32,
@@ -28,6 +28,8 @@ pub struct OemOracle {
     least: [f64; 3],
     /// (E_t - c w_t) per (u, v) area, with a border of one texel.
     density: Vec<[f64; 3]>,
+    /// Whether the density is interpolated between texel centres, or constant inside a texel.
+    interpolated: bool,
 }
 
 impl OemOracle {
@@ -56,7 +58,13 @@ impl OemOracle {
                 density.push([0, 1, 2].map(|c| (energy[c] - least[c] * solid_angle) / texel_area));
             }
         }
-        Self { size, least, density }
+        Self { size, least, density, interpolated: true }
+    }
+
+    /// The same with energy constant in (u, v) inside each texel: Kbar_t is the kernel's mean over the texel itself.
+    #[must_use]
+    pub fn with_constant_texels(oem: &Oem) -> Self {
+        Self { interpolated: false, ..Self::new(oem) }
     }
 
     /// The four sites around a point of quadrant (`i`, `j`): the (u, v) of the first, and the densities at 00 10 01 11.
@@ -65,7 +73,10 @@ impl OemOracle {
         // Column k of the bordered table stands at texel k - 1; half-texel i lies between texels (i - 1)/2 and +1.
         let (x, y) = (i.div_ceil(2), j.div_ceil(2));
         let first = (DVec2::new(x as f64, y as f64) - 0.5) * (2.0 / f64::from(self.size)) - 1.0;
-        let at = |x: usize, y: usize| self.density[y * side + x];
+        let at = |x: usize, y: usize| {
+            let (x, y) = if self.interpolated { (x, y) } else { (i / 2 + 1, j / 2 + 1) };
+            self.density[y * side + x]
+        };
         (first, [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)])
     }
 
