@@ -2,11 +2,11 @@
 
 use crate::chain::{CubeChain, CubeLevel};
 use crate::cpu::{bake_level, box_filter};
-use crate::environment::{Environment, Layout};
+use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
-use crate::reflector::{Reflector, ReflectorSettings, default_oem_size};
+use crate::reflector::{Reflector, ReflectorSettings, default_oem_size, source_oem_size};
 use crate::sh;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -191,17 +191,10 @@ pub fn bake(
 
     let reflector = Reflector::new(environment, &reflector_settings(environment, settings, &rungs))?;
     let mut warnings = Vec::new();
-    let fitting = default_oem_size(environment.layout(), 0);
-    let full = match environment.layout() {
-        Layout::Panorama { width, .. } => width,
-        Layout::Cube { size } => 2 * size,
-        Layout::Octahedral { size } => size,
-    };
     let inner = reflector.oem().size().inner;
+    let full = source_oem_size(environment.layout());
     if inner < full {
-        warnings.push(format!(
-            "the OEM of {inner} texels is coarser than the source, which would fill {full} (at most {fitting} by default)"
-        ));
+        warnings.push(format!("the OEM of {inner} texels is coarser than the source, which would fill {full}"));
     }
 
     let mut chain = CubeChain { levels: Vec::with_capacity(rungs.len()) };
@@ -258,7 +251,7 @@ fn reflector_settings(environment: &Environment, settings: &BakeSettings, rungs:
     let border = settings.border.or_else(|| {
         // The safety border: plain four-corner reads for the widest box of the ladder.
         let roughest = rungs.iter().map(|rung| rung.roughness).fold(0.0, f64::max);
-        let inner = settings.oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0));
+        let inner = settings.oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0, sharpest));
         (settings.filter == Filter::Box)
             .then(|| box_filter::widest_half_extent(settings.lobe, roughest * roughest, inner))
     });

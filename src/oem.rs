@@ -1,7 +1,23 @@
 //! The bordered octahedral environment map (OEM): per texel the energy L*w (red, green, blue) and the solid angle w.
 
 use crate::environment::Rgb;
+use crate::lobe::Lobe;
 use crate::sphere::octahedral::wrap_texel;
+
+/// The share of bilinear reconstruction in a lobe of `alpha` over `inner` x `inner` texels: what is served.
+///
+/// Inside a texel energy is constant in (u, v). A lobe up to two texels of alpha (a texel is at least 2/inner wide) is
+/// convolved with a one-texel box besides, which makes roughness 0 bilinear interpolation; from four texels on the box
+/// would only widen it, and is left out; between, the two are mixed.
+#[must_use]
+pub fn bilinear_share(lobe: Lobe, alpha: f64, inner: u32) -> f64 {
+    if lobe == Lobe::Cosine {
+        return 0.0;
+    }
+    let texels = alpha * f64::from(inner) / 2.0;
+    let fade = ((4.0 - texels) / 2.0).clamp(0.0, 1.0);
+    fade * fade * (3.0 - 2.0 * fade)
+}
 
 /// Size of an OEM.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,7 +9,8 @@ use crate::cpu::{mirror, reparameterise};
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
-use crate::oem::{Oem, OemSize};
+use crate::cpu::tent::Reconstruction;
+use crate::oem::{Oem, OemSize, bilinear_share};
 use crate::oracle::Oracle;
 use crate::sat::{Sat, Scan};
 use glam::{DMat3, DVec3};
@@ -30,17 +31,33 @@ pub struct ReflectorSettings {
     pub sharpest: f64,
 }
 
-/// The OEM's default size: a panorama's width, twice a cube's face, an octahedral square's own edge, rounded up to a
-/// multiple of 64, at most 4096 with its border.
+/// An OEM resolves a lobe whose alpha is this many of its texels (2/n wide where they are narrowest).
+const TEXELS_PER_ALPHA: f64 = 6.5;
+
+/// Default OEMs have at most this many texels along an edge, border included.
+const LARGEST_DEFAULT: u32 = 4096;
+
+/// Texels along an edge of an OEM as fine as the source: a panorama's width, twice a cube's face, an octahedral
+/// square's own edge.
 #[must_use]
-pub fn default_oem_size(layout: Layout, border: u32) -> u32 {
-    let own = match layout {
+pub const fn source_oem_size(layout: Layout) -> u32 {
+    match layout {
         Layout::Panorama { width, .. } => width,
         Layout::Cube { size } => size.saturating_mul(2),
         Layout::Octahedral { size } => size,
-    };
-    let most = 4096_u32.saturating_sub(border.saturating_mul(2)).max(64);
-    own.min(most).next_multiple_of(64).min(most)
+    }
+}
+
+/// The OEM's default size: the source's own, or up to twice that where the sharpest lobe asked for (at roughness
+/// `sharpest`; 0 for any) would be widened by texels of that size; rounded up to a multiple of 64, at most 4096 with
+/// its border.
+#[must_use]
+pub fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
+    let own = source_oem_size(layout);
+    let asked = if sharpest > 0.0 { TEXELS_PER_ALPHA * 2.0 / (sharpest * sharpest) } else { 0.0 };
+    let fine = asked.min(2.0 * f64::from(own)) as u32;
+    let most = LARGEST_DEFAULT.saturating_sub(border.saturating_mul(2)).max(64);
+    own.max(fine).min(most).next_multiple_of(64).min(most)
 }
 
 /// An environment's OEM and tables, ready to answer. Tables are built when first asked for.
@@ -50,7 +67,8 @@ pub struct Reflector<'a> {
     oem: Oem,
     /// Texels along an edge of the finest cells.
     block: u32,
-    cells: OnceLock<Cells>,
+    constant: OnceLock<Cells>,
+    bilinear: OnceLock<Cells>,
     sat: OnceLock<Sat>,
     oracle: OnceLock<Oracle<'a>>,
 }
@@ -72,7 +90,9 @@ impl<'a> Reflector<'a> {
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
         let border = settings.border.unwrap_or(0);
-        let inner = settings.oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), border));
+        let inner = settings
+            .oem_size
+            .unwrap_or_else(|| default_oem_size(environment.layout(), border, settings.sharpest));
         if inner == 0 {
             return Err(Error::Parameter("an OEM of 0 texels: --oem-size must be at least 1".to_owned()));
         }
@@ -95,7 +115,8 @@ impl<'a> Reflector<'a> {
             environment,
             oem,
             block,
-            cells: OnceLock::new(),
+            constant: OnceLock::new(),
+            bilinear: OnceLock::new(),
             sat: OnceLock::new(),
             oracle: OnceLock::new(),
         })
@@ -118,9 +139,13 @@ impl<'a> Reflector<'a> {
         self.sat.get_or_init(|| Sat::new(&self.oem, Scan::default()))
     }
 
-    /// The OEM's cells.
-    pub fn cells(&self) -> &Cells {
-        self.cells.get_or_init(|| Cells::new(&self.oem, self.block, crate::cpu::tent::Reconstruction::Constant))
+    /// The OEM's cells under one reconstruction.
+    pub fn cells(&self, reconstruction: Reconstruction) -> &Cells {
+        let cells = match reconstruction {
+            Reconstruction::Constant => &self.constant,
+            Reconstruction::Bilinear => &self.bilinear,
+        };
+        cells.get_or_init(|| Cells::new(&self.oem, self.block, reconstruction))
     }
 
     fn oracle(&self) -> &Oracle<'a> {
@@ -146,7 +171,16 @@ impl<'a> Reflector<'a> {
             Filter::Reference => Method::Reference(self.oracle(), lobe, roughness),
             Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),
             Filter::Adaptive(_) if mirror => Method::Mirror(&self.oem),
-            Filter::Adaptive(error) => Method::Adaptive(Adaptive::new(self.cells(), Kernel::new(lobe, alpha), error)),
+            Filter::Adaptive(error) => {
+                let share = bilinear_share(lobe, alpha, self.oem.size().inner);
+                let over = |reconstruction, share| {
+                    Adaptive::new(self.cells(reconstruction), Kernel::new(lobe, alpha), error).scaled(share)
+                };
+                Method::Adaptive {
+                    constant: (share < 1.0).then(|| over(Reconstruction::Constant, 1.0 - share)),
+                    bilinear: (share > 0.0).then(|| over(Reconstruction::Bilinear, share)),
+                }
+            }
         };
         Ok(Lobes { source_from_world: self.environment.source_from_world(), method })
     }
@@ -164,7 +198,7 @@ impl<'a> Reflector<'a> {
 
 #[derive(Debug)]
 enum Method<'r, 'e> {
-    Adaptive(Adaptive<'r>),
+    Adaptive { constant: Option<Adaptive<'r>>, bilinear: Option<Adaptive<'r>> },
     Box(BoxFilter<'r>),
     Mirror(&'r Oem),
     Reference(&'r Oracle<'e>, Lobe, f64),
@@ -194,20 +228,26 @@ impl Lobes<'_, '_> {
         let source_from_world = self.source_from_world;
         let unbounded = |radiance: Rgb| Answer { radiance, bound: None };
         match &self.method {
-            Method::Adaptive(adaptive) => {
+            Method::Adaptive { constant, bilinear } => {
                 let mut turned = [DVec3::ZERO; LANES];
                 for group in directions.chunks(LANES) {
                     for (turned, direction) in turned.iter_mut().zip(group) {
                         *turned = source_from_world * *direction;
                     }
                     let packet = Packet::new(&turned[..group.len()]);
-                    let shares = adaptive.evaluate(&packet, &mut workspace.scratch);
-                    workspace.leaves += shares.leaves as u64;
+                    let first = answers.len();
+                    answers.extend(group.iter().map(|_| Answer { radiance: [0.0; 3], bound: Some(0.0) }));
+                    for part in [constant, bilinear].into_iter().flatten() {
+                        let shares = part.evaluate(&packet, &mut workspace.scratch);
+                        workspace.leaves += shares.leaves as u64;
+                        for (lane, answer) in answers[first..].iter_mut().enumerate() {
+                            for (sum, value) in answer.radiance.iter_mut().zip(shares.radiance[lane]) {
+                                *sum += value;
+                            }
+                            answer.bound = answer.bound.map(|bound| bound + shares.bound[lane]);
+                        }
+                    }
                     workspace.packets += 1;
-                    answers.extend(
-                        (0..group.len())
-                            .map(|k| Answer { radiance: shares.radiance[k], bound: Some(shares.bound[k]) }),
-                    );
                 }
             }
             Method::Box(filter) => answers

@@ -34,7 +34,7 @@ pub const LANES: usize = 16;
 
 /// A tolerance of E allows every leaf this share of E times the mean radiance. Measured, see the README's table of
 /// errors: the leaves' errors have random signs and mostly lie far inside their intervals.
-const LEAF_SHARE: f64 = 0.5;
+const LEAF_SHARE: f64 = 0.6;
 
 /// Up to [`LANES`] directions near one another, in the space of the cells.
 #[derive(Clone, Copy, Debug)]
@@ -107,8 +107,10 @@ pub struct Scratch {
 pub struct Adaptive<'a> {
     pub(super) cells: &'a Cells,
     kernel: Kernel,
-    /// Greatest half-width of a leaf's interval, in units of the kernel times energy.
+    /// Greatest error to be expected of a leaf, in units of the kernel times energy.
     pub(super) tolerance: f64,
+    /// What answers are multiplied by.
+    scale: f64,
     arch: pulp::Arch,
 }
 
@@ -135,7 +137,14 @@ impl<'a> Adaptive<'a> {
     #[must_use]
     pub fn new(cells: &'a Cells, kernel: Kernel, error: f64) -> Self {
         let tolerance = LEAF_SHARE * error * cells.mean_luminance * kernel.integral;
-        Self { cells, kernel, tolerance, arch: pulp::Arch::new() }
+        Self { cells, kernel, tolerance, scale: 1.0, arch: pulp::Arch::new() }
+    }
+
+    /// The same, as a part of `share` in a mixture: answers and bounds are that much of the whole.
+    #[must_use]
+    pub fn scaled(mut self, share: f64) -> Self {
+        self.scale = share;
+        self
     }
 
     /// The lobes around a packet's directions.
@@ -222,16 +231,16 @@ impl<'a> Adaptive<'a> {
                 below[k] += (share.estimate - share.least) * luminance;
             }
         }
-        let least = self.cells.least;
-        let per_integral = 1.0 / self.kernel.integral;
+        let least = self.cells.least.map(|least| self.scale * f64::from(least));
+        let per_integral = self.scale / self.kernel.integral;
         let rounding = self.kernel.rounding(scratch.leaves.len());
         let luminance = |rgb: [f64; 3]| (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum::<f64>();
-        let base = luminance(least.map(f64::from));
+        let base = luminance(least);
         let mut shares =
             Shares { radiance: [[0.0; 3]; LANES], bound: [0.0; LANES], leaves: scratch.leaves.len() };
         for k in 0..LANES {
             let lobe: [f64; 3] = std::array::from_fn(|c| f64::from(sums[c][k]) * per_integral);
-            shares.radiance[k] = std::array::from_fn(|c| (f64::from(least[c]) + lobe[c]) as f32);
+            shares.radiance[k] = std::array::from_fn(|c| (least[c] + lobe[c]) as f32);
             let width = (f64::from(above[k].max(below[k])) + scratch.slack) * per_integral;
             // The least radiance and every E - c w are float32 differences: 2^-22 of the whole.
             shares.bound[k] = (width + rounding * luminance(lobe) + 2.4e-7 * base) as f32;

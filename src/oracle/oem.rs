@@ -4,7 +4,7 @@ use super::kernel::Kernel;
 use super::patch::{Accuracy, Measure, Sample, integrate};
 use super::texels::for_each_flat_of_quadrant;
 use crate::lobe::Lobe;
-use crate::oem::Oem;
+use crate::oem::{Oem, bilinear_share};
 use crate::sphere::octahedral;
 use glam::{DVec2, DVec3};
 
@@ -17,10 +17,10 @@ const CONE_LEVELS: u32 = 40;
 /// An OEM made ready for exhaustive integration.
 ///
 /// The answer is L = c + sum_t Kbar_t * (E_t - c w_t) / W in each channel: c is the least radiance of the channel in
-/// the OEM, W the kernel's integral over the sphere, and Kbar_t the kernel averaged with a tent over texel t in
-/// (u, v), two texels wide on the unfolded plane. Summed over t that is the kernel times the bilinear interpolation of
-/// (E_t - c w_t) per (u, v) area, integrated over the square; it is done quadrant by quadrant of each texel, where
-/// interpolation, map and fold have no kinks. [`OemOracle::with_constant_texels`] leaves the tent out.
+/// the OEM, W the kernel's integral over the sphere, and Kbar_t the kernel averaged over texel t in (u, v), to the share
+/// that [`bilinear_share`] says with a tent two texels wide on the unfolded plane, evenly for the rest. Summed over t
+/// that is the kernel times the bilinear (or constant) interpolation of (E_t - c w_t) per (u, v) area, integrated over
+/// the square; it is done quadrant by quadrant of each texel, where interpolation, map and fold have no kinks.
 #[derive(Debug)]
 pub struct OemOracle {
     size: u32,
@@ -28,8 +28,6 @@ pub struct OemOracle {
     least: [f64; 3],
     /// (E_t - c w_t) per (u, v) area, with a border of one texel.
     density: Vec<[f64; 3]>,
-    /// Whether the density is interpolated between texel centres, or constant inside a texel.
-    interpolated: bool,
 }
 
 impl OemOracle {
@@ -58,13 +56,7 @@ impl OemOracle {
                 density.push([0, 1, 2].map(|c| (energy[c] - least[c] * solid_angle) / texel_area));
             }
         }
-        Self { size, least, density, interpolated: true }
-    }
-
-    /// The same with energy constant in (u, v) inside each texel: Kbar_t is the kernel's mean over the texel itself.
-    #[must_use]
-    pub fn with_constant_texels(oem: &Oem) -> Self {
-        Self { interpolated: false, ..Self::new(oem) }
+        Self { size, least, density }
     }
 
     /// The four sites around a point of quadrant (`i`, `j`): the (u, v) of the first, and the densities at 00 10 01 11.
@@ -73,10 +65,7 @@ impl OemOracle {
         // Column k of the bordered table stands at texel k - 1; half-texel i lies between texels (i - 1)/2 and +1.
         let (x, y) = (i.div_ceil(2), j.div_ceil(2));
         let first = (DVec2::new(x as f64, y as f64) - 0.5) * (2.0 / f64::from(self.size)) - 1.0;
-        let at = |x: usize, y: usize| {
-            let (x, y) = if self.interpolated { (x, y) } else { (i / 2 + 1, j / 2 + 1) };
-            self.density[y * side + x]
-        };
+        let at = |x: usize, y: usize| self.density[y * side + x];
         (first, [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)])
     }
 
@@ -85,6 +74,19 @@ impl OemOracle {
     /// At roughness 0 it is c plus the interpolated density at `direction` over the solid angle per (u, v) area.
     #[must_use]
     pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
+        let share = bilinear_share(lobe, roughness * roughness, self.size);
+        self.reflect_with_share(lobe, roughness, direction, share)
+    }
+
+    /// The same with the share of bilinear interpolation, in [0, 1], as said.
+    #[must_use]
+    pub fn reflect_with_share(
+        &self,
+        lobe: Lobe,
+        roughness: f64,
+        direction: DVec3,
+        bilinear: f64,
+    ) -> [f64; 3] {
         if roughness < super::MIRROR && lobe != Lobe::Cosine {
             return self.mirror(direction);
         }
@@ -109,7 +111,9 @@ impl OemOracle {
                     integrate(&flat, &kernel, &accuracy, &mut add);
                 });
                 let [m, a, b, ab] = moments;
-                let weights = [m - a - b + ab, a - ab, b - ab, ab];
+                let mut weights = [m - a - b + ab, a - ab, b - ab, ab].map(|weight| weight * bilinear);
+                // The quadrant's own texel is the second site of a left or upper half, the first of the other.
+                weights[(1 - i % 2) + 2 * (1 - j % 2)] += m * (1.0 - bilinear);
                 for (site, weight) in sites.iter().zip(weights) {
                     for (sum, density) in sum.iter_mut().zip(site) {
                         *sum += weight * density;
