@@ -322,7 +322,7 @@ fn brute_oem(oem: &Oem, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3
     let n = oem.size().inner;
     let h = 2.0 / f64::from(n);
     let alpha = roughness * roughness;
-    let count = 2 * (400 / n);
+    let count = 4 * (200 / n);
     let share = bilinear_share(lobe, alpha, n);
     let mut least = [f64::INFINITY; 3];
     for k in 0..n * n {
