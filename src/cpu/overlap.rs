@@ -54,9 +54,11 @@ impl Overlaps {
                     let mut walker = grid::Walker::new(target);
                     let mut entries = Vec::new();
                     cells::for_each_octant_cell(source, target, band, |cell: Cell<'_>| {
+                        let first = entries.len();
                         walker.walk(cell.corners, 0, |target, solid_angle| {
                             entries.push(Entry { target, source: cell.index, solid_angle });
                         });
+                        share_out(cell.solid_angle, &mut entries[first..]);
                     });
                     entries
                 })
@@ -69,11 +71,13 @@ impl Overlaps {
                     let mut clipper = grid::OctantClipper::default();
                     let mut entries = Vec::new();
                     cells::for_each_cell(source, target, band, |cell: Cell<'_>| {
+                        let first = entries.len();
                         clipper.clip(cell.corners, turn, |octant, corners| {
                             walker.walk(corners, octant, |target, solid_angle| {
                                 entries.push(Entry { target, source: cell.index, solid_angle });
                             });
                         });
+                        share_out(cell.solid_angle, &mut entries[first..]);
                     });
                     entries
                 })
@@ -111,6 +115,15 @@ impl Overlaps {
                 visit(source as usize, solid_angle);
             }
         }
+    }
+}
+
+/// Scales the entries of one cell to its exact solid angle, so that all its energy arrives.
+fn share_out(solid_angle: f64, entries: &mut [Entry]) {
+    let sum: f64 = entries.iter().map(|entry| f64::from(entry.solid_angle)).sum();
+    if sum > 0.0 {
+        let scale = (solid_angle / sum) as f32;
+        entries.iter_mut().for_each(|entry| entry.solid_angle *= scale);
     }
 }
 

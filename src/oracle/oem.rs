@@ -17,10 +17,10 @@ const CONE_LEVELS: u32 = 40;
 /// An OEM made ready for exhaustive integration.
 ///
 /// The answer is L = c + sum_t Kbar_t * (E_t - c w_t) / W in each channel: c is the least radiance of the channel in
-/// the OEM, W the kernel's integral over the sphere, and Kbar_t the kernel averaged over texel t in (u, v), with a tent two texels
-/// wide on the unfolded plane to the share that [`bilinear_share`] says, evenly for the rest. Summed over t that is the
-/// kernel times the bilinear (or constant) interpolation of (E_t - c w_t) per (u, v) area, integrated over the square;
-/// it is done quadrant by quadrant of each texel, where interpolation, map and fold have no kinks.
+/// the OEM, W the kernel's integral over the sphere, and Kbar_t the kernel averaged over texel t in (u, v), to the share
+/// that [`bilinear_share`] says with a tent two texels wide on the unfolded plane, evenly for the rest. Summed over t
+/// that is the kernel times the bilinear (or constant) interpolation of (E_t - c w_t) per (u, v) area, integrated over
+/// the square; it is done quadrant by quadrant of each texel, where interpolation, map and fold have no kinks.
 #[derive(Debug)]
 pub struct OemOracle {
     size: u32,
@@ -74,13 +74,25 @@ impl OemOracle {
     /// At roughness 0 it is c plus the interpolated density at `direction` over the solid angle per (u, v) area.
     #[must_use]
     pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
+        let share = bilinear_share(lobe, roughness * roughness, self.size);
+        self.reflect_with_share(lobe, roughness, direction, share)
+    }
+
+    /// The same with the share of bilinear interpolation, in [0, 1], as said.
+    #[must_use]
+    pub fn reflect_with_share(
+        &self,
+        lobe: Lobe,
+        roughness: f64,
+        direction: DVec3,
+        bilinear: f64,
+    ) -> [f64; 3] {
         if roughness < super::MIRROR && lobe != Lobe::Cosine {
             return self.mirror(direction);
         }
         let kernel = Kernel::new(lobe, roughness, direction.normalize());
         let accuracy = Accuracy::new(QUADRANT_ACCURACY, CONE_LEVELS);
         let texels_per_unit = f64::from(self.size) / 2.0;
-        let bilinear = bilinear_share(lobe, roughness * roughness, self.size);
         let mut sum = [0.0; 3];
         for j in 0..2 * self.size as usize {
             for i in 0..2 * self.size as usize {

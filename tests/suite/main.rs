@@ -1,5 +1,6 @@
 //! The test suite: one binary, a module a concern.
 
+mod adaptive;
 mod cli;
 mod common;
 mod fuzz;

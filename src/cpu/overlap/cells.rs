@@ -2,8 +2,9 @@
 
 use super::index::{Target, pack};
 use crate::environment::Layout;
-use crate::sphere::cube::{Face, cube_point};
+use crate::sphere::cube::{self, Face, cube_point};
 use crate::sphere::octahedral::octahedron_from_oct;
+use crate::sphere::polygon_solid_angle;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
@@ -15,6 +16,8 @@ const CHORD_SAG: f64 = 1e-5;
 pub(super) struct Cell<'a> {
     pub(super) corners: &'a [DVec3],
     pub(super) index: u32,
+    /// Exact, in steradians.
+    pub(super) solid_angle: f64,
 }
 
 fn split(rows: u32) -> Vec<Range<u32>> {
@@ -55,8 +58,8 @@ pub(super) fn for_each_octant_cell(
                 .map(|k| (f64::from(k) * TAU / f64::from(width)).min(FRAC_PI_2))
                 .collect();
             let row = |k: u32| (f64::from(k) * PI / f64::from(height)).min(FRAC_PI_2);
-            panorama_cells(&columns, row, target, band, |i, j, corners| {
-                visit(Cell { corners, index: pack(0, i, j) })
+            panorama_cells(&columns, row, target, band, |i, j, corners, solid_angle| {
+                visit(Cell { corners, index: pack(0, i, j), solid_angle });
             });
         }
         Layout::Cube { size } => {
@@ -73,7 +76,8 @@ pub(super) fn for_each_octant_cell(
                             _ => DVec3::new(s, t, 1.0),
                         }
                     });
-                    visit(Cell { corners: &corners, index: pack(family, half + i, half + j) });
+                    let solid_angle = cube::texel_solid_angle(size, half + i, half + j);
+                    visit(Cell { corners: &corners, index: pack(family, half + i, half + j), solid_angle });
                 }
             }
         }
@@ -86,13 +90,12 @@ pub(super) fn for_each_octant_cell(
             for y in band {
                 for x in 0..half - y {
                     // The last cell of a row is cut by the fold diagonal.
-                    let corners = [point(x, y), point(x + 1, y), point(x, y + 1)];
-                    if x + y + 1 == half {
-                        visit(Cell { corners: &corners, index: pack(0, half + x, half + y) });
-                    } else {
-                        let corners = [corners[0], corners[1], point(x + 1, y + 1), corners[2]];
-                        visit(Cell { corners: &corners, index: pack(0, half + x, half + y) });
-                    }
+                    let on_fold = x + y + 1 == half;
+                    let all = [point(x, y), point(x + 1, y), point(x + 1, y + 1), point(x, y + 1)];
+                    let cut = [all[0], all[1], all[3]];
+                    let corners: &[DVec3] = if on_fold { &cut } else { &all };
+                    let solid_angle = polygon(corners);
+                    visit(Cell { corners, index: pack(0, half + x, half + y), solid_angle });
                 }
             }
         }
@@ -116,8 +119,8 @@ pub(super) fn for_each_cell(
             let row_pieces = 4_u32.div_ceil(height);
             let row = |k: u32| f64::from(k) / f64::from(height * row_pieces) * PI;
             let band = band.start * row_pieces..band.end * row_pieces;
-            panorama_cells(&columns, row, target, band, |i, j, corners| {
-                visit(Cell { corners, index: (j / row_pieces) * width + i / pieces });
+            panorama_cells(&columns, row, target, band, |i, j, corners, solid_angle| {
+                visit(Cell { corners, index: (j / row_pieces) * width + i / pieces, solid_angle });
             });
         }
         Layout::Cube { size } => {
@@ -130,9 +133,11 @@ pub(super) fn for_each_cell(
                     for i in 0..size * pieces {
                         let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
                             .map(|(i, j)| cube_point(Face::ALL[face as usize], edge(i), edge(j)));
+                        let solid_angle = cube::texel_solid_angle(size * pieces, i, j);
                         visit(Cell {
                             corners: &corners,
                             index: (face * size + j / pieces) * size + i / pieces,
+                            solid_angle,
                         });
                     }
                 }
@@ -143,12 +148,21 @@ pub(super) fn for_each_cell(
             for y in band {
                 for x in 0..size {
                     octahedral_pieces([edge(x), edge(x + 1)], [edge(y), edge(y + 1)], |corners| {
-                        visit(Cell { corners, index: y * size + x });
+                        visit(Cell { corners, index: y * size + x, solid_angle: polygon(corners) });
                     });
                 }
             }
         }
     }
+}
+
+/// Solid angle of a polygon whose corners have any length.
+fn polygon(corners: &[DVec3]) -> f64 {
+    let mut unit = [DVec3::ZERO; 6];
+    for (unit, corner) in unit.iter_mut().zip(corners) {
+        *unit = corner.normalize();
+    }
+    polygon_solid_angle(&unit[..corners.len()])
 }
 
 /// Cuts a rectangle of the octahedral square along the axes and the fold diagonals.
@@ -194,7 +208,7 @@ fn panorama_cells(
     row: impl Fn(u32) -> f64,
     target: Target,
     band: Range<u32>,
-    mut visit: impl FnMut(u32, u32, &[DVec3]),
+    mut visit: impl FnMut(u32, u32, &[DVec3], f64),
 ) {
     let meridians: Vec<(f64, f64)> = columns.iter().map(|phi| (phi.cos(), phi.sin())).collect();
     let mut above = Parallel::default();
@@ -202,12 +216,20 @@ fn panorama_cells(
     above.chord(row(band.start), &meridians, target);
     let mut corners = Vec::new();
     for j in band {
-        below.chord(row(j + 1), &meridians, target);
+        let (top, bottom) = (row(j), row(j + 1));
+        below.chord(bottom, &meridians, target);
+        // cos(top) - cos(bottom), without its cancellation at the poles.
+        let height = 2.0 * ((top + bottom) / 2.0).sin() * ((bottom - top) / 2.0).sin();
         for i in 0..meridians.len() - 1 {
             corners.clear();
             corners.extend_from_slice(above.arc(i));
             corners.extend(below.arc(i).iter().rev());
-            visit(u32::try_from(i).expect("columns fit"), j, &corners);
+            visit(
+                u32::try_from(i).expect("columns fit"),
+                j,
+                &corners,
+                height * (columns[i + 1] - columns[i]),
+            );
         }
         std::mem::swap(&mut above, &mut below);
     }

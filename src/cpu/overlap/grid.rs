@@ -6,12 +6,9 @@ use glam::{DMat3, DVec2, DVec3};
 /// Overlaps smaller than this share of their polygon are rounding, not area.
 const NEGLIGIBLE: f64 = 1e-11;
 
-/// Polygons wider than this on the octant's plane are cut up: the centroid rule misses about half the square of a
+/// Polygons wider than this on the octant's plane are halved: the centroid rule misses about half the square of a
 /// piece's width.
-const WIDEST: f64 = 1.0 / 64.0;
-
-/// What they are cut up to.
-const PIECE: f64 = 1.0 / 256.0;
+const WIDEST: f64 = 1.0 / 40.0;
 
 /// Area and first moments of a grid cell's overlap, and what the cells to its right inherit.
 #[derive(Clone, Copy, Default)]
@@ -46,11 +43,11 @@ impl Walker {
         }
     }
 
-    /// [`Walker::walk`] by halves, down to pieces of [`PIECE`].
+    /// [`Walker::walk`] by halves, down to pieces of [`WIDEST`].
     fn walk_halves(&mut self, corners: &[DVec3], octant: usize, emit: &mut impl FnMut(u32, f32)) {
         let (low, high) = extent(corners);
         let (extent, middle) = (high - low, (low + high) / 2.0);
-        if extent.max_element() <= PIECE {
+        if extent.max_element() <= WIDEST {
             return self.walk_piece(corners, octant, emit);
         }
         // The plane through the octant's own axis that halves the longer side.
