@@ -93,6 +93,18 @@ impl Oem {
         &self.texels[start..start + self.size.inner as usize]
     }
 
+    /// The least radiance of each channel over the square.
+    #[must_use]
+    pub fn least_radiance(&self) -> Rgb {
+        let mut least = [f32::INFINITY; 3];
+        for [r, g, b, w] in (0..self.size.inner).flat_map(|y| self.row(y)) {
+            for (least, energy) in least.iter_mut().zip([r, g, b]) {
+                *least = least.min(energy / w);
+            }
+        }
+        least
+    }
+
     /// Total energy (red, green, blue) and solid angle of the square, summed in double precision.
     #[must_use]
     pub fn totals(&self) -> [f64; 4] {

@@ -174,7 +174,7 @@ impl<'a> Reflector<'a> {
         let method = match filter {
             Filter::Reference => Method::Reference(self.oracle(), lobe, roughness),
             Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),
-            Filter::Adaptive(_) if mirror => Method::Mirror(&self.oem),
+            Filter::Adaptive(_) if mirror => Method::Mirror(&self.oem, self.oem.least_radiance()),
             Filter::Adaptive(error) => {
                 let share = bilinear_share(lobe, alpha, self.oem.size().inner);
                 let over = |reconstruction, share| {
@@ -208,7 +208,7 @@ impl<'a> Reflector<'a> {
 enum Method<'r, 'e> {
     Adaptive { constant: Option<Adaptive<'r>>, bilinear: Option<Adaptive<'r>> },
     Box(BoxFilter<'r>),
-    Mirror(&'r Oem),
+    Mirror(&'r Oem, Rgb),
     Reference(&'r Oracle<'e>, Lobe, f64),
 }
 
@@ -261,8 +261,9 @@ impl Lobes<'_, '_> {
             Method::Box(filter) => {
                 answers.extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d))))
             }
-            Method::Mirror(oem) => answers
-                .extend(directions.iter().map(|d| unbounded(mirror::radiance(oem, source_from_world * *d)))),
+            Method::Mirror(oem, least) => answers.extend(
+                directions.iter().map(|d| unbounded(mirror::radiance(oem, *least, source_from_world * *d))),
+            ),
             Method::Reference(oracle, lobe, roughness) => answers.extend(
                 directions.iter().map(|d| unbounded(oracle.reflect(*lobe, *roughness, *d).map(|c| c as f32))),
             ),

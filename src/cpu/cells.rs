@@ -73,7 +73,7 @@ impl Cells {
     pub fn new(oem: &Oem, block: u32, reconstruction: Reconstruction) -> Self {
         assert!(block > 0, "blocks of at least one texel");
         let n = oem.size().inner;
-        let least = least_radiance(oem);
+        let least = oem.least_radiance();
         let totals = oem.totals();
         let mean_luminance =
             (0..3).map(|c| f64::from(LUMINANCE[c]) * totals[c]).sum::<f64>() / (4.0 * std::f64::consts::PI);
@@ -128,17 +128,6 @@ impl Cells {
         }
         Self { n, least, mean_luminance, quads, levels, reconstruction, block, energies }
     }
-}
-
-/// The least radiance of each channel over the square.
-fn least_radiance(oem: &Oem) -> [f32; 3] {
-    let mut least = [f32::INFINITY; 3];
-    for [r, g, b, w] in (0..oem.size().inner).flat_map(|y| oem.row(y)) {
-        for (least, energy) in least.iter_mut().zip([r, g, b]) {
-            *least = least.min(energy / w);
-        }
-    }
-    least
 }
 
 /// The union of cells, centred by luminance; cells without energy do not count.

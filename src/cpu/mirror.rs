@@ -8,9 +8,9 @@ use glam::DVec3;
 /// Radiance seen along `direction` (unit, of the OEM's space): the limit of lobes as roughness goes to 0.
 ///
 /// c + sum over the four nearest texels of their share times (E - c w) over the solid angle of a texel's area here,
-/// c the least of their radiances: a constant stays one, and energies stay what they are.
+/// c = `least` the least radiance of each channel in the OEM: a constant stays one, and energies stay what they are.
 #[must_use]
-pub fn radiance(oem: &Oem, direction: DVec3) -> Rgb {
+pub fn radiance(oem: &Oem, least: Rgb, direction: DVec3) -> Rgb {
     let n = oem.size().inner;
     let uv = oct_from_direction(direction);
     let scale = f64::from(n) / 2.0;
@@ -29,7 +29,7 @@ pub fn radiance(oem: &Oem, direction: DVec3) -> Rgb {
     ];
     let solid_angle = solid_angle_density(uv) / (scale * scale);
     std::array::from_fn(|c| {
-        let least = corners.iter().map(|(texel, _)| texel[c] / texel[3]).fold(f64::INFINITY, f64::min);
+        let least = f64::from(least[c]);
         let above: f64 = corners.iter().map(|(texel, share)| share * (texel[c] - least * texel[3])).sum();
         (least + above / solid_angle) as f32
     })

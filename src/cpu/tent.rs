@@ -53,6 +53,9 @@ impl Reconstruction {
     }
 }
 
+/// Below this size texels are too curved for few nodes.
+const CURVED: u32 = 32;
+
 /// From this size on the map is straight enough for two nodes a side: (2/n)^4 is 2e-10.
 const FINE: u32 = 512;
 
@@ -157,7 +160,7 @@ fn near_kink(centre: DVec2, reach: f64) -> bool {
 fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
     let h = 2.0 / f64::from(n);
     let reach = reconstruction.reach();
-    let smooth = !near_kink(centre, reach * h);
+    let smooth = n >= CURVED && !near_kink(centre, reach * h);
     // Away from kinks nothing needs wrapping.
     let direction = |offset: DVec2| {
         let uv = centre + offset * h;
