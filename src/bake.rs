@@ -192,16 +192,18 @@ pub fn bake(
     let reflector = Reflector::new(environment, &reflector_settings(environment, settings, &rungs))?;
     let mut warnings = Vec::new();
     let inner = reflector.oem().size().inner;
-    let full = source_oem_size(environment.layout());
-    if inner < full {
-        warnings.push(format!("the OEM of {inner} texels is coarser than the source, which would fill {full}"));
+    let asked = default_oem_size(environment.layout(), 0, sharpest(&rungs))
+        .min(source_oem_size(environment.layout()));
+    if inner < asked {
+        warnings.push(format!("the OEM of {inner} texels is coarser than source and lobes ask for, {asked}"));
     }
 
     let mut chain = CubeChain { levels: Vec::with_capacity(rungs.len()) };
     let mut stats = Vec::with_capacity(rungs.len());
     for (index, &rung) in rungs.iter().enumerate() {
         let start = Instant::now();
-        let baked = bake_level::bake_level(&reflector, rung, settings.lobe, settings.filter, &|n| advance(index, n))?;
+        let baked =
+            bake_level::bake_level(&reflector, rung, settings.lobe, settings.filter, &|n| advance(index, n))?;
         let bounds = baked.bounds.as_deref();
         stats.push(LevelStats {
             seconds: start.elapsed().as_secs_f64(),
@@ -220,8 +222,9 @@ pub fn bake(
         .irradiance
         .map(|size| {
             let rung = Rung { size, roughness: 1.0 };
-            let baked =
-                bake_level::bake_level(&reflector, rung, Lobe::Cosine, settings.filter, &|n| advance(rungs.len(), n))?;
+            let baked = bake_level::bake_level(&reflector, rung, Lobe::Cosine, settings.filter, &|n| {
+                advance(rungs.len(), n)
+            })?;
             Ok::<_, Error>(CubeLevel { size, roughness: 1.0, texels: baked.texels, bounds: None })
         })
         .transpose()?;
@@ -245,9 +248,18 @@ pub fn bake(
     })
 }
 
+/// The least roughness above 0.
+fn sharpest(rungs: &[Rung]) -> f64 {
+    rungs.iter().map(|rung| rung.roughness).filter(|r| *r > 0.0).fold(1.0, f64::min)
+}
+
 /// What the reflector of a bake must serve.
-fn reflector_settings(environment: &Environment, settings: &BakeSettings, rungs: &[Rung]) -> ReflectorSettings {
-    let sharpest = rungs.iter().map(|rung| rung.roughness).filter(|r| *r > 0.0).fold(1.0, f64::min);
+fn reflector_settings(
+    environment: &Environment,
+    settings: &BakeSettings,
+    rungs: &[Rung],
+) -> ReflectorSettings {
+    let sharpest = sharpest(rungs);
     let border = settings.border.or_else(|| {
         // The safety border: plain four-corner reads for the widest box of the ladder.
         let roughest = rungs.iter().map(|rung| rung.roughness).fold(0.0, f64::max);

@@ -5,11 +5,11 @@ use crate::cpu::adaptive::{Adaptive, LANES, Packet, Scratch};
 use crate::cpu::box_filter::BoxFilter;
 use crate::cpu::cells::Cells;
 use crate::cpu::kernel::Kernel;
+use crate::cpu::tent::Reconstruction;
 use crate::cpu::{mirror, reparameterise};
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
-use crate::cpu::tent::Reconstruction;
 use crate::oem::{Oem, OemSize, bilinear_share};
 use crate::oracle::Oracle;
 use crate::sat::{Sat, Scan};
@@ -48,16 +48,20 @@ pub const fn source_oem_size(layout: Layout) -> u32 {
     }
 }
 
-/// The OEM's default size: the source's own, or up to twice that where the sharpest lobe asked for (at roughness
-/// `sharpest`; 0 for any) would be widened by texels of that size; rounded up to a multiple of 64, at most 4096 with
-/// its border.
+/// The OEM's default size for lobes of roughness `sharpest` (0 for any) and above: as many texels as resolve that lobe,
+/// at most twice the source's own; rounded up to a multiple of 64, at most 4096 with its border.
+///
+/// Finer texels than that cost time and show nothing, coarser ones would widen the lobe; energy arrives at any size.
 #[must_use]
 pub fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
     let own = source_oem_size(layout);
-    let asked = if sharpest > 0.0 { TEXELS_PER_ALPHA * 2.0 / (sharpest * sharpest) } else { 0.0 };
-    let fine = asked.min(2.0 * f64::from(own)) as u32;
+    let asked = if sharpest > 0.0 {
+        (TEXELS_PER_ALPHA * 2.0 / (sharpest * sharpest)).min(2.0 * f64::from(own)) as u32
+    } else {
+        own
+    };
     let most = LARGEST_DEFAULT.saturating_sub(border.saturating_mul(2)).max(64);
-    own.max(fine).min(most).next_multiple_of(64).min(most)
+    asked.min(most).next_multiple_of(64).min(most)
 }
 
 /// An environment's OEM and tables, ready to answer. Tables are built when first asked for.
@@ -107,9 +111,9 @@ impl<'a> Reflector<'a> {
             });
         }
         let oem = reparameterise::oem_from_environment(environment, OemSize { inner, border })?;
-        // Cells of a quarter of the sharpest lobe's alpha: a texel is at least 2/n wide.
+        // Cells of less than a third of the sharpest lobe's alpha: a texel is at least 2/n wide.
         let alpha = settings.sharpest * settings.sharpest;
-        let finest = alpha / 4.0 * f64::from(inner) / 2.0;
+        let finest = alpha / 3.4 * f64::from(inner) / 2.0;
         let block = if finest >= 2.0 { 1 << (finest.log2() as u32).min(6) } else { 1 };
         Ok(Self {
             environment,
@@ -191,7 +195,11 @@ impl<'a> Reflector<'a> {
     /// Those of [`Reflector::lobes`].
     pub fn query(&self, direction: DVec3, roughness: f64, lobe: Lobe, filter: Filter) -> Result<Answer> {
         let mut answers = Vec::with_capacity(1);
-        self.lobes(lobe, roughness, filter)?.evaluate(&[direction.normalize()], &mut Workspace::default(), &mut answers);
+        self.lobes(lobe, roughness, filter)?.evaluate(
+            &[direction.normalize()],
+            &mut Workspace::default(),
+            &mut answers,
+        );
         Ok(answers[0])
     }
 }
@@ -250,8 +258,9 @@ impl Lobes<'_, '_> {
                     workspace.packets += 1;
                 }
             }
-            Method::Box(filter) => answers
-                .extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d)))),
+            Method::Box(filter) => {
+                answers.extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d))))
+            }
             Method::Mirror(oem) => answers
                 .extend(directions.iter().map(|d| unbounded(mirror::radiance(oem, source_from_world * *d)))),
             Method::Reference(oracle, lobe, roughness) => answers.extend(

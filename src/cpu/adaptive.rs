@@ -34,7 +34,7 @@ pub const LANES: usize = 16;
 
 /// A tolerance of E allows every leaf this share of E times the mean radiance. Measured, see the README's table of
 /// errors: the leaves' errors have random signs and mostly lie far inside their intervals.
-const LEAF_SHARE: f64 = 0.6;
+const LEAF_SHARE: f64 = 0.4;
 
 /// Up to [`LANES`] directions near one another, in the space of the cells.
 #[derive(Clone, Copy, Debug)]
@@ -175,7 +175,8 @@ impl<'a> Adaptive<'a> {
                 let (x, y, z) = (quad.x[k] - axis.x, quad.y[k] - axis.y, quad.z[k] - axis.z);
                 let distance = (x * x + y * y + z * z).sqrt();
                 let trace = quad.covariance[0][k] + quad.covariance[1][k] + quad.covariance[2][k];
-                error[k] = quad.luminance[k] * expected_error(kernel, distance, quad.radius[k], packet.radius, trace);
+                error[k] = quad.luminance[k]
+                    * expected_error(kernel, distance, quad.radius[k], packet.radius, trace);
             }
             for k in 0..4 {
                 // Black cells say nothing.
@@ -222,7 +223,8 @@ impl<'a> Adaptive<'a> {
             for k in 0..LANES {
                 let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
                 let squared = x * x + y * y + z * z;
-                let along = xx * x * x + yy * y * y + zz * z * z + 2.0 * (yz * y * z + zx * z * x + xy * x * y);
+                let along =
+                    xx * x * x + yy * y * y + zz * z * z + 2.0 * (yz * y * z + zx * z * x + xy * x * y);
                 let share = interval(kernel, squared, trace, along, leaf.radius);
                 sums[0][k] += share.estimate * red;
                 sums[1][k] += share.estimate * green;

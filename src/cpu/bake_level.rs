@@ -70,7 +70,9 @@ pub(crate) fn bake_level(
                     directions.clear();
                     answers.clear();
                     for (i, j) in (top..bottom).flat_map(|j| (left..right).map(move |i| (i, j))) {
-                        footprint.for_each_direction(i, j, |s, t| directions.push(direction_from_cube(face, s, t)));
+                        footprint.for_each_direction(i, j, |s, t| {
+                            directions.push(direction_from_cube(face, s, t))
+                        });
                     }
                     lobes.evaluate(directions, &mut workspace, answers);
                     let mut samples = answers.chunks_exact(footprint.samples());
@@ -85,7 +87,8 @@ pub(crate) fn bake_level(
         )
         .collect();
 
-    let texels: Vec<Rgb> = rows.iter().flat_map(|(line, _)| line.iter().map(|answer| answer.radiance)).collect();
+    let texels: Vec<Rgb> =
+        rows.iter().flat_map(|(line, _)| line.iter().map(|answer| answer.radiance)).collect();
     let bounds = rows.iter().flat_map(|(line, _)| line.iter().map(|answer| answer.bound)).collect();
     let leaves: u64 = rows.iter().map(|(_, workspace)| workspace.leaves).sum();
     let packets: u64 = rows.iter().map(|(_, workspace)| workspace.packets).sum();

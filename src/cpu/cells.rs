@@ -97,7 +97,8 @@ impl Cells {
                 *cell = merge(&members);
             }
         });
-        let energies = if block == 1 { cells.iter().map(|cell| cell.energy.to_array()).collect() } else { Vec::new() };
+        let energies =
+            if block == 1 { cells.iter().map(|cell| cell.energy.to_array()).collect() } else { Vec::new() };
 
         let (mut quads, mut levels) = (Vec::new(), Vec::new());
         loop {
@@ -106,7 +107,8 @@ impl Cells {
             levels.push(Level { first: u32::try_from(first).expect("fewer than 2^32 cells"), width: above });
             quads.resize(first + above as usize * above as usize, Quad::default());
             let mut parents = vec![Cell::default(); above as usize * above as usize];
-            let rows = quads[first..].par_chunks_mut(above as usize).zip(parents.par_chunks_mut(above as usize));
+            let rows =
+                quads[first..].par_chunks_mut(above as usize).zip(parents.par_chunks_mut(above as usize));
             rows.zip(0..above).for_each(|((quads, parents), j)| {
                 for ((quad, parent), i) in quads.iter_mut().zip(parents).zip(0..above) {
                     let siblings = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(di, dj)| {

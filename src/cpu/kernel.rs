@@ -44,7 +44,10 @@ impl Kernel {
         let shape = match lobe {
             Lobe::Ggx => {
                 let squared = alpha * alpha;
-                Shape::Ggx(Ggx { peak: (1.0 / (PI * squared)) as f32, steep: ((1.0 - squared) / squared) as f32 })
+                Shape::Ggx(Ggx {
+                    peak: (1.0 / (PI * squared)) as f32,
+                    steep: ((1.0 - squared) / squared) as f32,
+                })
             }
             Lobe::Phong => {
                 let exponent = lobe::phong_exponent(alpha) as f32;
@@ -298,7 +301,13 @@ pub(super) fn interval<R: Radial>(kernel: R, squared: f32, trace: f32, along: f3
 /// The error to expect of the estimate for a cell of unit energy and the direction it serves worst, among those within
 /// `packet` of an axis at `distance` from its centroid: for choosing which cells to split, no bound.
 #[inline(always)]
-pub(super) fn expected_error<R: Radial>(kernel: R, distance: f32, radius: f32, packet: f32, trace: f32) -> f32 {
+pub(super) fn expected_error<R: Radial>(
+    kernel: R,
+    distance: f32,
+    radius: f32,
+    packet: f32,
+    trace: f32,
+) -> f32 {
     let worst = kernel.worst_distance((distance - packet).max(0.0), distance + packet);
     // Half of the trace lies along the line to R, give or take.
     let along = 0.6 * trace * worst * worst;

@@ -1,7 +1,7 @@
 //! Below texels: a texel's spread cut into pieces, for lobes sharper than the OEM and tolerances finer than it.
 
 use super::adaptive::{Adaptive, Leaf, Packet, Scratch};
-use super::kernel::{Radial, first_order_width, expected_error};
+use super::kernel::{Radial, expected_error, first_order_width};
 use super::tent::{Moments, Reconstruction};
 use crate::environment::LUMINANCE;
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
@@ -48,7 +48,8 @@ pub(super) fn refine<R: Radial>(
     let luminance: f64 = (0..3).map(|c| f64::from(LUMINANCE[c]) * f64::from(energy[c])).sum();
     let reach = cells.reconstruction.reach();
     let mut stack = Vec::new();
-    for signs in [DVec2::new(1.0, 1.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0), DVec2::new(-1.0, -1.0)] {
+    for signs in [DVec2::new(1.0, 1.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0), DVec2::new(-1.0, -1.0)]
+    {
         let direction = |p: DVec2| direction_from_oct(wrap_oct(centre + signs * p * h));
         stack.push(Piece { low: DVec2::ZERO, high: DVec2::splat(reach), depth: 0 });
         while let Some(Piece { low, high, depth }) = stack.pop() {
@@ -80,8 +81,16 @@ pub(super) fn refine<R: Radial>(
             if error > tolerance && depth < DEPTH {
                 let (middle, depth) = ((low + high) / 2.0, depth + 1);
                 stack.push(Piece { low, high: middle, depth });
-                stack.push(Piece { low: DVec2::new(middle.x, low.y), high: DVec2::new(high.x, middle.y), depth });
-                stack.push(Piece { low: DVec2::new(low.x, middle.y), high: DVec2::new(middle.x, high.y), depth });
+                stack.push(Piece {
+                    low: DVec2::new(middle.x, low.y),
+                    high: DVec2::new(high.x, middle.y),
+                    depth,
+                });
+                stack.push(Piece {
+                    low: DVec2::new(low.x, middle.y),
+                    high: DVec2::new(middle.x, high.y),
+                    depth,
+                });
                 stack.push(Piece { low: middle, high, depth });
                 continue;
             }

@@ -36,14 +36,18 @@ impl Reconstruction {
     const fn nodes(self, n: u32) -> &'static [(f64, f64)] {
         match (self, n < FINE) {
             // Gauss and Legendre on [-1/2, 1/2].
-            (Self::Constant, true) => {
-                &[(-0.387_298_334_620_741_7, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.387_298_334_620_741_7, 5.0 / 18.0)]
-            }
+            (Self::Constant, true) => &[
+                (-0.387_298_334_620_741_7, 5.0 / 18.0),
+                (0.0, 8.0 / 18.0),
+                (0.387_298_334_620_741_7, 5.0 / 18.0),
+            ],
             (Self::Constant, false) => &[(-0.288_675_134_594_812_9, 0.5), (0.288_675_134_594_812_9, 0.5)],
             // Moments 1/6 and 1/15.
-            (Self::Bilinear, true) => {
-                &[(-0.632_455_532_033_675_9, 5.0 / 24.0), (0.0, 14.0 / 24.0), (0.632_455_532_033_675_9, 5.0 / 24.0)]
-            }
+            (Self::Bilinear, true) => &[
+                (-0.632_455_532_033_675_9, 5.0 / 24.0),
+                (0.0, 14.0 / 24.0),
+                (0.632_455_532_033_675_9, 5.0 / 24.0),
+            ],
             (Self::Bilinear, false) => &[(-0.408_248_290_463_863, 0.5), (0.408_248_290_463_863, 0.5)],
         }
     }
@@ -124,7 +128,8 @@ impl Tents {
         let quadrant = (0..half)
             .into_par_iter()
             .flat_map_iter(|y| {
-                (0..half).map(move |x| spread(n, texel_centre(n, first + x, first + y), reconstruction).into())
+                (0..half)
+                    .map(move |x| spread(n, texel_centre(n, first + x, first + y), reconstruction).into())
             })
             .collect();
         Self { n, quadrant }
@@ -252,7 +257,11 @@ mod tests {
                 assert!(diagonal.distance(expected.diagonal) < 2e-5, "n {n} ({x}, {y}) {reconstruction:?}");
                 assert!(mixed.distance(expected.mixed) < 2e-5, "n {n} ({x}, {y}) {reconstruction:?}");
                 let reached = weighted.iter().map(|(d, _)| d.distance(centroid)).fold(0.0, f64::max);
-                assert!(reached <= f64::from(found.radius), "n {n} ({x}, {y}): {reached} within {}", found.radius);
+                assert!(
+                    reached <= f64::from(found.radius),
+                    "n {n} ({x}, {y}): {reached} within {}",
+                    found.radius
+                );
             }
         }
     }

@@ -242,7 +242,7 @@ impl Parallel {
                 // Even steps along the chord, lifted back to the parallel: nearly even along the arc.
                 let step = f64::from(k) / chords;
                 let (x, z) = (a.x + (b.x - a.x) * step, a.z + (b.z - a.z) * step);
-                let lift = sin_theta / x.hypot(z);
+                let lift = sin_theta / (x * x + z * z).sqrt();
                 self.points.push(DVec3::new(x * lift, cos_theta, z * lift));
             }
         }

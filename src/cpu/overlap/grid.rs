@@ -6,6 +6,13 @@ use glam::{DMat3, DVec2, DVec3};
 /// Overlaps smaller than this share of their polygon are rounding, not area.
 const NEGLIGIBLE: f64 = 1e-11;
 
+/// Polygons wider than this on the octant's plane are cut up: the centroid rule misses about half the square of a
+/// piece's width.
+const WIDEST: f64 = 1.0 / 64.0;
+
+/// What they are cut up to.
+const PIECE: f64 = 1.0 / 256.0;
+
 /// Area and first moments of a grid cell's overlap, and what the cells to its right inherit.
 #[derive(Clone, Copy, Default)]
 struct Accumulator {
@@ -31,6 +38,37 @@ impl Walker {
     /// Calls `emit` with every texel that the polygon `corners` (points of the mirrored octant, any length, in order)
     /// meets and the solid angle of the overlap. `octant` says which octant it was mirrored from.
     pub(super) fn walk(&mut self, corners: &[DVec3], octant: usize, mut emit: impl FnMut(u32, f32)) {
+        let (low, high) = extent(corners);
+        if (high - low).max_element() <= WIDEST {
+            self.walk_piece(corners, octant, &mut emit);
+        } else {
+            self.walk_halves(corners, octant, &mut emit);
+        }
+    }
+
+    /// [`Walker::walk`] by halves, down to pieces of [`PIECE`].
+    fn walk_halves(&mut self, corners: &[DVec3], octant: usize, emit: &mut impl FnMut(u32, f32)) {
+        let (low, high) = extent(corners);
+        let (extent, middle) = (high - low, (low + high) / 2.0);
+        if extent.max_element() <= PIECE {
+            return self.walk_piece(corners, octant, emit);
+        }
+        // The plane through the octant's own axis that halves the longer side.
+        let depth = |c: DVec3| {
+            let sum = c.x + c.y + c.z;
+            if extent.x >= extent.y { c.x - middle.x * sum } else { c.z - middle.y * sum }
+        };
+        for sign in [1.0, -1.0] {
+            let mut half = Vec::with_capacity(corners.len() + 2);
+            clip_by(corners, |c| sign * depth(c), &mut half);
+            if half.len() >= 3 {
+                self.walk_halves(&half, octant, emit);
+            }
+        }
+    }
+
+    /// [`Walker::walk`] for a polygon that is not too wide.
+    fn walk_piece(&mut self, corners: &[DVec3], octant: usize, emit: &mut impl FnMut(u32, f32)) {
         match self.target {
             Target::Octahedral(n) => {
                 let half = f64::from(n) / 2.0;
@@ -73,6 +111,12 @@ impl Walker {
             }
         }
     }
+}
+
+/// Least and greatest position of a polygon on the octant's plane, along x and z.
+fn extent(corners: &[DVec3]) -> (DVec2, DVec2) {
+    let on_plane = corners.iter().map(|c| DVec2::new(c.x, c.z) / (c.x + c.y + c.z));
+    on_plane.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }
 
 /// The part of a polygon where the family's axis is the greatest; `None` where there is none.
@@ -159,10 +203,12 @@ fn walk_outline(
         low = low.min(p);
         high = high.max(p);
     }
-    let (origin, far) = (low.floor(), high.floor());
+    // Coordinates are not negative: casts round down.
+    let (left, top) = (low.x as usize, low.y as usize);
+    let origin = DVec2::new(left as f64, top as f64);
     // One column more takes the cover that leaves the window on the right.
-    let width = (far.x - origin.x) as usize + 2;
-    let height = (far.y - origin.y) as usize + 1;
+    let width = high.x as usize - left + 2;
+    let height = high.y as usize - top + 1;
     window.clear();
     window.resize(width * height, Accumulator::default());
 
@@ -196,7 +242,7 @@ fn walk_outline(
 }
 
 /// Adds one edge: cut at the grid lines, every piece counts the area between it and its cell's right side, and covers
-/// the cells further right.
+/// the cells further right. Coordinates are within the window and not negative, so that casts round down.
 fn walk_edge(from: DVec2, to: DVec2, width: usize, window: &mut [Accumulator]) {
     if from.y == to.y {
         return;
@@ -204,48 +250,60 @@ fn walk_edge(from: DVec2, to: DVec2, width: usize, window: &mut [Accumulator]) {
     let slope = (to.x - from.x) / (to.y - from.y);
     let down = to.y > from.y;
     let mut a = from;
+    let mut row = if down { a.y as i64 } else { row_above(a.y) };
     loop {
         // The piece of the edge inside one grid row.
-        let row = if down { a.y.floor() } else { a.y.ceil() - 1.0 };
-        let limit = if down { row + 1.0 } else { row };
+        let limit = (row + i64::from(down)) as f64;
         let last = if down { to.y <= limit } else { to.y >= limit };
         let b = if last { to } else { DVec2::new(from.x + (limit - from.y) * slope, limit) };
-        walk_row(a, b, row, width, window);
+        walk_row(a, b, row as usize, width, window);
         if last {
             break;
         }
         a = b;
+        row += if down { 1 } else { -1 };
     }
 }
 
+/// The cell that an edge enters when it leaves `at` towards smaller coordinates.
+fn row_above(at: f64) -> i64 {
+    let cell = at as i64;
+    if cell as f64 == at { cell - 1 } else { cell }
+}
+
 /// The part of an edge inside one grid row, cut at the columns.
-fn walk_row(from: DVec2, to: DVec2, row: f64, width: usize, window: &mut [Accumulator]) {
-    let line = &mut window[row as usize * width..][..width];
-    let right = to.x > from.x;
+fn walk_row(from: DVec2, to: DVec2, row: usize, width: usize, window: &mut [Accumulator]) {
+    let line = &mut window[row * width..][..width];
+    let right = to.x >= from.x;
     let mut a = from;
+    let mut column = if right { a.x as i64 } else { row_above(a.x).max(0) };
     loop {
-        let column = if right || from.x == to.x { a.x.floor() } else { (a.x.ceil() - 1.0).max(0.0) };
-        let limit = if right { column + 1.0 } else { column };
-        let last = from.x == to.x || if right { to.x <= limit } else { to.x >= limit };
+        let limit = (column + i64::from(right)) as f64;
+        let last = if right { to.x <= limit } else { to.x >= limit };
         let b = if last {
             to
         } else {
             DVec2::new(limit, from.y + (to.y - from.y) * ((limit - from.x) / (to.x - from.x)))
         };
-        let (p, q) = (a - DVec2::new(column, row), b - DVec2::new(column, row));
-        let dy = q.y - p.y;
-        let cell = &mut line[column as usize];
-        cell.area += dy * (1.0 - (p.x + q.x) / 2.0);
-        cell.moment.x += dy * (0.5 - (p.x * p.x + p.x * q.x + q.x * q.x) / 6.0);
-        let y_times_x = (2.0 * p.y * p.x + p.y * q.x + q.y * p.x + 2.0 * q.y * q.x) / 6.0;
-        let y_mean = (p.y + q.y) / 2.0;
-        cell.moment.y += dy * (y_mean - y_times_x);
-        let next = &mut line[column as usize + 1];
-        next.cover += dy;
-        next.cover_moment += dy * y_mean;
+        let corner = DVec2::new(column as f64, row as f64);
+        add_piece(a - corner, b - corner, &mut line[column as usize..column as usize + 2]);
         if last {
             break;
         }
         a = b;
+        column += if right { 1 } else { -1 };
     }
+}
+
+/// One piece of an edge inside one cell, from `p` to `q` in the cell's own coordinates; `cells` are it and the next.
+#[inline]
+fn add_piece(p: DVec2, q: DVec2, cells: &mut [Accumulator]) {
+    let dy = q.y - p.y;
+    let y_mean = (p.y + q.y) / 2.0;
+    cells[0].area += dy * (1.0 - (p.x + q.x) / 2.0);
+    cells[0].moment.x += dy * (0.5 - (p.x * p.x + p.x * q.x + q.x * q.x) / 6.0);
+    let y_times_x = (2.0 * p.y * p.x + p.y * q.x + q.y * p.x + 2.0 * q.y * q.x) / 6.0;
+    cells[0].moment.y += dy * (y_mean - y_times_x);
+    cells[1].cover += dy;
+    cells[1].cover_moment += dy * y_mean;
 }
