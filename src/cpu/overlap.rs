@@ -2,7 +2,7 @@
 //!
 //! Source and target are cut into the eight octants of the sphere, each mirrored to x, y, z >= 0. On an octant's plane
 //! x + y + z = 1 great circles are straight lines, so the texels of cubes and octahedra are polygons there, and so are
-//! a panorama's once its parallels (conics) are chorded. [`grid`] walks such a polygon over the target's grid.
+//! a panorama's once its parallels (conics) are chorded. `grid` walks such a polygon over the target's grid.
 //!
 //! Where source and target are both symmetric in the three coordinate planes (every even size that is not turned)
 //! one octant is walked and the other seven read the same matrix through their own index maps.
