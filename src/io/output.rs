@@ -187,7 +187,7 @@ fn not_made(path: &Path, error: &io::Error) -> Error {
 fn with_final_path(error: Error, temporary: &Path, place: &Path) -> Error {
     let moved = |path: PathBuf| path.strip_prefix(temporary).map_or(path.clone(), |rest| place.join(rest));
     match error {
-        Error::Io { path, source } => Error::Io { path: moved(path), source },
+        Error::Io { path, error } => Error::Io { path: moved(path), error },
         Error::Input { path, message } => Error::Input { path: moved(path), message },
         other => other,
     }

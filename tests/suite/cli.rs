@@ -51,6 +51,8 @@ fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     assert_eq!(ran.code, code, "{args:?}: {}", ran.err);
     assert_eq!(errors.len(), 1, "{args:?}: {}", ran.err);
     assert!(errors[0].contains(words), "{args:?}: {} lacks {words:?}", ran.err);
+    let parts: Vec<_> = errors[0].split(": ").collect();
+    assert!(parts.windows(2).all(|pair| pair[0] != pair[1]), "{args:?}: {} says it twice", ran.err);
     assert_eq!(ran.out, "", "{args:?}");
 }
 
