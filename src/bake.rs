@@ -229,18 +229,15 @@ pub fn bake(
         })
         .transpose()?;
 
-    let mut source_energy = [0.0; 3];
-    environment.for_each_texel(|_, solid_angle, radiance| {
-        for (sum, value) in source_energy.iter_mut().zip(radiance) {
-            *sum += solid_angle * f64::from(value);
-        }
-    });
+    let sh = sh::spherical_harmonics(environment);
+    // L0 is the integral of the radiance times the constant 1/sqrt(4 pi).
+    let source_energy = sh[0].map(|coefficient| coefficient * (4.0 * std::f64::consts::PI).sqrt());
     let totals = reflector.oem().totals();
     Ok(Bake {
         chain,
         stats,
         irradiance,
-        sh: sh::spherical_harmonics(environment),
+        sh,
         oem: reflector.oem().size(),
         source_energy,
         oem_energy: [totals[0], totals[1], totals[2]],

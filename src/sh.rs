@@ -25,29 +25,39 @@ pub fn basis(direction: DVec3) -> [f64; 9] {
 pub fn spherical_harmonics(environment: &Environment) -> [[f64; 3]; 9] {
     let texels = SourceTexels::new(environment.layout());
     let world_from_source = environment.source_from_world().transpose();
+    // The integrals of 1, l and l l^T over each block, in its own space.
+    let moments: Vec<[f64; 10]> = texels
+        .blocks()
+        .iter()
+        .map(|texel| {
+            let (mean, second) = (texel.mean, texel.second_moment());
+            let (x, y, z) = (second.x_axis, second.y_axis, second.z_axis);
+            [1.0, mean.x, mean.y, mean.z, x.x, y.y, z.z, x.y, y.z, z.x]
+                .map(|moment| moment * texel.solid_angle)
+        })
+        .collect();
+    // Moments of the radiance, gathered in each frame's own space.
+    let mut gathered = vec![[[0.0; 10]; 3]; texels.frames().len()];
+    texels.for_each(|index, block, frame| {
+        for (sums, radiance) in gathered[frame].iter_mut().zip(environment.texels()[index]) {
+            for (sum, moment) in sums.iter_mut().zip(&moments[block]) {
+                *sum += f64::from(radiance) * moment;
+            }
+        }
+    });
     let mut coefficients = [[0.0; 3]; 9];
     for channel in 0..3 {
-        // Moments of the radiance, gathered in each frame's own space and then turned.
-        let frame_count = texels.frames().len();
-        let mut area = 0.0;
-        let mut first = vec![DVec3::ZERO; frame_count];
-        let mut second = vec![DMat3::ZERO; frame_count];
-        texels.for_each(|index, block, frame| {
-            let texel = &texels.blocks()[block];
-            let energy = f64::from(environment.texels()[index][channel]) * texel.solid_angle;
-            area += energy;
-            first[frame] += texel.mean * energy;
-            second[frame] += texel.second_moment() * energy;
-        });
-        let mut world_first = DVec3::ZERO;
-        let mut world_second = DMat3::ZERO;
-        for ((frame, first), second) in texels.frames().iter().zip(first).zip(second) {
+        let (mut area, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
+        for (frame, gathered) in texels.frames().iter().zip(&gathered) {
+            let [one, x, y, z, xx, yy, zz, xy, yz, zx] = gathered[channel];
             let world_from_block = world_from_source * frame.transpose();
-            world_first += world_from_block * first;
-            world_second += world_from_block * second * world_from_block.transpose();
+            let own =
+                DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));
+            area += one;
+            first += world_from_block * DVec3::new(x, y, z);
+            second += world_from_block * own * world_from_block.transpose();
         }
-        for (coefficient, value) in coefficients.iter_mut().zip(from_moments(area, world_first, world_second))
-        {
+        for (coefficient, value) in coefficients.iter_mut().zip(from_moments(area, first, second)) {
             coefficient[channel] = value;
         }
     }

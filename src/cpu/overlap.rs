@@ -11,9 +11,10 @@ mod cells;
 mod grid;
 mod index;
 
-use crate::environment::{Environment, Layout};
+use crate::environment::Environment;
 use crate::error::{Error, Result};
 use cells::Cell;
+use index::SourceMap;
 use rayon::prelude::*;
 
 pub use index::Target;
@@ -29,8 +30,9 @@ struct Entry {
 /// The matrix: for every target texel its source texels and the solid angles they share.
 #[derive(Debug)]
 pub struct Overlaps {
-    source: Layout,
     target: Target,
+    /// The source texels of every octant's packed cells.
+    source_maps: [SourceMap; 8],
     /// Rows are the first octant's texels and sources are packed, to be mapped to every octant; else both are whole.
     symmetric: bool,
     starts: Vec<u32>,
@@ -97,17 +99,20 @@ impl Overlaps {
             if symmetric { index::octant_row(target, entry.target) } else { entry.target as usize }
         };
         let (starts, entries) = sort_by_row(rows, row_of, parts);
-        Ok(Self { source, target, symmetric, starts, entries })
+        let source_maps = std::array::from_fn(|octant| SourceMap::new(source, octant));
+        Ok(Self { target, source_maps, symmetric, starts, entries })
     }
 
     /// Calls `visit` with every source texel that overlaps target texel `target` and the solid angle they share, in
     /// an order that never changes.
+    #[inline]
     pub fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
         let row = |row: usize| &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize];
         if self.symmetric {
             for (octant, octant_row) in index::octants_of_texel(self.target, target).into_iter().flatten() {
+                let source = &self.source_maps[octant];
                 for &(packed, solid_angle) in row(octant_row) {
-                    visit(index::source_index(self.source, octant, packed), solid_angle);
+                    visit(source.texel(packed), solid_angle);
                 }
             }
         } else {

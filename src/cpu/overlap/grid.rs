@@ -203,6 +203,10 @@ fn walk_outline(
     // Coordinates are not negative: casts round down.
     let (left, top) = (low.x as usize, low.y as usize);
     let origin = DVec2::new(left as f64, top as f64);
+    if high.x as usize == left && high.y as usize == top {
+        let (area, centroid) = whole(outline, origin);
+        return emit(left as u32, top as u32, area, centroid);
+    }
     // One column more takes the cover that leaves the window on the right.
     let width = high.x as usize - left + 2;
     let height = high.y as usize - top + 1;
@@ -236,6 +240,21 @@ fn walk_outline(
             }
         }
     }
+}
+
+/// Area and centroid of a polygon, from triangles around `origin`, which is near it.
+fn whole(outline: &[DVec2], origin: DVec2) -> (f64, DVec2) {
+    let (mut area_twice, mut moment) = (0.0, DVec2::ZERO);
+    let mut from = outline[outline.len() - 1] - origin;
+    for &to in outline {
+        let to = to - origin;
+        let cross = from.x * to.y - to.x * from.y;
+        area_twice += cross;
+        moment += (from + to) * cross;
+        from = to;
+    }
+    let centroid = if area_twice == 0.0 { DVec2::splat(0.5) } else { moment / (3.0 * area_twice) };
+    (area_twice.abs() / 2.0, origin + centroid.clamp(DVec2::ZERO, DVec2::ONE))
 }
 
 /// Adds one edge: cut at the grid lines, every piece counts the area between it and its cell's right side, and covers

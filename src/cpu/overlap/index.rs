@@ -91,34 +91,61 @@ pub(super) const fn pack(family: u32, i: u32, j: u32) -> u32 {
     family << 30 | j << 15 | i
 }
 
-/// The source texel that a packed cell stands for in `octant`; even sizes only.
-pub(super) fn source_index(source: Layout, octant: usize, packed: u32) -> usize {
-    let (family, j, i) = ((packed >> 30) as usize, (packed >> 15) & 0x7fff, packed & 0x7fff);
-    match source {
-        Layout::Panorama { width, height } => {
-            let row = mirrored(height, j, octant & 2 != 0);
-            // Columns count from the +-X meridian towards +-Z.
-            let half = width / 2;
-            let column = match (octant & 1 != 0, octant & 4 != 0) {
-                (false, false) => half + i,
-                (false, true) => half - 1 - i,
-                (true, false) => width - 1 - i,
-                (true, true) => i,
-            };
-            row as usize * width as usize + column as usize
-        }
-        Layout::Cube { size } => cube_texel(size, family, octant, i, j) as usize,
-        Layout::Octahedral { size } => {
-            let (x, y) = if octant & 2 == 0 { (i, j) } else { fold_cell(size, i, j) };
-            octahedral_texel(size, octant, x, y) as usize
-        }
+/// The source texels of one octant's packed cells: affine in a cell's place, one map a family.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SourceMap {
+    /// Texel of place (0, 0), and the steps along i and j.
+    families: [[i64; 3]; 3],
+}
+
+impl SourceMap {
+    /// The map of `octant`; even sizes only.
+    pub(super) fn new(source: Layout, octant: usize) -> Self {
+        let families = [0, 1, 2].map(|family| {
+            let at = |i: i64, j: i64| source_index(source, octant, family, i, j);
+            let origin = at(0, 0);
+            [origin, at(1, 0) - origin, at(0, 1) - origin]
+        });
+        Self { families }
+    }
+
+    /// The texel that a packed cell stands for.
+    #[inline]
+    pub(super) fn texel(&self, packed: u32) -> usize {
+        let [origin, step_i, step_j] = self.families[(packed >> 30) as usize];
+        let (i, j) = (i64::from(packed & 0x7fff), i64::from((packed >> 15) & 0x7fff));
+        (origin + i * step_i + j * step_j) as usize
     }
 }
 
-/// The lower cell that mirrors an upper one at the fold diagonal |u| + |v| = 1; even `n` only.
-const fn fold_cell(n: u32, x: u32, y: u32) -> (u32, u32) {
-    let (half, top) = (n / 2, n - 1);
-    (top - (y - half), top - (x - half))
+/// The source texel of cell (`i`, `j`) of `family` in `octant`, for places inside the source.
+fn source_index(source: Layout, octant: usize, family: usize, i: i64, j: i64) -> i64 {
+    let mirrored = |n: u32, cell: i64, negative: bool| if negative { i64::from(n) - 1 - cell } else { cell };
+    let (x, y, z) = (octant & 1 != 0, octant & 2 != 0, octant & 4 != 0);
+    match source {
+        Layout::Panorama { width, height } => {
+            // Columns count from the +-X meridian towards +-Z.
+            let half = i64::from(width / 2);
+            let column = match (x, z) {
+                (false, false) => half + i,
+                (false, true) => half - 1 - i,
+                (true, false) => i64::from(width) - 1 - i,
+                (true, true) => i,
+            };
+            mirrored(height, j, y) * i64::from(width) + column
+        }
+        Layout::Cube { size } => {
+            let quarter = quarter_face(family, octant);
+            let row = quarter.face as i64 * i64::from(size) + mirrored(size, j, quarter.flip_t);
+            row * i64::from(size) + mirrored(size, i, quarter.flip_s)
+        }
+        Layout::Octahedral { size } => {
+            // Below the fold the diagonal |u| + |v| = 1 mirrors the cells.
+            let (half, top) = (i64::from(size / 2), i64::from(size) - 1);
+            let (u, v) = if y { (top - (j - half), top - (i - half)) } else { (i, j) };
+            mirrored(size, v, z) * i64::from(size) + mirrored(size, u, x)
+        }
+    }
 }
 
 /// Rows of a symmetric matrix: the first octant's texels.
