@@ -302,7 +302,7 @@ fn a_furnace_is_white() {
     let directions: Vec<DVec3> = landmarks().into_iter().chain((0..20).map(|_| random.direction())).collect();
     for layout in layouts {
         let furnace = environment(layout, vec![[0.25, 1.0, 3e4]; layout.texel_count()]);
-        for inner in [1, 2, 3, 17, 64, 256] {
+        for inner in [1, 3, 17, 64, 256] {
             for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine] {
                 for filter in [Filter::Adaptive(0.005), Filter::Adaptive(0.1), Filter::Box] {
                     let error = furnace_error(&furnace, inner, lobe, filter, &directions);
@@ -414,7 +414,7 @@ fn boxes_are_continuous_in_roughness_down_to_the_mirror() {
 #[test]
 fn adaptive_is_continuous_in_roughness_down_to_the_mirror() {
     let mut random = Random::new(36);
-    let n = 32;
+    let n = 64;
     let layout = Layout::Octahedral { size: n };
     let directions: Vec<DVec3> = landmarks().into_iter().chain((0..20).map(|_| random.direction())).collect();
     let mut compared = 0;
@@ -426,45 +426,60 @@ fn adaptive_is_continuous_in_roughness_down_to_the_mirror() {
         let error = 0.001;
         let filter = Filter::Adaptive(error);
         let mirror = ask(&reflector, Lobe::Ggx, 0.0, filter, &directions);
-        let sharp = ask(&reflector, Lobe::Ggx, 1e-3, filter, &directions);
-        for ((mirror, sharp), direction) in mirror.iter().zip(&sharp).zip(&directions) {
-            // A lobe of alpha = 1e-6 is a mirror but for the interpolation's slope over a few alpha: what is left is the
-            // adaptive filter's error, a few E of the mean for lobes as sharp as this, and 2e-3 for the mirror's own
-            // choice of c. Without interpolation the two would be up to a texel's contrast apart.
-            let (mirror, sharp) = (luminance(*mirror), luminance(*sharp));
-            let allowed = 20.0 * error * mean + 2e-3 * mirror;
-            assert!((mirror - sharp).abs() <= allowed, "{look:?} {direction}: {mirror} against {sharp}");
-            compared += 1;
+        for roughness in [1e-5, 2e-4, 3e-4, 1e-3] {
+            let sharp = ask(&reflector, Lobe::Ggx, roughness, filter, &directions);
+            for ((mirror, sharp), direction) in mirror.iter().zip(&sharp).zip(&directions) {
+                // A lobe of alpha up to 1e-6 is a mirror but for the interpolation's slope over a few alpha: what is
+                // left is the adaptive filter's error, a few E of the mean for lobes as sharp as this. Without
+                // interpolation the two would be up to a texel's contrast apart.
+                let (mirror, sharp) = (luminance(*mirror), luminance(*sharp));
+                let allowed = 20.0 * error * mean + 1e-4 * mirror;
+                assert!(
+                    (mirror - sharp).abs() <= allowed,
+                    "{look:?} roughness {roughness} {direction}: {mirror} against {sharp}"
+                );
+                compared += 1;
+            }
         }
     }
-    assert_eq!(compared, 3 * 46);
+    assert_eq!(compared, 3 * 4 * 46);
 }
 
 #[test]
 fn the_mirror_is_the_oracle_s() {
     let mut random = Random::new(37);
-    let mut compared = 0;
-    for n in [1, 5, 32, 63] {
+    let (mut compared, mut seen) = (0, 0);
+    // The least radiance is a float32 and so is the answer, 2^-24 each; the first counts 1 - w/(texel's solid angle
+    // here) times, at most pi - 1.
+    let tolerance = std::f64::consts::PI / f64::from(1_u32 << 24);
+    for n in [1, 2, 5, 32, 63] {
         for look in [Look::Noise, Look::Smooth, Look::Suns] {
             let layout = Layout::Octahedral { size: n };
             let environment = environment(layout, texels(&mut random, look, layout));
             let reflector = reflector(&environment, n);
             let oracle = OemOracle::new(reflector.oem());
+            let mut square = reflector.oem().texels().to_vec();
+            for texel in square.iter_mut().step_by(3) {
+                texel[1] *= 1.001;
+            }
+            let wrong = OemOracle::new(&Oem::from_square(reflector.oem().size(), square));
             let directions: Vec<DVec3> =
                 landmarks().into_iter().chain((0..30).map(|_| random.direction())).collect();
             let answers = ask(&reflector, Lobe::Ggx, 0.0, Filter::Adaptive(0.005), &directions);
             for (answer, direction) in answers.iter().zip(&directions) {
                 let expected = oracle.reflect(Lobe::Ggx, 0.0, *direction);
                 for c in 0..3 {
-                    // A few roundings of double precision and one to float32.
                     let off = (answer[c] / expected[c] - 1.0).abs();
-                    assert!(off <= 1.2e-7, "{look:?} {n} {direction}: {answer:?} against {expected:?}");
+                    assert!(off <= tolerance, "{look:?} {n} {direction}: {answer:?} against {expected:?}");
                     compared += 1;
                 }
+                let other = wrong.reflect(Lobe::Ggx, 0.0, *direction);
+                seen += usize::from((answer[1] / other[1] - 1.0).abs() > tolerance);
             }
         }
     }
-    assert_eq!(compared, 4 * 3 * 56 * 3);
+    assert_eq!(compared, 5 * 3 * 56 * 3);
+    assert!(seen > 400, "texels a thousandth brighter showed in {seen} directions of 840");
 }
 
 /// Root mean squares of the steps of `values` between neighbours, by where they lie: inside packets, between packets,
