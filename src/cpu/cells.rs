@@ -1,9 +1,9 @@
 //! The OEM's cells: a quadtree whose nodes know their energy, its centroid and covariance on the sphere, and its reach.
 //!
-//! The kernel's argument s = |l - R|^2/4 is linear in l, so its mean over a cell's energy is exactly (|centroid - R|^2
-//! + trace of the covariance)/4 and its variance R.covariance.R/4 (the centre of mass of Barnes and Hut 1986, the
-//! clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least radiance c of each channel,
-//! E - c*w, so that a constant environment is black and dark cells stay coarse.
+//! The kernel's argument s = |l - R|^2/4 is linear in l, so its mean over a cell's energy is exactly
+//! (|centroid - R|^2 + trace of the covariance)/4 and its variance R.covariance.R/4 (the centre of mass of Barnes and
+//! Hut 1986, the clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least radiance c of each
+//! channel, E - c*w, so that a constant environment is black and dark cells stay coarse.
 
 use super::tent::{Patch, Reconstruction, Tents};
 use crate::environment::LUMINANCE;

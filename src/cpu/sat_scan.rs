@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// Where `out` has not the size of `texels`, that is no whole number of rows, or a Hensley radix is below 2.
 pub fn scan(scan: Scan, fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64; 4]]) {
     assert!(
-        width > 0 && texels.len() % width == 0 && out.len() == texels.len(),
+        width > 0 && texels.len().is_multiple_of(width) && out.len() == texels.len(),
         "whole rows, and as many out"
     );
     if texels.is_empty() {
