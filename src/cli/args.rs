@@ -68,10 +68,10 @@ pub(super) struct InputArgs {
 #[derive(Clone, Copy, Debug, ClapArgs)]
 #[command(next_help_heading = "Table")]
 pub(super) struct TableArgs {
-    /// Edge of the octahedral map, 1 to 16384 [default: source's]
+    /// Edge of the octahedral map, 1 to 16384 [default: lobes']
     ///
-    /// By default the width of a panorama, twice the face of a cube, rounded up to a multiple of 64, at most 4096
-    /// with its border.
+    /// By default as fine as the sharpest lobe asks for, at most twice the source (the width of a panorama, twice the
+    /// face of a cube), rounded up to a multiple of 64, at most 4096 with its border.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
     pub(super) oem_size: Option<u32>,
     /// Its border in texels, 0 to 16384 [default: filter's]

@@ -28,6 +28,8 @@ struct Plan {
     folder: Option<PathBuf>,
     input: InputArgs,
     json: bool,
+    /// Whether the engine was left to the program, which then says what it took.
+    tell_engine: bool,
 }
 
 /// One environment and where it goes.
@@ -39,10 +41,8 @@ struct Job {
 pub(super) fn run(args: BakeArgs) -> Outcome {
     let talk = Talk::new(args.quiet);
     let (engine, threads) = (args.engine.engine, args.engine.threads);
-    let plan = Plan::new(args)?;
-    if engine == EngineArg::Auto {
-        talk.note("engine: cpu, the only one there is");
-    }
+    let mut plan = Plan::new(args)?;
+    plan.tell_engine = engine == EngineArg::Auto;
     on_threads(threads, || plan.run(&talk))
 }
 
@@ -93,7 +93,7 @@ impl Plan {
         for job in &jobs {
             job.check_places(&jobs)?;
         }
-        Ok(Self { settings, jobs, folder, input: args.input, json: args.json })
+        Ok(Self { settings, jobs, folder, input: args.input, json: args.json, tell_engine: false })
     }
 
     fn run(&self, talk: &Talk) -> Outcome {
@@ -133,6 +133,9 @@ impl Plan {
     fn bake(&self, job: &Job, talk: &Talk) -> Outcome {
         let start = Instant::now();
         let opened = job.source.open(&self.input, talk)?;
+        if self.tell_engine {
+            talk.engine();
+        }
         if self.settings.filter == Filter::Reference {
             let seconds = foretell(&opened.environment, &self.settings)?;
             talk.note(&format!(
@@ -242,6 +245,10 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     }
 }
 
+/// Extensions of formats that are not written: a file so named would belie its content.
+const FOREIGN: [&str; 13] =
+    ["basis", "bmp", "dds", "gif", "jpeg", "jpg", "ktx", "pfm", "png", "tga", "tif", "tiff", "webp"];
+
 /// The format as said, else by the output's extension, else ktx2, and the pixels it can have.
 fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
     let named = args.output.as_deref().and_then(extension).and_then(|extension| match extension.as_str() {
@@ -251,6 +258,13 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
         _ => None,
     });
     let output = || args.output.as_deref().unwrap_or(Path::new("")).display().to_string();
+    let foreign = args.output.as_deref().and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
+    if let Some(foreign) = foreign {
+        return usage(format!(
+            "the output {} is named .{foreign}, which cannot be written; ktx2, exr and hdr can",
+            output()
+        ));
+    }
     let several = args.inputs.len() > 1 && args.input.layout != super::args::LayoutArg::Faces;
     if let (true, Some(_)) = (several, named) {
         return usage(format!("several inputs are written into a folder; {} names a file", output()));

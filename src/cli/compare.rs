@@ -1,7 +1,7 @@
 //! `octagloss compare`: how far a bake is from its source or from another bake.
 
 use super::args::{CompareArgs, InputArgs, Texels};
-use super::input::{self, ktx2_text, read_bake};
+use super::input::{self, is_ktx2, ktx2_text, read_bake};
 use super::output::LOBE_KEY;
 use super::talk::Talk;
 use super::{Outcome, on_threads, print, usage};
@@ -9,8 +9,11 @@ use anyhow::anyhow;
 use image::RgbImage;
 use octagloss::chain::CubeChain;
 use octagloss::compare::{LevelErrors, errors_against_bake, errors_against_source, is_measurable};
-use octagloss::io::output::{self, Existing};
 use octagloss::io::png_write::write_png;
+use octagloss::io::{
+    self,
+    output::{self, Existing},
+};
 use octagloss::lobe::Lobe;
 use octagloss::preview::error_picture;
 use octagloss::report::Report;
@@ -44,6 +47,10 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
     }
     on_threads(args.threads, || {
         let Some(bake) = read_bake(&args.bake)? else {
+            // A KTX2 file that is no bake, or a broken one, says why.
+            if is_ktx2(&args.bake) {
+                io::read_chain(&args.bake)?;
+            }
             let path = args.bake.display();
             return Err(anyhow!(
                 "{path}: no bake; a .ktx2 file of octagloss bake or a folder of levels is needed"

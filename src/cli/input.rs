@@ -153,7 +153,8 @@ pub(super) fn read_bake(path: &Path) -> octagloss::Result<Option<CubeChain>> {
     Ok(if is_ktx2(path) { io::read_chain(path).ok() } else { None })
 }
 
-fn is_ktx2(path: &Path) -> bool {
+/// Whether the file `path` begins as KTX2 files do.
+pub(super) fn is_ktx2(path: &Path) -> bool {
     let mut magic = [0; ktx2::MAGIC.len()];
     let read = fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic));
     read.is_ok() && magic == ktx2::MAGIC

@@ -97,7 +97,7 @@ fn refuse(error: &clap::Error) -> Outcome {
                 .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
                 .filter(|line| !line.is_empty())
                 .collect();
-            let said = said.join(" ");
+            let said = said.join(" ").replace(" tip: ", "; ");
             usage(said.strip_prefix("error: ").unwrap_or(&said))
         }
     }

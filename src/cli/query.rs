@@ -35,10 +35,10 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     let talk = Talk::new(args.quiet);
     on_threads(args.engine.threads, || {
         let asked = read_directions(&args.directions)?;
-        if args.engine.engine == EngineArg::Auto {
-            talk.note("engine: cpu, the only one there is");
-        }
         let opened = source.open(&args.input, &talk)?;
+        if args.engine.engine == EngineArg::Auto {
+            talk.engine();
+        }
         let settings = ReflectorSettings {
             oem_size: args.table.oem_size,
             border: args.table.border,

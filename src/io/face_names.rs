@@ -47,7 +47,8 @@ pub(super) fn in_face_order(paths: &[PathBuf]) -> Result<Vec<&Path>> {
             match (at, count) {
                 (Some(at), 1) => Ok(paths[at].as_path()),
                 _ => Err(Error::Parameter(format!(
-                    "{count} of the six face files are named as {face:?}; name each once (px nx py ny pz nz) or none"
+                    "{count} of the six face files are named as {}; name each once (px nx py ny pz nz) or none",
+                    face.short_name()
                 ))),
             }
         })
@@ -88,7 +89,7 @@ mod tests {
         let text = in_face_order(&given).unwrap_err().to_string();
         assert_eq!(
             text,
-            "2 of the six face files are named as PosX; name each once (px nx py ny pz nz) or none"
+            "2 of the six face files are named as px; name each once (px nx py ny pz nz) or none"
         );
         let text = in_face_order(&given[..5]).unwrap_err().to_string();
         assert_eq!(text, "a cube takes six face files, got 5");

@@ -161,6 +161,11 @@ fn read_header<'a>(source: &Source<'a>) -> Result<Header<'a>> {
     let resolution = next_line()?;
     let scan = parse_resolution(&resolution).ok_or_else(|| {
         let line: String = resolution.chars().take(40).collect();
+        let is_huge = |word: &str| word.parse::<u128>().is_ok() && word.parse::<u32>().is_err();
+        if resolution.split_whitespace().any(is_huge) {
+            return source
+                .error(format!("the resolution line \"{line}\" promises more pixels than can be read"));
+        }
         source.error(format!("the resolution line \"{line}\" is not like \"-Y 256 +X 512\""))
     })?;
     Ok(Header { is_xyze, exposure, primaries, scan, data: rest })

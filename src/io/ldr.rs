@@ -9,10 +9,20 @@ use std::io::Cursor;
 
 /// Decodes a PNG of any bit depth.
 pub(super) fn decode_png(source: &Source<'_>) -> Result<Picture> {
+    // The sides stand first of all, in the header chunk; the decoder refuses a zero in words of its own.
+    if let Some((width, height)) = png_size(source.bytes) {
+        source.check_memory(width, height, 0)?;
+    }
     let mut limits = Limits::default();
     limits.max_alloc = Some(source.memory_limit);
     let decoder = PngDecoder::with_limits(Cursor::new(source.bytes), limits);
     decode(source, "PNG", decoder.map_err(|error| source.decoder_error("PNG", &error))?)
+}
+
+fn png_size(bytes: &[u8]) -> Option<(u32, u32)> {
+    let side = |at: usize| Some(u32::from_be_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
+    (bytes.get(12..16)? == b"IHDR").then_some(())?;
+    Some((side(16)?, side(20)?))
 }
 
 /// Decodes a JPEG.

@@ -1,4 +1,5 @@
-//! Level folders as `bake` writes them: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`) and `report.json`.
+//! Level folders as `bake` writes them: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`) and `report.json`. Without the
+//! report (`bake --json` prints it instead) EXR files still tell their roughness.
 
 use super::contain::contained;
 use super::picture::{Content, Picture, Source};
@@ -67,17 +68,43 @@ pub(super) fn check_finite(path: &Path, level: u32, size: u32, texels: &[Rgb]) -
 fn read_report(folder: &Path, memory_limit: u64) -> Result<Vec<ReportLevel>> {
     let path = folder.join("report.json");
     if !path.is_file() {
-        return Err(Error::input(
-            folder,
-            "a directory without a report.json; give an image, or a level folder that octagloss bake wrote",
-        ));
+        return levels_of_files(folder, memory_limit);
     }
     let bytes = super::file_bytes(&path, memory_limit)?;
     let source = Source { path: &path, bytes: &bytes, memory_limit };
     let report: Report = serde_json::from_slice(&bytes)
         .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
-    let Some(first) = report.levels.first() else { return Err(source.error("it lists no levels")) };
-    for (expected, level) in (0u32..).zip(&report.levels) {
+    check_levels(&source, &report.levels)?;
+    Ok(report.levels)
+}
+
+/// The levels that the files of a folder without a report tell of.
+fn levels_of_files(folder: &Path, memory_limit: u64) -> Result<Vec<ReportLevel>> {
+    let mut levels = Vec::new();
+    for level in 0u32.. {
+        let path = folder.join(format!("m{level}_px.exr"));
+        if !path.is_file() {
+            break;
+        }
+        let bytes = super::file_bytes(&path, memory_limit)?;
+        let source = Source { path: &path, bytes: &bytes, memory_limit };
+        let (size, roughness) = contained(&path, || super::exr::level_told(&source))?;
+        levels.push(ReportLevel { level, size, roughness });
+        check_levels(&source, &levels)?;
+    }
+    if levels.is_empty() {
+        return Err(Error::input(
+            folder,
+            "a directory without a report.json; give an image, or a level folder that octagloss bake wrote",
+        ));
+    }
+    Ok(levels)
+}
+
+/// Levels are numbered from 0, each half the size of the one before.
+fn check_levels(source: &Source<'_>, levels: &[ReportLevel]) -> Result<()> {
+    let Some(first) = levels.first() else { return Err(source.error("it lists no levels")) };
+    for (expected, level) in (0u32..).zip(levels) {
         let size = first.size.checked_shr(expected).unwrap_or(0).max(1);
         if level.level != expected || level.size != size || !(0.0..=1.0).contains(&level.roughness) {
             return Err(source.error(format!(
@@ -87,10 +114,10 @@ fn read_report(folder: &Path, memory_limit: u64) -> Result<Vec<ReportLevel>> {
             )));
         }
         if expected > 31 {
-            return Err(source.error(format!("{} levels; 32 are the most there can be", report.levels.len())));
+            return Err(source.error(format!("{} levels; 32 are the most there can be", levels.len())));
         }
     }
-    Ok(report.levels)
+    Ok(())
 }
 
 /// Six faces of one level, one below the other.

@@ -136,6 +136,9 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (bake(&["--filter", "box", "--bounds"]), "--bounds needs"),
         (bake(&["--format", "exr", "-o", "out.ktx2"]), "contradict"),
         (bake(&["--format", "dds"]), "ktx2, exr, hdr"),
+        (bake(&["-o", "out.dds"]), "named .dds, which cannot be written"),
+        (bake(&["--format", "ktx2", "-o", "out.PNG"]), "named .png, which cannot be written"),
+        (bake(&["--tarket", "bevy"]), "found; tip: "),
         (bake(&["--format", "exr", "--pixel", "rgb9e5"]), "rgb9e5 is for ktx2"),
         (bake(&["--format", "hdr", "--pixel", "f16"]), "RGBE"),
         (bake(&["--engine", "gpu"]), "--engine"),
@@ -194,6 +197,8 @@ fn failures_exit_with_1_and_write_nothing() {
     ];
     for (args, words) in cases {
         fails(folder.path(), args, 1, words);
+        // Of an input that cannot be read nothing else is told.
+        assert_eq!(octagloss(folder.path(), args).err.lines().count(), 1, "{args:?}");
     }
     assert_eq!(names(folder.path()), before);
 }
@@ -306,6 +311,27 @@ fn json_goes_to_standard_output_a_line_an_input() {
     let inputs: Vec<Value> = ran.out.lines().map(|line| json(line)["input"].clone()).collect();
     assert_eq!(inputs, ["sky.exr", "again.exr"]);
     assert_eq!(names(&folder.path().join("out")), ["again.ktx2", "sky.ktx2"]);
+}
+
+#[test]
+fn a_folder_whose_report_was_printed_can_be_read_still() {
+    let folder = with_sky();
+    let bake = ["bake", "sky.exr", "--size", "8", "--quiet", "--format", "exr"];
+    done(folder.path(), &[&bake[..], &["-o", "told"]].concat());
+    done(folder.path(), &[&bake[..], &["-o", "printed", "--json"]].concat());
+    assert!(!names(&folder.path().join("printed")).contains(&"report.json".to_owned()));
+    let info = json(&done(folder.path(), &["info", "printed", "--json"]).out);
+    let told = json(&done(folder.path(), &["info", "told", "--json"]).out);
+    assert_eq!(info["levels"].as_array().map(Vec::len), Some(4));
+    for (level, told) in [0, 1, 2, 3].map(|k| (&info["levels"][k], &told["levels"][k])) {
+        let roughness = |level: &Value| level["roughness"].as_f64().expect("a number");
+        assert!((roughness(level) - roughness(told)).abs() < 1e-6, "{level} {told}");
+        assert_eq!(level["mean"], told["mean"]);
+    }
+    done(folder.path(), &["compare", "printed", "told", "--fail-above", "0", "--quiet"]);
+    done(folder.path(), &["bake", "printed", "--size", "2", "-o", "again.ktx2", "--quiet"]);
+    fs::create_dir(folder.path().join("empty")).expect("made");
+    fails(folder.path(), &["info", "empty"], 1, "a directory without a report.json");
 }
 
 #[test]
@@ -503,6 +529,10 @@ fn compare_measures_by_the_source_and_by_another_bake() {
     fails(folder.path(), &["compare", "good.ktx2", "sky.exr", "--picture", "f.png"], 2, "--texels all");
     let all = ["compare", "good.ktx2", "sky.exr", "--picture", "f.png", "--texels", "all", "--quiet"];
     done(folder.path(), &all);
+
+    let bytes = fs::read(folder.path().join("good.ktx2")).expect("written");
+    fs::write(folder.path().join("short.ktx2"), &bytes[..bytes.len() / 2]).expect("writable");
+    fails(folder.path(), &["compare", "short.ktx2", "good.ktx2"], 1, "short.ktx2: truncated");
 
     done(folder.path(), &["bake", "sky.exr", "--size", "4", "-o", "small.ktx2", "--quiet"]);
     fails(folder.path(), &["compare", "small.ktx2", "good.ktx2"], 1, "levels");

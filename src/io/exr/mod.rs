@@ -9,7 +9,7 @@ use super::picture::{Content, Picture, Source, TEXEL_BYTES};
 use crate::environment::Rgb;
 use crate::error::Result;
 use ::exr::error::Error as ExrError;
-use ::exr::meta::attribute::{Chromaticities, Compression, SampleType};
+use ::exr::meta::attribute::{AttributeValue, Chromaticities, Compression, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use select::{Channels, Selection};
@@ -21,6 +21,9 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     let is_deep = source.bytes.get(5).is_some_and(|flags| flags & 0x08 != 0);
     if is_deep {
         return Err(source.error("deep data; flatten it to one sample a pixel"));
+    }
+    if let Some((width, height)) = data_window(source.bytes).filter(|(width, height)| width * height == 0) {
+        return Err(source.error(format!("{width}x{height} has no pixels")));
     }
     let reader =
         ::exr::block::read(Cursor::new(source.bytes), false).map_err(|error| exr_error(source, &error))?;
@@ -46,6 +49,39 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
         format: describe(header, &selection),
         warnings,
     })
+}
+
+/// Size and roughness of a bake's level by one of its faces, whose header tells them.
+pub(super) fn level_told(source: &Source<'_>) -> Result<(u32, f64)> {
+    let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
+        .map_err(|error| exr_error(source, &error))?;
+    let told = metadata.headers.first().and_then(|header| {
+        let attributes = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
+        let roughness =
+            attributes.filter(|(name, _)| **name == *"roughness").find_map(|(_, value)| match value {
+                AttributeValue::F32(roughness) => Some(f64::from(*roughness)),
+                _ => None,
+            })?;
+        Some((u32::try_from(header.layer_size.x()).ok()?, roughness))
+    });
+    told.ok_or_else(|| {
+        source
+            .error("it does not tell its roughness, and there is no report.json; bake it anew without --json")
+    })
+}
+
+/// Columns and rows of the first data window that the header names; the crate has no words of its own for none.
+fn data_window(bytes: &[u8]) -> Option<(i64, i64)> {
+    const NAME: &[u8] = b"dataWindow\0box2i\0\x10\0\0\0";
+    // Headers are short: pixels that spell an attribute are not looked at.
+    let head = &bytes[..bytes.len().min(4096)];
+    let at = head.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
+    let corner = |k: usize| {
+        let value = bytes.get(at + 4 * k..at + 4 * k + 4)?;
+        Some(i64::from(i32::from_le_bytes(value.try_into().ok()?)))
+    };
+    let side = |least: i64, greatest: i64| (greatest - least + 1).max(0);
+    Some((side(corner(0)?, corner(2)?), side(corner(1)?, corner(3)?)))
 }
 
 fn exr_error(source: &Source<'_>, error: &ExrError) -> crate::Error {

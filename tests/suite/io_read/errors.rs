@@ -40,6 +40,13 @@ fn truncated_files_say_so_at_every_length_past_the_header() {
 }
 
 #[test]
+fn a_png_without_pixels_is_said_so() {
+    let mut bytes = ldr_of(image::ImageFormat::Png);
+    bytes[16..20].fill(0);
+    assert_eq!(error_of(read("a.png", &bytes)), "a.png: 0x16 has no pixels");
+}
+
+#[test]
 fn empty_and_foreign_files_are_refused() {
     assert_eq!(error_of(read("a.hdr", b"")), "a.hdr: the file is empty (0 bytes)");
     assert_eq!(

@@ -247,6 +247,16 @@ fn chromaticities_are_converted() {
 }
 
 #[test]
+fn no_pixels_are_said_so() {
+    let mut bytes = exr_rgb((4, 2), Sample::Half, Compression::ZIP16, &numbered(4, 2));
+    let name = b"dataWindow\0box2i\0\x10\0\0\0";
+    let at = bytes.windows(name.len()).position(|window| window == name).expect("every file has one");
+    // One column before the first.
+    bytes[at + name.len() + 8..][..4].copy_from_slice(&(-1_i32).to_le_bytes());
+    assert_eq!(error_of(read("a.exr", &bytes)), "a.exr: 0x2 has no pixels");
+}
+
+#[test]
 fn deep_data_is_refused() {
     let mut bytes = exr_rgb((4, 2), Sample::Half, Compression::ZIP16, &numbered(4, 2));
     bytes[5] |= 0x08;

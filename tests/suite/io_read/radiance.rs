@@ -113,6 +113,10 @@ fn bad_headers_are_named() {
         ),
         (radiance("", "-Y 0 +X 4", &[]), "a.hdr: 4x0 has no pixels"),
         (
+            radiance("", "-Y 4000000000 +X 8000000000", &pixels),
+            "a.hdr: the resolution line \"-Y 4000000000 +X 8000000000\" promises more pixels than can be read",
+        ),
+        (
             radiance("", "-Y 2000 +X 4000", &pixels),
             "a.hdr: truncated: 32 bytes cannot hold the 2000 scanlines that its header promises; copy it anew",
         ),
