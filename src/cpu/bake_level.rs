@@ -57,8 +57,8 @@ pub(crate) fn bake_level(
     let rows: Vec<(Vec<Answer>, Workspace)> = (0..6 * tiles)
         .into_par_iter()
         .map_init(
-            || (Vec::new(), Vec::new()),
-            |(directions, answers), row| {
+            || (Vec::new(), Vec::new(), Vec::new()),
+            |(directions, weights, answers), row| {
                 let (face, top) = (Face::ALL[(row / tiles) as usize], row % tiles * tile);
                 let bottom = (top + tile).min(size);
                 let width = size as usize;
@@ -68,17 +68,21 @@ pub(crate) fn bake_level(
                 for left in (0..size).step_by(tile as usize) {
                     let right = (left + tile).min(size);
                     directions.clear();
+                    weights.clear();
                     answers.clear();
                     for (i, j) in (top..bottom).flat_map(|j| (left..right).map(move |i| (i, j))) {
                         footprint.for_each_direction(i, j, |s, t| {
-                            directions.push(direction_from_cube(face, s, t))
+                            directions.push(direction_from_cube(face, s, t));
+                            // Solid angle of a unit of (s, t).
+                            weights.push((1.0 + s * s + t * t).powf(-1.5) as f32);
                         });
                     }
                     lobes.evaluate(directions, &mut workspace, answers);
-                    let mut samples = answers.chunks_exact(footprint.samples());
+                    let count = footprint.samples();
+                    let mut samples = answers.chunks_exact(count).zip(weights.chunks_exact(count));
                     for (i, j) in (top..bottom).flat_map(|j| (left..right).map(move |i| (i, j))) {
-                        let samples = samples.next().expect("one group a texel");
-                        line[(j - top) as usize * width + i as usize] = mean(samples);
+                        let (samples, weights) = samples.next().expect("one group a texel");
+                        line[(j - top) as usize * width + i as usize] = mean(samples, weights);
                     }
                 }
                 advance(line.len() as u64);
@@ -98,20 +102,21 @@ pub(crate) fn bake_level(
     Ok(BakedLevel { texels, bounds, leaves_per_texel })
 }
 
-/// Mean of a texel's samples; bounds average like the values they belong to.
-fn mean(samples: &[Answer]) -> Answer {
+/// Weighted mean of a texel's samples; bounds average like the values they belong to.
+fn mean(samples: &[Answer], weights: &[f32]) -> Answer {
     if let [only] = samples {
         return *only;
     }
-    let share = 1.0 / samples.len() as f32;
-    let mut sum = [0.0; 3];
-    for sample in samples {
-        for (sum, value) in sum.iter_mut().zip(sample.radiance) {
+    let total: f32 = weights.iter().sum();
+    let mut mean = Answer { radiance: [0.0; 3], bound: samples[0].bound.map(|_| 0.0) };
+    for (sample, weight) in samples.iter().zip(weights) {
+        let share = weight / total;
+        for (sum, value) in mean.radiance.iter_mut().zip(sample.radiance) {
             *sum += value * share;
         }
+        mean.bound = mean.bound.zip(sample.bound).map(|(sum, bound)| sum + bound * share);
     }
-    let bound = samples.iter().map(|sample| sample.bound).sum::<Option<f32>>().map(|bound| bound * share);
-    Answer { radiance: sum, bound }
+    mean
 }
 
 /// How much of a texel's own extent its lobe is averaged over.
@@ -133,8 +138,8 @@ impl Footprint {
         let divisions = if extent(share) < NEGLIGIBLE_EXTENT {
             1
         } else {
-            // Samples at most half a lobe apart.
-            ((2.0 * share).ceil() as u32).next_power_of_two().clamp(2, 64)
+            // Samples at most a quarter of a lobe apart.
+            ((4.0 * share).ceil() as u32).next_power_of_two().clamp(2, 64)
         };
         Self { size: rung.size, width, divisions }
     }
