@@ -88,7 +88,7 @@ fn levels_of_files(folder: &Path, memory_limit: u64) -> Result<Vec<ReportLevel>>
         }
         let bytes = super::file_bytes(&path, memory_limit)?;
         let source = Source { path: &path, bytes: &bytes, memory_limit };
-        let (size, roughness) = contained(&path, || super::exr::level_told(&source))?;
+        let Some((size, roughness)) = contained(&path, || super::exr::level_told(&source))? else { break };
         levels.push(ReportLevel { level, size, roughness });
         check_levels(&source, &levels)?;
     }

@@ -138,7 +138,7 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (bake(&["--format", "dds"]), "ktx2, exr, hdr"),
         (bake(&["-o", "out.dds"]), "named .dds, which cannot be written"),
         (bake(&["--format", "ktx2", "-o", "out.PNG"]), "named .png, which cannot be written"),
-        (bake(&["--tarket", "bevy"]), "found; tip: "),
+        (bake(&["--tarket", "bevy"]), "found; to pass"),
         (bake(&["--format", "exr", "--pixel", "rgb9e5"]), "rgb9e5 is for ktx2"),
         (bake(&["--format", "hdr", "--pixel", "f16"]), "RGBE"),
         (bake(&["--engine", "gpu"]), "--engine"),

@@ -51,11 +51,11 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     })
 }
 
-/// Size and roughness of a bake's level by one of its faces, whose header tells them.
-pub(super) fn level_told(source: &Source<'_>) -> Result<(u32, f64)> {
+/// Size and roughness of a bake's level by one of its faces, where the header tells them.
+pub(super) fn level_told(source: &Source<'_>) -> Result<Option<(u32, f64)>> {
     let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
         .map_err(|error| exr_error(source, &error))?;
-    let told = metadata.headers.first().and_then(|header| {
+    Ok(metadata.headers.first().and_then(|header| {
         let attributes = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
         let roughness =
             attributes.filter(|(name, _)| **name == *"roughness").find_map(|(_, value)| match value {
@@ -63,11 +63,7 @@ pub(super) fn level_told(source: &Source<'_>) -> Result<(u32, f64)> {
                 _ => None,
             })?;
         Some((u32::try_from(header.layer_size.x()).ok()?, roughness))
-    });
-    told.ok_or_else(|| {
-        source
-            .error("it does not tell its roughness, and there is no report.json; bake it anew without --json")
-    })
+    }))
 }
 
 /// Columns and rows of the first data window that the header names; the crate has no words of its own for none.
