@@ -84,13 +84,22 @@ pub(super) trait Radial: Copy {
     fn value(self, s: f32) -> f32;
 
     /// k'' at `s`, below the horizon.
-    fn curvature(self, s: f32) -> f32;
+    fn curvature(self, s: f32) -> f32 {
+        let _ = s;
+        0.0
+    }
 
     /// How much k' jumps at the horizon.
-    fn kink(self) -> f32;
+    fn kink(self) -> f32 {
+        0.0
+    }
 
-    /// The length t on which k changes around `s`: |k'''| is about 24 k/t^3, as in a tail of t^-2.
-    fn scale(self, s: f32) -> f32;
+    /// The length t on which k changes around `s`: |k'''| is about 24 k/t^3, as in a tail of t^-2. None, where k is not
+    /// smooth.
+    fn scale(self, s: f32) -> f32 {
+        let _ = s;
+        0.0
+    }
 
     /// The distance between `near` and `far` at which a cell's relative error is greatest.
     fn worst_distance(self, near: f32, far: f32) -> f32 {
@@ -167,10 +176,6 @@ impl Radial for Phong {
     fn scale(self, s: f32) -> f32 {
         1.44 * (1.0 - 2.0 * s).max(1e-3) / self.exponent
     }
-
-    fn kink(self) -> f32 {
-        0.0
-    }
 }
 
 /// (1 - 2 s)^n, n below 2: not smooth, and for n = 0 a step at the horizon.
@@ -185,18 +190,6 @@ impl Radial for WidePhong {
     #[inline(always)]
     fn value(self, s: f32) -> f32 {
         if s < 0.5 { (1.0 - 2.0 * s).powf(self.exponent) } else { 0.0 }
-    }
-
-    fn curvature(self, _: f32) -> f32 {
-        0.0
-    }
-
-    fn scale(self, _: f32) -> f32 {
-        0.0
-    }
-
-    fn kink(self) -> f32 {
-        0.0
     }
 }
 
@@ -213,18 +206,6 @@ impl Radial for Cone {
     fn value(self, s: f32) -> f32 {
         if s <= self.edge { 1.0 } else { 0.0 }
     }
-
-    fn curvature(self, _: f32) -> f32 {
-        0.0
-    }
-
-    fn scale(self, _: f32) -> f32 {
-        0.0
-    }
-
-    fn kink(self) -> f32 {
-        0.0
-    }
 }
 
 /// 1 - 2 s.
@@ -237,10 +218,6 @@ impl Radial for Cosine {
     #[inline(always)]
     fn value(self, s: f32) -> f32 {
         (1.0 - 2.0 * s).max(0.0)
-    }
-
-    fn curvature(self, _: f32) -> f32 {
-        0.0
     }
 
     fn scale(self, _: f32) -> f32 {

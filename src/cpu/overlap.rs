@@ -14,6 +14,7 @@ mod index;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use cells::Cell;
+use glam::{DMat3, DVec3};
 use index::SourceMap;
 use rayon::prelude::*;
 
@@ -47,44 +48,37 @@ impl Overlaps {
     /// [`Error::Limit`] where the matrix would have more than 2^32 entries.
     pub fn new(environment: &Environment, target: Target, turned: bool) -> Result<Self> {
         let source = environment.layout();
-        let turn = if turned { environment.source_from_world().transpose() } else { glam::DMat3::IDENTITY };
-        let symmetric = turn == glam::DMat3::IDENTITY && index::is_symmetric(source, target);
-        let parts: Vec<Vec<Entry>> = if symmetric {
-            cells::octant_bands(source)
-                .into_par_iter()
-                .map(|band| {
-                    let mut walker = grid::Walker::new(target);
-                    let mut entries = Vec::new();
-                    cells::for_each_octant_cell(source, target, band, |cell: Cell<'_>| {
-                        let first = entries.len();
-                        walker.walk(cell.corners, 0, |target, solid_angle| {
+        let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
+        let symmetric = turn == DMat3::IDENTITY && index::is_symmetric(source, target);
+        let bands = if symmetric { cells::octant_bands(source) } else { cells::bands(source) };
+        let parts: Vec<Vec<Entry>> = bands
+            .into_par_iter()
+            .map(|band| {
+                let mut walker = grid::Walker::new(target);
+                let mut clipper = grid::OctantClipper::default();
+                let mut entries = Vec::new();
+                let carry = |cell: Cell<'_>| {
+                    let first = entries.len();
+                    let mut walk = |octant: usize, corners: &[DVec3]| {
+                        walker.walk(corners, octant, |target, solid_angle| {
                             entries.push(Entry { target, source: cell.index, solid_angle });
                         });
-                        share_out(cell.solid_angle, &mut entries[first..]);
-                    });
-                    entries
-                })
-                .collect()
-        } else {
-            cells::bands(source)
-                .into_par_iter()
-                .map(|band| {
-                    let mut walker = grid::Walker::new(target);
-                    let mut clipper = grid::OctantClipper::default();
-                    let mut entries = Vec::new();
-                    cells::for_each_cell(source, target, band, |cell: Cell<'_>| {
-                        let first = entries.len();
-                        clipper.clip(cell.corners, turn, |octant, corners| {
-                            walker.walk(corners, octant, |target, solid_angle| {
-                                entries.push(Entry { target, source: cell.index, solid_angle });
-                            });
-                        });
-                        share_out(cell.solid_angle, &mut entries[first..]);
-                    });
-                    entries
-                })
-                .collect()
-        };
+                    };
+                    if symmetric {
+                        walk(0, cell.corners);
+                    } else {
+                        clipper.clip(cell.corners, turn, walk);
+                    }
+                    share_out(cell.solid_angle, &mut entries[first..]);
+                };
+                if symmetric {
+                    cells::for_each_octant_cell(source, target, band, carry);
+                } else {
+                    cells::for_each_cell(source, target, band, carry);
+                }
+                entries
+            })
+            .collect();
         let count: usize = parts.iter().map(Vec::len).sum();
         if u32::try_from(count).is_err() {
             return Err(Error::Limit {

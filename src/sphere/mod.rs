@@ -26,3 +26,12 @@ pub fn polygon_solid_angle(corners: &[DVec3]) -> f64 {
     let Some((&first, rest)) = corners.split_first() else { return 0.0 };
     rest.windows(2).map(|edge| triangle_solid_angle(first, edge[0], edge[1])).sum::<f64>().abs()
 }
+
+/// [`polygon_solid_angle`] of a polygon of at most six corners of any length, seen from the centre.
+pub(crate) fn projected_solid_angle(corners: &[DVec3]) -> f64 {
+    let mut unit = [DVec3::ZERO; 6];
+    for (unit, corner) in unit.iter_mut().zip(corners) {
+        *unit = corner.normalize();
+    }
+    polygon_solid_angle(&unit[..corners.len()])
+}

@@ -8,7 +8,7 @@
 //! even and the square turned by 180 degrees where it is odd. [`wrap_oct`] and [`wrap_texel`] bring any point and any
 //! texel of that plane back to the square.
 
-use super::polygon_solid_angle;
+use super::projected_solid_angle;
 use glam::{DVec2, DVec3};
 
 /// Point on the octahedron |x| + |y| + |z| = 1 at `uv` in [-1, 1]^2.
@@ -90,7 +90,8 @@ pub fn texel_solid_angle(n: u32, x: u32, y: u32) -> f64 {
     let mut total = 0.0;
     for &(u0, u1) in spans_x.iter().flatten() {
         for &(v0, v1) in spans_y.iter().flatten() {
-            total += quadrant_rectangle_solid_angle(u0, u1, v0, v1);
+            let corners = [DVec2::new(u0, v0), DVec2::new(u1, v0), DVec2::new(u1, v1), DVec2::new(u0, v1)];
+            for_each_face_piece(corners, |piece| total += projected_solid_angle(piece));
         }
     }
     total
@@ -107,25 +108,24 @@ fn fold_span(low: f64, high: f64) -> [Option<(f64, f64)>; 2] {
     }
 }
 
-/// Solid angle of a rectangle in the quadrant u, v >= 0: its upper part (u + v <= 1) and its lower one.
-fn quadrant_rectangle_solid_angle(u0: f64, u1: f64, v0: f64, v1: f64) -> f64 {
-    let corners = [DVec2::new(u0, v0), DVec2::new(u1, v0), DVec2::new(u1, v1), DVec2::new(u0, v1)];
-    let mut total = 0.0;
+/// Cuts a rectangle of the square that crosses no axis along the fold diagonal: calls `visit` with each part as a
+/// polygon on one face of the octahedron |x| + |y| + |z| = 1.
+pub(crate) fn for_each_face_piece(corners: [DVec2; 4], mut visit: impl FnMut(&[DVec3])) {
     for sign in [1.0, -1.0] {
-        // Cut by the fold diagonal: keep sign * (1 - u - v) >= 0.
-        let depth = |c: DVec2| sign * (1.0 - c.x - c.y);
-        let mut piece: Vec<DVec3> = Vec::with_capacity(6);
+        let depth = |c: DVec2| sign * (1.0 - c.x.abs() - c.y.abs());
+        let mut piece = Vec::with_capacity(6);
         for k in 0..4 {
             let (a, b) = (corners[k], corners[(k + 1) % 4]);
             let (depth_a, depth_b) = (depth(a), depth(b));
             if depth_a >= 0.0 {
-                piece.push(direction_from_oct(a));
+                piece.push(octahedron_from_oct(a));
             }
             if (depth_a > 0.0 && depth_b < 0.0) || (depth_a < 0.0 && depth_b > 0.0) {
-                piece.push(direction_from_oct(a.lerp(b, depth_a / (depth_a - depth_b))));
+                piece.push(octahedron_from_oct(a.lerp(b, depth_a / (depth_a - depth_b))));
             }
         }
-        total += polygon_solid_angle(&piece);
+        if piece.len() >= 3 {
+            visit(&piece);
+        }
     }
-    total
 }

@@ -3,8 +3,8 @@
 use super::index::{Target, pack};
 use crate::environment::Layout;
 use crate::sphere::cube::{self, Face, cube_point};
-use crate::sphere::octahedral::octahedron_from_oct;
-use crate::sphere::polygon_solid_angle;
+use crate::sphere::octahedral::for_each_face_piece;
+use crate::sphere::projected_solid_angle;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
@@ -94,7 +94,7 @@ pub(super) fn for_each_octant_cell(
                     let all = [point(x, y), point(x + 1, y), point(x + 1, y + 1), point(x, y + 1)];
                     let cut = [all[0], all[1], all[3]];
                     let corners: &[DVec3] = if on_fold { &cut } else { &all };
-                    let solid_angle = polygon(corners);
+                    let solid_angle = projected_solid_angle(corners);
                     visit(Cell { corners, index: pack(0, half + x, half + y), solid_angle });
                 }
             }
@@ -148,21 +148,16 @@ pub(super) fn for_each_cell(
             for y in band {
                 for x in 0..size {
                     octahedral_pieces([edge(x), edge(x + 1)], [edge(y), edge(y + 1)], |corners| {
-                        visit(Cell { corners, index: y * size + x, solid_angle: polygon(corners) });
+                        visit(Cell {
+                            corners,
+                            index: y * size + x,
+                            solid_angle: projected_solid_angle(corners),
+                        });
                     });
                 }
             }
         }
     }
-}
-
-/// Solid angle of a polygon whose corners have any length.
-fn polygon(corners: &[DVec3]) -> f64 {
-    let mut unit = [DVec3::ZERO; 6];
-    for (unit, corner) in unit.iter_mut().zip(corners) {
-        *unit = corner.normalize();
-    }
-    polygon_solid_angle(&unit[..corners.len()])
 }
 
 /// Cuts a rectangle of the octahedral square along the axes and the fold diagonals.
@@ -179,23 +174,7 @@ fn octahedral_pieces(u: [f64; 2], v: [f64; 2], mut visit: impl FnMut(&[DVec3])) 
                 DVec2::new(u[1], v[1]),
                 DVec2::new(u[0], v[1]),
             ];
-            for sign in [1.0, -1.0] {
-                let depth = |c: DVec2| sign * (1.0 - c.x.abs() - c.y.abs());
-                let mut piece = Vec::with_capacity(6);
-                for k in 0..4 {
-                    let (a, b) = (corners[k], corners[(k + 1) % 4]);
-                    let (depth_a, depth_b) = (depth(a), depth(b));
-                    if depth_a >= 0.0 {
-                        piece.push(octahedron_from_oct(a));
-                    }
-                    if (depth_a > 0.0 && depth_b < 0.0) || (depth_a < 0.0 && depth_b > 0.0) {
-                        piece.push(octahedron_from_oct(a.lerp(b, depth_a / (depth_a - depth_b))));
-                    }
-                }
-                if piece.len() >= 3 {
-                    visit(&piece);
-                }
-            }
+            for_each_face_piece(corners, &mut visit);
         }
     }
 }
