@@ -39,6 +39,9 @@ pub enum Error {
     /// Something asked of the library that it cannot do.
     #[error("{0}")]
     Parameter(String),
+    /// A GPU that is not there, that was lost, or that refused.
+    #[error("GPU: {0}")]
+    Gpu(String),
     /// More memory, or a larger table, than there is.
     #[error("{what} needs {needed} bytes and the limit is {available}; {remedy}")]
     Limit {

@@ -84,6 +84,8 @@ pub mod cpu;
 pub mod environment;
 pub mod error;
 mod font;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod io;
 pub mod lobe;
 pub mod oem;
@@ -102,3 +104,5 @@ pub mod synth;
 
 pub use environment::{Environment, Layout, Rgb};
 pub use error::{Error, Result};
+#[cfg(feature = "gpu")]
+pub use wgpu;

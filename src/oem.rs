@@ -66,6 +66,17 @@ impl Oem {
         Self { size, texels }
     }
 
+    /// An OEM from all of its texels, border included.
+    ///
+    /// # Panics
+    /// Where the count is not the bordered size squared.
+    #[must_use]
+    pub fn from_bordered(size: OemSize, texels: Vec<[f32; 4]>) -> Self {
+        let side = size.bordered() as usize;
+        assert_eq!(texels.len(), side * side, "texels with the border");
+        Self { size, texels }
+    }
+
     /// Its size.
     #[must_use]
     pub const fn size(&self) -> OemSize {

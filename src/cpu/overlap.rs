@@ -11,7 +11,7 @@ mod cells;
 mod grid;
 mod index;
 
-use crate::environment::Environment;
+use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use cells::Cell;
 use glam::{DMat3, DVec3};
@@ -47,8 +47,15 @@ impl Overlaps {
     /// # Errors
     /// [`Error::Limit`] where the matrix would have more than 2^32 entries.
     pub fn new(environment: &Environment, target: Target, turned: bool) -> Result<Self> {
-        let source = environment.layout();
         let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
+        Self::of_layout(environment.layout(), turn, target)
+    }
+
+    /// The overlaps of the texels of `source`, turned by `turn`, with those of `target`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where the matrix would have more than 2^32 entries.
+    pub fn of_layout(source: Layout, turn: DMat3, target: Target) -> Result<Self> {
         let symmetric = turn == DMat3::IDENTITY && index::is_symmetric(source, target);
         let bands = if symmetric { cells::octant_bands(source) } else { cells::bands(source) };
         let parts: Vec<Vec<Entry>> = bands
@@ -95,6 +102,26 @@ impl Overlaps {
         let (starts, entries) = sort_by_row(rows, row_of, parts);
         let source_maps = std::array::from_fn(|octant| SourceMap::new(source, octant));
         Ok(Self { target, source_maps, symmetric, starts, entries })
+    }
+
+    /// The matrix as it is kept, for an engine that reads it by itself: where each row's entries start, and all entries.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn rows(&self) -> (&[u32], &[(u32, f32)]) {
+        (&self.starts, &self.entries)
+    }
+
+    /// Whether rows are the first octant's texels and sources packed cells.
+    #[cfg(feature = "gpu")]
+    pub(crate) const fn is_symmetric(&self) -> bool {
+        self.symmetric
+    }
+
+    /// The source texel of every octant's packed cells: by family, texel of place (0, 0) and steps along i and j.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn source_maps(&self) -> [[[i32; 4]; 3]; 8] {
+        self.source_maps.map(|map| {
+            map.families.map(|[origin, step_i, step_j]| [origin as i32, step_i as i32, step_j as i32, 0])
+        })
     }
 
     /// Calls `visit` with every source texel that overlaps target texel `target` and the solid angle they share, in

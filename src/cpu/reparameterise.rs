@@ -69,7 +69,7 @@ fn energy([r, g, b]: Rgb, solid_angle: f32) -> [f32; 4] {
 }
 
 /// Solid angles of an octahedral square's texels: one table for its eight mirror images.
-struct SolidAngles {
+pub(crate) struct SolidAngles {
     n: u32,
     quadrant: Vec<f32>,
 }
@@ -79,7 +79,7 @@ impl SolidAngles {
     /// (2/n)^6/2016000 or (2/n)^4/4320 of the density's sixth or fourth derivative (below 1e6 and 1e4): 1e-9 of it.
     const GAUSS_FROM: u32 = 128;
 
-    fn new(n: u32) -> Self {
+    pub(crate) fn new(n: u32) -> Self {
         let half = n.div_ceil(2);
         let quadrant = (0..half)
             .into_par_iter()
@@ -113,7 +113,7 @@ impl SolidAngles {
         (sum * 4.0 * h * h) as f32
     }
 
-    fn at(&self, x: u32, y: u32) -> f32 {
+    pub(crate) fn at(&self, x: u32, y: u32) -> f32 {
         let half = self.n.div_ceil(2);
         let first = self.n - half;
         let fold = |k: u32| if k >= first { k - first } else { self.n - 1 - k - first };

@@ -4,6 +4,8 @@ mod adaptive;
 mod cli;
 mod common;
 mod fuzz;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod inputs;
 mod io_read;
 mod io_write;

@@ -95,7 +95,7 @@ pub(super) const fn pack(family: u32, i: u32, j: u32) -> u32 {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SourceMap {
     /// Texel of place (0, 0), and the steps along i and j.
-    families: [[i64; 3]; 3],
+    pub(super) families: [[i64; 3]; 3],
 }
 
 impl SourceMap {

@@ -1,0 +1,16 @@
+// Non-negative float32 values as 64-bit fixed point, by their bit patterns: no float arithmetic, so that no driver's
+// flushing of subnormals and no rounding can come between CPU and GPU. `FixedPoint::quantise` in src/sat.rs.
+#include "common/u64.wgsl"
+
+// floor(value * 2^exponent), `bits` being the value's pattern.
+fn quantise(bits: u32, exponent: i32) -> vec2<u32> {
+    let biased = i32(bits >> 23u);
+    let mantissa = (bits & 0x007fffffu) | select(0u, 0x00800000u, biased != 0);
+    // value = mantissa * 2^(max(biased, 1) - 150)
+    let shift = max(biased, 1) - 150 + exponent;
+    if shift >= 0 {
+        return shift_left64(vec2<u32>(mantissa, 0u), u32(min(shift, 63)));
+    }
+    // Shifts of 24 and more leave nothing of the mantissa.
+    return vec2<u32>(mantissa >> u32(min(-shift, 31)), 0u);
+}

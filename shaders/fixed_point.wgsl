@@ -1,0 +1,120 @@
+// The fixed-point exponent of each channel: `FixedPoint::of_square` in src/sat.rs. Order-free: the greatest bit pattern,
+// then a 64-bit integer sum at the scale that it sets.
+#include "common/fixed_point.wgsl"
+
+const GROUPS = 64u;
+const GROUP_SIZE = 256u;
+
+struct Table {
+    inner: u32,
+    border: u32,
+    side: u32,
+    pitch: u32,
+}
+
+struct Partial {
+    greatest: array<u32, 4>,
+    sums: array<vec2<u32>, 4>,
+}
+
+@group(0) @binding(0) var<uniform> table: Table;
+@group(0) @binding(1) var<storage, read> red: array<u32>;
+@group(0) @binding(2) var<storage, read> green: array<u32>;
+@group(0) @binding(3) var<storage, read> blue: array<u32>;
+@group(0) @binding(4) var<storage, read> solid_angle: array<u32>;
+@group(0) @binding(5) var<storage, read_write> partials: array<Partial, GROUPS>;
+@group(0) @binding(6) var<storage, read_write> exponents: array<i32, 4>;
+
+fn texel(k: u32) -> vec4<u32> {
+    let x = k % table.inner + table.border;
+    let y = k / table.inner + table.border;
+    let at = y * table.pitch + x;
+    return vec4<u32>(red[at], green[at], blue[at], solid_angle[at]);
+}
+
+var<workgroup> shared_greatest: array<vec4<u32>, GROUP_SIZE>;
+
+@compute @workgroup_size(GROUP_SIZE)
+fn greatest(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let count = table.inner * table.inner;
+    var most = vec4<u32>(0u);
+    for (var k = group.x * GROUP_SIZE + lane; k < count; k += GROUPS * GROUP_SIZE) {
+        most = max(most, texel(k));
+    }
+    shared_greatest[lane] = most;
+    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
+        workgroupBarrier();
+        if lane < step {
+            shared_greatest[lane] = max(shared_greatest[lane], shared_greatest[lane + step]);
+        }
+    }
+    if lane == 0u {
+        for (var c = 0u; c < 4u; c++) {
+            partials[group.x].greatest[c] = shared_greatest[0][c];
+        }
+    }
+}
+
+// The scale at which the greatest value times the count stays below 2^62.
+fn provisional(most: u32) -> i32 {
+    let count_log2 = 32 - i32(countLeadingZeros(table.inner * table.inner - 1u));
+    return 62 - count_log2 - (max(i32(most >> 23u), 1) - 126);
+}
+
+fn greatest_of_all() -> vec4<u32> {
+    var most = vec4<u32>(0u);
+    for (var g = 0u; g < GROUPS; g++) {
+        for (var c = 0u; c < 4u; c++) {
+            most[c] = max(most[c], partials[g].greatest[c]);
+        }
+    }
+    return most;
+}
+
+var<workgroup> shared_sums: array<array<vec2<u32>, 4>, GROUP_SIZE>;
+
+@compute @workgroup_size(GROUP_SIZE)
+fn totals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let most = greatest_of_all();
+    let count = table.inner * table.inner;
+    var sums = array<vec2<u32>, 4>();
+    for (var k = group.x * GROUP_SIZE + lane; k < count; k += GROUPS * GROUP_SIZE) {
+        let value = texel(k);
+        for (var c = 0u; c < 4u; c++) {
+            sums[c] = add64(sums[c], quantise(value[c], provisional(most[c])));
+        }
+    }
+    shared_sums[lane] = sums;
+    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
+        workgroupBarrier();
+        if lane < step {
+            for (var c = 0u; c < 4u; c++) {
+                shared_sums[lane][c] = add64(shared_sums[lane][c], shared_sums[lane + step][c]);
+            }
+        }
+    }
+    if lane < 4u {
+        partials[group.x].sums[lane] = shared_sums[0][lane];
+    }
+}
+
+@compute @workgroup_size(4)
+fn finish(@builtin(local_invocation_index) channel: u32) {
+    let most = greatest_of_all()[channel];
+    if most == 0u {
+        exponents[channel] = 0;
+        return;
+    }
+    let count = vec2<u32>(table.inner * table.inner, 0u);
+    var total = count;
+    for (var g = 0u; g < GROUPS; g++) {
+        total = add64(total, partials[g].sums[channel]);
+    }
+    // Truncation lost less than one unit a texel; each doubling doubles what it may have lost.
+    let limit = sub64(vec2<u32>(0u, 0x40000000u), count);
+    var up = 0;
+    for (var next = shift_left64(total, 1u); less64(next, limit); next = shift_left64(next, 1u)) {
+        up += 1;
+    }
+    exponents[channel] = provisional(most) + up;
+}

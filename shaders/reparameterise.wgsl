@@ -1,0 +1,217 @@
+// Environment to OEM, and to the cube of footprints: every target texel gathers its sources by the solid angles that
+// they share. The matrix is `Overlaps` of src/cpu/overlap.rs, which says how octants are mirrored.
+#include "common/octahedral.wgsl"
+
+const EDGE = 16u;
+
+struct Gather {
+    // Texels along an edge of the target, of its border, and from row to row.
+    edge: u32,
+    border: u32,
+    side: u32,
+    pitch: u32,
+    // Texels of a layer of the source.
+    width: u32,
+    height: u32,
+    // 1 where rows are the first octant's and sources are packed.
+    symmetric: u32,
+    // The source texels of packed cells: octant, then family; texel of place (0, 0), steps along i and j.
+    source_maps: array<array<vec4<i32>, 3>, 8>,
+}
+
+@group(0) @binding(0) var<uniform> gather: Gather;
+@group(0) @binding(1) var<storage, read> starts: array<u32>;
+// Source, and the solid angle shared as float32 bits.
+@group(0) @binding(2) var<storage, read> overlaps: array<vec2<u32>>;
+@group(0) @binding(3) var source: texture_2d_array<f32>;
+// Targets: planes of an OEM, whose solid angles are there already, or radiance.
+@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
+@group(0) @binding(5) var<storage, read_write> red: array<f32>;
+@group(0) @binding(6) var<storage, read_write> green: array<f32>;
+@group(0) @binding(7) var<storage, read_write> blue: array<f32>;
+@group(0) @binding(8) var<storage, read_write> footprint: array<vec4<f32>>;
+
+// A row of the matrix, and the octant that it is read for.
+struct Row {
+    octant: u32,
+    row: u32,
+}
+
+// The rows of one target texel: one, or two on a fold diagonal.
+struct Rows {
+    count: u32,
+    rows: array<Row, 2>,
+}
+
+fn mirror_fold(k: u32, half: u32) -> vec2<u32> {
+    if k >= half {
+        return vec2<u32>(0u, k - half);
+    }
+    return vec2<u32>(1u, half - 1u - k);
+}
+
+fn rows_of_oct(x: u32, y: u32) -> Rows {
+    if gather.symmetric == 0u {
+        return Rows(1u, array<Row, 2>(Row(0u, y * gather.edge + x), Row()));
+    }
+    let half = gather.edge / 2u;
+    let fold_x = mirror_fold(x, half);
+    let fold_y = mirror_fold(y, half);
+    let octant = fold_x.x | (fold_y.x << 2u);
+    let upper = Row(octant, fold_y.y * half + fold_x.y);
+    let lower = Row(octant | 2u, (half - 1u - fold_x.y) * half + (half - 1u - fold_y.y));
+    let sum = fold_x.y + fold_y.y;
+    if sum + 1u < half {
+        return Rows(1u, array<Row, 2>(upper, Row()));
+    }
+    if sum + 1u > half {
+        return Rows(1u, array<Row, 2>(lower, Row()));
+    }
+    return Rows(2u, array<Row, 2>(upper, lower));
+}
+
+fn rows_of_cube(face: u32, i: u32, j: u32) -> Rows {
+    let n = gather.edge;
+    if gather.symmetric == 0u {
+        return Rows(1u, array<Row, 2>(Row(0u, (face * n + j) * n + i), Row()));
+    }
+    let half = n / 2u;
+    let s = select(0u, 1u, i >= half);
+    let t = select(0u, 1u, j >= half);
+    // Bits: x < 0, y < 0, z < 0, by the face table.
+    var octant = 0u;
+    switch face {
+        case 0u: { octant = (t << 1u) | (s << 2u); }
+        case 1u: { octant = 1u | (t << 1u) | ((1u - s) << 2u); }
+        case 2u: { octant = (1u - s) | ((1u - t) << 2u); }
+        case 3u: { octant = (1u - s) | 2u | (t << 2u); }
+        case 4u: { octant = (1u - s) | (t << 1u); }
+        default: { octant = s | (t << 1u) | 4u; }
+    }
+    let row = ((face / 2u) * half + mirror_fold(j, half).y) * half + mirror_fold(i, half).y;
+    return Rows(1u, array<Row, 2>(Row(octant, row), Row()));
+}
+
+// Finite and not negative, whatever a caller's texture holds: NaN counts as black.
+fn finite(value: f32) -> f32 {
+    let bits = bitcast<u32>(value);
+    if bits > 0x7f800000u {
+        return 0.0;
+    }
+    return bitcast<f32>(min(bits, 0x7f7fffffu));
+}
+
+fn radiance_at(octant: u32, packed: u32) -> vec3<f32> {
+    var index = packed;
+    if gather.symmetric != 0u {
+        let map = gather.source_maps[octant][packed >> 30u];
+        let i = i32(packed & 0x7fffu);
+        let j = i32((packed >> 15u) & 0x7fffu);
+        index = u32(map.x + i * map.y + j * map.z);
+    }
+    let y = index / gather.width;
+    let at = vec2<u32>(index % gather.width, y % gather.height);
+    let value = textureLoad(source, at, y / gather.height, 0).rgb;
+    return vec3<f32>(finite(value.r), finite(value.g), finite(value.b));
+}
+
+// Sources summed before their sum joins the others', so that rounding does not grow with their number.
+const CHUNK = 64u;
+
+// A part of a texel's sources: the sum of their radiance times the solid angle that they share, and of that solid angle,
+// in units of about the texel's own, so that no sum overflows. Every `lanes`-th chunk from chunk `lane` on.
+fn shares(rows: Rows, per_unit: f32, lane: u32, lanes: u32) -> vec4<f32> {
+    var sum = vec4<f32>();
+    for (var r = 0u; r < rows.count; r++) {
+        let row = rows.rows[r].row;
+        let last = starts[row + 1u];
+        for (var first = starts[row] + lane * CHUNK; first < last; first += lanes * CHUNK) {
+            var part = vec4<f32>();
+            for (var k = first; k < min(first + CHUNK, last); k++) {
+                let overlap = overlaps[k];
+                let share = bitcast<f32>(overlap.y) * per_unit;
+                part += vec4<f32>(radiance_at(rows.rows[r].octant, overlap.x) * share, share);
+            }
+            sum += part;
+        }
+    }
+    return sum;
+}
+
+// Where texels have few sources an invocation serves one; where they have many a workgroup does.
+const GROUP_SIZE = 256u;
+
+var<workgroup> parts: array<vec4<f32>, GROUP_SIZE>;
+
+// Radiance of the whole workgroup's shares, for its first invocation.
+fn mean_of_group(own: vec4<f32>, lane: u32) -> vec3<f32> {
+    parts[lane] = own;
+    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
+        workgroupBarrier();
+        if lane < step {
+            parts[lane] += parts[lane + step];
+        }
+    }
+    return mean(parts[0]);
+}
+
+fn mean(shares: vec4<f32>) -> vec3<f32> {
+    return shares.rgb / shares.a;
+}
+
+fn oem_texel(id: vec2<u32>) -> vec2<u32> {
+    return wrap_texel(gather.edge, vec2<i32>(id) - i32(gather.border));
+}
+
+fn store_oem(at: u32, radiance: vec3<f32>) {
+    let energy = radiance * solid_angle[at];
+    red[at] = energy.r;
+    green[at] = energy.g;
+    blue[at] = energy.b;
+}
+
+@compute @workgroup_size(EDGE, EDGE)
+fn oem(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= gather.side || id.y >= gather.side {
+        return;
+    }
+    let texel = oem_texel(id.xy);
+    let at = id.y * gather.pitch + id.x;
+    store_oem(at, mean(shares(rows_of_oct(texel.x, texel.y), 1.0 / solid_angle[at], 0u, 1u)));
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn oem_by_groups(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let texel = oem_texel(id.xy);
+    let at = id.y * gather.pitch + id.x;
+    let own = shares(rows_of_oct(texel.x, texel.y), 1.0 / solid_angle[at], lane, GROUP_SIZE);
+    let radiance = mean_of_group(own, lane);
+    if lane == 0u {
+        store_oem(at, radiance);
+    }
+}
+
+// One over the mean solid angle of a cube's texel.
+fn cube_texels_per_steradian() -> f32 {
+    return 6.0 * f32(gather.edge) * f32(gather.edge) / 12.566371;
+}
+
+@compute @workgroup_size(EDGE, EDGE)
+fn footprints(@builtin(global_invocation_id) id: vec3<u32>) {
+    let n = gather.edge;
+    if id.x >= n || id.y >= n {
+        return;
+    }
+    let own = shares(rows_of_cube(id.z, id.x, id.y), cube_texels_per_steradian(), 0u, 1u);
+    footprint[(id.z * n + id.y) * n + id.x] = vec4<f32>(mean(own), 1.0);
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn footprints_by_groups(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let n = gather.edge;
+    let own = shares(rows_of_cube(id.z, id.x, id.y), cube_texels_per_steradian(), lane, GROUP_SIZE);
+    let radiance = mean_of_group(own, lane);
+    if lane == 0u {
+        footprint[(id.z * n + id.y) * n + id.x] = vec4<f32>(radiance, 1.0);
+    }
+}

@@ -1,0 +1,47 @@
+//! The fixed-point exponents of an OEM, found without float arithmetic and without order.
+
+use super::stage::Dispatch;
+use super::{Context, OemPlanes, SatPlanes, Stage, shader};
+
+/// Workgroups of the reductions.
+pub const GROUPS: u32 = 64;
+
+/// Bytes that a workgroup leaves: four greatest patterns, four 64-bit sums.
+const PARTIAL: u64 = 48;
+
+/// Pipelines that find [`crate::sat::FixedPoint`].
+#[derive(Clone, Debug)]
+pub struct FixedPoint {
+    greatest: wgpu::ComputePipeline,
+    totals: wgpu::ComputePipeline,
+    finish: wgpu::ComputePipeline,
+}
+
+impl FixedPoint {
+    /// Compiles the pass.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "fixed_point.wgsl");
+        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
+        Self { greatest: pipeline("greatest"), totals: pipeline("totals"), finish: pipeline("finish") }
+    }
+
+    /// The exponents of `oem` into those of `sat`.
+    #[must_use]
+    pub fn stage(&self, context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
+        let partials = context.storage("fixed-point partials", PARTIAL * u64::from(GROUPS));
+        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
+        let table = (0, oem.table_buffer().as_entire_binding());
+        let shared = (5, partials.as_entire_binding());
+        let all: Vec<_> = std::iter::once(table.clone()).chain(planes).chain([shared.clone()]).collect();
+        let exponents = (6, sat.exponents().as_entire_binding());
+        Stage::new(
+            "fixed_point",
+            vec![
+                Dispatch::new(context, &self.greatest, &all, [GROUPS, 1, 1]),
+                Dispatch::new(context, &self.totals, &all, [GROUPS, 1, 1]),
+                Dispatch::new(context, &self.finish, &[table, shared, exponents], [1, 1, 1]),
+            ],
+        )
+    }
+}

@@ -1,0 +1,32 @@
+//! The pipeline as compute passes: light on the GPU, geometry on the CPU.
+//!
+//! What depends on sizes and roughness alone (which source texel overlaps which target texel, solid angles, moments of
+//! texels, the directions of a level) is computed once by the same double-precision code that serves the CPU engine, and
+//! uploaded. What depends on the light runs in shaders, one `.wgsl` a stage with the CPU's stem:
+//!
+//! ```text
+//! texture --reparameterise--> OEM planes --fixed_point--> exponents --sat_scan--> SAT planes --pack--> textures, boxes
+//!                                  |
+//!                                  +--cells--> quadtree of moments --adaptive--> lobes with bounds
+//! ```
+//!
+//! Integer stages equal the CPU's word for word; float stages lie within bounds derived where they are tested. All of it
+//! needs baseline WebGPU only: no 64-bit integers, no subgroups, no waiting between workgroups, 8 storage buffers a
+//! stage, bindings up to 128 MiB.
+//!
+//! A pass is an immutable struct of pipelines ([`sat_scan::SatScan`]); bound to buffers it is a [`Stage`] that records
+//! into the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing.
+
+pub mod context;
+pub mod fixed_point;
+pub mod oem;
+pub mod readback;
+pub mod reparameterise;
+pub mod sat_hensley;
+pub mod sat_scan;
+pub mod shader;
+mod stage;
+
+pub use context::{Context, adapters, block_on};
+pub use oem::{OemPlanes, SatPlanes};
+pub use stage::Stage;

@@ -1,0 +1,193 @@
+//! The OEM and its exact table on the GPU: four planes each, of float32 bits and of 64-bit words.
+
+use super::{Context, readback};
+use crate::error::Result;
+use crate::oem::{Oem, OemSize};
+
+/// Channels: red, green and blue energy, solid angle.
+pub const CHANNELS: usize = 4;
+
+/// How the planes of an OEM lie in memory; the uniform that shaders see as `Table`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Table {
+    /// Texels along an edge of the square.
+    pub inner: u32,
+    /// Texels of border on every side.
+    pub border: u32,
+    /// Texels along an edge, border included.
+    pub side: u32,
+    /// Texels from row to row: `side` rounded up to a multiple of 4.
+    pub pitch: u32,
+}
+
+impl Table {
+    /// The layout of an OEM of `size`.
+    #[must_use]
+    pub const fn new(size: OemSize) -> Self {
+        let side = size.bordered();
+        Self { inner: size.inner, border: size.border, side, pitch: side.next_multiple_of(4) }
+    }
+
+    /// Entries of a plane.
+    #[must_use]
+    pub const fn count(self) -> u64 {
+        self.pitch as u64 * self.side as u64
+    }
+}
+
+/// The largest edge whose planes of `bytes` an entry fit a binding of `available` bytes, in words.
+fn largest_that_fits(bytes: u64) -> impl FnOnce(u64) -> String {
+    move |available| {
+        let edge = (available / bytes).isqrt() / 4 * 4;
+        format!("choose --oem-size and --border to make at most {edge}")
+    }
+}
+
+/// L*w (red, green, blue) and w of every texel, border included, a float32 plane each.
+#[derive(Clone, Debug)]
+pub struct OemPlanes {
+    size: OemSize,
+    planes: [wgpu::Buffer; CHANNELS],
+    table: wgpu::Buffer,
+}
+
+impl OemPlanes {
+    /// Planes for an OEM of `size`, all zero.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where a plane is larger than the device can bind.
+    pub fn new(context: &Context, size: OemSize) -> Result<Self> {
+        let table = Table::new(size);
+        let bytes = 4 * table.count();
+        context.fits(&format!("an OEM plane of {0} x {0}", table.side), bytes, largest_that_fits(4))?;
+        let planes = std::array::from_fn(|_| context.storage("OEM plane", bytes));
+        Ok(Self { size, planes, table: context.uniform("OEM table", &table) })
+    }
+
+    /// Planes holding `oem`.
+    ///
+    /// # Errors
+    /// Those of [`OemPlanes::new`].
+    pub fn upload(context: &Context, oem: &Oem) -> Result<Self> {
+        let planes = Self::new(context, oem.size())?;
+        let Table { side, pitch, .. } = planes.table();
+        for (channel, plane) in planes.planes.iter().enumerate() {
+            let mut words = vec![0.0_f32; Table::new(oem.size()).count() as usize];
+            for (row, texels) in
+                words.chunks_exact_mut(pitch as usize).zip(oem.texels().chunks_exact(side as usize))
+            {
+                for (word, texel) in row.iter_mut().zip(texels) {
+                    *word = texel[channel];
+                }
+            }
+            context.queue().write_buffer(plane, 0, bytemuck::cast_slice(&words));
+        }
+        Ok(planes)
+    }
+
+    /// Size of the OEM.
+    #[must_use]
+    pub const fn size(&self) -> OemSize {
+        self.size
+    }
+
+    /// How the planes lie in memory.
+    #[must_use]
+    pub const fn table(&self) -> Table {
+        Table::new(self.size)
+    }
+
+    /// The planes.
+    #[must_use]
+    pub const fn planes(&self) -> &[wgpu::Buffer; CHANNELS] {
+        &self.planes
+    }
+
+    /// The uniform buffer that holds the [`Table`].
+    #[must_use]
+    pub const fn table_buffer(&self) -> &wgpu::Buffer {
+        &self.table
+    }
+
+    /// Reads the planes back.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub async fn read(&self, context: &Context) -> Result<Oem> {
+        let Table { inner, border, side, pitch } = self.table();
+        let mut texels = vec![[0.0_f32; CHANNELS]; side as usize * side as usize];
+        for (channel, plane) in self.planes.iter().enumerate() {
+            let words: Vec<f32> = readback::read(context, plane).await?;
+            for (row, words) in texels.chunks_exact_mut(side as usize).zip(words.chunks_exact(pitch as usize))
+            {
+                for (texel, word) in row.iter_mut().zip(words) {
+                    texel[channel] = *word;
+                }
+            }
+        }
+        Ok(Oem::from_bordered(OemSize { inner, border }, texels))
+    }
+}
+
+/// The exact table of an OEM: inclusive 64-bit sums as (low, high) words, a plane a channel, and their exponents.
+#[derive(Clone, Debug)]
+pub struct SatPlanes {
+    size: OemSize,
+    planes: [wgpu::Buffer; CHANNELS],
+    exponents: wgpu::Buffer,
+}
+
+impl SatPlanes {
+    /// Planes for the table of an OEM of `size`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where a plane is larger than the device can bind.
+    pub fn new(context: &Context, size: OemSize) -> Result<Self> {
+        let table = Table::new(size);
+        let bytes = 8 * table.count();
+        context.fits(&format!("a SAT plane of {0} x {0}", table.side), bytes, largest_that_fits(8))?;
+        let planes = std::array::from_fn(|_| context.storage("SAT plane", bytes));
+        Ok(Self { size, planes, exponents: context.storage("fixed-point exponents", 16) })
+    }
+
+    /// Size of the OEM summed.
+    #[must_use]
+    pub const fn size(&self) -> OemSize {
+        self.size
+    }
+
+    /// The planes.
+    #[must_use]
+    pub const fn planes(&self) -> &[wgpu::Buffer; CHANNELS] {
+        &self.planes
+    }
+
+    /// Four `i32`: F of each channel, see [`crate::sat::FixedPoint`].
+    #[must_use]
+    pub const fn exponents(&self) -> &wgpu::Buffer {
+        &self.exponents
+    }
+
+    /// Reads exponents and entries back, as [`crate::sat::Sat`] has them.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub async fn read(&self, context: &Context) -> Result<(crate::sat::FixedPoint, Vec<[u64; CHANNELS]>)> {
+        let Table { side, pitch, .. } = Table::new(self.size);
+        let exponents: Vec<i32> = readback::read(context, &self.exponents).await?;
+        let fixed = crate::sat::FixedPoint { exponents: std::array::from_fn(|c| exponents[c]) };
+        let mut entries = vec![[0; CHANNELS]; side as usize * side as usize];
+        for (channel, plane) in self.planes.iter().enumerate() {
+            let words: Vec<[u32; 2]> = readback::read(context, plane).await?;
+            for (row, words) in
+                entries.chunks_exact_mut(side as usize).zip(words.chunks_exact(pitch as usize))
+            {
+                for (entry, [low, high]) in row.iter_mut().zip(words) {
+                    entry[channel] = u64::from(*high) << 32 | u64::from(*low);
+                }
+            }
+        }
+        Ok((fixed, entries))
+    }
+}

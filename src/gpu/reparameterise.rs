@@ -1,0 +1,291 @@
+//! Environment to OEM and to the cube of footprints: the CPU's matrix of overlaps, applied to a texture.
+
+use super::oem::Table;
+use super::stage::Dispatch;
+use super::{Context, OemPlanes, Stage, shader};
+use crate::cpu::overlap::{Overlaps, Target};
+use crate::cpu::reparameterise::SolidAngles;
+use crate::environment::{Environment, Layout};
+use crate::error::{Error, Result};
+use crate::oem::OemSize;
+
+/// Invocations along an edge of a workgroup.
+pub const EDGE: u32 = 16;
+
+/// Invocations of a workgroup that serves one texel.
+pub const GROUP_SIZE: u32 = 256;
+
+/// From this mean number of sources on a workgroup serves a texel, not an invocation.
+const MANY_SOURCES: usize = 256;
+
+/// Sources of one invocation: llvmpipe ends loops after 65535 turns, and never says so.
+const MOST_SOURCES: u32 = 32_768;
+
+/// The uniform: target, source and how octants are mirrored.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Gather {
+    edge: u32,
+    border: u32,
+    side: u32,
+    pitch: u32,
+    width: u32,
+    height: u32,
+    symmetric: u32,
+    padding: u32,
+    source_maps: [[[i32; 4]; 3]; 8],
+}
+
+/// Pipelines of the stage.
+#[derive(Clone, Debug)]
+pub struct Reparameterise {
+    oem: Pipelines,
+    footprints: Pipelines,
+}
+
+/// For targets with few sources a texel, and with many.
+#[derive(Clone, Debug)]
+struct Pipelines {
+    by_texels: wgpu::ComputePipeline,
+    by_groups: wgpu::ComputePipeline,
+}
+
+/// Columns and rows of a layer of `layout`, and its layers.
+#[must_use]
+pub const fn texture_size(layout: Layout) -> [u32; 3] {
+    match layout {
+        Layout::Panorama { width, height } => [width, height, 1],
+        Layout::Cube { size } => [size, size, 6],
+        Layout::Octahedral { size } => [size, size, 1],
+    }
+}
+
+/// `environment` as an rgba32float texture: a layer, or the six faces of a cube.
+///
+/// # Errors
+/// [`Error::Limit`] where a side is longer than the device has textures.
+pub fn upload(context: &Context, environment: &Environment) -> Result<wgpu::Texture> {
+    let [width, height, depth_or_array_layers] = texture_size(environment.layout());
+    let most = context.device().limits().max_texture_dimension_2d;
+    if width.max(height) > most {
+        return Err(Error::Limit {
+            what: format!("a texture of {width} x {height}"),
+            needed: u64::from(width) * u64::from(height) * 16,
+            available: u64::from(most) * u64::from(most) * 16,
+            remedy: format!("use an image of at most {most} texels a side, or --engine cpu"),
+        });
+    }
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers };
+    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some("environment"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    // Strips of rows keep the staging memory small.
+    let strip = (1_u32 << 20).div_ceil(width).min(height);
+    for layer in 0..depth_or_array_layers {
+        for top in (0..height).step_by(strip as usize) {
+            let rows = strip.min(height - top);
+            let first = (layer as usize * height as usize + top as usize) * width as usize;
+            let texels: Vec<[f32; 4]> = environment.texels()[first..first + (rows * width) as usize]
+                .iter()
+                .map(|[r, g, b]| [*r, *g, *b, 1.0])
+                .collect();
+            context.queue().write_texture(
+                wgpu::TexelCopyTextureInfo {
+                    origin: wgpu::Origin3d { x: 0, y: top, z: layer },
+                    ..texture.as_image_copy()
+                },
+                bytemuck::cast_slice(&texels),
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(16 * width),
+                    rows_per_image: None,
+                },
+                wgpu::Extent3d { width, height: rows, depth_or_array_layers: 1 },
+            );
+        }
+    }
+    Ok(texture)
+}
+
+impl Reparameterise {
+    /// Compiles the stage.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "reparameterise.wgsl");
+        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
+        let pair = |by_texels, by_groups| Pipelines {
+            by_texels: pipeline(by_texels),
+            by_groups: pipeline(by_groups),
+        };
+        Self { oem: pair("oem", "oem_by_groups"), footprints: pair("footprints", "footprints_by_groups") }
+    }
+
+    /// Source texels of `layout` in `texture` into `planes`, border included. The texture's first level must have
+    /// [`texture_size`] and a float format; what it holds that is negative or not finite counts as 0, infinity as the
+    /// greatest float. `planes` get their solid angles here.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where the matrix of overlaps is larger than the device can bind, [`Error::Parameter`] where
+    /// the texture has another size.
+    pub fn stage(
+        &self,
+        context: &Context,
+        layout: Layout,
+        texture: &wgpu::Texture,
+        planes: &OemPlanes,
+    ) -> Result<Stage> {
+        let OemSize { inner, .. } = planes.size();
+        let table = planes.table();
+        upload_solid_angles(context, planes);
+        let overlaps = Overlaps::of_layout(layout, glam::DMat3::IDENTITY, Target::Octahedral(inner))?;
+        let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
+        let mut resources = matrix.resources();
+        let targets = [3, 0, 1, 2].map(|channel| planes.planes()[channel].as_entire_binding());
+        resources.extend((4..).zip(targets));
+        let dispatch = matrix.dispatch(context, &self.oem, &resources, [table.side, table.side, 1]);
+        Ok(Stage::new("reparameterise", vec![dispatch]))
+    }
+
+    /// The mean radiance over every texel of a cube with faces of `size`, in the world that `environment` is turned
+    /// into: `size` x `size` x 6 four-component floats.
+    ///
+    /// # Errors
+    /// Those of [`Reparameterise::stage`].
+    pub fn footprints(
+        &self,
+        context: &Context,
+        environment: &Environment,
+        texture: &wgpu::Texture,
+        size: u32,
+    ) -> Result<(Stage, wgpu::Buffer)> {
+        let layout = environment.layout();
+        let table = Table { inner: size, border: 0, side: size, pitch: size };
+        let overlaps = Overlaps::new(environment, Target::Cube(size), true)?;
+        let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
+        let bytes = 16 * 6 * u64::from(size) * u64::from(size);
+        context.fits(&format!("a cube of {size} x {size}"), bytes, |available| {
+            format!("choose --size at most {}", (available / 96).isqrt())
+        })?;
+        let footprint = context.storage("footprints", bytes);
+        let mut resources = matrix.resources();
+        resources.push((8, footprint.as_entire_binding()));
+        let dispatch = matrix.dispatch(context, &self.footprints, &resources, [size, size, 6]);
+        Ok((Stage::new("footprints", vec![dispatch]), footprint))
+    }
+}
+
+/// Writes the solid angles of `planes`, which depend on their size alone.
+fn upload_solid_angles(context: &Context, planes: &OemPlanes) {
+    let Table { inner, border, side, pitch } = planes.table();
+    let weights = SolidAngles::new(inner);
+    let mut words = vec![0.0_f32; planes.table().count() as usize];
+    for (row, y) in words.chunks_exact_mut(pitch as usize).zip(0..side) {
+        for (word, x) in row.iter_mut().zip(0..side) {
+            let place = |k: u32| i64::from(k) - i64::from(border);
+            let (x, y) = crate::sphere::octahedral::wrap_texel(inner, place(x), place(y));
+            *word = weights.at(x, y);
+        }
+    }
+    context.queue().write_buffer(&planes.planes()[3], 0, bytemuck::cast_slice(&words));
+}
+
+/// A matrix of overlaps on the GPU, beside the texture that it is applied to.
+struct Matrix {
+    gather: wgpu::Buffer,
+    starts: wgpu::Buffer,
+    entries: wgpu::Buffer,
+    view: wgpu::TextureView,
+    by_groups: bool,
+}
+
+impl Matrix {
+    fn new(
+        context: &Context,
+        layout: Layout,
+        texture: &wgpu::Texture,
+        overlaps: &Overlaps,
+        target: Table,
+    ) -> Result<Self> {
+        let [width, height, layers] = texture_size(layout);
+        let size = texture.size();
+        if [size.width, size.height, size.depth_or_array_layers] != [width, height, layers] {
+            return Err(Error::Parameter(format!(
+                "a texture of {} x {} x {} for {layout:?}, which takes {width} x {height} x {layers}",
+                size.width, size.height, size.depth_or_array_layers
+            )));
+        }
+        let (starts, entries) = overlaps.rows();
+        context.fits("the overlap of source and target texels", 8 * entries.len() as u64, |_| {
+            "bake from a smaller or unturned source, or with --engine cpu".to_owned()
+        })?;
+        let by_groups = entries.len() / starts.len() >= MANY_SOURCES;
+        let most = starts.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
+        let available = if by_groups { GROUP_SIZE * MOST_SOURCES } else { MOST_SOURCES };
+        // Two rows meet on a fold diagonal.
+        if 2 * most > available {
+            return Err(Error::Limit {
+                what: format!("a texel of {} x {}", target.inner, target.inner),
+                needed: 16 * u64::from(most),
+                available: 8 * u64::from(available),
+                remedy: "bake from a smaller source, or with --engine cpu".to_owned(),
+            });
+        }
+        let entries: Vec<[u32; 2]> =
+            entries.iter().map(|(source, solid_angle)| [*source, solid_angle.to_bits()]).collect();
+        let gather = Gather {
+            edge: target.inner,
+            border: target.border,
+            side: target.side,
+            pitch: target.pitch,
+            width,
+            height,
+            symmetric: u32::from(overlaps.is_symmetric()),
+            padding: 0,
+            source_maps: overlaps.source_maps(),
+        };
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            mip_level_count: Some(1),
+            ..Default::default()
+        });
+        Ok(Self {
+            gather: context.uniform("gather", &gather),
+            starts: context.storage_of("overlap rows", starts),
+            entries: context.storage_of("overlaps", &entries),
+            view,
+            by_groups,
+        })
+    }
+
+    /// Serves `texels` by whichever of `pipelines` suits the matrix.
+    fn dispatch(
+        &self,
+        context: &Context,
+        pipelines: &Pipelines,
+        resources: &[(u32, wgpu::BindingResource<'_>)],
+        texels: [u32; 3],
+    ) -> Dispatch {
+        if self.by_groups {
+            return Dispatch::new(context, &pipelines.by_groups, resources, texels);
+        }
+        let [x, y, z] = texels;
+        let groups = [x.div_ceil(EDGE), y.div_ceil(EDGE), z];
+        Dispatch::new(context, &pipelines.by_texels, resources, groups)
+    }
+
+    fn resources(&self) -> Vec<(u32, wgpu::BindingResource<'_>)> {
+        vec![
+            (0, self.gather.as_entire_binding()),
+            (1, self.starts.as_entire_binding()),
+            (2, self.entries.as_entire_binding()),
+            (3, wgpu::BindingResource::TextureView(&self.view)),
+        ]
+    }
+}

@@ -1,0 +1,83 @@
+//! The production scan: four dispatches a pair of channels, input read twice and output written once.
+
+use super::oem::Table;
+use super::stage::Dispatch;
+use super::{Context, OemPlanes, SatPlanes, Stage, shader};
+
+/// Texels along an edge of a tile.
+pub const TILE: u32 = 64;
+
+/// Invocations of a workgroup that carries sums from tile to tile.
+pub const GROUP_SIZE: u32 = 256;
+
+/// The uniform of one pair of channels.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Scan {
+    side: u32,
+    pitch: u32,
+    tiles: u32,
+    channel: u32,
+}
+
+/// Pipelines of the scan.
+#[derive(Clone, Debug)]
+pub struct SatScan {
+    tile_sums: wgpu::ComputePipeline,
+    carries: wgpu::ComputePipeline,
+    carry_rows: wgpu::ComputePipeline,
+    tables: wgpu::ComputePipeline,
+}
+
+impl SatScan {
+    /// Compiles the pass.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "sat_scan.wgsl");
+        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
+        Self {
+            tile_sums: pipeline("tile_sums"),
+            carries: pipeline("carries"),
+            carry_rows: pipeline("carry_rows"),
+            tables: pipeline("tables"),
+        }
+    }
+
+    /// The table of `oem` into `sat`, whose exponents are there already.
+    #[must_use]
+    pub fn stage(&self, context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
+        let Table { side, pitch, .. } = oem.table();
+        let tiles = side.div_ceil(TILE);
+        // Two channels, a row of tiles and a tile's places each.
+        let carried = 2 * 8 * u64::from(tiles) * u64::from(tiles * TILE);
+        let rows_left = context.storage("SAT carries to the right", carried);
+        let above = context.storage("SAT carries down", carried);
+        let mut dispatches = Vec::new();
+        for channel in [0, 2] {
+            let scan = context.uniform("SAT scan", &Scan { side, pitch, tiles, channel: channel as u32 });
+            let scan = (0, scan.as_entire_binding());
+            let input = [
+                (1, sat.exponents().as_entire_binding()),
+                (2, oem.planes()[channel].as_entire_binding()),
+                (3, oem.planes()[channel + 1].as_entire_binding()),
+            ];
+            let rows_left = (4, rows_left.as_entire_binding());
+            let above = (5, above.as_entire_binding());
+            let output = [
+                (6, sat.planes()[channel].as_entire_binding()),
+                (7, sat.planes()[channel + 1].as_entire_binding()),
+            ];
+            let carries = [scan.clone(), rows_left, above.clone()];
+            let sums = [&carries[..], &input].concat();
+            let tables = [&sums[..], &output].concat();
+            let places = (tiles * TILE).div_ceil(GROUP_SIZE);
+            dispatches.extend([
+                Dispatch::new(context, &self.tile_sums, &sums, [tiles, tiles, 2]),
+                Dispatch::new(context, &self.carries, &carries, [places, 1, 2]),
+                Dispatch::new(context, &self.carry_rows, &[scan, above], [tiles, 1, 2]),
+                Dispatch::new(context, &self.tables, &tables, [tiles, tiles, 2]),
+            ]);
+        }
+        Stage::new("sat_scan", dispatches)
+    }
+}

@@ -1,0 +1,73 @@
+//! Shader sources: plain WGSL files, where a line `#include "common/name.wgsl"` stands for that file, once.
+
+use super::Context;
+
+macro_rules! files {
+    ($($path:literal),* $(,)?) => {
+        [$(($path, include_str!(concat!("../../shaders/", $path)))),*]
+    };
+}
+
+/// Every file under `shaders/`, by its path there.
+pub const FILES: &[(&str, &str)] = &files![
+    "common/fixed_point.wgsl",
+    "common/octahedral.wgsl",
+    "common/u64.wgsl",
+    "fixed_point.wgsl",
+    "reparameterise.wgsl",
+    "sat_hensley.wgsl",
+    "sat_scan.wgsl",
+];
+
+/// The text of `path` with its includes, each file once, before what includes it.
+///
+/// # Panics
+/// Where there is no such file: names are literals of this crate.
+#[must_use]
+pub fn source(path: &str) -> String {
+    let mut text = String::new();
+    append(path, &mut Vec::new(), &mut text);
+    text
+}
+
+fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
+    if included.iter().any(|done| done == path) {
+        return;
+    }
+    included.push(path.to_owned());
+    let (_, content) = FILES.iter().find(|(name, _)| *name == path).expect("a file under shaders/");
+    for line in content.lines() {
+        match line.strip_prefix("#include \"").and_then(|rest| rest.strip_suffix('"')) {
+            Some(included_path) => append(included_path, included, text),
+            None => {
+                text.push_str(line);
+                text.push('\n');
+            }
+        }
+    }
+}
+
+/// The module of file `path`.
+pub(super) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
+    context.device().create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(path),
+        source: wgpu::ShaderSource::Wgsl(source(path).into()),
+    })
+}
+
+/// The pipeline of one entry point, its layout read from the shader.
+pub(super) fn pipeline(
+    context: &Context,
+    module: &wgpu::ShaderModule,
+    entry_point: &str,
+    constants: &[(&str, f64)],
+) -> wgpu::ComputePipeline {
+    context.device().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry_point),
+        layout: None,
+        module,
+        entry_point: Some(entry_point),
+        compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+        cache: None,
+    })
+}

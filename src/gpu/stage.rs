@@ -1,0 +1,71 @@
+//! Stages: pipelines bound to buffers, ready to record.
+
+use super::Context;
+
+/// One dispatch: a pipeline, what it is bound to, and how many workgroups.
+#[derive(Clone, Debug)]
+pub(super) struct Dispatch {
+    pipeline: wgpu::ComputePipeline,
+    bindings: wgpu::BindGroup,
+    workgroups: [u32; 3],
+}
+
+impl Dispatch {
+    /// `pipeline` over `workgroups`, with resources at the bindings of its group 0 that they are listed with.
+    pub(super) fn new(
+        context: &Context,
+        pipeline: &wgpu::ComputePipeline,
+        resources: &[(u32, wgpu::BindingResource<'_>)],
+        workgroups: [u32; 3],
+    ) -> Self {
+        let entries: Vec<_> = resources
+            .iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
+            .collect();
+        let bindings = context.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        Self { pipeline: pipeline.clone(), bindings, workgroups }
+    }
+}
+
+/// A pass bound to its buffers. Recording allocates nothing, submits nothing and waits for nothing.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    label: &'static str,
+    dispatches: Vec<Dispatch>,
+}
+
+impl Stage {
+    pub(super) const fn new(label: &'static str, dispatches: Vec<Dispatch>) -> Self {
+        Self { label, dispatches }
+    }
+
+    /// What it is called, as in `shaders/`.
+    #[must_use]
+    pub const fn label(&self) -> &'static str {
+        self.label
+    }
+
+    /// Records the stage as one compute pass of `encoder`.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.record_timed(encoder, None);
+    }
+
+    /// The same, with times written at its beginning and end.
+    pub fn record_timed(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(self.label), timestamp_writes };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        for Dispatch { pipeline, bindings, workgroups: [x, y, z] } in &self.dispatches {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, bindings, &[]);
+            pass.dispatch_workgroups(*x, *y, *z);
+        }
+    }
+}

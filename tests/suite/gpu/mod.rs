@@ -1,0 +1,48 @@
+//! The GPU engine against the CPU engine and the oracle, on every adapter that the system has.
+//!
+//! A machine without an adapter fails these tests: `tests/run` installs software drivers first. The drivers named in
+//! OCTAGLOSS_REQUIRE_ADAPTERS (parts of names, separated by commas) must be there.
+
+mod oem;
+mod sat;
+
+use octagloss::gpu::{Context, adapters, block_on};
+use octagloss::wgpu;
+use std::sync::LazyLock;
+
+/// A context on every adapter, with baseline limits: what passes here passes in a browser.
+static CONTEXTS: LazyLock<Vec<Context>> = LazyLock::new(|| {
+    let adapters = block_on(None, adapters()).expect("no device to wait for");
+    let contexts: Vec<Context> = adapters
+        .iter()
+        .map(|adapter| {
+            let context = Context::with_limits(adapter, wgpu::Limits::default());
+            block_on(None, context).and_then(|context| context).expect("a device with baseline limits")
+        })
+        .collect();
+    let names: Vec<String> = contexts.iter().map(Context::describe).collect();
+    for name in &names {
+        println!("adapter: {name}");
+    }
+    assert!(!names.is_empty(), "no adapter: tests/run installs a software Vulkan driver");
+    for required in std::env::var("OCTAGLOSS_REQUIRE_ADAPTERS").unwrap_or_default().split(',') {
+        let found = names.iter().any(|name| name.to_lowercase().contains(&required.to_lowercase()));
+        assert!(found, "no adapter is called {required}; there are {names:?}");
+    }
+    contexts
+});
+
+/// Runs `test` on every adapter and says so.
+fn on_every_adapter(name: &str, test: impl Fn(&Context)) {
+    for context in CONTEXTS.iter() {
+        let start = std::time::Instant::now();
+        test(context);
+        context.check().unwrap_or_else(|error| panic!("{name}: {error}"));
+        println!("{name}: {:.1} s on {}", start.elapsed().as_secs_f64(), context.describe());
+    }
+}
+
+/// The outcome of a future on `context`.
+fn wait<T>(context: &Context, future: impl Future<Output = octagloss::Result<T>>) -> T {
+    block_on(Some(context), future).and_then(|outcome| outcome).unwrap_or_else(|error| panic!("{error}"))
+}

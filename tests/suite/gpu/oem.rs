@@ -1,0 +1,98 @@
+//! Environments to OEMs and footprints: within a derived bound of the CPU's.
+
+use super::{on_every_adapter, wait};
+use crate::common::{Look, Random, environment, texels};
+use octagloss::cpu::reparameterise::{footprints_from_environment, oem_from_environment};
+use octagloss::gpu::reparameterise::{Reparameterise, upload};
+use octagloss::gpu::{Context, OemPlanes, readback};
+use octagloss::oem::{Oem, OemSize};
+use octagloss::{Environment, Layout};
+
+/// Both engines add up the same products, the CPU in double precision. In float32 a term takes two products; sums of 64
+/// and then of n/64 parts take at most 64 + n/64 roundings, in the energy and in the solid angle that divides it; the
+/// quotients (2.5 ulp each, one of them shared) and the last product make 8. All terms are positive, so the outcome is
+/// off by as many parts in 2^24.
+fn bound(sources_a_texel: f64) -> f64 {
+    let sum = 64.0_f64.min(sources_a_texel) + sources_a_texel / 64.0;
+    (8.0 + 2.0 * sum) / f64::from(1_u32 << 24)
+}
+
+/// The first texel where `found` is farther from `expected` than `bound` of it.
+fn difference(expected: &[[f32; 4]], found: &[[f32; 4]], bound: f64) -> Option<String> {
+    assert_eq!(expected.len(), found.len(), "texels");
+    expected.iter().zip(found).enumerate().find_map(|(at, (expected, found))| {
+        let far = (0..4).any(|c| {
+            let (e, f) = (f64::from(expected[c]), f64::from(found[c]));
+            // Subnormal products may become 0.
+            !((e - f).abs() <= bound * e + 2.4e-38)
+        });
+        far.then(|| format!("texel {at} is {found:?}, not {expected:?} within {bound:e}"))
+    })
+}
+
+fn gathered(context: &Context, pass: &Reparameterise, environment: &Environment, size: OemSize) -> Oem {
+    let texture = upload(context, environment).expect("a small texture");
+    let planes = OemPlanes::new(context, size).expect("small planes");
+    let stage = pass.stage(context, environment.layout(), &texture, &planes).expect("a small matrix");
+    context.submit(|encoder| stage.record(encoder));
+    wait(context, planes.read(context))
+}
+
+const LAYOUTS: [Layout; 7] = [
+    Layout::Panorama { width: 64, height: 32 },
+    Layout::Panorama { width: 33, height: 17 },
+    Layout::Panorama { width: 512, height: 256 },
+    Layout::Cube { size: 32 },
+    Layout::Cube { size: 7 },
+    Layout::Octahedral { size: 24 },
+    Layout::Octahedral { size: 9 },
+];
+
+#[test]
+fn oem_lies_within_its_bound_of_the_cpu() {
+    on_every_adapter("OEM", |context| {
+        let pass = Reparameterise::new(context);
+        let mut random = Random::new(41);
+        for layout in LAYOUTS {
+            for look in Look::ALL {
+                let environment = environment(layout, texels(&mut random, look, layout));
+                for size in [(1, 0), (2, 1), (5, 3), (16, 8), (33, 7), (64, 0)] {
+                    let size = OemSize { inner: size.0, border: size.1 };
+                    let expected = oem_from_environment(&environment, size).expect("a small matrix");
+                    let found = gathered(context, &pass, &environment, size);
+                    let sources = layout.texel_count() as f64;
+                    let far = difference(expected.texels(), found.texels(), bound(sources));
+                    assert_eq!(far, None, "{layout:?} {look:?} {size:?} on {}", context.describe());
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn footprints_lie_within_their_bound_of_the_cpu() {
+    on_every_adapter("footprints", |context| {
+        let stage = Reparameterise::new(context);
+        let mut random = Random::new(42);
+        for layout in LAYOUTS {
+            for turn in [0.0, 90.0, 33.0] {
+                let environment =
+                    environment(layout, texels(&mut random, Look::Suns, layout)).rotated_y(turn);
+                let texture = upload(context, &environment).expect("a small texture");
+                for size in [1, 3, 16] {
+                    let expected: Vec<[f32; 4]> = footprints_from_environment(&environment, size)
+                        .expect("a small matrix")
+                        .iter()
+                        .map(|[r, g, b]| [*r, *g, *b, 1.0])
+                        .collect();
+                    let (stage, buffer) =
+                        stage.footprints(context, &environment, &texture, size).expect("a small cube");
+                    context.submit(|encoder| stage.record(encoder));
+                    let found: Vec<[f32; 4]> = wait(context, readback::read(context, &buffer));
+                    let far = difference(&expected, &found, bound(layout.texel_count() as f64));
+                    assert_eq!(far, None, "{layout:?} turned {turn} {size} on {}", context.describe());
+                }
+            }
+        }
+    });
+}

@@ -1,0 +1,91 @@
+//! Exponents and planes: equal to the CPU's, word for word.
+
+use super::{on_every_adapter, wait};
+use crate::common::{Look, Random, oem, texels};
+use octagloss::Layout;
+use octagloss::gpu::fixed_point::FixedPoint;
+use octagloss::gpu::sat_hensley::SatHensley;
+use octagloss::gpu::sat_scan::SatScan;
+use octagloss::gpu::{Context, OemPlanes, SatPlanes, Stage};
+use octagloss::oem::{Oem, OemSize};
+use octagloss::sat::{Sat, Scan};
+
+/// Which exponents and entries differ, in words; None where all are equal.
+fn difference(expected: &Sat, fixed: octagloss::sat::FixedPoint, entries: &[[u64; 4]]) -> Option<String> {
+    if expected.fixed_point() != fixed {
+        return Some(format!("exponents {fixed:?} for {:?}", expected.fixed_point()));
+    }
+    let side = expected.size().bordered() as usize;
+    if entries.len() != expected.entries().len() {
+        return Some(format!("{} entries for {}", entries.len(), expected.entries().len()));
+    }
+    let at = entries.iter().zip(expected.entries()).position(|(found, expected)| found != expected)?;
+    Some(format!(
+        "entry ({}, {}) is {:x?}, not {:x?}",
+        at % side,
+        at / side,
+        entries[at],
+        expected.entries()[at]
+    ))
+}
+
+fn scanned(
+    context: &Context,
+    fixed_point: &FixedPoint,
+    oem: &Oem,
+    stage: impl Fn(&OemPlanes, &SatPlanes) -> Stage,
+) -> (octagloss::sat::FixedPoint, Vec<[u64; 4]>) {
+    let planes = OemPlanes::upload(context, oem).expect("small planes");
+    let sat = SatPlanes::new(context, oem.size()).expect("small planes");
+    let exponents = fixed_point.stage(context, &planes, &sat);
+    let scan = stage(&planes, &sat);
+    context.submit(|encoder| {
+        exponents.record(encoder);
+        scan.record(encoder);
+    });
+    wait(context, sat.read(context))
+}
+
+fn random_oem(random: &mut Random, size: OemSize, look: Look) -> Oem {
+    oem(size, &texels(random, look, Layout::Octahedral { size: size.inner }))
+}
+
+const SIZES: [u32; 9] = [1, 2, 3, 5, 17, 64, 100, 257, 1024];
+
+#[test]
+fn production_scan_equals_the_cpu() {
+    on_every_adapter("production scan", |context| {
+        let (fixed_point, scan) = (FixedPoint::new(context), SatScan::new(context));
+        let mut random = Random::new(31);
+        for inner in SIZES {
+            for border in [0, 1, 7, inner / 2] {
+                let oem = random_oem(&mut random, OemSize { inner, border }, Look::Suns);
+                let (fixed, entries) =
+                    scanned(context, &fixed_point, &oem, |planes, sat| scan.stage(context, planes, sat));
+                let found = difference(&Sat::new(&oem, Scan::Strips), fixed, &entries);
+                assert_eq!(found, None, "{inner} + {border} on {}", context.describe());
+            }
+        }
+    });
+}
+
+#[test]
+fn recursive_doubling_equals_the_cpu() {
+    on_every_adapter("recursive doubling", |context| {
+        let fixed_point = FixedPoint::new(context);
+        let mut random = Random::new(32);
+        for radix in [2, 4, 8, 16] {
+            let hensley = SatHensley::new(context, radix);
+            for inner in [1, 2, 3, 17, 257] {
+                for border in [0, 1, 7, inner / 2] {
+                    let oem = random_oem(&mut random, OemSize { inner, border }, Look::Suns);
+                    let (fixed, entries) = scanned(context, &fixed_point, &oem, |planes, sat| {
+                        hensley.stage(context, planes, sat)
+                    });
+                    let found = difference(&Sat::new(&oem, Scan::Strips), fixed, &entries);
+                    assert_eq!(found, None, "radix {radix}, {inner} + {border} on {}", context.describe());
+                }
+            }
+        }
+    });
+}
