@@ -1,7 +1,8 @@
 //! Lobes to cube chains: the levels and roughnesses of a bake, and the bake itself.
 
 use crate::chain::{CubeChain, CubeLevel};
-use crate::cpu::{bake_level, box_filter};
+use crate::cpu::bake_level::{self, BakedLevel};
+use crate::cpu::box_filter;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
@@ -167,7 +168,7 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// Bakes `environment`; calls `progress` now and then, from any thread.
+/// Bakes `environment` on the CPU; calls `progress` now and then, from any thread.
 ///
 /// # Errors
 /// [`Error::Parameter`] for settings that make no sense together, [`Error::Limit`] where a table would not fit.
@@ -176,73 +177,118 @@ pub fn bake(
     settings: &BakeSettings,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Bake> {
-    let rungs = settings.rungs()?;
-    if settings.irradiance == Some(0) {
-        return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
-    }
-    let texels = |size: u32| 6 * u64::from(size) * u64::from(size);
-    let total =
-        rungs.iter().map(|rung| texels(rung.size)).sum::<u64>() + settings.irradiance.map_or(0, texels);
-    let done = AtomicU64::new(0);
-    let advance = |level: usize, texels: u64| {
-        let done = done.fetch_add(texels, Ordering::Relaxed) + texels;
-        progress(Progress { level: level as u32, done, total });
-    };
-
-    let reflector = Reflector::new(environment, &reflector_settings(environment, settings, &rungs))?;
-    let mut warnings = Vec::new();
-    let inner = reflector.oem().size().inner;
-    let asked = default_oem_size(environment.layout(), 0, sharpest(&rungs))
-        .min(source_oem_size(environment.layout()));
-    if inner < asked {
-        warnings.push(format!("the OEM of {inner} texels is coarser than source and lobes ask for, {asked}"));
-    }
-
-    let mut chain = CubeChain { levels: Vec::with_capacity(rungs.len()) };
-    let mut stats = Vec::with_capacity(rungs.len());
-    for (index, &rung) in rungs.iter().enumerate() {
+    let order = Order::new(environment, settings)?;
+    let meter = order.meter(progress);
+    let reflector = Reflector::new(environment, &order.reflector_settings())?;
+    let mut levels = Vec::new();
+    for (index, (rung, lobe)) in order.levels().enumerate() {
         let start = Instant::now();
-        let baked =
-            bake_level::bake_level(&reflector, rung, settings.lobe, settings.filter, &|n| advance(index, n))?;
-        let bounds = baked.bounds.as_deref();
-        stats.push(LevelStats {
-            seconds: start.elapsed().as_secs_f64(),
-            leaves_per_texel: baked.leaves_per_texel,
-            error_bound_max: bounds.map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),
-            error_bound_mean: bounds.map(|b| b.iter().map(|v| f64::from(*v)).sum::<f64>() / b.len() as f64),
-        });
-        chain.levels.push(CubeLevel {
-            size: rung.size,
-            roughness: rung.roughness,
-            texels: baked.texels,
-            bounds: baked.bounds.filter(|_| settings.bounds),
-        });
+        let advance = |texels| meter.advance(index, texels);
+        let level = bake_level::bake_level(&reflector, rung, lobe, settings.filter, &advance)?;
+        levels.push((level, start.elapsed().as_secs_f64()));
     }
-    let irradiance = settings
-        .irradiance
-        .map(|size| {
-            let rung = Rung { size, roughness: 1.0 };
-            let baked = bake_level::bake_level(&reflector, rung, Lobe::Cosine, settings.filter, &|n| {
-                advance(rungs.len(), n)
-            })?;
-            Ok::<_, Error>(CubeLevel { size, roughness: 1.0, texels: baked.texels, bounds: None })
-        })
-        .transpose()?;
+    Ok(order.finish(levels, reflector.oem().size(), reflector.oem().totals()))
+}
 
-    let sh = sh::spherical_harmonics(environment);
-    // L0 is the integral of the radiance times the constant 1/sqrt(4 pi).
-    let source_energy = sh[0].map(|coefficient| coefficient * (4.0 * std::f64::consts::PI).sqrt());
-    let totals = reflector.oem().totals();
-    Ok(Bake {
-        chain,
-        stats,
-        irradiance,
-        sh,
-        oem: reflector.oem().size(),
-        source_energy,
-        oem_energy: [totals[0], totals[1], totals[2]],
-        warnings,
-    })
+/// A bake as it is ordered of an engine: which levels, over which OEM.
+pub(crate) struct Order<'a> {
+    environment: &'a Environment,
+    settings: &'a BakeSettings,
+    rungs: Vec<Rung>,
+}
+
+/// Counts output texels for whoever watches.
+pub(crate) struct Meter<'a> {
+    done: AtomicU64,
+    total: u64,
+    progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl Meter<'_> {
+    /// Tells that `texels` more of level `level` are done.
+    pub(crate) fn advance(&self, level: usize, texels: u64) {
+        let done = self.done.fetch_add(texels, Ordering::Relaxed) + texels;
+        (self.progress)(Progress { level: level as u32, done, total: self.total });
+    }
+}
+
+impl<'a> Order<'a> {
+    pub(crate) fn new(environment: &'a Environment, settings: &'a BakeSettings) -> Result<Self> {
+        let rungs = settings.rungs()?;
+        if settings.irradiance == Some(0) {
+            return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
+        }
+        Ok(Self { environment, settings, rungs })
+    }
+
+    pub(crate) fn meter<'p>(&self, progress: &'p (dyn Fn(Progress) + Sync)) -> Meter<'p> {
+        let total = self.levels().map(|(rung, _)| 6 * u64::from(rung.size) * u64::from(rung.size)).sum();
+        Meter { done: AtomicU64::new(0), total, progress }
+    }
+
+    /// What to bake: the ladder, then the irradiance cube where it is asked for.
+    pub(crate) fn levels(&self) -> impl Iterator<Item = (Rung, Lobe)> {
+        let irradiance = self.settings.irradiance.map(|size| (Rung { size, roughness: 1.0 }, Lobe::Cosine));
+        self.rungs.iter().map(|rung| (*rung, self.settings.lobe)).chain(irradiance)
+    }
+
+    /// What the reflector must serve.
+    pub(crate) fn reflector_settings(&self) -> ReflectorSettings {
+        reflector_settings(self.environment, self.settings, &self.rungs)
+    }
+
+    /// The bake, from its levels and the seconds that each took, and the OEM's size and totals.
+    pub(crate) fn finish(self, levels: Vec<(BakedLevel, f64)>, oem: OemSize, totals: [f64; 4]) -> Bake {
+        let Self { environment, settings, rungs } = self;
+        let mut warnings = Vec::new();
+        let asked = default_oem_size(environment.layout(), 0, sharpest(&rungs))
+            .min(source_oem_size(environment.layout()));
+        if oem.inner < asked {
+            warnings.push(format!(
+                "the OEM of {} texels is coarser than source and lobes ask for, {asked}",
+                oem.inner
+            ));
+        }
+        let mut levels = levels.into_iter();
+        let mut chain = CubeChain { levels: Vec::with_capacity(rungs.len()) };
+        let mut stats = Vec::with_capacity(rungs.len());
+        for (rung, (baked, seconds)) in rungs.iter().zip(levels.by_ref()) {
+            let bounds = baked.bounds.as_deref();
+            stats.push(LevelStats {
+                seconds,
+                leaves_per_texel: baked.leaves_per_texel,
+                error_bound_max: bounds
+                    .map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),
+                error_bound_mean: bounds
+                    .map(|b| b.iter().map(|v| f64::from(*v)).sum::<f64>() / b.len() as f64),
+            });
+            chain.levels.push(CubeLevel {
+                size: rung.size,
+                roughness: rung.roughness,
+                texels: baked.texels,
+                bounds: baked.bounds.filter(|_| settings.bounds),
+            });
+        }
+        let irradiance = settings.irradiance.zip(levels.next()).map(|(size, (baked, _))| CubeLevel {
+            size,
+            roughness: 1.0,
+            texels: baked.texels,
+            bounds: None,
+        });
+        let sh = sh::spherical_harmonics(environment);
+        // L0 is the integral of the radiance times the constant 1/sqrt(4 pi).
+        let source_energy = sh[0].map(|coefficient| coefficient * (4.0 * std::f64::consts::PI).sqrt());
+        Bake {
+            chain,
+            stats,
+            irradiance,
+            sh,
+            oem,
+            source_energy,
+            oem_energy: [totals[0], totals[1], totals[2]],
+            warnings,
+        }
+    }
 }
 
 /// The least roughness above 0.

@@ -32,6 +32,35 @@ pub struct ReflectorSettings {
     pub sharpest: f64,
 }
 
+impl ReflectorSettings {
+    /// The OEM of a source of `layout`, and the texels along an edge of its finest cells.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
+    pub fn plan(&self, layout: Layout) -> Result<(OemSize, u32)> {
+        let border = self.border.unwrap_or(0);
+        let inner = self.oem_size.unwrap_or_else(|| default_oem_size(layout, border, self.sharpest));
+        if inner == 0 {
+            return Err(Error::Parameter("an OEM of 0 texels: --oem-size must be at least 1".to_owned()));
+        }
+        // Indices are 32 bits wide, and a table entry takes 32 bytes.
+        let side = u64::from(inner) + 2 * u64::from(border);
+        if side > 16384 {
+            return Err(Error::Limit {
+                what: format!("an OEM of {inner} texels with a border of {border}"),
+                needed: side * side * 48,
+                available: 16384 * 16384 * 48,
+                remedy: "choose --oem-size and --border to make at most 16384".to_owned(),
+            });
+        }
+        // Cells of less than a third of the sharpest lobe's alpha: a texel is at least 2/n wide.
+        let alpha = self.sharpest * self.sharpest;
+        let finest = alpha / 3.4 * f64::from(inner) / 2.0;
+        let block = if finest >= 2.0 { 1 << (finest.log2() as u32).min(6) } else { 1 };
+        Ok((OemSize { inner, border }, block))
+    }
+}
+
 /// An OEM resolves a lobe whose alpha is this many of its texels (2/n wide where they are narrowest).
 const TEXELS_PER_ALPHA: f64 = 6.5;
 
@@ -94,28 +123,8 @@ impl<'a> Reflector<'a> {
     /// # Errors
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
-        let border = settings.border.unwrap_or(0);
-        let inner = settings
-            .oem_size
-            .unwrap_or_else(|| default_oem_size(environment.layout(), border, settings.sharpest));
-        if inner == 0 {
-            return Err(Error::Parameter("an OEM of 0 texels: --oem-size must be at least 1".to_owned()));
-        }
-        // Indices are 32 bits wide, and a table entry takes 32 bytes.
-        let side = u64::from(inner) + 2 * u64::from(border);
-        if side > 16384 {
-            return Err(Error::Limit {
-                what: format!("an OEM of {inner} texels with a border of {border}"),
-                needed: side * side * 48,
-                available: 16384 * 16384 * 48,
-                remedy: "choose --oem-size and --border to make at most 16384".to_owned(),
-            });
-        }
-        let oem = reparameterise::oem_from_environment(environment, OemSize { inner, border })?;
-        // Cells of less than a third of the sharpest lobe's alpha: a texel is at least 2/n wide.
-        let alpha = settings.sharpest * settings.sharpest;
-        let finest = alpha / 3.4 * f64::from(inner) / 2.0;
-        let block = if finest >= 2.0 { 1 << (finest.log2() as u32).min(6) } else { 1 };
+        let (size, block) = settings.plan(environment.layout())?;
+        let oem = reparameterise::oem_from_environment(environment, size)?;
         Ok(Self {
             environment,
             oem,

@@ -159,6 +159,10 @@ impl Default for ConventionsReport {
 pub struct Circumstances {
     /// The input as it was named.
     pub input: String,
+    /// Who baked: `cpu` or `gpu`.
+    pub engine: String,
+    /// The graphics adapter, where one did.
+    pub adapter: Option<String>,
     /// What was set right in it.
     pub repaired: RepairReport,
     /// Its layout, in words.
@@ -201,8 +205,8 @@ impl Report {
         Self {
             generator: concat!("octagloss ", env!("CARGO_PKG_VERSION")).to_owned(),
             input: told.input,
-            engine: "cpu".to_owned(),
-            adapter: None,
+            engine: told.engine,
+            adapter: told.adapter,
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
             levels: levels.collect(),
             energy: EnergyReport {

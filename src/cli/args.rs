@@ -82,13 +82,20 @@ pub(super) struct TableArgs {
 }
 
 /// What computes.
-#[derive(Clone, Copy, Debug, ClapArgs)]
+#[derive(Clone, Debug, ClapArgs)]
 #[command(next_help_heading = "Engine")]
 pub(super) struct EngineArgs {
-    /// What computes: auto or cpu [default: auto]
+    /// What computes: auto, cpu or gpu [default: auto]
+    ///
+    /// auto takes a hardware GPU where there is one and the CPU otherwise, and says which.
     #[arg(long, value_name = "ENGINE", default_value = "auto")]
     #[arg(hide_default_value = true, hide_possible_values = true)]
     pub(super) engine: EngineArg,
+    /// The GPU, by a part of its name
+    ///
+    /// octagloss info --adapters lists them.
+    #[arg(long, value_name = "NAME")]
+    pub(super) adapter: Option<String>,
     /// Threads, 1 to 1024 [default: one a core]
     ///
     /// The result does not depend on it.
@@ -216,8 +223,11 @@ pub(super) struct QueryArgs {
 #[derive(Debug, ClapArgs)]
 pub(super) struct InfoArgs {
     /// An environment, a .ktx2 bake or a folder of levels
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required_unless_present = "adapters", value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
+    /// List the GPUs that --adapter can name
+    #[arg(long, conflicts_with = "inputs")]
+    pub(super) adapters: bool,
     /// Print JSON, on one line
     #[arg(long)]
     pub(super) json: bool,
@@ -314,6 +324,8 @@ pub(super) enum EngineArg {
     Auto,
     /// All cores
     Cpu,
+    /// A GPU, or a driver that acts as one
+    Gpu,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

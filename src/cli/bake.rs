@@ -1,13 +1,14 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
-use super::args::{BakeArgs, EngineArg, FormatArg, InputArgs, LobeArg, PixelArg};
+use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg, PixelArg};
+use super::engine::Engine;
 use super::input::{self, Source};
 use super::output::{Encoding, Outputs, Stored};
 use super::talk::{self, Talk};
 use super::{Failure, Outcome, on_threads, print, usage};
 use anyhow::anyhow;
 use octagloss::Environment;
-use octagloss::bake::{BakeSettings, Filter, bake};
+use octagloss::bake::{BakeSettings, Filter};
 use octagloss::io::exr_write::ExrPixel;
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
@@ -15,6 +16,7 @@ use octagloss::oracle::Oracle;
 use octagloss::report::{Circumstances, RepairReport};
 use octagloss::sphere::cube::{Face, direction_from_texel};
 use rayon::prelude::*;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -28,8 +30,7 @@ struct Plan {
     folder: Option<PathBuf>,
     input: InputArgs,
     json: bool,
-    /// Whether the engine was left to the program, which then says what it took.
-    tell_engine: bool,
+    engine: EngineArgs,
 }
 
 /// One environment and where it goes.
@@ -40,9 +41,9 @@ struct Job {
 
 pub(super) fn run(args: BakeArgs) -> Outcome {
     let talk = Talk::new(args.quiet);
-    let (engine, threads) = (args.engine.engine, args.engine.threads);
-    let mut plan = Plan::new(args)?;
-    plan.tell_engine = engine == EngineArg::Auto;
+    args.engine.check()?;
+    let threads = args.engine.threads;
+    let plan = Plan::new(args)?;
     on_threads(threads, || plan.run(&talk))
 }
 
@@ -93,7 +94,7 @@ impl Plan {
         for job in &jobs {
             job.check_places(&jobs)?;
         }
-        Ok(Self { settings, jobs, folder, input: args.input, json: args.json, tell_engine: false })
+        Ok(Self { settings, jobs, folder, input: args.input, json: args.json, engine: args.engine })
     }
 
     fn run(&self, talk: &Talk) -> Outcome {
@@ -122,20 +123,26 @@ impl Plan {
                 Err(error) => tell(error.into())?,
             }
         }
+        // Opened once an input was read, so that one that cannot be is answered by its error alone.
+        let engine = OnceCell::new();
         for job in ready {
-            if let Err(failure) = self.bake(job, talk) {
+            if let Err(failure) = self.bake(job, &engine, talk) {
                 tell(failure)?;
             }
         }
         if failed { Err(Failure::Told) } else { Ok(()) }
     }
 
-    fn bake(&self, job: &Job, talk: &Talk) -> Outcome {
+    fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
         let start = Instant::now();
         let opened = job.source.open(&self.input, talk)?;
-        if self.tell_engine {
-            talk.engine();
-        }
+        let engine = match engine.get() {
+            Some(engine) => engine,
+            None => {
+                let chosen = self.engine.choose(talk)?;
+                engine.get_or_init(|| chosen)
+            }
+        };
         if self.settings.filter == Filter::Reference {
             let seconds = foretell(&opened.environment, &self.settings)?;
             talk.note(&format!(
@@ -145,7 +152,8 @@ impl Plan {
             ));
         }
         let bar = talk.bar(&job.source.stem());
-        let mut baked = bake(&opened.environment, &self.settings, &|progress| bar.bake(progress))?;
+        let (mut baked, baker) =
+            engine.bake(&opened.environment, &self.settings, talk, &|progress| bar.bake(progress))?;
         drop(bar);
         baked.warnings.dedup();
         for warning in &baked.warnings {
@@ -163,6 +171,8 @@ impl Plan {
             }
             Circumstances {
                 input: job.source.path().display().to_string(),
+                engine: baker.engine.to_owned(),
+                adapter: baker.adapter,
                 repaired: RepairReport {
                     negative: opened.repaired.negative,
                     nan: opened.repaired.nan,

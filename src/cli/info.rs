@@ -1,6 +1,7 @@
 //! `octagloss info`: what is in an environment or in a bake.
 
 use super::args::{InfoArgs, InputArgs};
+use super::engine::list_adapters;
 use super::input::{self, Opened, Source, layout_name, read_bake};
 use super::talk::{self, Talk};
 use super::{Failure, Outcome, print};
@@ -71,6 +72,14 @@ struct LevelInfo {
 pub(super) fn run(mut args: InfoArgs) -> Outcome {
     // Warnings are part of the answer here.
     let talk = Talk::new(true);
+    if args.adapters {
+        let adapters = list_adapters()?;
+        return print(&if args.json {
+            json_line(&adapters)
+        } else {
+            adapters.iter().map(|adapter| format!("{adapter}\n")).collect()
+        });
+    }
     let sources = input::sources(std::mem::take(&mut args.inputs), &args.input)?;
     // NaN and Inf are counted and told here, unless repairs are to be errors.
     args.input.sanitize = !args.input.strict;

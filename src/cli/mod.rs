@@ -6,6 +6,7 @@ mod args;
 mod bake;
 mod bench;
 mod compare;
+mod engine;
 mod info;
 mod input;
 mod output;

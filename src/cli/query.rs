@@ -1,6 +1,7 @@
 //! `octagloss query`: radiance of a lobe around given directions.
 
-use super::args::{EngineArg, QueryArgs};
+use super::args::QueryArgs;
+use super::engine::Query;
 use super::input;
 use super::talk::Talk;
 use super::{Outcome, on_threads, print, usage};
@@ -8,8 +9,7 @@ use anyhow::{Context as _, anyhow, bail};
 use glam::DVec3;
 use octagloss::bake::Filter;
 use octagloss::lobe::Lobe;
-use octagloss::reflector::{Reflector, ReflectorSettings, Workspace};
-use rayon::prelude::*;
+use octagloss::reflector::ReflectorSettings;
 use std::fmt::Write as _;
 use std::io::Read;
 use std::path::Path;
@@ -21,6 +21,7 @@ struct Asked {
 }
 
 pub(super) fn run(args: QueryArgs) -> Outcome {
+    args.engine.check()?;
     let lobe = Lobe::from(args.lobe);
     let roughness = match (lobe, args.roughness) {
         (Lobe::Cosine, None) => 1.0,
@@ -36,39 +37,33 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     on_threads(args.engine.threads, || {
         let asked = read_directions(&args.directions)?;
         let opened = source.open(&args.input, &talk)?;
-        if args.engine.engine == EngineArg::Auto {
-            talk.engine();
-        }
+        let engine = args.engine.choose(&talk)?;
         let settings = ReflectorSettings {
             oem_size: args.table.oem_size,
             border: args.table.border,
             sharpest: roughness,
         };
-        let reflector = Reflector::new(&opened.environment, &settings)?;
-        let lobes = reflector.lobes(lobe, roughness, args.filter)?;
+        let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
+        let query = Query { lobe, roughness, filter: args.filter };
+        let answers = engine.query(&opened.environment, &settings, &directions, query, &talk)?;
         let bound = args.bound;
-        // Each direction alone, so that an answer does not depend on what else is asked.
         let rows: Vec<String> = asked
-            .par_iter()
-            .map_init(
-                || (Workspace::default(), Vec::with_capacity(1)),
-                |(workspace, answers), asked| {
-                    answers.clear();
-                    lobes.evaluate(&[asked.direction], workspace, answers);
-                    let [r, g, b] = answers[0].radiance;
-                    let [x, y, z] = &asked.typed;
-                    let mut row = format!("{x},{y},{z},{r:?},{g:?},{b:?}");
-                    if bound {
-                        row.push(',');
-                        // A mirror is a look-up: it has no bound, and the field is empty.
-                        if let Some(bound) = answers[0].bound {
-                            write!(row, "{bound:?}").expect("a string takes all");
-                        }
+            .iter()
+            .zip(answers)
+            .map(|(asked, answer)| {
+                let [r, g, b] = answer.radiance;
+                let [x, y, z] = &asked.typed;
+                let mut row = format!("{x},{y},{z},{r:?},{g:?},{b:?}");
+                if bound {
+                    row.push(',');
+                    // A mirror is a look-up: it has no bound, and the field is empty.
+                    if let Some(bound) = answer.bound {
+                        write!(row, "{bound:?}").expect("a string takes all");
                     }
-                    row.push('\n');
-                    row
-                },
-            )
+                }
+                row.push('\n');
+                row
+            })
             .collect();
         let header = if bound { "x,y,z,r,g,b,bound\n" } else { "x,y,z,r,g,b\n" };
         print(&(header.to_owned() + &rows.concat()))

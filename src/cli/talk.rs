@@ -5,7 +5,6 @@ use octagloss::bake::Progress;
 use std::collections::BTreeSet;
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Work shorter than this shows no bar.
@@ -15,25 +14,16 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub(super) struct Talk {
     quiet: bool,
     warned: Mutex<BTreeSet<String>>,
-    engine_told: AtomicBool,
 }
 
 impl Talk {
     pub(super) fn new(quiet: bool) -> Self {
-        Self { quiet, warned: Mutex::new(BTreeSet::new()), engine_told: AtomicBool::new(false) }
+        Self { quiet, warned: Mutex::new(BTreeSet::new()) }
     }
 
     pub(super) fn note(&self, text: &str) {
         if !self.quiet {
             line("", text);
-        }
-    }
-
-    /// Says once what computes where that was left open: after an input was read, so that one that cannot be is
-    /// answered by its error alone.
-    pub(super) fn engine(&self) {
-        if !self.engine_told.swap(true, Ordering::Relaxed) {
-            self.note("engine: cpu, the only one there is");
         }
     }
 

@@ -34,7 +34,7 @@ pub const LANES: usize = 16;
 
 /// A tolerance of E allows every leaf this share of E times the mean radiance. Measured, see the README's table of
 /// errors: the leaves' errors have random signs and mostly lie far inside their intervals.
-const LEAF_SHARE: f64 = 0.4;
+pub(crate) const LEAF_SHARE: f64 = 0.4;
 
 /// Up to [`LANES`] directions near one another, in the space of the cells.
 #[derive(Clone, Copy, Debug)]

@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::lobe::{self, Lobe};
 use crate::reflector::{Answer, Reflector, Workspace};
 use crate::sphere::cube::{Face, direction_from_cube, texel_solid_angle};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Texels along an edge of a tile: sixteen directions, one packet.
@@ -41,65 +42,138 @@ pub(crate) fn bake_level(
     filter: Filter,
     advance: &(dyn Fn(u64) + Sync),
 ) -> Result<BakedLevel> {
-    let size = rung.size;
-    if rung.roughness == 0.0 && lobe != Lobe::Cosine {
+    if is_mirror(rung, lobe) {
         // A mirror shows what each texel covers.
-        let texels = footprints_from_environment(reflector.environment(), size)?;
+        let texels = footprints_from_environment(reflector.environment(), rung.size)?;
         advance(texels.len() as u64);
         return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
     }
     let lobes = reflector.lobes(lobe, rung.roughness, filter)?;
-    let footprint = Footprint::new(reflector.oem().size().inner, rung, lobe);
-    // Tiles across; their texels times their subdivisions make full packets.
-    let tile = (TILE / footprint.divisions).max(1);
-    let tiles = size.div_ceil(tile);
-
-    let rows: Vec<(Vec<Answer>, Workspace)> = (0..6 * tiles)
+    let tiling = Tiling::new(reflector.oem().size().inner, rung, lobe);
+    let rows: Vec<(Vec<Answer>, Workspace)> = (0..tiling.rows())
         .into_par_iter()
         .map_init(
-            || (Vec::new(), Vec::new(), Vec::new()),
-            |(directions, weights, answers), row| {
-                let (face, top) = (Face::ALL[(row / tiles) as usize], row % tiles * tile);
-                let bottom = (top + tile).min(size);
-                let width = size as usize;
-                let mut line =
-                    vec![Answer { radiance: [0.0; 3], bound: None }; width * (bottom - top) as usize];
+            || (Tile::default(), Vec::new()),
+            |(tile, answers), row| {
+                let mut line = tiling.line(row);
                 let mut workspace = Workspace::default();
-                for left in (0..size).step_by(tile as usize) {
-                    let right = (left + tile).min(size);
-                    directions.clear();
-                    weights.clear();
+                tiling.for_each_tile(row, tile, |tile| {
                     answers.clear();
-                    for (i, j) in (top..bottom).flat_map(|j| (left..right).map(move |i| (i, j))) {
-                        footprint.for_each_direction(i, j, |s, t| {
-                            directions.push(direction_from_cube(face, s, t));
-                            // Solid angle of a unit of (s, t).
-                            weights.push((1.0 + s * s + t * t).powf(-1.5) as f32);
-                        });
-                    }
-                    lobes.evaluate(directions, &mut workspace, answers);
-                    let count = footprint.samples();
-                    let mut samples = answers.chunks_exact(count).zip(weights.chunks_exact(count));
-                    for (i, j) in (top..bottom).flat_map(|j| (left..right).map(move |i| (i, j))) {
-                        let (samples, weights) = samples.next().expect("one group a texel");
-                        line[(j - top) as usize * width + i as usize] = mean(samples, weights);
-                    }
-                }
+                    lobes.evaluate(&tile.directions, &mut workspace, answers);
+                    tile.resolve(answers, &mut line);
+                });
                 advance(line.len() as u64);
                 (line, workspace)
             },
         )
         .collect();
+    let leaves = rows.iter().map(|(_, workspace)| workspace.leaves).sum();
+    let packets = rows.iter().map(|(_, workspace)| workspace.packets).sum();
+    let answers = rows.into_iter().flat_map(|(line, _)| line);
+    Ok(BakedLevel::new(answers, leaves, packets, tiling.samples()))
+}
 
-    let texels: Vec<Rgb> =
-        rows.iter().flat_map(|(line, _)| line.iter().map(|answer| answer.radiance)).collect();
-    let bounds = rows.iter().flat_map(|(line, _)| line.iter().map(|answer| answer.bound)).collect();
-    let leaves: u64 = rows.iter().map(|(_, workspace)| workspace.leaves).sum();
-    let packets: u64 = rows.iter().map(|(_, workspace)| workspace.packets).sum();
-    // Every direction of a packet sums all its leaves.
-    let per_texel = leaves as f64 / packets as f64 * footprint.samples() as f64;
-    let leaves_per_texel = (packets > 0).then_some(per_texel);
-    Ok(BakedLevel { texels, bounds, leaves_per_texel })
+/// Whether a level of `lobe` shows what its texels cover.
+pub(crate) fn is_mirror(rung: Rung, lobe: Lobe) -> bool {
+    rung.roughness == 0.0 && lobe != Lobe::Cosine
+}
+
+impl BakedLevel {
+    /// A level of `answers`, one a texel, for which `packets` of directions, `samples` a texel, shared `leaves`.
+    pub(crate) fn new(
+        answers: impl Iterator<Item = Answer>,
+        leaves: u64,
+        packets: u64,
+        samples: usize,
+    ) -> Self {
+        let (texels, bounds): (Vec<Rgb>, Vec<Option<f32>>) =
+            answers.map(|answer| (answer.radiance, answer.bound)).unzip();
+        // Every direction of a packet sums all its leaves.
+        let per_texel = leaves as f64 / packets as f64 * samples as f64;
+        Self {
+            texels,
+            bounds: bounds.into_iter().collect(),
+            leaves_per_texel: (packets > 0).then_some(per_texel),
+        }
+    }
+}
+
+/// How the texels of a level are grouped: tiles of neighbours, whose directions make full packets.
+pub(crate) struct Tiling {
+    size: u32,
+    footprint: Footprint,
+    /// Texels along an edge of a tile, and tiles along an edge of a face.
+    tile: u32,
+    tiles: u32,
+}
+
+/// The texels of one tile: where they lie in their row of tiles, their directions and those directions' weights.
+#[derive(Default)]
+pub(crate) struct Tile {
+    places: Vec<usize>,
+    pub(crate) directions: Vec<DVec3>,
+    weights: Vec<f32>,
+}
+
+impl Tiling {
+    /// The tiles of `rung` for `lobe` over an OEM of `oem` texels.
+    pub(crate) fn new(oem: u32, rung: Rung, lobe: Lobe) -> Self {
+        let footprint = Footprint::new(oem, rung, lobe);
+        let tile = (TILE / footprint.divisions).max(1);
+        Self { size: rung.size, footprint, tile, tiles: rung.size.div_ceil(tile) }
+    }
+
+    /// Rows of tiles, of all six faces.
+    pub(crate) const fn rows(&self) -> u32 {
+        6 * self.tiles
+    }
+
+    /// Directions of a texel.
+    pub(crate) const fn samples(&self) -> usize {
+        self.footprint.samples()
+    }
+
+    /// Room for the answers to the texels of row `row`, row-major.
+    pub(crate) fn line(&self, row: u32) -> Vec<Answer> {
+        let (top, bottom) = self.span(row % self.tiles);
+        vec![Answer { radiance: [0.0; 3], bound: None }; (self.size * (bottom - top)) as usize]
+    }
+
+    fn span(&self, tile: u32) -> (u32, u32) {
+        (tile * self.tile, ((tile + 1) * self.tile).min(self.size))
+    }
+
+    /// Calls `visit` with every tile of row `row`, in `tile`.
+    pub(crate) fn for_each_tile(&self, row: u32, tile: &mut Tile, mut visit: impl FnMut(&Tile)) {
+        let face = Face::ALL[(row / self.tiles) as usize];
+        let (top, bottom) = self.span(row % self.tiles);
+        for column in 0..self.tiles {
+            let (left, right) = self.span(column);
+            tile.places.clear();
+            tile.directions.clear();
+            tile.weights.clear();
+            for (i, j) in (top..bottom).flat_map(|j| (left..right).map(move |i| (i, j))) {
+                tile.places.push(((j - top) * self.size + i) as usize);
+                self.footprint.for_each_direction(i, j, |s, t| {
+                    tile.directions.push(direction_from_cube(face, s, t));
+                    // Solid angle of a unit of (s, t).
+                    tile.weights.push((1.0 + s * s + t * t).powf(-1.5) as f32);
+                });
+            }
+            visit(tile);
+        }
+    }
+}
+
+impl Tile {
+    /// Writes the answer of each texel to its place in `line`, from the answers to its directions.
+    pub(crate) fn resolve(&self, answers: &[Answer], line: &mut [Answer]) {
+        let samples = self.directions.len() / self.places.len();
+        let groups = answers.chunks_exact(samples).zip(self.weights.chunks_exact(samples));
+        for (place, (answers, weights)) in self.places.iter().zip(groups) {
+            line[*place] = mean(answers, weights);
+        }
+    }
 }
 
 /// Weighted mean of a texel's samples; bounds average like the values they belong to.

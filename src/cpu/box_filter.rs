@@ -52,7 +52,7 @@ pub fn widest_half_extent(lobe: Lobe, alpha: f64, inner: u32) -> u32 {
 }
 
 /// Solid angle of the cap that holds the lobe's weight at the lobe's peak value.
-fn solid_angle(lobe: Lobe, alpha: f64) -> f64 {
+pub(crate) fn solid_angle(lobe: Lobe, alpha: f64) -> f64 {
     if alpha > 0.0 || lobe == Lobe::Cosine {
         lobe::kernel_integral(lobe, alpha) / lobe::kernel(lobe, alpha, 0.0)
     } else {

@@ -64,6 +64,30 @@ impl Kernel {
         Self { shape, integral: lobe::kernel_integral(lobe, alpha), width }
     }
 
+    /// The kernel's integral over the sphere.
+    #[must_use]
+    pub const fn integral(&self) -> f64 {
+        self.integral
+    }
+
+    /// The distance over which the kernel changes: alpha, or 1 for the cosine.
+    #[cfg(feature = "gpu")]
+    pub(crate) const fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// Number of the shape and its parameters, as `shaders/common/kernel.wgsl` has them.
+    #[cfg(feature = "gpu")]
+    pub(crate) const fn parameters(&self) -> (u32, f32, f32) {
+        match self.shape {
+            Shape::Ggx(Ggx { peak, steep }) => (0, peak, steep),
+            Shape::Phong(Phong { exponent }) => (1, exponent, 0.0),
+            Shape::WidePhong(WidePhong { exponent }) => (2, exponent, 0.0),
+            Shape::Cone(Cone { edge }) => (3, edge, 0.0),
+            Shape::Cosine(Cosine) => (4, 0.0, 0.0),
+        }
+    }
+
     /// Relative rounding error of a sum over `leaves`.
     ///
     /// Float32 centroids are off by 2^-24, and k changes by at most 1/width of itself for a unit of distance (GGX:

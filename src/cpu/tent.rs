@@ -16,7 +16,7 @@ pub enum Reconstruction {
 
 impl Reconstruction {
     /// Half of the spread's width in texels.
-    pub(super) const fn reach(self) -> f64 {
+    pub(crate) const fn reach(self) -> f64 {
         match self {
             Self::Constant => 0.5,
             Self::Bilinear => 1.0,
@@ -90,11 +90,11 @@ impl Moments {
 
 /// [`Moments`] in float32, as cells are built from them.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Patch {
-    pub(super) centroid: Vec3,
-    pub(super) diagonal: Vec3,
-    pub(super) mixed: Vec3,
-    pub(super) radius: f32,
+pub(crate) struct Patch {
+    pub(crate) centroid: Vec3,
+    pub(crate) diagonal: Vec3,
+    pub(crate) mixed: Vec3,
+    pub(crate) radius: f32,
 }
 
 impl From<Moments> for Patch {
@@ -119,13 +119,13 @@ impl Patch {
 }
 
 /// The spreads of all texels of an n x n square: one table for its four mirror images.
-pub(super) struct Tents {
+pub(crate) struct Tents {
     n: u32,
     quadrant: Vec<Patch>,
 }
 
 impl Tents {
-    pub(super) fn new(n: u32, reconstruction: Reconstruction) -> Self {
+    pub(crate) fn new(n: u32, reconstruction: Reconstruction) -> Self {
         let half = n.div_ceil(2);
         let first = n - half;
         let quadrant = (0..half)
@@ -136,6 +136,12 @@ impl Tents {
             })
             .collect();
         Self { n, quadrant }
+    }
+
+    /// The spreads of the texels of the quadrant u, v >= 0, row by row; the others are their mirror images.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn quadrant(&self) -> &[Patch] {
+        &self.quadrant
     }
 
     #[inline]

@@ -17,7 +17,11 @@
 //! A pass is an immutable struct of pipelines ([`sat_scan::SatScan`]); bound to buffers it is a [`Stage`] that records
 //! into the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing.
 
+pub mod adaptive;
+pub mod box_filter;
+pub mod cells;
 pub mod context;
+pub mod engine;
 pub mod fixed_point;
 pub mod oem;
 pub mod readback;

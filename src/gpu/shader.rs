@@ -11,9 +11,16 @@ macro_rules! files {
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
     "common/fixed_point.wgsl",
+    "common/kernel.wgsl",
     "common/octahedral.wgsl",
+    "common/quad.wgsl",
+    "common/sat.wgsl",
     "common/u64.wgsl",
+    "adaptive.wgsl",
+    "box_filter.wgsl",
+    "cells.wgsl",
     "fixed_point.wgsl",
+    "pack.wgsl",
     "reparameterise.wgsl",
     "sat_hensley.wgsl",
     "sat_scan.wgsl",

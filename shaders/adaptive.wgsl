@@ -1,0 +1,440 @@
+// Lobes by adaptive quadrature over the cells: src/cpu/adaptive.rs and src/cpu/subtexel.rs, whose modules derive it.
+//
+// A workgroup serves a packet of LANES directions. It walks the tree by a stack, sixteen quads at a time, an invocation a
+// sibling; what is fine enough becomes a leaf, and leaves are summed as soon as there are enough for all invocations, each
+// with one direction and every fourth leaf. Places on the stack and in the list follow from counting, not from who comes
+// first, so that the same input gives the same bits.
+#include "common/kernel.wgsl"
+#include "common/octahedral.wgsl"
+#include "common/quad.wgsl"
+
+const LANES = 16u;
+const GROUP_SIZE = 64u;
+const PARTS = GROUP_SIZE / LANES;
+// Quads visited at once.
+const BATCH = GROUP_SIZE / 4u;
+// A visit leaves at most 64 children of one level where it took 16: 48 a level, and 64 at the end.
+const STACK = 1024u;
+// Fewer than GROUP_SIZE wait while as many more arrive.
+const LEAVES = 2u * GROUP_SIZE;
+// Halvings of a texel that 14 bits hold.
+const DEPTH = 14u;
+const LEVELS = 16u;
+
+struct Lobe {
+    shape: u32,
+    first: f32,
+    second: f32,
+    // Greatest error to be expected of a leaf, over the mean luminance.
+    tolerance_per_mean: f32,
+    // The part's share of the whole, and that over the kernel's integral.
+    share: f32,
+    per_integral: f32,
+    // Relative rounding error of a sum: a constant and a part a leaf.
+    rounding: f32,
+    rounding_per_leaf: f32,
+    // Texels along an edge of the OEM.
+    inner: u32,
+    // 1 where the tree goes down to texels, which may be cut further.
+    to_texels: u32,
+    // Half of a texel's spread: 1/2, or 1 for bilinear reconstruction.
+    reach: f32,
+    // The root's level.
+    root: u32,
+    // 1 to add to what the results hold.
+    add: u32,
+    // Packets.
+    count: u32,
+    // First quad and quads along an edge of every level.
+    levels: array<vec4<u32>, LEVELS>,
+}
+
+struct Packet {
+    // Near the directions; float32 exactly.
+    axis: vec3<f32>,
+    radius: f32,
+    // Directions less the axis.
+    x: array<f32, LANES>,
+    y: array<f32, LANES>,
+    z: array<f32, LANES>,
+}
+
+@group(0) @binding(0) var<uniform> lobe: Lobe;
+@group(0) @binding(1) var<storage, read> least: array<vec4<f32>, 1>;
+@group(0) @binding(2) var<storage, read> quads: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> packets: array<Packet>;
+// Radiance and bound of every direction.
+@group(0) @binding(4) var<storage, read_write> results: array<vec4<f32>>;
+// Leaves of every packet; INCOMPLETE where the walk was cut short.
+@group(0) @binding(5) var<storage, read_write> leaf_counts: array<u32>;
+
+const INCOMPLETE = 0x80000000u;
+
+// A cell, or a piece of a texel: `place` is level | j | i by 4, 14 and 14 bits, with level PIECES for the pieces of texel
+// (i, j), and `piece` quadrant | depth | iy | ix by 2, 4, 13 and 13 bits; at depth 0 the pieces are the quadrants.
+struct Node {
+    place: u32,
+    piece: u32,
+}
+
+const PIECES = 15u;
+
+var<workgroup> stack: array<Node, STACK>;
+var<workgroup> stack_size: u32;
+
+// Leaves: offset from the packet's axis, covariance, radius, energy, and certified width of what has no exact centroid.
+const LEAF_FIELDS = 14u;
+var<workgroup> leaves: array<f32, LEAF_FIELDS * LEAVES>;
+var<workgroup> leaf_size: u32;
+// Which invocations push a node, and which a leaf.
+var<workgroup> pushes: array<atomic<u32>, 2>;
+var<workgroup> finds: array<atomic<u32>, 2>;
+
+struct Leaf {
+    offset: vec3<f32>,
+    diagonal: vec3<f32>,
+    mixed: vec3<f32>,
+    radius: f32,
+    energy: vec3<f32>,
+    slack: f32,
+}
+
+fn put_leaf(at: u32, leaf: Leaf) {
+    for (var c = 0u; c < 3u; c++) {
+        leaves[c * LEAVES + at] = leaf.offset[c];
+        leaves[(3u + c) * LEAVES + at] = leaf.diagonal[c];
+        leaves[(6u + c) * LEAVES + at] = leaf.mixed[c];
+        leaves[(9u + c) * LEAVES + at] = leaf.energy[c];
+    }
+    leaves[12u * LEAVES + at] = leaf.radius;
+    leaves[13u * LEAVES + at] = leaf.slack;
+}
+
+fn get_leaf(at: u32) -> Leaf {
+    var leaf: Leaf;
+    for (var c = 0u; c < 3u; c++) {
+        leaf.offset[c] = leaves[c * LEAVES + at];
+        leaf.diagonal[c] = leaves[(3u + c) * LEAVES + at];
+        leaf.mixed[c] = leaves[(6u + c) * LEAVES + at];
+        leaf.energy[c] = leaves[(9u + c) * LEAVES + at];
+    }
+    leaf.radius = leaves[12u * LEAVES + at];
+    leaf.slack = leaves[13u * LEAVES + at];
+    return leaf;
+}
+
+fn kernel() -> Kernel {
+    return Kernel(lobe.shape, lobe.first, lobe.second);
+}
+
+// One cell, and what it costs to leave it whole.
+struct Visit {
+    leaf: Leaf,
+    error: f32,
+    luminance: f32,
+}
+
+fn field(quad: u32, name: u32, k: u32) -> f32 {
+    return quads[quad * QUAD_FIELDS + name][k];
+}
+
+fn quad_at(level: u32, i: u32, j: u32) -> u32 {
+    return lobe.levels[level].x + j * lobe.levels[level].y + i;
+}
+
+fn visit_cell(quad: u32, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> Visit {
+    var visit: Visit;
+    visit.luminance = field(quad, FIELD_LUMINANCE, k);
+    if visit.luminance == 0.0 {
+        return visit;
+    }
+    let centroid = vec3<f32>(field(quad, FIELD_X, k), field(quad, FIELD_Y, k), field(quad, FIELD_Z, k));
+    visit.leaf.offset = centroid - packet_axis;
+    for (var c = 0u; c < 3u; c++) {
+        visit.leaf.diagonal[c] = field(quad, FIELD_COVARIANCE + c, k);
+        visit.leaf.mixed[c] = field(quad, FIELD_COVARIANCE + 3u + c, k);
+        visit.leaf.energy[c] = field(quad, FIELD_RED + c, k);
+    }
+    visit.leaf.radius = field(quad, FIELD_RADIUS, k);
+    let trace = visit.leaf.diagonal.x + visit.leaf.diagonal.y + visit.leaf.diagonal.z;
+    visit.error = visit.luminance
+        * expected_error(kernel(), length(visit.leaf.offset), visit.leaf.radius, packet_radius, trace);
+    return visit;
+}
+
+// Mass, mean and variance of the spread's density on [a, b], 0 <= a <= b.
+fn slice(a: f32, b: f32) -> vec3<f32> {
+    let width = b - a;
+    let middle = 0.5 * (a + b);
+    if lobe.reach < 1.0 {
+        return vec3<f32>(width, middle, width * width / 12.0);
+    }
+    let top = 1.0 - middle;
+    let shift = -width * width / (12.0 * top);
+    return vec3<f32>(width * top, middle + shift, max(width * width / 12.0 - shift * shift, 0.0));
+}
+
+fn wrap_oct(uv: vec2<f32>) -> vec2<f32> {
+    let tile = floor((uv + 1.0) / 2.0);
+    let inside = uv - tile * 2.0;
+    let odd = ((i32(tile.x) ^ i32(tile.y)) & 1) != 0;
+    return select(inside, -inside, odd);
+}
+
+fn between(low: f32, high: f32, at: f32) -> bool {
+    // Corners of pieces are rounded; a kink so near an edge cuts off nothing that counts.
+    let tiny = 1e-6 / f32(lobe.inner);
+    return low < at - tiny && high > at + tiny;
+}
+
+// Whether an axis, an edge of the square or a fold diagonal runs through the inside of the box from `a` to `b`.
+fn crosses_kink(a: vec2<f32>, b: vec2<f32>) -> bool {
+    let low = min(a, b);
+    let high = max(a, b);
+    for (var at = -1.0; at <= 1.0; at += 1.0) {
+        if between(low.x, high.x, at) || between(low.y, high.y, at) {
+            return true;
+        }
+    }
+    let inside_a = abs(wrap_oct(a));
+    let inside_b = abs(wrap_oct(b));
+    let least_corner = min(inside_a, inside_b);
+    let most_corner = max(inside_a, inside_b);
+    return between(least_corner.x + least_corner.y, most_corner.x + most_corner.y, 1.0);
+}
+
+// A piece of texel (x, y): `depth` from 1 on, place (ix, iy) of 2^(depth - 1) along an edge of its quadrant.
+fn visit_piece(
+    x: u32, y: u32, quadrant: u32, depth: u32, ix: u32, iy: u32, packet_axis: vec3<f32>, packet_radius: f32,
+) -> Visit {
+    let quad = quad_at(0u, x >> 1u, y >> 1u);
+    let k = (x & 1u) + 2u * (y & 1u);
+    let h = 2.0 / f32(lobe.inner);
+    let centre = (vec2<f32>(f32(x), f32(y)) + 0.5) * h - 1.0;
+    let signs = vec2<f32>(select(1.0, -1.0, (quadrant & 1u) != 0u), select(1.0, -1.0, (quadrant & 2u) != 0u));
+    let edge = lobe.reach / f32(1u << (depth - 1u));
+    let low = vec2<f32>(f32(ix), f32(iy)) * edge;
+    let high = low + edge;
+    let across = slice(low.x, high.x);
+    let down = slice(low.y, high.y);
+    let share = across.x * down.x;
+    let mean = vec2<f32>(across.y, down.y);
+    let sides = sqrt(vec2<f32>(across.z, down.z));
+
+    // Two nodes a side with the density's mean and variance: third order in a smooth piece.
+    var nodes: array<vec3<f32>, 4>;
+    var centroid = vec3<f32>();
+    for (var n = 0u; n < 4u; n++) {
+        let node = vec2<f32>(select(-1.0, 1.0, (n & 1u) != 0u), select(-1.0, 1.0, (n & 2u) != 0u));
+        nodes[n] = direction_from_oct(wrap_oct(centre + signs * (mean + sides * node) * h)) - packet_axis;
+        centroid += 0.25 * nodes[n];
+    }
+    var visit: Visit;
+    visit.leaf.offset = centroid;
+    for (var n = 0u; n < 4u; n++) {
+        let apart = nodes[n] - centroid;
+        visit.leaf.diagonal += 0.25 * apart * apart;
+        visit.leaf.mixed += 0.25 * apart.yzx * apart.zxy;
+        let corner = vec2<f32>(select(low.x, high.x, (n & 1u) != 0u), select(low.y, high.y, (n & 2u) != 0u));
+        let reached = direction_from_oct(wrap_oct(centre + signs * corner * h)) - packet_axis - centroid;
+        visit.leaf.radius = max(visit.leaf.radius, length(reached));
+    }
+    // Directions in float32 are off by less than 2^-22.
+    visit.leaf.radius += 5e-7;
+    for (var c = 0u; c < 3u; c++) {
+        visit.leaf.energy[c] = field(quad, FIELD_RED + c, k) * share;
+    }
+    visit.luminance = field(quad, FIELD_LUMINANCE, k) * share;
+    let distance = length(centroid);
+    if crosses_kink(centre + signs * low * h, centre + signs * high * h) {
+        // No direction moves faster than 3 a unit of (u, v).
+        visit.leaf.radius = min(max(visit.leaf.radius, 3.0 * length(high - low) * h), 2.0);
+        visit.error = visit.luminance * first_order_width(kernel(), distance, visit.leaf.radius, packet_radius);
+        visit.leaf.slack = visit.error;
+    } else {
+        let trace = visit.leaf.diagonal.x + visit.leaf.diagonal.y + visit.leaf.diagonal.z;
+        visit.error = visit.luminance
+            * expected_error(kernel(), distance, visit.leaf.radius, packet_radius, trace);
+    }
+    return visit;
+}
+
+// Sums over the leaves for one direction.
+struct Sums {
+    radiance: vec3<f32>,
+    // How far the truth can lie above and below the estimate.
+    above: f32,
+    below: f32,
+    count: u32,
+}
+
+fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {
+    let apart = leaf.offset - direction;
+    let squared = dot(apart, apart);
+    let trace = leaf.diagonal.x + leaf.diagonal.y + leaf.diagonal.z;
+    let along = dot(leaf.diagonal, apart * apart) + 2.0 * dot(leaf.mixed, apart.yzx * apart.zxy);
+    let mean = interval(kernel(), squared, trace, along, leaf.radius);
+    let luminance = dot(leaf.energy, LUMINANCE);
+    (*sums).radiance += mean.estimate * leaf.energy;
+    (*sums).above += (mean.greatest - mean.estimate) * luminance + leaf.slack;
+    (*sums).below += (mean.estimate - mean.least) * luminance + leaf.slack;
+    (*sums).count += 1u;
+}
+
+// How many of the bits below `lane` are set, of 64.
+fn rank(low: u32, high: u32, lane: u32) -> u32 {
+    if lane < 32u {
+        return countOneBits(low & ((1u << lane) - 1u));
+    }
+    return countOneBits(low) + countOneBits(high & ((1u << (lane - 32u)) - 1u));
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let index = group.y * 32768u + group.x;
+    if index >= lobe.count {
+        return;
+    }
+    let axis = packets[index].axis;
+    let radius = packets[index].radius;
+    let own = lane % LANES;
+    let direction = vec3<f32>(packets[index].x[own], packets[index].y[own], packets[index].z[own]);
+
+    // The mean luminance over the sphere scales the tolerance.
+    let root = quad_at(lobe.root, 0u, 0u);
+    let above_least = quads[root * QUAD_FIELDS + FIELD_LUMINANCE];
+    let base = dot(least[0].rgb, LUMINANCE);
+    let mean_luminance = base + dot(above_least, vec4<f32>(1.0)) / 12.566371;
+    let tolerance = lobe.tolerance_per_mean * mean_luminance;
+
+    if lane == 0u {
+        stack[0] = Node(lobe.root << 28u, 0u);
+        stack_size = 1u;
+        leaf_size = 0u;
+    }
+    var sums: Sums;
+    var leaf_total = 0u;
+    loop {
+        let size = workgroupUniformLoad(&stack_size);
+        if size == 0u {
+            break;
+        }
+        if lane < 2u {
+            atomicStore(&pushes[lane], 0u);
+            atomicStore(&finds[lane], 0u);
+        }
+        workgroupBarrier();
+        let taken = min(size, BATCH);
+        let k = lane & 3u;
+        var visit: Visit;
+        var child: Node;
+        var push = false;
+        if (lane >> 2u) < taken {
+            let node = stack[size - taken + (lane >> 2u)];
+            let level = node.place >> 28u;
+            let i = node.place & 0x3fffu;
+            let j = (node.place >> 14u) & 0x3fffu;
+            if level == PIECES {
+                let depth = ((node.piece >> 26u) & 15u) + 1u;
+                var quadrant = node.piece >> 30u;
+                var ix = 2u * (node.piece & 0x1fffu) + (k & 1u);
+                var iy = 2u * ((node.piece >> 13u) & 0x1fffu) + (k >> 1u);
+                if depth == 1u {
+                    quadrant = k;
+                    ix = 0u;
+                    iy = 0u;
+                }
+                visit = visit_piece(i, j, quadrant, depth, ix, iy, axis, radius);
+                child = Node(node.place, (quadrant << 30u) | (depth << 26u) | (iy << 13u) | ix);
+                push = visit.error > tolerance && depth < DEPTH;
+            } else {
+                visit = visit_cell(quad_at(level, i, j), k, axis, radius);
+                let x = 2u * i + (k & 1u);
+                let y = 2u * j + (k >> 1u);
+                if level > 0u {
+                    child = Node(((level - 1u) << 28u) | (y << 14u) | x, 0u);
+                } else {
+                    child = Node((PIECES << 28u) | (y << 14u) | x, 0u);
+                }
+                push = visit.error > tolerance && (level > 0u || lobe.to_texels != 0u);
+            }
+            // A full stack would only make leaves coarser, which the bound tells.
+            push = push && size + GROUP_SIZE <= STACK;
+            // Black cells say nothing.
+            if visit.luminance > 0.0 {
+                let bit = 1u << (lane & 31u);
+                if push {
+                    atomicOr(&pushes[lane >> 5u], bit);
+                } else {
+                    atomicOr(&finds[lane >> 5u], bit);
+                }
+            } else {
+                push = false;
+            }
+        }
+        workgroupBarrier();
+        let push_low = atomicLoad(&pushes[0]);
+        let push_high = atomicLoad(&pushes[1]);
+        let find_low = atomicLoad(&finds[0]);
+        let find_high = atomicLoad(&finds[1]);
+        let waiting = workgroupUniformLoad(&leaf_size);
+        if push {
+            stack[size - taken + rank(push_low, push_high, lane)] = child;
+        } else if visit.luminance > 0.0 {
+            put_leaf(waiting + rank(find_low, find_high, lane), visit.leaf);
+        }
+        let found = waiting + countOneBits(find_low) + countOneBits(find_high);
+        let next = size - taken + countOneBits(push_low) + countOneBits(push_high);
+        let flush = found >= GROUP_SIZE || next == 0u;
+        workgroupBarrier();
+        if lane == 0u {
+            stack_size = next;
+            leaf_size = select(found, 0u, flush);
+        }
+        if flush {
+            for (var at = lane / LANES; at < found; at += PARTS) {
+                sum_leaf(get_leaf(at), direction, &sums);
+            }
+            leaf_total += found;
+        }
+        workgroupBarrier();
+    }
+
+    // The parts of every direction, in the leaves' memory.
+    leaves[lane] = sums.radiance.r;
+    leaves[GROUP_SIZE + lane] = sums.radiance.g;
+    leaves[2u * GROUP_SIZE + lane] = sums.radiance.b;
+    leaves[3u * GROUP_SIZE + lane] = sums.above;
+    leaves[4u * GROUP_SIZE + lane] = sums.below;
+    leaves[5u * GROUP_SIZE + lane] = bitcast<f32>(sums.count | 0x40000000u);
+    workgroupBarrier();
+    if lane >= LANES {
+        return;
+    }
+    var radiance = vec3<f32>();
+    var above = 0.0;
+    var below = 0.0;
+    var count = 0u;
+    for (var at = lane; at < GROUP_SIZE; at += LANES) {
+        radiance += vec3<f32>(leaves[at], leaves[GROUP_SIZE + at], leaves[2u * GROUP_SIZE + at]);
+        above += leaves[3u * GROUP_SIZE + at];
+        below += leaves[4u * GROUP_SIZE + at];
+        count += bitcast<u32>(leaves[5u * GROUP_SIZE + at]) & 0x3fffffffu;
+    }
+    radiance *= lobe.per_integral;
+    let rounding = lobe.rounding + lobe.rounding_per_leaf * f32(leaf_total);
+    // The least radiance and every E - c w are float32 differences: 2^-21 of the whole.
+    let bound = max(above, below) * lobe.per_integral + rounding * dot(radiance, LUMINANCE)
+        + 4.8e-7 * base * lobe.share;
+    var result = vec4<f32>(lobe.share * least[0].rgb + radiance, bound);
+    let at = index * LANES + lane;
+    if lobe.add != 0u {
+        result += results[at];
+    }
+    results[at] = result;
+    if lane == 0u {
+        // Some drivers end long loops without a word.
+        let complete = count == leaf_total && stack_size == 0u;
+        leaf_counts[index] = select(INCOMPLETE, leaf_total, complete);
+    }
+}

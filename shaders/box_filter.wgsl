@@ -1,0 +1,31 @@
+// Boxes for lists of directions, and the integer sums of given boxes.
+@group(0) @binding(0) var<uniform> octagloss_table: OctaglossTable;
+@group(0) @binding(1) var octagloss_low: texture_2d<u32>;
+@group(0) @binding(2) var octagloss_high: texture_2d<u32>;
+#include "common/sat.wgsl"
+
+const GROUP_SIZE = 64u;
+const ROW = 32768u;
+
+// Directions, and the solid angle of each box.
+@group(1) @binding(0) var<storage, read> queries: array<vec4<f32>>;
+@group(1) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
+// Boxes of the unfolded plane: low x, low y, high x, high y.
+@group(1) @binding(2) var<storage, read> boxes: array<vec4<i32>>;
+@group(1) @binding(3) var<storage, read_write> sums: array<Sum>;
+
+@compute @workgroup_size(GROUP_SIZE)
+fn radiance(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let k = (group.y * ROW + group.x) * GROUP_SIZE + lane;
+    if k < arrayLength(&queries) {
+        answers[k] = vec4<f32>(octagloss_box(queries[k].xyz, queries[k].w), 1.0);
+    }
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn box_sums(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let k = (group.y * ROW + group.x) * GROUP_SIZE + lane;
+    if k < arrayLength(&boxes) {
+        sums[k] = plane_box(boxes[k].xy, boxes[k].zw);
+    }
+}

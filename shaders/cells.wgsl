@@ -1,0 +1,229 @@
+// The quadtree of moments: `Cells` of src/cpu/cells.rs, whose module says what the moments are for.
+#include "common/quad.wgsl"
+
+const GROUPS = 64u;
+const GROUP_SIZE = 256u;
+// Quads along an edge of a workgroup; each has four invocations.
+const EDGE = 8u;
+
+struct Table {
+    inner: u32,
+    border: u32,
+    side: u32,
+    pitch: u32,
+}
+
+// One level of the tree.
+struct Level {
+    // Its first quad, its quads along an edge, and those of the finer level.
+    first: u32,
+    width: u32,
+    finer_first: u32,
+    finer_width: u32,
+    // Cells along an edge, and texels along an edge of a cell of the finest level.
+    cells: u32,
+    block: u32,
+}
+
+// Moments of a texel's spread, from the CPU: of the quadrant u, v >= 0.
+struct Tent {
+    centroid: vec3<f32>,
+    radius: f32,
+    diagonal: vec3<f32>,
+    pad_0: f32,
+    mixed: vec3<f32>,
+    pad_1: f32,
+}
+
+@group(0) @binding(0) var<uniform> table: Table;
+@group(0) @binding(1) var<storage, read> red: array<f32>;
+@group(0) @binding(2) var<storage, read> green: array<f32>;
+@group(0) @binding(3) var<storage, read> blue: array<f32>;
+@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
+// The least radiance of each channel: of each workgroup, then of all.
+@group(0) @binding(5) var<storage, read_write> partials: array<vec4<f32>, GROUPS>;
+@group(0) @binding(6) var<storage, read_write> least: array<vec4<f32>, 1>;
+@group(0) @binding(7) var<storage, read> tents: array<Tent>;
+@group(0) @binding(8) var<storage, read_write> quads: array<f32>;
+@group(0) @binding(9) var<uniform> level: Level;
+
+var<workgroup> shared_least: array<vec4<f32>, GROUP_SIZE>;
+
+fn reduce_least(lane: u32) {
+    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
+        workgroupBarrier();
+        if lane < step {
+            shared_least[lane] = min(shared_least[lane], shared_least[lane + step]);
+        }
+    }
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn least_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    var smallest = vec4<f32>(3.4e38);
+    for (var k = group.x * GROUP_SIZE + lane; k < table.inner * table.inner; k += GROUPS * GROUP_SIZE) {
+        let at = (k / table.inner + table.border) * table.pitch + k % table.inner + table.border;
+        smallest = min(smallest, vec4<f32>(red[at], green[at], blue[at], 3.4e38) / solid_angle[at]);
+    }
+    shared_least[lane] = smallest;
+    reduce_least(lane);
+    if lane == 0u {
+        partials[group.x] = shared_least[0];
+    }
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn least_of_all(@builtin(local_invocation_index) lane: u32) {
+    shared_least[lane] = partials[min(lane, GROUPS - 1u)];
+    reduce_least(lane);
+    if lane == 0u {
+        least[0] = shared_least[0];
+    }
+}
+
+struct Cell {
+    centroid: vec3<f32>,
+    radius: f32,
+    diagonal: vec3<f32>,
+    luminance: f32,
+    mixed: vec3<f32>,
+    energy: vec3<f32>,
+}
+
+// What members add up to, before it is divided by the luminance: see `absorb`.
+struct Union {
+    cell: Cell,
+    offset: vec3<f32>,
+}
+
+// First visit of a member: energies, and the centroid as differences from the first member's, which float32 keeps.
+fn gather(all: ptr<function, Union>, member: Cell) {
+    if member.luminance <= 0.0 {
+        return;
+    }
+    if (*all).cell.luminance == 0.0 {
+        (*all).cell.centroid = member.centroid;
+    }
+    (*all).cell.luminance += member.luminance;
+    (*all).cell.energy += member.energy;
+    (*all).offset += (member.centroid - (*all).cell.centroid) * member.luminance;
+}
+
+// Between the visits.
+fn centre(all: ptr<function, Union>) {
+    if (*all).cell.luminance > 0.0 {
+        (*all).cell.centroid += (*all).offset / (*all).cell.luminance;
+    }
+}
+
+// Second visit: covariance and reach around the centroid.
+fn absorb(all: ptr<function, Union>, member: Cell) {
+    if member.luminance <= 0.0 {
+        return;
+    }
+    let apart = member.centroid - (*all).cell.centroid;
+    let share = member.luminance / (*all).cell.luminance;
+    (*all).cell.diagonal += (member.diagonal + apart * apart) * share;
+    (*all).cell.mixed += (member.mixed + apart.yzx * apart.zxy) * share;
+    (*all).cell.radius = max((*all).cell.radius, (length(apart) + member.radius) * (1.0 + 2e-6));
+}
+
+fn texel_cell(x: u32, y: u32) -> Cell {
+    let n = table.inner;
+    let half = (n + 1u) / 2u;
+    let first = n - half;
+    let fold_x = select(n - 1u - x - first, x - first, x >= first);
+    let fold_y = select(n - 1u - y - first, y - first, y >= first);
+    let signs = vec3<f32>(select(-1.0, 1.0, x >= first), 1.0, select(-1.0, 1.0, y >= first));
+    let tent = tents[fold_y * half + fold_x];
+    let at = (y + table.border) * table.pitch + x + table.border;
+    let energy = max(vec3<f32>(red[at], green[at], blue[at]) - least[0].rgb * solid_angle[at], vec3<f32>());
+    return Cell(
+        tent.centroid * signs, tent.radius, tent.diagonal, dot(energy, LUMINANCE), tent.mixed * signs.yzx * signs.zxy,
+        energy);
+}
+
+fn store(quad: u32, k: u32, cell: Cell) {
+    let at = quad * QUAD_FIELDS * 4u + k;
+    quads[at + 4u * FIELD_X] = cell.centroid.x;
+    quads[at + 4u * FIELD_Y] = cell.centroid.y;
+    quads[at + 4u * FIELD_Z] = cell.centroid.z;
+    for (var c = 0u; c < 3u; c++) {
+        quads[at + 4u * (FIELD_COVARIANCE + c)] = cell.diagonal[c];
+        quads[at + 4u * (FIELD_COVARIANCE + 3u + c)] = cell.mixed[c];
+    }
+    quads[at + 4u * FIELD_RADIUS] = cell.radius;
+    quads[at + 4u * FIELD_LUMINANCE] = cell.luminance;
+    quads[at + 4u * FIELD_RED] = cell.energy.r;
+    quads[at + 4u * FIELD_GREEN] = cell.energy.g;
+    quads[at + 4u * FIELD_BLUE] = cell.energy.b;
+}
+
+fn fetch(quad: u32, k: u32) -> Cell {
+    let at = quad * QUAD_FIELDS * 4u + k;
+    var cell: Cell;
+    cell.centroid = vec3<f32>(quads[at + 4u * FIELD_X], quads[at + 4u * FIELD_Y], quads[at + 4u * FIELD_Z]);
+    for (var c = 0u; c < 3u; c++) {
+        cell.diagonal[c] = quads[at + 4u * (FIELD_COVARIANCE + c)];
+        cell.mixed[c] = quads[at + 4u * (FIELD_COVARIANCE + 3u + c)];
+    }
+    cell.radius = quads[at + 4u * FIELD_RADIUS];
+    cell.luminance = quads[at + 4u * FIELD_LUMINANCE];
+    cell.energy = vec3<f32>(quads[at + 4u * FIELD_RED], quads[at + 4u * FIELD_GREEN], quads[at + 4u * FIELD_BLUE]);
+    return cell;
+}
+
+// Blocks of texels to the finest quads. Invocations: quads across times four siblings, quads down.
+@compute @workgroup_size(4u * EDGE, EDGE)
+fn finest(@builtin(global_invocation_id) id: vec3<u32>) {
+    let k = id.x & 3u;
+    let quad = vec2<u32>(id.x >> 2u, id.y);
+    if quad.x >= level.width || quad.y >= level.width {
+        return;
+    }
+    let place = 2u * quad + vec2<u32>(k & 1u, k >> 1u);
+    var result: Union;
+    if place.x < level.cells && place.y < level.cells {
+        let low = place * level.block;
+        let high = min(low + level.block, vec2<u32>(table.inner));
+        if high.x - low.x == 1u && high.y - low.y == 1u {
+            result.cell = texel_cell(low.x, low.y);
+        } else {
+            for (var y = low.y; y < high.y; y++) {
+                for (var x = low.x; x < high.x; x++) {
+                    gather(&result, texel_cell(x, y));
+                }
+            }
+            centre(&result);
+            for (var y = low.y; y < high.y; y++) {
+                for (var x = low.x; x < high.x; x++) {
+                    absorb(&result, texel_cell(x, y));
+                }
+            }
+        }
+    }
+    store(level.first + quad.y * level.width + quad.x, k, result.cell);
+}
+
+// Quads to the cells of the next level.
+@compute @workgroup_size(4u * EDGE, EDGE)
+fn coarser(@builtin(global_invocation_id) id: vec3<u32>) {
+    let k = id.x & 3u;
+    let quad = vec2<u32>(id.x >> 2u, id.y);
+    if quad.x >= level.width || quad.y >= level.width {
+        return;
+    }
+    let place = 2u * quad + vec2<u32>(k & 1u, k >> 1u);
+    var result: Union;
+    if place.x < level.finer_width && place.y < level.finer_width {
+        let below = level.finer_first + place.y * level.finer_width + place.x;
+        for (var member = 0u; member < 4u; member++) {
+            gather(&result, fetch(below, member));
+        }
+        centre(&result);
+        for (var member = 0u; member < 4u; member++) {
+            absorb(&result, fetch(below, member));
+        }
+    }
+    store(level.first + quad.y * level.width + quad.x, k, result.cell);
+}

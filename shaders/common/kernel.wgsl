@@ -1,0 +1,194 @@
+// Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy: src/cpu/kernel.rs, whose module and
+// src/cpu/adaptive.rs derive them.
+
+const SHAPE_GGX = 0u;
+const SHAPE_PHONG = 1u;
+const SHAPE_WIDE_PHONG = 2u;
+const SHAPE_CONE = 3u;
+const SHAPE_COSINE = 4u;
+
+struct Kernel {
+    shape: u32,
+    // GGX's peak, Phong's exponent, the cone's edge.
+    first: f32,
+    // GGX's steepness.
+    second: f32,
+}
+
+fn is_smooth(kernel: Kernel) -> bool {
+    return kernel.shape == SHAPE_GGX || kernel.shape == SHAPE_PHONG || kernel.shape == SHAPE_COSINE;
+}
+
+// ln(1 + x) for -1 < x <= 0: WGSL's log is off by 2^-21 near 1.
+fn log_1p(x: f32) -> f32 {
+    if x < -0.5 {
+        return log(1.0 + x);
+    }
+    // 2 artanh(x / (2 + x)); the first term left out is below 3^-19/19.
+    let y = x / (2.0 + x);
+    let z = y * y;
+    var sum = 0.0;
+    for (var k = 17; k > 0; k -= 2) {
+        sum = sum * z + 1.0 / f32(k);
+    }
+    return 2.0 * y * sum;
+}
+
+fn value(kernel: Kernel, s: f32) -> f32 {
+    switch kernel.shape {
+        case SHAPE_GGX: {
+            let w = 1.0 / (1.0 + kernel.second * s);
+            return kernel.first * w * w * max(1.0 - 2.0 * s, 0.0);
+        }
+        case SHAPE_PHONG, SHAPE_WIDE_PHONG: {
+            if s >= 0.5 {
+                return 0.0;
+            }
+            return exp(kernel.first * log_1p(-2.0 * s));
+        }
+        case SHAPE_CONE: {
+            return select(0.0, 1.0, s <= kernel.first);
+        }
+        default: {
+            return max(1.0 - 2.0 * s, 0.0);
+        }
+    }
+}
+
+// k'' below the horizon.
+fn curvature(kernel: Kernel, s: f32) -> f32 {
+    switch kernel.shape {
+        case SHAPE_GGX: {
+            let w = 1.0 / (1.0 + kernel.second * s);
+            let steep_w = kernel.second * w;
+            return kernel.first * w * w * steep_w * (8.0 + 6.0 * steep_w * (1.0 - 2.0 * s));
+        }
+        case SHAPE_PHONG: {
+            let cosine = max(1.0 - 2.0 * s, 1e-3);
+            return 4.0 * kernel.first * (kernel.first - 1.0) * value(kernel, s) / (cosine * cosine);
+        }
+        default: {
+            return 0.0;
+        }
+    }
+}
+
+// How much k' jumps at the horizon.
+fn kink(kernel: Kernel) -> f32 {
+    switch kernel.shape {
+        case SHAPE_GGX: {
+            let w = 1.0 / (1.0 + 0.5 * kernel.second);
+            return 2.0 * kernel.first * w * w;
+        }
+        case SHAPE_COSINE: {
+            return 2.0;
+        }
+        default: {
+            return 0.0;
+        }
+    }
+}
+
+// The length on which k changes around s; 0 where k is not smooth.
+fn scale(kernel: Kernel, s: f32) -> f32 {
+    switch kernel.shape {
+        case SHAPE_GGX: {
+            return s + 1.0 / max(kernel.second, 1e-6);
+        }
+        case SHAPE_PHONG: {
+            return 1.44 * max(1.0 - 2.0 * s, 1e-3) / kernel.first;
+        }
+        case SHAPE_COSINE: {
+            return 1e12;
+        }
+        default: {
+            return 0.0;
+        }
+    }
+}
+
+fn worst_distance(kernel: Kernel, near: f32, far: f32) -> f32 {
+    if kernel.shape == SHAPE_GGX {
+        return clamp(1.2 / sqrt(kernel.second + 1.0), near, far);
+    }
+    return near;
+}
+
+struct Interval {
+    least: f32,
+    greatest: f32,
+    estimate: f32,
+}
+
+fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -> Interval {
+    let distance = sqrt(squared);
+    let near = max(distance - radius, 0.0);
+    let far = distance + radius;
+    let low = 0.25 * near * near;
+    let high = min(0.25 * far * far, 1.0);
+    let s = 0.25 * (squared + trace);
+    let at_mean = value(kernel, s);
+    if !is_smooth(kernel) {
+        return Interval(value(kernel, high), value(kernel, low), at_mean);
+    }
+    // s - low and high - s without their cancellation.
+    let down = select(s, 0.25 * (radius * (2.0 * distance - radius) + trace), distance > radius);
+    let up = max(0.25 * (radius * (2.0 * distance + radius) - trace), 1e-6 * down);
+    let tangential = sqrt(max(along, 0.0));
+    let radial = 0.5 * sqrt(max(trace, 0.0)) * radius;
+    let most = 0.25 * (tangential + radial) * (tangential + radial);
+    let inside = max(tangential - radial, 0.0);
+    let smallest = 0.25 * inside * inside;
+    let below_horizon = high < 0.5;
+    var step_up = up;
+    var step_down = 0.0;
+    if below_horizon {
+        // A point has no steps.
+        step_up = min(select(0.0, most / down, down > 0.0), up);
+        step_down = min(select(0.0, smallest / up, up > 0.0), down);
+    }
+    let inner = value(kernel, s + step_up);
+    let outer = value(kernel, s - step_down);
+    let span_up = down + step_up;
+    let span_down = up + step_down;
+    let share_up = select(0.0, step_up / span_up, span_up > 0.0);
+    let share_down = select(0.0, step_down / span_down, span_down > 0.0);
+    let greatest = inner + share_up * (value(kernel, low) - inner);
+    let least = min(outer + share_down * (value(kernel, high) - outer), greatest);
+    // The second-order term below the horizon, and what energy spread evenly over s gains from the kink.
+    var second_order = 0.0;
+    if s < 0.5 {
+        second_order = 0.125 * curvature(kernel, s) * along;
+    }
+    var gain = 0.0;
+    if !below_horizon {
+        let half_width = 0.866 * tangential;
+        let across = max(half_width - abs(s - 0.5), 0.0);
+        gain = kink(kernel) * across * across / max(4.0 * half_width, 1e-12);
+    }
+    return Interval(least, greatest, min(max(at_mean + second_order + gain, least), greatest));
+}
+
+// The error to expect of the estimate, for choosing which cells to split.
+fn expected_error(kernel: Kernel, distance: f32, radius: f32, packet: f32, trace: f32) -> f32 {
+    let worst = worst_distance(kernel, max(distance - packet, 0.0), distance + packet);
+    let along = 0.6 * trace * worst * worst;
+    let here = interval(kernel, worst * worst, trace, along, radius);
+    let s = 0.25 * (worst * worst + trace);
+    let length_scale = scale(kernel, s);
+    let reach = 0.25 * radius * (2.0 * worst + radius);
+    let far = worst + radius;
+    if reach < 0.5 * length_scale && 0.25 * far * far < 0.5 {
+        let relative = reach / length_scale;
+        return here.estimate * 0.25 * (along + 0.25 * trace * radius * radius) * relative
+            / (length_scale * length_scale);
+    }
+    return 0.25 * (here.greatest - here.least);
+}
+
+// Width of the interval for cells whose centroid is not known exactly.
+fn first_order_width(kernel: Kernel, distance: f32, radius: f32, packet: f32) -> f32 {
+    let near = max(distance - radius - packet, 0.0);
+    let far = distance + radius + packet;
+    return value(kernel, 0.25 * near * near) - value(kernel, min(0.25 * far * far, 1.0));
+}

@@ -1,0 +1,17 @@
+// Four sibling cells, field by field: `Quad` of src/cpu/cells.rs as QUAD_FIELDS vectors.
+
+const QUAD_FIELDS = 15u;
+const FIELD_X = 0u;
+const FIELD_Y = 1u;
+const FIELD_Z = 2u;
+// xx, yy, zz, yz, zx, xy.
+const FIELD_COVARIANCE = 3u;
+const FIELD_RADIUS = 9u;
+const FIELD_LUMINANCE = 10u;
+const FIELD_RED = 11u;
+const FIELD_GREEN = 12u;
+const FIELD_BLUE = 13u;
+// Unused; it keeps a quad at 240 bytes.
+const FIELD_SPARE = 14u;
+
+const LUMINANCE = vec3<f32>(0.2126, 0.7152, 0.0722);

@@ -1,0 +1,193 @@
+// Boxes over the exact table of an OEM: `Sat` of src/sat.rs, read from two textures of low and of high words.
+// What includes this declares, in any group,
+//   octagloss_table: OctaglossTable (uniform), octagloss_low, octagloss_high: texture_2d<u32>.
+#include "common/octahedral.wgsl"
+
+struct OctaglossTable {
+    // F of red, green and blue energy and of solid angle.
+    exponents: vec4<i32>,
+    // Texels along an edge of the square, and of its border.
+    inner: u32,
+    border: u32,
+}
+
+// Four channels modulo 2^64.
+struct Sum {
+    low: vec4<u32>,
+    high: vec4<u32>,
+}
+
+fn add_sums(a: Sum, b: Sum) -> Sum {
+    let low = a.low + b.low;
+    return Sum(low, a.high + b.high + select(vec4<u32>(0u), vec4<u32>(1u), low < a.low));
+}
+
+fn subtract_sums(a: Sum, b: Sum) -> Sum {
+    return Sum(a.low - b.low, a.high - b.high - select(vec4<u32>(0u), vec4<u32>(1u), a.low < b.low));
+}
+
+// `count` times a sum; `count` may be negative, and its square must fit 32 bits.
+fn multiply_sum(count: i32, a: Sum) -> Sum {
+    let k = u32(abs(count));
+    let k0 = k & 0xffffu;
+    let k1 = k >> 16u;
+    let a0 = a.low & vec4<u32>(0xffffu);
+    let a1 = a.low >> vec4<u32>(16u);
+    let middle = a1 * k0 + ((a0 * k0) >> vec4<u32>(16u));
+    let carried = a0 * k1 + (middle & vec4<u32>(0xffffu));
+    let high = a1 * k1 + (middle >> vec4<u32>(16u)) + (carried >> vec4<u32>(16u));
+    let product = Sum(a.low * k, high + a.high * k);
+    if count < 0 {
+        return subtract_sums(Sum(), product);
+    }
+    return product;
+}
+
+// Texels with coordinates below (x, y), counted from the bordered table's corner.
+fn table_prefix(x: i32, y: i32) -> Sum {
+    if x <= 0 || y <= 0 {
+        return Sum();
+    }
+    let at = vec2<i32>(x - 1, y - 1);
+    return Sum(textureLoad(octagloss_low, at, 0), textureLoad(octagloss_high, at, 0));
+}
+
+fn corners(a: Sum, b: Sum, c: Sum, d: Sum) -> Sum {
+    return add_sums(subtract_sums(subtract_sums(d, b), c), a);
+}
+
+// Texels 0 <= x' < x, 0 <= y' < y of the square.
+fn square_prefix(x: i32, y: i32) -> Sum {
+    let b = i32(octagloss_table.border);
+    return corners(
+        table_prefix(b, b), table_prefix(x + b, b), table_prefix(b, y + b), table_prefix(x + b, y + b));
+}
+
+// The same on the unfolded plane, for any integers: wallpaper group p2 by parity.
+fn plane_prefix(at: vec2<i32>) -> Sum {
+    let n = i32(octagloss_table.inner);
+    let column = divide_floor(octagloss_table.inner, at.x);
+    let row = divide_floor(octagloss_table.inner, at.y);
+    let i = column.x;
+    let x = column.y;
+    let j = row.x;
+    let y = row.y;
+    let total = square_prefix(n, n);
+    let a = square_prefix(x, n);
+    let b = square_prefix(n, y);
+    let a_turned = square_prefix(n - x, n);
+    let b_turned = square_prefix(n, n - y);
+    let odd_i = (i & 1) != 0;
+    let odd_j = (j & 1) != 0;
+    // How many of the tiles below are upright and how many turned; >> rounds down.
+    let upright_a = select((j + 1) >> 1u, j >> 1u, odd_i);
+    let upright_b = select((i + 1) >> 1u, i >> 1u, odd_j);
+    var sum = multiply_sum(i * j, total);
+    sum = add_sums(sum, multiply_sum(upright_a, a));
+    sum = add_sums(sum, multiply_sum(j - upright_a, subtract_sums(total, a_turned)));
+    sum = add_sums(sum, multiply_sum(upright_b, b));
+    sum = add_sums(sum, multiply_sum(i - upright_b, subtract_sums(total, b_turned)));
+    if odd_i == odd_j {
+        return add_sums(sum, square_prefix(x, y));
+    }
+    let rest = subtract_sums(subtract_sums(total, a_turned), b_turned);
+    return add_sums(sum, add_sums(rest, square_prefix(n - x, n - y)));
+}
+
+// Texels low <= p < high of the unfolded plane, sides up to twice the square's: four reads where the border holds them.
+fn plane_box(low: vec2<i32>, high: vec2<i32>) -> Sum {
+    let b = i32(octagloss_table.border);
+    let most = i32(octagloss_table.inner) + b;
+    if all(low >= vec2<i32>(-b)) && all(high <= vec2<i32>(most)) {
+        return corners(
+            table_prefix(low.x + b, low.y + b), table_prefix(high.x + b, low.y + b),
+            table_prefix(low.x + b, high.y + b), table_prefix(high.x + b, high.y + b));
+    }
+    return corners(
+        plane_prefix(low), plane_prefix(vec2<i32>(high.x, low.y)), plane_prefix(vec2<i32>(low.x, high.y)),
+        plane_prefix(high));
+}
+
+fn floats_from_sum(sum: Sum) -> vec4<f32> {
+    return vec4<f32>(sum.high) * 4294967296.0 + vec4<f32>(sum.low);
+}
+
+// x * 2^e, exact but for results out of range.
+fn scale_by_power(x: f32, e: i32) -> f32 {
+    let half = clamp(e / 2, -126, 127);
+    let rest = clamp(e - half, -126, 127);
+    return x * bitcast<f32>(u32(half + 127) << 23u) * bitcast<f32>(u32(rest + 127) << 23u);
+}
+
+// An interval with fractional ends as a partial texel, whole texels and a partial texel.
+struct Spans {
+    edges: vec4<i32>,
+    shares: vec3<f32>,
+}
+
+fn fractional_spans(low: f32, high: f32) -> Spans {
+    let first = floor(low);
+    let last = ceil(high);
+    let edge = i32(first);
+    if last - first <= 1.0 {
+        // Both ends in one texel.
+        return Spans(vec4<i32>(edge, edge + 1, edge + 1, edge + 1), vec3<f32>(high - low, 0.0, 0.0));
+    }
+    let end = i32(last);
+    return Spans(vec4<i32>(edge, edge + 1, end - 1, end), vec3<f32>(first + 1.0 - low, 1.0, high - (last - 1.0)));
+}
+
+// Mean radiance over a box of the unfolded plane with fractional edges, in texels of the square.
+fn box_radiance(low: vec2<f32>, high: vec2<f32>) -> vec3<f32> {
+    var columns = fractional_spans(low.x, high.x);
+    var rows = fractional_spans(low.y, high.y);
+    var sum = vec4<f32>();
+    for (var j = 0; j < 3; j++) {
+        for (var i = 0; i < 3; i++) {
+            let share = columns.shares[i] * rows.shares[j];
+            if share > 0.0 {
+                let part = plane_box(
+                    vec2<i32>(columns.edges[i], rows.edges[j]), vec2<i32>(columns.edges[i + 1], rows.edges[j + 1]));
+                sum += share * floats_from_sum(part);
+            }
+        }
+    }
+    let mean = sum.rgb / sum.a;
+    let up = octagloss_table.exponents.a - octagloss_table.exponents.rgb;
+    return vec3<f32>(
+        scale_by_power(mean.r, up.r), scale_by_power(mean.g, up.g), scale_by_power(mean.b, up.b));
+}
+
+// Radiance of the box of `solid_angle` around `direction` (any length but zero), a one-texel box added in quadrature: the
+// filter of the octahedron environment maps paper. 0 is bilinear interpolation.
+fn octagloss_box(direction: vec3<f32>, solid_angle: f32) -> vec3<f32> {
+    let n = f32(octagloss_table.inner);
+    let uv = oct_from_direction(direction);
+    let texels = solid_angle / solid_angle_density(uv) * (n * n / 4.0);
+    let half = 0.5 * min(sqrt(texels + 1.0), 2.0 * n);
+    let centre = (uv + 1.0) * (n / 2.0);
+    return box_radiance(centre - half, centre + half);
+}
+
+// Solid angle of the box for GGX of `roughness` in [0, 1]: the cap that holds the lobe's weight at its peak value.
+fn octagloss_ggx_solid_angle(roughness: f32) -> f32 {
+    let squared = roughness * roughness * roughness * roughness;
+    if squared == 0.0 {
+        return 0.0;
+    }
+    // 2 pi (t - ln(1 + t)) / t^2, by its series where that cancels.
+    let t = (1.0 - squared) / (2.0 * squared);
+    if t < 0.1 {
+        var sum = 0.0;
+        for (var k = 9; k >= 2; k--) {
+            sum = 1.0 / f32(k) - t * sum;
+        }
+        return 6.2831853 * sum;
+    }
+    return 6.2831853 * (t - log(1.0 + t)) / t / t;
+}
+
+// Radiance of a GGX reflection around `direction` at `roughness` in [0, 1], by one box.
+fn octagloss_ggx(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
+    return octagloss_box(direction, octagloss_ggx_solid_angle(roughness));
+}

@@ -1,0 +1,205 @@
+//! What computes: the CPU, or an adapter.
+
+use super::args::{EngineArg, EngineArgs};
+use super::talk::Talk;
+use super::{Outcome, usage};
+use glam::DVec3;
+use octagloss::bake::{Bake, BakeSettings, Filter, Progress, bake};
+use octagloss::lobe::Lobe;
+use octagloss::reflector::{Answer, Reflector, ReflectorSettings, Workspace};
+use octagloss::{Environment, Error};
+use rayon::prelude::*;
+
+/// An engine, chosen.
+pub(super) enum Engine {
+    Cpu,
+    #[cfg(feature = "gpu")]
+    Gpu {
+        engine: Box<octagloss::gpu::engine::Engine>,
+        /// Whether the CPU may take what the adapter cannot.
+        may_fall_back: bool,
+    },
+}
+
+/// A lobe to be asked for.
+#[derive(Clone, Copy)]
+pub(super) struct Query {
+    pub(super) lobe: Lobe,
+    pub(super) roughness: f64,
+    pub(super) filter: Filter,
+}
+
+/// Who baked, as the report has it.
+pub(super) struct Baker {
+    pub(super) engine: &'static str,
+    pub(super) adapter: Option<String>,
+}
+
+/// Whether an engine other than the one asked may answer this: it asks for more than the adapter has.
+fn asks_too_much(error: &Error) -> bool {
+    matches!(error, Error::Limit { .. } | Error::Parameter(_))
+}
+
+impl EngineArgs {
+    /// Options that contradict each other.
+    pub(super) fn check(&self) -> Outcome {
+        match (self.engine, &self.adapter) {
+            (EngineArg::Cpu, Some(_)) => usage("--adapter names a GPU; leave --engine cpu out"),
+            _ => Ok(()),
+        }
+    }
+
+    /// The engine asked for; under `auto` a hardware GPU where there is one, which is said.
+    #[cfg(feature = "gpu")]
+    pub(super) fn choose(&self, talk: &Talk) -> Outcome<Engine> {
+        use octagloss::gpu::context::{adapters, describe, is_hardware};
+        use octagloss::gpu::{Context, block_on, engine};
+        use octagloss::wgpu;
+
+        if self.engine == EngineArg::Cpu {
+            return Ok(Engine::Cpu);
+        }
+        let adapters = block_on(None, adapters())?;
+        let names = || {
+            let all: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+            if all.is_empty() {
+                "there are none".to_owned()
+            } else {
+                format!("there are: {}", all.join(", "))
+            }
+        };
+        let wanted = |adapter: &&wgpu::Adapter| match &self.adapter {
+            Some(name) => adapter.get_info().name.to_lowercase().contains(&name.to_lowercase()),
+            None => self.engine == EngineArg::Gpu || is_hardware(&adapter.get_info()),
+        };
+        let Some(adapter) = adapters.iter().find(wanted) else {
+            return match (&self.adapter, self.engine) {
+                (Some(name), _) => {
+                    Err(Error::Gpu(format!("no adapter is called {name}; {}", names())).into())
+                }
+                (None, EngineArg::Gpu) => {
+                    Err(Error::Gpu("no adapter; use --engine cpu or install a Vulkan driver".to_owned())
+                        .into())
+                }
+                (None, _) => {
+                    talk.note("engine: cpu, there being no hardware GPU");
+                    Ok(Engine::Cpu)
+                }
+            };
+        };
+        let may_fall_back = self.engine == EngineArg::Auto;
+        let opened =
+            block_on(None, Context::new(adapter)).and_then(|context| context).and_then(engine::Engine::new);
+        match opened {
+            Ok(engine) => {
+                if may_fall_back {
+                    talk.note(&format!("engine: gpu, {}", describe(&adapter.get_info())));
+                }
+                Ok(Engine::Gpu { engine: Box::new(engine), may_fall_back })
+            }
+            Err(error) if may_fall_back && self.adapter.is_none() => {
+                talk.warn(&format!("{error}; the CPU takes over"));
+                Ok(Engine::Cpu)
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    pub(super) fn choose(&self, talk: &Talk) -> Outcome<Engine> {
+        if self.engine == EngineArg::Gpu || self.adapter.is_some() {
+            return usage("this program was built without the feature gpu; leave --engine and --adapter out");
+        }
+        if self.engine == EngineArg::Auto {
+            talk.note("engine: cpu, the program being built without the feature gpu");
+        }
+        Ok(Engine::Cpu)
+    }
+}
+
+impl Engine {
+    /// Bakes, and says who did.
+    pub(super) fn bake(
+        &self,
+        environment: &Environment,
+        settings: &BakeSettings,
+        talk: &Talk,
+        progress: &(dyn Fn(Progress) + Sync),
+    ) -> octagloss::Result<(Bake, Baker)> {
+        let on_cpu = || Ok((bake(environment, settings, progress)?, Baker { engine: "cpu", adapter: None }));
+        match self {
+            Self::Cpu => on_cpu(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu { engine, may_fall_back } => {
+                let context = engine.context();
+                let baked =
+                    octagloss::gpu::block_on(Some(context), engine.bake(environment, settings, progress))
+                        .and_then(|baked| baked);
+                match baked {
+                    Ok(baked) => Ok((baked, Baker { engine: "gpu", adapter: Some(context.describe()) })),
+                    Err(error) if *may_fall_back && asks_too_much(&error) => {
+                        talk.note(&format!("{error}; the CPU takes over"));
+                        on_cpu()
+                    }
+                    Err(error) => Err(error),
+                }
+            }
+        }
+    }
+
+    /// Answers to each of `directions` on its own, so that none depends on what else is asked.
+    pub(super) fn query(
+        &self,
+        environment: &Environment,
+        settings: &ReflectorSettings,
+        directions: &[DVec3],
+        query: Query,
+        talk: &Talk,
+    ) -> octagloss::Result<Vec<Answer>> {
+        let Query { lobe, roughness, filter } = query;
+        let on_cpu = || {
+            let reflector = Reflector::new(environment, settings)?;
+            let lobes = reflector.lobes(lobe, roughness, filter)?;
+            let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
+                answers.clear();
+                lobes.evaluate(&[*direction], workspace, answers);
+                answers[0]
+            };
+            Ok(directions
+                .par_iter()
+                .map_init(|| (Workspace::default(), Vec::with_capacity(1)), answer)
+                .collect())
+        };
+        match self {
+            Self::Cpu => on_cpu(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu { engine, may_fall_back } => {
+                let on_gpu = async {
+                    let reflector = octagloss::gpu::engine::Reflector::new(engine, environment, settings)?;
+                    reflector.query(directions, lobe, roughness, filter).await
+                };
+                let answers =
+                    octagloss::gpu::block_on(Some(engine.context()), on_gpu).and_then(|answers| answers);
+                match answers {
+                    Err(error) if *may_fall_back && asks_too_much(&error) => {
+                        talk.note(&format!("{error}; the CPU takes over"));
+                        on_cpu()
+                    }
+                    answers => answers,
+                }
+            }
+        }
+    }
+}
+
+/// A line for each adapter, as `--adapter` names it.
+#[cfg(feature = "gpu")]
+pub(super) fn list_adapters() -> Outcome<Vec<String>> {
+    use octagloss::gpu::{adapters, block_on, context::describe};
+    Ok(block_on(None, adapters())?.iter().map(|adapter| describe(&adapter.get_info())).collect())
+}
+
+#[cfg(not(feature = "gpu"))]
+pub(super) fn list_adapters() -> Outcome<Vec<String>> {
+    usage("this program was built without the feature gpu")
+}

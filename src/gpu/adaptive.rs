@@ -1,0 +1,248 @@
+//! Lobes by adaptive quadrature over the cells, a workgroup a packet of directions.
+
+use super::cells::CellTree;
+use super::stage::Dispatch;
+use super::{Context, Stage, readback, shader};
+use crate::cpu::adaptive::{LANES, LEAF_SHARE};
+use crate::cpu::kernel::Kernel;
+use crate::error::{Error, Result};
+use crate::reflector::Answer;
+use glam::DVec3;
+
+/// Invocations of a workgroup.
+pub const GROUP_SIZE: u32 = 64;
+
+/// Packets along a row of the dispatch.
+const ROW: u32 = 32_768;
+
+/// Packets that share their buffers: 27 MB of directions.
+const BATCH: usize = 1 << 17;
+
+/// Levels of a tree, at most.
+pub const LEVELS: usize = 16;
+
+/// What the shader says of a packet whose walk was cut short.
+const INCOMPLETE: u32 = 1 << 31;
+
+/// The uniform of one part of a lobe.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Lobe {
+    shape: u32,
+    first: f32,
+    second: f32,
+    tolerance_per_mean: f32,
+    share: f32,
+    per_integral: f32,
+    rounding: f32,
+    rounding_per_leaf: f32,
+    inner: u32,
+    to_texels: u32,
+    reach: f32,
+    root: u32,
+    add: u32,
+    count: u32,
+    padding: [u32; 2],
+    levels: [[u32; 4]; LEVELS],
+}
+
+/// Directions near one another, as the shader reads them.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Packet {
+    axis: [f32; 3],
+    radius: f32,
+    x: [f32; LANES],
+    y: [f32; LANES],
+    z: [f32; LANES],
+}
+
+impl Packet {
+    /// A packet of unit `directions`, at least one and at most [`LANES`]; spare lanes repeat the first.
+    ///
+    /// # Panics
+    /// Where there are none or too many.
+    #[must_use]
+    pub fn new(directions: &[DVec3]) -> Self {
+        assert!(!directions.is_empty() && directions.len() <= LANES, "1 to {LANES} directions");
+        // Any point near the directions will do, so one is taken that float32 holds: what is measured from it is exact.
+        let mean = directions.iter().sum::<DVec3>().try_normalize().unwrap_or(directions[0]).as_vec3();
+        let axis = mean.as_dvec3();
+        let radius = directions.iter().map(|direction| direction.distance(axis)).fold(0.0, f64::max);
+        let offset =
+            |lane: usize| (directions[if lane < directions.len() { lane } else { 0 }] - axis).as_vec3();
+        Self {
+            axis: mean.to_array(),
+            radius: (radius * (1.0 + 1e-6)) as f32,
+            x: std::array::from_fn(|lane| offset(lane).x),
+            y: std::array::from_fn(|lane| offset(lane).y),
+            z: std::array::from_fn(|lane| offset(lane).z),
+        }
+    }
+}
+
+/// A lobe over one reconstruction of the OEM: all of it, or a share.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a> {
+    /// The cells.
+    pub cells: &'a CellTree,
+    /// The lobe.
+    pub kernel: Kernel,
+    /// The relRMSE aimed at over the sphere.
+    pub error: f64,
+    /// The part's share of the whole.
+    pub share: f64,
+}
+
+impl Part<'_> {
+    fn uniform(&self, count: u32, add: bool) -> Lobe {
+        let Self { cells, kernel, error, share } = *self;
+        let (shape, first, second) = kernel.parameters();
+        let mut levels = [[0; 4]; LEVELS];
+        for (level, [first, width]) in levels.iter_mut().zip(&cells.levels) {
+            *level = [*first, *width, 0, 0];
+        }
+        let unit = f64::from(1_u32 << 24).recip();
+        Lobe {
+            shape,
+            first,
+            second,
+            tolerance_per_mean: (LEAF_SHARE * error * kernel.integral()) as f32,
+            share: share as f32,
+            per_integral: (share / kernel.integral()) as f32,
+            // As on the CPU, with divisions of 2.5 units, square roots and exponentials of a few dozen, and pieces of
+            // texels whose directions are off by 2^-22.
+            rounding: ((8.0 / kernel.width() + 128.0) * unit) as f32,
+            rounding_per_leaf: unit as f32,
+            inner: cells.inner,
+            to_texels: u32::from(cells.block == 1),
+            reach: cells.reconstruction.reach() as f32,
+            root: cells.levels.len() as u32 - 1,
+            add: u32::from(add),
+            count,
+            padding: [0; 2],
+            levels,
+        }
+    }
+}
+
+/// The pipeline of the stage.
+#[derive(Clone, Debug)]
+pub struct Adaptive {
+    pipeline: wgpu::ComputePipeline,
+}
+
+/// Packets on the GPU, and room for their answers.
+#[derive(Clone, Debug)]
+pub struct Packets {
+    count: u32,
+    packets: wgpu::Buffer,
+    /// Radiance and bound of every lane, four floats.
+    results: wgpu::Buffer,
+    /// Leaves of every packet, a buffer a part.
+    leaves: [wgpu::Buffer; 2],
+}
+
+impl Packets {
+    /// Uploads `packets`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where they are more than the device can bind.
+    pub fn new(context: &Context, packets: &[Packet]) -> Result<Self> {
+        let count = packets.len() as u64;
+        let result_bytes = 16 * LANES as u64 * count;
+        context
+            .fits("directions", result_bytes.max(208 * count), |_| "ask for fewer at a time".to_owned())?;
+        Ok(Self {
+            count: count as u32,
+            packets: context.storage_of("packets", packets),
+            results: context.storage("answers", result_bytes),
+            leaves: [(); 2].map(|()| context.storage("leaf counts", 4 * count)),
+        })
+    }
+
+    /// Radiance (three floats) and certified bound of every lane of every packet.
+    #[must_use]
+    pub const fn results(&self) -> &wgpu::Buffer {
+        &self.results
+    }
+}
+
+/// Answers to packets.
+#[derive(Clone, Debug, Default)]
+pub struct Answers {
+    /// A packet's lanes one after the other, spare ones included.
+    pub lanes: Vec<Answer>,
+    /// Leaves of all packets, each counted once.
+    pub leaves: u64,
+}
+
+impl Adaptive {
+    /// Compiles the stage.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "adaptive.wgsl");
+        Self { pipeline: shader::pipeline(context, &module, "adaptive", &[]) }
+    }
+
+    /// The lobe that `parts` make together, one or two, around the directions of `packets`.
+    ///
+    /// # Panics
+    /// Where there are no parts or more than two.
+    #[must_use]
+    pub fn stage(&self, context: &Context, parts: &[Part<'_>], packets: &Packets) -> Stage {
+        assert!((1..=2).contains(&parts.len()), "one or two parts");
+        let Packets { count, packets, results, leaves } = packets;
+        let dispatches = parts.iter().zip(leaves).enumerate().map(|(index, (part, leaves))| {
+            let uniform = context.uniform("lobe", &part.uniform(*count, index > 0));
+            Dispatch::new(
+                context,
+                &self.pipeline,
+                &[
+                    (0, uniform.as_entire_binding()),
+                    (1, part.cells.least.as_entire_binding()),
+                    (2, part.cells.quads.as_entire_binding()),
+                    (3, packets.as_entire_binding()),
+                    (4, results.as_entire_binding()),
+                    (5, leaves.as_entire_binding()),
+                ],
+                [(*count).min(ROW), count.div_ceil(ROW), 1],
+            )
+        });
+        Stage::new("adaptive", dispatches.collect())
+    }
+
+    /// Uploads `packets`, evaluates `parts` around their directions and reads the answers back, in batches.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the device fails, or ends a walk before its end.
+    pub async fn evaluate(
+        &self,
+        context: &Context,
+        parts: &[Part<'_>],
+        packets: &[Packet],
+    ) -> Result<Answers> {
+        let mut answers = Answers::default();
+        for batch in packets.chunks(BATCH) {
+            let packets = Packets::new(context, batch)?;
+            let stage = self.stage(context, parts, &packets);
+            context.submit(|encoder| stage.record(encoder));
+            let results: Vec<[f32; 4]> = readback::read(context, &packets.results).await?;
+            answers.lanes.extend(
+                results.iter().map(|[r, g, b, bound]| Answer { radiance: [*r, *g, *b], bound: Some(*bound) }),
+            );
+            for leaves in &packets.leaves[..parts.len()] {
+                for count in readback::read::<u32>(context, leaves).await? {
+                    if count == INCOMPLETE {
+                        return Err(Error::Gpu(format!(
+                            "{} ended a loop before its end; use --engine cpu or a larger error",
+                            context.describe()
+                        )));
+                    }
+                    answers.leaves += u64::from(count);
+                }
+            }
+        }
+        Ok(answers)
+    }
+}

@@ -1,0 +1,232 @@
+//! Boxes over the exact table, from textures: for lists of directions here, and for any shader of the caller's.
+
+use super::oem::Table;
+use super::stage::Dispatch;
+use super::{Context, SatPlanes, Stage, readback, shader};
+use crate::error::{Error, Result};
+use glam::DVec3;
+
+/// Invocations along an edge of a workgroup that packs.
+pub const EDGE: u32 = 16;
+
+/// Invocations of a workgroup that queries.
+pub const GROUP_SIZE: u32 = 64;
+
+/// Workgroups along a row of the dispatch.
+const ROW: u32 = 32_768;
+
+/// An exact table as shaders query it: two textures of words, and a header with exponents and sizes.
+///
+/// [`SatTextures::bind_group_layout`] and [`wgsl`] put it into any shader: `octagloss_ggx(direction, roughness)` and
+/// `octagloss_box(direction, solid_angle)` answer there.
+#[derive(Clone, Debug)]
+pub struct SatTextures {
+    header: wgpu::Buffer,
+    low: wgpu::TextureView,
+    high: wgpu::TextureView,
+}
+
+/// The query functions, their resources declared in group `group` at bindings 0, 1 and 2.
+#[must_use]
+pub fn wgsl(group: u32) -> String {
+    format!(
+        "@group({group}) @binding(0) var<uniform> octagloss_table: OctaglossTable;\n\
+         @group({group}) @binding(1) var octagloss_low: texture_2d<u32>;\n\
+         @group({group}) @binding(2) var octagloss_high: texture_2d<u32>;\n{}",
+        shader::source("common/sat.wgsl")
+    )
+}
+
+impl SatTextures {
+    /// Textures for `sat`, filled by [`BoxFilter::pack`].
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where the table is larger than the device's textures.
+    pub fn new(context: &Context, sat: &SatPlanes) -> Result<Self> {
+        let side = sat.size().bordered();
+        let most = context.device().limits().max_texture_dimension_2d;
+        if side > most {
+            return Err(Error::Limit {
+                what: format!("a table of {side} x {side} as textures"),
+                needed: 32 * u64::from(side) * u64::from(side),
+                available: 32 * u64::from(most) * u64::from(most),
+                remedy: format!("choose --oem-size and --border to make at most {most}"),
+            });
+        }
+        let [low, high] = ["SAT low words", "SAT high words"].map(|label| {
+            let texture = context.device().create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba32Uint,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING,
+                view_formats: &[],
+            });
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        });
+        let header = context.device().create_buffer(&wgpu::BufferDescriptor {
+            label: Some("SAT header"),
+            size: 32,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        Ok(Self { header, low, high })
+    }
+
+    /// The layout of a group with the resources of [`wgsl`], for the shader stages `visibility`.
+    #[must_use]
+    pub fn bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let texture = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Uint,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let header = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("octagloss table"),
+            entries: &[entry(0, header), entry(1, texture), entry(2, texture)],
+        })
+    }
+
+    /// A group of the table's resources, of `layout`.
+    #[must_use]
+    pub fn bind_group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        let texture = wgpu::BindingResource::TextureView;
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("octagloss table"),
+            layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: self.header.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: texture(&self.low) },
+                wgpu::BindGroupEntry { binding: 2, resource: texture(&self.high) },
+            ],
+        })
+    }
+}
+
+/// Pipelines that pack tables into textures and query them for lists.
+#[derive(Clone, Debug)]
+pub struct BoxFilter {
+    pack: wgpu::ComputePipeline,
+    radiance: wgpu::ComputePipeline,
+    box_sums: wgpu::ComputePipeline,
+}
+
+impl BoxFilter {
+    /// Compiles the stage.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let pack = shader::module(context, "pack.wgsl");
+        let queries = shader::module(context, "box_filter.wgsl");
+        let query = |entry| shader::pipeline(context, &queries, entry, &[]);
+        Self {
+            pack: shader::pipeline(context, &pack, "pack", &[]),
+            radiance: query("radiance"),
+            box_sums: query("box_sums"),
+        }
+    }
+
+    /// The words of `sat` into `textures`.
+    #[must_use]
+    pub fn pack(&self, context: &Context, sat: &SatPlanes, textures: &SatTextures) -> Stage {
+        let table = Table::new(sat.size());
+        let uniform = context.uniform("table", &table);
+        let mut resources = vec![(0, uniform.as_entire_binding())];
+        resources.extend((1..).zip(sat.planes().iter().map(wgpu::Buffer::as_entire_binding)));
+        resources.extend([
+            (5, wgpu::BindingResource::TextureView(&textures.low)),
+            (6, wgpu::BindingResource::TextureView(&textures.high)),
+            (7, sat.exponents().as_entire_binding()),
+            (8, textures.header.as_entire_binding()),
+        ]);
+        let groups = table.side.div_ceil(EDGE);
+        Stage::new("pack", vec![Dispatch::new(context, &self.pack, &resources, [groups, groups, 1])])
+    }
+
+    /// Radiance of the box of `solid_angle` around each of `directions`, read back; see
+    /// [`crate::cpu::box_filter::BoxFilter`].
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the device fails.
+    pub async fn radiance(
+        &self,
+        context: &Context,
+        textures: &SatTextures,
+        directions: &[DVec3],
+        solid_angle: f64,
+    ) -> Result<Vec<[f32; 3]>> {
+        let queries: Vec<[f32; 4]> = directions
+            .iter()
+            .map(|direction| direction.as_vec3().extend(solid_angle as f32).to_array())
+            .collect();
+        let mut answers = Vec::with_capacity(queries.len());
+        for batch in queries.chunks(1 << 22) {
+            let found: Vec<[f32; 4]> = self.ask(context, &self.radiance, [0, 1], textures, batch, 16).await?;
+            answers.extend(found.iter().map(|[r, g, b, _]| [*r, *g, *b]));
+        }
+        Ok(answers)
+    }
+
+    /// The integer sums of `boxes` of the unfolded plane (low x, low y, high x, high y), read back; see
+    /// [`crate::sat::Sat::plane_box`].
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the device fails.
+    pub async fn sums(
+        &self,
+        context: &Context,
+        textures: &SatTextures,
+        boxes: &[[i32; 4]],
+    ) -> Result<Vec<[u64; 4]>> {
+        let found: Vec<[[u32; 4]; 2]> =
+            self.ask(context, &self.box_sums, [2, 3], textures, boxes, 32).await?;
+        let join = |[low, high]: &[[u32; 4]; 2]| {
+            std::array::from_fn(|c| u64::from(high[c]) << 32 | u64::from(low[c]))
+        };
+        Ok(found.iter().map(join).collect())
+    }
+
+    /// Runs `pipeline` with `queries` at the first of `bindings` and reads the second back, `bytes` an answer.
+    async fn ask<Q: bytemuck::NoUninit, A: bytemuck::Pod>(
+        &self,
+        context: &Context,
+        pipeline: &wgpu::ComputePipeline,
+        bindings: [u32; 2],
+        textures: &SatTextures,
+        queries: &[Q],
+        bytes: u64,
+    ) -> Result<Vec<A>> {
+        let count = queries.len() as u32;
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let asked = context.storage_of("queries", queries);
+        let answered = context.storage("answers", bytes * u64::from(count));
+        let device = context.device();
+        let table = textures.bind_group(device, &pipeline.get_bind_group_layout(0));
+        let lists = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("queries"),
+            layout: &pipeline.get_bind_group_layout(1),
+            entries: &[
+                wgpu::BindGroupEntry { binding: bindings[0], resource: asked.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: bindings[1], resource: answered.as_entire_binding() },
+            ],
+        });
+        let groups = count.div_ceil(GROUP_SIZE);
+        context.submit(|encoder| {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &table, &[]);
+            pass.set_bind_group(1, &lists, &[]);
+            pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
+        });
+        readback::read(context, &answered).await
+    }
+}

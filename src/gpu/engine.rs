@@ -1,0 +1,297 @@
+//! All passes together: environments made ready on the GPU, queried and baked.
+
+use super::adaptive::{Adaptive, Answers, Packet, Part};
+use super::box_filter::{BoxFilter, SatTextures};
+use super::cells::{BuildCells, CellTree};
+use super::fixed_point::FixedPoint;
+use super::reparameterise::{self, Reparameterise};
+use super::sat_scan::SatScan;
+use super::{Context, OemPlanes, SatPlanes, readback};
+use crate::bake::{Bake, BakeSettings, Filter, Order, Progress, Rung};
+use crate::cpu::adaptive::LANES;
+use crate::cpu::bake_level::{self, BakedLevel, Tile, Tiling};
+use crate::cpu::box_filter::solid_angle;
+use crate::cpu::kernel::Kernel;
+use crate::cpu::tent::Reconstruction;
+use crate::environment::Environment;
+use crate::error::{Error, Result};
+use crate::lobe::Lobe;
+use crate::oem::bilinear_share;
+use crate::reflector::{Answer, ReflectorSettings};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::OnceLock;
+use std::time::Instant;
+
+/// Lobes of a smaller alpha are below what float32 directions resolve.
+const SHARPEST_ALPHA: f64 = 1e-4;
+
+/// Every pipeline on one device.
+#[derive(Clone, Debug)]
+pub struct Engine {
+    context: Context,
+    reparameterise: Reparameterise,
+    fixed_point: FixedPoint,
+    sat_scan: SatScan,
+    box_filter: BoxFilter,
+    cells: BuildCells,
+    adaptive: Adaptive,
+}
+
+impl Engine {
+    /// Compiles all passes.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where a shader fails.
+    pub fn new(context: Context) -> Result<Self> {
+        let engine = Self {
+            reparameterise: Reparameterise::new(&context),
+            fixed_point: FixedPoint::new(&context),
+            sat_scan: SatScan::new(&context),
+            box_filter: BoxFilter::new(&context),
+            cells: BuildCells::new(&context),
+            adaptive: Adaptive::new(&context),
+            context,
+        };
+        engine.context.check()?;
+        Ok(engine)
+    }
+
+    /// The device.
+    #[must_use]
+    pub const fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// Bakes `environment` as [`crate::bake::bake`] does.
+    ///
+    /// # Errors
+    /// Those of the CPU, and [`Error::Gpu`].
+    pub async fn bake(
+        &self,
+        environment: &Environment,
+        settings: &BakeSettings,
+        progress: &(dyn Fn(Progress) + Sync),
+    ) -> Result<Bake> {
+        let order = Order::new(environment, settings)?;
+        let meter = order.meter(progress);
+        let reflector = Reflector::new(self, environment, &order.reflector_settings())?;
+        let mut levels = Vec::new();
+        for (index, (rung, lobe)) in order.levels().enumerate() {
+            let start = Instant::now();
+            let level = reflector.bake_level(rung, lobe, settings.filter).await?;
+            meter.advance(index, level.texels.len() as u64);
+            levels.push((level, start.elapsed().as_secs_f64()));
+        }
+        let oem = reflector.planes.read(&self.context).await?;
+        Ok(order.finish(levels, oem.size(), oem.totals()))
+    }
+}
+
+/// An environment's OEM on the GPU, ready to answer. Tables are built when first asked for.
+#[derive(Debug)]
+pub struct Reflector<'a> {
+    engine: &'a Engine,
+    environment: &'a Environment,
+    texture: wgpu::Texture,
+    planes: OemPlanes,
+    block: u32,
+    constant: OnceLock<CellTree>,
+    bilinear: OnceLock<CellTree>,
+    sat: OnceLock<SatTextures>,
+}
+
+impl<'a> Reflector<'a> {
+    /// Uploads `environment` and makes its OEM.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
+    pub fn new(
+        engine: &'a Engine,
+        environment: &'a Environment,
+        settings: &ReflectorSettings,
+    ) -> Result<Self> {
+        let (size, block) = settings.plan(environment.layout())?;
+        let context = &engine.context;
+        let texture = reparameterise::upload(context, environment)?;
+        let planes = OemPlanes::new(context, size)?;
+        let stage = engine.reparameterise.stage(context, environment.layout(), &texture, &planes)?;
+        context.submit(|encoder| stage.record(encoder));
+        context.check()?;
+        Ok(Self {
+            engine,
+            environment,
+            texture,
+            planes,
+            block,
+            constant: OnceLock::new(),
+            bilinear: OnceLock::new(),
+            sat: OnceLock::new(),
+        })
+    }
+
+    /// The OEM.
+    #[must_use]
+    pub const fn planes(&self) -> &OemPlanes {
+        &self.planes
+    }
+
+    fn cells(&self, reconstruction: Reconstruction) -> Result<&CellTree> {
+        let place = match reconstruction {
+            Reconstruction::Constant => &self.constant,
+            Reconstruction::Bilinear => &self.bilinear,
+        };
+        if let Some(cells) = place.get() {
+            return Ok(cells);
+        }
+        let Engine { context, cells, .. } = self.engine;
+        let (stage, tree) = cells.stage(context, &self.planes, self.block, reconstruction)?;
+        context.submit(|encoder| stage.record(encoder));
+        Ok(place.get_or_init(|| tree))
+    }
+
+    fn sat(&self) -> Result<&SatTextures> {
+        if let Some(textures) = self.sat.get() {
+            return Ok(textures);
+        }
+        let Engine { context, fixed_point, sat_scan, box_filter, .. } = self.engine;
+        let sat = SatPlanes::new(context, self.planes.size())?;
+        let textures = SatTextures::new(context, &sat)?;
+        let stages = [
+            fixed_point.stage(context, &self.planes, &sat),
+            sat_scan.stage(context, &self.planes, &sat),
+            box_filter.pack(context, &sat, &textures),
+        ];
+        context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+        Ok(self.sat.get_or_init(|| textures))
+    }
+
+    /// Answers to `directions` (unit vectors of the world), each on its own.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for what this engine does not serve (lobes sharper than float32 resolves, the reference
+    /// filter) or nobody does, [`Error::Limit`] where a table would not fit, [`Error::Gpu`].
+    pub async fn query(
+        &self,
+        directions: &[DVec3],
+        lobe: Lobe,
+        roughness: f64,
+        filter: Filter,
+    ) -> Result<Vec<Answer>> {
+        let groups: Vec<[DVec3; 1]> = directions.iter().map(|direction| [*direction]).collect();
+        let groups: Vec<&[DVec3]> = groups.iter().map(|group| &group[..]).collect();
+        Ok(self.evaluate(&groups, lobe, roughness, filter).await?.lanes)
+    }
+
+    /// Answers to `groups` of up to [`LANES`] directions near one another.
+    async fn evaluate(
+        &self,
+        groups: &[&[DVec3]],
+        lobe: Lobe,
+        roughness: f64,
+        filter: Filter,
+    ) -> Result<Answers> {
+        if !(0.0..=1.0).contains(&roughness) {
+            return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
+        }
+        let Engine { context, box_filter, adaptive, .. } = self.engine;
+        let source_from_world = self.environment.source_from_world();
+        let alpha = roughness * roughness;
+        let error = match filter {
+            Filter::Reference => {
+                return Err(Error::Parameter(
+                    "the reference filter is the CPU's: use --engine cpu".to_owned(),
+                ));
+            }
+            Filter::Box => {
+                let directions: Vec<DVec3> = groups
+                    .iter()
+                    .flat_map(|group| group.iter().map(|direction| source_from_world * *direction))
+                    .collect();
+                let size = solid_angle(lobe, alpha);
+                let radiance = box_filter.radiance(context, self.sat()?, &directions, size).await?;
+                let lanes = radiance.into_iter().map(|radiance| Answer { radiance, bound: None }).collect();
+                return Ok(Answers { lanes, leaves: 0 });
+            }
+            Filter::Adaptive(error) => error,
+        };
+        if !(error > 0.0 && error < 1.0) {
+            return Err(Error::Parameter(format!("adaptive:{error} is outside (0, 1)")));
+        }
+        if lobe != Lobe::Cosine && alpha < SHARPEST_ALPHA {
+            return Err(Error::Parameter(format!(
+                "roughness {roughness} is below {}, the least that the GPU serves: use --engine cpu",
+                SHARPEST_ALPHA.sqrt()
+            )));
+        }
+        let packets: Vec<Packet> = groups
+            .par_iter()
+            .map(|group| {
+                let mut turned = [DVec3::ZERO; LANES];
+                for (turned, direction) in turned.iter_mut().zip(*group) {
+                    *turned = source_from_world * *direction;
+                }
+                Packet::new(&turned[..group.len()])
+            })
+            .collect();
+        let kernel = Kernel::new(lobe, alpha);
+        let bilinear = bilinear_share(lobe, alpha, self.planes.size().inner);
+        let mut parts = Vec::new();
+        for (share, reconstruction) in
+            [(1.0 - bilinear, Reconstruction::Constant), (bilinear, Reconstruction::Bilinear)]
+        {
+            if share > 0.0 {
+                parts.push(Part { cells: self.cells(reconstruction)?, kernel, error, share });
+            }
+        }
+        let mut answers = adaptive.evaluate(context, &parts, &packets).await?;
+        // Spare lanes go.
+        let mut index = 0;
+        answers.lanes.retain(|_| {
+            index += 1;
+            (index - 1) % LANES < groups[(index - 1) / LANES].len()
+        });
+        Ok(answers)
+    }
+
+    async fn bake_level(&self, rung: Rung, lobe: Lobe, filter: Filter) -> Result<BakedLevel> {
+        let Engine { context, reparameterise, .. } = self.engine;
+        if bake_level::is_mirror(rung, lobe) {
+            let (stage, footprints) =
+                reparameterise.footprints(context, self.environment, &self.texture, rung.size)?;
+            context.submit(|encoder| stage.record(encoder));
+            let texels: Vec<[f32; 4]> = readback::read(context, &footprints).await?;
+            let texels = texels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
+            return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
+        }
+        // The directions of all tiles, in packets, as the CPU groups them.
+        let tiling = Tiling::new(self.planes.size().inner, rung, lobe);
+        let rows: Vec<Vec<Vec<DVec3>>> = (0..tiling.rows())
+            .into_par_iter()
+            .map(|row| {
+                let mut groups = Vec::new();
+                tiling.for_each_tile(row, &mut Tile::default(), |tile| {
+                    groups.extend(tile.directions.chunks(LANES).map(<[DVec3]>::to_vec));
+                });
+                groups
+            })
+            .collect();
+        let groups: Vec<&[DVec3]> = rows.iter().flatten().map(Vec::as_slice).collect();
+        let packets = if matches!(filter, Filter::Adaptive(_)) { groups.len() as u64 } else { 0 };
+        let answers = self.evaluate(&groups, lobe, rung.roughness, filter).await?;
+
+        let mut rest = &answers.lanes[..];
+        let mut level = Vec::new();
+        let mut tile = Tile::default();
+        for row in 0..tiling.rows() {
+            let mut line = tiling.line(row);
+            tiling.for_each_tile(row, &mut tile, |tile| {
+                let (own, others) = rest.split_at(tile.directions.len());
+                tile.resolve(own, &mut line);
+                rest = others;
+            });
+            level.extend(line);
+        }
+        Ok(BakedLevel::new(level.into_iter(), answers.leaves, packets, tiling.samples()))
+    }
+}
