@@ -281,6 +281,8 @@ pub(super) struct BenchArgs {
     /// Runs of which the median counts, 1 to 1000
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) runs: u32,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
 }
 
 #[derive(Debug, ClapArgs)]

@@ -1,6 +1,6 @@
 //! `octagloss bench`: how long the stages take, as JSON. Ratios within one run are what counts.
 
-use super::args::BenchArgs;
+use super::args::{BenchArgs, EngineArg};
 use super::{Outcome, on_threads, print};
 use octagloss::bake::{BakeSettings, Filter, Ladder, bake};
 use octagloss::cpu::reparameterise::oem_from_environment;
@@ -43,8 +43,8 @@ struct Machine {
 }
 
 #[derive(Clone, Copy, Serialize)]
-struct Timing {
-    median_seconds: f64,
+pub(super) struct Timing {
+    pub(super) median_seconds: f64,
     least_seconds: f64,
 }
 
@@ -73,6 +73,13 @@ struct Ratios {
 }
 
 pub(super) fn run(args: BenchArgs) -> Outcome {
+    args.engine.check()?;
+    if args.engine.engine == EngineArg::Gpu || args.engine.adapter.is_some() {
+        #[cfg(feature = "gpu")]
+        return super::bench_gpu::run(&args);
+        #[cfg(not(feature = "gpu"))]
+        return super::usage("this program was built without the feature gpu");
+    }
     let (size, runs) = (args.size, args.runs);
     let environment = sky(size)?;
     let oem = oem_from_environment(&environment, OemSize { inner: size, border: 0 })?;
@@ -140,7 +147,7 @@ fn time<T>(runs: u32, mut work: impl FnMut() -> T) -> Timing {
     timing(seconds)
 }
 
-fn timing(mut seconds: Vec<f64>) -> Timing {
+pub(super) fn timing(mut seconds: Vec<f64>) -> Timing {
     seconds.sort_by(f64::total_cmp);
     let middle = seconds.len() / 2;
     let median =
@@ -189,7 +196,7 @@ fn time_bake(source_width: u32, runs: u32) -> Outcome<BakeTiming> {
 }
 
 /// A panorama of `width` columns: a sky with a sun, a ground, and some texture in both.
-fn sky(width: u32) -> octagloss::Result<Environment> {
+pub(super) fn sky(width: u32) -> octagloss::Result<Environment> {
     let height = width / 2;
     let radiance = |k: u32| -> Rgb {
         let (u, v) = (f64::from(k % width) + 0.5, f64::from(k / width) + 0.5);

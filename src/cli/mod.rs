@@ -5,6 +5,8 @@
 mod args;
 mod bake;
 mod bench;
+#[cfg(feature = "gpu")]
+mod bench_gpu;
 mod compare;
 mod engine;
 mod info;

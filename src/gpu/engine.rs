@@ -1,12 +1,12 @@
 //! All passes together: environments made ready on the GPU, queried and baked.
 
-use super::adaptive::{Adaptive, Answers, Packet, Part};
+use super::adaptive::{Adaptive, Answers, Packet, Packets, Part};
 use super::box_filter::{BoxFilter, SatTextures};
 use super::cells::{BuildCells, CellTree};
 use super::fixed_point::FixedPoint;
 use super::reparameterise::{self, Reparameterise};
 use super::sat_scan::SatScan;
-use super::{Context, OemPlanes, SatPlanes, readback};
+use super::{Context, OemPlanes, SatPlanes, Stage, readback};
 use crate::bake::{Bake, BakeSettings, Filter, Order, Progress, Rung};
 use crate::cpu::adaptive::LANES;
 use crate::cpu::bake_level::{self, BakedLevel, Tile, Tiling};
@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::oem::bilinear_share;
 use crate::reflector::{Answer, ReflectorSettings};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -86,6 +86,36 @@ impl Engine {
         let oem = reflector.planes.read(&self.context).await?;
         Ok(order.finish(levels, oem.size(), oem.totals()))
     }
+
+    /// The stages of a bake with [`Filter::Adaptive`], from the source's texture to every level's answers, to be recorded
+    /// again and again: OEM, cells, levels.
+    ///
+    /// # Errors
+    /// Those of [`Engine::bake`].
+    pub fn bake_stages(&self, environment: &Environment, settings: &BakeSettings) -> Result<Vec<Stage>> {
+        let Filter::Adaptive(error) = settings.filter else {
+            return Err(Error::Parameter("stages of a bake are those of the adaptive filter".to_owned()));
+        };
+        let order = Order::new(environment, settings)?;
+        let reflector = Reflector::new(self, environment, &order.reflector_settings())?;
+        let Self { context, reparameterise, adaptive, .. } = self;
+        let mut levels = Vec::new();
+        for (rung, lobe) in order.levels() {
+            if bake_level::is_mirror(rung, lobe) {
+                let texture = &reflector.texture;
+                levels.push(reparameterise.footprints(context, environment, texture, rung.size)?.0);
+                continue;
+            }
+            let groups = groups(&Tiling::new(reflector.planes.size().inner, rung, lobe));
+            let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
+            let packets = Packets::new(context, &packets(&groups, environment.source_from_world()))?;
+            let parts = reflector.parts(lobe, rung.roughness * rung.roughness, error)?;
+            levels.push(adaptive.stage(context, &parts, &packets));
+        }
+        let Reflector { stage, constant, bilinear, .. } = &reflector;
+        let cells = [constant, bilinear].into_iter().filter_map(OnceLock::get).map(|(_, stage)| stage);
+        Ok(std::iter::once(stage).chain(cells).cloned().chain(levels).collect())
+    }
 }
 
 /// An environment's OEM on the GPU, ready to answer. Tables are built when first asked for.
@@ -95,9 +125,11 @@ pub struct Reflector<'a> {
     environment: &'a Environment,
     texture: wgpu::Texture,
     planes: OemPlanes,
+    /// What fills the planes.
+    stage: Stage,
     block: u32,
-    constant: OnceLock<CellTree>,
-    bilinear: OnceLock<CellTree>,
+    constant: OnceLock<(CellTree, Stage)>,
+    bilinear: OnceLock<(CellTree, Stage)>,
     sat: OnceLock<SatTextures>,
 }
 
@@ -123,6 +155,7 @@ impl<'a> Reflector<'a> {
             environment,
             texture,
             planes,
+            stage,
             block,
             constant: OnceLock::new(),
             bilinear: OnceLock::new(),
@@ -141,13 +174,13 @@ impl<'a> Reflector<'a> {
             Reconstruction::Constant => &self.constant,
             Reconstruction::Bilinear => &self.bilinear,
         };
-        if let Some(cells) = place.get() {
-            return Ok(cells);
+        if let Some((tree, _)) = place.get() {
+            return Ok(tree);
         }
         let Engine { context, cells, .. } = self.engine;
         let (stage, tree) = cells.stage(context, &self.planes, self.block, reconstruction)?;
         context.submit(|encoder| stage.record(encoder));
-        Ok(place.get_or_init(|| tree))
+        Ok(&place.get_or_init(|| (tree, stage)).0)
     }
 
     fn sat(&self) -> Result<&SatTextures> {
@@ -224,26 +257,8 @@ impl<'a> Reflector<'a> {
                 SHARPEST_ALPHA.sqrt()
             )));
         }
-        let packets: Vec<Packet> = groups
-            .par_iter()
-            .map(|group| {
-                let mut turned = [DVec3::ZERO; LANES];
-                for (turned, direction) in turned.iter_mut().zip(*group) {
-                    *turned = source_from_world * *direction;
-                }
-                Packet::new(&turned[..group.len()])
-            })
-            .collect();
-        let kernel = Kernel::new(lobe, alpha);
-        let bilinear = bilinear_share(lobe, alpha, self.planes.size().inner);
-        let mut parts = Vec::new();
-        for (share, reconstruction) in
-            [(1.0 - bilinear, Reconstruction::Constant), (bilinear, Reconstruction::Bilinear)]
-        {
-            if share > 0.0 {
-                parts.push(Part { cells: self.cells(reconstruction)?, kernel, error, share });
-            }
-        }
+        let packets = packets(groups, source_from_world);
+        let parts = self.parts(lobe, alpha, error)?;
         let mut answers = adaptive.evaluate(context, &parts, &packets).await?;
         // Spare lanes go.
         let mut index = 0;
@@ -252,6 +267,19 @@ impl<'a> Reflector<'a> {
             (index - 1) % LANES < groups[(index - 1) / LANES].len()
         });
         Ok(answers)
+    }
+
+    /// The parts that make up `lobe`, their cells built.
+    fn parts(&self, lobe: Lobe, alpha: f64, error: f64) -> Result<Vec<Part<'_>>> {
+        let kernel = Kernel::new(lobe, alpha);
+        let bilinear = bilinear_share(lobe, alpha, self.planes.size().inner);
+        [(1.0 - bilinear, Reconstruction::Constant), (bilinear, Reconstruction::Bilinear)]
+            .into_iter()
+            .filter(|(share, _)| *share > 0.0)
+            .map(|(share, reconstruction)| {
+                Ok(Part { cells: self.cells(reconstruction)?, kernel, error, share })
+            })
+            .collect()
     }
 
     async fn bake_level(&self, rung: Rung, lobe: Lobe, filter: Filter) -> Result<BakedLevel> {
@@ -264,19 +292,9 @@ impl<'a> Reflector<'a> {
             let texels = texels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
             return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
         }
-        // The directions of all tiles, in packets, as the CPU groups them.
         let tiling = Tiling::new(self.planes.size().inner, rung, lobe);
-        let rows: Vec<Vec<Vec<DVec3>>> = (0..tiling.rows())
-            .into_par_iter()
-            .map(|row| {
-                let mut groups = Vec::new();
-                tiling.for_each_tile(row, &mut Tile::default(), |tile| {
-                    groups.extend(tile.directions.chunks(LANES).map(<[DVec3]>::to_vec));
-                });
-                groups
-            })
-            .collect();
-        let groups: Vec<&[DVec3]> = rows.iter().flatten().map(Vec::as_slice).collect();
+        let groups = groups(&tiling);
+        let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
         let packets = if matches!(filter, Filter::Adaptive(_)) { groups.len() as u64 } else { 0 };
         let answers = self.evaluate(&groups, lobe, rung.roughness, filter).await?;
 
@@ -294,4 +312,28 @@ impl<'a> Reflector<'a> {
         }
         Ok(BakedLevel::new(level.into_iter(), answers.leaves, packets, tiling.samples()))
     }
+}
+
+/// The directions of all tiles of a level, in packets, as the CPU groups them.
+fn groups(tiling: &Tiling) -> Vec<Vec<DVec3>> {
+    let of_row = |row| {
+        let mut groups = Vec::new();
+        tiling.for_each_tile(row, &mut Tile::default(), |tile| {
+            groups.extend(tile.directions.chunks(LANES).map(<[DVec3]>::to_vec));
+        });
+        groups
+    };
+    (0..tiling.rows()).into_par_iter().flat_map_iter(of_row).collect()
+}
+
+/// Packets of `groups` of directions of the world.
+fn packets(groups: &[&[DVec3]], source_from_world: DMat3) -> Vec<Packet> {
+    let packet = |group: &&[DVec3]| {
+        let mut turned = [DVec3::ZERO; LANES];
+        for (turned, direction) in turned.iter_mut().zip(*group) {
+            *turned = source_from_world * *direction;
+        }
+        Packet::new(&turned[..group.len()])
+    };
+    groups.par_iter().map(packet).collect()
 }

@@ -21,15 +21,18 @@ pub mod adaptive;
 pub mod box_filter;
 pub mod cells;
 pub mod context;
+pub mod copy;
 pub mod engine;
 pub mod fixed_point;
 pub mod oem;
 pub mod readback;
 pub mod reparameterise;
+pub mod sat_f32;
 pub mod sat_hensley;
 pub mod sat_scan;
 pub mod shader;
 mod stage;
+pub mod timer;
 
 pub use context::{Context, adapters, block_on};
 pub use oem::{OemPlanes, SatPlanes};

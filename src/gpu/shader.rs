@@ -19,9 +19,11 @@ pub const FILES: &[(&str, &str)] = &files![
     "adaptive.wgsl",
     "box_filter.wgsl",
     "cells.wgsl",
+    "copy.wgsl",
     "fixed_point.wgsl",
     "pack.wgsl",
     "reparameterise.wgsl",
+    "sat_f32.wgsl",
     "sat_hensley.wgsl",
     "sat_scan.wgsl",
 ];

@@ -1,0 +1,99 @@
+// The float32 table of the 2005 paper with its mean bias, radix 2: src/sat_f32.rs. For comparison; see src/sat.rs for what
+// it gets wrong.
+
+const GROUPS = 64u;
+const GROUP_SIZE = 256u;
+const EDGE = 16u;
+
+struct Table {
+    inner: u32,
+    border: u32,
+    side: u32,
+    pitch: u32,
+}
+
+struct Doubling {
+    side: u32,
+    // 0 along rows, 1 along columns.
+    axis: u32,
+    stride: u32,
+}
+
+@group(0) @binding(0) var<uniform> table: Table;
+@group(0) @binding(1) var<storage, read> red: array<f32>;
+@group(0) @binding(2) var<storage, read> green: array<f32>;
+@group(0) @binding(3) var<storage, read> blue: array<f32>;
+@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
+// Sums of each workgroup, then the mean.
+@group(0) @binding(5) var<storage, read_write> partials: array<vec4<f32>, GROUPS>;
+@group(0) @binding(6) var<storage, read_write> mean: array<vec4<f32>, 1>;
+@group(0) @binding(7) var<storage, read_write> back: array<vec4<f32>>;
+@group(0) @binding(8) var<uniform> doubling: Doubling;
+@group(0) @binding(9) var<storage, read> front: array<vec4<f32>>;
+
+fn texel(x: u32, y: u32) -> vec4<f32> {
+    let at = y * table.pitch + x;
+    return vec4<f32>(red[at], green[at], blue[at], solid_angle[at]);
+}
+
+var<workgroup> sums: array<vec4<f32>, GROUP_SIZE>;
+
+fn reduce(lane: u32) {
+    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
+        workgroupBarrier();
+        if lane < step {
+            sums[lane] += sums[lane + step];
+        }
+    }
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn sums_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    var sum = vec4<f32>();
+    // Rows first, so that no sum is long.
+    for (var y = group.x; y < table.side; y += GROUPS) {
+        var row = vec4<f32>();
+        for (var x = lane; x < table.side; x += GROUP_SIZE) {
+            row += texel(x, y);
+        }
+        sum += row;
+    }
+    sums[lane] = sum;
+    reduce(lane);
+    if lane == 0u {
+        partials[group.x] = sums[0];
+    }
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn mean_of_all(@builtin(local_invocation_index) lane: u32) {
+    var own = vec4<f32>();
+    if lane < GROUPS {
+        own = partials[lane];
+    }
+    sums[lane] = own;
+    reduce(lane);
+    if lane == 0u {
+        mean[0] = sums[0] / (f32(table.side) * f32(table.side));
+    }
+}
+
+@compute @workgroup_size(EDGE, EDGE)
+fn bias(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < table.side && id.y < table.side {
+        back[id.y * table.side + id.x] = texel(id.x, id.y) - mean[0];
+    }
+}
+
+@compute @workgroup_size(EDGE, EDGE)
+fn double_sums(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= doubling.side || id.y >= doubling.side {
+        return;
+    }
+    let at = id.y * doubling.side + id.x;
+    var sum = front[at];
+    if select(id.x, id.y, doubling.axis == 1u) >= doubling.stride {
+        sum += front[at - select(1u, doubling.side, doubling.axis == 1u) * doubling.stride];
+    }
+    back[at] = sum;
+}

@@ -1,0 +1,162 @@
+//! `octagloss bench --engine gpu`: times of the passes by timestamp queries, as JSON.
+
+use super::args::BenchArgs;
+use super::bench::{Timing, sky, timing};
+use super::engine::Engine;
+use super::talk::Talk;
+use super::{Outcome, print};
+use octagloss::bake::{BakeSettings, Filter, Ladder};
+use octagloss::cpu::tent::Reconstruction;
+use octagloss::gpu::cells::BuildCells;
+use octagloss::gpu::copy::Copy;
+use octagloss::gpu::fixed_point::FixedPoint;
+use octagloss::gpu::reparameterise::{Reparameterise, upload};
+use octagloss::gpu::sat_f32::SatF32;
+use octagloss::gpu::sat_hensley::SatHensley;
+use octagloss::gpu::sat_scan::SatScan;
+use octagloss::gpu::timer::Timer;
+use octagloss::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on, box_filter};
+use octagloss::oem::OemSize;
+use octagloss::{Environment, Layout};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+#[derive(Serialize)]
+struct Bench {
+    version: &'static str,
+    adapter: String,
+    software: bool,
+    size: u32,
+    runs: u32,
+    /// 24 bytes in and 24 out a texel: what a scan moves at the least.
+    copy: Timing,
+    /// Each pass over an octahedral map of `size` texels.
+    stages: BTreeMap<String, Timing>,
+    /// Cube of 6 x 512^2 to an octahedral map of 1024^2 to its exact table, all dispatches.
+    cube_to_sat: Timing,
+    /// 512x256 into 256^2, five Filament levels, adaptive:0.005: GPU time of every level.
+    bake: BakeTiming,
+    ratios: BTreeMap<String, f64>,
+}
+
+#[derive(Serialize)]
+struct BakeTiming {
+    levels: Vec<Timing>,
+    /// Reparameterisation, cells and all levels.
+    total_seconds: f64,
+}
+
+/// What times stages again and again.
+struct Clock<'a> {
+    context: &'a Context,
+    timer: Timer,
+    runs: u32,
+}
+
+impl Clock<'_> {
+    /// Each of `stages`, and all of them from the first's beginning to the last's end; after one run to warm up.
+    fn time(&self, stages: &[&Stage]) -> Outcome<(Vec<Timing>, Timing)> {
+        let mut each = vec![Vec::new(); stages.len()];
+        let mut all = Vec::new();
+        for run in 0..=self.runs {
+            let (seconds, total) = block_on(Some(self.context), self.timer.run(self.context, stages))??;
+            if run > 0 {
+                each.iter_mut().zip(seconds).for_each(|(each, seconds)| each.push(seconds));
+                all.push(total);
+            }
+        }
+        Ok((each.into_iter().map(timing).collect(), timing(all)))
+    }
+}
+
+pub(super) fn run(args: &BenchArgs) -> Outcome {
+    let Engine::Gpu { engine, .. } = args.engine.choose(&Talk::new(true))? else {
+        return super::usage("no hardware GPU; --engine gpu takes any adapter, --engine cpu times the CPU");
+    };
+    let context = engine.context();
+    let clock = Clock { context, timer: Timer::new(context, 32)?, runs: args.runs };
+
+    let size = args.size;
+    let planes = OemPlanes::new(context, OemSize { inner: size, border: 0 })?;
+    let sat = SatPlanes::new(context, planes.size())?;
+    let source = cube(size / 2)?;
+    let texture = upload(context, &source)?;
+    let pass = Reparameterise::new(context);
+    let fixed_point = FixedPoint::new(context).stage(context, &planes, &sat);
+    let scan = SatScan::new(context);
+    let mut stages = vec![pass.stage(context, source.layout(), &texture, &planes)?, fixed_point];
+    stages.push(scan.stage(context, &planes, &sat));
+    let mut names = vec!["reparameterise".to_owned(), "fixed_point".to_owned(), "sat_scan".to_owned()];
+    for radix in [2, 4, 8, 16] {
+        stages.push(SatHensley::new(context, radix).stage(context, &planes, &sat));
+        names.push(format!("sat_hensley_radix_{radix}"));
+    }
+    // What the adapter cannot hold is left out.
+    if let Ok((stage, _)) = SatF32::new(context).stage(context, &planes) {
+        stages.push(stage);
+        names.push("sat_f32".to_owned());
+    }
+    if let Ok(textures) = box_filter::SatTextures::new(context, &sat) {
+        stages.push(box_filter::BoxFilter::new(context).pack(context, &sat, &textures));
+        names.push("pack".to_owned());
+    }
+    if let Ok((stage, _)) = BuildCells::new(context).stage(context, &planes, 2, Reconstruction::Constant) {
+        stages.push(stage);
+        names.push("cells_block_2".to_owned());
+    }
+    stages.push(Copy::new(context).stage(context, &sat));
+    let (mut each, _) = clock.time(&stages.iter().collect::<Vec<_>>())?;
+    let copy = each.pop().expect("the copy is the last");
+    let stages: BTreeMap<String, Timing> = names.into_iter().zip(each).collect();
+
+    let source = cube(512)?;
+    let texture = upload(context, &source)?;
+    let planes = OemPlanes::new(context, OemSize { inner: 1024, border: 0 })?;
+    let sat = SatPlanes::new(context, planes.size())?;
+    let pipeline = [
+        pass.stage(context, source.layout(), &texture, &planes)?,
+        FixedPoint::new(context).stage(context, &planes, &sat),
+        scan.stage(context, &planes, &sat),
+    ];
+    let (_, cube_to_sat) = clock.time(&pipeline.iter().collect::<Vec<_>>())?;
+
+    let environment = sky(512)?;
+    let settings = BakeSettings {
+        size: 256,
+        ladder: Ladder::Filament,
+        filter: Filter::Adaptive(0.005),
+        ..BakeSettings::default()
+    };
+    let levels = engine.bake_stages(&environment, &settings)?;
+    let (levels, whole) = clock.time(&levels.iter().collect::<Vec<_>>())?;
+    let seconds = |name: &str| stages.get(name).map(|timing| timing.median_seconds);
+    let mut ratios = BTreeMap::new();
+    for (name, timing) in &stages {
+        if name.starts_with("sat_") {
+            ratios.insert(format!("copy_over_{name}"), copy.median_seconds / timing.median_seconds);
+        }
+    }
+    if let Some((scan, hensley)) = seconds("sat_scan").zip(seconds("sat_hensley_radix_2")) {
+        ratios.insert("sat_hensley_radix_2_over_sat_scan".to_owned(), hensley / scan);
+    }
+    let bench = Bench {
+        version: env!("CARGO_PKG_VERSION"),
+        adapter: context.describe(),
+        software: !octagloss::gpu::context::is_hardware(&context.device().adapter_info()),
+        size,
+        runs: args.runs,
+        copy,
+        stages,
+        cube_to_sat,
+        bake: BakeTiming { levels, total_seconds: whole.median_seconds },
+        ratios,
+    };
+    print(&(serde_json::to_string_pretty(&bench).map_err(anyhow::Error::from)? + "\n"))
+}
+
+/// The bench's sky on a cube with faces of `size`.
+fn cube(size: u32) -> octagloss::Result<Environment> {
+    let panorama = sky(4 * size)?;
+    let texels = octagloss::cpu::reparameterise::footprints_from_environment(&panorama, size)?;
+    Environment::new(Layout::Cube { size }, texels)
+}

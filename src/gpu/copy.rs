@@ -1,0 +1,42 @@
+//! A plain copy kernel, to hold the scans' bandwidth against.
+
+use super::stage::Dispatch;
+use super::{Context, SatPlanes, Stage, shader};
+
+/// Invocations of a workgroup.
+pub const GROUP_SIZE: u32 = 256;
+
+/// Workgroups along a row of the dispatch.
+const ROW: u32 = 32_768;
+
+/// The pipeline.
+#[derive(Clone, Debug)]
+pub struct Copy {
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl Copy {
+    /// Compiles the pass.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "copy.wgsl");
+        Self { pipeline: shader::pipeline(context, &module, "copy", &[]) }
+    }
+
+    /// As many bytes as a scan must move at the least, 16 in and 32 out a texel: 24 in and 24 out, three planes of
+    /// `sat` into its others.
+    #[must_use]
+    pub fn stage(&self, context: &Context, sat: &SatPlanes) -> Stage {
+        let dispatches = [(0, 3), (1, 0), (2, 1)].map(|(from, to)| {
+            let groups = u32::try_from(sat.planes()[from].size() / 16).expect("a bound buffer");
+            let groups = groups.div_ceil(GROUP_SIZE);
+            Dispatch::new(
+                context,
+                &self.pipeline,
+                &[(0, sat.planes()[from].as_entire_binding()), (1, sat.planes()[to].as_entire_binding())],
+                [groups.min(ROW), groups.div_ceil(ROW), 1],
+            )
+        });
+        Stage::new("copy", dispatches.into())
+    }
+}

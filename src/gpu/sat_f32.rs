@@ -1,0 +1,117 @@
+//! The float32 table with its mean bias, by recursive doubling: for comparison, see [`crate::sat_f32`].
+
+use super::oem::{OemPlanes, Table};
+use super::stage::Dispatch;
+use super::{Context, Stage, shader};
+use crate::error::Result;
+
+/// Workgroups of the reduction.
+pub const GROUPS: u32 = 64;
+
+/// Invocations along an edge of a workgroup.
+pub const EDGE: u32 = 16;
+
+/// The uniform of one pass.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Doubling {
+    side: u32,
+    axis: u32,
+    stride: u32,
+    padding: u32,
+}
+
+/// Pipelines of the pass.
+#[derive(Clone, Debug)]
+pub struct SatF32 {
+    sums_of_groups: wgpu::ComputePipeline,
+    mean_of_all: wgpu::ComputePipeline,
+    bias: wgpu::ComputePipeline,
+    double_sums: wgpu::ComputePipeline,
+}
+
+/// A float32 table: four floats an entry, row by row, and the mean that was subtracted before summing.
+#[derive(Clone, Debug)]
+pub struct F32Table {
+    /// The entries, inclusive, border included.
+    pub entries: wgpu::Buffer,
+    /// The mean of the bordered table.
+    pub mean: wgpu::Buffer,
+}
+
+impl SatF32 {
+    /// Compiles the pass.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "sat_f32.wgsl");
+        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
+        Self {
+            sums_of_groups: pipeline("sums_of_groups"),
+            mean_of_all: pipeline("mean_of_all"),
+            bias: pipeline("bias"),
+            double_sums: pipeline("double_sums"),
+        }
+    }
+
+    /// The table of `oem`, and the stage that fills it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where it is larger than the device can bind.
+    pub fn stage(&self, context: &Context, oem: &OemPlanes) -> Result<(Stage, F32Table)> {
+        let Table { side, .. } = oem.table();
+        let bytes = 16 * u64::from(side) * u64::from(side);
+        context.fits(&format!("a float32 table of {side} x {side}"), bytes, |available| {
+            format!("choose --oem-size and --border to make at most {}", (available / 16).isqrt())
+        })?;
+        let buffers = [(); 2].map(|()| context.storage("float32 table", bytes));
+        let partials = context.storage("sums of groups", 16 * u64::from(GROUPS));
+        let mean = context.storage("mean", 16);
+        let strides: Vec<(u32, u32)> = [0, 1]
+            .into_iter()
+            .flat_map(|axis| {
+                std::iter::successors(Some(1_u32), |stride| stride.checked_mul(2))
+                    .take_while(|stride| *stride < side)
+                    .map(move |stride| (axis, stride))
+            })
+            .collect();
+        // The last pass ends in the first buffer.
+        let back = |pass: usize| &buffers[(strides.len() - pass) % 2];
+        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
+        let planes: Vec<_> =
+            std::iter::once((0, oem.table_buffer().as_entire_binding())).chain(planes).collect();
+        let partials = (5, partials.as_entire_binding());
+        let mean_binding = (6, mean.as_entire_binding());
+        let groups = [side.div_ceil(EDGE), side.div_ceil(EDGE), 1];
+        let table = (0, oem.table_buffer().as_entire_binding());
+        let mut dispatches = vec![
+            Dispatch::new(
+                context,
+                &self.sums_of_groups,
+                &[&planes[..], std::slice::from_ref(&partials)].concat(),
+                [GROUPS, 1, 1],
+            ),
+            Dispatch::new(context, &self.mean_of_all, &[table, partials, mean_binding.clone()], [1, 1, 1]),
+            Dispatch::new(
+                context,
+                &self.bias,
+                &[&planes[..], &[mean_binding, (7, back(0).as_entire_binding())]].concat(),
+                groups,
+            ),
+        ];
+        for (pass, (axis, stride)) in strides.iter().enumerate() {
+            let uniform = Doubling { side, axis: *axis, stride: *stride, padding: 0 };
+            dispatches.push(Dispatch::new(
+                context,
+                &self.double_sums,
+                &[
+                    (8, context.uniform("doubling", &uniform).as_entire_binding()),
+                    (9, back(pass).as_entire_binding()),
+                    (7, back(pass + 1).as_entire_binding()),
+                ],
+                groups,
+            ));
+        }
+        let [entries, _] = buffers;
+        Ok((Stage::new("sat_f32", dispatches), F32Table { entries, mean }))
+    }
+}
