@@ -52,12 +52,19 @@ impl EngineArgs {
     /// The engine asked for; under `auto` a hardware GPU where there is one, which is said.
     #[cfg(feature = "gpu")]
     pub(super) fn choose(&self, talk: &Talk) -> Outcome<Engine> {
-        use octagloss::gpu::context::{adapters, describe, is_hardware};
+        use octagloss::gpu::context::{adapters, describe, is_hardware, may_have_hardware};
         use octagloss::gpu::{Context, block_on, engine};
         use octagloss::wgpu;
 
         if self.engine == EngineArg::Cpu {
             return Ok(Engine::Cpu);
+        }
+        let on_cpu = || {
+            talk.note("engine: cpu, there being no hardware GPU");
+            Ok(Engine::Cpu)
+        };
+        if self.engine == EngineArg::Auto && self.adapter.is_none() && !may_have_hardware() {
+            return on_cpu();
         }
         let adapters = block_on(None, adapters())?;
         let names = || {
@@ -81,10 +88,7 @@ impl EngineArgs {
                     Err(Error::Gpu("no adapter; use --engine cpu or install a Vulkan driver".to_owned())
                         .into())
                 }
-                (None, _) => {
-                    talk.note("engine: cpu, there being no hardware GPU");
-                    Ok(Engine::Cpu)
-                }
+                (None, _) => on_cpu(),
             };
         };
         let may_fall_back = self.engine == EngineArg::Auto;

@@ -22,6 +22,14 @@ pub async fn adapters() -> Vec<wgpu::Adapter> {
     adapters
 }
 
+/// Whether the system may have a hardware GPU: false only where Linux has no device that one would be reached by, which
+/// spares loading drivers (and what they say on standard error) to learn the same.
+#[must_use]
+pub fn may_have_hardware() -> bool {
+    const DEVICES: [&str; 5] = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"];
+    !cfg!(target_os = "linux") || DEVICES.iter().any(|device| std::path::Path::new(device).exists())
+}
+
 /// Whether an adapter is a GPU, not a driver that runs on the CPU.
 #[must_use]
 pub fn is_hardware(info: &wgpu::AdapterInfo) -> bool {

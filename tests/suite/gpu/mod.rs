@@ -8,6 +8,7 @@ mod sat;
 
 use octagloss::gpu::{Context, adapters, block_on};
 use octagloss::wgpu;
+use std::io::Write as _;
 use std::sync::LazyLock;
 
 /// A context on every adapter, with baseline limits: what passes here passes in a browser.
@@ -22,7 +23,7 @@ static CONTEXTS: LazyLock<Vec<Context>> = LazyLock::new(|| {
         .collect();
     let names: Vec<String> = contexts.iter().map(Context::describe).collect();
     for name in &names {
-        println!("adapter: {name}");
+        say(&format!("adapter: {name}"));
     }
     assert!(!names.is_empty(), "no adapter: tests/run installs a software Vulkan driver");
     for required in std::env::var("OCTAGLOSS_REQUIRE_ADAPTERS").unwrap_or_default().split(',') {
@@ -38,8 +39,14 @@ fn on_every_adapter(name: &str, test: impl Fn(&Context)) {
         let start = std::time::Instant::now();
         test(context);
         context.check().unwrap_or_else(|error| panic!("{name}: {error}"));
-        println!("{name}: {:.1} s on {}", start.elapsed().as_secs_f64(), context.describe());
+        let seconds = start.elapsed().as_secs_f64();
+        say(&format!("{name}: {seconds:.1} s on {}", context.device().adapter_info().name));
     }
+}
+
+/// Straight to the log, passing tests' output being swallowed.
+fn say(line: &str) {
+    writeln!(std::io::stderr(), "gpu: {line}").expect("standard error is open");
 }
 
 /// The outcome of a future on `context`.
