@@ -10,8 +10,9 @@
 mod cells;
 mod grid;
 mod index;
+mod sweep;
 
-use crate::environment::Environment;
+use crate::environment::{Environment, Rgb};
 use crate::error::{Error, Result};
 use cells::Cell;
 use glam::{DMat3, DVec3};
@@ -28,9 +29,25 @@ struct Entry {
     solid_angle: f32,
 }
 
+/// The mean radiance of `environment` over every texel of `target`; turned into the world where `turned`, else in the
+/// source's own space.
+///
+/// # Errors
+/// [`Error::Limit`] where the overlaps would not fit.
+pub fn mean_radiances(environment: &Environment, target: Target, turned: bool) -> Result<Vec<Rgb>> {
+    let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
+    let symmetric = turn == DMat3::IDENTITY && index::is_symmetric(environment.layout(), target);
+    if symmetric && let Some(means) = sweep::mean_radiances(environment, target) {
+        return Ok(means);
+    }
+    let overlaps = Overlaps::new(environment, target, turn, symmetric)?;
+    let mean = |texel| overlaps.mean_radiance(texel, environment.texels());
+    Ok((0..target.texel_count()).into_par_iter().map(mean).collect())
+}
+
 /// The matrix: for every target texel its source texels and the solid angles they share.
 #[derive(Debug)]
-pub struct Overlaps {
+struct Overlaps {
     target: Target,
     /// The source texels of every octant's packed cells.
     source_maps: [SourceMap; 8],
@@ -41,15 +58,9 @@ pub struct Overlaps {
 }
 
 impl Overlaps {
-    /// The overlaps of `environment`'s texels with those of `target`; turned into the world where `turned`, else in
-    /// the source's own space.
-    ///
-    /// # Errors
-    /// [`Error::Limit`] where the matrix would have more than 2^32 entries.
-    pub fn new(environment: &Environment, target: Target, turned: bool) -> Result<Self> {
+    /// The overlaps of `environment`'s texels, turned by `turn`, with those of `target`.
+    fn new(environment: &Environment, target: Target, turn: DMat3, symmetric: bool) -> Result<Self> {
         let source = environment.layout();
-        let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
-        let symmetric = turn == DMat3::IDENTITY && index::is_symmetric(source, target);
         let bands = if symmetric { cells::octant_bands(source) } else { cells::bands(source) };
         let parts: Vec<Vec<Entry>> = bands
             .into_par_iter()
@@ -100,7 +111,7 @@ impl Overlaps {
     /// Calls `visit` with every source texel that overlaps target texel `target` and the solid angle they share, in
     /// an order that never changes.
     #[inline]
-    pub fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
+    fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
         let row = |row: usize| &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize];
         if self.symmetric {
             for (octant, octant_row) in index::octants_of_texel(self.target, target).into_iter().flatten() {
@@ -114,6 +125,20 @@ impl Overlaps {
                 visit(source as usize, solid_angle);
             }
         }
+    }
+
+    /// Overlap-weighted mean of the sources of one target texel.
+    fn mean_radiance(&self, target: usize, texels: &[Rgb]) -> Rgb {
+        // Radiance spans more decades than f32 sums keep; an f64 sum of a few products is exact enough to forget.
+        let (mut sum, mut total) = ([0.0_f64; 3], 0.0_f64);
+        self.for_each_source(target, |source, solid_angle| {
+            let weight = f64::from(solid_angle);
+            total += weight;
+            for (sum, value) in sum.iter_mut().zip(texels[source]) {
+                *sum += weight * f64::from(value);
+            }
+        });
+        sum.map(|sum| (sum / total) as f32)
     }
 }
 
