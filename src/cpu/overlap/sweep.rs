@@ -301,3 +301,49 @@ impl Line {
         &self.points[self.starts[i]..=self.starts[i + 1]]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Overlaps;
+    use super::*;
+    use glam::DMat3;
+
+    /// The greatest relative difference from what the matrix gives.
+    fn off(environment: &Environment, target: Target, means: &[Rgb]) -> f32 {
+        let matrix = Overlaps::new(environment, target, DMat3::IDENTITY, true).expect("a moderate matrix");
+        let texel = |k: usize| matrix.mean_radiance(k, environment.texels());
+        let differences = (0..target.texel_count()).flat_map(|k| {
+            let own = texel(k);
+            (0..3).map(move |c| (means[k][c] / own[c] - 1.0).abs())
+        });
+        differences.fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn sweeps_agree_with_the_matrix() {
+        // Columns that the octants do and do not share, rows that the equator does and does not cut.
+        for (width, height) in [(512, 256), (514, 257)] {
+            let mut state = 1_u32;
+            let mut noise = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                1.0 + 9.0 * (state >> 8) as f32 / 16_777_216.0
+            };
+            let texels = (0..width * height).map(|_| [noise(), noise(), noise()]).collect();
+            let environment = Environment::new(Layout::Panorama { width, height }, texels).expect("noise");
+            for target in [2, 6, 34, 128, 300]
+                .map(Target::Octahedral)
+                .into_iter()
+                .chain([2, 6, 34, 128].map(Target::Cube))
+            {
+                let means = mean_radiances(&environment, target).expect("a fine panorama");
+                // Four sides misplace their share of the texel each, among texels that differ tenfold.
+                let error = off(&environment, target, &means);
+                assert!(error < 40.0 * MISPLACED as f32, "{width}x{height} to {target:?}: {error:e}");
+                let mut wrong = means;
+                let last = wrong.len() - 1;
+                wrong[last][1] *= 1.01;
+                assert!(off(&environment, target, &wrong) > 5e-3, "a wrong texel shows");
+            }
+        }
+    }
+}
