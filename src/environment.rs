@@ -75,7 +75,10 @@ impl Environment {
                 texels.len()
             )));
         }
-        if let Some(at) = texels.iter().position(|t| t.iter().any(|c| !(c.is_finite() && *c >= 0.0))) {
+        let wrong = |c: f32| !(c.is_finite() && c >= 0.0);
+        // Without an early end, which would keep it from vectors.
+        let any = texels.as_flattened().iter().fold(false, |any, c| any | wrong(*c));
+        if any && let Some(at) = texels.iter().position(|t| t.iter().any(|c| wrong(*c))) {
             return Err(Error::Parameter(format!(
                 "texel {at} is {:?}; radiance must be finite and not negative",
                 texels[at]

@@ -11,7 +11,7 @@ use glam::DVec2;
 /// How a table is scanned; every choice gives the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scan {
-    /// Strips of rows in parallel: reads its input twice and writes once.
+    /// Strips of columns, one a thread, each a few rows behind the one to its left: reads once and writes once.
     #[default]
     Strips,
     /// One entry after the other.
@@ -85,16 +85,16 @@ impl FixedPoint {
     pub fn quantise(self, values: [f32; 4]) -> [u64; 4] {
         let mut out = [0; 4];
         for channel in 0..4 {
-            let bits = values[channel].to_bits();
-            let exponent = (bits >> 23) as i32;
-            let normal = exponent != 0;
-            let mantissa = u64::from(bits & 0x007f_ffff | (u32::from(normal) << 23));
-            // value = mantissa * 2^(max(exponent, 1) - 150)
-            let shift = exponent.max(1) - 150 + self.exponents[channel];
-            // Shifts of 64 and more are clamped to ones that leave nothing of a 24-bit mantissa.
-            let left = mantissa << shift.clamp(0, 63);
-            let right = mantissa >> (-shift).clamp(0, 63);
-            out[channel] = if shift >= 0 { left } else { right };
+            let bits = u64::from(values[channel].to_bits());
+            let exponent = bits >> 23;
+            let mantissa = if exponent > 0 { bits & 0x007f_ffff | 1 << 23 } else { bits };
+            // value = mantissa * 2^(max(exponent, 1) - 150). One of the shifts is 64 or more, as if negative, and leaves
+            // nothing, which is what the vector units' own shifts do; both are 0 where nothing is shifted.
+            let bias = i64::from(150 - self.exponents[channel]) as u64;
+            let left = exponent.max(1).wrapping_sub(bias);
+            let right = bias.wrapping_sub(exponent.max(1));
+            let shifted = |shift: u64, value: u64| if shift < 64 { value } else { 0 };
+            out[channel] = shifted(left, mantissa << (left & 63)) | shifted(right, mantissa >> (right & 63));
         }
         out
     }

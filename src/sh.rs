@@ -4,10 +4,11 @@
 //! L0; L1 by y, z, x; L2 by xy, yz, 3z^2 - 1, zx, x^2 - y^2, which is m = -l..l of the usual formulas. Coefficients
 //! are of radiance: c_k is the integral of L * Y_k over the sphere, and L(d) is about the sum of c_k Y_k(d).
 
-use crate::environment::Environment;
+use crate::environment::{Environment, Layout, Rgb};
 use crate::oracle::SourceTexels;
 use glam::{DMat3, DVec3};
-use std::f64::consts::PI;
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
 
 /// The nine basis functions at `direction` (unit length).
 #[must_use]
@@ -23,10 +24,95 @@ pub fn basis(direction: DVec3) -> [f64; 9] {
 /// all that it takes.
 #[must_use]
 pub fn spherical_harmonics(environment: &Environment) -> [[f64; 3]; 9] {
-    let texels = SourceTexels::new(environment.layout());
+    let moments = match environment.layout() {
+        Layout::Panorama { width, .. } => panorama_moments(environment, width as usize),
+        _ => block_moments(environment),
+    };
     let world_from_source = environment.source_from_world().transpose();
+    let mut coefficients = [[0.0; 3]; 9];
+    for (channel, Moments { area, first, second }) in moments.into_iter().enumerate() {
+        let second = world_from_source * second * world_from_source.transpose();
+        for (coefficient, value) in
+            coefficients.iter_mut().zip(from_moments(area, world_from_source * first, second))
+        {
+            coefficient[channel] = value;
+        }
+    }
+    coefficients
+}
+
+/// The integrals of one channel's radiance times 1, l and l l^T, in the source's own space.
+#[derive(Clone, Copy)]
+struct Moments {
+    area: f64,
+    first: DVec3,
+    second: DMat3,
+}
+
+impl Moments {
+    const ZERO: Self = Self { area: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
+}
+
+/// A panorama's moments: the texels of a row are one block turned by their longitudes, so five sums along the row do.
+fn panorama_moments(environment: &Environment, width: usize) -> [Moments; 3] {
+    let texels = SourceTexels::new(environment.layout());
+    let waves: Vec<[f64; 5]> = (0..width)
+        .map(|i| {
+            let (sin, cos) = (((i as f64 + 0.5) / width as f64 - 0.5) * TAU).sin_cos();
+            [1.0, cos, sin, cos * cos - sin * sin, 2.0 * cos * sin]
+        })
+        .collect();
+    let arch = pulp::Arch::new();
+    let rows: Vec<[[f64; 4]; 5]> = environment
+        .texels()
+        .par_chunks_exact(width)
+        .map(|row| arch.dispatch(RowSums { row, waves: &waves }))
+        .collect();
+    let mut moments = [Moments::ZERO; 3];
+    for (sums, block) in rows.iter().zip(texels.blocks()) {
+        let (mean, spread) = (block.mean, block.second_moment());
+        let (even, odd) =
+            ((spread.x_axis.x + spread.z_axis.z) / 2.0, (spread.x_axis.x - spread.z_axis.z) / 2.0);
+        for (channel, moments) in moments.iter_mut().enumerate() {
+            let [one, cos, sin, cos2, sin2] = sums.map(|sum| sum[channel] * block.solid_angle);
+            let (xy, yz, zx) = (spread.x_axis.y * cos, spread.x_axis.y * sin, odd * sin2);
+            moments.area += one;
+            moments.first += DVec3::new(mean.x * cos, mean.y * one, mean.x * sin);
+            moments.second += DMat3::from_cols(
+                DVec3::new(even * one + odd * cos2, xy, zx),
+                DVec3::new(xy, spread.y_axis.y * one, yz),
+                DVec3::new(zx, yz, even * one - odd * cos2),
+            );
+        }
+    }
+    moments
+}
+
+/// Sums of a row's radiance times each of `waves`; the fourth channel fills the vector.
+struct RowSums<'a> {
+    row: &'a [Rgb],
+    waves: &'a [[f64; 5]],
+}
+
+impl pulp::NullaryFnOnce for RowSums<'_> {
+    type Output = [[f64; 4]; 5];
+
+    #[inline(always)]
+    fn call(self) -> [[f64; 4]; 5] {
+        let mut sums = [[0.0; 4]; 5];
+        for ([r, g, b], waves) in self.row.iter().zip(self.waves) {
+            let radiance = [*r, *g, *b, 0.0].map(f64::from);
+            sums = std::array::from_fn(|k| std::array::from_fn(|c| sums[k][c] + waves[k] * radiance[c]));
+        }
+        sums
+    }
+}
+
+/// The moments of cubes and octahedral squares, from those of every block.
+fn block_moments(environment: &Environment) -> [Moments; 3] {
+    let texels = SourceTexels::new(environment.layout());
     // The integrals of 1, l and l l^T over each block, in its own space.
-    let moments: Vec<[f64; 10]> = texels
+    let blocks: Vec<[f64; 10]> = texels
         .blocks()
         .iter()
         .map(|texel| {
@@ -40,28 +126,24 @@ pub fn spherical_harmonics(environment: &Environment) -> [[f64; 3]; 9] {
     let mut gathered = vec![[[0.0; 10]; 3]; texels.frames().len()];
     texels.for_each(|index, block, frame| {
         for (sums, radiance) in gathered[frame].iter_mut().zip(environment.texels()[index]) {
-            for (sum, moment) in sums.iter_mut().zip(&moments[block]) {
+            for (sum, moment) in sums.iter_mut().zip(&blocks[block]) {
                 *sum += f64::from(radiance) * moment;
             }
         }
     });
-    let mut coefficients = [[0.0; 3]; 9];
-    for channel in 0..3 {
-        let (mut area, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
-        for (frame, gathered) in texels.frames().iter().zip(&gathered) {
-            let [one, x, y, z, xx, yy, zz, xy, yz, zx] = gathered[channel];
-            let world_from_block = world_from_source * frame.transpose();
+    let mut moments = [Moments::ZERO; 3];
+    for (frame, gathered) in texels.frames().iter().zip(&gathered) {
+        for (moments, sums) in moments.iter_mut().zip(gathered) {
+            let [one, x, y, z, xx, yy, zz, xy, yz, zx] = *sums;
+            let source_from_block = frame.transpose();
             let own =
                 DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));
-            area += one;
-            first += world_from_block * DVec3::new(x, y, z);
-            second += world_from_block * own * world_from_block.transpose();
-        }
-        for (coefficient, value) in coefficients.iter_mut().zip(from_moments(area, first, second)) {
-            coefficient[channel] = value;
+            moments.area += one;
+            moments.first += source_from_block * DVec3::new(x, y, z);
+            moments.second += source_from_block * own * source_from_block.transpose();
         }
     }
-    coefficients
+    moments
 }
 
 /// The integrals of the nine basis functions, from those of 1, l and l l^T.

@@ -10,8 +10,9 @@
 mod cells;
 mod grid;
 mod index;
+mod sweep;
 
-use crate::environment::{Environment, Layout};
+use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use cells::Cell;
 use glam::{DMat3, DVec3};
@@ -28,9 +29,31 @@ struct Entry {
     solid_angle: f32,
 }
 
+/// The mean radiance of `environment` over every texel of `target`; turned into the world where `turned`, else in the
+/// source's own space.
+///
+/// # Errors
+/// [`Error::Limit`] where the overlaps would not fit.
+pub fn mean_radiances(environment: &Environment, target: Target, turned: bool) -> Result<Vec<Rgb>> {
+    let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
+    if is_symmetric(environment.layout(), turn, target)
+        && let Some(means) = sweep::mean_radiances(environment, target)
+    {
+        return Ok(means);
+    }
+    let overlaps = Overlaps::new(environment.layout(), turn, target)?;
+    let mean = |texel| overlaps.mean_radiance(texel, environment.texels());
+    Ok((0..target.texel_count()).into_par_iter().map(mean).collect())
+}
+
+/// Whether one octant stands for all eight.
+fn is_symmetric(source: Layout, turn: DMat3, target: Target) -> bool {
+    turn == DMat3::IDENTITY && index::is_symmetric(source, target)
+}
+
 /// The matrix: for every target texel its source texels and the solid angles they share.
 #[derive(Debug)]
-pub struct Overlaps {
+pub(crate) struct Overlaps {
     target: Target,
     /// The source texels of every octant's packed cells.
     source_maps: [SourceMap; 8],
@@ -41,22 +64,12 @@ pub struct Overlaps {
 }
 
 impl Overlaps {
-    /// The overlaps of `environment`'s texels with those of `target`; turned into the world where `turned`, else in
-    /// the source's own space.
-    ///
-    /// # Errors
-    /// [`Error::Limit`] where the matrix would have more than 2^32 entries.
-    pub fn new(environment: &Environment, target: Target, turned: bool) -> Result<Self> {
-        let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
-        Self::of_layout(environment.layout(), turn, target)
-    }
-
     /// The overlaps of the texels of `source`, turned by `turn`, with those of `target`.
     ///
     /// # Errors
     /// [`Error::Limit`] where the matrix would have more than 2^32 entries.
-    pub fn of_layout(source: Layout, turn: DMat3, target: Target) -> Result<Self> {
-        let symmetric = turn == DMat3::IDENTITY && index::is_symmetric(source, target);
+    pub(crate) fn new(source: Layout, turn: DMat3, target: Target) -> Result<Self> {
+        let symmetric = is_symmetric(source, turn, target);
         let bands = if symmetric { cells::octant_bands(source) } else { cells::bands(source) };
         let parts: Vec<Vec<Entry>> = bands
             .into_par_iter()
@@ -127,7 +140,7 @@ impl Overlaps {
     /// Calls `visit` with every source texel that overlaps target texel `target` and the solid angle they share, in
     /// an order that never changes.
     #[inline]
-    pub fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
+    fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
         let row = |row: usize| &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize];
         if self.symmetric {
             for (octant, octant_row) in index::octants_of_texel(self.target, target).into_iter().flatten() {
@@ -141,6 +154,20 @@ impl Overlaps {
                 visit(source as usize, solid_angle);
             }
         }
+    }
+
+    /// Overlap-weighted mean of the sources of one target texel.
+    fn mean_radiance(&self, target: usize, texels: &[Rgb]) -> Rgb {
+        // Radiance spans more decades than f32 sums keep; an f64 sum of a few products is exact enough to forget.
+        let (mut sum, mut total) = ([0.0_f64; 3], 0.0_f64);
+        self.for_each_source(target, |source, solid_angle| {
+            let weight = f64::from(solid_angle);
+            total += weight;
+            for (sum, value) in sum.iter_mut().zip(texels[source]) {
+                *sum += weight * f64::from(value);
+            }
+        });
+        sum.map(|sum| (sum / total) as f32)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Environment to OEM, by area: every source texel's energy arrives, and a constant stays one.
 
-use super::overlap::{Overlaps, Target};
+use super::overlap::{Target, mean_radiances};
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::Result;
 use crate::oem::{Oem, OemSize};
@@ -14,23 +14,18 @@ use rayon::prelude::*;
 pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<Oem> {
     let n = size.inner;
     let weights = SolidAngles::new(n);
-    let texels = environment.texels();
-    let square = if environment.layout() == (Layout::Octahedral { size: n }) {
-        let row = |y: u32| (0..n).map(move |x| (x, y));
-        let weigh =
-            |(x, y): (u32, u32)| energy(texels[y as usize * n as usize + x as usize], weights.at(x, y));
-        (0..n).into_par_iter().flat_map_iter(|y| row(y).map(weigh)).collect()
+    let means;
+    let texels = if environment.layout() == (Layout::Octahedral { size: n }) {
+        environment.texels()
     } else {
-        let overlaps = Overlaps::new(environment, Target::Octahedral(n), false)?;
-        let mut square = vec![[0.0; 4]; n as usize * n as usize];
-        square.par_chunks_mut(n as usize).zip(0..n).for_each(|(line, y)| {
-            for (texel, x) in line.iter_mut().zip(0..n) {
-                let radiance = mean_radiance(&overlaps, y as usize * n as usize + x as usize, texels);
-                *texel = energy(radiance, weights.at(x, y));
-            }
-        });
-        square
+        means = mean_radiances(environment, Target::Octahedral(n), false)?;
+        &means
     };
+    let weigh = |(k, radiance): (usize, &Rgb)| {
+        let (x, y) = (k % n as usize, k / n as usize);
+        energy(*radiance, weights.at(x as u32, y as u32))
+    };
+    let square = texels.par_iter().enumerate().map(weigh).collect();
     Ok(Oem::from_square(size, square))
 }
 
@@ -39,29 +34,7 @@ pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<
 /// # Errors
 /// [`crate::Error::Limit`] where the overlaps would not fit.
 pub fn footprints_from_environment(environment: &Environment, size: u32) -> Result<Vec<Rgb>> {
-    let target = Target::Cube(size);
-    let overlaps = Overlaps::new(environment, target, true)?;
-    let mut cube = vec![[0.0; 3]; target.texel_count()];
-    cube.par_chunks_mut(size as usize).enumerate().for_each(|(line, texels)| {
-        for (i, texel) in texels.iter_mut().enumerate() {
-            *texel = mean_radiance(&overlaps, line * size as usize + i, environment.texels());
-        }
-    });
-    Ok(cube)
-}
-
-/// Overlap-weighted mean of the sources of one target texel.
-fn mean_radiance(overlaps: &Overlaps, target: usize, texels: &[Rgb]) -> Rgb {
-    // Radiance spans more decades than f32 sums keep; an f64 sum of a few products is exact enough to forget.
-    let (mut sum, mut total) = ([0.0_f64; 3], 0.0_f64);
-    overlaps.for_each_source(target, |source, solid_angle| {
-        let weight = f64::from(solid_angle);
-        total += weight;
-        for (sum, value) in sum.iter_mut().zip(texels[source]) {
-            *sum += weight * f64::from(value);
-        }
-    });
-    sum.map(|sum| (sum / total) as f32)
+    mean_radiances(environment, Target::Cube(size), true)
 }
 
 fn energy([r, g, b]: Rgb, solid_angle: f32) -> [f32; 4] {

@@ -2,6 +2,8 @@
 
 use crate::sat::{FixedPoint, Scan};
 use rayon::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Fills `out` with the inclusive sums of `texels`, `width` to a row.
 ///
@@ -40,89 +42,130 @@ fn serial(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64;
     }
 }
 
-/// Each strip of rows needs the sums of all rows above it: column sums first (input read once), then every strip on
-/// its own, a running sum along the row added to the row above (input read again, output written once).
+/// Rows of a block: one block of one strip is a task, long enough to be worth handing over.
+const BLOCK_ROWS: usize = 32;
+
+/// A strip of columns for each thread. A block of rows of one strip needs the block above it and the sums along its rows
+/// from the strip to the left, so the blocks are worked through as a wavefront: input read once, output written once.
 fn strips(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64; 4]]) {
-    let threads = rayon::current_num_threads();
-    let height = texels.len() / width;
-    // One thread needs no column sums; more share the work evenly with a few strips each.
-    let strip_count = if threads == 1 { 1 } else { (4 * threads).min(height) };
-    let strip = height.div_ceil(strip_count) * width;
-    let arch = pulp::Arch::new();
-
-    let mut carries: Vec<Vec<[u64; 4]>> = texels
-        .par_chunks(strip)
-        .take((texels.len() - 1) / strip)
-        .map(|texels| {
-            let mut columns = vec![[0; 4]; width];
-            arch.dispatch(ColumnSums { fixed, texels, columns: &mut columns });
-            columns
-        })
-        .collect();
-    let mut above = vec![[0; 4]; width];
-    for columns in &mut carries {
-        let mut run = [0; 4];
-        for (above, column) in above.iter_mut().zip(columns.iter_mut()) {
-            run = add(run, *column);
-            *above = add(*above, run);
-            *column = *above;
-        }
-    }
-
-    texels.par_chunks(strip).zip(out.par_chunks_mut(strip)).enumerate().for_each(|(index, (texels, out))| {
-        let zeros;
-        let above: &[[u64; 4]] = if index > 0 {
-            &carries[index - 1]
-        } else {
-            zeros = vec![[0; 4]; width];
-            &zeros
-        };
-        arch.dispatch(StripSums { fixed, texels, above, out });
-    });
+    let wavefront = Wavefront::new(fixed, texels, width, out);
+    rayon::scope(|scope| wavefront.run(scope, 0, 0));
 }
 
-/// Adds a strip's rows to `columns`.
-struct ColumnSums<'a> {
+/// Columns from `left` on; a piece of every row.
+struct Strip<'a> {
+    left: usize,
+    rows: Vec<&'a mut [[u64; 4]]>,
+}
+
+struct Wavefront<'a> {
     fixed: FixedPoint,
     texels: &'a [[f32; 4]],
-    columns: &'a mut [[u64; 4]],
+    width: usize,
+    strips: Vec<Mutex<Strip<'a>>>,
+    /// The sums along the rows of each block, up to the strip done last.
+    carries: Vec<Mutex<[[u64; 4]; BLOCK_ROWS]>>,
+    /// What each block of each strip still waits for.
+    waits: Vec<AtomicU8>,
+    arch: pulp::Arch,
 }
 
-impl pulp::NullaryFnOnce for ColumnSums<'_> {
-    type Output = ();
+impl<'a> Wavefront<'a> {
+    fn new(fixed: FixedPoint, texels: &'a [[f32; 4]], width: usize, out: &'a mut [[u64; 4]]) -> Self {
+        let height = texels.len() / width;
+        let columns = width.div_ceil(rayon::current_num_threads());
+        let mut strips: Vec<Strip<'_>> = (0..width)
+            .step_by(columns)
+            .map(|left| Strip { left, rows: Vec::with_capacity(height) })
+            .collect();
+        for row in out.chunks_exact_mut(width) {
+            for (strip, piece) in strips.iter_mut().zip(row.chunks_mut(columns)) {
+                strip.rows.push(piece);
+            }
+        }
+        let blocks = height.div_ceil(BLOCK_ROWS);
+        let waits = (0..strips.len() * blocks)
+            .map(|task| AtomicU8::new(u8::from(task >= blocks) + u8::from(task % blocks > 0)))
+            .collect();
+        let carries = (0..blocks).map(|_| Mutex::new([[0; 4]; BLOCK_ROWS])).collect();
+        let strips = strips.into_iter().map(Mutex::new).collect();
+        Self { fixed, texels, width, strips, carries, waits, arch: pulp::Arch::new() }
+    }
 
-    #[inline(always)]
-    fn call(self) {
-        for row in self.texels.chunks_exact(self.columns.len()) {
-            for (column, texel) in self.columns.iter_mut().zip(row) {
-                *column = add(*column, self.fixed.quantise(*texel));
+    /// Works through `block` of `strip` and all that it sets free.
+    fn run<'s>(&'s self, scope: &rayon::Scope<'s>, mut strip: usize, mut block: usize) {
+        loop {
+            self.sum(strip, block);
+            let right = strip + 1 < self.strips.len() && self.is_free(strip + 1, block);
+            let below = block + 1 < self.carries.len() && self.is_free(strip, block + 1);
+            match (right, below) {
+                (true, true) => {
+                    scope.spawn(move |scope| self.run(scope, strip + 1, block));
+                    block += 1;
+                }
+                (true, false) => strip += 1,
+                (false, true) => block += 1,
+                (false, false) => return,
             }
         }
     }
+
+    /// Whether nothing is left to wait for, one wait being over.
+    fn is_free(&self, strip: usize, block: usize) -> bool {
+        self.waits[strip * self.carries.len() + block].fetch_sub(1, Ordering::AcqRel) == 1
+    }
+
+    fn sum(&self, strip: usize, block: usize) {
+        const ALONE: &str = "no two tasks share a strip or a block at once";
+        let mut strip = self.strips[strip].try_lock().expect(ALONE);
+        let mut carries = self.carries[block].try_lock().expect(ALONE);
+        let Strip { left, rows } = &mut *strip;
+        let (above, rows) = rows.split_at_mut(block * BLOCK_ROWS);
+        self.arch.dispatch(BlockSums {
+            fixed: self.fixed,
+            texels: &self.texels[block * BLOCK_ROWS * self.width + *left..],
+            width: self.width,
+            above: above.last().map(|row| &**row),
+            rows: &mut rows[..],
+            carries: &mut *carries,
+        });
+    }
 }
 
-/// The table of a strip under the row `above`.
-struct StripSums<'a> {
+/// The table of a block under the row `above`, right of the sums `carries`, which it takes on.
+struct BlockSums<'a, 'b> {
     fixed: FixedPoint,
+    /// From the block's first texel on, `width` to a row.
     texels: &'a [[f32; 4]],
-    above: &'a [[u64; 4]],
-    out: &'a mut [[u64; 4]],
+    width: usize,
+    above: Option<&'a [[u64; 4]]>,
+    rows: &'a mut [&'b mut [[u64; 4]]],
+    carries: &'a mut [[u64; 4]],
 }
 
-impl pulp::NullaryFnOnce for StripSums<'_> {
+impl pulp::NullaryFnOnce for BlockSums<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let width = self.above.len();
-        let mut above = self.above;
-        for (row, out) in self.texels.chunks_exact(width).zip(self.out.chunks_exact_mut(width)) {
-            let mut run = [0; 4];
-            for ((out, texel), above) in out.iter_mut().zip(row).zip(above) {
+        let zeros;
+        let mut above = match self.above {
+            Some(above) => above,
+            None => {
+                zeros = vec![[0; 4]; self.rows[0].len()];
+                &zeros
+            }
+        };
+        for ((row, texels), carry) in
+            self.rows.iter_mut().zip(self.texels.chunks(self.width)).zip(self.carries)
+        {
+            let mut run = *carry;
+            for ((out, texel), above) in row.iter_mut().zip(texels).zip(above) {
                 run = add(run, self.fixed.quantise(*texel));
                 *out = add(run, *above);
             }
-            above = out;
+            *carry = run;
+            above = row;
         }
     }
 }

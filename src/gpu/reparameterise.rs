@@ -144,7 +144,7 @@ impl Reparameterise {
         let OemSize { inner, .. } = planes.size();
         let table = planes.table();
         upload_solid_angles(context, planes);
-        let overlaps = Overlaps::of_layout(layout, glam::DMat3::IDENTITY, Target::Octahedral(inner))?;
+        let overlaps = Overlaps::new(layout, glam::DMat3::IDENTITY, Target::Octahedral(inner))?;
         let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
         let mut resources = matrix.resources();
         let targets = [3, 0, 1, 2].map(|channel| planes.planes()[channel].as_entire_binding());
@@ -167,7 +167,8 @@ impl Reparameterise {
     ) -> Result<(Stage, wgpu::Buffer)> {
         let layout = environment.layout();
         let table = Table { inner: size, border: 0, side: size, pitch: size };
-        let overlaps = Overlaps::new(environment, Target::Cube(size), true)?;
+        let overlaps =
+            Overlaps::new(layout, environment.source_from_world().transpose(), Target::Cube(size))?;
         let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
         let bytes = 16 * 6 * u64::from(size) * u64::from(size);
         context.fits(&format!("a cube of {size} x {size}"), bytes, |available| {

@@ -147,7 +147,8 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
 
 /// Sets negative values to 0, counts them and weighs their energy against that of the rest.
 pub(super) fn negative(layout: Layout, texels: &mut [Rgb], repairs: &mut Repairs) {
-    if texels.as_flattened().iter().all(|value| *value >= 0.0) {
+    // Without an early end, which would keep it from vectors.
+    if !texels.as_flattened().iter().fold(false, |any, value| any | (*value < 0.0)) {
         return;
     }
     let row_length = match layout {

@@ -12,7 +12,7 @@ const WIDEST: f64 = 1.0 / 40.0;
 
 /// Area and first moments of a grid cell's overlap, and what the cells to its right inherit.
 #[derive(Clone, Copy, Default)]
-struct Accumulator {
+pub(super) struct Accumulator {
     area: f64,
     moment: DVec2,
     cover: f64,
@@ -190,7 +190,7 @@ impl OctantClipper {
 }
 
 /// Calls `emit` with every grid cell (x, y) that `outline` meets, the overlap's area and its centroid.
-fn walk_outline(
+pub(super) fn walk_outline(
     outline: &[DVec2],
     window: &mut Vec<Accumulator>,
     mut emit: impl FnMut(u32, u32, f64, DVec2),
