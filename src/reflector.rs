@@ -124,8 +124,12 @@ impl<'a> Reflector<'a> {
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
         let (size, block) = settings.plan(environment.layout())?;
-        let oem = reparameterise::oem_from_environment(environment, size)?;
-        Ok(Self {
+        Ok(Self::over(environment, reparameterise::oem_from_environment(environment, size)?, block))
+    }
+
+    /// A reflector over an OEM that is there already, with cells down to `block` texels.
+    pub(crate) fn over(environment: &'a Environment, oem: Oem, block: u32) -> Self {
+        Self {
             environment,
             oem,
             block,
@@ -133,7 +137,7 @@ impl<'a> Reflector<'a> {
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
             oracle: OnceLock::new(),
-        })
+        }
     }
 
     /// The environment.

@@ -179,6 +179,7 @@ impl Engine {
             #[cfg(feature = "gpu")]
             Self::Gpu { engine, may_fall_back } => {
                 let on_gpu = async {
+                    engine.check_fits(environment, settings, filter)?;
                     let reflector = octagloss::gpu::engine::Reflector::new(engine, environment, settings)?;
                     reflector.query(directions, lobe, roughness, filter).await
                 };

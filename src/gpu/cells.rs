@@ -15,6 +15,9 @@ pub const EDGE: u32 = 8;
 /// Bytes of a quad: fifteen vectors of four.
 const QUAD: u64 = 240;
 
+/// Bytes of a texel's moments.
+const TENT: u64 = 48;
+
 /// The uniform of one level.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -68,11 +71,39 @@ impl CellTree {
         &self.quads
     }
 
+    /// Whether the tree over `inner` x `inner` texels in blocks of `block`, and their moments, fit.
+    pub(super) fn check_fits(context: &Context, inner: u32, block: u32) -> Result<()> {
+        let tents = |inner: u64| TENT * inner.div_ceil(2).pow(2);
+        let quads = |inner: u64| QUAD * quad_count(&levels(inner.div_ceil(u64::from(block)) as u32));
+        let bytes = |inner: u64| tents(inner).max(quads(inner));
+        context.fits(&format!("the cells over {inner} x {inner} texels"), bytes(inner.into()), |available| {
+            let fitting = (64..=u64::from(inner)).step_by(64).take_while(|inner| bytes(*inner) <= available);
+            format!("choose --oem-size at most {}, or --engine cpu", fitting.last().unwrap_or(1))
+        })
+    }
+
     /// The least radiance of each channel, and one float more.
     #[must_use]
     pub const fn least(&self) -> &wgpu::Buffer {
         &self.least
     }
+}
+
+/// First quad and quads along an edge of every level over `cells` x `cells` finest cells, up to the root.
+fn levels(cells: u32) -> Vec<[u32; 2]> {
+    let mut levels = Vec::new();
+    let (mut first, mut width) = (0, cells);
+    while levels.is_empty() || width > 1 {
+        width = width.div_ceil(2);
+        levels.push([first, width]);
+        first += width * width;
+    }
+    levels
+}
+
+/// Quads of all levels; the root's is the last.
+fn quad_count(levels: &[[u32; 2]]) -> u64 {
+    levels.last().map_or(0, |[first, width]| u64::from(*first) + u64::from(*width))
 }
 
 impl BuildCells {
@@ -105,21 +136,10 @@ impl BuildCells {
     ) -> Result<(Stage, CellTree)> {
         assert!(block > 0, "blocks of at least one texel");
         let Table { inner, .. } = oem.table();
+        CellTree::check_fits(context, inner, block)?;
         let cells = inner.div_ceil(block);
-        let mut levels: Vec<[u32; 2]> = Vec::new();
-        let mut first = 0;
-        let mut width = cells;
-        while levels.is_empty() || width > 1 {
-            width = width.div_ceil(2);
-            levels.push([first, width]);
-            first += width * width;
-        }
-        let bytes = QUAD * u64::from(first);
-        context.fits(&format!("a tree of cells over {inner} x {inner} texels"), bytes, |available| {
-            // Four thirds of a quarter of the cells.
-            let most = (3 * available / QUAD).isqrt();
-            format!("choose --oem-size at most {}, or --engine cpu", most * u64::from(block))
-        })?;
+        let levels = levels(cells);
+        let bytes = QUAD * quad_count(&levels);
         let tents: Vec<Tent> = Tents::new(inner, reconstruction)
             .quadrant()
             .iter()
@@ -132,9 +152,6 @@ impl BuildCells {
                 pad_1: 0.0,
             })
             .collect();
-        context.fits("the moments of texels", 48 * tents.len() as u64, |available| {
-            format!("choose --oem-size at most {}, or --engine cpu", 2 * (available / 48).isqrt())
-        })?;
         let tents = context.storage_of("moments of texels", &tents);
         let partials = context.storage("least radiance of groups", 16 * u64::from(GROUPS));
         let least = context.storage("least radiance", 16);

@@ -17,13 +17,14 @@ use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::oem::bilinear_share;
-use crate::reflector::{Answer, ReflectorSettings};
+use crate::reflector::{Answer, ReflectorSettings, Workspace};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// Lobes of a smaller alpha are below what float32 directions resolve.
+/// Lobes of a smaller alpha, mirrors too, are below what float32 directions resolve: the CPU's code answers them, over the
+/// OEM read back.
 const SHARPEST_ALPHA: f64 = 1e-4;
 
 /// Every pipeline on one device.
@@ -75,7 +76,9 @@ impl Engine {
     ) -> Result<Bake> {
         let order = Order::new(environment, settings)?;
         let meter = order.meter(progress);
-        let reflector = Reflector::new(self, environment, &order.reflector_settings())?;
+        let reflector_settings = order.reflector_settings();
+        self.check_fits(environment, &reflector_settings, settings.filter)?;
+        let reflector = Reflector::new(self, environment, &reflector_settings)?;
         let mut levels = Vec::new();
         for (index, (rung, lobe)) in order.levels().enumerate() {
             let start = Instant::now();
@@ -85,6 +88,24 @@ impl Engine {
         }
         let oem = reflector.planes.read(&self.context).await?;
         Ok(order.finish(levels, oem.size(), oem.totals()))
+    }
+
+    /// Whether the tables that `filter` reads fit the device: told before anything is made, with the largest size that does.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where they do not.
+    pub fn check_fits(
+        &self,
+        environment: &Environment,
+        settings: &ReflectorSettings,
+        filter: Filter,
+    ) -> Result<()> {
+        let (size, block) = settings.plan(environment.layout())?;
+        match filter {
+            Filter::Adaptive(_) => CellTree::check_fits(&self.context, size.inner, block),
+            Filter::Box => SatPlanes::check_fits(&self.context, size),
+            Filter::Reference => Ok(()),
+        }
     }
 
     /// The stages of a bake with [`Filter::Adaptive`], from the source's texture to every level's answers, to be recorded
@@ -202,8 +223,8 @@ impl<'a> Reflector<'a> {
     /// Answers to `directions` (unit vectors of the world), each on its own.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for what this engine does not serve (lobes sharper than float32 resolves, the reference
-    /// filter) or nobody does, [`Error::Limit`] where a table would not fit, [`Error::Gpu`].
+    /// [`Error::Parameter`] for what this engine does not serve (the reference filter) or nobody does, [`Error::Limit`]
+    /// where a table would not fit, [`Error::Gpu`].
     pub async fn query(
         &self,
         directions: &[DVec3],
@@ -252,10 +273,14 @@ impl<'a> Reflector<'a> {
             return Err(Error::Parameter(format!("adaptive:{error} is outside (0, 1)")));
         }
         if lobe != Lobe::Cosine && alpha < SHARPEST_ALPHA {
-            return Err(Error::Parameter(format!(
-                "roughness {roughness} is below {}, the least that the GPU serves: use --engine cpu",
-                SHARPEST_ALPHA.sqrt()
-            )));
+            let oem = self.planes.read(context).await?;
+            let reflector = crate::reflector::Reflector::over(self.environment, oem, self.block);
+            let lobes = reflector.lobes(lobe, roughness, filter)?;
+            let (mut workspace, mut lanes) = (Workspace::default(), Vec::new());
+            for group in groups {
+                lobes.evaluate(group, &mut workspace, &mut lanes);
+            }
+            return Ok(Answers { lanes, leaves: workspace.leaves });
         }
         let packets = packets(groups, source_from_world);
         let parts = self.parts(lobe, alpha, error)?;

@@ -144,11 +144,17 @@ impl SatPlanes {
     /// # Errors
     /// [`crate::Error::Limit`] where a plane is larger than the device can bind.
     pub fn new(context: &Context, size: OemSize) -> Result<Self> {
-        let table = Table::new(size);
-        let bytes = 8 * table.count();
-        context.fits(&format!("a SAT plane of {0} x {0}", table.side), bytes, largest_that_fits(8))?;
+        Self::check_fits(context, size)?;
+        let bytes = 8 * Table::new(size).count();
         let planes = std::array::from_fn(|_| context.storage("SAT plane", bytes));
         Ok(Self { size, planes, exponents: context.storage("fixed-point exponents", 16) })
+    }
+
+    /// Whether the planes for an OEM of `size` fit.
+    pub(super) fn check_fits(context: &Context, size: OemSize) -> Result<()> {
+        let table = Table::new(size);
+        let what = format!("a SAT plane of {0} x {0}", table.side);
+        context.fits(&what, 8 * table.count(), largest_that_fits(8))
     }
 
     /// Size of the OEM summed.
