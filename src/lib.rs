@@ -19,6 +19,8 @@
 //! 5. [`cpu::adaptive`]: a [`lobe`] by the coarsest cells that are fine enough, with bounds from two-point distributions.
 //! 6. [`reflector`]: all of these for point queries; [`bake`]: for cube chains ([`chain`]), which [`io`] writes.
 //!
+//! `gpu` (feature `gpu`) runs steps 2 to 6 as compute passes, held to the CPU's results by the tests.
+//!
 //! [`oracle`] integrates exhaustively in double precision and shares no code with the engine but the maps of [`sphere`];
 //! [`compare`] measures a bake by it.
 //!

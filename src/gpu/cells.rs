@@ -76,7 +76,7 @@ impl CellTree {
         let tents = |inner: u64| TENT * inner.div_ceil(2).pow(2);
         let quads = |inner: u64| QUAD * quad_count(&levels(inner.div_ceil(u64::from(block)) as u32));
         let bytes = |inner: u64| tents(inner).max(quads(inner));
-        context.fits(&format!("the cells over {inner} x {inner} texels"), bytes(inner.into()), |available| {
+        context.fits(&format!("a tree of cells over {inner} x {inner} texels"), bytes(inner.into()), |available| {
             let fitting = (64..=u64::from(inner)).step_by(64).take_while(|inner| bytes(*inner) <= available);
             format!("choose --oem-size at most {}, or --engine cpu", fitting.last().unwrap_or(1))
         })
