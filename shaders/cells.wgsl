@@ -1,8 +1,11 @@
 // The quadtree of moments: `Cells` of src/cpu/cells.rs, whose module says what the moments are for.
 #include "common/quad.wgsl"
 
-const GROUPS = 64u;
+// At most as many as a workgroup has invocations, so that each takes one partial result.
+const GROUPS = 256u;
 const GROUP_SIZE = 256u;
+// Texels of an invocation before there are more workgroups.
+const TEXELS = 4u;
 // Quads along an edge of a workgroup; each has four invocations.
 const EDGE = 8u;
 
@@ -47,6 +50,11 @@ struct Tent {
 @group(0) @binding(8) var<storage, read_write> quads: array<f32>;
 @group(0) @binding(9) var<uniform> level: Level;
 
+// Workgroups of the reduction's dispatch.
+fn groups() -> u32 {
+    return clamp((table.inner * table.inner + TEXELS * GROUP_SIZE - 1u) / (TEXELS * GROUP_SIZE), 1u, GROUPS);
+}
+
 var<workgroup> shared_least: array<vec4<f32>, GROUP_SIZE>;
 
 fn reduce_least(lane: u32) {
@@ -61,7 +69,7 @@ fn reduce_least(lane: u32) {
 @compute @workgroup_size(GROUP_SIZE)
 fn least_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     var smallest = vec4<f32>(3.4e38);
-    for (var k = group.x * GROUP_SIZE + lane; k < table.inner * table.inner; k += GROUPS * GROUP_SIZE) {
+    for (var k = group.x * GROUP_SIZE + lane; k < table.inner * table.inner; k += groups() * GROUP_SIZE) {
         let at = (k / table.inner + table.border) * table.pitch + k % table.inner + table.border;
         smallest = min(smallest, vec4<f32>(red[at], green[at], blue[at], 3.4e38) / solid_angle[at]);
     }
@@ -74,7 +82,7 @@ fn least_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
 
 @compute @workgroup_size(GROUP_SIZE)
 fn least_of_all(@builtin(local_invocation_index) lane: u32) {
-    shared_least[lane] = partials[min(lane, GROUPS - 1u)];
+    shared_least[lane] = partials[min(lane, groups() - 1u)];
     reduce_least(lane);
     if lane == 0u {
         least[0] = shared_least[0];

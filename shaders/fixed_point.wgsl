@@ -2,8 +2,11 @@
 // then a 64-bit integer sum at the scale that it sets.
 #include "common/fixed_point.wgsl"
 
-const GROUPS = 64u;
+// At most as many as a workgroup has invocations, so that each takes one partial result.
+const GROUPS = 256u;
 const GROUP_SIZE = 256u;
+// Texels of an invocation before there are more workgroups.
+const TEXELS = 4u;
 
 struct Table {
     inner: u32,
@@ -32,59 +35,62 @@ fn texel(k: u32) -> vec4<u32> {
     return vec4<u32>(red[at], green[at], blue[at], solid_angle[at]);
 }
 
+fn count() -> u32 {
+    return table.inner * table.inner;
+}
+
+// Workgroups of the dispatch.
+fn groups() -> u32 {
+    return clamp((count() + TEXELS * GROUP_SIZE - 1u) / (TEXELS * GROUP_SIZE), 1u, GROUPS);
+}
+
 var<workgroup> shared_greatest: array<vec4<u32>, GROUP_SIZE>;
 
-@compute @workgroup_size(GROUP_SIZE)
-fn greatest(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let count = table.inner * table.inner;
-    var most = vec4<u32>(0u);
-    for (var k = group.x * GROUP_SIZE + lane; k < count; k += GROUPS * GROUP_SIZE) {
-        most = max(most, texel(k));
-    }
-    shared_greatest[lane] = most;
+// The greatest of every invocation's `own`, for all of them.
+fn reduce_greatest(own: vec4<u32>, lane: u32) -> vec4<u32> {
+    shared_greatest[lane] = own;
     for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
         workgroupBarrier();
         if lane < step {
             shared_greatest[lane] = max(shared_greatest[lane], shared_greatest[lane + step]);
         }
     }
-    if lane == 0u {
-        for (var c = 0u; c < 4u; c++) {
-            partials[group.x].greatest[c] = shared_greatest[0][c];
-        }
+    workgroupBarrier();
+    return shared_greatest[0];
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn greatest(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    var own = vec4<u32>(0u);
+    for (var k = group.x * GROUP_SIZE + lane; k < count(); k += groups() * GROUP_SIZE) {
+        own = max(own, texel(k));
+    }
+    let most = reduce_greatest(own, lane);
+    if lane < 4u {
+        partials[group.x].greatest[lane] = most[lane];
     }
 }
 
 // The scale at which the greatest value times the count stays below 2^62.
 fn provisional(most: u32) -> i32 {
-    let count_log2 = 32 - i32(countLeadingZeros(table.inner * table.inner - 1u));
+    let count_log2 = 32 - i32(countLeadingZeros(count() - 1u));
     return 62 - count_log2 - (max(i32(most >> 23u), 1) - 126);
 }
 
-fn greatest_of_all() -> vec4<u32> {
-    var most = vec4<u32>(0u);
-    for (var g = 0u; g < GROUPS; g++) {
+fn greatest_of_all(lane: u32) -> vec4<u32> {
+    var own = vec4<u32>(0u);
+    if lane < groups() {
         for (var c = 0u; c < 4u; c++) {
-            most[c] = max(most[c], partials[g].greatest[c]);
+            own[c] = partials[lane].greatest[c];
         }
     }
-    return most;
+    return reduce_greatest(own, lane);
 }
 
 var<workgroup> shared_sums: array<array<vec2<u32>, 4>, GROUP_SIZE>;
 
-@compute @workgroup_size(GROUP_SIZE)
-fn totals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let most = greatest_of_all();
-    let count = table.inner * table.inner;
-    var sums = array<vec2<u32>, 4>();
-    for (var k = group.x * GROUP_SIZE + lane; k < count; k += GROUPS * GROUP_SIZE) {
-        let value = texel(k);
-        for (var c = 0u; c < 4u; c++) {
-            sums[c] = add64(sums[c], quantise(value[c], provisional(most[c])));
-        }
-    }
-    shared_sums[lane] = sums;
+fn reduce_sums(own: array<vec2<u32>, 4>, lane: u32) {
+    shared_sums[lane] = own;
     for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
         workgroupBarrier();
         if lane < step {
@@ -93,28 +99,48 @@ fn totals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             }
         }
     }
+    workgroupBarrier();
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn totals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let most = greatest_of_all(lane);
+    var sums = array<vec2<u32>, 4>();
+    for (var k = group.x * GROUP_SIZE + lane; k < count(); k += groups() * GROUP_SIZE) {
+        let value = texel(k);
+        for (var c = 0u; c < 4u; c++) {
+            sums[c] = add64(sums[c], quantise(value[c], provisional(most[c])));
+        }
+    }
+    reduce_sums(sums, lane);
     if lane < 4u {
         partials[group.x].sums[lane] = shared_sums[0][lane];
     }
 }
 
-@compute @workgroup_size(4)
-fn finish(@builtin(local_invocation_index) channel: u32) {
-    let most = greatest_of_all()[channel];
-    if most == 0u {
-        exponents[channel] = 0;
+@compute @workgroup_size(GROUP_SIZE)
+fn finish(@builtin(local_invocation_index) lane: u32) {
+    let all = greatest_of_all(lane);
+    var sums = array<vec2<u32>, 4>();
+    if lane < groups() {
+        sums = partials[lane].sums;
+    }
+    reduce_sums(sums, lane);
+    if lane >= 4u {
         return;
     }
-    let count = vec2<u32>(table.inner * table.inner, 0u);
-    var total = count;
-    for (var g = 0u; g < GROUPS; g++) {
-        total = add64(total, partials[g].sums[channel]);
+    let most = all[lane];
+    if most == 0u {
+        exponents[lane] = 0;
+        return;
     }
     // Truncation lost less than one unit a texel; each doubling doubles what it may have lost.
-    let limit = sub64(vec2<u32>(0u, 0x40000000u), count);
+    let texels = vec2<u32>(count(), 0u);
+    let total = add64(shared_sums[0][lane], texels);
+    let limit = sub64(vec2<u32>(0u, 0x40000000u), texels);
     var up = 0;
     for (var next = shift_left64(total, 1u); less64(next, limit); next = shift_left64(next, 1u)) {
         up += 1;
     }
-    exponents[channel] = provisional(most) + up;
+    exponents[lane] = provisional(most) + up;
 }

@@ -1,13 +1,11 @@
 //! The quadtree of moments over an OEM's planes, level by level.
 
+use super::fixed_point::{GROUPS, groups};
 use super::oem::Table;
 use super::stage::Dispatch;
 use super::{Context, OemPlanes, Stage, shader};
 use crate::cpu::tent::{Reconstruction, Tents};
 use crate::error::Result;
-
-/// Workgroups of the reduction.
-pub const GROUPS: u32 = 64;
 
 /// Quads along an edge of a workgroup.
 pub const EDGE: u32 = 8;
@@ -76,10 +74,15 @@ impl CellTree {
         let tents = |inner: u64| TENT * inner.div_ceil(2).pow(2);
         let quads = |inner: u64| QUAD * quad_count(&levels(inner.div_ceil(u64::from(block)) as u32));
         let bytes = |inner: u64| tents(inner).max(quads(inner));
-        context.fits(&format!("a tree of cells over {inner} x {inner} texels"), bytes(inner.into()), |available| {
-            let fitting = (64..=u64::from(inner)).step_by(64).take_while(|inner| bytes(*inner) <= available);
-            format!("choose --oem-size at most {}, or --engine cpu", fitting.last().unwrap_or(1))
-        })
+        context.fits(
+            &format!("a tree of cells over {inner} x {inner} texels"),
+            bytes(inner.into()),
+            |available| {
+                let fitting =
+                    (64..=u64::from(inner)).step_by(64).take_while(|inner| bytes(*inner) <= available);
+                format!("choose --oem-size at most {}, or --engine cpu", fitting.last().unwrap_or(1))
+            },
+        )
     }
 
     /// The least radiance of each channel, and one float more.
@@ -163,15 +166,20 @@ impl BuildCells {
         let partials = (5, partials.as_entire_binding());
         let least_binding = (6, least.as_entire_binding());
         let quads_binding = (8, quads.as_entire_binding());
-        let groups = |width: u32| [width.div_ceil(EDGE), width.div_ceil(EDGE), 1];
+        let over = |width: u32| [width.div_ceil(EDGE), width.div_ceil(EDGE), 1];
         let mut dispatches = vec![
             Dispatch::new(
                 context,
                 &self.least_of_groups,
                 &[&planes[..], std::slice::from_ref(&partials)].concat(),
-                [GROUPS, 1, 1],
+                [groups(inner), 1, 1],
             ),
-            Dispatch::new(context, &self.least_of_all, &[partials, least_binding.clone()], [1, 1, 1]),
+            Dispatch::new(
+                context,
+                &self.least_of_all,
+                &[planes[0].clone(), partials, least_binding.clone()],
+                [1, 1, 1],
+            ),
         ];
         for (index, &[first, width]) in levels.iter().enumerate() {
             let [finer_first, finer_width] = if index > 0 { levels[index - 1] } else { [0, 0] };
@@ -181,9 +189,9 @@ impl BuildCells {
             dispatches.push(if index == 0 {
                 let tents = (7, tents.as_entire_binding());
                 let own = [least_binding.clone(), tents, quads_binding.clone(), level];
-                Dispatch::new(context, &self.finest, &[&planes[..], &own].concat(), groups(width))
+                Dispatch::new(context, &self.finest, &[&planes[..], &own].concat(), over(width))
             } else {
-                Dispatch::new(context, &self.coarser, &[quads_binding.clone(), level], groups(width))
+                Dispatch::new(context, &self.coarser, &[quads_binding.clone(), level], over(width))
             });
         }
         let tree = CellTree { inner, block, reconstruction, least, quads, levels };

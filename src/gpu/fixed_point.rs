@@ -3,8 +3,19 @@
 use super::stage::Dispatch;
 use super::{Context, OemPlanes, SatPlanes, Stage, shader};
 
-/// Workgroups of the reductions.
-pub const GROUPS: u32 = 64;
+/// Workgroups of the reductions, at most.
+pub const GROUPS: u32 = 256;
+
+/// Invocations of a workgroup.
+pub const GROUP_SIZE: u32 = 256;
+
+/// Texels of an invocation before there are more workgroups.
+pub const TEXELS: u32 = 4;
+
+/// Workgroups that reduce `inner` x `inner` texels.
+pub(super) fn groups(inner: u32) -> u32 {
+    (inner * inner).div_ceil(TEXELS * GROUP_SIZE).clamp(1, GROUPS)
+}
 
 /// Bytes that a workgroup leaves: four greatest patterns, four 64-bit sums.
 const PARTIAL: u64 = 48;
@@ -38,8 +49,8 @@ impl FixedPoint {
         Stage::new(
             "fixed_point",
             vec![
-                Dispatch::new(context, &self.greatest, &all, [GROUPS, 1, 1]),
-                Dispatch::new(context, &self.totals, &all, [GROUPS, 1, 1]),
+                Dispatch::new(context, &self.greatest, &all, [groups(oem.size().inner), 1, 1]),
+                Dispatch::new(context, &self.totals, &all, [groups(oem.size().inner), 1, 1]),
                 Dispatch::new(context, &self.finish, &[table, shared, exponents], [1, 1, 1]),
             ],
         )
