@@ -7,8 +7,9 @@
 const GROUP_SIZE = 64u;
 const ROW = 32768u;
 
-// Directions, and the solid angle of each box.
 @group(1) @binding(0) var<storage, read> queries: array<vec4<f32>>;
+// The stack around every direction: solid angle and weight of each box.
+@group(1) @binding(4) var<storage, read> stack: array<vec2<f32>>;
 @group(1) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
 // Boxes of the unfolded plane: low x, low y, high x, high y.
 @group(1) @binding(2) var<storage, read> boxes: array<vec4<i32>>;
@@ -18,7 +19,11 @@ const ROW = 32768u;
 fn radiance(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let k = (group.y * ROW + group.x) * GROUP_SIZE + lane;
     if k < arrayLength(&queries) {
-        answers[k] = vec4<f32>(octagloss_box(queries[k].xyz, queries[k].w), 1.0);
+        var energy = vec4<f32>();
+        for (var b = 0u; b < arrayLength(&stack); b++) {
+            energy += stack[b].y * octagloss_box_energy(queries[k].xyz, stack[b].x);
+        }
+        answers[k] = vec4<f32>(energy.rgb / energy.a, 1.0);
     }
 }
 

@@ -137,8 +137,9 @@ fn fractional_spans(low: f32, high: f32) -> Spans {
     return Spans(vec4<i32>(edge, edge + 1, end - 1, end), vec3<f32>(first + 1.0 - low, 1.0, high - (last - 1.0)));
 }
 
-// Mean radiance over a box of the unfolded plane with fractional edges, in texels of the square.
-fn box_radiance(low: vec2<f32>, high: vec2<f32>) -> vec3<f32> {
+// Energy and solid angle of a box of the unfolded plane with fractional edges, in texels of the square; in units in which
+// their quotient is radiance.
+fn box_energy(low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
     var columns = fractional_spans(low.x, high.x);
     var rows = fractional_spans(low.y, high.y);
     var sum = vec4<f32>();
@@ -152,21 +153,26 @@ fn box_radiance(low: vec2<f32>, high: vec2<f32>) -> vec3<f32> {
             }
         }
     }
-    let mean = sum.rgb / sum.a;
     let up = octagloss_table.exponents.a - octagloss_table.exponents.rgb;
-    return vec3<f32>(
-        scale_by_power(mean.r, up.r), scale_by_power(mean.g, up.g), scale_by_power(mean.b, up.b));
+    return vec4<f32>(
+        scale_by_power(sum.r, up.r), scale_by_power(sum.g, up.g), scale_by_power(sum.b, up.b), sum.a);
 }
 
-// Radiance of the box of `solid_angle` around `direction` (any length but zero), a one-texel box added in quadrature: the
-// filter of the octahedron environment maps paper. 0 is bilinear interpolation.
-fn octagloss_box(direction: vec3<f32>, solid_angle: f32) -> vec3<f32> {
+// Energy and solid angle of the box of `solid_angle` around `direction` (any length but zero), a one-texel box added in
+// quadrature: 0 is bilinear interpolation. Several, weighted and summed, make a stack; `rgb / a` is its radiance.
+fn octagloss_box_energy(direction: vec3<f32>, solid_angle: f32) -> vec4<f32> {
     let n = f32(octagloss_table.inner);
     let uv = oct_from_direction(direction);
     let texels = solid_angle / solid_angle_density(uv) * (n * n / 4.0);
     let half = 0.5 * min(sqrt(texels + 1.0), 2.0 * n);
     let centre = (uv + 1.0) * (n / 2.0);
-    return box_radiance(centre - half, centre + half);
+    return box_energy(centre - half, centre + half);
+}
+
+// Radiance of one box: the filter of the octahedron environment maps paper.
+fn octagloss_box(direction: vec3<f32>, solid_angle: f32) -> vec3<f32> {
+    let energy = octagloss_box_energy(direction, solid_angle);
+    return energy.rgb / energy.a;
 }
 
 // Solid angle of the box for GGX of `roughness` in [0, 1]: the cap that holds the lobe's weight at its peak value.

@@ -71,7 +71,7 @@ pub(super) struct TableArgs {
     /// Edge of the octahedral map, 1 to 16384 [default: lobes']
     ///
     /// By default as fine as the sharpest lobe asks for, at most twice the source (the width of a panorama, twice the
-    /// face of a cube), rounded up to a multiple of 64, at most 4096 with its border.
+    /// face of a cube) and at least the source up to 512, rounded up to a multiple of 64, at most 4096 with its border.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
     pub(super) oem_size: Option<u32>,
     /// Its border in texels, 0 to 16384 [default: filter's]

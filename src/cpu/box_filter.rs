@@ -1,4 +1,4 @@
-//! The paper's filter: one box, sized by the lobe and the map's local density.
+//! The paper's filter: one box, sized by the lobe and the map's local density; or a stack of such boxes.
 
 use crate::environment::Rgb;
 use crate::lobe::{self, Lobe};
@@ -6,35 +6,66 @@ use crate::sat::Sat;
 use crate::sphere::octahedral::{oct_from_direction, solid_angle_density};
 use glam::{DVec2, DVec3};
 
-/// One box per direction over an exact table.
+/// One box of a stack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StackedBox {
+    /// Its solid angle, not negative.
+    pub solid_angle: f64,
+    /// What its energy and its solid angle count.
+    pub weight: f64,
+}
+
+/// Weighted boxes around a direction over an exact table.
 #[derive(Debug)]
 pub struct BoxFilter<'a> {
     sat: &'a Sat,
-    /// Solid angle of the box.
-    solid_angle: f64,
+    stack: Vec<StackedBox>,
 }
 
 impl<'a> BoxFilter<'a> {
-    /// Boxes for `lobe` at `alpha` in [0, 1].
+    /// One box a direction for `lobe` at `alpha` in [0, 1].
     #[must_use]
     pub fn new(sat: &'a Sat, lobe: Lobe, alpha: f64) -> Self {
-        Self { sat, solid_angle: solid_angle(lobe, alpha) }
+        Self::stacked(sat, vec![single_box(lobe, alpha)])
     }
 
-    /// Radiance of the box around `direction` (unit, of the OEM's space).
+    /// The boxes of `stack` around every direction: their weighted energies over their weighted solid angles, so that a
+    /// constant stays one.
     ///
-    /// Its side in (u, v) is the square root of the box's solid angle over the local density, which is continuous
-    /// across every fold; a one-texel box is added in quadrature, so that roughness 0 is bilinear interpolation.
+    /// # Panics
+    /// Where there are none.
+    #[must_use]
+    pub fn stacked(sat: &'a Sat, stack: Vec<StackedBox>) -> Self {
+        assert!(!stack.is_empty(), "at least one box");
+        Self { sat, stack }
+    }
+
+    /// Radiance of the boxes around `direction` (unit, of the OEM's space).
+    ///
+    /// A box's side in (u, v) is the square root of its solid angle over the local density, which is continuous across
+    /// every fold; a one-texel box is added in quadrature, so that roughness 0 is bilinear interpolation.
     #[must_use]
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         let n = f64::from(self.sat.size().inner);
         let uv = oct_from_direction(direction);
-        let texels = self.solid_angle / solid_angle_density(uv) * (n * n / 4.0);
-        let half = half_side(texels, n);
         let centre = (uv + 1.0) * (n / 2.0);
-        let [r, g, b, w] = self.sat.fractional_box(centre - DVec2::splat(half), centre + DVec2::splat(half));
+        let mut sum = [0.0; 4];
+        for StackedBox { solid_angle, weight } in &self.stack {
+            let texels = solid_angle / solid_angle_density(uv) * (n * n / 4.0);
+            let half = DVec2::splat(half_side(texels, n));
+            let energy = self.sat.fractional_box(centre - half, centre + half);
+            for (sum, energy) in sum.iter_mut().zip(energy) {
+                *sum += weight * energy;
+            }
+        }
+        let [r, g, b, w] = sum;
         [(r / w) as f32, (g / w) as f32, (b / w) as f32]
     }
+}
+
+/// The one box that stands for `lobe` at `alpha`.
+pub(crate) fn single_box(lobe: Lobe, alpha: f64) -> StackedBox {
+    StackedBox { solid_angle: solid_angle(lobe, alpha), weight: 1.0 }
 }
 
 /// Half of a box's side in texels: a one-texel box added in quadrature, at most the whole plane's period.
@@ -52,7 +83,7 @@ pub fn widest_half_extent(lobe: Lobe, alpha: f64, inner: u32) -> u32 {
 }
 
 /// Solid angle of the cap that holds the lobe's weight at the lobe's peak value.
-pub(crate) fn solid_angle(lobe: Lobe, alpha: f64) -> f64 {
+fn solid_angle(lobe: Lobe, alpha: f64) -> f64 {
     if alpha > 0.0 || lobe == Lobe::Cosine {
         lobe::kernel_integral(lobe, alpha) / lobe::kernel(lobe, alpha, 0.0)
     } else {

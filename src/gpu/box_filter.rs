@@ -3,6 +3,7 @@
 use super::oem::Table;
 use super::stage::Dispatch;
 use super::{Context, SatPlanes, Stage, readback, shader};
+use crate::cpu::box_filter::StackedBox;
 use crate::error::{Error, Result};
 use glam::DVec3;
 
@@ -150,7 +151,7 @@ impl BoxFilter {
         Stage::new("pack", vec![Dispatch::new(context, &self.pack, &resources, [groups, groups, 1])])
     }
 
-    /// Radiance of the box of `solid_angle` around each of `directions`, read back; see
+    /// Radiance of the boxes of `stack` around each of `directions`, read back; see
     /// [`crate::cpu::box_filter::BoxFilter`].
     ///
     /// # Errors
@@ -160,15 +161,18 @@ impl BoxFilter {
         context: &Context,
         textures: &SatTextures,
         directions: &[DVec3],
-        solid_angle: f64,
+        stack: &[StackedBox],
     ) -> Result<Vec<[f32; 3]>> {
-        let queries: Vec<[f32; 4]> = directions
-            .iter()
-            .map(|direction| direction.as_vec3().extend(solid_angle as f32).to_array())
-            .collect();
+        let queries: Vec<[f32; 4]> =
+            directions.iter().map(|direction| direction.as_vec3().extend(0.0).to_array()).collect();
+        let stack: Vec<[f32; 2]> =
+            stack.iter().map(|one| [one.solid_angle as f32, one.weight as f32]).collect();
+        let stack = context.storage_of("stack", &stack);
         let mut answers = Vec::with_capacity(queries.len());
         for batch in queries.chunks(1 << 22) {
-            let found: Vec<[f32; 4]> = self.ask(context, &self.radiance, [0, 1], textures, batch, 16).await?;
+            let queries = context.storage_of("directions", batch);
+            let lists = [(0, &queries), (4, &stack)];
+            let found: Vec<[f32; 4]> = ask(context, &self.radiance, textures, &lists, 1, batch.len()).await?;
             answers.extend(found.iter().map(|[r, g, b, _]| [*r, *g, *b]));
         }
         Ok(answers)
@@ -185,48 +189,52 @@ impl BoxFilter {
         textures: &SatTextures,
         boxes: &[[i32; 4]],
     ) -> Result<Vec<[u64; 4]>> {
+        let queries = context.storage_of("boxes", boxes);
         let found: Vec<[[u32; 4]; 2]> =
-            self.ask(context, &self.box_sums, [2, 3], textures, boxes, 32).await?;
+            ask(context, &self.box_sums, textures, &[(2, &queries)], 3, boxes.len()).await?;
         let join = |[low, high]: &[[u32; 4]; 2]| {
             std::array::from_fn(|c| u64::from(high[c]) << 32 | u64::from(low[c]))
         };
         Ok(found.iter().map(join).collect())
     }
+}
 
-    /// Runs `pipeline` with `queries` at the first of `bindings` and reads the second back, `bytes` an answer.
-    async fn ask<Q: bytemuck::NoUninit, A: bytemuck::Pod>(
-        &self,
-        context: &Context,
-        pipeline: &wgpu::ComputePipeline,
-        bindings: [u32; 2],
-        textures: &SatTextures,
-        queries: &[Q],
-        bytes: u64,
-    ) -> Result<Vec<A>> {
-        let count = queries.len() as u32;
-        if count == 0 {
-            return Ok(Vec::new());
-        }
-        let asked = context.storage_of("queries", queries);
-        let answered = context.storage("answers", bytes * u64::from(count));
-        let device = context.device();
-        let table = textures.bind_group(device, &pipeline.get_bind_group_layout(0));
-        let lists = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("queries"),
-            layout: &pipeline.get_bind_group_layout(1),
-            entries: &[
-                wgpu::BindGroupEntry { binding: bindings[0], resource: asked.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: bindings[1], resource: answered.as_entire_binding() },
-            ],
-        });
-        let groups = count.div_ceil(GROUP_SIZE);
-        context.submit(|encoder| {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &table, &[]);
-            pass.set_bind_group(1, &lists, &[]);
-            pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
-        });
-        readback::read(context, &answered).await
+/// Runs `pipeline` over `count` queries with `lists` at their bindings of group 1, and reads back what it leaves at
+/// binding `answers`.
+async fn ask<A: bytemuck::Pod>(
+    context: &Context,
+    pipeline: &wgpu::ComputePipeline,
+    textures: &SatTextures,
+    lists: &[(u32, &wgpu::Buffer)],
+    answers: u32,
+    count: usize,
+) -> Result<Vec<A>> {
+    if count == 0 {
+        return Ok(Vec::new());
     }
+    let answered = context.storage("answers", (size_of::<A>() * count) as u64);
+    let device = context.device();
+    let table = textures.bind_group(device, &pipeline.get_bind_group_layout(0));
+    let entries: Vec<_> = lists
+        .iter()
+        .chain([&(answers, &answered)])
+        .map(|(binding, buffer)| wgpu::BindGroupEntry {
+            binding: *binding,
+            resource: buffer.as_entire_binding(),
+        })
+        .collect();
+    let lists = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("queries"),
+        layout: &pipeline.get_bind_group_layout(1),
+        entries: &entries,
+    });
+    let groups = u32::try_from(count).expect("what a buffer holds").div_ceil(GROUP_SIZE);
+    context.submit(|encoder| {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &table, &[]);
+        pass.set_bind_group(1, &lists, &[]);
+        pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
+    });
+    readback::read(context, &answered).await
 }

@@ -10,7 +10,7 @@ use super::{Context, OemPlanes, SatPlanes, Stage, readback};
 use crate::bake::{Bake, BakeSettings, Filter, Order, Progress, Rung};
 use crate::cpu::adaptive::LANES;
 use crate::cpu::bake_level::{self, BakedLevel, Tile, Tiling};
-use crate::cpu::box_filter::solid_angle;
+use crate::cpu::box_filter::single_box;
 use crate::cpu::kernel::Kernel;
 use crate::cpu::tent::Reconstruction;
 use crate::environment::Environment;
@@ -262,8 +262,8 @@ impl<'a> Reflector<'a> {
                     .iter()
                     .flat_map(|group| group.iter().map(|direction| source_from_world * *direction))
                     .collect();
-                let size = solid_angle(lobe, alpha);
-                let radiance = box_filter.radiance(context, self.sat()?, &directions, size).await?;
+                let stack = [single_box(lobe, alpha)];
+                let radiance = box_filter.radiance(context, self.sat()?, &directions, &stack).await?;
                 let lanes = radiance.into_iter().map(|radiance| Answer { radiance, bound: None }).collect();
                 return Ok(Answers { lanes, leaves: 0 });
             }
