@@ -176,73 +176,118 @@ pub fn bake(
     settings: &BakeSettings,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Bake> {
-    let rungs = settings.rungs()?;
-    if settings.irradiance == Some(0) {
-        return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
+    let mut bakes = bake_all(environment, std::slice::from_ref(settings), progress)?;
+    Ok(bakes.pop().expect("one bake for one settings"))
+}
+
+/// What makes one level differ from another of the same environment.
+#[derive(Clone, Copy, PartialEq)]
+struct Part {
+    rung: Rung,
+    lobe: Lobe,
+    filter: Filter,
+}
+
+/// Bakes `environment` several times from one octahedral map, one bake for each of `settings`; levels that several of
+/// them ask for are baked once. The map is fine enough for the sharpest lobe of all; where settings name its size or
+/// border, the largest counts.
+///
+/// # Errors
+/// As [`bake`]; [`Error::Parameter`] for no settings.
+pub fn bake_all(
+    environment: &Environment,
+    settings: &[BakeSettings],
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Vec<Bake>> {
+    let mut parts: Vec<Part> = Vec::new();
+    let mut wanted = Vec::with_capacity(settings.len());
+    let mut all_rungs = Vec::new();
+    for settings in settings {
+        if settings.irradiance == Some(0) {
+            return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
+        }
+        let filter = settings.filter;
+        let rungs = settings.rungs()?;
+        all_rungs.extend(rungs.iter().copied());
+        let levels = rungs.into_iter().map(|rung| Part { rung, lobe: settings.lobe, filter });
+        let irradiance = settings.irradiance.map(|size| {
+            let rung = Rung { size, roughness: 1.0 };
+            Part { rung, lobe: Lobe::Cosine, filter }
+        });
+        let places: Vec<usize> = levels
+            .chain(irradiance)
+            .map(|part| {
+                parts.iter().position(|other| *other == part).unwrap_or_else(|| {
+                    parts.push(part);
+                    parts.len() - 1
+                })
+            })
+            .collect();
+        wanted.push(places);
     }
     let texels = |size: u32| 6 * u64::from(size) * u64::from(size);
-    let total =
-        rungs.iter().map(|rung| texels(rung.size)).sum::<u64>() + settings.irradiance.map_or(0, texels);
+    let total = parts.iter().map(|part| texels(part.rung.size)).sum::<u64>();
     let done = AtomicU64::new(0);
     let advance = |level: usize, texels: u64| {
         let done = done.fetch_add(texels, Ordering::Relaxed) + texels;
         progress(Progress { level: level as u32, done, total });
     };
 
-    let reflector = Reflector::new(environment, &reflector_settings(environment, settings, &rungs))?;
+    let reflector = Reflector::new(environment, &reflector_settings(environment, settings, &all_rungs)?)?;
     let mut warnings = Vec::new();
     let inner = reflector.oem().size().inner;
-    let asked = default_oem_size(environment.layout(), 0, sharpest(&rungs))
+    let asked = default_oem_size(environment.layout(), 0, sharpest(&all_rungs))
         .min(source_oem_size(environment.layout()));
     if inner < asked {
         warnings.push(format!("the OEM of {inner} texels is coarser than source and lobes ask for, {asked}"));
     }
 
-    let mut chain = CubeChain { levels: Vec::with_capacity(rungs.len()) };
-    let mut stats = Vec::with_capacity(rungs.len());
-    for (index, &rung) in rungs.iter().enumerate() {
+    let mut baked = Vec::with_capacity(parts.len());
+    for (index, part) in parts.iter().enumerate() {
         let start = Instant::now();
-        let baked =
-            bake_level::bake_level(&reflector, rung, settings.lobe, settings.filter, &|n| advance(index, n))?;
-        let bounds = baked.bounds.as_deref();
-        stats.push(LevelStats {
+        let level =
+            bake_level::bake_level(&reflector, part.rung, part.lobe, part.filter, &|n| advance(index, n))?;
+        let bounds = level.bounds.as_deref();
+        let stats = LevelStats {
             seconds: start.elapsed().as_secs_f64(),
-            leaves_per_texel: baked.leaves_per_texel,
+            leaves_per_texel: level.leaves_per_texel,
             error_bound_max: bounds.map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),
             error_bound_mean: bounds.map(|b| b.iter().map(|v| f64::from(*v)).sum::<f64>() / b.len() as f64),
-        });
-        chain.levels.push(CubeLevel {
-            size: rung.size,
-            roughness: rung.roughness,
-            texels: baked.texels,
-            bounds: baked.bounds.filter(|_| settings.bounds),
-        });
+        };
+        baked.push((level, stats));
     }
-    let irradiance = settings
-        .irradiance
-        .map(|size| {
-            let rung = Rung { size, roughness: 1.0 };
-            let baked = bake_level::bake_level(&reflector, rung, Lobe::Cosine, settings.filter, &|n| {
-                advance(rungs.len(), n)
-            })?;
-            Ok::<_, Error>(CubeLevel { size, roughness: 1.0, texels: baked.texels, bounds: None })
-        })
-        .transpose()?;
 
     let sh = sh::spherical_harmonics(environment);
     // L0 is the integral of the radiance times the constant 1/sqrt(4 pi).
     let source_energy = sh[0].map(|coefficient| coefficient * (4.0 * std::f64::consts::PI).sqrt());
     let totals = reflector.oem().totals();
-    Ok(Bake {
-        chain,
-        stats,
-        irradiance,
-        sh,
-        oem: reflector.oem().size(),
-        source_energy,
-        oem_energy: [totals[0], totals[1], totals[2]],
-        warnings,
-    })
+    let assemble = |(settings, places): (&BakeSettings, Vec<usize>)| {
+        let mut levels = Vec::with_capacity(places.len());
+        let mut stats = Vec::with_capacity(places.len());
+        let irradiance_at = settings.irradiance.and(places.last().copied());
+        for place in &places[..places.len() - usize::from(irradiance_at.is_some())] {
+            let (level, figures) = &baked[*place];
+            let Rung { size, roughness } = parts[*place].rung;
+            let bounds = level.bounds.clone().filter(|_| settings.bounds);
+            levels.push(CubeLevel { size, roughness, texels: level.texels.clone(), bounds });
+            stats.push(figures.clone());
+        }
+        let irradiance = irradiance_at.map(|place| {
+            let Rung { size, roughness } = parts[place].rung;
+            CubeLevel { size, roughness, texels: baked[place].0.texels.clone(), bounds: None }
+        });
+        Bake {
+            chain: CubeChain { levels },
+            stats,
+            irradiance,
+            sh,
+            oem: reflector.oem().size(),
+            source_energy,
+            oem_energy: [totals[0], totals[1], totals[2]],
+            warnings: warnings.clone(),
+        }
+    };
+    Ok(settings.iter().zip(wanted).map(assemble).collect())
 }
 
 /// The least roughness above 0.
@@ -250,19 +295,25 @@ fn sharpest(rungs: &[Rung]) -> f64 {
     rungs.iter().map(|rung| rung.roughness).filter(|r| *r > 0.0).fold(1.0, f64::min)
 }
 
-/// What the reflector of a bake must serve.
+/// What the reflector of these bakes must serve.
 fn reflector_settings(
     environment: &Environment,
-    settings: &BakeSettings,
+    settings: &[BakeSettings],
     rungs: &[Rung],
-) -> ReflectorSettings {
+) -> Result<ReflectorSettings> {
+    if settings.is_empty() {
+        return Err(Error::Parameter("there is nothing to bake".to_owned()));
+    }
     let sharpest = sharpest(rungs);
-    let border = settings.border.or_else(|| {
-        // The safety border: plain four-corner reads for the widest box of the ladder.
-        let roughest = rungs.iter().map(|rung| rung.roughness).fold(0.0, f64::max);
-        let inner = settings.oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0, sharpest));
-        (settings.filter == Filter::Box)
-            .then(|| box_filter::widest_half_extent(settings.lobe, roughest * roughest, inner))
-    });
-    ReflectorSettings { oem_size: settings.oem_size, border, sharpest }
+    let oem_size = settings.iter().filter_map(|settings| settings.oem_size).max();
+    // The safety border: plain four-corner reads for the widest box of the ladders.
+    let inner = oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0, sharpest));
+    let roughest = rungs.iter().map(|rung| rung.roughness).fold(0.0, f64::max);
+    let own = |settings: &BakeSettings| {
+        settings.border.or_else(|| {
+            (settings.filter == Filter::Box)
+                .then(|| box_filter::widest_half_extent(settings.lobe, roughest * roughest, inner))
+        })
+    };
+    Ok(ReflectorSettings { oem_size, border: settings.iter().filter_map(own).max(), sharpest })
 }
