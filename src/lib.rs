@@ -95,10 +95,12 @@ pub mod sat;
 pub mod sat_f32;
 pub mod seamless;
 pub mod sh;
+pub mod sh_scale;
 pub mod sphere;
 pub mod sun;
 pub mod survey;
 pub mod synth;
+pub mod target;
 
 pub use environment::{Environment, Layout, Rgb};
 pub use error::{Error, Result};

@@ -34,6 +34,9 @@ pub struct Report {
     pub options: OptionsReport,
     /// What the numbers and images mean.
     pub conventions: ConventionsReport,
+    /// What was written for which engine; absent without `--target`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target: Option<TargetReport>,
     /// Wall time from reading to writing.
     pub seconds: f64,
 }
@@ -128,6 +131,21 @@ pub struct OptionsReport {
     pub sanitize: bool,
     /// Edge of the irradiance cube.
     pub irradiance: Option<u32>,
+}
+
+/// What was written for an engine.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TargetReport {
+    /// Name of the target.
+    pub name: String,
+    /// The axis that its engine negates before it looks into a cube: `none`, `x` or `z`.
+    pub flip: String,
+    /// `none`, `cube`, `sh` or `both`.
+    pub diffuse: String,
+    /// Whether a test has loaded such files into their engine.
+    pub verified: bool,
+    /// The files, beside this one.
+    pub files: Vec<String>,
 }
 
 /// What the numbers and images mean.
@@ -240,6 +258,7 @@ impl Report {
                 irradiance: settings.irradiance,
             },
             conventions: ConventionsReport::default(),
+            target: None,
             seconds: told.seconds,
         }
     }

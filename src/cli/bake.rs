@@ -4,10 +4,11 @@ use super::args::{BakeArgs, EngineArg, FormatArg, InputArgs, LobeArg, PixelArg};
 use super::input::{self, Source};
 use super::output::{Encoding, Outputs, Stored};
 use super::talk::{self, Talk};
-use super::{Failure, Outcome, on_threads, print, usage};
+use super::{Failure, Outcome, bake_targets, on_threads, print, usage};
 use anyhow::anyhow;
 use octagloss::Environment;
-use octagloss::bake::{BakeSettings, Filter, bake};
+use octagloss::bake::{BakeSettings, Filter, Ladder, bake};
+use octagloss::io::cube_write::Container;
 use octagloss::io::exr_write::ExrPixel;
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
@@ -39,6 +40,9 @@ struct Job {
 }
 
 pub(super) fn run(args: BakeArgs) -> Outcome {
+    if !args.target.is_empty() {
+        return bake_targets::run(args);
+    }
     let talk = Talk::new(args.quiet);
     let (engine, threads) = (args.engine.engine, args.engine.threads);
     let mut plan = Plan::new(args)?;
@@ -53,7 +57,12 @@ impl Plan {
         let existing = if args.force { Existing::Replace } else { Existing::Keep };
         let sources = input::sources(args.inputs, &args.input)?;
         let format = encoding.format();
-        let suffix = if format == FormatArg::Ktx2 { ".ktx2" } else { "" };
+        let suffix = match format {
+            FormatArg::Ktx2 => ".ktx2",
+            FormatArg::Ktx => ".ktx",
+            FormatArg::Dds => ".dds",
+            FormatArg::Exr | FormatArg::Hdr => "",
+        };
 
         if let Some(path) = &args.preview {
             if extension(path) != Some("png".to_owned()) {
@@ -229,9 +238,9 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
     let settings = BakeSettings {
-        size: args.size,
+        size: args.size.unwrap_or(256),
         levels: args.levels,
-        ladder: args.ladder.into(),
+        ladder: args.ladder.map_or(Ladder::Linear, Ladder::from),
         lobe: args.lobe.into(),
         filter: args.filter,
         oem_size: args.table.oem_size,
@@ -246,13 +255,15 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
 }
 
 /// Extensions of formats that are not written: a file so named would belie its content.
-const FOREIGN: [&str; 13] =
-    ["basis", "bmp", "dds", "gif", "jpeg", "jpg", "ktx", "pfm", "png", "tga", "tif", "tiff", "webp"];
+const FOREIGN: [&str; 11] =
+    ["basis", "bmp", "gif", "jpeg", "jpg", "pfm", "png", "tga", "tif", "tiff", "webp"];
 
 /// The format as said, else by the output's extension, else ktx2, and the pixels it can have.
 fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
     let named = args.output.as_deref().and_then(extension).and_then(|extension| match extension.as_str() {
         "ktx2" => Some(FormatArg::Ktx2),
+        "ktx" => Some(FormatArg::Ktx),
+        "dds" => Some(FormatArg::Dds),
         "exr" => Some(FormatArg::Exr),
         "hdr" => Some(FormatArg::Hdr),
         _ => None,
@@ -261,7 +272,7 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
     let foreign = args.output.as_deref().and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
     if let Some(foreign) = foreign {
         return usage(format!(
-            "the output {} is named .{foreign}, which cannot be written; ktx2, exr and hdr can",
+            "the output {} is named .{foreign}, which cannot be written; ktx2, ktx, dds, exr and hdr can",
             output()
         ));
     }
@@ -280,13 +291,36 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
         (said, named) => said.or(named).unwrap_or(FormatArg::Ktx2),
     };
     match (format, args.pixel) {
-        (FormatArg::Ktx2, pixel) => Ok(Encoding::Ktx2(pixel.map_or(Pixel::F16, Pixel::from))),
+        (FormatArg::Ktx2 | FormatArg::Ktx | FormatArg::Dds, pixel) => {
+            let container = container(format).expect("these three are");
+            let pixel = pixel.map_or(Pixel::F16, Pixel::from);
+            if !container.holds(pixel) {
+                return usage(format!(
+                    "--pixel {} does not go into {}; ktx2 and dds take it",
+                    pixel.name(),
+                    container.name()
+                ));
+            }
+            Ok(Encoding::Cube(container, pixel))
+        }
         (FormatArg::Exr, None) => Ok(Encoding::Exr(ExrPixel::Auto)),
         (FormatArg::Exr, Some(PixelArg::F16)) => Ok(Encoding::Exr(ExrPixel::F16)),
         (FormatArg::Exr, Some(PixelArg::F32)) => Ok(Encoding::Exr(ExrPixel::F32)),
-        (FormatArg::Exr, Some(PixelArg::Rgb9e5)) => usage("--pixel rgb9e5 is for ktx2; exr has f16 and f32"),
+        (FormatArg::Exr, Some(other)) => {
+            usage(format!("--pixel {} is for ktx2 and dds; exr has f16 and f32", Pixel::from(other).name()))
+        }
         (FormatArg::Hdr, None) => Ok(Encoding::Hdr),
         (FormatArg::Hdr, Some(_)) => usage("--pixel does not go with hdr, whose pixels are always RGBE"),
+    }
+}
+
+/// The container that `format` is, where it holds a chain in one file.
+pub(super) const fn container(format: FormatArg) -> Option<Container> {
+    match format {
+        FormatArg::Ktx2 => Some(Container::Ktx2),
+        FormatArg::Ktx => Some(Container::Ktx1),
+        FormatArg::Dds => Some(Container::Dds),
+        FormatArg::Exr | FormatArg::Hdr => None,
     }
 }
 

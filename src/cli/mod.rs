@@ -4,6 +4,7 @@
 
 mod args;
 mod bake;
+mod bake_targets;
 mod bench;
 mod compare;
 mod info;

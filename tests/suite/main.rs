@@ -1,8 +1,10 @@
 //! The test suite: one binary, a module a concern.
 
 mod adaptive;
+mod bc6h;
 mod cli;
 mod common;
+mod containers;
 mod fuzz;
 mod inputs;
 mod io_read;
@@ -16,6 +18,7 @@ mod preview;
 mod sat;
 mod sphere;
 mod synth;
+mod targets;
 mod written;
 
 /// Counts what is allocated, for [`fuzz`].
