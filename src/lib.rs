@@ -81,6 +81,7 @@ pub mod bake;
 pub mod chain;
 pub mod compare;
 pub mod cpu;
+pub mod dfg;
 pub mod environment;
 pub mod error;
 mod font;

@@ -35,6 +35,8 @@ pub(super) enum Command {
     Bench(BenchArgs),
     /// Write one of the environments that the examples use
     Synth(SynthArgs),
+    /// Write the table of what rough surfaces reflect of white
+    Dfg(DfgArgs),
 }
 
 /// How input files are read.
@@ -318,6 +320,41 @@ pub(super) struct SynthArgs {
     /// Replace the file if it exists
     #[arg(long)]
     pub(super) force: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct DfgArgs {
+    /// Where to, .ktx2 or .exr
+    ///
+    /// Half floats. KTX2: RG, or RGBA with --charlie (alpha 1). EXR: R, G and B.
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub(super) output: PathBuf,
+    /// Texels along an edge, 1 to 1024
+    ///
+    /// Columns are the view's cosine from 0 to 1, rows the perceptual roughness from 0 to 1, downwards.
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(super) size: u32,
+    /// Red and green: split-sum or multiple-scattering
+    ///
+    /// split-sum: specular = f0 red + f90 green (Khronos, Bevy, three.js). multiple-scattering: specular =
+    /// mix(red, green, f0), times 1 + f0 (1/green - 1) (Filament). GGX with height-correlated Smith visibility.
+    #[arg(long, value_name = "FORM", default_value = "split-sum", hide_possible_values = true)]
+    pub(super) form: DfgFormArg,
+    /// Blue: what a Charlie lobe (sheen) reflects
+    #[arg(long)]
+    pub(super) charlie: bool,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+    /// Replace the file if it exists
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum DfgFormArg {
+    SplitSum,
+    MultipleScattering,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -29,6 +29,7 @@ pub mod pixels;
 pub mod png_write;
 pub mod r11g11b10;
 mod repair;
+pub mod table_write;
 mod texel_bytes;
 
 pub use layout::LayoutChoice;

@@ -5,6 +5,7 @@ mod bc6h;
 mod cli;
 mod common;
 mod containers;
+mod dfg;
 mod fuzz;
 mod inputs;
 mod io_read;
