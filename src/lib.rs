@@ -89,6 +89,7 @@ pub mod io;
 pub mod lobe;
 pub mod oem;
 pub mod oracle;
+pub mod overflow;
 pub mod preview;
 pub mod reflector;
 pub mod report;

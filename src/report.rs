@@ -28,6 +28,9 @@ pub struct Report {
     pub repaired: RepairReport,
     /// Texels with a channel that the pixel format could not hold.
     pub clamped: u64,
+    /// Texels scaled down for the pixel format; absent where there are none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub compressed: u64,
     /// What the user should know, a line each.
     pub warnings: Vec<String>,
     /// What was asked for.
@@ -239,6 +242,7 @@ impl Report {
             },
             repaired: told.repaired,
             clamped: told.clamped,
+            compressed: 0,
             warnings: told.warnings.into_iter().chain(bake.warnings.iter().cloned()).collect(),
             options: OptionsReport {
                 size: settings.size,
@@ -278,6 +282,10 @@ pub fn filter_name(filter: Filter) -> String {
         Filter::Box => "box".to_owned(),
         Filter::Reference => "reference".to_owned(),
     }
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 fn relative_difference(source: [f64; 3], oem: [f64; 3]) -> f64 {

@@ -4,6 +4,7 @@ use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use octagloss::bake::{Filter, Ladder};
 use octagloss::io::pixels::Pixel;
 use octagloss::lobe::Lobe;
+use octagloss::overflow::Overflow;
 use octagloss::target::{Diffuse, Flip, Plan, TARGETS, Target};
 use std::path::PathBuf;
 
@@ -154,6 +155,12 @@ pub(super) struct BakeArgs {
     /// and f32 only. bc6h is for ktx2 and dds. hdr has a format of its own and takes none.
     #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
     pub(super) pixel: Option<PixelArg>,
+    /// Too bright texels: clamp, compress or error
+    ///
+    /// What becomes of radiance above the pixel format's greatest value. clamp cuts each channel; compress scales such
+    /// levels' brightest texels down smoothly, keeping their colour; error fails. Counted in the report.
+    #[arg(long, value_name = "HOW", default_value = "clamp", hide_possible_values = true)]
+    pub(super) overflow: OverflowArg,
     /// Add an irradiance cube of edge N, 1 to 1024
     ///
     /// Its values are irradiance over pi. exr and hdr: irradiance_{face} beside the levels; other formats: a second
@@ -414,6 +421,13 @@ pub(super) enum PixelArg {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum OverflowArg {
+    Clamp,
+    Compress,
+    Error,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum FlipArg {
     None,
     X,
@@ -463,6 +477,16 @@ impl From<PixelArg> for Pixel {
             PixelArg::Rgb9e5 => Self::Rgb9e5,
             PixelArg::R11g11b10f => Self::R11g11b10,
             PixelArg::Bc6h => Self::Bc6h,
+        }
+    }
+}
+
+impl From<OverflowArg> for Overflow {
+    fn from(overflow: OverflowArg) -> Self {
+        match overflow {
+            OverflowArg::Clamp => Self::Clamp,
+            OverflowArg::Compress => Self::Compress,
+            OverflowArg::Error => Self::Error,
         }
     }
 }

@@ -7,12 +7,13 @@ use super::talk::{self, Talk};
 use super::{Failure, Outcome, bake_targets, on_threads, print, usage};
 use anyhow::anyhow;
 use octagloss::Environment;
-use octagloss::bake::{BakeSettings, Filter, Ladder, bake};
+use octagloss::bake::{Bake, BakeSettings, Filter, Ladder, bake};
 use octagloss::io::cube_write::Container;
 use octagloss::io::exr_write::ExrPixel;
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::oracle::Oracle;
+use octagloss::overflow::Overflow;
 use octagloss::report::{Circumstances, RepairReport};
 use octagloss::sphere::cube::{Face, direction_from_texel};
 use rayon::prelude::*;
@@ -29,6 +30,7 @@ struct Plan {
     folder: Option<PathBuf>,
     input: InputArgs,
     json: bool,
+    overflow: Overflow,
     /// Whether the engine was left to the program, which then says what it took.
     tell_engine: bool,
 }
@@ -102,7 +104,8 @@ impl Plan {
         for job in &jobs {
             job.check_places(&jobs)?;
         }
-        Ok(Self { settings, jobs, folder, input: args.input, json: args.json, tell_engine: false })
+        let overflow = args.overflow.into();
+        Ok(Self { settings, jobs, folder, input: args.input, json: args.json, overflow, tell_engine: false })
     }
 
     fn run(&self, talk: &Talk) -> Outcome {
@@ -190,7 +193,13 @@ impl Plan {
                 seconds: start.elapsed().as_secs_f64(),
             }
         };
-        let (report, bytes) = job.outputs.write(&self.settings, &baked, told)?;
+        let compressed = match job.outputs.encoding.clamping_pixel() {
+            Some(pixel) => compress(&mut baked, self.overflow, pixel).map_err(|error| {
+                anyhow::Error::from(error).context(job.outputs.main.display().to_string())
+            })?,
+            None => 0,
+        };
+        let (report, bytes) = job.outputs.write(&self.settings, &baked, compressed, told)?;
         let bound = match report.error_bound_max() {
             Some(bound) => format!("greatest error bound {bound:.3e}"),
             None => "no error bound".to_owned(),
@@ -210,6 +219,12 @@ impl Plan {
         }
         Ok(())
     }
+}
+
+/// Prepares every level of `baked` for `pixel`; the texels that were scaled down.
+pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> octagloss::Result<u64> {
+    let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut());
+    levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum()
 }
 
 impl Job {

@@ -1,7 +1,7 @@
 //! `octagloss bake --target`: the files that engines expect, in a folder for each environment.
 
 use super::args::{BakeArgs, EngineArg, InputArgs, LobeArg};
-use super::bake::container;
+use super::bake::{compress, container};
 use super::input::{self, Source};
 use super::output::{metadata, report_text};
 use super::talk::{self, Talk};
@@ -11,6 +11,7 @@ use octagloss::Error;
 use octagloss::bake::{BakeSettings, Ladder, bake_all};
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
+use octagloss::overflow::Overflow;
 use octagloss::report::{Circumstances, RepairReport, Report, TargetReport};
 use octagloss::target::files::{Made, files};
 use octagloss::target::{Content, Diffuse, Plan};
@@ -28,6 +29,7 @@ struct Work {
     existing: Existing,
     input: InputArgs,
     json: bool,
+    overflow: Overflow,
     tell_engine: bool,
 }
 
@@ -88,7 +90,9 @@ impl Work {
                 Some(path) => path.clone(),
                 None => PathBuf::from(&stem),
             };
-            let inside = source.files().iter().any(|file| file.starts_with(&own) && own.is_dir());
+            let inside = own.canonicalize().is_ok_and(|own| {
+                source.files().iter().any(|file| file.canonicalize().is_ok_and(|file| file.starts_with(&own)))
+            });
             if inside {
                 return usage(format!("{} holds the input; name another folder with -o", own.display()));
             }
@@ -101,6 +105,7 @@ impl Work {
             existing: if args.force { Existing::Replace } else { Existing::Keep },
             input: args.input,
             json: args.json,
+            overflow: args.overflow.into(),
             tell_engine: args.engine.engine == EngineArg::Auto,
         })
     }
@@ -168,7 +173,12 @@ impl Work {
         let bakes = bake_all(&opened.environment, &settings, &|progress| bar.bake(progress))?;
         drop(bar);
         let mut outputs: Vec<(Vec<Made>, Report)> = Vec::with_capacity(bakes.len());
-        for ((plan, settings), bake) in self.plans.iter().zip(&bakes) {
+        for ((plan, settings), mut bake) in self.plans.iter().zip(bakes) {
+            let compressed = compress(&mut bake, self.overflow, plan.pixel).map_err(|error| {
+                let place = format!("{}, target {}", job.folder.display(), plan.target.name);
+                anyhow::Error::from(error).context(place)
+            })?;
+            let bake = &bake;
             let made = files(plan, &job.name, bake, &metadata(settings))?;
             let clamped = made.iter().flat_map(|file| &file.clamped).sum();
             let mut warnings = opened.warnings.clone();
@@ -202,7 +212,7 @@ impl Work {
                 warnings,
                 seconds: start.elapsed().as_secs_f64(),
             };
-            let mut report = Report::new(settings, bake, told);
+            let mut report = Report { compressed, ..Report::new(settings, bake, told) };
             report.target = Some(TargetReport {
                 name: plan.target.name.to_owned(),
                 flip: plan.flip.name().to_owned(),

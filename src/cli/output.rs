@@ -33,6 +33,15 @@ impl Encoding {
         }
     }
 
+    /// The pixel format whose greatest value is a limit: those of a single kind, but floats.
+    pub(super) const fn clamping_pixel(self) -> Option<Pixel> {
+        match self {
+            Self::Cube(_, pixel) => Some(pixel),
+            Self::Exr(ExrPixel::F16) => Some(Pixel::F16),
+            Self::Exr(_) | Self::Hdr => None,
+        }
+    }
+
     pub(super) const fn pixel_name(self) -> &'static str {
         match self {
             Self::Cube(_, pixel) => pixel.name(),
@@ -124,8 +133,10 @@ impl Outputs {
         &self,
         settings: &BakeSettings,
         bake: &Bake,
+        compressed: u64,
         told: impl FnOnce(Stored) -> Circumstances,
     ) -> Result<(Report, u64)> {
+        let report_of = |stored: Stored| Report { compressed, ..Report::new(settings, bake, told(stored)) };
         let metadata = metadata(settings);
         let irradiance = bake.irradiance.as_ref();
         let report = match self.encoding {
@@ -146,7 +157,7 @@ impl Outputs {
                     output::write_folder(path, self.existing, |folder| write_bounds(folder, &bake.chain))?;
                 }
                 let pixels = vec![pixel; bake.chain.levels.len()];
-                let report = Report::new(settings, bake, told(Stored::new(&pixels, clamped)));
+                let report = report_of(Stored::new(&pixels, clamped));
                 if let Some(path) = &self.report {
                     let text = report_text(&report);
                     output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))?;
@@ -158,7 +169,7 @@ impl Outputs {
                     exr_write::write_level_folder(folder, &bake.chain, irradiance, choice, &metadata)?;
                 let pixels: Vec<Pixel> = stored.iter().map(|level| level.pixel).collect();
                 let clamped = stored.iter().map(|level| level.clamped).sum();
-                let report = Report::new(settings, bake, told(Stored::new(&pixels, clamped)));
+                let report = report_of(Stored::new(&pixels, clamped));
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
@@ -168,7 +179,7 @@ impl Outputs {
                     write_bounds(folder, &bake.chain)?;
                 }
                 let pixels = bake.chain.levels.iter().map(|_| "rgbe".to_owned()).collect();
-                let report = Report::new(settings, bake, told(Stored { pixels, clamped: 0, floats: 0 }));
+                let report = report_of(Stored { pixels, clamped: 0, floats: 0 });
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,

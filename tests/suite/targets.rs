@@ -233,18 +233,18 @@ fn several_targets_share_their_levels_and_cost_them_once() {
 }
 
 /// Relative RMS errors of luminance against exhaustive integration over the source: of the levels as baked, and as the
-/// target stores them. Levels of roughness 0.2 to 0.8, at texels drawn at random.
+/// target stores them. Levels of roughness 0.15 to 0.9, at texels drawn at random.
 fn errors(plan: &Plan, bake: &Bake, oracle: &Oracle<'_>) -> [f64; 2] {
     let made = files(plan, "a", bake, &[]).unwrap();
     let stored = levels(plan.container, plan.pixel, &made[0].bytes);
     let mut random = Random::new(5);
     let (mut sums, mut power, mut count) = ([0.0; 2], 0.0, 0);
     for (level, stored) in bake.chain.levels.iter().zip(stored) {
-        if !(0.2..0.8).contains(&level.roughness) {
+        if !(0.15..0.9).contains(&level.roughness) {
             continue;
         }
         let stored = plan.flip.level(&octagloss::chain::CubeLevel { texels: stored, ..level.clone() });
-        for _ in 0..150 {
+        for _ in 0..60 {
             let at = random.below(level.texels.len() as u32) as usize;
             let area = (level.size * level.size) as usize;
             let (face, place) = (Face::ALL[at / area], (at % area) as u32);
@@ -258,7 +258,7 @@ fn errors(plan: &Plan, bake: &Bake, oracle: &Oracle<'_>) -> [f64; 2] {
             count += 1;
         }
     }
-    assert!(count >= 300, "{count} texels to compare");
+    assert!(count >= 120, "{count} texels to compare");
     sums.map(|sum| (sum / power).sqrt())
 }
 
