@@ -124,7 +124,7 @@ pub const TARGETS: [Target; 5] = [
             FileSpec { path: "irradiance.{ext}", content: Irradiance },
             FileSpec { path: "sh.json", content: ShJson },
         ],
-        verified: Some("compare and info of this program"),
+        verified: Some("this program"),
     },
     // Cube textures are looked up with x negated unless they are render targets (WebGLMaterials.js); a prefiltered
     // cube runs down to 8 texels and its last level is the irradiance (PMREMGenerator.js, LOD_MIN, and
