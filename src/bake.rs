@@ -177,23 +177,50 @@ pub fn bake(
     settings: &BakeSettings,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Bake> {
+    let mut bakes = bake_all(environment, std::slice::from_ref(settings), progress)?;
+    Ok(bakes.pop().expect("one bake for one settings"))
+}
+
+/// Bakes `environment` several times from one octahedral map, one bake for each of `settings`; levels that several of
+/// them ask for are baked once. The map is fine enough for the sharpest lobe of all; where settings name its size or
+/// border, the largest counts.
+///
+/// # Errors
+/// As [`bake`]; [`Error::Parameter`] for no settings.
+pub fn bake_all(
+    environment: &Environment,
+    settings: &[BakeSettings],
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Vec<Bake>> {
     let order = Order::new(environment, settings)?;
     let meter = order.meter(progress);
     let reflector = Reflector::new(environment, &order.reflector_settings())?;
     let mut levels = Vec::new();
-    for (index, (rung, lobe)) in order.levels().enumerate() {
+    for (index, part) in order.parts().iter().enumerate() {
         let start = Instant::now();
         let advance = |texels| meter.advance(index, texels);
-        let level = bake_level::bake_level(&reflector, rung, lobe, settings.filter, &advance)?;
+        let level = bake_level::bake_level(&reflector, part.rung, part.lobe, part.filter, &advance)?;
         levels.push((level, start.elapsed().as_secs_f64()));
     }
     Ok(order.finish(levels, reflector.oem().size(), reflector.oem().totals()))
 }
 
-/// A bake as it is ordered of an engine: which levels, over which OEM.
+/// What makes one level differ from another of the same environment.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct Part {
+    pub(crate) rung: Rung,
+    pub(crate) lobe: Lobe,
+    pub(crate) filter: Filter,
+}
+
+/// Bakes as they are ordered of an engine: which levels, over which OEM.
 pub(crate) struct Order<'a> {
     environment: &'a Environment,
-    settings: &'a BakeSettings,
+    settings: &'a [BakeSettings],
+    parts: Vec<Part>,
+    /// Which parts each bake takes: its ladder, then its irradiance where it is asked for.
+    wanted: Vec<Vec<usize>>,
+    /// The rungs of all ladders.
     rungs: Vec<Rung>,
 }
 
@@ -213,33 +240,74 @@ impl Meter<'_> {
 }
 
 impl<'a> Order<'a> {
-    pub(crate) fn new(environment: &'a Environment, settings: &'a BakeSettings) -> Result<Self> {
-        let rungs = settings.rungs()?;
-        if settings.irradiance == Some(0) {
-            return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
+    pub(crate) fn new(environment: &'a Environment, settings: &'a [BakeSettings]) -> Result<Self> {
+        if settings.is_empty() {
+            return Err(Error::Parameter("there is nothing to bake".to_owned()));
         }
-        Ok(Self { environment, settings, rungs })
+        let mut parts: Vec<Part> = Vec::new();
+        let mut wanted = Vec::with_capacity(settings.len());
+        let mut all_rungs = Vec::new();
+        for settings in settings {
+            if settings.irradiance == Some(0) {
+                return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
+            }
+            let filter = settings.filter;
+            let rungs = settings.rungs()?;
+            all_rungs.extend(rungs.iter().copied());
+            let levels = rungs.into_iter().map(|rung| Part { rung, lobe: settings.lobe, filter });
+            let irradiance = settings.irradiance.map(|size| {
+                let rung = Rung { size, roughness: 1.0 };
+                Part { rung, lobe: Lobe::Cosine, filter }
+            });
+            let places: Vec<usize> = levels
+                .chain(irradiance)
+                .map(|part| {
+                    parts.iter().position(|other| *other == part).unwrap_or_else(|| {
+                        parts.push(part);
+                        parts.len() - 1
+                    })
+                })
+                .collect();
+            wanted.push(places);
+        }
+        Ok(Self { environment, settings, parts, wanted, rungs: all_rungs })
     }
 
     pub(crate) fn meter<'p>(&self, progress: &'p (dyn Fn(Progress) + Sync)) -> Meter<'p> {
-        let total = self.levels().map(|(rung, _)| 6 * u64::from(rung.size) * u64::from(rung.size)).sum();
-        Meter { done: AtomicU64::new(0), total, progress }
+        let texels = |part: &Part| 6 * u64::from(part.rung.size) * u64::from(part.rung.size);
+        Meter { done: AtomicU64::new(0), total: self.parts.iter().map(texels).sum(), progress }
     }
 
-    /// What to bake: the ladder, then the irradiance cube where it is asked for.
-    pub(crate) fn levels(&self) -> impl Iterator<Item = (Rung, Lobe)> {
-        let irradiance = self.settings.irradiance.map(|size| (Rung { size, roughness: 1.0 }, Lobe::Cosine));
-        self.rungs.iter().map(|rung| (*rung, self.settings.lobe)).chain(irradiance)
+    /// The levels to bake, each once.
+    pub(crate) fn parts(&self) -> &[Part] {
+        &self.parts
     }
 
     /// What the reflector must serve.
     pub(crate) fn reflector_settings(&self) -> ReflectorSettings {
-        reflector_settings(self.environment, self.settings, &self.rungs)
+        let Self { environment, settings, rungs, .. } = self;
+        let sharpest = sharpest(rungs);
+        let oem_size = settings.iter().filter_map(|settings| settings.oem_size).max();
+        // The safety border: plain four-corner reads for the widest box of the ladders.
+        let inner = oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0, sharpest));
+        let roughest = rungs.iter().map(|rung| rung.roughness).fold(0.0, f64::max);
+        let own = |settings: &BakeSettings| {
+            settings.border.or_else(|| {
+                (settings.filter == Filter::Box)
+                    .then(|| box_filter::widest_half_extent(settings.lobe, roughest * roughest, inner))
+            })
+        };
+        ReflectorSettings { oem_size, border: settings.iter().filter_map(own).max(), sharpest }
     }
 
-    /// The bake, from its levels and the seconds that each took, and the OEM's size and totals.
-    pub(crate) fn finish(self, levels: Vec<(BakedLevel, f64)>, oem: OemSize, totals: [f64; 4]) -> Bake {
-        let Self { environment, settings, rungs } = self;
+    /// The bakes, from the levels and the seconds that each took, and the OEM's size and totals.
+    pub(crate) fn finish(
+        self,
+        mut levels: Vec<(BakedLevel, f64)>,
+        oem: OemSize,
+        totals: [f64; 4],
+    ) -> Vec<Bake> {
+        let Self { environment, settings, parts, wanted, rungs } = self;
         let mut warnings = Vec::new();
         let asked = default_oem_size(environment.layout(), 0, sharpest(&rungs))
             .min(source_oem_size(environment.layout()));
@@ -249,44 +317,52 @@ impl<'a> Order<'a> {
                 oem.inner
             ));
         }
-        let mut levels = levels.into_iter();
-        let mut chain = CubeChain { levels: Vec::with_capacity(rungs.len()) };
-        let mut stats = Vec::with_capacity(rungs.len());
-        for (rung, (baked, seconds)) in rungs.iter().zip(levels.by_ref()) {
-            let bounds = baked.bounds.as_deref();
-            stats.push(LevelStats {
-                seconds,
-                leaves_per_texel: baked.leaves_per_texel,
-                error_bound_max: bounds
-                    .map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),
-                error_bound_mean: bounds
-                    .map(|b| b.iter().map(|v| f64::from(*v)).sum::<f64>() / b.len() as f64),
-            });
-            chain.levels.push(CubeLevel {
-                size: rung.size,
-                roughness: rung.roughness,
-                texels: baked.texels,
-                bounds: baked.bounds.filter(|_| settings.bounds),
-            });
-        }
-        let irradiance = settings.irradiance.zip(levels.next()).map(|(size, (baked, _))| CubeLevel {
-            size,
-            roughness: 1.0,
-            texels: baked.texels,
-            bounds: None,
-        });
         let sh = sh::spherical_harmonics(environment);
         // L0 is the integral of the radiance times the constant 1/sqrt(4 pi).
         let source_energy = sh[0].map(|coefficient| coefficient * (4.0 * std::f64::consts::PI).sqrt());
-        Bake {
-            chain,
-            stats,
-            irradiance,
-            sh,
-            oem,
-            source_energy,
-            oem_energy: [totals[0], totals[1], totals[2]],
-            warnings,
+        let stats: Vec<LevelStats> =
+            levels.iter().map(|(level, seconds)| LevelStats::new(level, *seconds)).collect();
+        // The last bake to want a level gets the level itself.
+        let mut uses = vec![0_u32; parts.len()];
+        wanted.iter().flatten().for_each(|place| uses[*place] += 1);
+        let mut cube_level = |place: usize, bounds: bool| {
+            let Rung { size, roughness } = parts[place].rung;
+            let level = &mut levels[place].0;
+            uses[place] -= 1;
+            let (texels, all_bounds) = if uses[place] == 0 {
+                (std::mem::take(&mut level.texels), level.bounds.take())
+            } else {
+                (level.texels.clone(), level.bounds.clone())
+            };
+            CubeLevel { size, roughness, texels, bounds: all_bounds.filter(|_| bounds) }
+        };
+        let assemble = |(settings, mut places): (&BakeSettings, Vec<usize>)| {
+            let irradiance = settings.irradiance.and_then(|_| places.pop());
+            Bake {
+                chain: CubeChain {
+                    levels: places.iter().map(|place| cube_level(*place, settings.bounds)).collect(),
+                },
+                stats: places.iter().map(|place| stats[*place].clone()).collect(),
+                irradiance: irradiance.map(|place| cube_level(place, false)),
+                sh,
+                oem,
+                source_energy,
+                oem_energy: [totals[0], totals[1], totals[2]],
+                warnings: warnings.clone(),
+            }
+        };
+        settings.iter().zip(wanted).map(assemble).collect()
+    }
+}
+
+impl LevelStats {
+    fn new(level: &BakedLevel, seconds: f64) -> Self {
+        let bounds = level.bounds.as_deref();
+        Self {
+            seconds,
+            leaves_per_texel: level.leaves_per_texel,
+            error_bound_max: bounds.map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),
+            error_bound_mean: bounds.map(|b| b.iter().map(|v| f64::from(*v)).sum::<f64>() / b.len() as f64),
         }
     }
 }
@@ -294,21 +370,4 @@ impl<'a> Order<'a> {
 /// The least roughness above 0.
 fn sharpest(rungs: &[Rung]) -> f64 {
     rungs.iter().map(|rung| rung.roughness).filter(|r| *r > 0.0).fold(1.0, f64::min)
-}
-
-/// What the reflector of a bake must serve.
-fn reflector_settings(
-    environment: &Environment,
-    settings: &BakeSettings,
-    rungs: &[Rung],
-) -> ReflectorSettings {
-    let sharpest = sharpest(rungs);
-    let border = settings.border.or_else(|| {
-        // The safety border: plain four-corner reads for the widest box of the ladder.
-        let roughest = rungs.iter().map(|rung| rung.roughness).fold(0.0, f64::max);
-        let inner = settings.oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0, sharpest));
-        (settings.filter == Filter::Box)
-            .then(|| box_filter::widest_half_extent(settings.lobe, roughest * roughest, inner))
-    });
-    ReflectorSettings { oem_size: settings.oem_size, border, sharpest }
 }

@@ -28,12 +28,18 @@ pub struct Report {
     pub repaired: RepairReport,
     /// Texels with a channel that the pixel format could not hold.
     pub clamped: u64,
+    /// Texels scaled down for the pixel format; absent where there are none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub compressed: u64,
     /// What the user should know, a line each.
     pub warnings: Vec<String>,
     /// What was asked for.
     pub options: OptionsReport,
     /// What the numbers and images mean.
     pub conventions: ConventionsReport,
+    /// What was written for which engine; absent without `--target`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target: Option<TargetReport>,
     /// Wall time from reading to writing.
     pub seconds: f64,
 }
@@ -128,6 +134,21 @@ pub struct OptionsReport {
     pub sanitize: bool,
     /// Edge of the irradiance cube.
     pub irradiance: Option<u32>,
+}
+
+/// What was written for an engine.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TargetReport {
+    /// Name of the target.
+    pub name: String,
+    /// The axis that its engine negates before it looks into a cube: `none`, `x` or `z`.
+    pub flip: String,
+    /// `none`, `cube`, `sh` or `both`.
+    pub diffuse: String,
+    /// Whether a test has loaded such files into their engine.
+    pub verified: bool,
+    /// The files, beside this one.
+    pub files: Vec<String>,
 }
 
 /// What the numbers and images mean.
@@ -225,6 +246,7 @@ impl Report {
             },
             repaired: told.repaired,
             clamped: told.clamped,
+            compressed: 0,
             warnings: told.warnings.into_iter().chain(bake.warnings.iter().cloned()).collect(),
             options: OptionsReport {
                 size: settings.size,
@@ -244,6 +266,7 @@ impl Report {
                 irradiance: settings.irradiance,
             },
             conventions: ConventionsReport::default(),
+            target: None,
             seconds: told.seconds,
         }
     }
@@ -263,6 +286,10 @@ pub fn filter_name(filter: Filter) -> String {
         Filter::Box => "box".to_owned(),
         Filter::Reference => "reference".to_owned(),
     }
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 fn relative_difference(source: [f64; 3], oem: [f64; 3]) -> f64 {

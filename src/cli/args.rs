@@ -4,6 +4,8 @@ use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use octagloss::bake::{Filter, Ladder};
 use octagloss::io::pixels::Pixel;
 use octagloss::lobe::Lobe;
+use octagloss::overflow::Overflow;
+use octagloss::target::{Diffuse, Flip, Plan, TARGETS, Target};
 use std::path::PathBuf;
 
 /// Texels along an edge of a cube or of an OEM.
@@ -34,6 +36,8 @@ pub(super) enum Command {
     Bench(BenchArgs),
     /// Write one of the environments that the examples use
     Synth(SynthArgs),
+    /// Write the table of what rough surfaces reflect of white
+    Dfg(DfgArgs),
 }
 
 /// How input files are read.
@@ -110,25 +114,31 @@ pub(super) struct BakeArgs {
     pub(super) inputs: Vec<PathBuf>,
     /// File or folder to write [default: INPUT's name]
     ///
-    /// By default in the current folder. A file for ktx2, a folder for exr and hdr. With several inputs a folder that gets one of these for each,
-    /// named after its input.
+    /// By default in the current folder. A file for ktx2, ktx and dds, a folder for exr, hdr and --target. With
+    /// several inputs a folder that gets one of these for each, named after its input.
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
-    /// Edge of level 0, 1 to 16384
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
-    pub(super) size: u32,
+    /// Presets for engines, comma-separated
+    ///
+    /// Each sets what other options do not; OUT is a folder that gets the target's files and report.json, one folder
+    /// a target where there are several. All are made from one octahedral map.
+    #[arg(long, value_name = "TARGET", value_delimiter = ',', value_parser = target, long_help = target_help())]
+    pub(super) target: Vec<&'static Target>,
+    /// Edge of level 0, 1 to 16384 [default: 256]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
+    pub(super) size: Option<u32>,
     /// Levels, each half the last [default: ladder's]
     ///
     /// At least 1, which has roughness 0; at most down to size 1. By default down to size 1 for linear and to 16 for
     /// filament.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=15))]
     pub(super) levels: Option<u32>,
-    /// Roughness of levels: linear or filament
+    /// linear or filament: roughness [default: linear]
     ///
     /// linear: level/(levels-1), as glTF, Bevy and the Khronos sampler have it. filament:
     /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it.
-    #[arg(long, value_name = "LADDER", default_value = "linear", hide_possible_values = true)]
-    pub(super) ladder: LadderArg,
+    #[arg(long, value_name = "LADDER", hide_possible_values = true)]
+    pub(super) ladder: Option<LadderArg>,
     /// Reflection lobe: ggx, phong, cone or cosine
     ///
     /// cosine is irradiance over pi; it has no roughness and bakes one level.
@@ -141,34 +151,61 @@ pub(super) struct BakeArgs {
     /// exhaustively in double precision: slow, for auditing.
     #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
     pub(super) filter: Filter,
-    /// ktx2, exr or hdr [default: OUT's, else ktx2]
+    /// ktx2, ktx, dds, exr, hdr [default: OUT's or ktx2]
     ///
-    /// By default what OUT's extension says.
+    /// By default what OUT's extension says. ktx is KTX 1.
     #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
     pub(super) format: Option<FormatArg>,
-    /// f16, f32 or rgb9e5 [default: f16]
+    /// f16, f32, rgb9e5, r11g11b10f, bc6h [default: f16]
     ///
-    /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels as floats. rgb9e5 is for
-    /// ktx2 only. hdr has a format of its own and takes none.
+    /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels as floats, and has f16
+    /// and f32 only. bc6h is for ktx2 and dds. hdr has a format of its own and takes none.
     #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
     pub(super) pixel: Option<PixelArg>,
+    /// Too bright texels: clamp, compress or error
+    ///
+    /// What becomes of radiance above the pixel format's greatest value. clamp cuts each channel; compress scales such
+    /// levels' brightest texels down smoothly, keeping their colour; error fails. Counted in the report.
+    #[arg(long, value_name = "HOW", default_value = "clamp", hide_possible_values = true)]
+    pub(super) overflow: OverflowArg,
     /// Add an irradiance cube of edge N, 1 to 1024
     ///
-    /// Its values are irradiance over pi. exr and hdr: irradiance_{face} beside the levels; ktx2: a second file,
-    /// OUT's stem with .irradiance.ktx2.
+    /// Its values are irradiance over pi. exr and hdr: irradiance_{face} beside the levels; other formats: a second
+    /// file, OUT's stem with .irradiance.ktx2 or the like.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(super) irradiance: Option<u32>,
+    /// Axis turned about by the engine: none, x or z
+    ///
+    /// Cubes for engines that negate a coordinate before they look into a cube map; with --target only, whose own it
+    /// replaces.
+    #[arg(long, value_name = "AXIS", requires = "target", hide_possible_values = true)]
+    pub(super) flip: Option<FlipArg>,
+    /// Diffuse light: none, cube, sh or both
+    ///
+    /// An irradiance cube, spherical harmonics, or both; with --target only, whose own it replaces.
+    #[arg(long, value_name = "FORM", requires = "target", hide_possible_values = true)]
+    pub(super) diffuse: Option<DiffuseArg>,
+    /// Name in the files' names [default: INPUT's]
+    ///
+    /// With --target only.
+    #[arg(long, value_name = "NAME", requires = "target", value_parser = file_name)]
+    pub(super) name: Option<String>,
+    /// Say what would be written, and write nothing
+    ///
+    /// A line a file on standard output; inputs are looked for, but not read. With --target only.
+    #[arg(long, requires = "target")]
+    pub(super) dry_run: bool,
     /// Write a picture of spheres down the ladder
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
     /// Write every texel's certified error bound
     ///
-    /// m{level}_{face}_bound.exr, absolute luminance. exr and hdr: beside the levels; ktx2: in the folder OUT.bounds.
+    /// m{level}_{face}_bound.exr, absolute luminance. exr and hdr: beside the levels; else in the folder OUT.bounds.
     #[arg(long)]
     pub(super) bounds: bool,
     /// Print the report instead of writing it
     ///
-    /// A line an input on standard output, instead of writing report.json (exr, hdr) or OUT.report.json (ktx2).
+    /// A line an input on standard output, instead of writing report.json (exr, hdr, --target) or OUT.report.json.
     #[arg(long)]
     pub(super) json: bool,
     /// Say nothing but errors
@@ -304,6 +341,41 @@ pub(super) struct SynthArgs {
     pub(super) force: bool,
 }
 
+#[derive(Debug, ClapArgs)]
+pub(super) struct DfgArgs {
+    /// Where to, .ktx2 or .exr
+    ///
+    /// Half floats. KTX2: RG, or RGBA with --charlie (alpha 1). EXR: R, G and B.
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub(super) output: PathBuf,
+    /// Texels along an edge, 1 to 1024
+    ///
+    /// Columns are the view's cosine from 0 to 1, rows the perceptual roughness from 0 to 1, downwards.
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(super) size: u32,
+    /// Red and green: split-sum or multiple-scattering
+    ///
+    /// split-sum: specular = f0 red + f90 green (Khronos, Bevy, three.js). multiple-scattering: specular =
+    /// mix(red, green, f0), times 1 + f0 (1/green - 1) (Filament). GGX with height-correlated Smith visibility.
+    #[arg(long, value_name = "FORM", default_value = "split-sum", hide_possible_values = true)]
+    pub(super) form: DfgFormArg,
+    /// Blue: what a Charlie lobe (sheen) reflects
+    #[arg(long)]
+    pub(super) charlie: bool,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+    /// Replace the file if it exists
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum DfgFormArg {
+    SplitSum,
+    MultipleScattering,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum LayoutArg {
     /// By the image's shape
@@ -347,6 +419,8 @@ pub(super) enum LobeArg {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum FormatArg {
     Ktx2,
+    Ktx,
+    Dds,
     Exr,
     Hdr,
 }
@@ -356,6 +430,30 @@ pub(super) enum PixelArg {
     F16,
     F32,
     Rgb9e5,
+    R11g11b10f,
+    Bc6h,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum OverflowArg {
+    Clamp,
+    Compress,
+    Error,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum FlipArg {
+    None,
+    X,
+    Z,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum DiffuseArg {
+    None,
+    Cube,
+    Sh,
+    Both,
 }
 
 /// How many texels of a level to compare.
@@ -391,6 +489,39 @@ impl From<PixelArg> for Pixel {
             PixelArg::F16 => Self::F16,
             PixelArg::F32 => Self::F32,
             PixelArg::Rgb9e5 => Self::Rgb9e5,
+            PixelArg::R11g11b10f => Self::R11g11b10,
+            PixelArg::Bc6h => Self::Bc6h,
+        }
+    }
+}
+
+impl From<OverflowArg> for Overflow {
+    fn from(overflow: OverflowArg) -> Self {
+        match overflow {
+            OverflowArg::Clamp => Self::Clamp,
+            OverflowArg::Compress => Self::Compress,
+            OverflowArg::Error => Self::Error,
+        }
+    }
+}
+
+impl From<FlipArg> for Flip {
+    fn from(flip: FlipArg) -> Self {
+        match flip {
+            FlipArg::None => Self::None,
+            FlipArg::X => Self::X,
+            FlipArg::Z => Self::Z,
+        }
+    }
+}
+
+impl From<DiffuseArg> for Diffuse {
+    fn from(diffuse: DiffuseArg) -> Self {
+        match diffuse {
+            DiffuseArg::None => Self::None,
+            DiffuseArg::Cube => Self::Cube,
+            DiffuseArg::Sh => Self::Sh,
+            DiffuseArg::Both => Self::Both,
         }
     }
 }
@@ -399,10 +530,47 @@ impl FormatArg {
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Ktx2 => "ktx2",
+            Self::Ktx => "ktx",
+            Self::Dds => "dds",
             Self::Exr => "exr",
             Self::Hdr => "hdr",
         }
     }
+}
+
+/// The target of that name.
+fn target(text: &str) -> Result<&'static Target, String> {
+    Target::named(text).ok_or_else(|| {
+        let names: Vec<_> = TARGETS.iter().map(|target| target.name).collect();
+        format!("there are {}", names.join(", "))
+    })
+}
+
+/// What each target expands to.
+fn target_help() -> String {
+    let mut text = "Presets for engines, comma-separated\n\nEach sets what other options do not. OUT is a folder that \
+                    gets the target's files and report.json, one folder a target where there are several; all are made \
+                    from one octahedral map."
+        .to_owned();
+    for target in &TARGETS {
+        let tested = match target.verified {
+            Some(reader) => format!("tested with {reader}"),
+            None => "unverified: no test loads it into its engine".to_owned(),
+        };
+        text += &format!("\n\n{}: {} ({tested})\n{}\nFiles:", target.name, target.reader, target.expansion());
+        for (path, _) in Plan::new(target).files("NAME") {
+            text += &format!(" {path}");
+        }
+    }
+    text
+}
+
+/// A name without folders.
+fn file_name(text: &str) -> Result<String, String> {
+    if text.is_empty() || text.starts_with('.') || text.contains(['/', '\\', '\0']) {
+        return Err("must be a plain name, without folders and not starting with a dot".to_owned());
+    }
+    Ok(text.to_owned())
 }
 
 fn number(text: &str) -> Result<f64, String> {

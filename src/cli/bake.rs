@@ -5,14 +5,16 @@ use super::engine::Engine;
 use super::input::{self, Source};
 use super::output::{Encoding, Outputs, Stored};
 use super::talk::{self, Talk};
-use super::{Failure, Outcome, on_threads, print, usage};
+use super::{Failure, Outcome, bake_targets, on_threads, print, usage};
 use anyhow::anyhow;
 use octagloss::Environment;
-use octagloss::bake::{BakeSettings, Filter};
+use octagloss::bake::{Bake, BakeSettings, Filter, Ladder};
+use octagloss::io::cube_write::Container;
 use octagloss::io::exr_write::ExrPixel;
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::oracle::Oracle;
+use octagloss::overflow::Overflow;
 use octagloss::report::{Circumstances, RepairReport};
 use octagloss::sphere::cube::{Face, direction_from_texel};
 use rayon::prelude::*;
@@ -30,6 +32,7 @@ struct Plan {
     folder: Option<PathBuf>,
     input: InputArgs,
     json: bool,
+    overflow: Overflow,
     engine: EngineArgs,
 }
 
@@ -40,6 +43,9 @@ struct Job {
 }
 
 pub(super) fn run(args: BakeArgs) -> Outcome {
+    if !args.target.is_empty() {
+        return bake_targets::run(args);
+    }
     let talk = Talk::new(args.quiet);
     args.engine.check()?;
     let threads = args.engine.threads;
@@ -54,7 +60,12 @@ impl Plan {
         let existing = if args.force { Existing::Replace } else { Existing::Keep };
         let sources = input::sources(args.inputs, &args.input)?;
         let format = encoding.format();
-        let suffix = if format == FormatArg::Ktx2 { ".ktx2" } else { "" };
+        let suffix = match format {
+            FormatArg::Ktx2 => ".ktx2",
+            FormatArg::Ktx => ".ktx",
+            FormatArg::Dds => ".dds",
+            FormatArg::Exr | FormatArg::Hdr => "",
+        };
 
         if let Some(path) = &args.preview {
             if extension(path) != Some("png".to_owned()) {
@@ -94,7 +105,15 @@ impl Plan {
         for job in &jobs {
             job.check_places(&jobs)?;
         }
-        Ok(Self { settings, jobs, folder, input: args.input, json: args.json, engine: args.engine })
+        Ok(Self {
+            settings,
+            jobs,
+            folder,
+            input: args.input,
+            json: args.json,
+            overflow: args.overflow.into(),
+            engine: args.engine,
+        })
     }
 
     fn run(&self, talk: &Talk) -> Outcome {
@@ -123,7 +142,6 @@ impl Plan {
                 Err(error) => tell(error.into())?,
             }
         }
-        // Opened once an input was read, so that one that cannot be is answered by its error alone.
         let engine = OnceCell::new();
         for job in ready {
             if let Err(failure) = self.bake(job, &engine, talk) {
@@ -136,13 +154,7 @@ impl Plan {
     fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
         let start = Instant::now();
         let opened = job.source.open(&self.input, talk)?;
-        let engine = match engine.get() {
-            Some(engine) => engine,
-            None => {
-                let chosen = self.engine.choose(talk)?;
-                engine.get_or_init(|| chosen)
-            }
-        };
+        let engine = self.engine.chosen(engine, talk)?;
         if self.settings.filter == Filter::Reference {
             let seconds = foretell(&opened.environment, &self.settings)?;
             talk.note(&format!(
@@ -191,7 +203,13 @@ impl Plan {
                 seconds: start.elapsed().as_secs_f64(),
             }
         };
-        let (report, bytes) = job.outputs.write(&self.settings, &baked, told)?;
+        let compressed = match job.outputs.encoding.clamping_pixel() {
+            Some(pixel) => compress(&mut baked, self.overflow, pixel).map_err(|error| {
+                anyhow::Error::from(error).context(job.outputs.main.display().to_string())
+            })?,
+            None => 0,
+        };
+        let (report, bytes) = job.outputs.write(&self.settings, &baked, compressed, told)?;
         let bound = match report.error_bound_max() {
             Some(bound) => format!("greatest error bound {bound:.3e}"),
             None => "no error bound".to_owned(),
@@ -211,6 +229,12 @@ impl Plan {
         }
         Ok(())
     }
+}
+
+/// Prepares every level of `baked` for `pixel`; the texels that were scaled down.
+pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> octagloss::Result<u64> {
+    let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut());
+    levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum()
 }
 
 impl Job {
@@ -239,9 +263,9 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
     let settings = BakeSettings {
-        size: args.size,
+        size: args.size.unwrap_or(256),
         levels: args.levels,
-        ladder: args.ladder.into(),
+        ladder: args.ladder.map_or(Ladder::Linear, Ladder::from),
         lobe: args.lobe.into(),
         filter: args.filter,
         oem_size: args.table.oem_size,
@@ -256,13 +280,15 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
 }
 
 /// Extensions of formats that are not written: a file so named would belie its content.
-const FOREIGN: [&str; 13] =
-    ["basis", "bmp", "dds", "gif", "jpeg", "jpg", "ktx", "pfm", "png", "tga", "tif", "tiff", "webp"];
+const FOREIGN: [&str; 11] =
+    ["basis", "bmp", "gif", "jpeg", "jpg", "pfm", "png", "tga", "tif", "tiff", "webp"];
 
 /// The format as said, else by the output's extension, else ktx2, and the pixels it can have.
 fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
     let named = args.output.as_deref().and_then(extension).and_then(|extension| match extension.as_str() {
         "ktx2" => Some(FormatArg::Ktx2),
+        "ktx" => Some(FormatArg::Ktx),
+        "dds" => Some(FormatArg::Dds),
         "exr" => Some(FormatArg::Exr),
         "hdr" => Some(FormatArg::Hdr),
         _ => None,
@@ -271,7 +297,7 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
     let foreign = args.output.as_deref().and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
     if let Some(foreign) = foreign {
         return usage(format!(
-            "the output {} is named .{foreign}, which cannot be written; ktx2, exr and hdr can",
+            "the output {} is named .{foreign}, which cannot be written; ktx2, ktx, dds, exr and hdr can",
             output()
         ));
     }
@@ -290,13 +316,36 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
         (said, named) => said.or(named).unwrap_or(FormatArg::Ktx2),
     };
     match (format, args.pixel) {
-        (FormatArg::Ktx2, pixel) => Ok(Encoding::Ktx2(pixel.map_or(Pixel::F16, Pixel::from))),
+        (FormatArg::Ktx2 | FormatArg::Ktx | FormatArg::Dds, pixel) => {
+            let container = container(format).expect("these three are");
+            let pixel = pixel.map_or(Pixel::F16, Pixel::from);
+            if !container.holds(pixel) {
+                return usage(format!(
+                    "--pixel {} does not go into {}; ktx2 and dds take it",
+                    pixel.name(),
+                    container.name()
+                ));
+            }
+            Ok(Encoding::Cube(container, pixel))
+        }
         (FormatArg::Exr, None) => Ok(Encoding::Exr(ExrPixel::Auto)),
         (FormatArg::Exr, Some(PixelArg::F16)) => Ok(Encoding::Exr(ExrPixel::F16)),
         (FormatArg::Exr, Some(PixelArg::F32)) => Ok(Encoding::Exr(ExrPixel::F32)),
-        (FormatArg::Exr, Some(PixelArg::Rgb9e5)) => usage("--pixel rgb9e5 is for ktx2; exr has f16 and f32"),
+        (FormatArg::Exr, Some(other)) => {
+            usage(format!("--pixel {} is for ktx2 and dds; exr has f16 and f32", Pixel::from(other).name()))
+        }
         (FormatArg::Hdr, None) => Ok(Encoding::Hdr),
         (FormatArg::Hdr, Some(_)) => usage("--pixel does not go with hdr, whose pixels are always RGBE"),
+    }
+}
+
+/// The container that `format` is, where it holds a chain in one file.
+pub(super) const fn container(format: FormatArg) -> Option<Container> {
+    match format {
+        FormatArg::Ktx2 => Some(Container::Ktx2),
+        FormatArg::Ktx => Some(Container::Ktx1),
+        FormatArg::Dds => Some(Container::Dds),
+        FormatArg::Exr | FormatArg::Hdr => None,
     }
 }
 

@@ -4,11 +4,12 @@ use super::args::{EngineArg, EngineArgs};
 use super::talk::Talk;
 use super::{Outcome, usage};
 use glam::DVec3;
-use octagloss::bake::{Bake, BakeSettings, Filter, Progress, bake};
+use octagloss::bake::{Bake, BakeSettings, Filter, Progress, bake_all};
 use octagloss::lobe::Lobe;
 use octagloss::reflector::{Answer, Reflector, ReflectorSettings, Workspace};
 use octagloss::{Environment, Error};
 use rayon::prelude::*;
+use std::cell::OnceCell;
 
 /// An engine, chosen.
 pub(super) enum Engine {
@@ -47,6 +48,16 @@ impl EngineArgs {
             (EngineArg::Cpu, Some(_)) => usage("--adapter names a GPU; leave --engine cpu out"),
             _ => Ok(()),
         }
+    }
+
+    /// The engine in `engine`, or the one asked for: chosen once an input was read, so that one that cannot be is answered
+    /// by its error alone.
+    pub(super) fn chosen<'a>(&self, engine: &'a OnceCell<Engine>, talk: &Talk) -> Outcome<&'a Engine> {
+        if let Some(engine) = engine.get() {
+            return Ok(engine);
+        }
+        let chosen = self.choose(talk)?;
+        Ok(engine.get_or_init(|| chosen))
     }
 
     /// The engine asked for; under `auto` a hardware GPU where there is one, which is said.
@@ -122,24 +133,23 @@ impl EngineArgs {
 }
 
 impl Engine {
-    /// Bakes, and says who did.
-    pub(super) fn bake(
+    /// Bakes once for each of `settings`, and says who did.
+    pub(super) fn bake_all(
         &self,
         environment: &Environment,
-        settings: &BakeSettings,
+        settings: &[BakeSettings],
         talk: &Talk,
         progress: &(dyn Fn(Progress) + Sync),
-    ) -> octagloss::Result<(Bake, Baker)> {
-        let on_cpu = || Ok((bake(environment, settings, progress)?, Baker { engine: "cpu", adapter: None }));
+    ) -> octagloss::Result<(Vec<Bake>, Baker)> {
+        let on_cpu =
+            || Ok((bake_all(environment, settings, progress)?, Baker { engine: "cpu", adapter: None }));
         match self {
             Self::Cpu => on_cpu(),
             #[cfg(feature = "gpu")]
             Self::Gpu { engine, may_fall_back } => {
                 let context = engine.context();
-                let baked =
-                    octagloss::gpu::block_on(Some(context), engine.bake(environment, settings, progress))
-                        .and_then(|baked| baked);
-                match baked {
+                let baked = engine.bake_all(environment, settings, progress);
+                match octagloss::gpu::block_on(Some(context), baked).and_then(|baked| baked) {
                     Ok(baked) => Ok((baked, Baker { engine: "gpu", adapter: Some(context.describe()) })),
                     Err(error) if *may_fall_back && asks_too_much(&error) => {
                         talk.note(&format!("{error}; the CPU takes over"));
@@ -149,6 +159,19 @@ impl Engine {
                 }
             }
         }
+    }
+
+    /// [`Engine::bake_all`] for one.
+    pub(super) fn bake(
+        &self,
+        environment: &Environment,
+        settings: &BakeSettings,
+        talk: &Talk,
+        progress: &(dyn Fn(Progress) + Sync),
+    ) -> octagloss::Result<(Bake, Baker)> {
+        let (mut bakes, baker) =
+            self.bake_all(environment, std::slice::from_ref(settings), talk, progress)?;
+        Ok((bakes.pop().expect("one bake for one settings"), baker))
     }
 
     /// Answers to each of `directions` on its own, so that none depends on what else is asked.

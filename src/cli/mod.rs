@@ -4,10 +4,12 @@
 
 mod args;
 mod bake;
+mod bake_targets;
 mod bench;
 #[cfg(feature = "gpu")]
 mod bench_gpu;
 mod compare;
+mod dfg;
 mod engine;
 mod info;
 mod input;
@@ -82,6 +84,7 @@ fn run(command: Command) -> Outcome {
         Command::Compare(args) => compare::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Synth(args) => synth::run(args),
+        Command::Dfg(args) => dfg::run(args),
     }
 }
 
@@ -89,9 +92,9 @@ fn run(command: Command) -> Outcome {
 fn refuse(error: &clap::Error) -> Outcome {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
-        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            usage("a subcommand is missing: bake, query, info, compare, bench or synth; see octagloss --help")
-        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => usage(
+            "a subcommand is missing: bake, query, info, compare, bench, synth or dfg; see octagloss --help",
+        ),
         _ => {
             let text = error.render().to_string();
             let said: Vec<_> = text

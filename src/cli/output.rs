@@ -3,10 +3,11 @@
 use super::args::FormatArg;
 use octagloss::bake::{Bake, BakeSettings};
 use octagloss::chain::{CubeChain, CubeLevel};
+use octagloss::io::cube_write::{Container, cube_bytes};
 use octagloss::io::exr_write::{self, ExrPixel, Samples};
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
-use octagloss::io::{hdr_write, ktx2_write, png_write};
+use octagloss::io::{hdr_write, png_write};
 use octagloss::report::{Circumstances, Report, filter_name};
 use octagloss::sphere::cube::Face;
 use octagloss::{Error, Result, preview};
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// How the levels are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
-    Ktx2(Pixel),
+    Cube(Container, Pixel),
     Exr(ExrPixel),
     Hdr,
 }
@@ -24,15 +25,26 @@ pub(super) enum Encoding {
 impl Encoding {
     pub(super) const fn format(self) -> FormatArg {
         match self {
-            Self::Ktx2(_) => FormatArg::Ktx2,
+            Self::Cube(Container::Ktx2, _) => FormatArg::Ktx2,
+            Self::Cube(Container::Ktx1, _) => FormatArg::Ktx,
+            Self::Cube(Container::Dds, _) => FormatArg::Dds,
             Self::Exr(_) => FormatArg::Exr,
             Self::Hdr => FormatArg::Hdr,
         }
     }
 
+    /// The pixel format whose greatest value is a limit: those of a single kind, but floats.
+    pub(super) const fn clamping_pixel(self) -> Option<Pixel> {
+        match self {
+            Self::Cube(_, pixel) => Some(pixel),
+            Self::Exr(ExrPixel::F16) => Some(Pixel::F16),
+            Self::Exr(_) | Self::Hdr => None,
+        }
+    }
+
     pub(super) const fn pixel_name(self) -> &'static str {
         match self {
-            Self::Ktx2(pixel) => pixel.name(),
+            Self::Cube(_, pixel) => pixel.name(),
             Self::Exr(ExrPixel::Auto) => "auto",
             Self::Exr(ExrPixel::F16) => "f16",
             Self::Exr(ExrPixel::F32) => "f32",
@@ -74,14 +86,14 @@ impl Outputs {
         json: bool,
         preview: Option<PathBuf>,
     ) -> Self {
-        let single = matches!(encoding, Encoding::Ktx2(_));
+        let single = matches!(encoding, Encoding::Cube(..));
         let report = if single { suffixed(&main, ".report.json") } else { main.join("report.json") };
         Self {
             encoding,
             existing,
             report: (!json).then_some(report),
             irradiance: (single && settings.irradiance.is_some())
-                .then(|| main.with_extension("irradiance.ktx2")),
+                .then(|| main.with_extension(format!("irradiance.{}", encoding.format().name()))),
             bounds: (single && settings.bounds).then(|| suffixed(&main, ".bounds")),
             preview,
             main,
@@ -121,27 +133,31 @@ impl Outputs {
         &self,
         settings: &BakeSettings,
         bake: &Bake,
+        compressed: u64,
         told: impl FnOnce(Stored) -> Circumstances,
     ) -> Result<(Report, u64)> {
+        let report_of = |stored: Stored| Report { compressed, ..Report::new(settings, bake, told(stored)) };
         let metadata = metadata(settings);
         let irradiance = bake.irradiance.as_ref();
         let report = match self.encoding {
-            Encoding::Ktx2(pixel) => {
-                let clamped =
-                    ktx2_write::write_ktx2(&self.main, self.existing, &bake.chain, pixel, &metadata)?;
-                let mut clamped = clamped.iter().sum();
+            Encoding::Cube(container, pixel) => {
+                let cube = |path: &Path, chain: &CubeChain, metadata: &[(String, String)]| {
+                    output::check_file(path, self.existing)?;
+                    let made = cube_bytes(container, chain, pixel, metadata)?;
+                    output::write_file(path, self.existing, |file| file.write_all(&made.bytes))?;
+                    Ok::<u64, Error>(made.clamped.iter().sum())
+                };
+                let mut clamped = cube(&self.main, &bake.chain, &metadata)?;
                 if let (Some(path), Some(level)) = (&self.irradiance, irradiance) {
                     let chain = CubeChain { levels: vec![level.clone()] };
                     let metadata = [("octaglossContent".to_owned(), "irradiance over pi".to_owned())];
-                    clamped += ktx2_write::write_ktx2(path, self.existing, &chain, pixel, &metadata)?
-                        .iter()
-                        .sum::<u64>();
+                    clamped += cube(path, &chain, &metadata)?;
                 }
                 if let Some(path) = &self.bounds {
                     output::write_folder(path, self.existing, |folder| write_bounds(folder, &bake.chain))?;
                 }
                 let pixels = vec![pixel; bake.chain.levels.len()];
-                let report = Report::new(settings, bake, told(Stored::new(&pixels, clamped)));
+                let report = report_of(Stored::new(&pixels, clamped));
                 if let Some(path) = &self.report {
                     let text = report_text(&report);
                     output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))?;
@@ -153,7 +169,7 @@ impl Outputs {
                     exr_write::write_level_folder(folder, &bake.chain, irradiance, choice, &metadata)?;
                 let pixels: Vec<Pixel> = stored.iter().map(|level| level.pixel).collect();
                 let clamped = stored.iter().map(|level| level.clamped).sum();
-                let report = Report::new(settings, bake, told(Stored::new(&pixels, clamped)));
+                let report = report_of(Stored::new(&pixels, clamped));
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
@@ -163,7 +179,7 @@ impl Outputs {
                     write_bounds(folder, &bake.chain)?;
                 }
                 let pixels = bake.chain.levels.iter().map(|_| "rgbe".to_owned()).collect();
-                let report = Report::new(settings, bake, told(Stored { pixels, clamped: 0, floats: 0 }));
+                let report = report_of(Stored { pixels, clamped: 0, floats: 0 });
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
@@ -201,7 +217,7 @@ impl Stored {
 }
 
 /// What every output tells of itself.
-fn metadata(settings: &BakeSettings) -> Vec<(String, String)> {
+pub(super) fn metadata(settings: &BakeSettings) -> Vec<(String, String)> {
     let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; linear RGB, \
                        Rec. 709; perceptual roughness, alpha = roughness^2";
     [
@@ -216,7 +232,7 @@ fn metadata(settings: &BakeSettings) -> Vec<(String, String)> {
 /// The key that names the lobe.
 pub(super) const LOBE_KEY: &str = "octaglossLobe";
 
-fn report_text(report: &Report) -> String {
+pub(super) fn report_text(report: &Report) -> String {
     serde_json::to_string_pretty(report).expect("keys are strings") + "\n"
 }
 

@@ -7,7 +7,7 @@ use super::fixed_point::FixedPoint;
 use super::reparameterise::{self, Reparameterise};
 use super::sat_scan::SatScan;
 use super::{Context, OemPlanes, SatPlanes, Stage, readback};
-use crate::bake::{Bake, BakeSettings, Filter, Order, Progress, Rung};
+use crate::bake::{self, Bake, BakeSettings, Filter, Order, Progress, Rung};
 use crate::cpu::adaptive::LANES;
 use crate::cpu::bake_level::{self, BakedLevel, Tile, Tiling};
 use crate::cpu::box_filter::single_box;
@@ -74,15 +74,31 @@ impl Engine {
         settings: &BakeSettings,
         progress: &(dyn Fn(Progress) + Sync),
     ) -> Result<Bake> {
+        let mut bakes = self.bake_all(environment, std::slice::from_ref(settings), progress).await?;
+        Ok(bakes.pop().expect("one bake for one settings"))
+    }
+
+    /// Bakes `environment` several times from one octahedral map, as [`crate::bake::bake_all`] does.
+    ///
+    /// # Errors
+    /// Those of the CPU, and [`Error::Gpu`].
+    pub async fn bake_all(
+        &self,
+        environment: &Environment,
+        settings: &[BakeSettings],
+        progress: &(dyn Fn(Progress) + Sync),
+    ) -> Result<Vec<Bake>> {
         let order = Order::new(environment, settings)?;
         let meter = order.meter(progress);
         let reflector_settings = order.reflector_settings();
-        self.check_fits(environment, &reflector_settings, settings.filter)?;
+        for part in order.parts() {
+            self.check_fits(environment, &reflector_settings, part.filter)?;
+        }
         let reflector = Reflector::new(self, environment, &reflector_settings)?;
         let mut levels = Vec::new();
-        for (index, (rung, lobe)) in order.levels().enumerate() {
+        for (index, part) in order.parts().iter().enumerate() {
             let start = Instant::now();
-            let level = reflector.bake_level(rung, lobe, settings.filter).await?;
+            let level = reflector.bake_level(part.rung, part.lobe, part.filter).await?;
             meter.advance(index, level.texels.len() as u64);
             levels.push((level, start.elapsed().as_secs_f64()));
         }
@@ -117,11 +133,11 @@ impl Engine {
         let Filter::Adaptive(error) = settings.filter else {
             return Err(Error::Parameter("stages of a bake are those of the adaptive filter".to_owned()));
         };
-        let order = Order::new(environment, settings)?;
+        let order = Order::new(environment, std::slice::from_ref(settings))?;
         let reflector = Reflector::new(self, environment, &order.reflector_settings())?;
         let Self { context, reparameterise, adaptive, .. } = self;
         let mut levels = Vec::new();
-        for (rung, lobe) in order.levels() {
+        for &bake::Part { rung, lobe, .. } in order.parts() {
             if bake_level::is_mirror(rung, lobe) {
                 let texture = &reflector.texture;
                 levels.push(reparameterise.footprints(context, environment, texture, rung.size)?.0);

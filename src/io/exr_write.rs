@@ -69,7 +69,7 @@ pub struct StoredLevel {
 ///
 /// # Errors
 /// [`Error::Parameter`] where the samples do not fill the image, a side is zero or above 2^31, or `pixel` is
-/// RGB9E5, which EXR does not have.
+/// one that EXR does not have.
 pub fn exr_bytes(
     width: u32,
     height: u32,
@@ -88,7 +88,9 @@ pub fn exr_bytes(
     let sample_bytes = match pixel {
         Pixel::F16 => 2,
         Pixel::F32 => 4,
-        Pixel::Rgb9e5 => return Err(Error::Parameter("EXR has no rgb9e5; choose f16 or f32".to_owned())),
+        Pixel::Rgb9e5 | Pixel::R11g11b10 | Pixel::Bc6h => {
+            return Err(Error::Parameter(format!("EXR has no {}; choose f16 or f32", pixel.name())));
+        }
     };
     let mut out = header_bytes(width, height, samples, pixel, attributes);
     let channels = match samples {
@@ -124,7 +126,7 @@ pub fn exr_bytes(
 fn push_row(samples: Samples<'_>, row: std::ops::Range<usize>, pixel: Pixel, out: &mut Vec<u8>) {
     let mut push = |values: &[f32]| match pixel {
         Pixel::F32 => out.extend(values.iter().flat_map(|v| v.to_le_bytes())),
-        Pixel::F16 | Pixel::Rgb9e5 => push_halves(values, out),
+        _ => push_halves(values, out),
     };
     match samples {
         Samples::Luminance(values) => push(&values[row]),

@@ -2,12 +2,13 @@
 //!
 //! Khronos KTX File Format Specification 2.0, sections 3 (structure), 4 (fields) and 5.1 (key/value data).
 
+use super::cube_write::check_sizes;
 use super::exr_write::SOFTWARE;
 use super::output::{self, Existing};
-use super::pixels::{Pixel, push_halves, rgb9e5_from_rgb};
-use crate::chain::{CubeChain, CubeLevel};
+use super::pixels::Pixel;
+use super::texel_bytes::texel_bytes;
+use crate::chain::CubeChain;
 use crate::error::{Error, Result};
-use half::f16;
 use ktx2::dfd::{Basic, Block};
 use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme};
 use std::path::Path;
@@ -47,19 +48,21 @@ pub fn write_ktx2(
     Ok(ktx2.clamped)
 }
 
-/// A KTX2 cube map of `chain`: RGBA16F, RGBA32F (alpha 1) or RGB9E5. `metadata` are further key/value pairs, text.
+/// A KTX2 cube map of `chain`: RGBA16F, RGBA32F (alpha 1), RGB9E5, R11G11B10F or BC6H. `metadata` are further key/value pairs, text.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, and for keys that are empty, double,
 /// hold a NUL, or are reserved ("KTX", "ktx").
 pub fn ktx2_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<Ktx2> {
-    let size = check_sizes(chain)?;
+    let size = check_sizes("KTX2", chain)?;
     let format = match pixel {
         Pixel::F16 => Format::R16G16B16A16_SFLOAT,
         Pixel::F32 => Format::R32G32B32A32_SFLOAT,
         Pixel::Rgb9e5 => Format::E5B9G9R9_UFLOAT_PACK32,
+        Pixel::R11g11b10 => Format::B10G11R11_UFLOAT_PACK32,
+        Pixel::Bc6h => Format::BC6H_UFLOAT_BLOCK,
     };
-    let (basic, type_size) = Basic::from_format(format).expect("the crate knows these three");
+    let (basic, type_size) = Basic::from_format(format).expect("the crate knows these five");
     let block = Block::Basic(basic).to_vec();
     let dfd_bytes = [&(block.len() as u32 + 4).to_le_bytes()[..], &block].concat();
     let kvd_bytes = key_value_bytes(chain, metadata)?;
@@ -93,7 +96,7 @@ pub fn ktx2_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]
     // The index runs from the largest level to the smallest, the data the other way; supercompressed levels need no
     // alignment (section 3.9.7).
     for (index, level) in chain.levels.iter().enumerate().rev() {
-        let texels = texel_bytes(level, pixel);
+        let texels = texel_bytes(level.size, &level.texels, pixel);
         let data = zstd::bulk::compress(&texels, ZSTD_LEVEL)
             .map_err(|e| Error::Parameter(format!("zstd failed on level {index}: {e}")))?;
         let entry = LevelIndex {
@@ -107,33 +110,6 @@ pub fn ktx2_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]
     }
     let clamped = chain.levels.iter().map(|level| pixel.clamped(&level.texels)).collect();
     Ok(Ktx2 { bytes, clamped })
-}
-
-/// The edge of level 0.
-fn check_sizes(chain: &CubeChain) -> Result<u32> {
-    let Some(first) = chain.levels.first() else {
-        return Err(Error::Parameter("a KTX2 file needs at least one level".to_owned()));
-    };
-    let most = first.size.checked_ilog2().map_or(0, |log2| log2 as usize + 1);
-    if chain.levels.len() > most {
-        return Err(Error::Parameter(format!(
-            "{} levels are more than the {most} that KTX2 allows a cube of {}",
-            chain.levels.len(),
-            first.size
-        )));
-    }
-    for (index, level) in chain.levels.iter().enumerate() {
-        let size = first.size >> index;
-        if level.size != size || level.texels.len() != 6 * size as usize * size as usize {
-            return Err(Error::Parameter(format!(
-                "level {index} of a KTX2 cube of {} must have 6 faces of {size}, not {} texels in faces of {}",
-                first.size,
-                level.texels.len(),
-                level.size
-            )));
-        }
-    }
-    Ok(first.size)
 }
 
 /// Pairs in the order of their keys, each padded to four bytes; values are text and end in NUL.
@@ -165,28 +141,4 @@ fn key_value_bytes(chain: &CubeChain, metadata: &[(String, String)]) -> Result<V
         bytes.resize(bytes.len().next_multiple_of(4), 0);
     }
     Ok(bytes)
-}
-
-fn texel_bytes(level: &CubeLevel, pixel: Pixel) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(level.texels.len() * 16);
-    match pixel {
-        Pixel::F16 => {
-            let mut rgb = Vec::new();
-            for texels in level.texels.chunks(256) {
-                rgb.clear();
-                push_halves(texels.as_flattened(), &mut rgb);
-                for texel in rgb.chunks_exact(6) {
-                    bytes.extend(texel);
-                    bytes.extend(f16::ONE.to_le_bytes());
-                }
-            }
-        }
-        Pixel::F32 => {
-            for [r, g, b] in &level.texels {
-                bytes.extend([*r, *g, *b, 1.0].iter().flat_map(|v| v.to_le_bytes()));
-            }
-        }
-        Pixel::Rgb9e5 => bytes.extend(level.texels.iter().flat_map(|t| rgb9e5_from_rgb(*t).to_le_bytes())),
-    }
-    bytes
 }

@@ -5,14 +5,19 @@
 //! [`Error`]: a panic of a decoder is caught, and no header is believed before its size is
 //! checked against [`ReadOptions::memory_limit`].
 
+pub mod bc6h;
 mod color;
 mod contain;
+pub mod cube_write;
+mod dds_read;
+pub mod dds_write;
 pub mod environment_write;
 mod exr;
 pub mod exr_write;
 mod face_names;
 mod hdr;
 pub mod hdr_write;
+pub mod ktx1_write;
 mod ktx2_read;
 pub mod ktx2_write;
 pub mod layout;
@@ -22,7 +27,10 @@ pub mod output;
 mod picture;
 pub mod pixels;
 pub mod png_write;
+pub mod r11g11b10;
 mod repair;
+pub mod table_write;
+mod texel_bytes;
 
 pub use layout::LayoutChoice;
 pub use repair::Repairs;
@@ -163,16 +171,18 @@ enum Format {
     Png,
     Jpeg,
     Ktx2,
+    Dds,
 }
 
 impl Format {
     fn sniff(bytes: &[u8]) -> Option<Self> {
-        let magics: [(&[u8], Self); 5] = [
+        let magics: [(&[u8], Self); 6] = [
             (b"#?", Self::Radiance),
             (&[0x76, 0x2f, 0x31, 0x01], Self::OpenExr),
             (b"\x89PNG\r\n\x1a\n", Self::Png),
             (&[0xff, 0xd8, 0xff], Self::Jpeg),
             (&ktx2::MAGIC, Self::Ktx2),
+            (b"DDS ", Self::Dds),
         ];
         magics.into_iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, format)| format)
     }
@@ -184,6 +194,7 @@ impl Format {
             Self::Png => "PNG",
             Self::Jpeg => "JPEG",
             Self::Ktx2 => "KTX2",
+            Self::Dds => "DDS",
         }
     }
 
@@ -194,18 +205,19 @@ impl Format {
             Self::Png => &["png"],
             Self::Jpeg => &["jpg", "jpeg", "jpe", "jfif"],
             Self::Ktx2 => &["ktx2"],
+            Self::Dds => &["dds"],
         }
     }
 }
 
 /// Extensions of images that cannot be read: a readable file that bears one is misnamed.
-const FOREIGN_EXTENSIONS: [&str; 9] = ["bmp", "dds", "gif", "ktx", "pfm", "tga", "tif", "tiff", "webp"];
+const FOREIGN_EXTENSIONS: [&str; 8] = ["bmp", "gif", "ktx", "pfm", "tga", "tif", "tiff", "webp"];
 
 /// What is odd about the name of a file that holds `format`.
 fn misnamed(path: &Path, format: Format) -> Option<String> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     let extension = extension.as_str();
-    let all = [Format::Radiance, Format::OpenExr, Format::Png, Format::Jpeg, Format::Ktx2];
+    let all = [Format::Radiance, Format::OpenExr, Format::Png, Format::Jpeg, Format::Ktx2, Format::Dds];
     let known = FOREIGN_EXTENSIONS.contains(&extension)
         || all.iter().any(|other| other.extensions().contains(&extension));
     (known && !format.extensions().contains(&extension))
@@ -219,7 +231,7 @@ fn decode(source: &Source<'_>) -> Result<Picture> {
     }
     let Some(format) = Format::sniff(source.bytes) else {
         return Err(source.error(
-            "not an image that can be read; Radiance .hdr, OpenEXR, KTX2, PNG and JPEG can, by their content",
+            "not an image that can be read; Radiance .hdr, OpenEXR, KTX2, DDS, PNG and JPEG can, by their content",
         ));
     };
     let mut picture = match format {
@@ -228,6 +240,7 @@ fn decode(source: &Source<'_>) -> Result<Picture> {
         Format::Png => ldr::decode_png(source),
         Format::Jpeg => ldr::decode_jpeg(source),
         Format::Ktx2 => ktx2_read::decode_level0(source),
+        Format::Dds => dds_read::decode_level0(source),
     }?;
     picture.warnings.extend(misnamed(source.path, format));
     Ok(picture)

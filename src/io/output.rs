@@ -1,6 +1,7 @@
 //! Outputs that appear whole or not at all: written beside their place under a temporary name, then renamed into it.
 
 use crate::error::{Error, Result};
+use crate::target::{self, Target};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -129,16 +130,40 @@ fn replace_folder(temporary: TempDir, new: &Path, place: &Path) -> io::Result<()
 /// The first entry of `folder` (by name) that a bake does not write.
 fn stranger_in(folder: &Path) -> Result<Option<String>> {
     let mut strangers = Vec::new();
-    for entry in fs::read_dir(folder).map_err(|e| Error::io(folder, e))? {
-        let entry = entry.map_err(|e| Error::io(folder, e))?;
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-        if !is_file || !is_bake_file(&name) {
-            strangers.push(name);
+    let mut folders = vec![(folder.to_owned(), String::new())];
+    while let Some((folder, within)) = folders.pop() {
+        for entry in fs::read_dir(&folder).map_err(|e| Error::io(&folder, e))? {
+            let entry = entry.map_err(|e| Error::io(&folder, e))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let path = format!("{within}{name}");
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() && is_bake_folder(&path) => {
+                    folders.push((entry.path(), format!("{path}/")));
+                }
+                Ok(kind) if kind.is_file() && is_known(&path) => {}
+                _ => strangers.push(path),
+            }
         }
     }
     strangers.sort();
     Ok(strangers.into_iter().next())
+}
+
+/// A folder that a bake for targets makes: one a target, with the folders of that target's files in it.
+fn is_bake_folder(path: &str) -> bool {
+    let within = path.split_once('/').map_or(path, |(_, rest)| rest);
+    Target::named(path).is_some()
+        || target::TARGETS.iter().flat_map(|target| target.files).any(|file| {
+            file.path.split_once('/').is_some_and(|(folder, _)| folder == path || folder == within)
+        })
+}
+
+/// A file that a bake writes, itself or in the folder of a target.
+fn is_known(path: &str) -> bool {
+    let in_target = path
+        .split_once('/')
+        .is_some_and(|(folder, rest)| Target::named(folder).is_some() && target::is_target_file(rest));
+    is_bake_file(path) || target::is_target_file(path) || in_target
 }
 
 /// `report.json`, `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`, `irradiance_{face}.exr`, and .hdr alike.

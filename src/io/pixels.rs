@@ -1,5 +1,6 @@
 //! Pixel formats of the outputs and the conversions into them: rounded to nearest, clamped, counted.
 
+use super::r11g11b10::R11G11B10_MAX;
 use crate::environment::Rgb;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
@@ -20,6 +21,10 @@ pub enum Pixel {
     F32,
     /// Three 9-bit mantissas and a shared 5-bit exponent, clamped at [`RGB9E5_MAX`].
     Rgb9e5,
+    /// Unsigned floats of 11, 11 and 10 bits, clamped at [`super::r11g11b10::R11G11B10_MAX`].
+    R11g11b10,
+    /// Blocks of 4 x 4 texels in BC6H, unsigned, clamped at [`HALF_MAX`].
+    Bc6h,
 }
 
 impl Pixel {
@@ -30,6 +35,8 @@ impl Pixel {
             Self::F16 => "f16",
             Self::F32 => "f32",
             Self::Rgb9e5 => "rgb9e5",
+            Self::R11g11b10 => "r11g11b10f",
+            Self::Bc6h => "bc6h",
         }
     }
 
@@ -37,9 +44,10 @@ impl Pixel {
     #[must_use]
     pub const fn max(self) -> f32 {
         match self {
-            Self::F16 => HALF_MAX,
+            Self::F16 | Self::Bc6h => HALF_MAX,
             Self::F32 => f32::MAX,
             Self::Rgb9e5 => RGB9E5_MAX,
+            Self::R11g11b10 => R11G11B10_MAX,
         }
     }
 

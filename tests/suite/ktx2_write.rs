@@ -6,6 +6,7 @@ use octagloss::chain::CubeChain;
 use octagloss::environment::Rgb;
 use octagloss::io::ktx2_write::{ROUGHNESS_KEY, ktx2_bytes};
 use octagloss::io::pixels::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
+use octagloss::io::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
 
 /// What the independent parser below finds in a file.
 struct Parsed {
@@ -45,8 +46,10 @@ fn parse_ktx2(bytes: &[u8], vk_format: u32, type_size: u32, texel_bytes: u32) ->
     rule(word(dfd_at + 8) & 0xffff == 2, "version 1.3")?;
     let block = (word(dfd_at + 8) >> 16) as usize;
     rule(block + 4 == dfd_len && (block - 24).is_multiple_of(16), "descriptorBlockSize")?;
-    rule(word(dfd_at + 12) == 1 | 1 << 8 | 1 << 16, "RGBSDA, BT.709, linear, straight alpha")?;
-    rule(word(dfd_at + 16) == 0, "texel blocks of one")?;
+    // BC6H, the only block-compressed one, has a model of its own (133) and blocks of 4 x 4.
+    let (model, edge_of_block) = if vk_format == 143 { (133, 4) } else { (1, 1) };
+    rule(word(dfd_at + 12) == model | 1 << 8 | 1 << 16, "RGBSDA, BT.709, linear, straight alpha")?;
+    rule(word(dfd_at + 16) == (edge_of_block - 1) * 0x101, "texel blocks of one")?;
     rule(word(dfd_at + 20) == texel_bytes && word(dfd_at + 24) == 0, "bytesPlane")?;
     let samples = (dfd_at + 28..dfd_at + dfd_len)
         .step_by(16)
@@ -75,7 +78,7 @@ fn parse_ktx2(bytes: &[u8], vk_format: u32, type_size: u32, texel_bytes: u32) ->
         let entry = 80 + 24 * index;
         let (offset, length, uncompressed) = (long(entry), long(entry + 8), long(entry + 16));
         rule(offset == at, "levels follow one another, the smallest first")?;
-        let edge = size as usize >> index;
+        let edge = (size as usize >> index).div_ceil(edge_of_block as usize);
         rule(uncompressed == 6 * edge * edge * texel_bytes as usize, "uncompressedByteLength")?;
         let data = zstd::bulk::decompress(&bytes[offset..offset + length], uncompressed);
         levels.insert(0, data.map_err(|e| e.to_string())?);
@@ -87,8 +90,12 @@ fn parse_ktx2(bytes: &[u8], vk_format: u32, type_size: u32, texel_bytes: u32) ->
 }
 
 /// vkFormat, typeSize and bytes a texel.
-const FORMATS: [(Pixel, u32, u32, u32); 3] =
-    [(Pixel::F16, 97, 2, 8), (Pixel::F32, 109, 4, 16), (Pixel::Rgb9e5, 123, 4, 4)];
+const FORMATS: [(Pixel, u32, u32, u32); 4] = [
+    (Pixel::F16, 97, 2, 8),
+    (Pixel::F32, 109, 4, 16),
+    (Pixel::Rgb9e5, 123, 4, 4),
+    (Pixel::R11g11b10, 122, 4, 4),
+];
 
 fn colours(pixel: Pixel, level: &[u8]) -> Vec<Rgb> {
     let half = |b: &[u8]| f16::from_le_bytes([b[0], b[1]]).to_f32();
@@ -102,6 +109,11 @@ fn colours(pixel: Pixel, level: &[u8]) -> Vec<Rgb> {
             .chunks_exact(4)
             .map(|t| rgb_from_rgb9e5(u32::from_le_bytes(t.try_into().unwrap())))
             .collect(),
+        Pixel::R11g11b10 => level
+            .chunks_exact(4)
+            .map(|t| rgb_from_r11g11b10(u32::from_le_bytes(t.try_into().unwrap())))
+            .collect(),
+        Pixel::Bc6h => panic!("blocks hold no single texels"),
     }
 }
 
@@ -121,12 +133,16 @@ fn ktx2_files_hold_to_the_specification_and_come_back_as_written() {
                     Pixel::Rgb9e5 => {
                         level.texels.iter().map(|t| rgb_from_rgb9e5(rgb9e5_from_rgb(*t))).collect()
                     }
+                    Pixel::R11g11b10 => {
+                        level.texels.iter().map(|t| rgb_from_r11g11b10(r11g11b10_from_rgb(*t))).collect()
+                    }
+                    Pixel::Bc6h => panic!("not among the formats"),
                 };
                 assert_eq!(first_difference(&colours(pixel, data), &expected), None);
                 match pixel {
                     Pixel::F16 => assert!(data.chunks_exact(8).all(|t| t[6..] == [0x00, 0x3c])),
                     Pixel::F32 => assert!(data.chunks_exact(16).all(|t| t[12..] == 1_f32.to_le_bytes())),
-                    Pixel::Rgb9e5 => {}
+                    _ => {}
                 }
             }
             let value = |key: &str| {
@@ -180,6 +196,22 @@ fn ktx2_samples_are_those_of_the_data_format_specification() {
         })
         .collect();
     assert_eq!(samples(2), expected);
+    // B10G11R11: red in the lowest bits; unsigned float, qualifier 0x8, from 0 to 1.0.
+    let expected = [(0, 11, 0), (11, 11, 1), (22, 10, 2)]
+        .map(|(at, bits, channel)| [at | (bits - 1) << 16 | (channel | 0x80) << 24, 0, 0, 1_f32.to_bits()]);
+    assert_eq!(samples(3), expected);
+}
+
+#[test]
+fn bc6h_files_hold_to_the_specification() {
+    for size in [1, 2, 16, 24] {
+        let chain = chain(size, size.ilog2() + 1, false);
+        let bytes = ktx2_bytes(&chain, Pixel::Bc6h, &metadata()).unwrap().bytes;
+        let parsed = parse_ktx2(&bytes, 143, 1, 16).unwrap();
+        // One sample of 128 bits, unsigned float, 0 to 1.0.
+        assert_eq!(parsed.samples, [[127 << 16 | 0x80 << 24, 0, 0, 1_f32.to_bits()]]);
+        assert_eq!(parsed.levels.len(), chain.levels.len());
+    }
 }
 
 #[test]

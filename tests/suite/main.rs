@@ -1,8 +1,12 @@
 //! The test suite: one binary, a module a concern.
 
 mod adaptive;
+mod bc6h;
 mod cli;
+mod cli_targets;
 mod common;
+mod containers;
+mod dfg;
 mod fuzz;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -18,6 +22,7 @@ mod preview;
 mod sat;
 mod sphere;
 mod synth;
+mod targets;
 mod written;
 
 /// Counts what is allocated, for [`fuzz`].

@@ -51,7 +51,7 @@ fn empty_and_foreign_files_are_refused() {
     assert_eq!(error_of(read("a.hdr", b"")), "a.hdr: the file is empty (0 bytes)");
     assert_eq!(
         error_of(read("a.hdr", b"Dear diary,")),
-        "a.hdr: not an image that can be read; Radiance .hdr, OpenEXR, KTX2, PNG and JPEG can, by their content"
+        "a.hdr: not an image that can be read; Radiance .hdr, OpenEXR, KTX2, DDS, PNG and JPEG can, by their content"
     );
 }
 

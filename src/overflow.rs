@@ -1,0 +1,126 @@
+//! Radiance above what a pixel format can hold: clamped, compressed, or refused.
+
+use crate::chain::CubeLevel;
+use crate::error::{Error, Result};
+use crate::io::pixels::Pixel;
+use crate::sphere::cube::Face;
+
+/// What becomes of a texel with a channel above a pixel format's greatest value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Overflow {
+    /// Each channel is clamped by itself: bright colours turn white.
+    #[default]
+    Clamp,
+    /// The texel is scaled down as a whole, and keeps its colour: see [`compressed`].
+    Compress,
+    /// It is an error.
+    Error,
+}
+
+/// Share of the greatest value from which on texels are compressed.
+const KNEE: f64 = 0.25;
+
+/// Where a greatest channel of `value` comes to lie for a format that holds up to `most`: the same up to a quarter of
+/// that, from there on with a slope that falls from 1, always below `most`. What was brighter stays brighter, until
+/// rounding takes the difference.
+#[must_use]
+pub fn compressed(value: f64, most: f64) -> f64 {
+    let knee = KNEE * most;
+    if value <= knee {
+        return value;
+    }
+    // A hyperbola through the knee with slope 1, most being its asymptote.
+    let room = most - knee;
+    let above = value - knee;
+    knee + room * above / (room + above)
+}
+
+impl Overflow {
+    /// Prepares `level`, the level `index` of a chain, for `pixel`; returns the texels that were compressed. A level
+    /// without a texel above the format's greatest value stays as it is, and so does every level under
+    /// [`Overflow::Clamp`], which is what the writers do.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for [`Overflow::Error`] where a texel is too bright, naming it.
+    pub fn apply(self, index: usize, level: &mut CubeLevel, pixel: Pixel) -> Result<u64> {
+        let most = pixel.max();
+        let greatest = |texel: &[f32; 3]| texel.iter().copied().fold(0.0, f32::max);
+        let Some(first) = level.texels.iter().position(|texel| greatest(texel) > most) else { return Ok(0) };
+        match self {
+            Self::Clamp => Ok(0),
+            Self::Compress => {
+                let mut count = 0;
+                for texel in &mut level.texels {
+                    let value = greatest(texel);
+                    let share = compressed(f64::from(value), f64::from(most)) / f64::from(value);
+                    if share < 1.0 {
+                        *texel = texel.map(|channel| (f64::from(channel) * share) as f32);
+                        count += 1;
+                    }
+                }
+                Ok(count)
+            }
+            Self::Error => {
+                let n = level.size as usize;
+                let (face, place) = (first / (n * n), first % (n * n));
+                Err(Error::Parameter(format!(
+                    "level {index} face {} pixel ({}, {}) is {:?} and {} holds up to {most}; --pixel f32 keeps it, \
+                     --overflow compress scales it down",
+                    Face::ALL[face].short_name(),
+                    place % n,
+                    place / n,
+                    level.texels[first],
+                    pixel.name()
+                )))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn level(bright: [f32; 3]) -> CubeLevel {
+        let mut texels = vec![[1.0, 2.0, 3.0]; 24];
+        texels[9] = bright;
+        CubeLevel { size: 2, roughness: 0.5, texels, bounds: None }
+    }
+
+    #[test]
+    fn compressed_texels_keep_their_colour_and_their_order() {
+        let mut before = 0.0;
+        for step in 0..400 {
+            let value = 1.06_f64.powi(step);
+            let after = compressed(value, 65504.0);
+            assert!(after > before && after < 65504.0 && after <= value, "{value}: {after} after {before}");
+            assert!(value > 16_376.0 || after == value, "{value} is below the knee");
+            before = after;
+        }
+        let mut bright = level([2e5, 1e5, 0.0]);
+        assert_eq!(Overflow::Compress.apply(1, &mut bright, Pixel::F16).unwrap(), 1);
+        let [red, green, blue] = bright.texels[9];
+        assert!(red < 65504.0 && (red / green - 2.0).abs() < 1e-5 && blue == 0.0, "{:?}", bright.texels[9]);
+        assert_eq!(bright.texels[8], [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn levels_that_fit_stay_as_they_are() {
+        let fits = level([60_000.0, 1.0, 1.0]);
+        for overflow in [Overflow::Clamp, Overflow::Compress, Overflow::Error] {
+            let mut same = fits.clone();
+            assert_eq!(overflow.apply(0, &mut same, Pixel::F16).unwrap(), 0);
+            assert_eq!(same, fits);
+        }
+        let mut wide = level([1e9; 3]);
+        assert_eq!(Overflow::Error.apply(0, &mut wide, Pixel::F32).unwrap(), 0);
+    }
+
+    #[test]
+    fn the_error_names_the_texel_and_the_remedy() {
+        let error =
+            Overflow::Error.apply(3, &mut level([1.0, 7e4, 1.0]), Pixel::F16).unwrap_err().to_string();
+        assert!(error.starts_with("level 3 face py pixel (1, 0) is [1.0, 70000.0, 1.0]"), "{error}");
+        assert!(error.contains("f16 holds up to 65504") && error.contains("--overflow compress"), "{error}");
+    }
+}

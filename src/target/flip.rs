@@ -1,0 +1,101 @@
+//! Mirrored cubes: for engines that turn a coordinate about when they look into a cube map.
+
+use crate::chain::{CubeChain, CubeLevel};
+use crate::sphere::cube::{Face, cube_from_direction, cube_point};
+use glam::DVec3;
+
+/// The axis on which an engine negates a world direction before it looks it up in a cube map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Flip {
+    /// None: the cube is looked up by the world's own directions.
+    #[default]
+    None,
+    /// (x, y, z) is looked up at (-x, y, z).
+    X,
+    /// (x, y, z) is looked up at (x, y, -z).
+    Z,
+}
+
+impl Flip {
+    /// Name on the command line and in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::X => "x",
+            Self::Z => "z",
+        }
+    }
+
+    /// Where in the cube the engine finds the world's `direction`; and the other way around.
+    #[must_use]
+    pub fn apply(self, direction: DVec3) -> DVec3 {
+        match self {
+            Self::None => direction,
+            Self::X => DVec3::new(-direction.x, direction.y, direction.z),
+            Self::Z => DVec3::new(direction.x, direction.y, -direction.z),
+        }
+    }
+
+    /// `level` such that what it showed at a direction it shows at that direction flipped: texels change places and
+    /// keep their values.
+    #[must_use]
+    pub fn level(self, level: &CubeLevel) -> CubeLevel {
+        if self == Self::None {
+            return level.clone();
+        }
+        let n = level.size as usize;
+        // A face's image lands on one face, rows and columns staying such: found at the middles of texels.
+        let coordinate = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
+        let texel = |c: f64| ((c + 1.0) / 2.0 * n as f64) as usize;
+        let sources: Vec<usize> = Face::ALL
+            .into_iter()
+            .flat_map(|face| (0..n * n).map(move |at| (face, at % n, at / n)))
+            .map(|(face, i, j)| {
+                let place = self.apply(cube_point(face, coordinate(i), coordinate(j)));
+                let (face, s, t) = cube_from_direction(place);
+                (face.index() * n + texel(t)) * n + texel(s)
+            })
+            .collect();
+        CubeLevel {
+            size: level.size,
+            roughness: level.roughness,
+            texels: sources.iter().map(|at| level.texels[*at]).collect(),
+            bounds: level.bounds.as_ref().map(|bounds| sources.iter().map(|at| bounds[*at]).collect()),
+        }
+    }
+
+    /// Every level of `chain`, by [`Flip::level`].
+    #[must_use]
+    pub fn chain(self, chain: &CubeChain) -> CubeChain {
+        CubeChain { levels: chain.levels.iter().map(|level| self.level(level)).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sphere::cube::direction_from_texel;
+
+    #[test]
+    fn a_flipped_level_shows_at_flipped_directions_what_it_showed() {
+        for size in [1, 2, 5, 8] {
+            let direction = |k: u32| {
+                direction_from_texel(Face::ALL[(k / (size * size)) as usize], size, k % size, k / size % size)
+            };
+            let texels = (0..6 * size * size).map(|k| direction(k).as_vec3().to_array()).collect();
+            let level = CubeLevel { size, roughness: 0.0, texels, bounds: None };
+            for flip in [Flip::None, Flip::X, Flip::Z] {
+                let flipped = flip.level(&level);
+                for (k, texel) in (0..).zip(&flipped.texels) {
+                    let expected = flip.apply(direction(k)).as_vec3();
+                    assert!(
+                        (glam::Vec3::from_array(*texel) - expected).length() < 1e-6,
+                        "{flip:?} {size} {k}"
+                    );
+                }
+                assert_eq!(flip.level(&flipped), level, "twice is none");
+            }
+        }
+    }
+}

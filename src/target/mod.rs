@@ -1,0 +1,318 @@
+//! Targets: what an engine expects of a bake, as a table of presets, and the files that they come to.
+//!
+//! A [`Target`] is a row of [`TARGETS`]; a [`Plan`] is such a row with whatever was overridden; [`files`] makes its
+//! files of a bake.
+
+pub mod files;
+mod flip;
+
+pub use flip::Flip;
+
+use crate::bake::Ladder;
+use crate::error::{Error, Result};
+use crate::io::cube_write::Container;
+use crate::io::pixels::Pixel;
+use crate::sh_scale::ShScale;
+
+/// What a file of a target holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// The prefiltered levels.
+    Specular,
+    /// Level 0 alone.
+    Skybox,
+    /// The irradiance cube, over pi: what a white diffuse surface reflects.
+    Irradiance,
+    /// Spherical harmonics as JSON.
+    ShJson,
+    /// Spherical harmonics as the text that cmgen writes.
+    ShText,
+}
+
+/// A file of a target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileSpec {
+    /// Where in the target's folder; `{name}` is the environment's name and `{ext}` the container's extension.
+    pub path: &'static str,
+    /// What is in it.
+    pub content: Content,
+}
+
+/// Which forms of diffuse light are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Diffuse {
+    /// None, or what the specular levels hold anyway.
+    None,
+    /// A cube of irradiance over pi.
+    Cube,
+    /// Spherical harmonics.
+    Sh,
+    /// Both.
+    Both,
+}
+
+impl Diffuse {
+    /// Name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Cube => "cube",
+            Self::Sh => "sh",
+            Self::Both => "both",
+        }
+    }
+
+    const fn has_cube(self) -> bool {
+        matches!(self, Self::Cube | Self::Both)
+    }
+
+    const fn has_sh(self) -> bool {
+        matches!(self, Self::Sh | Self::Both)
+    }
+}
+
+/// What an engine expects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Who reads it, in a few words.
+    pub reader: &'static str,
+    /// The container of its cubes.
+    pub container: Container,
+    /// Their pixels.
+    pub pixel: Pixel,
+    /// Edge of level 0.
+    pub size: u32,
+    /// Edge of the last level.
+    pub last_size: u32,
+    /// Roughness of the levels.
+    pub ladder: Ladder,
+    /// How it looks cubes up.
+    pub flip: Flip,
+    /// Its diffuse light.
+    pub diffuse: Diffuse,
+    /// Edge of the irradiance cube, where there is one.
+    pub irradiance_size: u32,
+    /// Scaling of its spherical harmonics.
+    pub sh_scale: ShScale,
+    /// Its files, but for report.json.
+    pub files: &'static [FileSpec],
+    /// The engine that has loaded it in a test, with its version; `None` where none has.
+    pub verified: Option<&'static str>,
+}
+
+use Content::{Irradiance, ShJson, ShText, Skybox, Specular};
+
+/// The presets.
+pub const TARGETS: [Target; 5] = [
+    Target {
+        name: "generic",
+        reader: "this program's own conventions",
+        container: Container::Ktx2,
+        pixel: Pixel::F16,
+        size: 256,
+        last_size: 1,
+        ladder: Ladder::Linear,
+        flip: Flip::None,
+        diffuse: Diffuse::None,
+        irradiance_size: 32,
+        sh_scale: ShScale::Radiance,
+        files: &[
+            FileSpec { path: "specular.{ext}", content: Specular },
+            FileSpec { path: "irradiance.{ext}", content: Irradiance },
+            FileSpec { path: "sh.json", content: ShJson },
+        ],
+        verified: Some("this program"),
+    },
+    // Cube textures are looked up with x negated unless they are render targets (WebGLMaterials.js); a prefiltered
+    // cube runs down to 8 texels and its last level is the irradiance (PMREMGenerator.js, LOD_MIN, and
+    // envmap_physical_pars_fragment.glsl.js); LightProbe takes radiance coefficients.
+    Target {
+        name: "three",
+        reader: "three.js from r187, as a PMREM",
+        container: Container::Ktx2,
+        pixel: Pixel::F16,
+        size: 256,
+        last_size: 8,
+        ladder: Ladder::Filament,
+        flip: Flip::X,
+        diffuse: Diffuse::Sh,
+        irradiance_size: 32,
+        sh_scale: ShScale::Radiance,
+        files: &[
+            FileSpec { path: "{name}_pmrem.{ext}", content: Specular },
+            FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
+            FileSpec { path: "{name}_sh.json", content: ShJson },
+        ],
+        verified: Some("three 0.187"),
+    },
+    // Names, formats and the key `sh` as cmgen --deploy --format=ktx has them (tools/cmgen/src/cmgen.cpp).
+    Target {
+        name: "filament",
+        reader: "Filament's IndirectLight and Skybox",
+        container: Container::Ktx1,
+        pixel: Pixel::R11g11b10,
+        size: 256,
+        last_size: 16,
+        ladder: Ladder::Filament,
+        flip: Flip::None,
+        diffuse: Diffuse::Sh,
+        irradiance_size: 32,
+        sh_scale: ShScale::Filament,
+        files: &[
+            FileSpec { path: "{name}_ibl.{ext}", content: Specular },
+            FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
+            FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
+            FileSpec { path: "sh.txt", content: ShText },
+        ],
+        verified: Some("filament 1.53 (npm)"),
+    },
+    // z is negated at every look-up, roughness runs linearly over all levels, and the diffuse cube is multiplied by
+    // the diffuse colour alone (crates/bevy_pbr/src/light_probe/environment_map.wesl).
+    Target {
+        name: "bevy",
+        reader: "Bevy's EnvironmentMapLight",
+        container: Container::Ktx2,
+        pixel: Pixel::Rgb9e5,
+        size: 256,
+        last_size: 1,
+        ladder: Ladder::Linear,
+        flip: Flip::Z,
+        diffuse: Diffuse::Cube,
+        irradiance_size: 32,
+        sh_scale: ShScale::Radiance,
+        files: &[
+            FileSpec { path: "{name}_specular.{ext}", content: Specular },
+            FileSpec { path: "{name}_diffuse.{ext}", content: Irradiance },
+            FileSpec { path: "{name}_sh.json", content: ShJson },
+        ],
+        verified: None,
+    },
+    // floor(log2(size)) levels, half floats, directions as they are (lib/source/lib.cpp and lib/shaders/filter.frag);
+    // folders as in the repository glTF-Sample-Environments.
+    Target {
+        name: "khronos",
+        reader: "what reads the glTF IBL Sampler's files",
+        container: Container::Ktx2,
+        pixel: Pixel::F16,
+        size: 256,
+        last_size: 2,
+        ladder: Ladder::Linear,
+        flip: Flip::None,
+        diffuse: Diffuse::Cube,
+        irradiance_size: 64,
+        sh_scale: ShScale::Irradiance,
+        files: &[
+            FileSpec { path: "ggx/specular.{ext}", content: Specular },
+            FileSpec { path: "lambertian/diffuse.{ext}", content: Irradiance },
+            FileSpec { path: "sh.json", content: ShJson },
+        ],
+        verified: None,
+    },
+];
+
+impl Target {
+    /// The target called `name`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static Self> {
+        TARGETS.iter().find(|target| target.name == name)
+    }
+
+    /// Levels from `size` down to the target's last.
+    #[must_use]
+    pub fn levels(&self, size: u32) -> u32 {
+        size.checked_ilog2().unwrap_or(0).saturating_sub(self.last_size.ilog2()) + 1
+    }
+
+    /// What it expands to, as options of the command line.
+    #[must_use]
+    pub fn expansion(&self) -> String {
+        let ladder = match self.ladder {
+            Ladder::Linear => "linear",
+            Ladder::Filament => "filament",
+        };
+        let mut text = format!(
+            "--format {} --pixel {} --size {} --levels {} --ladder {ladder} --flip {} --diffuse {}",
+            self.container.name(),
+            self.pixel.name(),
+            self.size,
+            self.levels(self.size),
+            self.flip.name(),
+            self.diffuse.name(),
+        );
+        if self.diffuse.has_cube() {
+            text += &format!(" --irradiance {}", self.irradiance_size);
+        }
+        text
+    }
+}
+
+/// A target with everything settled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The preset.
+    pub target: &'static Target,
+    /// The container of its cubes.
+    pub container: Container,
+    /// Their pixels.
+    pub pixel: Pixel,
+    /// How its cubes are turned.
+    pub flip: Flip,
+    /// Its diffuse light.
+    pub diffuse: Diffuse,
+}
+
+impl Plan {
+    /// `target` as it is.
+    #[must_use]
+    pub const fn new(target: &'static Target) -> Self {
+        let Target { container, pixel, flip, diffuse, .. } = *target;
+        Self { target, container, pixel, flip, diffuse }
+    }
+
+    /// Whether the container can hold the pixels.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where it cannot.
+    pub fn check(&self) -> Result<()> {
+        if self.container.holds(self.pixel) {
+            return Ok(());
+        }
+        Err(Error::Parameter(format!(
+            "target {}: {} files cannot hold {}; choose another --pixel or --format",
+            self.target.name,
+            self.container.name(),
+            self.pixel.name()
+        )))
+    }
+
+    /// The files that are to be written, with their paths in the target's folder, for the environment `name`.
+    #[must_use]
+    pub fn files(&self, name: &str) -> Vec<(String, Content)> {
+        let wanted = |content| match content {
+            Specular | Skybox => true,
+            Irradiance => self.diffuse.has_cube(),
+            ShJson | ShText => self.diffuse.has_sh(),
+        };
+        let path =
+            |file: &FileSpec| file.path.replace("{name}", name).replace("{ext}", self.container.name());
+        self.target.files.iter().filter(|f| wanted(f.content)).map(|f| (path(f), f.content)).collect()
+    }
+}
+
+/// Whether a bake for some target writes a file at `path`, relative to its folder.
+#[must_use]
+pub fn is_target_file(path: &str) -> bool {
+    let extensions = [Container::Ktx2, Container::Ktx1, Container::Dds].map(Container::name);
+    let matches = |pattern: &str| {
+        let Some((before, after)) = pattern.split_once("{name}") else { return path == pattern };
+        path.strip_prefix(before)
+            .and_then(|rest| rest.strip_suffix(after))
+            .is_some_and(|name| !name.is_empty())
+    };
+    let files = || TARGETS.iter().flat_map(|target| target.files);
+    path == "report.json"
+        || files().any(|file| extensions.iter().any(|ext| matches(&file.path.replace("{ext}", ext))))
+}

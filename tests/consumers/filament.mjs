@@ -1,0 +1,55 @@
+// Filament: KTX 1 as IndirectLight and Skybox, its spherical harmonics by its own parser.
+import { EYES, drawn, relativeError, skyPixels, spherePixels } from './pictures.mjs';
+
+// Roughness of the five levels but the sharpest.
+const LADDER = [2, 3, 4].map((level) => 1 - Math.sqrt(1 - level / 4));
+// R11G11B10F rounds by up to 1/128, the picture has eight bits, and cubes are filtered bilinearly.
+const TOLERANCE = 0.02;
+
+export async function checkFilament({ open, bake, query, diffuse, tell }) {
+    bake('filament', ['--target', 'filament']);
+    bake('filament-flipped', ['--target', 'filament', '--flip', 'x']);
+    const page = await open('filament.html');
+    const call = (name, options) => page.evaluate((f, o) => window[f](o), name, options);
+    const shownAt = (picture, pixels) => pixels.map(({ at }) => picture.pixels.slice(4 * at, 4 * at + 3));
+
+    const skyError = async (folder, looking) => {
+        const picture = await call('sky', { url: `/bake/${folder}/world_skybox.ktx`, looking });
+        const pixels = skyPixels(picture.size, looking, 9);
+        return relativeError(shownAt(picture, pixels), query(pixels.map((p) => p.direction), 0));
+    };
+    let worst = 0;
+    for (const looking of EYES.slice(0, 6)) worst = Math.max(worst, await skyError('filament', looking));
+    // Letters have hard edges, which two bilinear filters draw differently.
+    tell('filament skybox, 6 views', worst < 0.12, `relative error ${worst.toFixed(4)}`);
+    const flipped = await skyError('filament-flipped', EYES[4]);
+    tell('filament, a cube that is flipped is seen', flipped > 0.3, `relative error ${flipped.toFixed(4)}`);
+
+    for (const roughness of LADDER) {
+        worst = 0;
+        for (const eye of EYES.slice(-3)) {
+            const picture = await call('sphere', { url: '/bake/filament/world_ibl.ktx', roughness, eye });
+            const pixels = spherePixels(picture.size, eye, 16);
+            // A white metal reflects all light: the engine makes up for what one reflection loses.
+            const expected = query(pixels.map((p) => drawn(p, roughness)), roughness);
+            worst = Math.max(worst, relativeError(shownAt(picture, pixels), expected));
+        }
+        tell(`filament IBL, roughness ${roughness.toFixed(3)}, 3 views`, worst < TOLERANCE, `relative error ${worst.toFixed(4)}`);
+    }
+
+    // Irradiance over pi, as the engine's shader adds it up from what the engine's parser found.
+    const sh = await call('harmonics', '/bake/filament/world_ibl.ktx');
+    const normals = [];
+    for (let k = 0; k < 200; k++) {
+        const [y, phi] = [1 - (2 * k + 1) / 200, k * Math.PI * (3 - Math.sqrt(5))];
+        normals.push([Math.sqrt(1 - y * y) * Math.cos(phi), y, Math.sqrt(1 - y * y) * Math.sin(phi)]);
+    }
+    const irradiance = ([x, y, z]) => {
+        const terms = [1, y, z, x, x * y, y * z, 3 * z * z - 1, z * x, x * x - y * y];
+        return [0, 1, 2].map((c) => terms.reduce((sum, term, k) => sum + term * sh[3 * k + c], 0));
+    };
+    const error = relativeError(normals.map(irradiance), diffuse(normals));
+    // What bands above the second hold of this environment's irradiance.
+    tell('filament spherical harmonics', sh.length === 27 && error < 0.03, `relative error ${error.toFixed(4)}`);
+    await page.close();
+}

@@ -1,0 +1,80 @@
+// What a sphere should look like, from the program's own answers; and how far a picture is from that.
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const add = (a, s, b) => a.map((v, c) => v + s * b[c]);
+const unit = (a) => a.map((v) => v / Math.hypot(...a));
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+// Pixels of an orthographic view of the unit sphere from `eye` (a unit vector), rows upwards: index, normal and
+// mirrored view direction. The rim, where a pixel covers many normals, is left out.
+export function spherePixels(size, eye, step) {
+    const right = unit(cross(Math.abs(eye[1]) > 0.9 ? [0, 0, 1] : [0, 1, 0], eye));
+    const up = cross(eye, right);
+    const pixels = [];
+    for (let j = step >> 1; j < size; j += step) {
+        for (let i = step >> 1; i < size; i += step) {
+            const [x, y] = [(2 * i + 1) / size - 1, (2 * j + 1) / size - 1];
+            const rr = x * x + y * y;
+            if (rr > 0.8) continue;
+            const normal = unit([0, 1, 2].map((c) => right[c] * x + up[c] * y + eye[c] * Math.sqrt(1 - rr)));
+            const cosine = dot(normal, eye);
+            pixels.push({ at: j * size + i, normal, cosine, mirrored: unit(add(eye.map((v) => -v), 2 * cosine, normal)) });
+        }
+    }
+    return pixels;
+}
+
+// The direction that both engines look up: the mirrored one drawn to the normal by roughness^4
+// (three: envmap_physical_pars_fragment.glsl.js; Filament: getReflectedVector in surface_light_indirect.fs).
+export const drawn = ({ mirrored, normal }, roughness) =>
+    unit(add(mirrored.map((v) => v * (1 - roughness ** 4)), roughness ** 4, normal));
+
+// Share of light that a white GGX mirror reflects once, for the view's cosine: height-correlated Smith, by 4096 points.
+export function reflected(cosine, roughness) {
+    const alpha = roughness * roughness;
+    const view = [Math.sqrt(1 - cosine * cosine), 0, cosine];
+    const count = 4096;
+    let sum = 0;
+    for (let k = 0; k < count; k++) {
+        let bits = 0;
+        for (let b = 0, n = k; b < 12; b++, n >>= 1) bits = bits * 2 + (n & 1);
+        const [u, v] = [(k + 0.5) / count, (bits + 0.5) / count];
+        const cos2 = (1 - u) / (1 + (alpha * alpha - 1) * u);
+        const [c, s] = [Math.sqrt(cos2), Math.sqrt(1 - cos2)];
+        const half = [s * Math.cos(2 * Math.PI * v), s * Math.sin(2 * Math.PI * v), c];
+        const vh = dot(view, half);
+        const light = add(view.map((w) => -w), 2 * vh, half);
+        if (light[2] <= 0 || vh <= 0) continue;
+        const lambda = (z) => Math.sqrt(z * z * (1 - alpha * alpha) + alpha * alpha);
+        const visibility = 0.5 / (light[2] * lambda(cosine) + cosine * lambda(light[2]));
+        sum += visibility * light[2] * 4 * vh / c;
+    }
+    return sum / count;
+}
+
+const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
+
+// Relative RMS error of the luminance of `shown` against `expected`, lists of colours.
+export function relativeError(shown, expected) {
+    if (shown.length !== expected.length || shown.length < 100) throw new Error(`${shown.length} pixels to compare`);
+    const sum = (f) => shown.reduce((total, _, k) => total + f(k), 0);
+    const error = sum((k) => [0, 1, 2].reduce((e, c) => e + (shown[k][c] - expected[k][c]) ** 2, 0) / 3);
+    return Math.sqrt(error / sum((k) => luminance(expected[k]) ** 2));
+}
+
+// The six sides of the world to look from, and a corner.
+export const EYES = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1], unit([1, 0.7, -0.5])];
+
+// Pixels of a square view of 90 degrees `looking` along a unit vector, rows upwards: index and direction.
+export function skyPixels(size, looking, step) {
+    const right = unit(cross(looking, Math.abs(looking[1]) > 0.9 ? [0, 0, 1] : [0, 1, 0]));
+    const up = cross(right, looking);
+    const pixels = [];
+    for (let j = step >> 1; j < size; j += step) {
+        for (let i = step >> 1; i < size; i += step) {
+            const [x, y] = [(2 * i + 1) / size - 1, (2 * j + 1) / size - 1];
+            pixels.push({ at: j * size + i, direction: unit(add(add(looking, x, right), y, up)) });
+        }
+    }
+    return pixels;
+}

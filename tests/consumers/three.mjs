@@ -1,0 +1,57 @@
+// three.js: KTX2 (half floats) and DDS (BC6H), as scene.environment.
+import { EYES, drawn, reflected, relativeError, spherePixels } from './pictures.mjs';
+
+// Roughness of the six levels, so that no two are mixed: 1 - sqrt(1 - level/5).
+const LADDER = [2, 3, 4, 5].map((level) => 1 - Math.sqrt(1 - level / 5));
+// The engine adds the normal's change from pixel to pixel to the roughness, filters bilinearly, and has a
+// look-up table of its own for what a metal reflects.
+const TOLERANCE = 0.02;
+
+export async function checkThree({ open, bake, query, diffuse, tell }) {
+    bake('three', ['--target', 'three']);
+    bake('three-dds', ['--target', 'three', '--pixel', 'bc6h', '--format', 'dds']);
+    bake('three-unflipped', ['--target', 'three', '--flip', 'none']);
+    const page = await open('three.html');
+    const render = async (url, roughness, eye) =>
+        page.evaluate((options) => window.sphere(options), { url, roughness, eye });
+
+    // What the sphere should look like: one reflection by the lobe, the rest as from a diffuse surface.
+    const expectedOf = (pixels, roughness) => {
+        const lobes = query(pixels.map((p) => drawn(p, roughness)), roughness);
+        const rest = diffuse(pixels.map((p) => p.normal));
+        return pixels.map((p, k) => {
+            const once = reflected(p.cosine, roughness);
+            return lobes[k].map((v, c) => once * v + (1 - once) * rest[k][c]);
+        });
+    };
+    const shownAt = (picture, pixels) =>
+        pixels.map(({ at }) => picture.pixels.slice(4 * at, 4 * at + 3));
+
+    const files = [
+        ['KTX2 f16', '/bake/three/world_pmrem.ktx2', EYES],
+        ['DDS bc6h', '/bake/three-dds/world_pmrem.dds', EYES.slice(-2)],
+    ];
+    const expected = new Map();
+    for (const [name, url, eyes] of files) {
+        for (const roughness of LADDER) {
+            let [worst, levels] = [0, 0];
+            for (const eye of eyes) {
+                const picture = await render(url, roughness, eye);
+                const pixels = spherePixels(picture.size, eye, 16);
+                const key = `${roughness} ${eye}`;
+                if (!expected.has(key)) expected.set(key, expectedOf(pixels, roughness));
+                worst = Math.max(worst, relativeError(shownAt(picture, pixels), expected.get(key)));
+                levels = picture.levels;
+            }
+            tell(`three ${name}, roughness ${roughness.toFixed(3)}, ${eyes.length} views, ${levels} levels`,
+                worst < TOLERANCE && levels === 6, `relative error ${worst.toFixed(4)}`);
+        }
+    }
+    // The comparison sees a cube that is not turned about as three.js asks for.
+    const eye = EYES.at(-1);
+    const picture = await render('/bake/three-unflipped/world_pmrem.ktx2', LADDER[0], eye);
+    const pixels = spherePixels(picture.size, eye, 16);
+    const error = relativeError(shownAt(picture, pixels), expected.get(`${LADDER[0]} ${eye}`));
+    tell('three, a cube that is not flipped is seen', error > 10 * TOLERANCE, `relative error ${error.toFixed(4)}`);
+    await page.close();
+}

@@ -1,0 +1,297 @@
+//! Targets: the labelled environment through each of them, looked up as its engine does, and what they expand to.
+
+use crate::common::Random;
+use crate::containers::{colours, parse_dds, parse_ktx1, texel_length};
+use glam::DVec3;
+use octagloss::Rgb;
+use octagloss::bake::{Bake, BakeSettings, bake, bake_all};
+use octagloss::io::cube_write::Container;
+use octagloss::io::pixels::Pixel;
+use octagloss::lobe::Lobe;
+use octagloss::oracle::Oracle;
+use octagloss::sh_scale::{ShScale, filament_irradiance, scaled};
+use octagloss::sphere::cube::{Face, direction_from_texel};
+use octagloss::synth::synth;
+use octagloss::target::files::files;
+use octagloss::target::{Content, Diffuse, Flip, Plan, TARGETS, Target, is_target_file};
+
+/// KTX2 levels, by the `ktx2` crate and zstd.
+fn parse_ktx2(bytes: &[u8], pixel: Pixel) -> Vec<Vec<Rgb>> {
+    let reader = ktx2::Reader::new(bytes).unwrap();
+    let header = reader.header();
+    assert_eq!(header.face_count, 6);
+    let vk_format = match pixel {
+        Pixel::F16 => 97,
+        Pixel::F32 => 109,
+        Pixel::Rgb9e5 => 123,
+        Pixel::R11g11b10 => 122,
+        Pixel::Bc6h => 143,
+    };
+    assert_eq!(header.format.map(|format| format.value()), Some(vk_format));
+    let level = |(index, level): (usize, ktx2::Level<'_>)| {
+        let size = (header.pixel_width >> index).max(1);
+        let length = level.uncompressed_byte_length as usize;
+        let data = zstd::bulk::decompress(level.data, length).unwrap();
+        let face = match pixel {
+            Pixel::Bc6h => (size.div_ceil(4) * size.div_ceil(4) * 16) as usize,
+            _ => (size * size) as usize * texel_length(pixel),
+        };
+        assert_eq!(length, 6 * face);
+        data.chunks_exact(face).flat_map(|face| colours(pixel, size, face)).collect()
+    };
+    reader.levels().enumerate().map(level).collect()
+}
+
+fn levels(container: Container, pixel: Pixel, bytes: &[u8]) -> Vec<Vec<Rgb>> {
+    match container {
+        Container::Ktx2 => parse_ktx2(bytes, pixel),
+        Container::Ktx1 => parse_ktx1(bytes, pixel).unwrap().levels,
+        Container::Dds => parse_dds(bytes, pixel).unwrap().levels,
+    }
+}
+
+/// The hardware's look-up of the nearest texel (OpenGL 4.6, table 8.19), written out anew.
+fn look_up(level: &[Rgb], direction: DVec3) -> Rgb {
+    let d = direction;
+    let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
+    let (face, sc, tc, ma) = if x >= y && x >= z {
+        if d.x > 0.0 { (0, -d.z, -d.y, x) } else { (1, d.z, -d.y, x) }
+    } else if y >= z {
+        if d.y > 0.0 { (2, d.x, d.z, y) } else { (3, d.x, -d.z, y) }
+    } else if d.z > 0.0 {
+        (4, d.x, -d.y, z)
+    } else {
+        (5, -d.x, -d.y, z)
+    };
+    let n = ((level.len() / 6) as f64).sqrt() as usize;
+    let texel = |c: f64| (((c / ma + 1.0) / 2.0 * n as f64) as usize).min(n - 1);
+    level[(face * n + texel(tc)) * n + texel(sc)]
+}
+
+/// What each engine does to a world direction before it looks into a cube, from its own shaders.
+fn engine_direction(target: &str, d: DVec3) -> DVec3 {
+    match target {
+        "three" => DVec3::new(-d.x, d.y, d.z),
+        "bevy" => DVec3::new(d.x, d.y, -d.z),
+        _ => d,
+    }
+}
+
+fn small(target: &'static Target) -> (Plan, BakeSettings) {
+    let plan = Plan::new(target);
+    let settings = BakeSettings {
+        size: 64,
+        levels: Some(target.levels(64)),
+        ladder: target.ladder,
+        irradiance: matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both).then_some(8),
+        ..BakeSettings::default()
+    };
+    (plan, settings)
+}
+
+/// How many of the labelled world's texels the engine sees elsewhere than they are.
+fn misplaced(target: &'static Target, level: &[Rgb], exact: &[Rgb]) -> usize {
+    let mut wrong = 0;
+    let mut seen = 0;
+    let n = 64;
+    for face in Face::ALL {
+        for k in 0..n * n {
+            let direction = direction_from_texel(face, n, k % n, k / n);
+            let shown = look_up(level, engine_direction(target.name, direction));
+            let there = exact[face.index() * (n * n) as usize + k as usize];
+            // RGB9E5 and R11G11B10F round by up to 1/64 of the brightest channel.
+            let most = there.iter().copied().fold(0.0, f32::max);
+            wrong += usize::from((0..3).any(|c| (shown[c] - there[c]).abs() > most / 60.0));
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 6 * 64 * 64);
+    wrong
+}
+
+fn specular_level0(target: &'static Target, plan: &Plan, bake: &Bake) -> Vec<Rgb> {
+    let made = files(plan, "labelled", bake, &[]).unwrap();
+    let file = made.iter().find(|file| file.content == Content::Specular).unwrap();
+    let levels = levels(plan.container, plan.pixel, &file.bytes);
+    assert_eq!(levels.len() as u32, target.levels(64), "{}", target.name);
+    levels.into_iter().next().unwrap()
+}
+
+#[test]
+fn every_letter_is_upright_on_its_side_of_every_engines_world() {
+    let labelled = synth("labelled").unwrap();
+    for target in &TARGETS {
+        let (plan, settings) = small(target);
+        let bake = bake(&labelled, &settings, &|_| ()).unwrap();
+        let exact = &bake.chain.levels[0].texels;
+        let level = specular_level0(target, &plan, &bake);
+        assert_eq!(misplaced(target, &level, exact), 0, "{}", target.name);
+        // The check sees a cube that is turned about otherwise.
+        for flip in [Flip::None, Flip::X, Flip::Z].into_iter().filter(|flip| *flip != plan.flip) {
+            let wrong = Plan { flip, ..plan.clone() };
+            let level = specular_level0(target, &wrong, &bake);
+            assert!(misplaced(target, &level, exact) > 1000, "{} by {flip:?}", target.name);
+        }
+    }
+}
+
+#[test]
+fn irradiance_cubes_and_spherical_harmonics_agree_in_the_engines_world() {
+    let sky = synth("labelled").unwrap();
+    let bevy = Target::named("bevy").unwrap();
+    let (plan, settings) = small(bevy);
+    let bake = bake(&sky, &settings, &|_| ()).unwrap();
+    let made = files(&plan, "sky", &bake, &[]).unwrap();
+    let diffuse = made.iter().find(|file| file.content == Content::Irradiance).unwrap();
+    let level = &levels(plan.container, plan.pixel, &diffuse.bytes)[0];
+    let sh = scaled(&bake.sh, ShScale::Filament);
+    for direction in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
+        // A texel of 8 beside an axis is off by 7 degrees, and nine coefficients leave a tenth.
+        let direction = (direction + DVec3::splat(0.1)).normalize();
+        let cube = look_up(level, engine_direction("bevy", direction));
+        let polynomial = filament_irradiance(&sh, direction);
+        for c in 0..3 {
+            let (cube, polynomial) = (f64::from(cube[c]), polynomial[c]);
+            assert!((cube / polynomial - 1.0).abs() < 0.15, "{direction}: {cube} against {polynomial}");
+        }
+    }
+}
+
+#[test]
+fn filaments_key_holds_what_its_parser_reads() {
+    let target = Target::named("filament").unwrap();
+    let (plan, settings) = small(target);
+    let bake = bake(&synth("studio").unwrap(), &settings, &|_| ()).unwrap();
+    let made = files(&plan, "studio", &bake, &[]).unwrap();
+    let paths: Vec<&str> = made.iter().map(|file| file.path.as_str()).collect();
+    assert_eq!(paths, ["studio_ibl.ktx", "studio_skybox.ktx", "sh.txt"]);
+    let ibl = parse_ktx1(&made[0].bytes, Pixel::R11g11b10).unwrap();
+    let [(key, value)] = &ibl.pairs[..] else { panic!("one pair") };
+    let numbers: Vec<f64> = value.split_whitespace().map(|word| word.parse().unwrap()).collect();
+    assert_eq!((key.as_str(), numbers.len(), value.lines().count()), ("sh", 27, 9));
+    let expected = scaled(&bake.sh, ShScale::Filament);
+    assert_eq!(numbers, expected.as_flattened(), "every digit");
+    assert_eq!(parse_ktx1(&made[1].bytes, Pixel::R11g11b10).unwrap().levels.len(), 1);
+    let text = String::from_utf8(made[2].bytes.clone()).unwrap();
+    assert_eq!(text.lines().count(), 9);
+    let first = format!("{:.15}", expected[0][0]);
+    assert!(text.lines().next().unwrap().contains(&first), "{text}");
+}
+
+#[test]
+fn overrides_replace_what_the_preset_says() {
+    let (mut plan, mut settings) = small(Target::named("three").unwrap());
+    settings.irradiance = Some(8);
+    let bake = bake(&synth("labelled").unwrap(), &settings, &|_| ()).unwrap();
+    plan.diffuse = Diffuse::Both;
+    for (container, pixel) in [
+        (Container::Dds, Pixel::Bc6h),
+        (Container::Ktx2, Pixel::Bc6h),
+        (Container::Ktx1, Pixel::F32),
+        (Container::Ktx2, Pixel::R11g11b10),
+    ] {
+        (plan.container, plan.pixel) = (container, pixel);
+        let made = files(&plan, "a", &bake, &[]).unwrap();
+        let extension = container.name();
+        let paths: Vec<&str> = made.iter().map(|file| file.path.as_str()).collect();
+        assert_eq!(
+            paths,
+            [format!("a_pmrem.{extension}"), format!("a_irradiance.{extension}"), "a_sh.json".into()]
+        );
+        assert_eq!(levels(container, pixel, &made[0].bytes).len(), 4);
+        for path in paths {
+            assert!(is_target_file(path), "{path}");
+        }
+    }
+    assert!(!is_target_file("notes.txt") && !is_target_file("holiday.ktx2") && !is_target_file("_ibl.ktx"));
+    (plan.container, plan.pixel) = (Container::Ktx1, Pixel::Bc6h);
+    assert!(files(&plan, "a", &bake, &[]).is_err());
+}
+
+#[test]
+fn several_targets_share_their_levels_and_cost_them_once() {
+    let studio = synth("studio").unwrap();
+    let settings: Vec<BakeSettings> =
+        ["generic", "bevy", "khronos"].map(|name| small(Target::named(name).unwrap()).1).to_vec();
+    let total = std::sync::Mutex::new(0);
+    let bakes = bake_all(&studio, &settings, &|progress| *total.lock().unwrap() = progress.total).unwrap();
+    // generic and bevy have the same seven levels; khronos has six of other roughness but the first.
+    let texels = |sizes: &[u64]| sizes.iter().map(|n| 6 * n * n).sum::<u64>();
+    assert_eq!(
+        *total.lock().unwrap(),
+        texels(&[64, 32, 16, 8, 4, 2, 1]) + texels(&[32, 16, 8, 4, 2]) + texels(&[8])
+    );
+    assert_eq!(bakes[0].chain, bakes[1].chain);
+    for (together, settings) in bakes.iter().zip(&settings) {
+        let alone = bake(&studio, settings, &|_| ()).unwrap();
+        assert_eq!(together.chain.levels.len(), alone.chain.levels.len());
+        if together.oem == alone.oem {
+            assert_eq!(together.irradiance, alone.irradiance);
+        }
+    }
+    assert!(bake_all(&studio, &[], &|_| ()).is_err());
+}
+
+/// Relative RMS errors of luminance against exhaustive integration over the source: of the levels as baked, and as the
+/// target stores them. Levels of roughness 0.15 to 0.9, at texels drawn at random.
+fn errors(plan: &Plan, bake: &Bake, oracle: &Oracle<'_>) -> [f64; 2] {
+    let made = files(plan, "a", bake, &[]).unwrap();
+    let stored = levels(plan.container, plan.pixel, &made[0].bytes);
+    let mut random = Random::new(5);
+    let (mut sums, mut power, mut count) = ([0.0; 2], 0.0, 0);
+    for (level, stored) in bake.chain.levels.iter().zip(stored) {
+        if !(0.15..0.9).contains(&level.roughness) {
+            continue;
+        }
+        let stored = plan.flip.level(&octagloss::chain::CubeLevel { texels: stored, ..level.clone() });
+        for _ in 0..60 {
+            let at = random.below(level.texels.len() as u32) as usize;
+            let area = (level.size * level.size) as usize;
+            let (face, place) = (Face::ALL[at / area], (at % area) as u32);
+            let direction = direction_from_texel(face, level.size, place % level.size, place / level.size);
+            let exact = oracle.reflect(Lobe::Ggx, level.roughness, direction);
+            let luminance = |rgb: [f64; 3]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+            power += luminance(exact).powi(2);
+            for (sum, texel) in sums.iter_mut().zip([level.texels[at], stored.texels[at]]) {
+                *sum += (luminance(texel.map(f64::from)) - luminance(exact)).powi(2);
+            }
+            count += 1;
+        }
+    }
+    assert!(count >= 120, "{count} texels to compare");
+    sums.map(|sum| (sum / power).sqrt())
+}
+
+#[test]
+fn encodings_add_to_the_error_what_the_readme_says() {
+    for (name, most_baked) in [("sky", 0.01), ("studio", 0.01)] {
+        let environment = synth(name).unwrap();
+        let oracle = Oracle::new(&environment);
+        let mut plans: Vec<Plan> = TARGETS.iter().map(Plan::new).collect();
+        plans.push(Plan { pixel: Pixel::Bc6h, container: Container::Dds, ..Plan::new(&TARGETS[1]) });
+        let settings: Vec<BakeSettings> = plans
+            .iter()
+            .map(|plan| BakeSettings {
+                size: 128,
+                levels: Some(plan.target.levels(128)),
+                ladder: plan.target.ladder,
+                irradiance: matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both).then_some(8),
+                ..BakeSettings::default()
+            })
+            .collect();
+        let bakes = bake_all(&environment, &settings, &|_| ()).unwrap();
+        for (plan, bake) in plans.iter().zip(&bakes) {
+            let [baked, stored] = errors(plan, bake, &oracle);
+            println!("{name} | {} {} | {baked:.5} | {stored:.5}", plan.target.name, plan.pixel.name());
+            assert!(baked < most_baked, "{name} {}: {baked}", plan.target.name);
+            // Half the last place of each format, and for blocks what was measured.
+            let most_added = match plan.pixel {
+                Pixel::F16 | Pixel::F32 => 0.0003,
+                Pixel::Rgb9e5 => 0.002,
+                Pixel::R11g11b10 => 0.006,
+                Pixel::Bc6h => 0.02,
+            };
+            assert!(stored < baked + most_added, "{name} {}: {stored} of {baked}", plan.target.name);
+        }
+    }
+}
