@@ -3,6 +3,7 @@
 use super::oem::Table;
 use super::stage::Dispatch;
 use super::{Context, OemPlanes, Stage, shader};
+use crate::cpu::cells::Cells;
 use crate::cpu::tent::{Reconstruction, Tents};
 use crate::error::Result;
 
@@ -61,7 +62,82 @@ pub struct CellTree {
     pub(super) levels: Vec<[u32; 2]>,
 }
 
+/// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along an edge;
+/// and the quads of all levels.
+fn levels(cells: u32) -> (Vec<[u32; 2]>, u32) {
+    let mut levels: Vec<[u32; 2]> = Vec::new();
+    let mut first = 0;
+    let mut width = cells;
+    while levels.is_empty() || width > 1 {
+        width = width.div_ceil(2);
+        levels.push([first, width]);
+        first += width * width;
+    }
+    (levels, first)
+}
+
 impl CellTree {
+    /// A tree holding the CPU's `cells` of an OEM of `inner` x `inner` texels, down to blocks of `block` x `block`.
+    ///
+    /// # Panics
+    /// Where `cells` have another shape.
+    #[must_use]
+    pub fn upload(
+        context: &Context,
+        cells: &Cells,
+        inner: u32,
+        block: u32,
+        reconstruction: Reconstruction,
+    ) -> Self {
+        let quads = cells.quad_fields();
+        let (levels, count) = levels(inner.div_ceil(block));
+        assert_eq!(quads.len(), count as usize, "quads of {inner} x {inner} texels in blocks of {block}");
+        Self::holding(context, inner, block, reconstruction, cells.least(), levels, &quads)
+    }
+
+    /// A tree that a tolerance of zero cuts into `leaves` ([`crate::cpu::adaptive::Scratch::leaf_fields`]), over `least`
+    /// radiance: for replaying a cut.
+    #[must_use]
+    pub fn of_leaves(context: &Context, leaves: &[[f32; 14]], least: [f32; 3]) -> Self {
+        let cells = (leaves.len().max(1) as f64).sqrt().ceil() as u32;
+        let (levels, count) = levels(cells);
+        let mut quads = vec![[[0.0; 4]; 15]; count as usize];
+        let place = |level: usize, i: u32, j: u32| {
+            let [first, width] = levels[level];
+            ((first + j / 2 * width + i / 2) as usize, (i % 2 + 2 * (j % 2)) as usize)
+        };
+        for (k, leaf) in (0..).zip(leaves) {
+            let (i, j) = (k % cells, k / cells);
+            let (quad, sibling) = place(0, i, j);
+            for (field, value) in quads[quad].iter_mut().zip(leaf) {
+                field[sibling] = *value;
+            }
+            // What lies above reaches everywhere, so that it is never fine enough.
+            for level in 1..levels.len() {
+                let (quad, sibling) = place(level, i >> level, j >> level);
+                // Radius and luminance.
+                quads[quad][9][sibling] = 2.0;
+                quads[quad][10][sibling] += leaf[10];
+            }
+        }
+        // Not down to texels, so that leaves are whole.
+        let (inner, block) = (2 * cells, 2);
+        Self::holding(context, inner, block, Reconstruction::Constant, least, levels, &quads)
+    }
+
+    fn holding(
+        context: &Context,
+        inner: u32,
+        block: u32,
+        reconstruction: Reconstruction,
+        [red, green, blue]: [f32; 3],
+        levels: Vec<[u32; 2]>,
+        quads: &[[[f32; 4]; 15]],
+    ) -> Self {
+        let least = context.storage_of("least radiance", &[red, green, blue, 0.0]);
+        Self { inner, block, reconstruction, least, quads: context.storage_of("quads", quads), levels }
+    }
+
     /// The quads, sixty floats each, in the order of [`crate::cpu::cells::Cells`].
     #[must_use]
     pub const fn quads(&self) -> &wgpu::Buffer {
@@ -74,6 +150,9 @@ impl CellTree {
         &self.least
     }
 }
+
+shader::members!(Level { first, width, finer_first, finer_width, cells, block });
+shader::members!(Tent { centroid, radius, diagonal, pad_0, mixed, pad_1 });
 
 impl BuildCells {
     /// Compiles the stage.
@@ -106,15 +185,8 @@ impl BuildCells {
         assert!(block > 0, "blocks of at least one texel");
         let Table { inner, .. } = oem.table();
         let cells = inner.div_ceil(block);
-        let mut levels: Vec<[u32; 2]> = Vec::new();
-        let mut first = 0;
-        let mut width = cells;
-        while levels.is_empty() || width > 1 {
-            width = width.div_ceil(2);
-            levels.push([first, width]);
-            first += width * width;
-        }
-        let bytes = QUAD * u64::from(first);
+        let (levels, count) = levels(cells);
+        let bytes = QUAD * u64::from(count);
         context.fits(&format!("a tree of cells over {inner} x {inner} texels"), bytes, |available| {
             // Four thirds of a quarter of the cells.
             let most = (3 * available / QUAD).isqrt();
