@@ -4,6 +4,7 @@
 //! OCTAGLOSS_REQUIRE_ADAPTERS (parts of names, separated by commas) must be there.
 
 mod oem;
+mod reflection;
 mod sat;
 
 use octagloss::gpu::{Context, adapters, block_on};

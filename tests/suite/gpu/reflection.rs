@@ -38,10 +38,12 @@ impl Shader {
     fn layout(&self, name: &str) -> Option<(Vec<(String, usize)>, usize)> {
         let (_, ty) = self.module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name))?;
         let TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is a struct") };
-        let member = |member: &naga::StructMember| {
-            (member.name.clone().expect("a name"), member.offset as usize)
-        };
-        Some((members.iter().map(member).filter(|(name, _)| !name.starts_with("pad")).collect(), *span as usize))
+        let member =
+            |member: &naga::StructMember| (member.name.clone().expect("a name"), member.offset as usize);
+        Some((
+            members.iter().map(member).filter(|(name, _)| !name.starts_with("pad")).collect(),
+            *span as usize,
+        ))
     }
 
     /// The numbers of a named constant.
@@ -67,12 +69,7 @@ fn stages() -> impl Iterator<Item = &'static str> {
 }
 
 /// The first member that is elsewhere, or the size that is another.
-fn layout_difference(
-    shader: &Shader,
-    name: &str,
-    members: &[(&str, usize)],
-    size: usize,
-) -> Option<String> {
+fn layout_difference(shader: &Shader, name: &str, members: &[(&str, usize)], size: usize) -> Option<String> {
     let Some((found, span)) = shader.layout(name) else { return Some(format!("no struct {name}")) };
     let expected: Vec<(String, usize)> = members
         .iter()
@@ -96,7 +93,12 @@ fn structs() -> Vec<Struct> {
         ("cells.wgsl", "Table", table.0, table.1),
         ("fixed_point.wgsl", "Table", table.0, table.1),
         ("pack.wgsl", "Table", table.0, table.1),
-        ("reparameterise.wgsl", "Gather", reparameterise::Gather::MEMBERS, size_of::<reparameterise::Gather>()),
+        (
+            "reparameterise.wgsl",
+            "Gather",
+            reparameterise::Gather::MEMBERS,
+            size_of::<reparameterise::Gather>(),
+        ),
         ("sat_hensley.wgsl", "Doubling", sat_hensley::Doubling::MEMBERS, size_of::<sat_hensley::Doubling>()),
         ("sat_scan.wgsl", "Scan", sat_scan::Scan::MEMBERS, size_of::<sat_scan::Scan>()),
         // Four exponents, then the sizes, in a header of 32 bytes; sums as four low and four high words; four greatest
@@ -362,7 +364,9 @@ impl Shader {
             for (handle, global) in module.global_variables.iter().filter(|(h, _)| !info[*h].is_empty()) {
                 let kind = match global.space {
                     AddressSpace::Uniform => "uniform",
-                    AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => "write",
+                    AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
+                        "write"
+                    }
                     AddressSpace::Storage { .. } => "read",
                     AddressSpace::Handle => match module.types[global.ty].inner {
                         TypeInner::Image { class: ImageClass::Storage { .. }, .. } => "store",
