@@ -64,7 +64,7 @@ pub struct CellTree {
 
 /// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along an edge;
 /// and the quads of all levels.
-fn levels(cells: u32) -> (Vec<[u32; 2]>, u32) {
+fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
     let mut levels: Vec<[u32; 2]> = Vec::new();
     let mut first = 0;
     let mut width = cells;
@@ -90,7 +90,7 @@ impl CellTree {
         reconstruction: Reconstruction,
     ) -> Self {
         let quads = cells.quad_fields();
-        let (levels, count) = levels(inner.div_ceil(block));
+        let (levels, count) = levels_over(inner.div_ceil(block));
         assert_eq!(quads.len(), count as usize, "quads of {inner} x {inner} texels in blocks of {block}");
         Self::holding(context, inner, block, reconstruction, cells.least(), levels, &quads)
     }
@@ -100,7 +100,7 @@ impl CellTree {
     #[must_use]
     pub fn of_leaves(context: &Context, leaves: &[[f32; 14]], least: [f32; 3]) -> Self {
         let cells = (leaves.len().max(1) as f64).sqrt().ceil() as u32;
-        let (levels, count) = levels(cells);
+        let (levels, count) = levels_over(cells);
         let mut quads = vec![[[0.0; 4]; 15]; count as usize];
         let place = |level: usize, i: u32, j: u32| {
             let [first, width] = levels[level];
@@ -185,12 +185,15 @@ impl BuildCells {
         assert!(block > 0, "blocks of at least one texel");
         let Table { inner, .. } = oem.table();
         let cells = inner.div_ceil(block);
-        let (levels, count) = levels(cells);
+        let (levels, count) = levels_over(cells);
         let bytes = QUAD * u64::from(count);
         context.fits(&format!("a tree of cells over {inner} x {inner} texels"), bytes, |available| {
-            // Four thirds of a quarter of the cells.
-            let most = (3 * available / QUAD).isqrt();
-            format!("choose --oem-size at most {}, or --engine cpu", most * u64::from(block))
+            // A third of the cells at least; more where halves are rounded up.
+            let mut most = (3 * available / QUAD).isqrt() as u32;
+            while QUAD * u64::from(levels_over(most).1) > available {
+                most -= 1;
+            }
+            format!("choose --oem-size at most {}, or --engine cpu", u64::from(most) * u64::from(block))
         })?;
         let tents: Vec<Tent> = Tents::new(inner, reconstruction)
             .quadrant()

@@ -3,10 +3,24 @@
 //! A machine without an adapter fails these tests: `tests/run` installs software drivers first. The drivers named in
 //! OCTAGLOSS_REQUIRE_ADAPTERS (parts of names, separated by commas) must be there.
 
+mod adaptive;
+mod bake;
+mod boxes;
+mod cells;
+mod errors;
 mod oem;
 mod reflection;
 mod sat;
+mod scenes;
+mod stages;
 
+use octagloss::gpu::adaptive::Adaptive;
+use octagloss::gpu::box_filter::BoxFilter;
+use octagloss::gpu::cells::BuildCells;
+use octagloss::gpu::engine::Engine;
+use octagloss::gpu::fixed_point::FixedPoint;
+use octagloss::gpu::reparameterise::Reparameterise;
+use octagloss::gpu::sat_scan::SatScan;
 use octagloss::gpu::{Context, adapters, block_on};
 use octagloss::wgpu;
 use std::sync::LazyLock;
@@ -32,6 +46,42 @@ static CONTEXTS: LazyLock<Vec<Context>> = LazyLock::new(|| {
     }
     contexts
 });
+
+/// Every pass on one adapter: compiled once, for some drivers take seconds.
+struct Passes {
+    reparameterise: Reparameterise,
+    fixed_point: FixedPoint,
+    sat_scan: SatScan,
+    box_filter: BoxFilter,
+    build_cells: BuildCells,
+    adaptive: Adaptive,
+    engine: Engine,
+}
+
+static PASSES: LazyLock<Vec<Passes>> = LazyLock::new(|| {
+    let compiled = |context: &Context| Passes {
+        reparameterise: Reparameterise::new(context),
+        fixed_point: FixedPoint::new(context),
+        sat_scan: SatScan::new(context),
+        box_filter: BoxFilter::new(context),
+        build_cells: BuildCells::new(context),
+        adaptive: Adaptive::new(context),
+        engine: Engine::new(context.clone()).expect("shaders that compile"),
+    };
+    CONTEXTS.iter().map(compiled).collect()
+});
+
+/// Runs `test` on every adapter, with all passes, and says so.
+fn with_passes(name: &str, test: impl Fn(&Context, &Passes)) {
+    let index = |context: &Context| {
+        let own = |other: &Context| other.device() == context.device();
+        CONTEXTS.iter().position(own).expect("a context of the list")
+    };
+    on_every_adapter(name, |context| test(context, &PASSES[index(context)]));
+}
+
+/// 2^-24: half the distance between 1 and the next float32.
+const UNIT: f64 = 1.0 / (1_u32 << 24) as f64;
 
 /// Runs `test` on every adapter and says so.
 fn on_every_adapter(name: &str, test: impl Fn(&Context)) {
