@@ -4,7 +4,9 @@ use super::{UNIT, wait, with_passes};
 use crate::adaptive::luminance;
 use octagloss::Environment;
 use octagloss::bake::{Bake, BakeSettings, Filter, bake};
+use octagloss::cpu::reparameterise::oem_from_environment;
 use octagloss::lobe::Lobe;
+use octagloss::oem::OemSize;
 use octagloss::synth::synth;
 
 const ERROR: f64 = 0.005;
@@ -36,12 +38,15 @@ fn levels(bake: &Bake) -> Vec<&[[f32; 3]]> {
     levels.map(|level| &level.texels[..]).collect()
 }
 
-/// How a bake is judged: the CPU's own, and with E a little smaller and greater. Where those two agree in a texel no
-/// decision lies within rounding of its threshold.
+/// How a bake is judged: the CPU's own, and others with E a little smaller and greater and with the source turned by
+/// what directions are rounded by. Where those agree in a texel no decision lies within rounding of its threshold: the
+/// tolerance, or a cell's touching the horizon or another change of the rule.
 struct Judge {
     expected: Bake,
-    finer: Bake,
-    coarser: Bake,
+    others: Vec<Bake>,
+    /// Whether much of the source is as dark as its darkest texel, and exactly so on the CPU. What rounding leaves there
+    /// above the least radiance on the GPU weighs nothing, but counts for how far cells reach, and so for any decision.
+    flat: bool,
     /// Relative bound of level 0.
     mirror: f64,
     /// What one leaf's decision may change.
@@ -52,34 +57,52 @@ struct Judge {
 /// test), the kernels by 4 (10/alpha + 160) 2^-24 with alpha from 1/9 on: together below 1e-4.
 const MARGIN: f64 = 1e-4;
 
+/// Degrees that turn directions by some units of 2^-24.
+const TURN: f64 = 3e-5;
+
 impl Judge {
     fn new(environment: &Environment) -> Self {
-        let with = |error| on_the_cpu(environment, Filter::Adaptive(error));
-        let expected = with(ERROR);
+        let with = |error, turn| on_the_cpu(&environment.clone().rotated_y(turn), Filter::Adaptive(error));
+        let expected = with(ERROR, 0.0);
+        let others = vec![
+            with(ERROR * (1.0 - MARGIN), 0.0),
+            with(ERROR * (1.0 + MARGIN), 0.0),
+            with(ERROR, TURN),
+            with(ERROR, -TURN),
+        ];
         // Footprints: the bound of the OEM's own test.
         let sources = environment.layout().texel_count() as f64;
         let mirror = (8.0 + 2.0 * (64.0_f64.min(sources) + sources / 64.0)) * UNIT;
         // 0.4 of E times the mean radiance: `LEAF_SHARE` of the engines.
         let leaf = 0.4 * ERROR * luminance(expected.oem_energy) / (4.0 * std::f64::consts::PI);
-        Self {
-            finer: with(ERROR * (1.0 - MARGIN)),
-            coarser: with(ERROR * (1.0 + MARGIN)),
-            expected,
-            mirror,
-            leaf,
+        let size = OemSize { inner: 64, border: 0 };
+        let oem = oem_from_environment(environment, size).expect("a small matrix");
+        let least = oem.least_radiance();
+        let (mut dark, mut black) = (0, 0);
+        for [r, g, b, w] in oem.texels() {
+            let near = |(energy, least): (&f32, f32)| energy / w <= least * (1.0 + 4e-6);
+            let none = |(energy, least): (&f32, f32)| energy - least * w <= 0.0;
+            dark += u32::from([r, g, b].into_iter().zip(least).all(near));
+            black += u32::from([r, g, b].into_iter().zip(least).all(none));
         }
+        let flat = dark > 1 && 2 * black > dark;
+        Self { expected, others, flat, mirror, leaf }
     }
 
     /// The first texel beyond its bound, and how many glossy texels were held to 1e-5 of all.
     fn difference(&self, found: &Bake) -> (Option<String>, [usize; 2]) {
         let (mut wrong, mut counts) = (None, [0; 2]);
-        let [expected, finer, coarser, found] =
-            [&self.expected, &self.finer, &self.coarser, found].map(levels);
+        let [expected, found] = [&self.expected, found].map(levels);
+        let others: Vec<_> = self.others.iter().map(levels).collect();
         assert_eq!(expected.len(), found.len(), "levels");
         for level in 0..expected.len() {
             assert_eq!(expected[level].len(), found[level].len(), "texels of level {level}");
             for (k, (e, f)) in expected[level].iter().zip(found[level]).enumerate() {
-                let open = finer[level][k] != coarser[level][k];
+                let open = self.flat
+                    || others.iter().any(|other| {
+                        let other = other[level][k];
+                        (0..3).any(|c| (f64::from(other[c]) / f64::from(e[c]) - 1.0).abs() > 5e-6)
+                    });
                 let (relative, absolute) = match (level, open) {
                     (0, _) => (self.mirror, 0.0),
                     (_, false) => (1e-5, 0.0),
@@ -116,13 +139,15 @@ fn bakes_are_the_cpu_s() {
         for (name, environment, judge) in &cases {
             let run = || {
                 let settings = settings(Filter::Adaptive(ERROR));
-                wait(context, passes.engine.bake(environment, &settings, &|_| {}))
+                wait(context, passes.bake(environment, &settings, &|_| {}))
             };
             let found = run();
             let (difference, [strict, all]) = judge.difference(&found);
             assert_eq!(difference, None, "{name} on {}", context.describe());
             println!("{name}: {strict} of {all} glossy texels held to 1e-5");
-            assert!(strict * 2 > all, "{name}: {strict} of {all} texels without an open decision");
+            if *name == "sky" || *name == "studio" {
+                assert!(strict * 10 > 9 * all, "{name}: {strict} of {all} texels without an open decision");
+            }
 
             // The same input gives the same bytes.
             let again = run();
@@ -180,7 +205,7 @@ fn boxes_bake_as_on_the_cpu() {
     let allowed = f64::from(brightest) * 4.0 * 5.2 * 24.0 * 64.0 * UNIT;
     with_passes("bakes by boxes", |context, passes| {
         let settings = settings(Filter::Box);
-        let found = wait(context, passes.engine.bake(&environment, &settings, &|_| {}));
+        let found = wait(context, passes.bake(&environment, &settings, &|_| {}));
         let mut worst = 0.0_f64;
         for (expected, found) in levels(&expected).iter().zip(levels(&found)) {
             for (e, f) in expected.iter().flatten().zip(found.iter().flatten()) {
@@ -198,7 +223,7 @@ fn every_lobe_bakes_within_its_bounds() {
         for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cone] {
             let settings = BakeSettings { lobe, ..settings(Filter::Adaptive(0.02)) };
             let expected = bake(&environment, &settings, &|_| {}).expect("a small bake");
-            let found = wait(context, passes.engine.bake(&environment, &settings, &|_| {}));
+            let found = wait(context, passes.bake(&environment, &settings, &|_| {}));
             for (e, f) in expected.chain.levels.iter().zip(&found.chain.levels) {
                 let (Some(own), Some(other)) = (&e.bounds, &f.bounds) else { continue };
                 for k in 0..e.texels.len() {

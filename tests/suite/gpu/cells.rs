@@ -1,12 +1,13 @@
 //! The quadtree of moments against the CPU's, within what float32 sums allow.
 
-use super::{Passes, UNIT, wait, with_passes};
+use super::{UNIT, wait, with_passes};
 use crate::common::{Look, Random, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
 use octagloss::cpu::cells::Cells;
 use octagloss::cpu::tent::Reconstruction;
 use octagloss::environment::LUMINANCE;
+use octagloss::gpu::engine::Engine;
 use octagloss::gpu::{Context, OemPlanes, readback};
 use octagloss::oem::{Oem, OemSize};
 
@@ -17,9 +18,9 @@ const RADIUS: usize = 9;
 const LUMINANCE_FIELD: usize = 10;
 
 /// The GPU's quads over `oem`.
-fn built(context: &Context, passes: &Passes, oem: &Oem, block: u32, spread: Reconstruction) -> Vec<Quad> {
+fn built(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reconstruction) -> Vec<Quad> {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
-    let (stage, tree) = passes.build_cells.stage(context, &planes, block, spread).expect("a small tree");
+    let (stage, tree) = passes.cells.stage(context, &planes, block, spread).expect("a small tree");
     context.submit(|encoder| stage.record(encoder));
     let least: Vec<[f32; 4]> = wait(context, readback::read(context, tree.least()));
     // One quotient a texel: within 2.5 ulp in the shader, rounded on the CPU.

@@ -14,13 +14,7 @@ mod sat;
 mod scenes;
 mod stages;
 
-use octagloss::gpu::adaptive::Adaptive;
-use octagloss::gpu::box_filter::BoxFilter;
-use octagloss::gpu::cells::BuildCells;
 use octagloss::gpu::engine::Engine;
-use octagloss::gpu::fixed_point::FixedPoint;
-use octagloss::gpu::reparameterise::Reparameterise;
-use octagloss::gpu::sat_scan::SatScan;
 use octagloss::gpu::{Context, adapters, block_on};
 use octagloss::wgpu;
 use std::sync::LazyLock;
@@ -47,37 +41,19 @@ static CONTEXTS: LazyLock<Vec<Context>> = LazyLock::new(|| {
     contexts
 });
 
-/// Every pass on one adapter: compiled once, for some drivers take seconds.
-struct Passes {
-    reparameterise: Reparameterise,
-    fixed_point: FixedPoint,
-    sat_scan: SatScan,
-    box_filter: BoxFilter,
-    build_cells: BuildCells,
-    adaptive: Adaptive,
-    engine: Engine,
-}
-
-static PASSES: LazyLock<Vec<Passes>> = LazyLock::new(|| {
-    let compiled = |context: &Context| Passes {
-        reparameterise: Reparameterise::new(context),
-        fixed_point: FixedPoint::new(context),
-        sat_scan: SatScan::new(context),
-        box_filter: BoxFilter::new(context),
-        build_cells: BuildCells::new(context),
-        adaptive: Adaptive::new(context),
-        engine: Engine::new(context.clone()).expect("shaders that compile"),
-    };
+/// Every pass on every adapter: compiled once, for some drivers take seconds.
+static ENGINES: LazyLock<Vec<Engine>> = LazyLock::new(|| {
+    let compiled = |context: &Context| Engine::new(context.clone()).expect("shaders that compile");
     CONTEXTS.iter().map(compiled).collect()
 });
 
 /// Runs `test` on every adapter, with all passes, and says so.
-fn with_passes(name: &str, test: impl Fn(&Context, &Passes)) {
+fn with_passes(name: &str, test: impl Fn(&Context, &Engine)) {
     let index = |context: &Context| {
         let own = |other: &Context| other.device() == context.device();
         CONTEXTS.iter().position(own).expect("a context of the list")
     };
-    on_every_adapter(name, |context| test(context, &PASSES[index(context)]));
+    on_every_adapter(name, |context| test(context, &ENGINES[index(context)]));
 }
 
 /// 2^-24: half the distance between 1 and the next float32.

@@ -1,13 +1,13 @@
 //! Scenes where maps and arithmetic have their hard places, through every stage.
 
 use super::boxes::{packed, radiance_difference, solid_angle};
-use super::{Passes, UNIT, wait, with_passes};
+use super::{UNIT, wait, with_passes};
 use crate::adaptive::luminance;
 use crate::common::{environment, landmarks};
 use glam::DVec3;
 use octagloss::bake::Filter;
 use octagloss::cpu::reparameterise::{footprints_from_environment, oem_from_environment};
-use octagloss::gpu::engine::Reflector;
+use octagloss::gpu::engine::{Engine, Reflector};
 use octagloss::gpu::reparameterise::upload;
 use octagloss::gpu::{Context, OemPlanes, SatPlanes, readback};
 use octagloss::lobe::Lobe;
@@ -69,7 +69,7 @@ fn far(expected: f32, found: f32, bound: f64) -> bool {
     !((e - f).abs() <= bound * e + 2.4e-38)
 }
 
-fn gathered(context: &Context, passes: &Passes, environment: &Environment, size: OemSize) -> OemPlanes {
+fn gathered(context: &Context, passes: &Engine, environment: &Environment, size: OemSize) -> OemPlanes {
     let texture = upload(context, environment).expect("a small texture");
     let planes = OemPlanes::new(context, size).expect("small planes");
     let layout = environment.layout();
@@ -160,7 +160,7 @@ fn lobes_of_scenes_are_certified() {
     let directions = landmarks();
     with_passes("lobes of scenes", |context, passes| {
         for (name, source, truths) in &cases {
-            let reflector = Reflector::new(&passes.engine, source, &settings).expect("a small OEM");
+            let reflector = Reflector::new(passes, source, &settings).expect("a small OEM");
             for (roughness, truths) in truths {
                 let filter = Filter::Adaptive(0.005);
                 let query = reflector.query(&directions, Lobe::Ggx, *roughness, filter);
@@ -228,13 +228,13 @@ fn labels() -> Vec<(DVec3, Rgb)> {
 /// How many directions of `labels` show another label than their own.
 fn misplaced(
     context: &Context,
-    passes: &Passes,
+    passes: &Engine,
     source: &Environment,
     filter: Filter,
     from_world: impl Fn(DVec3) -> DVec3,
 ) -> usize {
     let settings = ReflectorSettings { oem_size: Some(32), ..ReflectorSettings::default() };
-    let reflector = Reflector::new(&passes.engine, source, &settings).expect("a small OEM");
+    let reflector = Reflector::new(passes, source, &settings).expect("a small OEM");
     let labels = labels();
     let directions: Vec<DVec3> = labels.iter().map(|(direction, _)| from_world(*direction)).collect();
     let answers = wait(context, reflector.query(&directions, Lobe::Ggx, 0.1, filter));

@@ -1,7 +1,7 @@
 //! The pipeline with the CPU's stages up to any given one and the GPU's from there on: which stage broke?
 
 use super::boxes::packed;
-use super::{Passes, UNIT, wait, with_passes};
+use super::{UNIT, wait, with_passes};
 use crate::adaptive::luminance;
 use crate::common::{Look, Random, environment, landmarks, texels};
 use glam::DVec3;
@@ -13,6 +13,7 @@ use octagloss::cpu::reparameterise::oem_from_environment;
 use octagloss::cpu::tent::Reconstruction;
 use octagloss::gpu::adaptive::{Packet, Part};
 use octagloss::gpu::cells::CellTree;
+use octagloss::gpu::engine::Engine;
 use octagloss::gpu::reparameterise::upload;
 use octagloss::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::lobe::Lobe;
@@ -69,7 +70,7 @@ fn on_the_cpu(oem: &Oem, directions: &[DVec3]) -> Outcome {
 /// Runs with the GPU from `from` on; `broken` is a stage that is made to fail where it runs on the GPU.
 fn run(
     context: &Context,
-    passes: &Passes,
+    passes: &Engine,
     (environment, oem): (&Environment, &Oem),
     directions: &[DVec3],
     from: TakeOver,
@@ -109,7 +110,7 @@ fn run(
         write(&sat.planes()[1], 8 * last + 4, 0);
     }
     let cells = if from >= TakeOver::Cells {
-        let (stage, tree) = passes.build_cells.stage(context, &planes, 1, SPREAD).expect("a small tree");
+        let (stage, tree) = passes.cells.stage(context, &planes, 1, SPREAD).expect("a small tree");
         context.submit(|encoder| stage.record(encoder));
         tree
     } else {
