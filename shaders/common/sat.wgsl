@@ -72,13 +72,21 @@ fn plane_prefix(at: vec2<i32>) -> Sum {
     let x = column.y;
     let j = row.x;
     let y = row.y;
-    let total = square_prefix(n, n);
-    let a = square_prefix(x, n);
-    let b = square_prefix(n, y);
-    let a_turned = square_prefix(n - x, n);
-    let b_turned = square_prefix(n, n - y);
     let odd_i = (i & 1) != 0;
     let odd_j = (j & 1) != 0;
+    // In a loop: some compilers inline every call and take minutes over what comes of it.
+    var ends = array<vec2<i32>, 6>(
+        vec2<i32>(n, n), vec2<i32>(x, n), vec2<i32>(n, y), vec2<i32>(n - x, n), vec2<i32>(n, n - y),
+        select(vec2<i32>(x, y), vec2<i32>(n - x, n - y), odd_i != odd_j));
+    var prefixes: array<Sum, 6>;
+    for (var k = 0u; k < 6u; k++) {
+        prefixes[k] = square_prefix(ends[k].x, ends[k].y);
+    }
+    let total = prefixes[0];
+    let a = prefixes[1];
+    let b = prefixes[2];
+    let a_turned = prefixes[3];
+    let b_turned = prefixes[4];
     // How many of the tiles below are upright and how many turned; >> rounds down.
     let upright_a = select((j + 1) >> 1u, j >> 1u, odd_i);
     let upright_b = select((i + 1) >> 1u, i >> 1u, odd_j);
@@ -88,10 +96,10 @@ fn plane_prefix(at: vec2<i32>) -> Sum {
     sum = add_sums(sum, multiply_sum(upright_b, b));
     sum = add_sums(sum, multiply_sum(i - upright_b, subtract_sums(total, b_turned)));
     if odd_i == odd_j {
-        return add_sums(sum, square_prefix(x, y));
+        return add_sums(sum, prefixes[5]);
     }
     let rest = subtract_sums(subtract_sums(total, a_turned), b_turned);
-    return add_sums(sum, add_sums(rest, square_prefix(n - x, n - y)));
+    return add_sums(sum, add_sums(rest, prefixes[5]));
 }
 
 // Texels low <= p < high of the unfolded plane, sides up to twice the square's: four reads where the border holds them.
@@ -103,9 +111,18 @@ fn plane_box(low: vec2<i32>, high: vec2<i32>) -> Sum {
             table_prefix(low.x + b, low.y + b), table_prefix(high.x + b, low.y + b),
             table_prefix(low.x + b, high.y + b), table_prefix(high.x + b, high.y + b));
     }
-    return corners(
-        plane_prefix(low), plane_prefix(vec2<i32>(high.x, low.y)), plane_prefix(vec2<i32>(low.x, high.y)),
-        plane_prefix(high));
+    var sum = Sum();
+    for (var k = 0u; k < 4u; k++) {
+        let right = (k & 1u) != 0u;
+        let lower = (k & 2u) != 0u;
+        let prefix = plane_prefix(vec2<i32>(select(low.x, high.x, right), select(low.y, high.y, lower)));
+        if right == lower {
+            sum = add_sums(sum, prefix);
+        } else {
+            sum = subtract_sums(sum, prefix);
+        }
+    }
+    return sum;
 }
 
 fn floats_from_sum(sum: Sum) -> vec4<f32> {

@@ -102,6 +102,22 @@ pub struct Scratch {
     stack: Vec<(u8, u32, u32)>,
 }
 
+#[cfg(feature = "gpu")]
+impl Scratch {
+    /// The leaves of the last evaluation, of `packet`, as fields of `shaders/common/quad.wgsl`: for replaying its cut.
+    #[must_use]
+    pub fn leaf_fields(&self, packet: &Packet) -> Vec<[f32; 14]> {
+        let fields = |leaf: &Leaf| {
+            let [x, y, z] = (packet.axis + glam::Vec3::from(leaf.offset).as_dvec3()).as_vec3().to_array();
+            let [xx, yy, zz, yz, zx, xy] = leaf.covariance;
+            let [red, green, blue] = leaf.energy;
+            let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
+            [x, y, z, xx, yy, zz, yz, zx, xy, leaf.radius, luminance, red, green, blue]
+        };
+        self.leaves.iter().map(fields).collect()
+    }
+}
+
 /// Evaluates lobes of one kernel over one environment's cells to one tolerance.
 #[derive(Debug)]
 pub struct Adaptive<'a> {

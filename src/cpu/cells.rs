@@ -128,6 +128,25 @@ impl Cells {
         }
         Self { n, least, mean_luminance, quads, levels, reconstruction, block, energies }
     }
+
+    /// The least radiance of each channel.
+    #[cfg(feature = "gpu")]
+    #[must_use]
+    pub const fn least(&self) -> [f32; 3] {
+        self.least
+    }
+
+    /// Sibling cells as `shaders/common/quad.wgsl` has them: fourteen fields of four, and a spare one.
+    #[cfg(feature = "gpu")]
+    #[must_use]
+    pub fn quad_fields(&self) -> Vec<[[f32; 4]; 15]> {
+        let fields = |quad: &Quad| {
+            let Quad { x, y, z, covariance: [xx, yy, zz, yz, zx, xy], radius, luminance, red, green, blue } =
+                *quad;
+            [x, y, z, xx, yy, zz, yz, zx, xy, radius, luminance, red, green, blue, [0.0; 4]]
+        };
+        self.quads.iter().map(fields).collect()
+    }
 }
 
 /// The union of cells, centred by luminance; cells without energy do not count.

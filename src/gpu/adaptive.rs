@@ -57,6 +57,26 @@ pub struct Packet {
     z: [f32; LANES],
 }
 
+shader::members!(Lobe {
+    shape,
+    first,
+    second,
+    tolerance_per_mean,
+    share,
+    per_integral,
+    rounding,
+    rounding_per_leaf,
+    inner,
+    to_texels,
+    reach,
+    root,
+    add,
+    count,
+    padding,
+    levels,
+});
+shader::members!(Packet { axis, radius, x, y, z });
+
 impl Packet {
     /// A packet of unit `directions`, at least one and at most [`LANES`]; spare lanes repeat the first.
     ///

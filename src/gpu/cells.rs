@@ -4,6 +4,7 @@ use super::fixed_point::{GROUPS, groups};
 use super::oem::Table;
 use super::stage::Dispatch;
 use super::{Context, OemPlanes, Stage, shader};
+use crate::cpu::cells::Cells;
 use crate::cpu::tent::{Reconstruction, Tents};
 use crate::error::Result;
 
@@ -62,7 +63,82 @@ pub struct CellTree {
     pub(super) levels: Vec<[u32; 2]>,
 }
 
+/// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along an edge;
+/// and the quads of all levels.
+fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
+    let mut levels: Vec<[u32; 2]> = Vec::new();
+    let mut first = 0;
+    let mut width = cells;
+    while levels.is_empty() || width > 1 {
+        width = width.div_ceil(2);
+        levels.push([first, width]);
+        first += width * width;
+    }
+    (levels, first)
+}
+
 impl CellTree {
+    /// A tree holding the CPU's `cells` of an OEM of `inner` x `inner` texels, down to blocks of `block` x `block`.
+    ///
+    /// # Panics
+    /// Where `cells` have another shape.
+    #[must_use]
+    pub fn upload(
+        context: &Context,
+        cells: &Cells,
+        inner: u32,
+        block: u32,
+        reconstruction: Reconstruction,
+    ) -> Self {
+        let quads = cells.quad_fields();
+        let (levels, count) = levels_over(inner.div_ceil(block));
+        assert_eq!(quads.len(), count as usize, "quads of {inner} x {inner} texels in blocks of {block}");
+        Self::holding(context, inner, block, reconstruction, cells.least(), levels, &quads)
+    }
+
+    /// A tree that a tolerance of zero cuts into `leaves` ([`crate::cpu::adaptive::Scratch::leaf_fields`]), over `least`
+    /// radiance: for replaying a cut.
+    #[must_use]
+    pub fn of_leaves(context: &Context, leaves: &[[f32; 14]], least: [f32; 3]) -> Self {
+        let cells = (leaves.len().max(1) as f64).sqrt().ceil() as u32;
+        let (levels, count) = levels_over(cells);
+        let mut quads = vec![[[0.0; 4]; 15]; count as usize];
+        let place = |level: usize, i: u32, j: u32| {
+            let [first, width] = levels[level];
+            ((first + j / 2 * width + i / 2) as usize, (i % 2 + 2 * (j % 2)) as usize)
+        };
+        for (k, leaf) in (0..).zip(leaves) {
+            let (i, j) = (k % cells, k / cells);
+            let (quad, sibling) = place(0, i, j);
+            for (field, value) in quads[quad].iter_mut().zip(leaf) {
+                field[sibling] = *value;
+            }
+            // What lies above reaches everywhere, so that it is never fine enough.
+            for level in 1..levels.len() {
+                let (quad, sibling) = place(level, i >> level, j >> level);
+                // Radius and luminance.
+                quads[quad][9][sibling] = 2.0;
+                quads[quad][10][sibling] += leaf[10];
+            }
+        }
+        // Not down to texels, so that leaves are whole.
+        let (inner, block) = (2 * cells, 2);
+        Self::holding(context, inner, block, Reconstruction::Constant, least, levels, &quads)
+    }
+
+    fn holding(
+        context: &Context,
+        inner: u32,
+        block: u32,
+        reconstruction: Reconstruction,
+        [red, green, blue]: [f32; 3],
+        levels: Vec<[u32; 2]>,
+        quads: &[[[f32; 4]; 15]],
+    ) -> Self {
+        let least = context.storage_of("least radiance", &[red, green, blue, 0.0]);
+        Self { inner, block, reconstruction, least, quads: context.storage_of("quads", quads), levels }
+    }
+
     /// The quads, sixty floats each, in the order of [`crate::cpu::cells::Cells`].
     #[must_use]
     pub const fn quads(&self) -> &wgpu::Buffer {
@@ -72,88 +148,17 @@ impl CellTree {
     /// Whether the tree over `inner` x `inner` texels in blocks of `block`, and their moments, fit.
     pub(super) fn check_fits(context: &Context, inner: u32, block: u32) -> Result<()> {
         let tents = |inner: u64| TENT * inner.div_ceil(2).pow(2);
-        let quads = |inner: u64| QUAD * quad_count(&levels(inner.div_ceil(u64::from(block)) as u32));
+        let quads = |inner: u64| QUAD * u64::from(levels_over(inner.div_ceil(u64::from(block)) as u32).1);
         let bytes = |inner: u64| tents(inner).max(quads(inner));
-        context.fits(
-            &format!("a tree of cells over {inner} x {inner} texels"),
-            bytes(inner.into()),
-            |available| {
-                let fitting =
-                    (64..=u64::from(inner)).step_by(64).take_while(|inner| bytes(*inner) <= available);
-                format!("choose --oem-size at most {}, or --engine cpu", fitting.last().unwrap_or(1))
-            },
-        )
-    }
-
-    /// The least radiance of each channel, and one float more.
-    #[must_use]
-    pub const fn least(&self) -> &wgpu::Buffer {
-        &self.least
-    }
-}
-
-/// First quad and quads along an edge of every level over `cells` x `cells` finest cells, up to the root.
-fn levels(cells: u32) -> Vec<[u32; 2]> {
-    let mut levels = Vec::new();
-    let (mut first, mut width) = (0, cells);
-    while levels.is_empty() || width > 1 {
-        width = width.div_ceil(2);
-        levels.push([first, width]);
-        first += width * width;
-    }
-    levels
-}
-
-/// Quads of all levels; the root's is the last.
-fn quad_count(levels: &[[u32; 2]]) -> u64 {
-    levels.last().map_or(0, |[first, width]| u64::from(*first) + u64::from(*width))
-}
-
-impl BuildCells {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "cells.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self {
-            least_of_groups: pipeline("least_of_groups"),
-            least_of_all: pipeline("least_of_all"),
-            finest: pipeline("finest"),
-            coarser: pipeline("coarser"),
-        }
-    }
-
-    /// The cells of `oem` down to blocks of `block` x `block` texels, and the stage that fills them.
-    ///
-    /// # Errors
-    /// [`crate::Error::Limit`] where they are more than the device can bind.
-    ///
-    /// # Panics
-    /// Where `block` is zero.
-    pub fn stage(
-        &self,
-        context: &Context,
-        oem: &OemPlanes,
-        block: u32,
-        reconstruction: Reconstruction,
-    ) -> Result<(Stage, CellTree)> {
-        assert!(block > 0, "blocks of at least one texel");
-        let Table { inner, .. } = oem.table();
-        CellTree::check_fits(context, inner, block)?;
-        let cells = inner.div_ceil(block);
-        let levels = levels(cells);
-        let bytes = QUAD * quad_count(&levels);
-        let tents: Vec<Tent> = Tents::new(inner, reconstruction)
-            .quadrant()
-            .iter()
-            .map(|patch| Tent {
-                centroid: patch.centroid.to_array(),
-                radius: patch.radius,
-                diagonal: patch.diagonal.to_array(),
-                pad_0: 0.0,
-                mixed: patch.mixed.to_array(),
-                pad_1: 0.0,
-            })
+        context
+            .fits(
+                &format!("a tree of cells over {inner} x {inner} texels"),
+                bytes(inner.into()),
+                |available| {
+                    let fitting = (1..inner.into()).rev().find(|inner| bytes(*inner) <= available);
+                    format!("choose --oem-size at most {}, or --engine cpu", fitting.unwrap_or(0))
+                },
+            )
             .collect();
         let tents = context.storage_of("moments of texels", &tents);
         let partials = context.storage("least radiance of groups", 16 * u64::from(GROUPS));

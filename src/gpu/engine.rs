@@ -31,12 +31,18 @@ const SHARPEST_ALPHA: f64 = 1e-4;
 #[derive(Clone, Debug)]
 pub struct Engine {
     context: Context,
-    reparameterise: Reparameterise,
-    fixed_point: FixedPoint,
-    sat_scan: SatScan,
-    box_filter: BoxFilter,
-    cells: BuildCells,
-    adaptive: Adaptive,
+    /// Environment to OEM, and to footprints.
+    pub reparameterise: Reparameterise,
+    /// OEM to fixed-point exponents.
+    pub fixed_point: FixedPoint,
+    /// OEM to exact table.
+    pub sat_scan: SatScan,
+    /// Table to textures, and boxes over them.
+    pub box_filter: BoxFilter,
+    /// OEM to quadtree.
+    pub cells: BuildCells,
+    /// Quadtree to lobes.
+    pub adaptive: Adaptive,
 }
 
 impl Engine {

@@ -1,6 +1,6 @@
 //! The OEM and its exact table on the GPU: four planes each, of float32 bits and of 64-bit words.
 
-use super::{Context, readback};
+use super::{Context, readback, shader};
 use crate::error::Result;
 use crate::oem::{Oem, OemSize};
 
@@ -20,6 +20,8 @@ pub struct Table {
     /// Texels from row to row: `side` rounded up to a multiple of 4.
     pub pitch: u32,
 }
+
+shader::members!(Table { inner, border, side, pitch });
 
 impl Table {
     /// The layout of an OEM of `size`.
@@ -155,6 +157,29 @@ impl SatPlanes {
         let table = Table::new(size);
         let what = format!("a SAT plane of {0} x {0}", table.side);
         context.fits(&what, 8 * table.count(), largest_that_fits(8))
+    }
+
+    /// Planes holding `sat` and its exponents.
+    ///
+    /// # Errors
+    /// Those of [`SatPlanes::new`].
+    pub fn upload(context: &Context, sat: &crate::sat::Sat) -> Result<Self> {
+        let planes = Self::new(context, sat.size())?;
+        let Table { side, pitch, .. } = Table::new(sat.size());
+        let exponents = sat.fixed_point().exponents;
+        context.queue().write_buffer(&planes.exponents, 0, bytemuck::cast_slice(&exponents));
+        for (channel, plane) in planes.planes.iter().enumerate() {
+            let mut words = vec![[0_u32; 2]; Table::new(sat.size()).count() as usize];
+            for (row, entries) in
+                words.chunks_exact_mut(pitch as usize).zip(sat.entries().chunks_exact(side as usize))
+            {
+                for (word, entry) in row.iter_mut().zip(entries) {
+                    *word = [entry[channel] as u32, (entry[channel] >> 32) as u32];
+                }
+            }
+            context.queue().write_buffer(plane, 0, bytemuck::cast_slice(&words));
+        }
+        Ok(planes)
     }
 
     /// Size of the OEM summed.

@@ -36,6 +36,8 @@ pub struct Gather {
     source_maps: [[[i32; 4]; 3]; 8],
 }
 
+shader::members!(Gather { edge, border, side, pitch, width, height, symmetric, padding, source_maps });
+
 /// Pipelines of the stage.
 #[derive(Clone, Debug)]
 pub struct Reparameterise {
@@ -70,7 +72,8 @@ pub fn upload(context: &Context, environment: &Environment) -> Result<wgpu::Text
     if width.max(height) > most {
         return Err(Error::Limit {
             what: format!("a texture of {width} x {height}"),
-            needed: u64::from(width) * u64::from(height) * 16,
+            // As for a square of the longer side: textures are limited by their sides.
+            needed: u64::from(width.max(height)).pow(2) * 16,
             available: u64::from(most) * u64::from(most) * 16,
             remedy: format!("use an image of at most {most} texels a side, or --engine cpu"),
         });

@@ -20,6 +20,8 @@ pub struct Scan {
     channel: u32,
 }
 
+shader::members!(Scan { side, pitch, tiles, channel });
+
 /// Pipelines of the scan.
 #[derive(Clone, Debug)]
 pub struct SatScan {

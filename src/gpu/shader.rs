@@ -8,6 +8,23 @@ macro_rules! files {
     };
 }
 
+/// Gives a struct that shaders read its `MEMBERS`: names and offsets in bytes, to be held to the shader's.
+macro_rules! members {
+    ($name:ident { $($field:ident),* $(,)? }) => {
+        impl $name {
+            /// Every field with its offset in bytes.
+            pub const MEMBERS: &'static [(&'static str, usize)] = {
+                // No field is left out.
+                let _ = |whole: Self| {
+                    let Self { $($field: _),* } = whole;
+                };
+                &[$((stringify!($field), std::mem::offset_of!($name, $field))),*]
+            };
+        }
+    };
+}
+pub(super) use members;
+
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
     "common/fixed_point.wgsl",

@@ -16,22 +16,22 @@ use octagloss::sphere::{cube, octahedral};
 use octagloss::{Environment, Layout};
 use rayon::prelude::*;
 
-fn luminance(rgb: [f64; 3]) -> f64 {
+pub(crate) fn luminance(rgb: [f64; 3]) -> f64 {
     (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }
 
 /// What the oracle itself may be off by, relatively.
-const ORACLE: f64 = 1e-7;
+pub(crate) const ORACLE: f64 = 1e-7;
 
 /// An OEM with a look of its own, and where it is brightest.
-struct Scene {
-    oem: Oem,
-    look: Look,
+pub(crate) struct Scene {
+    pub(crate) oem: Oem,
+    pub(crate) look: Look,
     brightest: DVec3,
 }
 
 impl Scene {
-    fn new(random: &mut Random, inner: u32) -> Self {
+    pub(crate) fn new(random: &mut Random, inner: u32) -> Self {
         let look = Look::ALL[random.below(5) as usize];
         let radiance = texels(random, look, Layout::Octahedral { size: inner });
         let place = (0..radiance.len()).max_by(|a, b| radiance[*a][1].total_cmp(&radiance[*b][1]));
@@ -43,16 +43,16 @@ impl Scene {
 }
 
 /// A question: where and how sharp, and to what tolerance.
-struct Question {
-    directions: Vec<DVec3>,
-    lane: usize,
-    lobe: Lobe,
-    roughness: f64,
-    error: f64,
+pub(crate) struct Question {
+    pub(crate) directions: Vec<DVec3>,
+    pub(crate) lane: usize,
+    pub(crate) lobe: Lobe,
+    pub(crate) roughness: f64,
+    pub(crate) error: f64,
 }
 
 impl Question {
-    fn new(random: &mut Random, scene: &Scene) -> Self {
+    pub(crate) fn new(random: &mut Random, scene: &Scene) -> Self {
         let lobe = match random.below(10) {
             0 => Lobe::Phong,
             1 => Lobe::Cosine,
@@ -268,7 +268,7 @@ fn what_a_reflector_serves_is_what_it_says() {
 }
 
 /// What the issue asks of a constant environment.
-const FURNACE: f64 = 1e-6;
+pub(crate) const FURNACE: f64 = 1e-6;
 
 fn furnace_error(
     environment: &Environment,

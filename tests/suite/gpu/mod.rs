@@ -3,9 +3,18 @@
 //! A machine without an adapter fails these tests: `tests/run` installs software drivers first. The drivers named in
 //! OCTAGLOSS_REQUIRE_ADAPTERS (parts of names, separated by commas) must be there.
 
+mod adaptive;
+mod bake;
+mod boxes;
+mod cells;
+mod errors;
 mod oem;
+mod reflection;
 mod sat;
+mod scenes;
+mod stages;
 
+use octagloss::gpu::engine::Engine;
 use octagloss::gpu::{Context, adapters, block_on};
 use octagloss::wgpu;
 use std::io::Write as _;
@@ -32,6 +41,24 @@ static CONTEXTS: LazyLock<Vec<Context>> = LazyLock::new(|| {
     }
     contexts
 });
+
+/// Every pass on every adapter: compiled once, for some drivers take seconds.
+static ENGINES: LazyLock<Vec<Engine>> = LazyLock::new(|| {
+    let compiled = |context: &Context| Engine::new(context.clone()).expect("shaders that compile");
+    CONTEXTS.iter().map(compiled).collect()
+});
+
+/// Runs `test` on every adapter, with all passes, and says so.
+fn with_passes(name: &str, test: impl Fn(&Context, &Engine)) {
+    let index = |context: &Context| {
+        let own = |other: &Context| other.device() == context.device();
+        CONTEXTS.iter().position(own).expect("a context of the list")
+    };
+    on_every_adapter(name, |context| test(context, &ENGINES[index(context)]));
+}
+
+/// 2^-24: half the distance between 1 and the next float32.
+const UNIT: f64 = 1.0 / (1_u32 << 24) as f64;
 
 /// Runs `test` on every adapter and says so.
 fn on_every_adapter(name: &str, test: impl Fn(&Context)) {

@@ -1,0 +1,438 @@
+//! The adaptive filter: certified bounds against exhaustive integration, the CPU's cuts replayed, cuts of its own.
+
+use super::{UNIT, wait, with_passes};
+use crate::adaptive::{FURNACE, ORACLE, Question, Scene, luminance};
+use crate::common::{Look, Random, environment, landmarks, oem, texels};
+use glam::DVec3;
+use octagloss::bake::Filter;
+use octagloss::cpu::adaptive::{Adaptive, LANES, Packet as CpuPacket, Scratch};
+use octagloss::cpu::cells::Cells;
+use octagloss::cpu::kernel::Kernel;
+use octagloss::cpu::reparameterise::oem_from_environment;
+use octagloss::cpu::tent::Reconstruction;
+use octagloss::gpu::adaptive::{Answers, Packet, Part};
+use octagloss::gpu::cells::CellTree;
+use octagloss::gpu::engine::{Engine, Reflector};
+use octagloss::gpu::{Context, OemPlanes};
+use octagloss::lobe::Lobe;
+use octagloss::oem::{Oem, OemSize};
+use octagloss::oracle::OemOracle;
+use octagloss::reflector::ReflectorSettings;
+use octagloss::sphere::cube::{Face, direction_from_texel};
+use octagloss::synth::synth;
+use octagloss::{Environment, Layout};
+use rayon::prelude::*;
+
+/// The GPU's cells of `oem`.
+fn tree(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reconstruction) -> CellTree {
+    let planes = OemPlanes::upload(context, oem).expect("small planes");
+    let (stage, tree) = passes.cells.stage(context, &planes, block, spread).expect("a small tree");
+    context.submit(|encoder| stage.record(encoder));
+    tree
+}
+
+fn evaluate(
+    context: &Context,
+    passes: &Engine,
+    cells: &CellTree,
+    kernel: Kernel,
+    error: f64,
+    packets: &[Packet],
+) -> Answers {
+    let parts = [Part { cells, kernel, error, share: 1.0 }];
+    wait(context, passes.adaptive.evaluate(context, &parts, packets))
+}
+
+/// A scene with questions and what exhaustive integration says.
+struct Examination {
+    scene: Scene,
+    spread: Reconstruction,
+    questions: Vec<(Question, f64)>,
+}
+
+fn examinations(seed: u64, scenes: u64, questions: usize, size: fn(&mut Random) -> u32) -> Vec<Examination> {
+    (0..scenes)
+        .into_par_iter()
+        .map(|scene| {
+            let mut random = Random::new(seed + scene);
+            let inner = size(&mut random);
+            let (spread, share) =
+                [(Reconstruction::Bilinear, 1.0), (Reconstruction::Constant, 0.0)][scene as usize % 2];
+            let scene = Scene::new(&mut random, inner);
+            let oracle = OemOracle::new(&scene.oem);
+            let questions = (0..questions)
+                .map(|_| {
+                    let question = Question::new(&mut random, &scene);
+                    let Question { lobe, roughness, .. } = question;
+                    let direction = question.directions[question.lane];
+                    let truth = oracle.reflect_with_share(lobe, roughness, direction, share);
+                    (question, luminance(truth))
+                })
+                .collect();
+            Examination { scene, spread, questions }
+        })
+        .collect()
+}
+
+/// Questions of `examination` whose bound does not hold where `served` is the OEM that the GPU gets; and how tight the
+/// bounds were.
+fn failures(
+    context: &Context,
+    passes: &Engine,
+    examination: &Examination,
+    served: &Oem,
+) -> (Vec<String>, Vec<f64>) {
+    let Examination { scene, spread, questions } = examination;
+    let cells = tree(context, passes, served, 1, *spread);
+    let (mut wrong, mut tightness) = (Vec::new(), Vec::new());
+    for (question, truth) in questions {
+        let Question { directions, lane, lobe, roughness, error } = question;
+        let kernel = Kernel::new(*lobe, roughness * roughness);
+        let answers = evaluate(context, passes, &cells, kernel, *error, &[Packet::new(directions)]);
+        let answer = answers.lanes[*lane];
+        let (value, bound) =
+            (luminance(answer.radiance.map(f64::from)), f64::from(answer.bound.expect("a certified bound")));
+        let off = (value - truth).abs();
+        if off > ORACLE * truth {
+            tightness.push(bound / off);
+        }
+        if !(off <= bound + ORACLE * truth) {
+            wrong.push(format!(
+                "{:?} {}^2 {spread:?} {lobe:?} roughness {roughness} E {error} {} lanes {}: {value} against {truth}, \
+                 bound {bound}",
+                scene.look,
+                scene.oem.size().inner,
+                directions.len(),
+                directions[*lane]
+            ));
+        }
+    }
+    (wrong, tightness)
+}
+
+fn judge(name: &str, examinations: &[Examination]) {
+    with_passes(name, |context, passes| {
+        let (mut wrong, mut tightness, mut asked) = (Vec::new(), Vec::new(), 0);
+        for examination in examinations {
+            let (failed, tight) = failures(context, passes, examination, &examination.scene.oem);
+            wrong.extend(failed);
+            tightness.extend(tight);
+            asked += examination.questions.len();
+        }
+        tightness.sort_by(f64::total_cmp);
+        println!(
+            "{name}: {} of {asked} bounds hold; bound/error median {:.1}, least {:.2} ({} counted)",
+            asked - wrong.len(),
+            tightness[tightness.len() / 2],
+            tightness[0],
+            tightness.len()
+        );
+        let worst = wrong.iter().take(10).cloned().collect::<Vec<_>>().join("\n");
+        assert!(wrong.is_empty(), "{} bounds do not hold on {}:\n{worst}", wrong.len(), context.describe());
+    });
+}
+
+#[test]
+fn certified_bounds_hold() {
+    judge("bounds", &examinations(1000, 40, 20, |random| 32 + random.below(65)));
+}
+
+#[test]
+fn certified_bounds_hold_for_tiny_oems() {
+    judge("bounds of tiny OEMs", &examinations(3000, 40, 8, |random| 1 + random.below(9)));
+}
+
+#[test]
+fn one_wrong_texel_breaks_a_bound() {
+    let mut random = Random::new(71);
+    let cases: Vec<(Examination, Oem)> = (0..10)
+        .map(|_| {
+            let scene = Scene::new(&mut random, 32);
+            // The GPU is given a texel that is brighter by ten times the mean.
+            let mut square = scene.oem.texels().to_vec();
+            let k = random.below(32 * 32);
+            let mean = (scene.oem.totals()[1] / (4.0 * std::f64::consts::PI)) as f32;
+            let [r, g, b, w] = square[k as usize];
+            square[k as usize] = [r + 10.0 * mean * w, g + 10.0 * mean * w, b + 10.0 * mean * w, w];
+            let wrong = Oem::from_square(scene.oem.size(), square);
+            let centre = octagloss::sphere::octahedral::texel_centre(32, k % 32, k / 32);
+            let direction = octagloss::sphere::octahedral::direction_from_oct(centre);
+            let oracle = OemOracle::new(&scene.oem);
+            let questions = [0.1, 0.3]
+                .map(|roughness| {
+                    let truth = oracle.reflect_with_share(Lobe::Ggx, roughness, direction, 1.0);
+                    let directions = vec![direction];
+                    let question = Question { directions, lane: 0, lobe: Lobe::Ggx, roughness, error: 0.001 };
+                    (question, luminance(truth))
+                })
+                .into();
+            (Examination { scene, spread: Reconstruction::Bilinear, questions }, wrong)
+        })
+        .collect();
+    with_passes("one wrong texel", |context, passes| {
+        let broken: usize =
+            cases.iter().map(|(case, wrong)| failures(context, passes, case, wrong).0.len()).sum();
+        assert!(broken >= 18, "{broken} of 20 comparisons failed, as they must");
+    });
+}
+
+/// How far the engines' sums over the same `leaves` may be apart, in units of the sum: the rounding that each certifies
+/// (see `Kernel::rounding` and `Part::uniform`), with `width` the distance over which the kernel changes.
+fn rounding(width: f64, leaves: usize) -> f64 {
+    (10.0 / width + 160.0 + 2.0 * leaves as f64) * UNIT
+}
+
+/// The texels of a level of a cube in tiles of sixteen.
+fn tiles(size: u32) -> Vec<Vec<DVec3>> {
+    let mut tiles = Vec::new();
+    for face in Face::ALL {
+        for (left, top) in (0..size / 4).flat_map(|top| (0..size / 4).map(move |left| (4 * left, 4 * top))) {
+            let texel = |k: u32| direction_from_texel(face, size, left + k % 4, top + k / 4);
+            tiles.push((0..16).map(texel).collect());
+        }
+    }
+    tiles
+}
+
+/// The synthetic environments' OEMs.
+fn synthetic(inner: u32) -> Vec<(&'static str, Oem)> {
+    ["sky", "studio", "labelled", "furnace"]
+        .map(|name| {
+            let environment = synth(name).expect("a recipe");
+            let size = OemSize { inner, border: 0 };
+            (name, oem_from_environment(&environment, size).expect("a small matrix"))
+        })
+        .into()
+}
+
+/// The lobes of a bake, and sharper and other ones; (what is not continuous, as cones and the widest Phong lobes, may
+/// differ by a whole leaf where a step lies within rounding of its centroid, and is left to the certified bounds).
+const LOBES: [(Lobe, f64); 8] = [
+    (Lobe::Ggx, 0.1),
+    (Lobe::Ggx, 0.25),
+    (Lobe::Ggx, 0.5),
+    (Lobe::Ggx, 0.75),
+    (Lobe::Ggx, 1.0),
+    (Lobe::Phong, 0.4),
+    (Lobe::Phong, 0.8),
+    (Lobe::Cosine, 1.0),
+];
+
+/// One packet on the CPU.
+struct Cut {
+    radiance: [[f32; 3]; LANES],
+    leaves: usize,
+    fields: Vec<[f32; 14]>,
+}
+
+fn cut(cells: &Cells, kernel: Kernel, error: f64, directions: &[DVec3]) -> Cut {
+    let packet = CpuPacket::new(directions);
+    let mut scratch = Scratch::default();
+    let shares = Adaptive::new(cells, kernel, error).evaluate(&packet, &mut scratch);
+    let fields = scratch.leaf_fields(&packet);
+    assert_eq!(fields.len(), shares.leaves);
+    Cut { radiance: shares.radiance, leaves: shares.leaves, fields }
+}
+
+/// The first lane where `found` is farther than `relative` of itself and `absolute` from `expected`.
+fn beyond(expected: &[[f32; 3]], found: &Answers, relative: f64, absolute: [f64; 3]) -> Option<String> {
+    assert_eq!(expected.len(), found.lanes.len(), "lanes");
+    expected.iter().zip(&found.lanes).enumerate().find_map(|(lane, (expected, found))| {
+        let far = (0..3).any(|c| {
+            let (e, f) = (f64::from(expected[c]), f64::from(found.radiance[c]));
+            !((e - f).abs() <= relative * e + absolute[c])
+        });
+        far.then(|| format!("lane {lane} is {:?}, not {expected:?} within {relative:e}", found.radiance))
+    })
+}
+
+#[test]
+fn cuts_of_the_cpu_replayed_agree() {
+    let oems = synthetic(64);
+    let tiles = tiles(8);
+    with_passes("replayed cuts", |context, passes| {
+        let (mut replayed, mut seen) = (0, 0);
+        for (name, oem) in &oems {
+            let cells = Cells::new(oem, 1, Reconstruction::Constant);
+            for (k, (lobe, roughness)) in LOBES.into_iter().enumerate() {
+                let alpha = roughness * roughness;
+                let kernel = Kernel::new(lobe, alpha);
+                let width = if lobe == Lobe::Cosine { 1.0 } else { alpha };
+                for directions in tiles.iter().skip(k % 3).step_by(3) {
+                    let cut = cut(&cells, kernel, 0.005, directions);
+                    let packets = [Packet::new(directions)];
+                    let replay = |leaves: &[[f32; 14]]| {
+                        let tree = CellTree::of_leaves(context, leaves, cells.least());
+                        evaluate(context, passes, &tree, kernel, 0.0, &packets)
+                    };
+                    let found = replay(&cut.fields);
+                    let told = format!("{name} {lobe:?} {roughness} on {}", context.describe());
+                    assert_eq!(found.leaves as usize, cut.leaves, "leaves: {told}");
+                    let allowed = rounding(width, cut.leaves);
+                    assert_eq!(beyond(&cut.radiance, &found, allowed, [0.0; 3]), None, "{told}");
+                    if roughness >= 0.25 {
+                        // What the levels of a bake are held to.
+                        assert_eq!(
+                            beyond(&cut.radiance, &found, 1e-5_f64.min(allowed), [0.0; 3]),
+                            None,
+                            "{told}"
+                        );
+                    }
+                    replayed += 1;
+                    // Without its heaviest leaf it is another answer.
+                    if cut.leaves > 1 && cut.leaves < 200 {
+                        let heaviest =
+                            (0..cut.leaves).max_by(|a, b| cut.fields[*a][10].total_cmp(&cut.fields[*b][10]));
+                        let mut fewer = cut.fields.clone();
+                        fewer[heaviest.expect("leaves")][12] *= 1.01;
+                        seen +=
+                            u32::from(beyond(&cut.radiance, &replay(&fewer), allowed, [0.0; 3]).is_some());
+                    }
+                }
+            }
+        }
+        assert_eq!(replayed, 4 * 8 * 8);
+        println!("replayed cuts: {seen} leaves a hundredth brighter showed");
+        assert!(seen > 20, "leaves a hundredth brighter showed in {seen} cuts");
+    });
+}
+
+/// The share of E times the mean radiance that every leaf may expect to be off by: `LEAF_SHARE` of the engines.
+const LEAF_SHARE: f64 = 0.4;
+
+/// E moved by more than the engines' decisions can be apart: the expected error of a cell is a third-order term, whose
+/// factors the engines' roundings move by up to 4 times what they do to the kernel.
+fn margin(width: f64) -> f64 {
+    4.0 * rounding(width, 0)
+}
+
+#[test]
+fn own_cuts_agree_but_for_decisions_within_rounding() {
+    let oems = synthetic(64);
+    let tiles = tiles(8);
+    with_passes("own cuts", |context, passes| {
+        let (mut strict, mut all) = (0, 0);
+        for (name, oem) in &oems {
+            let spread = Reconstruction::Constant;
+            let cells = Cells::new(oem, 1, spread);
+            let tree = tree(context, passes, oem, 1, spread);
+            let uploaded = CellTree::upload(context, &cells, oem.size().inner, 1, spread);
+            let totals = oem.totals();
+            let mean = luminance([totals[0], totals[1], totals[2]]) / (4.0 * std::f64::consts::PI);
+            for (lobe, roughness) in LOBES.into_iter().filter(|(_, roughness)| *roughness >= 0.25) {
+                let alpha = roughness * roughness;
+                let kernel = Kernel::new(lobe, alpha);
+                let width = if lobe == Lobe::Cosine { 1.0 } else { alpha };
+                let error = 0.005;
+                let packets: Vec<Packet> = tiles.iter().map(|tile| Packet::new(tile)).collect();
+                for tree in [&tree, &uploaded] {
+                    let found = evaluate(context, passes, tree, kernel, error, &packets);
+                    for (k, directions) in tiles.iter().enumerate() {
+                        let own = cut(&cells, kernel, error, directions);
+                        let finer = cut(&cells, kernel, error * (1.0 - margin(width)), directions);
+                        let coarser = cut(&cells, kernel, error * (1.0 + margin(width)), directions);
+                        let lanes = found.lanes[k * LANES..(k + 1) * LANES].to_vec();
+                        let found = Answers { lanes, leaves: 0 };
+                        let same = finer.radiance == coarser.radiance;
+                        let flips =
+                            if same { 0.0 } else { finer.leaves.abs_diff(coarser.leaves).max(1) as f64 };
+                        let absolute = [flips * LEAF_SHARE * error * mean; 3];
+                        let far = beyond(&own.radiance, &found, 1e-5, absolute);
+                        assert_eq!(
+                            far,
+                            None,
+                            "{name} {lobe:?} {roughness}, {flips} decisions open, on {}",
+                            context.describe()
+                        );
+                        strict += u32::from(same);
+                        all += 1;
+                    }
+                }
+            }
+        }
+        println!("own cuts: {strict} of {all} without a decision within rounding");
+        assert!(strict > all * 3 / 4, "{strict} of {all} packets compared to 1e-5");
+    });
+}
+
+/// Answers to `directions` through the engine.
+fn ask(
+    reflector: &Reflector<'_>,
+    context: &Context,
+    directions: &[DVec3],
+    lobe: Lobe,
+    roughness: f64,
+    filter: Filter,
+) -> Vec<[f64; 3]> {
+    let answers = wait(context, reflector.query(directions, lobe, roughness, filter));
+    assert_eq!(answers.len(), directions.len(), "an answer a direction");
+    answers.iter().map(|answer| answer.radiance.map(f64::from)).collect()
+}
+
+#[test]
+fn a_furnace_is_white() {
+    let layouts = [
+        Layout::Panorama { width: 64, height: 32 },
+        Layout::Cube { size: 16 },
+        Layout::Octahedral { size: 9 },
+    ];
+    with_passes("furnace", |context, passes| {
+        let mut random = Random::new(72);
+        let mut directions = landmarks();
+        directions.extend((0..20).map(|_| random.direction()));
+        let constant = [0.25, 1.0, 3e4];
+        for (k, layout) in layouts.into_iter().enumerate() {
+            let furnace = environment(layout, vec![constant.map(|c| c as f32); layout.texel_count()]);
+            let mut spotted = furnace.texels().to_vec();
+            spotted[0][1] = 2.0;
+            let spotted = environment(layout, spotted);
+            let worst =
+                |environment: &Environment, inner: u32, lobe: Lobe, roughness: f64, filter: Filter| {
+                    let settings =
+                        ReflectorSettings { oem_size: Some(inner), ..ReflectorSettings::default() };
+                    let reflector = Reflector::new(passes, environment, &settings).expect("a small OEM");
+                    let answers = ask(&reflector, context, &directions, lobe, roughness, filter);
+                    let off =
+                        answers.iter().flat_map(|rgb| (0..3).map(|c| (rgb[c] / constant[c] - 1.0).abs()));
+                    off.fold(0.0, f64::max)
+                };
+            for inner in [1, [3, 17, 5][k], 64] {
+                for (lobe, roughness) in LOBES.into_iter().chain([(Lobe::Ggx, 0.01), (Lobe::Cone, 0.3)]) {
+                    for filter in [Filter::Adaptive(0.005), Filter::Box] {
+                        let off = worst(&furnace, inner, lobe, roughness, filter);
+                        let told = format!("{layout:?} {inner} {lobe:?} {roughness} {filter:?}");
+                        assert!(off <= FURNACE, "{told}: off by {off:e} on {}", context.describe());
+                    }
+                }
+            }
+            for filter in [Filter::Adaptive(0.005), Filter::Box] {
+                let off = worst(&spotted, 64, Lobe::Ggx, 0.5, filter);
+                assert!(off > FURNACE, "{layout:?} {filter:?}: one texel twice as bright shows: {off:e}");
+            }
+        }
+    });
+}
+
+#[test]
+fn packets_of_every_row_of_a_dispatch_are_served() {
+    // Dispatches have rows of 32768 packets.
+    let count = 32_768 + 100;
+    let mut random = Random::new(73);
+    let directions: Vec<DVec3> = (0..8).map(|_| random.direction()).collect();
+    let packets: Vec<Packet> = (0..count).map(|k| Packet::new(&directions[k % 8..=k % 8])).collect();
+    let oem = oem(
+        OemSize { inner: 2, border: 0 },
+        &texels(&mut random, Look::Noise, Layout::Octahedral { size: 2 }),
+    );
+    with_passes("rows of packets", |context, passes| {
+        let cells = tree(context, passes, &oem, 2, Reconstruction::Constant);
+        let kernel = Kernel::new(Lobe::Ggx, 0.5);
+        let found = evaluate(context, passes, &cells, kernel, 0.5, &packets).lanes;
+        assert_eq!(found.len(), count * LANES);
+        for k in 0..count {
+            assert_eq!(found[k * LANES], found[k % 8 * LANES], "packet {k}");
+        }
+        let different = (1..8).filter(|k| found[k * LANES].radiance != found[0].radiance).count();
+        assert!(different > 0, "directions differ");
+    });
+}

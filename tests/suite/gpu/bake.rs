@@ -1,0 +1,239 @@
+//! Whole bakes of the synthetic environments against the CPU's.
+
+use super::{UNIT, wait, with_passes};
+use crate::adaptive::luminance;
+use octagloss::Environment;
+use octagloss::bake::{Bake, BakeSettings, Filter, bake};
+use octagloss::cpu::reparameterise::oem_from_environment;
+use octagloss::lobe::Lobe;
+use octagloss::oem::OemSize;
+use octagloss::synth::synth;
+
+const ERROR: f64 = 0.005;
+
+fn settings(filter: Filter) -> BakeSettings {
+    BakeSettings {
+        size: 16,
+        levels: Some(4),
+        filter,
+        oem_size: Some(64),
+        bounds: true,
+        irradiance: Some(4),
+        ..BakeSettings::default()
+    }
+}
+
+fn environments() -> Vec<(&'static str, Environment)> {
+    let names = ["sky", "studio", "labelled", "labelled-cube", "furnace"];
+    names.map(|name| (name, synth(name).expect("a recipe").rotated_y(30.0))).into()
+}
+
+fn on_the_cpu(environment: &Environment, filter: Filter) -> Bake {
+    bake(environment, &settings(filter), &|_| {}).expect("a small bake")
+}
+
+/// The levels of a bake, the irradiance cube last.
+fn levels(bake: &Bake) -> Vec<&[[f32; 3]]> {
+    let levels = bake.chain.levels.iter().chain(&bake.irradiance);
+    levels.map(|level| &level.texels[..]).collect()
+}
+
+/// How a bake is judged: the CPU's own, and others with E a little smaller and greater and with the source turned by
+/// what directions are rounded by. Where those agree in a texel no decision lies within rounding of its threshold: the
+/// tolerance, or a cell's touching the horizon or another change of the rule.
+struct Judge {
+    expected: Bake,
+    others: Vec<Bake>,
+    /// Whether much of the source is as dark as its darkest texel, and exactly so on the CPU. What rounding leaves there
+    /// above the least radiance on the GPU weighs nothing, but counts for how far cells reach, and so for any decision.
+    flat: bool,
+    /// Relative bound of level 0.
+    mirror: f64,
+    /// What one leaf's decision may change.
+    leaf: f64,
+}
+
+/// More than the engines' expected errors can differ by, relatively: OEMs by 2^-24 times some dozens (see the OEM's own
+/// test), the kernels by 4 (10/alpha + 160) 2^-24 with alpha from 1/9 on: together below 1e-4.
+const MARGIN: f64 = 1e-4;
+
+/// Degrees that turn directions by some units of 2^-24.
+const TURN: f64 = 3e-5;
+
+impl Judge {
+    fn new(environment: &Environment) -> Self {
+        let with = |error, turn| on_the_cpu(&environment.clone().rotated_y(turn), Filter::Adaptive(error));
+        let expected = with(ERROR, 0.0);
+        let others = vec![
+            with(ERROR * (1.0 - MARGIN), 0.0),
+            with(ERROR * (1.0 + MARGIN), 0.0),
+            with(ERROR, TURN),
+            with(ERROR, -TURN),
+        ];
+        // Footprints: the bound of the OEM's own test.
+        let sources = environment.layout().texel_count() as f64;
+        let mirror = (8.0 + 2.0 * (64.0_f64.min(sources) + sources / 64.0)) * UNIT;
+        // 0.4 of E times the mean radiance: `LEAF_SHARE` of the engines.
+        let leaf = 0.4 * ERROR * luminance(expected.oem_energy) / (4.0 * std::f64::consts::PI);
+        let size = OemSize { inner: 64, border: 0 };
+        let oem = oem_from_environment(environment, size).expect("a small matrix");
+        let least = oem.least_radiance();
+        let (mut dark, mut black) = (0, 0);
+        for [r, g, b, w] in oem.texels() {
+            let near = |(energy, least): (&f32, f32)| energy / w <= least * (1.0 + 4e-6);
+            let none = |(energy, least): (&f32, f32)| energy - least * w <= 0.0;
+            dark += u32::from([r, g, b].into_iter().zip(least).all(near));
+            black += u32::from([r, g, b].into_iter().zip(least).all(none));
+        }
+        let flat = dark > 1 && 2 * black > dark;
+        Self { expected, others, flat, mirror, leaf }
+    }
+
+    /// The first texel beyond its bound, and how many glossy texels were held to 1e-5 of all.
+    fn difference(&self, found: &Bake) -> (Option<String>, [usize; 2]) {
+        let (mut wrong, mut counts) = (None, [0; 2]);
+        let [expected, found] = [&self.expected, found].map(levels);
+        let others: Vec<_> = self.others.iter().map(levels).collect();
+        assert_eq!(expected.len(), found.len(), "levels");
+        for level in 0..expected.len() {
+            assert_eq!(expected[level].len(), found[level].len(), "texels of level {level}");
+            for (k, (e, f)) in expected[level].iter().zip(found[level]).enumerate() {
+                let open = self.flat
+                    || others.iter().any(|other| {
+                        let other = other[level][k];
+                        (0..3).any(|c| (f64::from(other[c]) / f64::from(e[c]) - 1.0).abs() > 5e-6)
+                    });
+                let (relative, absolute) = match (level, open) {
+                    (0, _) => (self.mirror, 0.0),
+                    (_, false) => (1e-5, 0.0),
+                    // A decision a packet, and one more.
+                    (_, true) => (1e-5, 2.0 * self.leaf),
+                };
+                if level > 0 {
+                    counts[0] += usize::from(!open);
+                    counts[1] += 1;
+                }
+                let far = (0..3).any(|c| {
+                    let (e, f) = (f64::from(e[c]), f64::from(f[c]));
+                    !((e - f).abs() <= relative * e + absolute)
+                });
+                if far && wrong.is_none() {
+                    wrong = Some(format!("texel {k} of level {level}, open {open}: {f:?}, not {e:?}"));
+                }
+            }
+        }
+        (wrong, counts)
+    }
+}
+
+#[test]
+fn bakes_are_the_cpu_s() {
+    let cases: Vec<(&str, Environment, Judge)> = environments()
+        .into_iter()
+        .map(|(name, environment)| {
+            let judge = Judge::new(&environment);
+            (name, environment, judge)
+        })
+        .collect();
+    with_passes("bakes", |context, passes| {
+        for (name, environment, judge) in &cases {
+            let run = || {
+                let settings = settings(Filter::Adaptive(ERROR));
+                wait(context, passes.bake(environment, &settings, &|_| {}))
+            };
+            let found = run();
+            let (difference, [strict, all]) = judge.difference(&found);
+            assert_eq!(difference, None, "{name} on {}", context.describe());
+            println!("{name}: {strict} of {all} glossy texels held to 1e-5");
+            if *name == "sky" || *name == "studio" {
+                assert!(strict * 10 > 9 * all, "{name}: {strict} of {all} texels without an open decision");
+            }
+
+            // The same input gives the same bytes.
+            let again = run();
+            assert_eq!(levels(&again), levels(&found), "{name} twice on {}", context.describe());
+            let bounds = |bake: &Bake| bake.chain.levels.iter().map(|l| l.bounds.clone()).collect::<Vec<_>>();
+            assert_eq!(bounds(&again), bounds(&found), "{name}: bounds twice");
+
+            // Energy as on the CPU.
+            for c in 0..3 {
+                let (source, oem) = (found.source_energy[c], found.oem_energy[c]);
+                assert!((oem / source - 1.0).abs() <= 1e-4, "{name}: energy {oem} of {source}");
+            }
+        }
+    });
+}
+
+#[test]
+fn faults_in_bakes_are_seen() {
+    let (_, environment) = environments().swap_remove(3);
+    let judge = Judge::new(&environment);
+    let seen = |bake: &Bake| judge.difference(bake).0.is_some();
+    assert!(!seen(&judge.expected), "the right one is right");
+    for level in 0..4 {
+        let size = judge.expected.chain.levels[level].size as usize;
+        let mut one = judge.expected.clone();
+        let brightest = (0..6 * size * size)
+            .max_by(|a, b| {
+                let at = |k: usize| judge.expected.chain.levels[level].texels[k][1];
+                at(*a).total_cmp(&at(*b))
+            })
+            .expect("texels");
+        one.chain.levels[level].texels[brightest][1] *= 1.02;
+        assert!(seen(&one), "one wrong texel of level {level}");
+
+        let mut swapped = judge.expected.clone();
+        let texels = &mut swapped.chain.levels[level].texels;
+        for k in 0..size * size {
+            texels.swap(k, 4 * size * size + k);
+        }
+        assert!(seen(&swapped), "swapped faces of level {level}");
+
+        let mut shifted = judge.expected.clone();
+        shifted.chain.levels[level].texels.rotate_left(1);
+        assert!(seen(&shifted), "texels of level {level} off by one");
+    }
+}
+
+#[test]
+fn boxes_bake_as_on_the_cpu() {
+    let (_, environment) = environments().swap_remove(1);
+    let expected = on_the_cpu(&environment, Filter::Box);
+    // Radiance of the studio spans this much; coordinates move an edge by 24 * 64 units of a texel, four edges, of texels
+    // up to 5.2 times heavier (see the boxes' own test).
+    let brightest = environment.texels().iter().flatten().copied().fold(0.0, f32::max);
+    let allowed = f64::from(brightest) * 4.0 * 5.2 * 24.0 * 64.0 * UNIT;
+    with_passes("bakes by boxes", |context, passes| {
+        let settings = settings(Filter::Box);
+        let found = wait(context, passes.bake(&environment, &settings, &|_| {}));
+        let mut worst = 0.0_f64;
+        for (expected, found) in levels(&expected).iter().zip(levels(&found)) {
+            for (e, f) in expected.iter().flatten().zip(found.iter().flatten()) {
+                worst = worst.max((f64::from(*e) - f64::from(*f)).abs());
+            }
+        }
+        assert!(worst <= allowed, "off by {worst:e}, {allowed:e} allowed, on {}", context.describe());
+    });
+}
+
+#[test]
+fn every_lobe_bakes_within_its_bounds() {
+    let (_, environment) = environments().swap_remove(1);
+    with_passes("bakes of every lobe", |context, passes| {
+        for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cone] {
+            let settings = BakeSettings { lobe, ..settings(Filter::Adaptive(0.02)) };
+            let expected = bake(&environment, &settings, &|_| {}).expect("a small bake");
+            let found = wait(context, passes.bake(&environment, &settings, &|_| {}));
+            for (e, f) in expected.chain.levels.iter().zip(&found.chain.levels) {
+                let (Some(own), Some(other)) = (&e.bounds, &f.bounds) else { continue };
+                for k in 0..e.texels.len() {
+                    let [e, f] = [e, f].map(|level| luminance(level.texels[k].map(f64::from)));
+                    // Both certify their distance from the same truth; the OEMs' energies are a few 2^-22 apart.
+                    let allowed = f64::from(own[k]) + f64::from(other[k]) + 1e-6 * e;
+                    let off = (e - f).abs();
+                    assert!(off <= allowed, "{lobe:?} texel {k}: {f}, not {e}, on {}", context.describe());
+                }
+            }
+        }
+    });
+}

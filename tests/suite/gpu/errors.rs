@@ -1,0 +1,218 @@
+//! What can go wrong is told, and nothing hangs or panics.
+
+use super::wait;
+use crate::common::{environment, oem};
+use octagloss::bake::{BakeSettings, Filter};
+use octagloss::cpu::tent::Reconstruction;
+use octagloss::gpu::box_filter::SatTextures;
+use octagloss::gpu::cells::BuildCells;
+use octagloss::gpu::engine::{Engine, Reflector};
+use octagloss::gpu::reparameterise::{Reparameterise, upload};
+use octagloss::gpu::{Context, OemPlanes, SatPlanes, adapters, block_on};
+use octagloss::lobe::Lobe;
+use octagloss::oem::OemSize;
+use octagloss::reflector::ReflectorSettings;
+use octagloss::{Environment, Error, Layout, wgpu};
+use std::sync::mpsc;
+use std::time::Duration;
+
+/// Runs `test` with a device of its own on every adapter: what breaks here breaks nobody else's.
+fn on_devices_of_their_own(limits: wgpu::Limits, test: impl Fn(Context)) {
+    let adapters = block_on(None, adapters()).expect("no device to wait for");
+    assert!(!adapters.is_empty(), "no adapter");
+    for adapter in &adapters {
+        let context = Context::with_limits(adapter, limits.clone());
+        test(block_on(None, context).and_then(|context| context).expect("a device"));
+    }
+}
+
+/// Limits small enough to be reached: a mebibyte a binding, textures of 256.
+fn small() -> wgpu::Limits {
+    wgpu::Limits {
+        max_storage_buffer_binding_size: 1 << 20,
+        max_texture_dimension_2d: 256,
+        ..wgpu::Limits::default()
+    }
+}
+
+/// The last number of the remedy of a limit.
+fn largest<T>(outcome: Result<T, Error>) -> u32 {
+    match outcome {
+        Err(Error::Limit { remedy, needed, available, what }) => {
+            assert!(needed > available, "{what}: {needed} of {available}");
+            let numbers = remedy.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());
+            numbers.last().and_then(|digits| digits.parse().ok()).expect("a size in the remedy")
+        }
+        Err(other) => panic!("a limit, not {other}"),
+        Ok(_) => panic!("too large"),
+    }
+}
+
+fn square(inner: u32) -> OemSize {
+    OemSize { inner, border: 0 }
+}
+
+#[test]
+fn limits_name_the_largest_size_that_fits() {
+    on_devices_of_their_own(small(), |context| {
+        let context = &context;
+        // Four bytes an entry: 512 x 512; eight: 362 x 364 with rows of a multiple of four, told as 360.
+        let fits = largest(OemPlanes::new(context, square(513)));
+        assert_eq!(fits, 512);
+        assert!(OemPlanes::new(context, square(fits)).is_ok());
+        assert_eq!(
+            largest(OemPlanes::new(context, OemSize { inner: 500, border: 7 })),
+            512,
+            "with its border"
+        );
+        let fits = largest(SatPlanes::new(context, square(400)));
+        assert_eq!(fits, 360);
+        assert!(SatPlanes::new(context, square(fits)).is_ok());
+        assert!(SatPlanes::new(context, square(364)).is_err());
+
+        let sat = SatPlanes::new(context, square(300)).expect("planes that fit");
+        assert_eq!(largest(SatTextures::new(context, &sat)), 256);
+        let sat = SatPlanes::new(context, square(256)).expect("planes that fit");
+        assert!(SatTextures::new(context, &sat).is_ok());
+
+        let stage = BuildCells::new(context);
+        let cells = |inner| {
+            let planes = OemPlanes::new(context, square(inner)).expect("planes that fit");
+            stage.stage(context, &planes, 1, Reconstruction::Constant)
+        };
+        let fits = largest(cells(300));
+        assert!((80..300).contains(&fits) && cells(fits).is_ok(), "{fits} fits");
+
+        let wide = Layout::Panorama { width: 300, height: 150 };
+        let wide = environment(wide, vec![[1.0; 3]; wide.texel_count()]);
+        assert_eq!(largest(upload(context, &wide)), 256);
+
+        let engine = Engine::new(context.clone()).expect("shaders that compile");
+        let source = environment(Layout::Octahedral { size: 4 }, vec![[1.0; 3]; 16]);
+        let settings = ReflectorSettings { oem_size: Some(600), ..ReflectorSettings::default() };
+        assert_eq!(largest(Reflector::new(&engine, &source, &settings)), 512);
+        let bake = |oem_size| {
+            let settings = BakeSettings { size: 2, oem_size: Some(oem_size), ..BakeSettings::default() };
+            wait_for(context, engine.bake(&source, &settings, &|_| {}))
+        };
+        // The cells are what fits least; a bake of what is named goes through, and nothing of this hurt the device.
+        let fits = largest(bake(600));
+        assert!((80..512).contains(&fits), "{fits}");
+        bake(fits).expect("an OEM that fits");
+        context.check().expect("a device in order");
+    });
+}
+
+fn wait_for<T>(
+    context: &Context,
+    future: impl Future<Output = octagloss::Result<T>>,
+) -> octagloss::Result<T> {
+    block_on(Some(context), future).and_then(|outcome| outcome)
+}
+
+#[test]
+fn parameters_that_cannot_be_served_are_named() {
+    on_devices_of_their_own(wgpu::Limits::default(), |context| {
+        let context = &context;
+        let (layout, other) =
+            (Layout::Panorama { width: 8, height: 4 }, Layout::Panorama { width: 8, height: 5 });
+        let source = environment(layout, vec![[1.0; 3]; 32]);
+        let texture = upload(context, &source).expect("a small texture");
+        let pass = Reparameterise::new(context);
+        let planes = OemPlanes::new(context, square(4)).expect("small planes");
+        for wrong in [other, Layout::Cube { size: 8 }, Layout::Octahedral { size: 8 }] {
+            let outcome = pass.stage(context, wrong, &texture, &planes);
+            assert!(matches!(outcome, Err(Error::Parameter(_))), "{wrong:?} from {layout:?}");
+        }
+        assert!(pass.stage(context, layout, &texture, &planes).is_ok());
+        let turned = environment(other, vec![[1.0; 3]; 40]);
+        let outcome = pass.footprints(context, &turned, &texture, 2);
+        assert!(matches!(outcome, Err(Error::Parameter(_))), "another environment's texture");
+
+        let engine = Engine::new(context.clone()).expect("shaders that compile");
+        let settings = ReflectorSettings { oem_size: Some(8), ..ReflectorSettings::default() };
+        let reflector = Reflector::new(&engine, &source, &settings).expect("a small OEM");
+        let up = [glam::DVec3::Y];
+        for (roughness, filter) in [
+            (-0.1, Filter::Box),
+            (1.1, Filter::Box),
+            (f64::NAN, Filter::Box),
+            (0.5, Filter::Adaptive(0.0)),
+            (0.5, Filter::Adaptive(1.0)),
+            (0.5, Filter::Adaptive(f64::NAN)),
+            (0.5, Filter::Reference),
+        ] {
+            let outcome = wait_for(context, reflector.query(&up, Lobe::Ggx, roughness, filter));
+            assert!(matches!(outcome, Err(Error::Parameter(_))), "{roughness} {filter:?}");
+        }
+        let none = ReflectorSettings { oem_size: Some(0), ..ReflectorSettings::default() };
+        assert!(matches!(Reflector::new(&engine, &source, &none), Err(Error::Parameter(_))));
+        // No directions, no answers.
+        for filter in [Filter::Box, Filter::Adaptive(0.005)] {
+            assert!(wait(context, reflector.query(&[], Lobe::Ggx, 0.5, filter)).is_empty(), "{filter:?}");
+        }
+        context.check().expect("a device in order");
+    });
+}
+
+/// What `work` comes to, on a thread of its own; fails where it takes a minute.
+fn in_time<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    let (sender, receiver) = mpsc::channel();
+    let thread = std::thread::spawn(move || sender.send(work()));
+    let outcome =
+        receiver.recv_timeout(Duration::from_secs(60)).expect("an end without a panic, within a minute");
+    thread.join().expect("no panic").expect("somebody listens");
+    outcome
+}
+
+fn small_source() -> Environment {
+    environment(Layout::Octahedral { size: 4 }, (0..16).map(|k| [k as f32; 3]).collect())
+}
+
+#[test]
+fn a_lost_device_is_an_error() {
+    on_devices_of_their_own(wgpu::Limits::default(), |context| {
+        let name = context.describe();
+        let engine = Engine::new(context.clone()).expect("shaders that compile");
+        let settings =
+            BakeSettings { size: 4, oem_size: Some(8), irradiance: Some(2), ..BakeSettings::default() };
+        let bake = {
+            let context = context.clone();
+            move || wait_for(&context, engine.bake(&small_source(), &settings, &|_| {})).map(|_| ())
+        };
+        bake().expect("a bake while the device is there");
+        context.device().destroy();
+        let outcome = in_time(bake);
+        assert!(matches!(outcome, Err(Error::Gpu(_))), "{outcome:?} on {name}");
+        let again = in_time(move || Engine::new(context).map(|_| ()));
+        assert!(matches!(again, Err(Error::Gpu(_))), "{again:?} on {name}");
+    });
+}
+
+#[test]
+fn a_device_lost_in_the_middle_is_an_error() {
+    on_devices_of_their_own(wgpu::Limits::default(), |context| {
+        let name = context.describe();
+        let source = oem(square(4), &[[1.0; 3]; 16]);
+        let planes = OemPlanes::upload(&context, &source).expect("small planes");
+        context.device().destroy();
+        let outcome = in_time(move || wait_for(&context, planes.read(&context)).map(|_| ()));
+        assert!(matches!(outcome, Err(Error::Gpu(_))), "{outcome:?} on {name}");
+    });
+}
+
+#[test]
+fn invalid_commands_are_errors_not_panics() {
+    on_devices_of_their_own(wgpu::Limits::default(), |context| {
+        context.check().expect("a device in order");
+        // Buffers cannot be that large.
+        let _ = context.device().create_buffer(&wgpu::BufferDescriptor {
+            label: Some("too large"),
+            size: 1 << 60,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        let outcome = context.check();
+        assert!(matches!(outcome, Err(Error::Gpu(_))), "{outcome:?}");
+    });
+}

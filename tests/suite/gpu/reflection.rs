@@ -1,0 +1,557 @@
+//! Shaders as their compiler reads them: layouts, constants, bindings and sizes equal Rust's, and baseline WebGPU holds
+//! them.
+
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{AddressSpace, Expression, Handle, ImageClass, Literal, Module, Type, TypeInner};
+use octagloss::cpu::adaptive::LANES;
+use octagloss::environment::LUMINANCE;
+use octagloss::gpu::{adaptive, box_filter, cells, copy, fixed_point, oem, reparameterise};
+use octagloss::gpu::{sat_f32, sat_hensley, sat_scan, shader};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A shader, parsed and validated with nothing but what every WebGPU has.
+struct Shader {
+    module: Module,
+    info: ModuleInfo,
+}
+
+impl Shader {
+    fn parse(name: &str, source: &str) -> Self {
+        let module = naga::front::wgsl::parse_str(source)
+            .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
+        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
+        Self { module, info }
+    }
+
+    fn of_file(path: &str) -> Self {
+        Self::parse(path, &shader::source(path))
+    }
+
+    fn size(&self, ty: Handle<Type>) -> u32 {
+        self.module.types[ty].inner.size(self.module.to_ctx())
+    }
+
+    /// Names and offsets of a struct's members, padding apart, and its size.
+    fn layout(&self, name: &str) -> Option<(Vec<(String, usize)>, usize)> {
+        let (_, ty) = self.module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name))?;
+        let TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is a struct") };
+        let member =
+            |member: &naga::StructMember| (member.name.clone().expect("a name"), member.offset as usize);
+        Some((
+            members.iter().map(member).filter(|(name, _)| !name.starts_with("pad")).collect(),
+            *span as usize,
+        ))
+    }
+
+    /// The numbers of a named constant.
+    fn constant(&self, name: &str) -> Option<Vec<f64>> {
+        let constant = self.module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name))?.1;
+        let literal = |expression: Handle<Expression>| match self.module.global_expressions[expression] {
+            Expression::Literal(Literal::U32(value)) => f64::from(value),
+            Expression::Literal(Literal::I32(value)) => f64::from(value),
+            Expression::Literal(Literal::F32(value)) => f64::from(value),
+            ref other => panic!("{name} is {other:?}"),
+        };
+        Some(match &self.module.global_expressions[constant.init] {
+            Expression::Compose { components, .. } => components.iter().map(|c| literal(*c)).collect(),
+            _ => vec![literal(constant.init)],
+        })
+    }
+}
+
+/// Files with entry points, which stand on their own.
+fn stages() -> impl Iterator<Item = &'static str> {
+    // What includes common/sat.wgsl declares the table first; nothing but functions is in common/.
+    shader::FILES.iter().map(|(path, _)| *path).filter(|path| !path.starts_with("common/"))
+}
+
+/// The first member that is elsewhere, or the size that is another.
+fn layout_difference(shader: &Shader, name: &str, members: &[(&str, usize)], size: usize) -> Option<String> {
+    let Some((found, span)) = shader.layout(name) else { return Some(format!("no struct {name}")) };
+    let expected: Vec<(String, usize)> = members
+        .iter()
+        .filter(|(name, _)| !name.starts_with("pad"))
+        .map(|(name, offset)| ((*name).to_owned(), *offset))
+        .collect();
+    (found != expected || span != size)
+        .then(|| format!("{name}: {found:?} of {span} bytes, in Rust {expected:?} of {size}"))
+}
+
+/// A struct of a shader: its file, its name there, and Rust's members and size.
+type Struct = (&'static str, &'static str, &'static [(&'static str, usize)], usize);
+
+fn structs() -> Vec<Struct> {
+    let table = (oem::Table::MEMBERS, size_of::<oem::Table>());
+    vec![
+        ("adaptive.wgsl", "Lobe", adaptive::Lobe::MEMBERS, size_of::<adaptive::Lobe>()),
+        ("adaptive.wgsl", "Packet", adaptive::Packet::MEMBERS, size_of::<adaptive::Packet>()),
+        ("cells.wgsl", "Level", cells::Level::MEMBERS, size_of::<cells::Level>()),
+        ("cells.wgsl", "Tent", cells::Tent::MEMBERS, size_of::<cells::Tent>()),
+        ("cells.wgsl", "Table", table.0, table.1),
+        ("fixed_point.wgsl", "Table", table.0, table.1),
+        ("pack.wgsl", "Table", table.0, table.1),
+        (
+            "reparameterise.wgsl",
+            "Gather",
+            reparameterise::Gather::MEMBERS,
+            size_of::<reparameterise::Gather>(),
+        ),
+        ("sat_hensley.wgsl", "Doubling", sat_hensley::Doubling::MEMBERS, size_of::<sat_hensley::Doubling>()),
+        ("sat_scan.wgsl", "Scan", sat_scan::Scan::MEMBERS, size_of::<sat_scan::Scan>()),
+        // Four exponents, then the sizes, in a header of 32 bytes; sums as four low and four high words; four greatest
+        // patterns and four 64-bit sums.
+        ("box_filter.wgsl", "OctaglossTable", &[("exponents", 0), ("inner", 16), ("border", 20)], 32),
+        ("box_filter.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
+        ("fixed_point.wgsl", "Partial", &[("greatest", 0), ("sums", 16)], 48),
+    ]
+}
+
+#[test]
+fn structs_lie_as_rust_writes_them() {
+    for (file, name, members, size) in structs() {
+        assert_eq!(layout_difference(&Shader::of_file(file), name, members, size), None, "{file}");
+    }
+    // One member too early, one renamed, one padded away.
+    let seen = |from: &str, to: &str| {
+        let source = shader::source("sat_scan.wgsl");
+        assert!(source.contains(from), "{from} is in the source");
+        let wrong = Shader::parse("a wrong scan", &source.replace(from, to));
+        let size = size_of::<sat_scan::Scan>();
+        layout_difference(&wrong, "Scan", sat_scan::Scan::MEMBERS, size).is_some()
+    };
+    assert!(!seen("// Tiles along an edge.", "// Tiles."), "a comment changes nothing");
+    assert!(seen("    side: u32,\n    pitch: u32,", "    pitch: u32,\n    side: u32,"), "swapped members");
+    assert!(seen("    tiles: u32,\n", "    @align(16) tiles: u32,\n"), "a member moved");
+    assert!(seen("    channel: u32,\n", "    channel: u32,\n    more: u32,\n"), "a member more");
+}
+
+/// Constants that a shader shares with Rust.
+fn constants() -> Vec<(&'static str, &'static str, Vec<f64>)> {
+    let one = |value: u32| vec![f64::from(value)];
+    vec![
+        ("adaptive.wgsl", "LANES", one(LANES as u32)),
+        ("adaptive.wgsl", "GROUP_SIZE", one(adaptive::GROUP_SIZE)),
+        ("adaptive.wgsl", "LEVELS", one(adaptive::LEVELS as u32)),
+        ("adaptive.wgsl", "QUAD_FIELDS", one(15)),
+        ("adaptive.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
+        ("box_filter.wgsl", "GROUP_SIZE", one(box_filter::GROUP_SIZE)),
+        ("cells.wgsl", "GROUPS", one(fixed_point::GROUPS)),
+        ("cells.wgsl", "GROUP_SIZE", one(fixed_point::GROUP_SIZE)),
+        ("cells.wgsl", "TEXELS", one(fixed_point::TEXELS)),
+        ("cells.wgsl", "EDGE", one(cells::EDGE)),
+        ("cells.wgsl", "QUAD_FIELDS", one(15)),
+        ("copy.wgsl", "GROUP_SIZE", one(copy::GROUP_SIZE)),
+        ("fixed_point.wgsl", "GROUPS", one(fixed_point::GROUPS)),
+        ("fixed_point.wgsl", "GROUP_SIZE", one(fixed_point::GROUP_SIZE)),
+        ("fixed_point.wgsl", "TEXELS", one(fixed_point::TEXELS)),
+        ("pack.wgsl", "EDGE", one(box_filter::EDGE)),
+        ("reparameterise.wgsl", "EDGE", one(reparameterise::EDGE)),
+        ("reparameterise.wgsl", "GROUP_SIZE", one(reparameterise::GROUP_SIZE)),
+        ("sat_f32.wgsl", "EDGE", one(sat_f32::EDGE)),
+        ("sat_f32.wgsl", "GROUPS", one(sat_f32::GROUPS)),
+        ("sat_scan.wgsl", "TILE", one(sat_scan::TILE)),
+        ("sat_scan.wgsl", "GROUP_SIZE", one(sat_scan::GROUP_SIZE)),
+    ]
+}
+
+#[test]
+fn constants_are_rust_s() {
+    for (file, name, expected) in constants() {
+        assert_eq!(Shader::of_file(file).constant(name), Some(expected), "{name} of {file}");
+    }
+    let source = shader::source("sat_scan.wgsl").replace("const TILE = 64u;", "const TILE = 32u;");
+    assert_eq!(Shader::parse("smaller tiles", &source).constant("TILE"), Some(vec![32.0]), "read, not known");
+}
+
+/// What stands at a binding of group 0 (of group 1 from 100 on), as `src/gpu` binds it.
+type Bindings = &'static [(u32, &'static str)];
+
+/// Every entry point: workgroup size and bindings.
+const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
+    (
+        "adaptive.wgsl",
+        "adaptive",
+        [adaptive::GROUP_SIZE, 1, 1],
+        &[
+            (0, "uniform lobe"),
+            (1, "read least"),
+            (2, "read quads"),
+            (3, "read packets"),
+            (4, "write results"),
+            (5, "write leaf_counts"),
+        ],
+    ),
+    (
+        "box_filter.wgsl",
+        "box_sums",
+        [box_filter::GROUP_SIZE, 1, 1],
+        &[
+            (0, "uniform octagloss_table"),
+            (1, "texture octagloss_low"),
+            (2, "texture octagloss_high"),
+            (102, "read boxes"),
+            (103, "write sums"),
+        ],
+    ),
+    (
+        "box_filter.wgsl",
+        "radiance",
+        [box_filter::GROUP_SIZE, 1, 1],
+        &[
+            (0, "uniform octagloss_table"),
+            (1, "texture octagloss_low"),
+            (2, "texture octagloss_high"),
+            (100, "read queries"),
+            (101, "write answers"),
+            (104, "read stack"),
+        ],
+    ),
+    ("cells.wgsl", "coarser", [4 * cells::EDGE, cells::EDGE, 1], &[(8, "write quads"), (9, "uniform level")]),
+    (
+        "cells.wgsl",
+        "finest",
+        [4 * cells::EDGE, cells::EDGE, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (4, "read solid_angle"),
+            (6, "write least"),
+            (7, "read tents"),
+            (8, "write quads"),
+            (9, "uniform level"),
+        ],
+    ),
+    (
+        "cells.wgsl",
+        "least_of_all",
+        [fixed_point::GROUP_SIZE, 1, 1],
+        &[(0, "uniform table"), (5, "write partials"), (6, "write least")],
+    ),
+    (
+        "cells.wgsl",
+        "least_of_groups",
+        [fixed_point::GROUP_SIZE, 1, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (4, "read solid_angle"),
+            (5, "write partials"),
+        ],
+    ),
+    ("copy.wgsl", "copy", [copy::GROUP_SIZE, 1, 1], &[(0, "read source"), (1, "write destination")]),
+    (
+        "fixed_point.wgsl",
+        "finish",
+        [fixed_point::GROUP_SIZE, 1, 1],
+        &[(0, "uniform table"), (5, "write partials"), (6, "write exponents")],
+    ),
+    ("fixed_point.wgsl", "greatest", [fixed_point::GROUP_SIZE, 1, 1], EXPONENT_INPUT),
+    ("fixed_point.wgsl", "totals", [fixed_point::GROUP_SIZE, 1, 1], EXPONENT_INPUT),
+    (
+        "pack.wgsl",
+        "pack",
+        [box_filter::EDGE, box_filter::EDGE, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (4, "read solid_angle"),
+            (5, "store low"),
+            (6, "store high"),
+            (7, "read exponents"),
+            (8, "write header"),
+        ],
+    ),
+    ("reparameterise.wgsl", "footprints", [reparameterise::EDGE, reparameterise::EDGE, 1], FOOTPRINTS),
+    ("reparameterise.wgsl", "footprints_by_groups", [reparameterise::GROUP_SIZE, 1, 1], FOOTPRINTS),
+    ("reparameterise.wgsl", "oem", [reparameterise::EDGE, reparameterise::EDGE, 1], OEM),
+    ("reparameterise.wgsl", "oem_by_groups", [reparameterise::GROUP_SIZE, 1, 1], OEM),
+    (
+        "sat_f32.wgsl",
+        "bias",
+        [sat_f32::EDGE, sat_f32::EDGE, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (4, "read solid_angle"),
+            (6, "write mean"),
+            (7, "write back"),
+        ],
+    ),
+    (
+        "sat_f32.wgsl",
+        "double_sums",
+        [sat_f32::EDGE, sat_f32::EDGE, 1],
+        &[(7, "write back"), (8, "uniform doubling"), (9, "read front")],
+    ),
+    (
+        "sat_f32.wgsl",
+        "mean_of_all",
+        [256, 1, 1],
+        &[(0, "uniform table"), (5, "write partials"), (6, "write mean")],
+    ),
+    (
+        "sat_f32.wgsl",
+        "sums_of_groups",
+        [256, 1, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (4, "read solid_angle"),
+            (5, "write partials"),
+        ],
+    ),
+    (
+        "sat_hensley.wgsl",
+        "double_sums",
+        [sat_hensley::EDGE, sat_hensley::EDGE, 1],
+        &[
+            (0, "uniform doubling"),
+            (4, "read front_0"),
+            (5, "read front_1"),
+            (6, "write back_0"),
+            (7, "write back_1"),
+        ],
+    ),
+    (
+        "sat_hensley.wgsl",
+        "quantise_texels",
+        [sat_hensley::EDGE, sat_hensley::EDGE, 1],
+        &[
+            (0, "uniform doubling"),
+            (1, "read exponents"),
+            (2, "read texels_0"),
+            (3, "read texels_1"),
+            (6, "write back_0"),
+            (7, "write back_1"),
+        ],
+    ),
+    ("sat_scan.wgsl", "carries", [sat_scan::GROUP_SIZE, 1, 1], CARRIES),
+    ("sat_scan.wgsl", "carry_rows", [sat_scan::GROUP_SIZE, 1, 1], &[(0, "uniform scan"), (5, "write above")]),
+    (
+        "sat_scan.wgsl",
+        "tables",
+        [16, 16, 1],
+        &[
+            (0, "uniform scan"),
+            (1, "read exponents"),
+            (2, "read texels_0"),
+            (3, "read texels_1"),
+            (4, "write rows_left"),
+            (5, "write above"),
+            (6, "write table_0"),
+            (7, "write table_1"),
+        ],
+    ),
+    (
+        "sat_scan.wgsl",
+        "tile_sums",
+        [16, 16, 1],
+        &[
+            (0, "uniform scan"),
+            (1, "read exponents"),
+            (2, "read texels_0"),
+            (3, "read texels_1"),
+            (4, "write rows_left"),
+            (5, "write above"),
+        ],
+    ),
+];
+
+const EXPONENT_INPUT: Bindings = &[
+    (0, "uniform table"),
+    (1, "read red"),
+    (2, "read green"),
+    (3, "read blue"),
+    (4, "read solid_angle"),
+    (5, "write partials"),
+];
+
+const CARRIES: Bindings = &[(0, "uniform scan"), (4, "write rows_left"), (5, "write above")];
+
+const OEM: Bindings = &[
+    (0, "uniform gather"),
+    (1, "read starts"),
+    (2, "read overlaps"),
+    (3, "texture source"),
+    (4, "read solid_angle"),
+    (5, "write red"),
+    (6, "write green"),
+    (7, "write blue"),
+];
+
+const FOOTPRINTS: Bindings = &[
+    (0, "uniform gather"),
+    (1, "read starts"),
+    (2, "read overlaps"),
+    (3, "texture source"),
+    (8, "write footprint"),
+];
+
+/// What one entry point uses.
+struct Uses {
+    workgroup_size: [u32; 3],
+    bindings: BTreeMap<u32, String>,
+    workgroup_bytes: u32,
+}
+
+impl Shader {
+    fn entry_points(&self) -> Vec<(String, Uses)> {
+        let module = &self.module;
+        let uses = |(index, entry): (usize, &naga::EntryPoint)| {
+            let info = self.info.get_entry_point(index);
+            let mut bindings = BTreeMap::new();
+            let mut workgroup_bytes = 0;
+            for (handle, global) in module.global_variables.iter().filter(|(h, _)| !info[*h].is_empty()) {
+                let kind = match global.space {
+                    AddressSpace::Uniform => "uniform",
+                    AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
+                        "write"
+                    }
+                    AddressSpace::Storage { .. } => "read",
+                    AddressSpace::Handle => match module.types[global.ty].inner {
+                        TypeInner::Image { class: ImageClass::Storage { .. }, .. } => "store",
+                        _ => "texture",
+                    },
+                    AddressSpace::WorkGroup => {
+                        workgroup_bytes += self.size(global.ty).next_multiple_of(16);
+                        continue;
+                    }
+                    other => panic!("{:?} in {other:?}", global.name),
+                };
+                let binding = global.binding.expect("a resource's binding");
+                let name = global.name.as_deref().expect("a name");
+                let taken = bindings.insert(100 * binding.group + binding.binding, format!("{kind} {name}"));
+                assert_eq!(taken, None, "one resource a binding, {handle:?}");
+            }
+            (entry.name.clone(), Uses { workgroup_size: entry.workgroup_size, bindings, workgroup_bytes })
+        };
+        module.entry_points.iter().enumerate().map(uses).collect()
+    }
+}
+
+#[test]
+fn entry_points_take_what_rust_binds() {
+    let mut found: Vec<(&str, String, [u32; 3], Vec<(u32, String)>)> = Vec::new();
+    for file in stages() {
+        for (name, uses) in Shader::of_file(file).entry_points() {
+            found.push((file, name, uses.workgroup_size, uses.bindings.into_iter().collect()));
+        }
+    }
+    found.sort();
+    assert_eq!(found.len(), ENTRY_POINTS.len(), "entry points");
+    for ((file, name, size, bindings), expected) in found.iter().zip(ENTRY_POINTS) {
+        let bindings: Vec<(u32, &str)> = bindings.iter().map(|(at, what)| (*at, what.as_str())).collect();
+        assert_eq!((*file, name.as_str(), *size, &bindings[..]), *expected);
+    }
+}
+
+/// Limits of WebGPU that every adapter has.
+const STORAGE_BUFFERS: usize = 8;
+const STORAGE_TEXTURES: usize = 4;
+const UNIFORM_BUFFERS: usize = 12;
+const INVOCATIONS: u32 = 256;
+const WORKGROUP_BYTES: u32 = 16_384;
+
+/// What of `uses` is beyond the baseline.
+fn beyond_baseline(uses: &Uses) -> Option<String> {
+    let count = |kinds: &[&str]| {
+        let kind = |what: &&String| kinds.iter().any(|kind| what.starts_with(kind));
+        uses.bindings.values().filter(kind).count()
+    };
+    let invocations: u32 = uses.workgroup_size.iter().product();
+    let found = [
+        (count(&["read ", "write "]) > STORAGE_BUFFERS, "storage buffers"),
+        (count(&["store "]) > STORAGE_TEXTURES, "storage textures"),
+        (count(&["uniform "]) > UNIFORM_BUFFERS, "uniform buffers"),
+        (invocations > INVOCATIONS || uses.workgroup_size[2] > 64, "invocations"),
+        (uses.workgroup_bytes > WORKGROUP_BYTES, "workgroup memory"),
+    ];
+    let names: Vec<&str> = found.iter().filter(|(beyond, _)| *beyond).map(|(_, name)| *name).collect();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
+#[test]
+fn every_entry_point_keeps_to_baseline_limits() {
+    let mut counted = 0;
+    for file in stages() {
+        for (name, uses) in Shader::of_file(file).entry_points() {
+            assert_eq!(beyond_baseline(&uses), None, "{file}: {name}");
+            counted += 1;
+        }
+    }
+    assert_eq!(counted, ENTRY_POINTS.len());
+    let first = |source: &str| {
+        let (_, uses) = Shader::parse("a greedy shader", source).entry_points().swap_remove(0);
+        beyond_baseline(&uses)
+    };
+    let buffers: String = (0..9)
+        .map(|k| format!("@group(0) @binding({k}) var<storage, read_write> b{k}: array<u32>;\n"))
+        .collect();
+    let stores: String = (0..9).map(|k| format!("b{k}[0] = 1u;")).collect();
+    let greedy = format!("{buffers}@compute @workgroup_size(1) fn f() {{ {stores} }}");
+    assert_eq!(first(&greedy).as_deref(), Some("storage buffers"));
+    let large = "var<workgroup> a: array<u32, 4097>; @compute @workgroup_size(257) fn f() { a[0] = 1u; }";
+    assert_eq!(first(large).as_deref(), Some("invocations, workgroup memory"));
+}
+
+#[test]
+fn every_shader_on_disk_is_listed() {
+    fn walk(folder: &Path, root: &Path, found: &mut Vec<(String, String)>) {
+        for entry in std::fs::read_dir(folder).expect("the folder of shaders") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                walk(&path, root, found);
+                continue;
+            }
+            let name = path.strip_prefix(root).expect("below the root").components();
+            let name: Vec<_> = name.map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
+            found.push((name.join("/"), std::fs::read_to_string(&path).expect("text")));
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let mut on_disk = Vec::new();
+    walk(&root, &root, &mut on_disk);
+    on_disk.sort();
+    let mut listed: Vec<(String, String)> =
+        shader::FILES.iter().map(|(path, text)| ((*path).to_owned(), (*text).to_owned())).collect();
+    listed.sort();
+    let names = |files: &[(String, String)]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&listed), names(&on_disk));
+    assert!(listed == on_disk, "texts are those on disk");
+}
+
+#[test]
+fn query_functions_go_into_any_group_of_a_caller_s_shader() {
+    for group in [0, 3] {
+        let source = format!(
+            "{}\n@group(2) @binding(0) var<storage, read_write> out: array<vec4<f32>>;\n\
+             @compute @workgroup_size(1) fn f() {{\n\
+             out[0] = vec4<f32>(octagloss_ggx(vec3<f32>(0.0, 1.0, 0.0), 0.5), 1.0);\n\
+             out[1] = vec4<f32>(octagloss_box(vec3<f32>(0.0, 1.0, 0.0), 0.5), 1.0); }}",
+            box_filter::wgsl(group)
+        );
+        let (_, uses) = Shader::parse("a caller's shader", &source).entry_points().swap_remove(0);
+        let found: Vec<(u32, &str)> = uses.bindings.iter().map(|(at, what)| (*at, what.as_str())).collect();
+        let mut expected = vec![
+            (100 * group, "uniform octagloss_table"),
+            (100 * group + 1, "texture octagloss_low"),
+            (100 * group + 2, "texture octagloss_high"),
+            (200, "write out"),
+        ];
+        expected.sort_unstable();
+        assert_eq!(found, expected);
+    }
+}

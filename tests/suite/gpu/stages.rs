@@ -1,0 +1,184 @@
+//! The pipeline with the CPU's stages up to any given one and the GPU's from there on: which stage broke?
+
+use super::boxes::packed;
+use super::{UNIT, wait, with_passes};
+use crate::adaptive::luminance;
+use crate::common::{Look, Random, environment, landmarks, texels};
+use glam::DVec3;
+use octagloss::cpu::adaptive::{Adaptive, Packet as CpuPacket, Scratch};
+use octagloss::cpu::box_filter::BoxFilter;
+use octagloss::cpu::cells::Cells;
+use octagloss::cpu::kernel::Kernel;
+use octagloss::cpu::reparameterise::oem_from_environment;
+use octagloss::cpu::tent::Reconstruction;
+use octagloss::gpu::adaptive::{Packet, Part};
+use octagloss::gpu::cells::CellTree;
+use octagloss::gpu::engine::Engine;
+use octagloss::gpu::reparameterise::upload;
+use octagloss::gpu::{Context, OemPlanes, SatPlanes};
+use octagloss::lobe::Lobe;
+use octagloss::oem::{Oem, OemSize};
+use octagloss::sat::{Sat, Scan};
+use octagloss::{Environment, Layout, wgpu};
+
+/// Where the GPU takes over, the last place first: what a run from there on adds to the one before is one stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
+enum TakeOver {
+    /// The CPU's table and cells; packing and queries on the GPU.
+    Queries,
+    /// The CPU's OEM and table; cells too on the GPU.
+    Cells,
+    /// The CPU's OEM; exponents and scan too on the GPU.
+    Scan,
+    /// The environment: all on the GPU.
+    Reparameterise,
+}
+
+const ALL: [TakeOver; 4] = [TakeOver::Queries, TakeOver::Cells, TakeOver::Scan, TakeOver::Reparameterise];
+
+const SIZE: OemSize = OemSize { inner: 32, border: 2 };
+const ROUGHNESS: f64 = 0.5;
+const ERROR: f64 = 0.001;
+const SPREAD: Reconstruction = Reconstruction::Constant;
+
+/// What comes out at the end: boxes, and lobes.
+#[derive(Clone, Debug)]
+struct Outcome {
+    boxes: Vec<[f32; 3]>,
+    lobes: Vec<[f32; 3]>,
+}
+
+fn solid_angle() -> f64 {
+    super::boxes::solid_angle(Lobe::Ggx, ROUGHNESS * ROUGHNESS)
+}
+
+fn kernel() -> Kernel {
+    Kernel::new(Lobe::Ggx, ROUGHNESS * ROUGHNESS)
+}
+
+fn on_the_cpu(oem: &Oem, directions: &[DVec3]) -> Outcome {
+    let (sat, cells) = (Sat::new(oem, Scan::default()), Cells::new(oem, 1, SPREAD));
+    let filter = BoxFilter::new(&sat, Lobe::Ggx, ROUGHNESS * ROUGHNESS);
+    let adaptive = Adaptive::new(&cells, kernel(), ERROR);
+    let lobe = |d: &DVec3| adaptive.evaluate(&CpuPacket::new(&[*d]), &mut Scratch::default()).radiance[0];
+    Outcome {
+        boxes: directions.iter().map(|d| filter.radiance(*d)).collect(),
+        lobes: directions.iter().map(lobe).collect(),
+    }
+}
+
+/// Runs with the GPU from `from` on; `broken` is a stage that is made to fail where it runs on the GPU.
+fn run(
+    context: &Context,
+    passes: &Engine,
+    (environment, oem): (&Environment, &Oem),
+    directions: &[DVec3],
+    from: TakeOver,
+    broken: Option<TakeOver>,
+) -> Outcome {
+    let breaks = |stage: TakeOver| broken == Some(stage) && from >= stage;
+    let write = |buffer: &wgpu::Buffer, at: u64, word: u32| {
+        context.queue().write_buffer(buffer, at, &word.to_le_bytes());
+    };
+    let planes = if from == TakeOver::Reparameterise {
+        let texture = upload(context, environment).expect("a small texture");
+        let planes = OemPlanes::new(context, SIZE).expect("small planes");
+        let layout = environment.layout();
+        let stage = passes.reparameterise.stage(context, layout, &texture, &planes).expect("a small matrix");
+        context.submit(|encoder| stage.record(encoder));
+        planes
+    } else {
+        OemPlanes::upload(context, oem).expect("small planes")
+    };
+    // A texel of the square's middle, ten times the total.
+    let middle = u64::from(SIZE.border + SIZE.inner / 2) * u64::from(planes.table().pitch + 1);
+    if breaks(TakeOver::Reparameterise) {
+        write(&planes.planes()[1], 4 * middle, (10.0 * oem.totals()[1] as f32).to_bits());
+    }
+    let sat = if from >= TakeOver::Scan {
+        let sat = SatPlanes::new(context, SIZE).expect("small planes");
+        let stages =
+            [passes.fixed_point.stage(context, &planes, &sat), passes.sat_scan.stage(context, &planes, &sat)];
+        context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+        sat
+    } else {
+        SatPlanes::upload(context, &Sat::new(oem, Scan::default())).expect("small planes")
+    };
+    if breaks(TakeOver::Scan) {
+        // The whole square's sum loses its upper half.
+        let last = u64::from(SIZE.border + SIZE.inner - 1) * u64::from(planes.table().pitch + 1);
+        write(&sat.planes()[1], 8 * last + 4, 0);
+    }
+    let cells = if from >= TakeOver::Cells {
+        let (stage, tree) = passes.cells.stage(context, &planes, 1, SPREAD).expect("a small tree");
+        context.submit(|encoder| stage.record(encoder));
+        tree
+    } else {
+        CellTree::upload(context, &Cells::new(oem, 1, SPREAD), SIZE.inner, 1, SPREAD)
+    };
+    if breaks(TakeOver::Cells) {
+        write(cells.least(), 4, (oem.totals()[1] as f32).to_bits());
+    }
+    let textures = packed(context, passes, &sat);
+    let stack = super::boxes::one_box(solid_angle());
+    let mut boxes = wait(context, passes.box_filter.radiance(context, &textures, directions, &stack));
+    let parts = [Part { cells: &cells, kernel: kernel(), error: ERROR, share: 1.0 }];
+    let packets: Vec<Packet> = directions.iter().map(|direction| Packet::new(&[*direction])).collect();
+    let answers = wait(context, passes.adaptive.evaluate(context, &parts, &packets));
+    let mut lobes: Vec<[f32; 3]> =
+        answers.lanes.iter().step_by(answers.lanes.len() / directions.len()).map(|a| a.radiance).collect();
+    if breaks(TakeOver::Queries) {
+        boxes[3][0] *= 1.01;
+        lobes[4][2] *= 1.01;
+    }
+    Outcome { boxes, lobes }
+}
+
+/// Whether two outcomes are another's. Boxes: edges moved by 24 n units trade texels up to `brightest` bright, as the
+/// boxes' own test has it, over a side of at least 1. Lobes: rounding, and two decisions' share of the tolerance.
+fn agree(expected: &Outcome, found: &Outcome, brightest: f64, mean: f64) -> bool {
+    let boxes = brightest * 4.0 * 5.2 * 24.0 * f64::from(SIZE.inner) * UNIT;
+    let lobes = 2.0 * 0.4 * ERROR * mean;
+    let near = |e: &[[f32; 3]], f: &[[f32; 3]], absolute: f64| {
+        e.len() == f.len()
+            && e.iter().flatten().zip(f.iter().flatten()).all(|(e, f)| {
+                let (e, f) = (f64::from(*e), f64::from(*f));
+                (e - f).abs() <= 1e-5 * e + absolute
+            })
+    };
+    near(&expected.boxes, &found.boxes, boxes) && near(&expected.lobes, &found.lobes, lobes)
+}
+
+/// The first stage, counted from the last, with which the outcome is no longer the CPU's.
+fn broken_stage(
+    mut run: impl FnMut(TakeOver) -> Outcome,
+    agrees: impl Fn(&Outcome) -> bool,
+) -> Option<TakeOver> {
+    ALL.into_iter().find(|from| !agrees(&run(*from)))
+}
+
+#[test]
+fn the_gpu_takes_over_at_any_stage() {
+    let mut random = Random::new(81);
+    let layout = Layout::Panorama { width: 32, height: 16 };
+    let mut directions = landmarks();
+    directions.extend((0..10).map(|_| random.direction()));
+    let source = environment(layout, texels(&mut random, Look::Smooth, layout));
+    let oem = oem_from_environment(&source, SIZE).expect("a small matrix");
+    let expected = on_the_cpu(&oem, &directions);
+    let brightest = f64::from(source.texels().iter().flatten().copied().fold(0.0, f32::max));
+    let totals = oem.totals();
+    let mean = luminance([totals[0], totals[1], totals[2]]) / (4.0 * std::f64::consts::PI);
+    with_passes("any stage", |context, passes| {
+        let found = |broken: Option<TakeOver>| {
+            broken_stage(
+                |from| run(context, passes, (&source, &oem), &directions, from, broken),
+                |outcome| agree(&expected, outcome, brightest, mean),
+            )
+        };
+        assert_eq!(found(None), None, "on {}", context.describe());
+        for stage in ALL {
+            assert_eq!(found(Some(stage)), Some(stage), "on {}", context.describe());
+        }
+    });
+}
