@@ -150,15 +150,68 @@ impl CellTree {
         let tents = |inner: u64| TENT * inner.div_ceil(2).pow(2);
         let quads = |inner: u64| QUAD * u64::from(levels_over(inner.div_ceil(u64::from(block)) as u32).1);
         let bytes = |inner: u64| tents(inner).max(quads(inner));
-        context
-            .fits(
-                &format!("a tree of cells over {inner} x {inner} texels"),
-                bytes(inner.into()),
-                |available| {
-                    let fitting = (1..inner.into()).rev().find(|inner| bytes(*inner) <= available);
-                    format!("choose --oem-size at most {}, or --engine cpu", fitting.unwrap_or(0))
-                },
-            )
+        let what = format!("a tree of cells over {inner} x {inner} texels");
+        context.fits(&what, bytes(inner.into()), |available| {
+            let fitting = (1..inner.into()).rev().find(|inner| bytes(*inner) <= available);
+            format!("choose --oem-size at most {}, or --engine cpu", fitting.unwrap_or(0))
+        })
+    }
+
+    /// The least radiance of each channel, and one float more.
+    #[must_use]
+    pub const fn least(&self) -> &wgpu::Buffer {
+        &self.least
+    }
+}
+
+shader::members!(Level { first, width, finer_first, finer_width, cells, block });
+shader::members!(Tent { centroid, radius, diagonal, pad_0, mixed, pad_1 });
+
+impl BuildCells {
+    /// Compiles the stage.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "cells.wgsl");
+        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
+        Self {
+            least_of_groups: pipeline("least_of_groups"),
+            least_of_all: pipeline("least_of_all"),
+            finest: pipeline("finest"),
+            coarser: pipeline("coarser"),
+        }
+    }
+
+    /// The cells of `oem` down to blocks of `block` x `block` texels, and the stage that fills them.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where they are more than the device can bind.
+    ///
+    /// # Panics
+    /// Where `block` is zero.
+    pub fn stage(
+        &self,
+        context: &Context,
+        oem: &OemPlanes,
+        block: u32,
+        reconstruction: Reconstruction,
+    ) -> Result<(Stage, CellTree)> {
+        assert!(block > 0, "blocks of at least one texel");
+        let Table { inner, .. } = oem.table();
+        CellTree::check_fits(context, inner, block)?;
+        let cells = inner.div_ceil(block);
+        let (levels, count) = levels_over(cells);
+        let bytes = QUAD * u64::from(count);
+        let tents: Vec<Tent> = Tents::new(inner, reconstruction)
+            .quadrant()
+            .iter()
+            .map(|patch| Tent {
+                centroid: patch.centroid.to_array(),
+                radius: patch.radius,
+                diagonal: patch.diagonal.to_array(),
+                pad_0: 0.0,
+                mixed: patch.mixed.to_array(),
+                pad_1: 0.0,
+            })
             .collect();
         let tents = context.storage_of("moments of texels", &tents);
         let partials = context.storage("least radiance of groups", 16 * u64::from(GROUPS));
