@@ -63,7 +63,7 @@ impl SatHensley {
         for channel in [0, 2] {
             let table = &sat.planes()[channel..channel + 2];
             // The last pass writes the table itself.
-            let back = |pass: usize| if (passes.len() - pass) % 2 == 0 { table } else { &other[..] };
+            let back = |pass: usize| if (passes.len() - pass).is_multiple_of(2) { table } else { &other[..] };
             let uniform = |axis, stride| {
                 context.uniform("doubling", &Doubling { side, pitch, channel: channel as u32, axis, stride })
             };
