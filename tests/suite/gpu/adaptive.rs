@@ -1,9 +1,10 @@
 //! The adaptive filter: certified bounds against exhaustive integration, the CPU's cuts replayed, cuts of its own.
 
-use super::{UNIT, wait, with_passes};
+use super::{UNIT, exceeds, wait, with_passes};
 use crate::adaptive::{FURNACE, ORACLE, Question, Scene, luminance};
-use crate::common::{Look, Random, environment, landmarks, oem, texels};
+use crate::common::{Random, environment, landmarks, oem};
 use glam::DVec3;
+use octagloss::Layout;
 use octagloss::bake::Filter;
 use octagloss::cpu::adaptive::{Adaptive, LANES, Packet as CpuPacket, Scratch};
 use octagloss::cpu::cells::Cells;
@@ -20,7 +21,6 @@ use octagloss::oracle::OemOracle;
 use octagloss::reflector::ReflectorSettings;
 use octagloss::sphere::cube::{Face, direction_from_texel};
 use octagloss::synth::synth;
-use octagloss::{Environment, Layout};
 use rayon::prelude::*;
 
 /// The GPU's cells of `oem`.
@@ -96,7 +96,7 @@ fn failures(
         if off > ORACLE * truth {
             tightness.push(bound / off);
         }
-        if !(off <= bound + ORACLE * truth) {
+        if exceeds(off, bound + ORACLE * truth) {
             wrong.push(format!(
                 "{:?} {}^2 {spread:?} {lobe:?} roughness {roughness} E {error} {} lanes {}: {value} against {truth}, \
                  bound {bound}",
@@ -240,7 +240,7 @@ fn beyond(expected: &[[f32; 3]], found: &Answers, relative: f64, absolute: [f64;
     expected.iter().zip(&found.lanes).enumerate().find_map(|(lane, (expected, found))| {
         let far = (0..3).any(|c| {
             let (e, f) = (f64::from(expected[c]), f64::from(found.radiance[c]));
-            !((e - f).abs() <= relative * e + absolute[c])
+            exceeds((e - f).abs(), relative * e + absolute[c])
         });
         far.then(|| format!("lane {lane} is {:?}, not {expected:?} within {relative:e}", found.radiance))
     })
@@ -386,27 +386,27 @@ fn a_furnace_is_white() {
             let mut spotted = furnace.texels().to_vec();
             spotted[0][1] = 2.0;
             let spotted = environment(layout, spotted);
-            let worst =
-                |environment: &Environment, inner: u32, lobe: Lobe, roughness: f64, filter: Filter| {
-                    let settings =
-                        ReflectorSettings { oem_size: Some(inner), ..ReflectorSettings::default() };
-                    let reflector = Reflector::new(passes, environment, &settings).expect("a small OEM");
-                    let answers = ask(&reflector, context, &directions, lobe, roughness, filter);
-                    let off =
-                        answers.iter().flat_map(|rgb| (0..3).map(|c| (rgb[c] / constant[c] - 1.0).abs()));
-                    off.fold(0.0, f64::max)
-                };
+            let made_ready = |environment, inner| {
+                let settings = ReflectorSettings { oem_size: Some(inner), ..ReflectorSettings::default() };
+                Reflector::new(passes, environment, &settings).expect("a small OEM")
+            };
+            let worst = |reflector: &Reflector<'_>, lobe: Lobe, roughness: f64, filter: Filter| {
+                let answers = ask(reflector, context, &directions, lobe, roughness, filter);
+                let off = answers.iter().flat_map(|rgb| (0..3).map(|c| (rgb[c] / constant[c] - 1.0).abs()));
+                off.fold(0.0, f64::max)
+            };
             for inner in [1, [3, 17, 5][k], 64] {
+                let reflector = made_ready(&furnace, inner);
                 for (lobe, roughness) in LOBES.into_iter().chain([(Lobe::Ggx, 0.01), (Lobe::Cone, 0.3)]) {
                     for filter in [Filter::Adaptive(0.005), Filter::Box] {
-                        let off = worst(&furnace, inner, lobe, roughness, filter);
+                        let off = worst(&reflector, lobe, roughness, filter);
                         let told = format!("{layout:?} {inner} {lobe:?} {roughness} {filter:?}");
                         assert!(off <= FURNACE, "{told}: off by {off:e} on {}", context.describe());
                     }
                 }
             }
             for filter in [Filter::Adaptive(0.005), Filter::Box] {
-                let off = worst(&spotted, 64, Lobe::Ggx, 0.5, filter);
+                let off = worst(&made_ready(&spotted, 64), Lobe::Ggx, 0.5, filter);
                 assert!(off > FURNACE, "{layout:?} {filter:?}: one texel twice as bright shows: {off:e}");
             }
         }
@@ -415,24 +415,17 @@ fn a_furnace_is_white() {
 
 #[test]
 fn packets_of_every_row_of_a_dispatch_are_served() {
-    // Dispatches have rows of 32768 packets.
+    // Dispatches have rows of 32768 packets. Nothing lies above the least radiance here, or drivers would take minutes:
+    // what is served holds the least radiance, what is not holds nothing.
     let count = 32_768 + 100;
-    let mut random = Random::new(73);
-    let directions: Vec<DVec3> = (0..8).map(|_| random.direction()).collect();
-    let packets: Vec<Packet> = (0..count).map(|k| Packet::new(&directions[k % 8..=k % 8])).collect();
-    let oem = oem(
-        OemSize { inner: 2, border: 0 },
-        &texels(&mut random, Look::Noise, Layout::Octahedral { size: 2 }),
-    );
+    let packets = vec![Packet::new(&[DVec3::X]); count];
+    let oem = oem(OemSize { inner: 2, border: 0 }, &[[1.0; 3]; 4]);
     with_passes("rows of packets", |context, passes| {
-        let cells = tree(context, passes, &oem, 2, Reconstruction::Constant);
-        let kernel = Kernel::new(Lobe::Ggx, 0.5);
-        let found = evaluate(context, passes, &cells, kernel, 0.5, &packets).lanes;
+        let cells = Cells::new(&oem, 2, Reconstruction::Constant);
+        let cells = CellTree::upload(context, &cells, 2, 2, Reconstruction::Constant);
+        let found = evaluate(context, passes, &cells, Kernel::new(Lobe::Ggx, 0.5), 0.5, &packets).lanes;
         assert_eq!(found.len(), count * LANES);
-        for k in 0..count {
-            assert_eq!(found[k * LANES], found[k % 8 * LANES], "packet {k}");
-        }
-        let different = (1..8).filter(|k| found[k * LANES].radiance != found[0].radiance).count();
-        assert!(different > 0, "directions differ");
+        let served = |lane: &octagloss::reflector::Answer| lane.radiance == [1.0; 3];
+        assert_eq!(found.iter().position(|lane| !served(lane)), None, "a lane that was not served");
     });
 }

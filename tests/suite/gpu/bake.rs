@@ -1,6 +1,6 @@
 //! Whole bakes of the synthetic environments against the CPU's.
 
-use super::{UNIT, wait, with_passes};
+use super::{UNIT, exceeds, wait, with_passes};
 use crate::adaptive::luminance;
 use octagloss::Environment;
 use octagloss::bake::{Bake, BakeSettings, Filter, bake};
@@ -115,7 +115,7 @@ impl Judge {
                 }
                 let far = (0..3).any(|c| {
                     let (e, f) = (f64::from(e[c]), f64::from(f[c]));
-                    !((e - f).abs() <= relative * e + absolute)
+                    exceeds((e - f).abs(), relative * e + absolute)
                 });
                 if far && wrong.is_none() {
                     wrong = Some(format!("texel {k} of level {level}, open {open}: {f:?}, not {e:?}"));

@@ -1,6 +1,6 @@
 //! Boxes over the packed table: integer sums equal the CPU's, radiance within what float32 coordinates allow.
 
-use super::{UNIT, wait, with_passes};
+use super::{UNIT, exceeds, wait, with_passes};
 use crate::common::{Look, Random, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
 use octagloss::Layout;
@@ -182,7 +182,7 @@ pub(super) fn radiance_difference(
     directions.iter().zip(found).find_map(|(direction, found)| {
         let expected = filter.radiance(*direction).map(f64::from);
         let bound = bound(oem, *direction, solid_angle, expected);
-        let far = (0..3).any(|c| !((f64::from(found[c]) - expected[c]).abs() <= bound[c]));
+        let far = (0..3).any(|c| exceeds((f64::from(found[c]) - expected[c]).abs(), bound[c]));
         far.then(|| format!("{lobe:?} {alpha} {direction}: {found:?}, not {expected:?} within {bound:?}"))
     })
 }

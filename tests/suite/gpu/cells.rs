@@ -1,6 +1,6 @@
 //! The quadtree of moments against the CPU's, within what float32 sums allow.
 
-use super::{UNIT, wait, with_passes};
+use super::{UNIT, exceeds, wait, with_passes};
 use crate::common::{Look, Random, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
@@ -147,7 +147,7 @@ impl Bound {
     fn difference(&self, raw: Raw, expected: &[f64; 15], found: &[f64; 15]) -> Option<String> {
         let Self { merges, extent, .. } = *self;
         let far = |fields: std::ops::Range<usize>, bound: f64| {
-            fields.clone().any(|field| !((expected[field] - found[field]).abs() <= bound))
+            fields.clone().any(|field| exceeds((expected[field] - found[field]).abs(), bound))
         };
         let noise = self.luminance * UNIT * raw.luminance;
         // A channel is at most 1/0.0722 of the luminance.

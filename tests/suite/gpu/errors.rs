@@ -40,8 +40,8 @@ fn largest<T>(outcome: Result<T, Error>) -> u32 {
     match outcome {
         Err(Error::Limit { remedy, needed, available, what }) => {
             assert!(needed > available, "{what}: {needed} of {available}");
-            let numbers = remedy.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());
-            numbers.last().and_then(|digits| digits.parse().ok()).expect("a size in the remedy")
+            let mut numbers = remedy.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());
+            numbers.next_back().and_then(|digits| digits.parse().ok()).expect("a size in the remedy")
         }
         Err(other) => panic!("a limit, not {other}"),
         Ok(_) => panic!("too large"),

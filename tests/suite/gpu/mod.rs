@@ -60,6 +60,11 @@ fn with_passes(name: &str, test: impl Fn(&Context, &Engine)) {
 /// 2^-24: half the distance between 1 and the next float32.
 const UNIT: f64 = 1.0 / (1_u32 << 24) as f64;
 
+/// Whether `off` is more than `allowed`, or either is not a number.
+fn exceeds(off: f64, allowed: f64) -> bool {
+    off.partial_cmp(&allowed).is_none_or(std::cmp::Ordering::is_gt)
+}
+
 /// Runs `test` on every adapter and says so.
 fn on_every_adapter(name: &str, test: impl Fn(&Context)) {
     for context in CONTEXTS.iter() {

@@ -1,6 +1,6 @@
 //! Environments to OEMs and footprints: within a derived bound of the CPU's.
 
-use super::{on_every_adapter, wait};
+use super::{exceeds, on_every_adapter, wait};
 use crate::common::{Look, Random, environment, texels};
 use octagloss::cpu::reparameterise::{footprints_from_environment, oem_from_environment};
 use octagloss::gpu::reparameterise::{Reparameterise, upload};
@@ -36,7 +36,7 @@ fn difference(expected: &[[f32; 4]], found: &[[f32; 4]], bound: f64, misplaced: 
             let (e, f) = (f64::from(expected[c]), f64::from(found[c]));
             let misplaced = if c < 3 { misplaced * area } else { 0.0 };
             // Subnormal products may become 0.
-            !((e - f).abs() <= bound * e + misplaced + 2.4e-38)
+            exceeds((e - f).abs(), bound * e + misplaced + 2.4e-38)
         });
         far.then(|| format!("texel {at} is {found:?}, not {expected:?} within {bound:e}"))
     })

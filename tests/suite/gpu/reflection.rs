@@ -444,10 +444,11 @@ impl Shader {
 
 #[test]
 fn entry_points_take_what_rust_binds() {
-    let mut found: Vec<(&str, String, [u32; 3], Vec<(u32, String)>)> = Vec::new();
+    let mut found = Vec::new();
     for file in stages() {
         for (name, uses) in Shader::of_file(file).entry_points() {
-            found.push((file, name, uses.workgroup_size, uses.bindings.into_iter().collect()));
+            let bindings: Vec<(u32, String)> = uses.bindings.into_iter().collect();
+            found.push((file, name, uses.workgroup_size, bindings));
         }
     }
     found.sort();

@@ -1,7 +1,7 @@
 //! Scenes where maps and arithmetic have their hard places, through every stage.
 
 use super::boxes::{one_box, packed, radiance_difference, solid_angle};
-use super::{UNIT, wait, with_passes};
+use super::{UNIT, exceeds, wait, with_passes};
 use crate::adaptive::luminance;
 use crate::common::{environment, landmarks};
 use glam::DVec3;
@@ -66,7 +66,7 @@ fn gather_bound(environment: &Environment) -> f64 {
 
 fn far(expected: f32, found: f32, bound: f64) -> bool {
     let (e, f) = (f64::from(expected), f64::from(found));
-    !((e - f).abs() <= bound * e + 2.4e-38)
+    exceeds((e - f).abs(), bound * e + 2.4e-38)
 }
 
 fn gathered(context: &Context, passes: &Engine, environment: &Environment, size: OemSize) -> OemPlanes {
@@ -141,16 +141,16 @@ fn lobes_of_scenes_are_certified() {
     let layout = Layout::Cube { size: 8 };
     let settings = ReflectorSettings { oem_size: Some(16), ..ReflectorSettings::default() };
     // What exhaustive integration says of every scene, over the CPU's OEM.
-    let cases: Vec<(String, Environment, Vec<(f64, Vec<f64>)>)> = scenes(layout)
+    let cases: Vec<_> = scenes(layout)
         .into_iter()
         .map(|(name, source)| {
             let truths = [0.1, 0.4, 1.0].map(|roughness| {
                 let reflector = CpuReflector::new(&source, &settings).expect("a small OEM");
                 let oracle = OemOracle::new(reflector.oem());
                 let truth = |d: &DVec3| luminance(oracle.reflect(Lobe::Ggx, roughness, *d));
-                (roughness, landmarks().iter().map(truth).collect())
+                (roughness, landmarks().iter().map(truth).collect::<Vec<f64>>())
             });
-            (name, source, truths.into())
+            (name, source, truths)
         })
         .collect();
     let directions = landmarks();
