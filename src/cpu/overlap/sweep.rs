@@ -4,7 +4,7 @@
 //! walking an octant's outlines over them, and each texel's weights to all eight octants at once, costs far less than
 //! carrying every source texel to the target.
 
-use super::grid::walk_outline;
+use super::grid::{Overlap, walk_outline};
 use super::index::{self, SourceMap, Target, pack};
 use crate::environment::{Environment, Layout, Rgb};
 use glam::{DVec2, DVec3, Vec4};
@@ -182,8 +182,8 @@ impl<'a> Sweep<'a> {
                 outline.extend(left.iter().rev());
                 std::mem::swap(left, right);
                 let first = shares.len();
-                walk_outline(&outline, &mut window, |column, row, area, centroid| {
-                    shares.push(self.share(column, row, area, centroid.y));
+                walk_outline(&outline, &mut window, |column, row, overlap| {
+                    shares.push(self.share(column, row, overlap));
                 });
                 places.push(Place {
                     at: row * half as usize + i as usize,
@@ -280,11 +280,12 @@ impl<'a> Sweep<'a> {
     }
 
     /// The weight of an overlap: its area on the grid times the sine of its centroid's polar angle.
-    fn share(&self, column: u32, row: u32, area: f64, centroid: f64) -> Share {
+    fn share(&self, column: u32, row: u32, overlap: Overlap) -> Share {
         let row = row.min(self.middles.len() as u32 - 1);
         let (sine, cosine) = self.middles[row as usize];
-        let off = (centroid - f64::from(row) - 0.5) / self.scale.y;
-        (pack(0, column, row), (area * (sine + off * cosine)) as f32)
+        // The centroid's distance from the middle of the row, times the area.
+        let off = (overlap.moment.y - 0.5 * overlap.area) / self.scale.y;
+        (pack(0, column, row), (overlap.area * sine + off * cosine) as f32)
     }
 }
 
