@@ -68,13 +68,8 @@ impl Environment {
     /// # Errors
     /// [`Error::Parameter`] where the count is not the layout's, a side is zero, or a texel is not finite or negative.
     pub fn new(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
-        if layout.texel_count() == 0 || texels.len() != layout.texel_count() {
-            return Err(Error::Parameter(format!(
-                "{layout:?} takes {} texels, got {}; neither may be zero",
-                layout.texel_count(),
-                texels.len()
-            )));
-        }
+        let environment = Self::of_sound(layout, texels)?;
+        let texels = &environment.texels;
         let wrong = |c: f32| !(c.is_finite() && c >= 0.0);
         // Without an early end, which would keep it from vectors.
         let any = texels.as_flattened().iter().fold(false, |any, c| any | wrong(*c));
@@ -82,6 +77,18 @@ impl Environment {
             return Err(Error::Parameter(format!(
                 "texel {at} is {:?}; radiance must be finite and not negative",
                 texels[at]
+            )));
+        }
+        Ok(environment)
+    }
+
+    /// [`Environment::new`] for texels known to be finite and not negative.
+    pub(crate) fn of_sound(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
+        if layout.texel_count() == 0 || texels.len() != layout.texel_count() {
+            return Err(Error::Parameter(format!(
+                "{layout:?} takes {} texels, got {}; neither may be zero",
+                layout.texel_count(),
+                texels.len()
             )));
         }
         Ok(Self { layout, texels, source_from_world: DMat3::IDENTITY })

@@ -23,7 +23,7 @@
 //! Cells are split where the error to be expected, times their energy, exceeds the tolerance for any direction of the
 //! packet. Which cells are leaves decides how tight the bound is, never whether it holds.
 
-use super::cells::Cells;
+use super::cells::{Cells, Quad};
 use super::kernel::{Kernel, Radial, expected_error, interval, with_radial};
 use super::subtexel;
 use crate::environment::{LUMINANCE, Rgb};
@@ -91,6 +91,50 @@ pub(super) struct Leaf {
     pub(super) covariance: [f32; 6],
     pub(super) radius: f32,
     pub(super) energy: Rgb,
+}
+
+impl Leaf {
+    /// Cell `k` of `quad`.
+    #[inline(always)]
+    fn new(quad: &Quad, k: usize, axis: DVec3) -> Self {
+        Self {
+            offset: [
+                (f64::from(quad.x[k]) - axis.x) as f32,
+                (f64::from(quad.y[k]) - axis.y) as f32,
+                (f64::from(quad.z[k]) - axis.z) as f32,
+            ],
+            covariance: std::array::from_fn(|c| quad.covariance[c][k]),
+            radius: quad.radius[k],
+            energy: [quad.red[k], quad.green[k], quad.blue[k]],
+        }
+    }
+}
+
+/// Quads judged together, to fill the widest vectors.
+const QUADS: usize = 4;
+
+/// The error to expect of every cell of `quads`, times its luminance.
+#[inline(always)]
+fn expected_errors<R: Radial>(kernel: R, packet: &Packet, quads: &[&Quad; QUADS]) -> [[f32; 4]; QUADS] {
+    let axis = packet.axis.as_vec3();
+    let lanes = |field: fn(&Quad) -> [f32; 4]| quads.map(field);
+    let (x, y, z) = (lanes(|quad| quad.x), lanes(|quad| quad.y), lanes(|quad| quad.z));
+    let [xx, yy, zz] = [
+        lanes(|quad| quad.covariance[0]),
+        lanes(|quad| quad.covariance[1]),
+        lanes(|quad| quad.covariance[2]),
+    ];
+    let (radius, luminance) = (lanes(|quad| quad.radius), lanes(|quad| quad.luminance));
+    let flat = |lanes: &[[f32; 4]; QUADS], k: usize| lanes.as_flattened()[k];
+    let mut errors = [[0.0; 4]; QUADS];
+    for (k, error) in errors.as_flattened_mut().iter_mut().enumerate() {
+        let (x, y, z) = (flat(&x, k) - axis.x, flat(&y, k) - axis.y, flat(&z, k) - axis.z);
+        let distance = (x * x + y * y + z * z).sqrt();
+        let trace = flat(&xx, k) + flat(&yy, k) + flat(&zz, k);
+        *error =
+            flat(&luminance, k) * expected_error(kernel, distance, flat(&radius, k), packet.radius, trace);
+    }
+    errors
 }
 
 /// Buffers of an evaluation, kept between packets.
@@ -179,47 +223,39 @@ impl<'a> Adaptive<'a> {
     #[inline(always)]
     fn cut<R: Radial>(&self, kernel: R, packet: &Packet, scratch: &mut Scratch) {
         let cells = self.cells;
-        let axis = packet.axis.as_vec3();
         let tolerance = self.tolerance as f32;
         scratch.stack.clear();
         scratch.stack.push((u8::try_from(cells.levels.len() - 1).expect("few levels"), 0, 0));
-        while let Some((level, i, j)) = scratch.stack.pop() {
-            let place = cells.levels[usize::from(level)];
-            let quad = &cells.quads[(place.first + j * place.width + i) as usize];
-            let mut error = [0.0_f32; 4];
-            for k in 0..4 {
-                let (x, y, z) = (quad.x[k] - axis.x, quad.y[k] - axis.y, quad.z[k] - axis.z);
-                let distance = (x * x + y * y + z * z).sqrt();
-                let trace = quad.covariance[0][k] + quad.covariance[1][k] + quad.covariance[2][k];
-                error[k] = quad.luminance[k]
-                    * expected_error(kernel, distance, quad.radius[k], packet.radius, trace);
-            }
-            for k in 0..4 {
-                // Black cells say nothing.
-                if quad.luminance[k] == 0.0 {
-                    continue;
-                }
-                let (i, j) = (2 * i + (k as u32 & 1), 2 * j + (k as u32 >> 1));
-                if error[k] > tolerance {
-                    if level > 0 {
-                        scratch.stack.push((level - 1, i, j));
+        while !scratch.stack.is_empty() {
+            let rest = scratch.stack.len().saturating_sub(QUADS);
+            let mut places = [(0, 0, 0); QUADS];
+            let count = scratch.stack.len() - rest;
+            places[..count].copy_from_slice(&scratch.stack[rest..]);
+            scratch.stack.truncate(rest);
+            let quads = places.map(|(level, i, j)| {
+                let place = cells.levels[usize::from(level)];
+                &cells.quads[(place.first + j * place.width + i) as usize]
+            });
+            let errors = expected_errors(kernel, packet, &quads);
+            for ((quad, errors), (level, i, j)) in quads.iter().zip(&errors).zip(places).take(count) {
+                for k in 0..4 {
+                    // Black cells say nothing.
+                    if quad.luminance[k] == 0.0 {
                         continue;
                     }
-                    if cells.block == 1 {
-                        subtexel::refine(self, kernel, (i, j), packet, scratch);
-                        continue;
+                    let (i, j) = (2 * i + (k as u32 & 1), 2 * j + (k as u32 >> 1));
+                    if errors[k] > tolerance {
+                        if level > 0 {
+                            scratch.stack.push((level - 1, i, j));
+                            continue;
+                        }
+                        if cells.block == 1 {
+                            subtexel::refine(self, kernel, (i, j), packet, scratch);
+                            continue;
+                        }
                     }
+                    scratch.leaves.push(Leaf::new(quad, k, packet.axis));
                 }
-                scratch.leaves.push(Leaf {
-                    offset: [
-                        (f64::from(quad.x[k]) - packet.axis.x) as f32,
-                        (f64::from(quad.y[k]) - packet.axis.y) as f32,
-                        (f64::from(quad.z[k]) - packet.axis.z) as f32,
-                    ],
-                    covariance: std::array::from_fn(|c| quad.covariance[c][k]),
-                    radius: quad.radius[k],
-                    energy: [quad.red[k], quad.green[k], quad.blue[k]],
-                });
             }
         }
     }

@@ -98,6 +98,22 @@ impl Kernel {
     }
 }
 
+/// The reciprocals of `x` by one division (Montgomery's trick); the last is the most exact.
+#[inline(always)]
+fn reciprocals<const N: usize>(x: [f32; N]) -> [f32; N] {
+    let mut before = [1.0; N];
+    for k in 1..N {
+        before[k] = before[k - 1] * x[k - 1];
+    }
+    let mut rest = 1.0 / (before[N - 1] * x[N - 1]);
+    let mut out = [0.0; N];
+    for k in (0..N).rev() {
+        out[k] = rest * before[k];
+        rest *= x[k];
+    }
+    out
+}
+
 /// A kernel of s, decreasing.
 pub(super) trait Radial: Copy {
     /// Whether it is convex with a decreasing second derivative up to the horizon s = 1/2 and 0 beyond: what the
@@ -106,6 +122,18 @@ pub(super) trait Radial: Copy {
 
     /// k at `s`.
     fn value(self, s: f32) -> f32;
+
+    /// k at several places, where one division serves them all.
+    #[inline(always)]
+    fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
+        s.map(|s| self.value(s))
+    }
+
+    /// The same, and k'' at the last.
+    #[inline(always)]
+    fn values_and_curvature<const N: usize>(self, s: [f32; N]) -> ([f32; N], f32) {
+        (self.values(s), self.curvature(s[N - 1]))
+    }
 
     /// k'' at `s`, below the horizon.
     fn curvature(self, s: f32) -> f32 {
@@ -145,15 +173,26 @@ impl Radial for Ggx {
 
     #[inline(always)]
     fn value(self, s: f32) -> f32 {
-        let w = 1.0 / (1.0 + self.steep * s);
-        self.peak * w * w * (1.0 - 2.0 * s).max(0.0)
+        let [value] = self.values([s]);
+        value
     }
 
     #[inline(always)]
-    fn curvature(self, s: f32) -> f32 {
-        let w = 1.0 / (1.0 + self.steep * s);
-        let steep_w = self.steep * w;
-        self.peak * w * w * steep_w * (8.0 + 6.0 * steep_w * (1.0 - 2.0 * s))
+    fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
+        self.values_and_curvature(s).0
+    }
+
+    #[inline(always)]
+    fn values_and_curvature<const N: usize>(self, s: [f32; N]) -> ([f32; N], f32) {
+        // At most 1/alpha^2 each: three multiplied stay below what float32 holds.
+        let w = reciprocals(s.map(|s| 1.0 + self.steep * s));
+        let scaled = w.map(|w| self.peak * w * w);
+        let lambert = s.map(|s| 1.0 - 2.0 * s);
+        let steep_w = self.steep * w[N - 1];
+        (
+            std::array::from_fn(|k| scaled[k] * lambert[k].max(0.0)),
+            scaled[N - 1] * steep_w * (8.0 + 6.0 * steep_w * lambert[N - 1]),
+        )
     }
 
     #[inline(always)]
@@ -171,7 +210,8 @@ impl Radial for Ggx {
     #[inline(always)]
     fn worst_distance(self, near: f32, far: f32) -> f32 {
         // distance/(s + alpha^2) is greatest at distance 2 alpha.
-        (1.2 / (self.steep + 1.0).sqrt()).clamp(near, far)
+        // No clamp, whose check keeps it from vectors.
+        (1.2 / (self.steep + 1.0).sqrt()).max(near).min(far)
     }
 }
 
@@ -274,9 +314,9 @@ pub(super) fn interval<R: Radial>(kernel: R, squared: f32, trace: f32, along: f3
     let far = distance + radius;
     let (low, high) = (0.25 * near * near, (0.25 * far * far).min(1.0));
     let s = 0.25 * (squared + trace);
-    let value = kernel.value(s);
+    let ([nearest, farthest, value], curvature) = kernel.values_and_curvature([low, high, s]);
     if !R::SMOOTH {
-        return Interval { least: kernel.value(high), greatest: kernel.value(low), estimate: value };
+        return Interval { least: farthest, greatest: nearest, estimate: value };
     }
     // s - low and high - s without their cancellation.
     let down = if distance > radius { 0.25 * (radius * (2.0 * distance - radius) + trace) } else { s };
@@ -285,16 +325,22 @@ pub(super) fn interval<R: Radial>(kernel: R, squared: f32, trace: f32, along: f3
     let most = 0.25 * (tangential + radial) * (tangential + radial);
     let least = 0.25 * (tangential - radial).max(0.0) * (tangential - radial).max(0.0);
     let smooth = high < 0.5;
-    let step_up = if smooth { (most / down).min(up) } else { up };
-    let step_down = if smooth { (least / up).min(down) } else { 0.0 };
-    let (inner, outer) = (kernel.value(s + step_up), kernel.value(s - step_down));
-    let greatest = inner + step_up / (down + step_up) * (kernel.value(low) - inner);
-    let least = (outer + step_down / (up + step_down) * (kernel.value(high) - outer)).min(greatest);
+    let [per_down, per_up] = reciprocals([down, up]);
+    let step_up = if smooth { (most * per_down).min(up) } else { up };
+    let step_down = if smooth { (least * per_up).min(down) } else { 0.0 };
+    let [inner, outer] = kernel.values([s + step_up, s - step_down]);
+    let half_width = 0.866 * tangential;
+    let lengths = [down + step_up, up + step_down, (4.0 * half_width).max(1e-6)];
+    let [per_above, per_below, per_width] = reciprocals(lengths);
+    // Where products of lengths vanish their reciprocals say nothing, and k is as good as constant.
+    let sharp = (down * up).min(lengths[0] * lengths[1] * lengths[2]) > 1e-36;
+    let greatest = if sharp { inner + step_up * per_above * (nearest - inner) } else { nearest };
+    let least =
+        if sharp { outer + step_down * per_below * (farthest - outer) } else { farthest }.min(greatest);
     // The second-order term below the horizon, and what energy spread evenly over s gains from the kink.
-    let second_order = if s < 0.5 { 0.125 * kernel.curvature(s) * along } else { 0.0 };
-    let half_width = 0.866 * along.max(0.0).sqrt();
+    let second_order = if s < 0.5 { 0.125 * curvature * along } else { 0.0 };
     let across = (half_width - (s - 0.5).abs()).max(0.0);
-    let gain = if smooth { 0.0 } else { kernel.kink() * across * across / (4.0 * half_width).max(1e-12) };
+    let gain = if smooth { 0.0 } else { kernel.kink() * across * across * per_width };
     let estimate = (value + second_order + gain).max(least).min(greatest);
     Interval { least, greatest, estimate }
 }
@@ -318,11 +364,10 @@ pub(super) fn expected_error<R: Radial>(
     let reach = 0.25 * radius * (2.0 * worst + radius);
     let far = worst + radius;
     // The third-order term E|s - mean|^3 |k'''|/6, while the series makes sense; else what is certain.
-    if reach < 0.5 * scale && 0.25 * far * far < 0.5 {
-        interval.estimate * 0.25 * (along + 0.25 * trace * radius * radius) * reach / (scale * scale * scale)
-    } else {
-        0.25 * (interval.greatest - interval.least)
-    }
+    let third =
+        interval.estimate * 0.25 * (along + 0.25 * trace * radius * radius) * reach / (scale * scale * scale);
+    let certain = 0.25 * (interval.greatest - interval.least);
+    if (reach < 0.5 * scale) & (0.25 * far * far < 0.5) { third } else { certain }
 }
 
 /// Width of the interval k(nearest) - k(farthest), for cells whose centroid is not known exactly.

@@ -123,7 +123,7 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     }
     let ordered = face_names::in_face_order(paths)?;
     let (picture, repaired) = read_square_faces(&ordered, options)?;
-    finish_repaired(ordered[0], picture, repaired, options)
+    finish_finite(ordered[0], picture, false, repaired, options)
 }
 
 /// Reads a prefiltered cube chain: a KTX2 file, or a level folder (`m{level}_{px,..}.exr` or `.hdr` and `report.json`).
@@ -297,32 +297,43 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
 /// Picture to environment: layout, repairs, checks.
 fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Loaded> {
     let mut repaired = Repairs::default();
-    if picture.content == Content::Cube {
-        let rows = picture.width;
-        for (face, texels) in crate::sphere::cube::Face::ALL
-            .iter()
-            .zip(picture.texels.chunks_mut(rows as usize * rows as usize))
-        {
-            let place = PathBuf::from(format!("{} face {}", path.display(), face.short_name()));
-            repair::non_finite(&place, texels, rows, options.sanitize, &mut repaired)?;
-        }
-    } else {
-        repair::non_finite(path, &mut picture.texels, picture.width, options.sanitize, &mut repaired)?;
+    // Most pictures need no repair: one look tells.
+    let sound = repair::is_sound(&picture.texels);
+    if !sound {
+        finite(path, &mut picture, options, &mut repaired)?;
     }
-    finish_repaired(path, picture, repaired, options)
+    finish_finite(path, picture, sound, repaired, options)
 }
 
-/// [`finish`] for a picture that is finite.
-fn finish_repaired(
+/// Refuses or repairs NaN and Inf.
+fn finite(path: &Path, picture: &mut Picture, options: &ReadOptions, repaired: &mut Repairs) -> Result<()> {
+    if picture.content != Content::Cube {
+        return repair::non_finite(path, &mut picture.texels, picture.width, options.sanitize, repaired);
+    }
+    let rows = picture.width;
+    for (face, texels) in
+        crate::sphere::cube::Face::ALL.iter().zip(picture.texels.chunks_mut(rows as usize * rows as usize))
+    {
+        let place = PathBuf::from(format!("{} face {}", path.display(), face.short_name()));
+        repair::non_finite(&place, texels, rows, options.sanitize, repaired)?;
+    }
+    Ok(())
+}
+
+/// [`finish`] for a picture that is finite, and not negative either where it is `sound`.
+fn finish_finite(
     path: &Path,
     picture: Picture,
+    sound: bool,
     mut repaired: Repairs,
     options: &ReadOptions,
 ) -> Result<Loaded> {
     let Picture { width, height, texels, content, format, mut warnings } = picture;
     let arrangement = layout::arrangement(path, width, height, content, options.layout)?;
     let mut texels = arrangement.arrange(texels, width);
-    repair::negative(arrangement.layout, &mut texels, &mut repaired);
+    if !sound {
+        repair::negative(arrangement.layout, &mut texels, &mut repaired);
+    }
     if options.strict && repaired.any() {
         return Err(Error::input(
             path,
@@ -330,7 +341,7 @@ fn finish_repaired(
         ));
     }
     warnings.extend(repaired.any().then(|| format!("{repaired}, set right")));
-    let environment = Environment::new(arrangement.layout, texels)?;
+    let environment = Environment::of_sound(arrangement.layout, texels)?;
     let height = if content == Content::Cube { width } else { height };
     Ok(Loaded { environment, repaired, warnings, format, layout: arrangement.name, width, height })
 }

@@ -76,7 +76,8 @@ impl Walker {
                     let folded = if lower { DVec2::new(1.0 - p.z, 1.0 - p.x) } else { DVec2::new(p.x, p.z) };
                     (folded + 1.0) * half
                 }));
-                walk_outline(&self.outline, &mut self.window, |x, y, area, centroid| {
+                walk_outline(&self.outline, &mut self.window, |x, y, overlap| {
+                    let (area, centroid) = (overlap.area, overlap.centroid(x, y));
                     let uv = centroid / half - 1.0;
                     let p = if lower { DVec2::new(1.0 - uv.y, 1.0 - uv.x) } else { uv };
                     let y3 = 1.0 - p.x - p.y;
@@ -98,7 +99,8 @@ impl Walker {
                         };
                         (st + 1.0) * half
                     }));
-                    walk_outline(&self.outline, &mut self.window, |i, j, area, centroid| {
+                    walk_outline(&self.outline, &mut self.window, |i, j, overlap| {
+                        let (area, centroid) = (overlap.area, overlap.centroid(i, j));
                         let squared = 1.0 + (centroid / half - 1.0).length_squared();
                         let solid_angle = area / (half * half * squared * squared.sqrt());
                         let texel = index::cube_texel(n, family, octant, i.min(n - 1), j.min(n - 1));
@@ -189,11 +191,28 @@ impl OctantClipper {
     }
 }
 
-/// Calls `emit` with every grid cell (x, y) that `outline` meets, the overlap's area and its centroid.
+/// What a polygon and a grid cell share.
+#[derive(Clone, Copy)]
+pub(super) struct Overlap {
+    pub(super) area: f64,
+    /// First moments about the cell's own corner.
+    pub(super) moment: DVec2,
+}
+
+impl Overlap {
+    /// The centroid, in cell (`x`, `y`).
+    #[inline]
+    fn centroid(self, x: u32, y: u32) -> DVec2 {
+        let inside = if self.area == 0.0 { DVec2::splat(0.5) } else { self.moment / self.area };
+        DVec2::new(f64::from(x), f64::from(y)) + inside.clamp(DVec2::ZERO, DVec2::ONE)
+    }
+}
+
+/// Calls `emit` with every grid cell (x, y) that `outline` meets and the overlap.
 pub(super) fn walk_outline(
     outline: &[DVec2],
     window: &mut Vec<Accumulator>,
-    mut emit: impl FnMut(u32, u32, f64, DVec2),
+    mut emit: impl FnMut(u32, u32, Overlap),
 ) {
     let (mut low, mut high) = (outline[0], outline[0]);
     for &p in outline {
@@ -204,8 +223,7 @@ pub(super) fn walk_outline(
     let (left, top) = (low.x as usize, low.y as usize);
     let origin = DVec2::new(left as f64, top as f64);
     if high.x as usize == left && high.y as usize == top {
-        let (area, centroid) = whole(outline, origin);
-        return emit(left as u32, top as u32, area, centroid);
+        return emit(left as u32, top as u32, whole(outline, origin));
     }
     // One column more takes the cover that leaves the window on the right.
     let width = high.x as usize - left + 2;
@@ -234,16 +252,14 @@ pub(super) fn walk_outline(
             let area = sign * (cell.area + cover);
             if area > smallest {
                 let moment = (cell.moment + DVec2::new(cover / 2.0, cover_moment)) * sign;
-                let corner = origin + DVec2::new(x as f64, y as f64);
-                let centroid = corner + (moment / area).clamp(DVec2::ZERO, DVec2::ONE);
-                emit(corner.x as u32, corner.y as u32, area, centroid);
+                emit((left + x) as u32, (top + y) as u32, Overlap { area, moment });
             }
         }
     }
 }
 
-/// Area and centroid of a polygon, from triangles around `origin`, which is near it.
-fn whole(outline: &[DVec2], origin: DVec2) -> (f64, DVec2) {
+/// A polygon inside the cell at `origin`, from triangles around that.
+fn whole(outline: &[DVec2], origin: DVec2) -> Overlap {
     let (mut area_twice, mut moment) = (0.0, DVec2::ZERO);
     let mut from = outline[outline.len() - 1] - origin;
     for &to in outline {
@@ -253,8 +269,7 @@ fn whole(outline: &[DVec2], origin: DVec2) -> (f64, DVec2) {
         moment += (from + to) * cross;
         from = to;
     }
-    let centroid = if area_twice == 0.0 { DVec2::splat(0.5) } else { moment / (3.0 * area_twice) };
-    (area_twice.abs() / 2.0, origin + centroid.clamp(DVec2::ZERO, DVec2::ONE))
+    Overlap { area: area_twice.abs() / 2.0, moment: moment * (area_twice.signum() / 6.0) }
 }
 
 /// Adds one edge: cut at the grid lines, every piece counts the area between it and its cell's right side, and covers

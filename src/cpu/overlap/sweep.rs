@@ -4,10 +4,10 @@
 //! walking an octant's outlines over them, and each texel's weights to all eight octants at once, costs far less than
 //! carrying every source texel to the target.
 
-use super::grid::walk_outline;
+use super::grid::{Overlap, walk_outline};
 use super::index::{self, SourceMap, Target, pack};
 use crate::environment::{Environment, Layout, Rgb};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -28,6 +28,9 @@ const BAND: usize = 16;
 /// and columns: so few that the shares of a tile stay in the cache while every octant's texels are read.
 const TILE: u32 = 32;
 
+/// Rows of the source that are read together.
+const STRIP: u32 = 4;
+
 /// The mean radiance over every texel of `target`, where `environment` is a fine panorama of more texels than that; both
 /// must be symmetric.
 pub(super) fn mean_radiances(environment: &Environment, target: Target) -> Option<Vec<Rgb>> {
@@ -40,13 +43,18 @@ pub(super) fn mean_radiances(environment: &Environment, target: Target) -> Optio
         Target::Octahedral(_) => 1,
         Target::Cube(_) => 3,
     };
-    let bands: Vec<(u32, u32)> =
-        (0..families).flat_map(|family| (0..half).step_by(BAND).map(move |first| (family, first))).collect();
     let sweep = Sweep::new(environment, width, height, target);
-    let octants: Vec<[Rgb; 8]> = bands
-        .into_par_iter()
-        .flat_map_iter(|(family, first)| sweep.band(family, first..half.min(first + BAND as u32)))
+    let side = half as usize;
+    let mut octants = vec![[[0.0; 3]; 8]; families as usize * side * side];
+    let bands: Vec<_> = (0..families)
+        .zip(octants.chunks_mut(side * side))
+        .flat_map(|(family, means)| {
+            (0..half).step_by(BAND).zip(means.chunks_mut(BAND * side)).map(move |band| (family, band))
+        })
         .collect();
+    bands.into_par_iter().for_each(|(family, (first, means))| {
+        sweep.band(family, first..half.min(first + BAND as u32), means);
+    });
     let mean = |texel| match index::octants_of_texel(target, texel) {
         // The fold halves a texel evenly.
         [Some((a, row_a)), Some((b, row_b))] => {
@@ -73,15 +81,26 @@ struct Sweep<'a> {
 /// A cell of the grid, packed, and its weight in a target texel.
 type Share = (u32, f32);
 
+/// A target texel of a tile.
+struct Place {
+    /// Among the means.
+    at: usize,
+    shares: Range<usize>,
+    /// The sum of their weights.
+    total: f64,
+}
+
 /// The means of a tile's texels in all octants, compiled for the widest vectors there are.
 struct Means<'a> {
     texels: &'a [Rgb],
     source_maps: &'a [SourceMap; 8],
     shares: &'a [Share],
-    /// Each texel's place among the means, and where its shares end.
-    places: &'a [(usize, usize)],
+    places: &'a [Place],
     means: &'a mut [[Rgb; 8]],
 }
+
+/// Shares that are summed in single precision before they join the rest.
+const RUN: usize = 16;
 
 impl pulp::NullaryFnOnce for Means<'_> {
     type Output = ();
@@ -94,20 +113,29 @@ impl pulp::NullaryFnOnce for Means<'_> {
         let end = [values[last], values[last + 1], values[last + 2], 0.0];
         // One octant after the other: a panorama's rows, a power of two apart, drive each other out of the caches.
         for (octant, map) in self.source_maps.iter().enumerate() {
-            let mut start = 0;
-            for &(place, stop) in self.places {
-                let (mut sum, mut total) = ([0.0_f64; 4], 0.0);
-                for &(cell, weight) in &self.shares[start..stop] {
-                    let weight = f64::from(weight);
-                    let four = values[3 * map.texel(cell)..].first_chunk().unwrap_or(&end);
-                    sum = std::array::from_fn(|c| sum[c] + weight * f64::from(four[c]));
-                    total += weight;
+            let [origin, step_i, step_j] = map.families[0].map(|texels| 3 * texels as isize);
+            for place in self.places {
+                let shares = &self.shares[place.shares.clone()];
+                let mut sums = [0.0_f64; 3];
+                for run in shares.chunks(RUN) {
+                    let mut sum = Vec4::ZERO;
+                    for &(cell, weight) in run {
+                        let (column, row) = unpack(cell);
+                        let at = (origin + column as isize * step_i + row as isize * step_j) as usize;
+                        sum +=
+                            weight * values.get(at..at + 4).map_or(Vec4::from_array(end), Vec4::from_slice);
+                    }
+                    sums = std::array::from_fn(|c| sums[c] + f64::from(sum[c]));
                 }
-                self.means[place][octant] = [sum[0], sum[1], sum[2]].map(|sum| (sum / total) as f32);
-                start = stop;
+                self.means[place.at][octant] = sums.map(|sum| (sum / place.total) as f32);
             }
         }
     }
+}
+
+/// Column and row of a packed cell of a panorama.
+const fn unpack(cell: u32) -> (u32, u32) {
+    (cell & 0x7fff, cell >> 15)
 }
 
 impl<'a> Sweep<'a> {
@@ -124,14 +152,13 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Means over the octant's texels in `rows` of `family`, one for each octant.
-    fn band(&self, family: u32, rows: Range<u32>) -> Vec<[Rgb; 8]> {
+    /// The `means` over the octant's texels in `rows` of `family`, one for each octant.
+    fn band(&self, family: u32, rows: Range<u32>, means: &mut [[Rgb; 8]]) {
         let half = self.target.edge() / 2;
         let lines: Vec<Line> = (rows.start..=rows.end).map(|j| Line::new(self, family, j)).collect();
         let mut sides = vec![[Vec::new(), Vec::new()]; rows.len()];
         let (mut outline, mut window) = (Vec::new(), Vec::new());
         let (mut shares, mut places) = (Vec::new(), Vec::new());
-        let mut means = vec![[[0.0; 3]; 8]; rows.len() * half as usize];
         // Tile by tile, and across the band before along it: what lies near together is read together.
         for i in 0..half {
             for (row, [left, right]) in sides.iter_mut().enumerate() {
@@ -154,24 +181,29 @@ impl<'a> Sweep<'a> {
                 }
                 outline.extend(left.iter().rev());
                 std::mem::swap(left, right);
-                walk_outline(&outline, &mut window, |column, row, area, centroid| {
-                    shares.push(self.share(column, row, area, centroid.y));
+                let first = shares.len();
+                walk_outline(&outline, &mut window, |column, row, overlap| {
+                    shares.push(self.share(column, row, overlap));
                 });
-                places.push((row * half as usize + i as usize, shares.len()));
+                places.push(Place {
+                    at: row * half as usize + i as usize,
+                    shares: first..shares.len(),
+                    total: shares[first..].iter().map(|(_, weight)| f64::from(*weight)).sum(),
+                });
             }
             if i + 1 == half || (i + 1) % TILE == 0 {
+                places.sort_unstable_by_key(|place: &Place| strip_and_column(shares[place.shares.start].0));
                 self.arch.dispatch(Means {
                     texels: self.texels,
                     source_maps: &self.source_maps,
                     shares: &shares,
                     places: &places,
-                    means: &mut means,
+                    means,
                 });
                 shares.clear();
                 places.clear();
             }
         }
-        means
     }
 
     /// Corners of texels along line `j`.
@@ -248,12 +280,19 @@ impl<'a> Sweep<'a> {
     }
 
     /// The weight of an overlap: its area on the grid times the sine of its centroid's polar angle.
-    fn share(&self, column: u32, row: u32, area: f64, centroid: f64) -> Share {
+    fn share(&self, column: u32, row: u32, overlap: Overlap) -> Share {
         let row = row.min(self.middles.len() as u32 - 1);
         let (sine, cosine) = self.middles[row as usize];
-        let off = (centroid - f64::from(row) - 0.5) / self.scale.y;
-        (pack(0, column, row), (area * (sine + off * cosine)) as f32)
+        // The centroid's distance from the middle of the row, times the area.
+        let off = (overlap.moment.y - 0.5 * overlap.area) / self.scale.y;
+        (pack(0, column, row), (overlap.area * sine + off * cosine) as f32)
     }
+}
+
+/// Orders packed cells by strips of rows, and along them by columns: what lies near together is read together.
+const fn strip_and_column(cell: u32) -> u32 {
+    let (column, row) = unpack(cell);
+    (row / STRIP) << 15 | column
 }
 
 /// Distance from the poles' axis.

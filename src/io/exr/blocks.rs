@@ -25,7 +25,7 @@ const BLOCK_COPIES: u64 = 6;
 const IN_FLIGHT_BYTES: u64 = 256 << 20;
 
 /// Layers smaller than this are decoded on the calling thread: waking others would take longer.
-const PARALLEL_BYTES: usize = 1 << 20;
+pub(super) const PARALLEL_BYTES: usize = 1 << 20;
 
 /// Blocks to decode at once: enough to keep every thread busy, few enough to stay small beside the texels.
 fn batch_size(header: &Header) -> u64 {

@@ -3,6 +3,7 @@
 
 mod blocks;
 mod select;
+mod zip;
 
 use super::color::{self, Primaries};
 use super::picture::{Content, Picture, Source, TEXEL_BYTES};
@@ -35,7 +36,9 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     blocks::check_block_memory(source, header, &window)?;
 
     let mut texels = vec![Rgb::default(); window.width as usize * window.height as usize];
-    blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
+    if zip::decode_into(source, &metadata, &selection, &window, &mut texels).is_none() {
+        blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
+    }
 
     let mut warnings = Vec::new();
     warnings.extend(selection.warning());

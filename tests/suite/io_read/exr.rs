@@ -30,6 +30,26 @@ fn lossless_compressions_are_read_exactly() {
     }
 }
 
+/// Blocks that would not shrink are stored as they are, among others that do.
+#[test]
+fn incompressible_blocks_are_read_exactly() {
+    let size = (96, 48);
+    let mut state = 1_u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        half::f16::from_bits((state >> 17) as u16 & 0x7bff).to_f32()
+    };
+    let pixels: Vec<Rgb> = (0..96 * 48)
+        .map(|k| if k < 96 * 20 { [noise(), noise(), noise()] } else { [0.5, 1.0, (k % 96) as f32] })
+        .collect();
+    let bytes = exr_rgb(size, Sample::Half, Compression::ZIP1, &pixels);
+    // A block's samples of blue, as they are in memory.
+    let row: Vec<u8> =
+        pixels[..96].iter().flat_map(|[_, _, b]| half::f16::from_f32(*b).to_le_bytes()).collect();
+    assert!(bytes.windows(row.len()).any(|window| window == row), "it is stored");
+    assert_panorama(&read("a.exr", &bytes).unwrap(), size, &pixels);
+}
+
 /// Lossy ones come close: a smooth picture within two per cent.
 #[test]
 fn lossy_compressions_are_read_closely() {
