@@ -423,9 +423,9 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     }
     radiance *= lobe.per_integral;
     let rounding = lobe.rounding + lobe.rounding_per_leaf * f32(leaf_total);
-    // The least radiance and every E - c w are float32 differences: 2^-21 of the whole.
+    // The least radiance and every E - c w are float32 differences, 2^-21 of the whole, and up to as much is left out.
     let bound = max(above, below) * lobe.per_integral + rounding * dot(radiance, LUMINANCE)
-        + 4.8e-7 * base * lobe.share;
+        + 9.6e-7 * base * lobe.share;
     var result = vec4<f32>(lobe.share * least[0].rgb + radiance, bound);
     let at = index * LANES + lane;
     if lobe.add != 0u {

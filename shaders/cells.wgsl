@@ -136,6 +136,10 @@ fn absorb(all: ptr<function, Union>, member: Cell) {
     (*all).cell.radius = max((*all).cell.radius, (length(apart) + member.radius) * (1.0 + 2e-6));
 }
 
+// What is less than this share of a texel's energy above the least radiance is rounding: left in, black texels would count
+// for how far their cells reach.
+const RESIDUE = 1.0 / 2097152.0;
+
 fn texel_cell(x: u32, y: u32) -> Cell {
     let n = table.inner;
     let half = (n + 1u) / 2u;
@@ -145,7 +149,9 @@ fn texel_cell(x: u32, y: u32) -> Cell {
     let signs = vec3<f32>(select(-1.0, 1.0, x >= first), 1.0, select(-1.0, 1.0, y >= first));
     let tent = tents[fold_y * half + fold_x];
     let at = (y + table.border) * table.pitch + x + table.border;
-    let energy = max(vec3<f32>(red[at], green[at], blue[at]) - least[0].rgb * solid_angle[at], vec3<f32>());
+    let all = vec3<f32>(red[at], green[at], blue[at]);
+    let above = all - least[0].rgb * solid_angle[at];
+    let energy = select(vec3<f32>(), above, above > all * RESIDUE);
     return Cell(
         tent.centroid * signs, tent.radius, tent.diagonal, dot(energy, LUMINANCE), tent.mixed * signs.yzx * signs.zxy,
         energy);

@@ -118,9 +118,22 @@ fn radiance_at(octant: u32, packed: u32) -> vec3<f32> {
 // Sources summed before their sum joins the others', so that rounding does not grow with their number.
 const CHUNK = 64u;
 
-// A part of a texel's sources: the sum of their radiance times the solid angle that they share, and of that solid angle,
+// The least radiance of a part of a texel's sources. Sums are of what lies above it, so that a constant stays one to the
+// last bit; nothing cancels. Every `lanes`-th source from source `lane` on.
+fn darkest(rows: Rows, lane: u32, lanes: u32) -> vec3<f32> {
+    var least = vec3<f32>(3.4e38);
+    for (var r = 0u; r < rows.count; r++) {
+        let row = rows.rows[r].row;
+        for (var k = starts[row] + lane; k < starts[row + 1u]; k += lanes) {
+            least = min(least, radiance_at(rows.rows[r].octant, overlaps[k].x));
+        }
+    }
+    return least;
+}
+
+// A part of a texel's sources: the sum of their radiance above `least` times the solid angle that they share, and of that solid angle,
 // in units of about the texel's own, so that no sum overflows. Every `lanes`-th chunk from chunk `lane` on.
-fn shares(rows: Rows, per_unit: f32, lane: u32, lanes: u32) -> vec4<f32> {
+fn shares(rows: Rows, least: vec3<f32>, per_unit: f32, lane: u32, lanes: u32) -> vec4<f32> {
     var sum = vec4<f32>();
     for (var r = 0u; r < rows.count; r++) {
         let row = rows.rows[r].row;
@@ -130,7 +143,8 @@ fn shares(rows: Rows, per_unit: f32, lane: u32, lanes: u32) -> vec4<f32> {
             for (var k = first; k < min(first + CHUNK, last); k++) {
                 let overlap = overlaps[k];
                 let share = bitcast<f32>(overlap.y) * per_unit;
-                part += vec4<f32>(radiance_at(rows.rows[r].octant, overlap.x) * share, share);
+                let above = radiance_at(rows.rows[r].octant, overlap.x) - least;
+                part += vec4<f32>(above * share, share);
             }
             sum += part;
         }
@@ -143,20 +157,33 @@ const GROUP_SIZE = 256u;
 
 var<workgroup> parts: array<vec4<f32>, GROUP_SIZE>;
 
-// Radiance of the whole workgroup's shares, for its first invocation.
-fn mean_of_group(own: vec4<f32>, lane: u32) -> vec3<f32> {
-    parts[lane] = own;
+// Radiance of a texel's sources by one invocation.
+fn mean_radiance(rows: Rows, per_unit: f32) -> vec3<f32> {
+    let least = darkest(rows, 0u, 1u);
+    let sum = shares(rows, least, per_unit, 0u, 1u);
+    return least + sum.rgb / sum.a;
+}
+
+// The same by the whole workgroup, for its first invocation.
+fn mean_radiance_of_group(rows: Rows, per_unit: f32, lane: u32) -> vec3<f32> {
+    parts[lane] = vec4<f32>(darkest(rows, lane, GROUP_SIZE), 0.0);
+    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
+        workgroupBarrier();
+        if lane < step {
+            parts[lane] = min(parts[lane], parts[lane + step]);
+        }
+    }
+    workgroupBarrier();
+    let least = parts[0].rgb;
+    workgroupBarrier();
+    parts[lane] = shares(rows, least, per_unit, lane, GROUP_SIZE);
     for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
         workgroupBarrier();
         if lane < step {
             parts[lane] += parts[lane + step];
         }
     }
-    return mean(parts[0]);
-}
-
-fn mean(shares: vec4<f32>) -> vec3<f32> {
-    return shares.rgb / shares.a;
+    return least + parts[0].rgb / parts[0].a;
 }
 
 fn oem_texel(id: vec2<u32>) -> vec2<u32> {
@@ -177,15 +204,14 @@ fn oem(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let texel = oem_texel(id.xy);
     let at = id.y * gather.pitch + id.x;
-    store_oem(at, mean(shares(rows_of_oct(texel.x, texel.y), 1.0 / solid_angle[at], 0u, 1u)));
+    store_oem(at, mean_radiance(rows_of_oct(texel.x, texel.y), 1.0 / solid_angle[at]));
 }
 
 @compute @workgroup_size(GROUP_SIZE)
 fn oem_by_groups(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let texel = oem_texel(id.xy);
     let at = id.y * gather.pitch + id.x;
-    let own = shares(rows_of_oct(texel.x, texel.y), 1.0 / solid_angle[at], lane, GROUP_SIZE);
-    let radiance = mean_of_group(own, lane);
+    let radiance = mean_radiance_of_group(rows_of_oct(texel.x, texel.y), 1.0 / solid_angle[at], lane);
     if lane == 0u {
         store_oem(at, radiance);
     }
@@ -202,15 +228,15 @@ fn footprints(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= n || id.y >= n {
         return;
     }
-    let own = shares(rows_of_cube(id.z, id.x, id.y), cube_texels_per_steradian(), 0u, 1u);
-    footprint[(id.z * n + id.y) * n + id.x] = vec4<f32>(mean(own), 1.0);
+    let radiance = mean_radiance(rows_of_cube(id.z, id.x, id.y), cube_texels_per_steradian());
+    footprint[(id.z * n + id.y) * n + id.x] = vec4<f32>(radiance, 1.0);
 }
 
 @compute @workgroup_size(GROUP_SIZE)
 fn footprints_by_groups(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let n = gather.edge;
-    let own = shares(rows_of_cube(id.z, id.x, id.y), cube_texels_per_steradian(), lane, GROUP_SIZE);
-    let radiance = mean_of_group(own, lane);
+    let rows = rows_of_cube(id.z, id.x, id.y);
+    let radiance = mean_radiance_of_group(rows, cube_texels_per_steradian(), lane);
     if lane == 0u {
         footprint[(id.z * n + id.y) * n + id.x] = vec4<f32>(radiance, 1.0);
     }

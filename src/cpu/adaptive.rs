@@ -296,8 +296,8 @@ impl<'a> Adaptive<'a> {
             let lobe: [f64; 3] = std::array::from_fn(|c| f64::from(sums[c][k]) * per_integral);
             shares.radiance[k] = std::array::from_fn(|c| (least[c] + lobe[c]) as f32);
             let width = (f64::from(above[k].max(below[k])) + scratch.slack) * per_integral;
-            // The least radiance and every E - c w are float32 differences: 2^-22 of the whole.
-            shares.bound[k] = (width + rounding * luminance(lobe) + 2.4e-7 * base) as f32;
+            // The least radiance and every E - c w are float32 differences, 2^-22 of the whole, and twice that is left out.
+            shares.bound[k] = (width + rounding * luminance(lobe) + 7.2e-7 * base) as f32;
         }
         shares
     }

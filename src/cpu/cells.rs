@@ -29,6 +29,10 @@ pub(super) struct Quad {
     pub(super) blue: [f32; 4],
 }
 
+/// What is less than this share of a texel's energy above the least radiance is rounding: left in, black texels would
+/// count for how far their cells reach.
+const RESIDUE: f32 = 1.0 / (1 << 21) as f32;
+
 /// One cell while the tree is built.
 #[derive(Clone, Copy, Default)]
 struct Cell {
@@ -80,7 +84,9 @@ impl Cells {
         let tents = Tents::new(n, reconstruction);
         let texel = |x: u32, y: u32| {
             let [r, g, b, w] = oem.texel(x, y);
-            let energy = (Vec3::new(r, g, b) - Vec3::from(least) * w).max(Vec3::ZERO);
+            let all = Vec3::new(r, g, b);
+            let above = all - Vec3::from(least) * w;
+            let energy = Vec3::select(above.cmpgt(all * RESIDUE), above, Vec3::ZERO);
             Cell { patch: tents.at(x, y), energy, luminance: energy.dot(Vec3::from(LUMINANCE)) }
         };
 

@@ -18,8 +18,8 @@ pub const GROUP_SIZE: u32 = 256;
 /// From this mean number of sources on a workgroup serves a texel, not an invocation.
 const MANY_SOURCES: usize = 256;
 
-/// Sources of one invocation: llvmpipe ends loops after 65535 turns, and never says so.
-const MOST_SOURCES: u32 = 32_768;
+/// Sources of one invocation, each looked at twice: llvmpipe ends loops after 65535 turns, and never says so.
+const MOST_SOURCES: u32 = 24_576;
 
 /// The uniform: target, source and how octants are mirrored.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]

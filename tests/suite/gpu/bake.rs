@@ -4,9 +4,7 @@ use super::{UNIT, exceeds, wait, with_passes};
 use crate::adaptive::luminance;
 use octagloss::Environment;
 use octagloss::bake::{Bake, BakeSettings, Filter, bake};
-use octagloss::cpu::reparameterise::oem_from_environment;
 use octagloss::lobe::Lobe;
-use octagloss::oem::OemSize;
 use octagloss::synth::synth;
 
 const ERROR: f64 = 0.005;
@@ -44,9 +42,6 @@ fn levels(bake: &Bake) -> Vec<&[[f32; 3]]> {
 struct Judge {
     expected: Bake,
     others: Vec<Bake>,
-    /// Whether much of the source is as dark as its darkest texel, and exactly so on the CPU. What rounding leaves there
-    /// above the least radiance on the GPU weighs nothing, but counts for how far cells reach, and so for any decision.
-    flat: bool,
     /// Relative bound of level 0.
     mirror: f64,
     /// What one leaf's decision may change.
@@ -75,18 +70,7 @@ impl Judge {
         let mirror = (8.0 + 2.0 * (64.0_f64.min(sources) + sources / 64.0)) * UNIT;
         // 0.4 of E times the mean radiance: `LEAF_SHARE` of the engines.
         let leaf = 0.4 * ERROR * luminance(expected.oem_energy) / (4.0 * std::f64::consts::PI);
-        let size = OemSize { inner: 64, border: 0 };
-        let oem = oem_from_environment(environment, size).expect("a small matrix");
-        let least = oem.least_radiance();
-        let (mut dark, mut black) = (0, 0);
-        for [r, g, b, w] in oem.texels() {
-            let near = |(energy, least): (&f32, f32)| energy / w <= least * (1.0 + 4e-6);
-            let none = |(energy, least): (&f32, f32)| energy - least * w <= 0.0;
-            dark += u32::from([r, g, b].into_iter().zip(least).all(near));
-            black += u32::from([r, g, b].into_iter().zip(least).all(none));
-        }
-        let flat = dark > 1 && 2 * black > dark;
-        Self { expected, others, flat, mirror, leaf }
+        Self { expected, others, mirror, leaf }
     }
 
     /// The first texel beyond its bound, and how many glossy texels were held to 1e-5 of all.
@@ -98,11 +82,10 @@ impl Judge {
         for level in 0..expected.len() {
             assert_eq!(expected[level].len(), found[level].len(), "texels of level {level}");
             for (k, (e, f)) in expected[level].iter().zip(found[level]).enumerate() {
-                let open = self.flat
-                    || others.iter().any(|other| {
-                        let other = other[level][k];
-                        (0..3).any(|c| (f64::from(other[c]) / f64::from(e[c]) - 1.0).abs() > 5e-6)
-                    });
+                let open = others.iter().any(|other| {
+                    let other = other[level][k];
+                    (0..3).any(|c| (f64::from(other[c]) / f64::from(e[c]) - 1.0).abs() > 5e-6)
+                });
                 let (relative, absolute) = match (level, open) {
                     (0, _) => (self.mirror, 0.0),
                     (_, false) => (1e-5, 0.0),
