@@ -1,20 +1,9 @@
 // The quadtree of moments: `Cells` of src/cpu/cells.rs, whose module says what the moments are for.
 #include "common/quad.wgsl"
+#include "common/reduction.wgsl"
 
-// At most as many as a workgroup has invocations, so that each takes one partial result.
-const GROUPS = 256u;
-const GROUP_SIZE = 256u;
-// Texels of an invocation before there are more workgroups.
-const TEXELS = 4u;
 // Quads along an edge of a workgroup; each has four invocations.
 const EDGE = 8u;
-
-struct Table {
-    inner: u32,
-    border: u32,
-    side: u32,
-    pitch: u32,
-}
 
 // One level of the tree.
 struct Level {
@@ -38,7 +27,6 @@ struct Tent {
     pad_1: f32,
 }
 
-@group(0) @binding(0) var<uniform> table: Table;
 @group(0) @binding(1) var<storage, read> red: array<f32>;
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
@@ -49,11 +37,6 @@ struct Tent {
 @group(0) @binding(7) var<storage, read> tents: array<Tent>;
 @group(0) @binding(8) var<storage, read_write> quads: array<f32>;
 @group(0) @binding(9) var<uniform> level: Level;
-
-// Workgroups of the reduction's dispatch.
-fn groups() -> u32 {
-    return clamp((table.inner * table.inner + TEXELS * GROUP_SIZE - 1u) / (TEXELS * GROUP_SIZE), 1u, GROUPS);
-}
 
 var<workgroup> shared_least: array<vec4<f32>, GROUP_SIZE>;
 
@@ -69,8 +52,8 @@ fn reduce_least(lane: u32) {
 @compute @workgroup_size(GROUP_SIZE)
 fn least_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     var smallest = vec4<f32>(3.4e38);
-    for (var k = group.x * GROUP_SIZE + lane; k < table.inner * table.inner; k += groups() * GROUP_SIZE) {
-        let at = (k / table.inner + table.border) * table.pitch + k % table.inner + table.border;
+    for (var k = group.x * GROUP_SIZE + lane; k < count(); k += groups() * GROUP_SIZE) {
+        let at = place(k);
         smallest = min(smallest, vec4<f32>(red[at], green[at], blue[at], 3.4e38) / solid_angle[at]);
     }
     shared_least[lane] = smallest;
@@ -187,18 +170,34 @@ fn fetch(quad: u32, k: u32) -> Cell {
     return cell;
 }
 
-// Blocks of texels to the finest quads. Invocations: quads across times four siblings, quads down.
+// What the invocations of `finest` and `coarser` are for: quads across times four siblings, quads down.
+struct Sibling {
+    // Of its quad, from 0 to 3.
+    index: u32,
+    quad: vec2<u32>,
+    // Among the cells of its level.
+    cell: vec2<u32>,
+}
+
+fn sibling(id: vec3<u32>) -> Sibling {
+    let index = id.x & 3u;
+    let quad = vec2<u32>(id.x >> 2u, id.y);
+    return Sibling(index, quad, 2u * quad + vec2<u32>(index & 1u, index >> 1u));
+}
+
+fn store_sibling(own: Sibling, cell: Cell) {
+    if all(own.quad < vec2<u32>(level.width)) {
+        store(level.first + own.quad.y * level.width + own.quad.x, own.index, cell);
+    }
+}
+
+// Blocks of texels to the finest quads.
 @compute @workgroup_size(4u * EDGE, EDGE)
 fn finest(@builtin(global_invocation_id) id: vec3<u32>) {
-    let k = id.x & 3u;
-    let quad = vec2<u32>(id.x >> 2u, id.y);
-    if quad.x >= level.width || quad.y >= level.width {
-        return;
-    }
-    let place = 2u * quad + vec2<u32>(k & 1u, k >> 1u);
+    let own = sibling(id);
     var result: Union;
-    if place.x < level.cells && place.y < level.cells {
-        let low = place * level.block;
+    if all(own.cell < vec2<u32>(level.cells)) {
+        let low = own.cell * level.block;
         let high = min(low + level.block, vec2<u32>(table.inner));
         if high.x - low.x == 1u && high.y - low.y == 1u {
             result.cell = texel_cell(low.x, low.y);
@@ -216,21 +215,16 @@ fn finest(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
     }
-    store(level.first + quad.y * level.width + quad.x, k, result.cell);
+    store_sibling(own, result.cell);
 }
 
 // Quads to the cells of the next level.
 @compute @workgroup_size(4u * EDGE, EDGE)
 fn coarser(@builtin(global_invocation_id) id: vec3<u32>) {
-    let k = id.x & 3u;
-    let quad = vec2<u32>(id.x >> 2u, id.y);
-    if quad.x >= level.width || quad.y >= level.width {
-        return;
-    }
-    let place = 2u * quad + vec2<u32>(k & 1u, k >> 1u);
+    let own = sibling(id);
     var result: Union;
-    if place.x < level.finer_width && place.y < level.finer_width {
-        let below = level.finer_first + place.y * level.finer_width + place.x;
+    if all(own.cell < vec2<u32>(level.finer_width)) {
+        let below = level.finer_first + own.cell.y * level.finer_width + own.cell.x;
         for (var member = 0u; member < 4u; member++) {
             gather(&result, fetch(below, member));
         }
@@ -239,5 +233,5 @@ fn coarser(@builtin(global_invocation_id) id: vec3<u32>) {
             absorb(&result, fetch(below, member));
         }
     }
-    store(level.first + quad.y * level.width + quad.x, k, result.cell);
+    store_sibling(own, result.cell);
 }

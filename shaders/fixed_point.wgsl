@@ -1,26 +1,13 @@
 // The fixed-point exponent of each channel: `FixedPoint::of_square` in src/sat.rs. Order-free: the greatest bit pattern,
 // then a 64-bit integer sum at the scale that it sets.
 #include "common/fixed_point.wgsl"
-
-// At most as many as a workgroup has invocations, so that each takes one partial result.
-const GROUPS = 256u;
-const GROUP_SIZE = 256u;
-// Texels of an invocation before there are more workgroups.
-const TEXELS = 4u;
-
-struct Table {
-    inner: u32,
-    border: u32,
-    side: u32,
-    pitch: u32,
-}
+#include "common/reduction.wgsl"
 
 struct Partial {
     greatest: array<u32, 4>,
     sums: array<vec2<u32>, 4>,
 }
 
-@group(0) @binding(0) var<uniform> table: Table;
 @group(0) @binding(1) var<storage, read> red: array<u32>;
 @group(0) @binding(2) var<storage, read> green: array<u32>;
 @group(0) @binding(3) var<storage, read> blue: array<u32>;
@@ -29,19 +16,8 @@ struct Partial {
 @group(0) @binding(6) var<storage, read_write> exponents: array<i32, 4>;
 
 fn texel(k: u32) -> vec4<u32> {
-    let x = k % table.inner + table.border;
-    let y = k / table.inner + table.border;
-    let at = y * table.pitch + x;
+    let at = place(k);
     return vec4<u32>(red[at], green[at], blue[at], solid_angle[at]);
-}
-
-fn count() -> u32 {
-    return table.inner * table.inner;
-}
-
-// Workgroups of the dispatch.
-fn groups() -> u32 {
-    return clamp((count() + TEXELS * GROUP_SIZE - 1u) / (TEXELS * GROUP_SIZE), 1u, GROUPS);
 }
 
 var<workgroup> shared_greatest: array<vec4<u32>, GROUP_SIZE>;

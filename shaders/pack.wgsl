@@ -1,15 +1,8 @@
 // The planes of a table as two textures, low words and high words: two loads an entry, near one another in 2D.
-
-struct Table {
-    inner: u32,
-    border: u32,
-    side: u32,
-    pitch: u32,
-}
+#include "common/table.wgsl"
 
 const EDGE = 16u;
 
-@group(0) @binding(0) var<uniform> table: Table;
 @group(0) @binding(1) var<storage, read> red: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> green: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> blue: array<vec2<u32>>;

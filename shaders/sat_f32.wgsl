@@ -1,16 +1,10 @@
 // The float32 table of the 2005 paper with its mean bias, radix 2: src/sat_f32.rs. For comparison; see src/sat.rs for what
 // it gets wrong.
+#include "common/table.wgsl"
 
 const GROUPS = 64u;
 const GROUP_SIZE = 256u;
 const EDGE = 16u;
-
-struct Table {
-    inner: u32,
-    border: u32,
-    side: u32,
-    pitch: u32,
-}
 
 struct Doubling {
     side: u32,
@@ -19,7 +13,6 @@ struct Doubling {
     stride: u32,
 }
 
-@group(0) @binding(0) var<uniform> table: Table;
 @group(0) @binding(1) var<storage, read> red: array<f32>;
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;

@@ -151,6 +151,16 @@ fn carry_rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
 
 var<workgroup> carried: array<vec2<u32>, TILE * SKEW>;
 
+// Sums of the parts along a line of the tile to the sums before each, with `before` the line.
+fn carry_on(line: u32, before: vec2<u32>) {
+    var sum = before;
+    for (var k = 0u; k < EDGE; k++) {
+        let own = carried[line * SKEW + k];
+        carried[line * SKEW + k] = sum;
+        sum = add64(sum, own);
+    }
+}
+
 // Every tile's entries.
 @compute @workgroup_size(EDGE, EDGE)
 fn tables(
@@ -171,12 +181,7 @@ fn tables(
     workgroupBarrier();
     // One invocation a row carries the sums to the right, from those of the tiles to the left.
     if lane < TILE {
-        var sum = rows_left[carry(tile.z, tile.x, tile.y * TILE + lane)];
-        for (var k = 0u; k < EDGE; k++) {
-            let own = carried[lane * SKEW + k];
-            carried[lane * SKEW + k] = sum;
-            sum = add64(sum, own);
-        }
+        carry_on(lane, rows_left[carry(tile.z, tile.x, tile.y * TILE + lane)]);
     }
     workgroupBarrier();
     // Down the columns of this part.
@@ -196,12 +201,7 @@ fn tables(
     workgroupBarrier();
     // One invocation a column carries the sums down, from those of the tiles above.
     if lane < TILE {
-        var sum = above[carry(tile.z, tile.y, tile.x * TILE + lane)];
-        for (var k = 0u; k < EDGE; k++) {
-            let own = carried[lane * SKEW + k];
-            carried[lane * SKEW + k] = sum;
-            sum = add64(sum, own);
-        }
+        carry_on(lane, above[carry(tile.z, tile.y, tile.x * TILE + lane)]);
     }
     workgroupBarrier();
     let x = tile.x * TILE + part.x * PART;

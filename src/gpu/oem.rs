@@ -36,6 +36,46 @@ impl Table {
     pub const fn count(self) -> u64 {
         self.pitch as u64 * self.side as u64
     }
+
+    /// Writes `side` x `side` values of each channel into its plane, as `word` makes them.
+    fn write<V: Copy, W: bytemuck::Pod>(
+        self,
+        context: &Context,
+        planes: &[wgpu::Buffer; CHANNELS],
+        values: &[[V; CHANNELS]],
+        word: impl Fn(V) -> W,
+    ) {
+        for (channel, plane) in planes.iter().enumerate() {
+            let mut words = vec![W::zeroed(); self.count() as usize];
+            let rows = words.chunks_exact_mut(self.pitch as usize);
+            for (row, values) in rows.zip(values.chunks_exact(self.side as usize)) {
+                for (place, value) in row.iter_mut().zip(values) {
+                    *place = word(value[channel]);
+                }
+            }
+            context.queue().write_buffer(plane, 0, bytemuck::cast_slice(&words));
+        }
+    }
+
+    /// Reads what [`Table::write`] writes.
+    async fn read<V: Copy + Default, W: bytemuck::Pod>(
+        self,
+        context: &Context,
+        planes: &[wgpu::Buffer; CHANNELS],
+        value: impl Fn(W) -> V,
+    ) -> Result<Vec<[V; CHANNELS]>> {
+        let mut values = vec![[V::default(); CHANNELS]; self.side as usize * self.side as usize];
+        for (channel, plane) in planes.iter().enumerate() {
+            let words: Vec<W> = readback::read(context, plane).await?;
+            let rows = values.chunks_exact_mut(self.side as usize);
+            for (row, words) in rows.zip(words.chunks_exact(self.pitch as usize)) {
+                for (place, word) in row.iter_mut().zip(words) {
+                    place[channel] = value(*word);
+                }
+            }
+        }
+        Ok(values)
+    }
 }
 
 /// The largest edge whose planes of `bytes` an entry fit a binding of `available` bytes, in words.
@@ -73,18 +113,7 @@ impl OemPlanes {
     /// Those of [`OemPlanes::new`].
     pub fn upload(context: &Context, oem: &Oem) -> Result<Self> {
         let planes = Self::new(context, oem.size())?;
-        let Table { side, pitch, .. } = planes.table();
-        for (channel, plane) in planes.planes.iter().enumerate() {
-            let mut words = vec![0.0_f32; Table::new(oem.size()).count() as usize];
-            for (row, texels) in
-                words.chunks_exact_mut(pitch as usize).zip(oem.texels().chunks_exact(side as usize))
-            {
-                for (word, texel) in row.iter_mut().zip(texels) {
-                    *word = texel[channel];
-                }
-            }
-            context.queue().write_buffer(plane, 0, bytemuck::cast_slice(&words));
-        }
+        planes.table().write(context, &planes.planes, oem.texels(), |energy: f32| energy);
         Ok(planes)
     }
 
@@ -117,18 +146,8 @@ impl OemPlanes {
     /// # Errors
     /// [`crate::Error::Gpu`] where the device fails.
     pub async fn read(&self, context: &Context) -> Result<Oem> {
-        let Table { inner, border, side, pitch } = self.table();
-        let mut texels = vec![[0.0_f32; CHANNELS]; side as usize * side as usize];
-        for (channel, plane) in self.planes.iter().enumerate() {
-            let words: Vec<f32> = readback::read(context, plane).await?;
-            for (row, words) in texels.chunks_exact_mut(side as usize).zip(words.chunks_exact(pitch as usize))
-            {
-                for (texel, word) in row.iter_mut().zip(words) {
-                    texel[channel] = *word;
-                }
-            }
-        }
-        Ok(Oem::from_bordered(OemSize { inner, border }, texels))
+        let texels = self.table().read(context, &self.planes, |energy: f32| energy).await?;
+        Ok(Oem::from_bordered(self.size, texels))
     }
 }
 
@@ -165,20 +184,10 @@ impl SatPlanes {
     /// Those of [`SatPlanes::new`].
     pub fn upload(context: &Context, sat: &crate::sat::Sat) -> Result<Self> {
         let planes = Self::new(context, sat.size())?;
-        let Table { side, pitch, .. } = Table::new(sat.size());
         let exponents = sat.fixed_point().exponents;
         context.queue().write_buffer(&planes.exponents, 0, bytemuck::cast_slice(&exponents));
-        for (channel, plane) in planes.planes.iter().enumerate() {
-            let mut words = vec![[0_u32; 2]; Table::new(sat.size()).count() as usize];
-            for (row, entries) in
-                words.chunks_exact_mut(pitch as usize).zip(sat.entries().chunks_exact(side as usize))
-            {
-                for (word, entry) in row.iter_mut().zip(entries) {
-                    *word = [entry[channel] as u32, (entry[channel] >> 32) as u32];
-                }
-            }
-            context.queue().write_buffer(plane, 0, bytemuck::cast_slice(&words));
-        }
+        let words = |entry: u64| [entry as u32, (entry >> 32) as u32];
+        Table::new(sat.size()).write(context, &planes.planes, sat.entries(), words);
         Ok(planes)
     }
 
@@ -205,20 +214,9 @@ impl SatPlanes {
     /// # Errors
     /// [`crate::Error::Gpu`] where the device fails.
     pub async fn read(&self, context: &Context) -> Result<(crate::sat::FixedPoint, Vec<[u64; CHANNELS]>)> {
-        let Table { side, pitch, .. } = Table::new(self.size);
         let exponents: Vec<i32> = readback::read(context, &self.exponents).await?;
         let fixed = crate::sat::FixedPoint { exponents: std::array::from_fn(|c| exponents[c]) };
-        let mut entries = vec![[0; CHANNELS]; side as usize * side as usize];
-        for (channel, plane) in self.planes.iter().enumerate() {
-            let words: Vec<[u32; 2]> = readback::read(context, plane).await?;
-            for (row, words) in
-                entries.chunks_exact_mut(side as usize).zip(words.chunks_exact(pitch as usize))
-            {
-                for (entry, [low, high]) in row.iter_mut().zip(words) {
-                    entry[channel] = u64::from(*high) << 32 | u64::from(*low);
-                }
-            }
-        }
-        Ok((fixed, entries))
+        let entry = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
+        Ok((fixed, Table::new(self.size).read(context, &self.planes, entry).await?))
     }
 }

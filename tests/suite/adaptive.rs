@@ -88,8 +88,18 @@ impl Question {
     }
 }
 
-/// One comparison of the engine with the oracle.
-struct Outcome {
+/// How cells are reconstructed, with the share of a texel's box that the oracle adds for it.
+pub(crate) const SPREADS: [(Reconstruction, f64); 2] =
+    [(Reconstruction::Bilinear, 1.0), (Reconstruction::Constant, 0.0)];
+
+/// What exhaustive integration answers to `question`.
+pub(crate) fn truth(oracle: &OemOracle, question: &Question, share: f64) -> f64 {
+    let direction = question.directions[question.lane];
+    luminance(oracle.reflect_with_share(question.lobe, question.roughness, direction, share))
+}
+
+/// One comparison of an engine with the oracle.
+pub(crate) struct Outcome {
     /// Distance of the luminances.
     error: f64,
     bound: f64,
@@ -98,29 +108,37 @@ struct Outcome {
 }
 
 impl Outcome {
-    fn new(scene: &Scene, cells: &Cells, share: f64, oracle: &OemOracle, question: &Question) -> Self {
-        let alpha = question.roughness * question.roughness;
-        let adaptive = Adaptive::new(cells, Kernel::new(question.lobe, alpha), question.error);
-        let shares = adaptive.evaluate(&Packet::new(&question.directions), &mut Scratch::default());
-        let value = luminance(shares.radiance[question.lane].map(f64::from));
-        let direction = question.directions[question.lane];
-        let truth = luminance(oracle.reflect_with_share(question.lobe, question.roughness, direction, share));
-        let bound = f64::from(shares.bound[question.lane]);
+    /// An engine's radiance and bound beside the `truth`.
+    pub(crate) fn new(
+        scene: &Scene,
+        question: &Question,
+        radiance: [f32; 3],
+        bound: f32,
+        truth: f64,
+    ) -> Self {
+        let Question { directions, lane, lobe, roughness, error } = question;
+        let (value, bound) = (luminance(radiance.map(f64::from)), f64::from(bound));
         let told = format!(
-            "{:?} {}^2 {:?} roughness {} E {} {} lanes {direction}: {value} against {truth}, bound {bound}",
+            "{:?} {}^2 {lobe:?} roughness {roughness} E {error} {} lanes {}: {value} against {truth}, bound {bound}",
             scene.look,
             scene.oem.size().inner,
-            question.lobe,
-            question.roughness,
-            question.error,
-            question.directions.len(),
+            directions.len(),
+            directions[*lane],
         );
         Self { error: (value - truth).abs(), bound, truth, told }
     }
 
-    fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         self.error <= self.bound + ORACLE * self.truth
     }
+}
+
+/// The CPU's answer to `question`, beside the `truth`.
+fn outcome(scene: &Scene, cells: &Cells, question: &Question, truth: f64) -> Outcome {
+    let alpha = question.roughness * question.roughness;
+    let adaptive = Adaptive::new(cells, Kernel::new(question.lobe, alpha), question.error);
+    let shares = adaptive.evaluate(&Packet::new(&question.directions), &mut Scratch::default());
+    Outcome::new(scene, question, shares.radiance[question.lane], shares.bound[question.lane], truth)
 }
 
 /// Asks `questions` of each of `scenes` OEMs of the sizes that `size` draws.
@@ -133,23 +151,64 @@ fn outcomes(
     (0..scenes)
         .into_par_iter()
         .flat_map_iter(|scene| {
-            let mut random = Random::new(seed + scene);
-            let inner = size(&mut random);
-            let (reconstruction, share) =
-                [(Reconstruction::Bilinear, 1.0), (Reconstruction::Constant, 0.0)][scene as usize % 2];
-            let scene = Scene::new(&mut random, inner);
-            let cells = Cells::new(&scene.oem, 1, reconstruction);
-            let oracle = OemOracle::new(&scene.oem);
-            let ask: Vec<Question> = (0..questions).map(|_| Question::new(&mut random, &scene)).collect();
-            ask.into_iter()
-                .map(|question| Outcome::new(&scene, &cells, share, &oracle, &question))
+            let Examination { scene, spread, questions } = Examination::new(seed, scene, questions, &size);
+            let cells = Cells::new(&scene.oem, 1, spread);
+            questions
+                .into_iter()
+                .map(|(question, truth)| outcome(&scene, &cells, &question, truth))
                 .collect::<Vec<_>>()
         })
         .collect()
 }
 
+/// A scene with questions and what exhaustive integration answers.
+pub(crate) struct Examination {
+    pub(crate) scene: Scene,
+    pub(crate) spread: Reconstruction,
+    pub(crate) questions: Vec<(Question, f64)>,
+}
+
+impl Examination {
+    /// The `index`th of those that `seed` stands for.
+    pub(crate) fn new(seed: u64, index: u64, questions: usize, size: impl Fn(&mut Random) -> u32) -> Self {
+        let mut random = Random::new(seed + index);
+        let inner = size(&mut random);
+        let (spread, share) = SPREADS[index as usize % 2];
+        let scene = Scene::new(&mut random, inner);
+        let oracle = OemOracle::new(&scene.oem);
+        let questions = (0..questions)
+            .map(|_| {
+                let question = Question::new(&mut random, &scene);
+                let truth = truth(&oracle, &question, share);
+                (question, truth)
+            })
+            .collect();
+        Self { scene, spread, questions }
+    }
+
+    /// Questions about a texel, with an OEM to serve in which that texel is brighter by ten times the mean.
+    pub(crate) fn with_wrong_texel(random: &mut Random) -> (Self, Oem) {
+        let scene = Scene::new(random, 32);
+        let mut square = scene.oem.texels().to_vec();
+        let k = random.below(32 * 32);
+        let [r, g, b, w] = square[k as usize];
+        let more = w * (10.0 * scene.oem.totals()[1] / (4.0 * std::f64::consts::PI)) as f32;
+        square[k as usize] = [r + more, g + more, b + more, w];
+        let wrong = Oem::from_square(scene.oem.size(), square);
+        let direction = octahedral::direction_from_oct(octahedral::texel_centre(32, k % 32, k / 32));
+        let oracle = OemOracle::new(&scene.oem);
+        let questions = [0.1, 0.3].map(|roughness| {
+            let question =
+                Question { directions: vec![direction], lane: 0, lobe: Lobe::Ggx, roughness, error: 0.001 };
+            let truth = truth(&oracle, &question, 1.0);
+            (question, truth)
+        });
+        (Self { scene, spread: Reconstruction::Bilinear, questions: questions.into() }, wrong)
+    }
+}
+
 /// Fails with the worst offenders; prints how tight the bounds were.
-fn judge(name: &str, outcomes: &[Outcome], expected: usize) {
+pub(crate) fn judge(name: &str, outcomes: &[Outcome], expected: usize) {
     assert_eq!(outcomes.len(), expected, "questions were asked");
     let mut wrong: Vec<&Outcome> = outcomes.iter().filter(|outcome| !outcome.holds()).collect();
     wrong.sort_by(|a, b| (b.error / b.bound).total_cmp(&(a.error / a.bound)));
@@ -196,21 +255,10 @@ fn one_wrong_texel_breaks_a_bound() {
     let mut random = Random::new(31);
     let (mut broken, mut compared) = (0, 0);
     for _ in 0..20 {
-        let scene = Scene::new(&mut random, 32);
-        // The engine is given a texel that is brighter by ten times the mean.
-        let mut square = scene.oem.texels().to_vec();
-        let k = random.below(32 * 32) as usize;
-        let [r, g, b, w] = square[k];
-        let more = w * (10.0 * scene.oem.totals()[1] / (4.0 * std::f64::consts::PI)) as f32;
-        square[k] = [r + more, g + more, b + more, w];
-        let cells = Cells::new(&Oem::from_square(scene.oem.size(), square), 1, Reconstruction::Bilinear);
-        let direction =
-            octahedral::direction_from_oct(octahedral::texel_centre(32, k as u32 % 32, k as u32 / 32));
-        let oracle = OemOracle::new(&scene.oem);
-        for roughness in [0.1, 0.3] {
-            let question =
-                Question { directions: vec![direction], lane: 0, lobe: Lobe::Ggx, roughness, error: 0.001 };
-            broken += usize::from(!Outcome::new(&scene, &cells, 1.0, &oracle, &question).holds());
+        let (examination, wrong) = Examination::with_wrong_texel(&mut random);
+        let cells = Cells::new(&wrong, 1, examination.spread);
+        for (question, truth) in &examination.questions {
+            broken += usize::from(!outcome(&examination.scene, &cells, question, *truth).holds());
             compared += 1;
         }
     }

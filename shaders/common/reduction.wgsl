@@ -1,0 +1,23 @@
+// Reductions over the n x n texels of an OEM: workgroups to partial results, then one workgroup over those.
+#include "common/table.wgsl"
+
+// At most as many as a workgroup has invocations, so that each takes one partial result.
+const GROUPS = 256u;
+const GROUP_SIZE = 256u;
+// Texels of an invocation before there are more workgroups.
+const TEXELS = 4u;
+
+// Texels of the square.
+fn count() -> u32 {
+    return table.inner * table.inner;
+}
+
+// Workgroups of the dispatch.
+fn groups() -> u32 {
+    return clamp((count() + TEXELS * GROUP_SIZE - 1u) / (TEXELS * GROUP_SIZE), 1u, GROUPS);
+}
+
+// Where texel `k` of the square lies in a plane.
+fn place(k: u32) -> u32 {
+    return (k / table.inner + table.border) * table.pitch + k % table.inner + table.border;
+}

@@ -1,0 +1,10 @@
+// How the planes of an OEM lie in memory: `Table` of src/gpu/oem.rs. Stages over planes have it at binding 0.
+
+struct Table {
+    inner: u32,
+    border: u32,
+    side: u32,
+    pitch: u32,
+}
+
+@group(0) @binding(0) var<uniform> table: Table;
