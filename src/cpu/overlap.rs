@@ -5,7 +5,8 @@
 //! a panorama's once its parallels (conics) are chorded. `grid` walks such a polygon over the target's grid.
 //!
 //! Where source and target are both symmetric in the three coordinate planes (every even size that is not turned)
-//! one octant is walked and the other seven read the same matrix through their own index maps.
+//! one octant is walked and the other seven read the same matrix through their own index maps. Where x and z may be
+//! exchanged too (panoramas with a meridian at 45 degrees) half an octant is walked, and the other half mirrored.
 
 mod cells;
 mod grid;
@@ -99,7 +100,8 @@ impl Overlaps {
                 entries
             })
             .collect();
-        let count: usize = parts.iter().map(Vec::len).sum();
+        // Twice what was walked, where it is mirrored.
+        let count: usize = 2 * parts.iter().map(Vec::len).sum::<usize>();
         if u32::try_from(count).is_err() {
             return Err(Error::Limit {
                 what: "the overlap of source and target texels".to_owned(),
@@ -109,10 +111,19 @@ impl Overlaps {
             });
         }
         let rows = if symmetric { index::octant_rows(target) } else { target.texel_count() };
-        let row_of = |entry: &Entry| {
-            if symmetric { index::octant_row(target, entry.target) } else { entry.target as usize }
+        let row_of = |texel: u32| if symmetric { index::octant_row(target, texel) } else { texel as usize };
+        let other_half = index::diagonal_columns(source).filter(|_| symmetric);
+        let visit_all = |visit: &mut dyn FnMut(usize, u32, f32)| {
+            for Entry { target: texel, source, solid_angle } in parts.iter().flatten() {
+                visit(row_of(*texel), *source, *solid_angle);
+            }
+            let Some(columns) = other_half else { return };
+            for Entry { target: texel, source, solid_angle } in parts.iter().flatten() {
+                let row = index::diagonal_row(target, row_of(*texel));
+                visit(row, index::diagonal_cell(columns, *source), *solid_angle);
+            }
         };
-        let (starts, entries) = sort_by_row(rows, row_of, parts);
+        let (starts, entries) = sort_by_row(rows, visit_all);
         let source_maps = std::array::from_fn(|octant| SourceMap::new(source, octant));
         Ok(Self { target, source_maps, symmetric, starts, entries })
     }
@@ -167,7 +178,8 @@ impl Overlaps {
                 *sum += weight * f64::from(value);
             }
         });
-        sum.map(|sum| (sum / total) as f32)
+        let per_total = 1.0 / total;
+        sum.map(|sum| (sum * per_total) as f32)
     }
 }
 
@@ -180,27 +192,22 @@ fn share_out(solid_angle: f64, entries: &mut [Entry]) {
     }
 }
 
-/// Counting sort, stable: within a row the sources keep their order.
+/// Counting sort, stable: within a row the sources keep the order in which `visit_all` has them.
 fn sort_by_row(
     rows: usize,
-    row_of: impl Fn(&Entry) -> usize,
-    parts: Vec<Vec<Entry>>,
+    visit_all: impl Fn(&mut dyn FnMut(usize, u32, f32)),
 ) -> (Vec<u32>, Vec<(u32, f32)>) {
     let mut starts = vec![0_u32; rows + 1];
-    for entry in parts.iter().flatten() {
-        starts[row_of(entry) + 1] += 1;
-    }
+    visit_all(&mut |row, _, _| starts[row + 1] += 1);
     for row in 0..rows {
         starts[row + 1] += starts[row];
     }
     let mut next = starts.clone();
     let mut entries = vec![(0, 0.0); starts[rows] as usize];
-    for part in parts {
-        for entry in &part {
-            let place = &mut next[row_of(entry)];
-            entries[*place as usize] = (entry.source, entry.solid_angle);
-            *place += 1;
-        }
-    }
+    visit_all(&mut |row, source, solid_angle| {
+        let place = &mut next[row];
+        entries[*place as usize] = (source, solid_angle);
+        *place += 1;
+    });
     (starts, entries)
 }

@@ -1,6 +1,7 @@
 //! Environment to OEM, by area: every source texel's energy arrives, and a constant stays one.
 
 use super::overlap::{Target, mean_radiances};
+use super::tent::mirrored_in_diagonal;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::Result;
 use crate::oem::{Oem, OemSize};
@@ -54,10 +55,11 @@ impl SolidAngles {
 
     pub(crate) fn new(n: u32) -> Self {
         let half = n.div_ceil(2);
-        let quadrant = (0..half)
-            .into_par_iter()
-            .flat_map_iter(|y| (0..half).map(move |x| Self::solid_angle(n, n - half, x, y)))
-            .collect();
+        let quadrant = mirrored_in_diagonal(
+            half,
+            |x, y| Self::solid_angle(n, n - half, x, y),
+            |solid_angle| solid_angle,
+        );
         Self { n, quadrant }
     }
 

@@ -110,6 +110,14 @@ impl From<Moments> for Patch {
 }
 
 impl Patch {
+    /// The mirror image with x and z exchanged.
+    fn turned(mut self) -> Self {
+        self.centroid = self.centroid.zyx();
+        self.diagonal = self.diagonal.zyx();
+        self.mixed = self.mixed.zyx();
+        self
+    }
+
     /// The octant's mirror image.
     fn mirrored(mut self, signs: Vec3) -> Self {
         self.centroid *= signs;
@@ -128,13 +136,11 @@ impl Tents {
     pub(crate) fn new(n: u32, reconstruction: Reconstruction) -> Self {
         let half = n.div_ceil(2);
         let first = n - half;
-        let quadrant = (0..half)
-            .into_par_iter()
-            .flat_map_iter(|y| {
-                (0..half)
-                    .map(move |x| spread(n, texel_centre(n, first + x, first + y), reconstruction).into())
-            })
-            .collect();
+        let quadrant = mirrored_in_diagonal(
+            half,
+            |x, y| spread(n, texel_centre(n, first + x, first + y), reconstruction).into(),
+            Patch::turned,
+        );
         Self { n, quadrant }
     }
 
@@ -152,6 +158,28 @@ impl Tents {
         let ((x, sign_x), (y, sign_z)) = (fold(x), fold(y));
         self.quadrant[y as usize * half as usize + x as usize].mirrored(Vec3::new(sign_x, 1.0, sign_z))
     }
+}
+
+/// A square table of `half` x `half` values, row by row, whose value at (y, x) is the mirror image of that at (x, y):
+/// `value` is asked for one of the two.
+pub(super) fn mirrored_in_diagonal<T: Copy + Default + Send + Sync>(
+    half: u32,
+    value: impl Fn(u32, u32) -> T + Sync,
+    mirror: impl Fn(T) -> T,
+) -> Vec<T> {
+    let edge = half as usize;
+    let mut table = vec![T::default(); edge * edge];
+    table.par_chunks_mut(edge.max(1)).zip(0..half).for_each(|(row, y)| {
+        for (place, x) in row.iter_mut().zip(0..=y) {
+            *place = value(x, y);
+        }
+    });
+    for y in 0..edge {
+        for x in y + 1..edge {
+            table[y * edge + x] = mirror(table[x * edge + y]);
+        }
+    }
+    table
 }
 
 /// Whether the map has a kink (axis, fold diagonal or edge of the square) nearer than `reach` to `centre`, u, v >= 0.

@@ -1,6 +1,6 @@
 //! Source texels as spherical polygons, in bands that can be walked in parallel.
 
-use super::index::{Target, pack};
+use super::index::{Target, diagonal_columns, pack};
 use crate::environment::Layout;
 use crate::sphere::cube::{self, Face, cube_point};
 use crate::sphere::octahedral::for_each_face_piece;
@@ -44,7 +44,8 @@ pub(super) fn bands(source: Layout) -> Vec<Range<u32>> {
     }
 }
 
-/// Calls `visit` with every cell of the first octant in `band`; indices are packed.
+/// Calls `visit` with every cell of the first octant in `band`, or of its half next to the X meridian where the other is
+/// its mirror image ([`diagonal_columns`]); indices are packed.
 pub(super) fn for_each_octant_cell(
     source: Layout,
     target: Target,
@@ -53,10 +54,10 @@ pub(super) fn for_each_octant_cell(
 ) {
     match source {
         Layout::Panorama { width, height } => {
-            // Columns count from the X meridian; the last one ends at the Z meridian.
-            let columns: Vec<f64> = (0..=width.div_ceil(4))
-                .map(|k| (f64::from(k) * TAU / f64::from(width)).min(FRAC_PI_2))
-                .collect();
+            // Columns count from the X meridian; the last one ends at the Z meridian, or half way.
+            let count = diagonal_columns(source).map_or(width.div_ceil(4), |columns| columns / 2);
+            let columns: Vec<f64> =
+                (0..=count).map(|k| (f64::from(k) * TAU / f64::from(width)).min(FRAC_PI_2)).collect();
             let row = |k: u32| (f64::from(k) * PI / f64::from(height)).min(FRAC_PI_2);
             panorama_cells(&columns, row, target, band, |i, j, corners, solid_angle| {
                 visit(Cell { corners, index: pack(0, i, j), solid_angle });

@@ -173,7 +173,33 @@ pub(super) const fn octant_row(target: Target, texel: u32) -> usize {
     }
 }
 
+/// Columns of an octant of a panorama that looks the same with x and z exchanged; `None` for other sources.
+pub(super) const fn diagonal_columns(source: Layout) -> Option<u32> {
+    match source {
+        Layout::Panorama { width, .. } if width.is_multiple_of(8) => Some(width / 4),
+        _ => None,
+    }
+}
+
+/// A packed cell of such a panorama with x and z exchanged.
+pub(super) const fn diagonal_cell(columns: u32, packed: u32) -> u32 {
+    let (i, j) = (packed & 0x7fff, (packed >> 15) & 0x7fff);
+    pack(0, columns - 1 - i, j)
+}
+
+/// Row of a symmetric matrix with x and z exchanged.
+pub(super) const fn diagonal_row(target: Target, row: usize) -> usize {
+    let half = target.edge() as usize / 2;
+    let (family, j, i) = (row / (half * half), row / half % half, row % half);
+    match (target, family) {
+        // Families 0 and 2 have y along their rows.
+        (Target::Cube(_), 0 | 2) => ((2 - family) * half + j) * half + i,
+        _ => (family * half + i) * half + j,
+    }
+}
+
 /// The octants that a target texel lies in (two on a fold diagonal), each with its row of a symmetric matrix.
+#[inline]
 pub(super) fn octants_of_texel(target: Target, texel: usize) -> [Option<(usize, usize)>; 2] {
     let n = target.edge() as usize;
     let half = n / 2;
