@@ -139,34 +139,40 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let most = 0.25 * (tangential + radial) * (tangential + radial);
     let inside = max(tangential - radial, 0.0);
     let smallest = 0.25 * inside * inside;
+    // A point has no steps.
+    let step_up = min(select(0.0, most / down, down > 0.0), up);
+    let step_down = min(select(0.0, smallest / up, up > 0.0), down);
+    // What is left of k at its kink, and k without it; below the horizon there is none.
     let below_horizon = high < 0.5;
-    var step_up = up;
-    var step_down = 0.0;
-    if below_horizon {
-        // A point has no steps.
-        step_up = min(select(0.0, most / down, down > 0.0), up);
-        step_down = min(select(0.0, smallest / up, up > 0.0), down);
-    }
-    let inner = value(kernel, s + step_up);
-    let outer = value(kernel, s - step_down);
+    let bend = select(kink(kernel), 0.0, below_horizon);
+    let inner = value(kernel, s + step_up) - hinge(bend, s + step_up);
+    let outer = value(kernel, s - step_down) - hinge(bend, s - step_down);
+    let nearest = value(kernel, low) - hinge(bend, low);
+    let farthest = value(kernel, high) - hinge(bend, high);
     let span_up = down + step_up;
     let span_down = up + step_down;
     let share_up = select(0.0, step_up / span_up, span_up > 0.0);
     let share_down = select(0.0, step_down / span_down, span_down > 0.0);
-    let greatest = inner + share_up * (value(kernel, low) - inner);
-    let least = min(outer + share_down * (value(kernel, high) - outer), greatest);
+    let before = 0.5 - s;
+    let deviation = sqrt(min(most, down * up) + before * before);
+    // Differences of hinges are rounded to their greatest's precision, not their own.
+    let rounding = 5e-7 * bend;
+    let greatest = inner + share_up * (nearest - inner) + 0.5 * bend * (deviation + before) + rounding;
+    let least = min(max(outer + share_down * (farthest - outer) + hinge(bend, s) - rounding, 0.0), greatest);
     // The second-order term below the horizon, and what energy spread evenly over s gains from the kink.
     var second_order = 0.0;
     if s < 0.5 {
         second_order = 0.125 * curvature(kernel, s) * along;
     }
-    var gain = 0.0;
-    if !below_horizon {
-        let half_width = 0.866 * tangential;
-        let across = max(half_width - abs(s - 0.5), 0.0);
-        gain = kink(kernel) * across * across / max(4.0 * half_width, 1e-12);
-    }
+    let half_width = 0.866 * tangential;
+    let across = max(half_width - abs(before), 0.0);
+    let gain = bend * across * across / max(4.0 * half_width, 1e-6);
     return Interval(least, greatest, min(max(at_mean + second_order + gain, least), greatest));
+}
+
+// The part of k that its kink at the horizon is: `bend` as steep below, 0 beyond.
+fn hinge(bend: f32, s: f32) -> f32 {
+    return bend * max(0.5 - s, 0.0);
 }
 
 // The error to expect of the estimate, for choosing which cells to split.
@@ -177,13 +183,19 @@ fn expected_error(kernel: Kernel, distance: f32, radius: f32, packet: f32, trace
     let s = 0.25 * (worst * worst + trace);
     let length_scale = scale(kernel, s);
     let reach = 0.25 * radius * (2.0 * worst + radius);
-    let far = worst + radius;
-    if reach < 0.5 * length_scale && 0.25 * far * far < 0.5 {
-        let relative = reach / length_scale;
-        return here.estimate * 0.25 * (along + 0.25 * trace * radius * radius) * relative
-            / (length_scale * length_scale);
+    if reach >= 0.5 * length_scale {
+        return 0.25 * (here.greatest - here.least);
     }
-    return 0.25 * (here.greatest - here.least);
+    let relative = reach / length_scale;
+    let third = here.estimate * 0.25 * (along + 0.25 * trace * radius * radius) * relative
+        / (length_scale * length_scale);
+    let near = max(distance - packet - radius, 0.0);
+    let far = distance + packet + radius;
+    let over = max(min(0.25 * far * far - 0.5, 0.5 - 0.25 * near * near), 0.0);
+    let variance = 0.25 * trace * distance * distance;
+    let apart = max(abs(0.5 - 0.25 * (distance * distance + trace)) - 0.5 * distance * packet, 0.0);
+    let bent = kink(kernel) * min(0.5 * variance / max(sqrt(variance + apart * apart) + apart, 1e-12), over);
+    return third + bent;
 }
 
 // Width of the interval for cells whose centroid is not known exactly.

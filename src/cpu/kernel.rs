@@ -305,10 +305,16 @@ pub(super) struct Interval {
 }
 
 /// The mean of k over a cell of unit energy: `squared` is the squared distance of its centroid from R, `trace` and
-/// `along` are its covariance's trace and R - centroid's square in it, `radius` its reach. See [`super::adaptive`] for
-/// the derivation.
+/// `along` are its covariance's trace and R - centroid's square in it, `radius` its reach; ACROSS where it may reach
+/// beyond the horizon. See [`super::adaptive`] for the derivation.
 #[inline(always)]
-pub(super) fn interval<R: Radial>(kernel: R, squared: f32, trace: f32, along: f32, radius: f32) -> Interval {
+pub(super) fn interval<R: Radial, const ACROSS: bool>(
+    kernel: R,
+    squared: f32,
+    trace: f32,
+    along: f32,
+    radius: f32,
+) -> Interval {
     let distance = squared.sqrt();
     let near = (distance - radius).max(0.0);
     let far = distance + radius;
@@ -324,23 +330,41 @@ pub(super) fn interval<R: Radial>(kernel: R, squared: f32, trace: f32, along: f3
     let (tangential, radial) = (along.max(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
     let most = 0.25 * (tangential + radial) * (tangential + radial);
     let least = 0.25 * (tangential - radial).max(0.0) * (tangential - radial).max(0.0);
-    let smooth = high < 0.5;
     let [per_down, per_up] = reciprocals([down, up]);
-    let step_up = if smooth { (most * per_down).min(up) } else { up };
-    let step_down = if smooth { (least * per_up).min(down) } else { 0.0 };
+    let (step_up, step_down) = ((most * per_down).min(up), (least * per_up).min(down));
     let [inner, outer] = kernel.values([s + step_up, s - step_down]);
-    let half_width = 0.866 * tangential;
-    let lengths = [down + step_up, up + step_down, (4.0 * half_width).max(1e-6)];
-    let [per_above, per_below, per_width] = reciprocals(lengths);
+    let lengths = [down + step_up, up + step_down];
+    let [per_above, per_below] = reciprocals(lengths);
     // Where products of lengths vanish their reciprocals say nothing, and k is as good as constant.
-    let sharp = (down * up).min(lengths[0] * lengths[1] * lengths[2]) > 1e-36;
-    let greatest = if sharp { inner + step_up * per_above * (nearest - inner) } else { nearest };
-    let least =
-        if sharp { outer + step_down * per_below * (farthest - outer) } else { farthest }.min(greatest);
+    let sharp = (down * up).min(lengths[0] * lengths[1]) > 1e-36;
+    let (share_above, share_below) = (step_up * per_above, step_down * per_below);
+    if !ACROSS {
+        let greatest = if sharp { inner + share_above * (nearest - inner) } else { nearest };
+        let least = if sharp { outer + share_below * (farthest - outer) } else { farthest }.min(greatest);
+        let estimate = (value + 0.125 * curvature * along).max(least).min(greatest);
+        return Interval { least, greatest, estimate };
+    }
+    // What is left of k at its kink, and k without it; below the horizon there is none.
+    let kink = if high < 0.5 { 0.0 } else { kernel.kink() };
+    let hinge = |s: f32| kink * (0.5 - s).max(0.0);
+    let (inner, nearest) = (inner - hinge(s + step_up), nearest - hinge(low));
+    let (outer, farthest) = (outer - hinge(s - step_down), farthest - hinge(high));
+    let before = 0.5 - s;
+    let deviation = (most.min(down * up) + before * before).sqrt();
+    // Differences of hinges are rounded to their greatest's precision, not their own.
+    let rounding = 5e-7 * kink;
+    let greatest = if sharp { inner + share_above * (nearest - inner) } else { nearest }
+        + 0.5 * kink * (deviation + before)
+        + rounding;
+    let least = (if sharp { outer + share_below * (farthest - outer) } else { farthest } + hinge(s)
+        - rounding)
+        .max(0.0)
+        .min(greatest);
     // The second-order term below the horizon, and what energy spread evenly over s gains from the kink.
+    let half_width = 0.866 * tangential;
     let second_order = if s < 0.5 { 0.125 * curvature * along } else { 0.0 };
-    let across = (half_width - (s - 0.5).abs()).max(0.0);
-    let gain = if smooth { 0.0 } else { kernel.kink() * across * across * per_width };
+    let across = (half_width - before.abs()).max(0.0);
+    let gain = kink * across * across / (4.0 * half_width).max(1e-6);
     let estimate = (value + second_order + gain).max(least).min(greatest);
     Interval { least, greatest, estimate }
 }
@@ -358,16 +382,23 @@ pub(super) fn expected_error<R: Radial>(
     let worst = kernel.worst_distance((distance - packet).max(0.0), distance + packet);
     // Half of the trace lies along the line to R, give or take.
     let along = 0.6 * trace * worst * worst;
-    let interval = interval(kernel, worst * worst, trace, along, radius);
+    let interval = interval::<R, true>(kernel, worst * worst, trace, along, radius);
     let s = 0.25 * (worst * worst + trace);
     let scale = kernel.scale(s);
     let reach = 0.25 * radius * (2.0 * worst + radius);
-    let far = worst + radius;
     // The third-order term E|s - mean|^3 |k'''|/6, while the series makes sense; else what is certain.
     let third =
         interval.estimate * 0.25 * (along + 0.25 * trace * radius * radius) * reach / (scale * scale * scale);
     let certain = 0.25 * (interval.greatest - interval.least);
-    if (reach < 0.5 * scale) & (0.25 * far * far < 0.5) { third } else { certain }
+    // And what the kink leaves open, for the direction that has it nearest: all that lies between Scarf's bound and
+    // Jensen's, for such errors have one sign and add up; no more than what reaches over the horizon.
+    let (near, far) = ((distance - packet - radius).max(0.0), distance + packet + radius);
+    let over = (0.25 * far * far - 0.5).min(0.5 - 0.25 * near * near).max(0.0);
+    let variance = 0.25 * trace * distance * distance;
+    let apart = ((0.5 - 0.25 * (distance * distance + trace)).abs() - 0.5 * distance * packet).max(0.0);
+    let bent = 0.5 * variance / ((variance + apart * apart).sqrt() + apart).max(1e-12);
+    let bent = kernel.kink() * bent.min(over);
+    if reach < 0.5 * scale { third + bent } else { certain }
 }
 
 /// Width of the interval k(nearest) - k(farthest), for cells whose centroid is not known exactly.

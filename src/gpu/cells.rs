@@ -116,7 +116,10 @@ impl CellTree {
             // What lies above reaches everywhere, so that it is never fine enough.
             for level in 1..levels.len() {
                 let (quad, sibling) = place(level, i >> level, j >> level);
-                // Radius and luminance.
+                // Covariance, radius and luminance.
+                for variance in &mut quads[quad][3..6] {
+                    variance[sibling] = 1.0;
+                }
                 quads[quad][9][sibling] = 2.0;
                 quads[quad][10][sibling] += leaf[10];
             }

@@ -6,7 +6,7 @@ use crate::common::{Random, environment, landmarks, oem};
 use glam::DVec3;
 use octagloss::Layout;
 use octagloss::bake::Filter;
-use octagloss::cpu::adaptive::{Adaptive, LANES, Packet as CpuPacket, Scratch};
+use octagloss::cpu::adaptive::{Adaptive, LANES, Packet as CpuPacket, Scratch, leaf_share};
 use octagloss::cpu::cells::Cells;
 use octagloss::cpu::kernel::Kernel;
 use octagloss::cpu::reparameterise::oem_from_environment;
@@ -211,9 +211,6 @@ fn cuts_of_the_cpu_replayed_agree() {
     });
 }
 
-/// The share of E times the mean radiance that every leaf may expect to be off by: `LEAF_SHARE` of the engines.
-const LEAF_SHARE: f64 = 0.4;
-
 /// E moved by more than the engines' decisions can be apart: the expected error of a cell is a third-order term, whose
 /// factors the engines' roundings move by up to 4 times what they do to the kernel.
 fn margin(width: f64) -> f64 {
@@ -250,7 +247,7 @@ fn own_cuts_agree_but_for_decisions_within_rounding() {
                         let same = finer.radiance == coarser.radiance;
                         let flips =
                             if same { 0.0 } else { finer.leaves.abs_diff(coarser.leaves).max(1) as f64 };
-                        let absolute = [flips * LEAF_SHARE * error * mean; 3];
+                        let absolute = [flips * leaf_share(error) * mean; 3];
                         let far = beyond(&own.radiance, &found, 1e-5, absolute);
                         assert_eq!(
                             far,

@@ -4,6 +4,7 @@ use super::{UNIT, exceeds, wait, with_passes};
 use crate::adaptive::luminance;
 use octagloss::Environment;
 use octagloss::bake::{Bake, BakeSettings, Filter, bake};
+use octagloss::cpu::adaptive::leaf_share;
 use octagloss::lobe::Lobe;
 use octagloss::synth::synth;
 
@@ -68,8 +69,7 @@ impl Judge {
         // Footprints: the bound of the OEM's own test.
         let sources = environment.layout().texel_count() as f64;
         let mirror = (8.0 + 2.0 * (64.0_f64.min(sources) + sources / 64.0)) * UNIT;
-        // 0.4 of E times the mean radiance: `LEAF_SHARE` of the engines.
-        let leaf = 0.4 * ERROR * luminance(expected.oem_energy) / (4.0 * std::f64::consts::PI);
+        let leaf = leaf_share(ERROR) * luminance(expected.oem_energy) / (4.0 * std::f64::consts::PI);
         Self { expected, others, mirror, leaf }
     }
 

@@ -5,7 +5,7 @@ use super::{UNIT, wait, with_passes};
 use crate::adaptive::luminance;
 use crate::common::{Look, Random, environment, landmarks, texels};
 use glam::DVec3;
-use octagloss::cpu::adaptive::{Adaptive, Packet as CpuPacket, Scratch};
+use octagloss::cpu::adaptive::{Adaptive, Packet as CpuPacket, Scratch, leaf_share};
 use octagloss::cpu::box_filter::BoxFilter;
 use octagloss::cpu::cells::Cells;
 use octagloss::cpu::kernel::Kernel;
@@ -138,7 +138,7 @@ fn run(
 /// boxes' own test has it, over a side of at least 1. Lobes: rounding, and two decisions' share of the tolerance.
 fn agree(expected: &Outcome, found: &Outcome, brightest: f64, mean: f64) -> bool {
     let boxes = brightest * 4.0 * 5.2 * 24.0 * f64::from(SIZE.inner) * UNIT;
-    let lobes = 2.0 * 0.4 * ERROR * mean;
+    let lobes = 2.0 * leaf_share(ERROR) * mean;
     let near = |e: &[[f32; 3]], f: &[[f32; 3]], absolute: f64| {
         e.len() == f.len()
             && e.iter().flatten().zip(f.iter().flatten()).all(|(e, f)| {
