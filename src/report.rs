@@ -3,6 +3,7 @@
 //! Two runs with the same input and options give the same report, but for the keys named `seconds`.
 
 use crate::bake::{Bake, BakeSettings, Filter, Ladder};
+use crate::io::Repairs;
 use serde::{Deserialize, Serialize};
 
 /// A bake's report; its fields are the keys of `report.json`.
@@ -107,6 +108,13 @@ pub struct RepairReport {
     pub infinite: u64,
     /// Energy of the negative values over that of the positive ones.
     pub negative_energy_share: f64,
+}
+
+impl From<Repairs> for RepairReport {
+    fn from(repairs: Repairs) -> Self {
+        let Repairs { negative, negative_energy_share, nan, infinite } = repairs;
+        Self { negative, nan, infinite, negative_energy_share }
+    }
 }
 
 /// The options of a bake.

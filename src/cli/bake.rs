@@ -1,8 +1,8 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
 use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg, PixelArg};
-use super::engine::Engine;
-use super::input::{self, Source};
+use super::engine::{Baker, Engine};
+use super::input::{self, Opened, Source};
 use super::output::{Encoding, Outputs, Stored};
 use super::talk::{self, Talk};
 use super::{Failure, Outcome, bake_targets, on_threads, print, usage};
@@ -15,7 +15,7 @@ use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::oracle::Oracle;
 use octagloss::overflow::Overflow;
-use octagloss::report::{Circumstances, RepairReport};
+use octagloss::report::Circumstances;
 use octagloss::sphere::cube::{Face, direction_from_texel};
 use rayon::prelude::*;
 use std::cell::OnceCell;
@@ -175,33 +175,14 @@ impl Plan {
         if let Some(folder) = &self.folder {
             fs::create_dir_all(folder).map_err(|e| octagloss::Error::io(folder, e))?;
         }
-        let told = |stored: Stored| {
+        let told = Told { source: &job.source, opened: &opened, input: &self.input, baker: &baker, start };
+        let circumstances = |stored: Stored| {
             let mut warnings = opened.warnings.clone();
             for warning in stored_warnings(&stored, job.outputs.encoding) {
                 talk.warn(&format!("{}: {warning}", job.outputs.main.display()));
                 warnings.push(warning);
             }
-            Circumstances {
-                input: job.source.path().display().to_string(),
-                engine: baker.engine.to_owned(),
-                adapter: baker.adapter,
-                repaired: RepairReport {
-                    negative: opened.repaired.negative,
-                    nan: opened.repaired.nan,
-                    infinite: opened.repaired.infinite,
-                    negative_energy_share: opened.repaired.negative_energy_share,
-                },
-                layout: opened.layout.to_owned(),
-                rotate_y: self.input.rotate_y.unwrap_or(0.0),
-                mirror: self.input.mirror,
-                sanitize: self.input.sanitize,
-                format: job.outputs.encoding.format().name().to_owned(),
-                pixel: job.outputs.encoding.pixel_name().to_owned(),
-                level_pixels: stored.pixels,
-                clamped: stored.clamped,
-                warnings,
-                seconds: start.elapsed().as_secs_f64(),
-            }
+            told.circumstances(stored, warnings)
         };
         let compressed = match job.outputs.encoding.clamping_pixel() {
             Some(pixel) => compress(&mut baked, self.overflow, pixel).map_err(|error| {
@@ -209,7 +190,7 @@ impl Plan {
             })?,
             None => 0,
         };
-        let (report, bytes) = job.outputs.write(&self.settings, &baked, compressed, told)?;
+        let (report, bytes) = job.outputs.write(&self.settings, &baked, compressed, circumstances)?;
         let bound = match report.error_bound_max() {
             Some(bound) => format!("greatest error bound {bound:.3e}"),
             None => "no error bound".to_owned(),
@@ -228,6 +209,36 @@ impl Plan {
             print(&(line + "\n"))?;
         }
         Ok(())
+    }
+}
+
+/// What a report tells of an environment and its bake, however it is stored.
+pub(super) struct Told<'a> {
+    pub(super) source: &'a Source,
+    pub(super) opened: &'a Opened,
+    pub(super) input: &'a InputArgs,
+    pub(super) baker: &'a Baker,
+    pub(super) start: Instant,
+}
+
+impl Told<'_> {
+    pub(super) fn circumstances(&self, stored: Stored, warnings: Vec<String>) -> Circumstances {
+        Circumstances {
+            input: self.source.path().display().to_string(),
+            engine: self.baker.engine.to_owned(),
+            adapter: self.baker.adapter.clone(),
+            repaired: self.opened.repaired.into(),
+            layout: self.opened.layout.to_owned(),
+            rotate_y: self.input.rotate_y.unwrap_or(0.0),
+            mirror: self.input.mirror,
+            sanitize: self.input.sanitize,
+            format: stored.format.to_owned(),
+            pixel: stored.pixel.to_owned(),
+            level_pixels: stored.pixels,
+            clamped: stored.clamped,
+            warnings,
+            seconds: self.start.elapsed().as_secs_f64(),
+        }
     }
 }
 

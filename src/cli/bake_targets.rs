@@ -1,10 +1,10 @@
 //! `octagloss bake --target`: the files that engines expect, in a folder for each environment.
 
 use super::args::{BakeArgs, EngineArgs, InputArgs, LobeArg};
-use super::bake::{compress, container};
+use super::bake::{Told, compress, container};
 use super::engine::Engine;
 use super::input::{self, Source};
-use super::output::{metadata, report_text};
+use super::output::{Stored, metadata, report_text};
 use super::talk::{self, Talk};
 use super::{Failure, Outcome, on_threads, print, usage};
 use anyhow::anyhow;
@@ -13,7 +13,7 @@ use octagloss::bake::{BakeSettings, Ladder};
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::overflow::Overflow;
-use octagloss::report::{Circumstances, RepairReport, Report, TargetReport};
+use octagloss::report::{Report, TargetReport};
 use octagloss::target::files::{Made, files};
 use octagloss::target::{Content, Diffuse, Plan};
 use std::cell::OnceCell;
@@ -175,6 +175,7 @@ impl Work {
         let (bakes, baker) =
             engine.bake_all(&opened.environment, &settings, talk, &|progress| bar.bake(progress))?;
         drop(bar);
+        let told = Told { source: &job.source, opened: &opened, input: &self.input, baker: &baker, start };
         let mut outputs: Vec<(Vec<Made>, Report)> = Vec::with_capacity(bakes.len());
         for ((plan, settings), mut bake) in self.plans.iter().zip(bakes) {
             let compressed = compress(&mut bake, self.overflow, plan.pixel).map_err(|error| {
@@ -196,28 +197,10 @@ impl Work {
             for warning in &bake.warnings {
                 talk.warn(&format!("{}: {warning}", job.source.path().display()));
             }
-            let told = Circumstances {
-                input: job.source.path().display().to_string(),
-                engine: baker.engine.to_owned(),
-                adapter: baker.adapter.clone(),
-                repaired: RepairReport {
-                    negative: opened.repaired.negative,
-                    nan: opened.repaired.nan,
-                    infinite: opened.repaired.infinite,
-                    negative_energy_share: opened.repaired.negative_energy_share,
-                },
-                layout: opened.layout.to_owned(),
-                rotate_y: self.input.rotate_y.unwrap_or(0.0),
-                mirror: self.input.mirror,
-                sanitize: self.input.sanitize,
-                format: plan.container.name().to_owned(),
-                pixel: plan.pixel.name().to_owned(),
-                level_pixels: vec![plan.pixel.name().to_owned(); bake.chain.levels.len()],
-                clamped,
-                warnings,
-                seconds: start.elapsed().as_secs_f64(),
-            };
-            let mut report = Report { compressed, ..Report::new(settings, bake, told) };
+            let pixels = vec![plan.pixel; bake.chain.levels.len()];
+            let stored = Stored::new(plan.container.name(), plan.pixel.name(), &pixels, clamped);
+            let mut report =
+                Report { compressed, ..Report::new(settings, bake, told.circumstances(stored, warnings)) };
             report.target = Some(TargetReport {
                 name: plan.target.name.to_owned(),
                 flip: plan.flip.name().to_owned(),

@@ -139,6 +139,7 @@ impl Outputs {
         let report_of = |stored: Stored| Report { compressed, ..Report::new(settings, bake, told(stored)) };
         let metadata = metadata(settings);
         let irradiance = bake.irradiance.as_ref();
+        let (format, pixel_name) = (self.encoding.format().name(), self.encoding.pixel_name());
         let report = match self.encoding {
             Encoding::Cube(container, pixel) => {
                 let cube = |path: &Path, chain: &CubeChain, metadata: &[(String, String)]| {
@@ -157,7 +158,7 @@ impl Outputs {
                     output::write_folder(path, self.existing, |folder| write_bounds(folder, &bake.chain))?;
                 }
                 let pixels = vec![pixel; bake.chain.levels.len()];
-                let report = report_of(Stored::new(&pixels, clamped));
+                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped));
                 if let Some(path) = &self.report {
                     let text = report_text(&report);
                     output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))?;
@@ -169,7 +170,7 @@ impl Outputs {
                     exr_write::write_level_folder(folder, &bake.chain, irradiance, choice, &metadata)?;
                 let pixels: Vec<Pixel> = stored.iter().map(|level| level.pixel).collect();
                 let clamped = stored.iter().map(|level| level.clamped).sum();
-                let report = report_of(Stored::new(&pixels, clamped));
+                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped));
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
@@ -179,7 +180,7 @@ impl Outputs {
                     write_bounds(folder, &bake.chain)?;
                 }
                 let pixels = bake.chain.levels.iter().map(|_| "rgbe".to_owned()).collect();
-                let report = report_of(Stored { pixels, clamped: 0, floats: 0 });
+                let report = report_of(Stored { format, pixel: pixel_name, pixels, clamped: 0, floats: 0 });
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
@@ -201,6 +202,10 @@ impl Outputs {
 
 /// How a bake was stored.
 pub(super) struct Stored {
+    /// Format of the output.
+    pub(super) format: &'static str,
+    /// Pixel format asked for.
+    pub(super) pixel: &'static str,
     /// Pixel format of each level.
     pub(super) pixels: Vec<String>,
     /// Texels clamped.
@@ -210,9 +215,10 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    fn new(pixels: &[Pixel], clamped: u64) -> Self {
+    pub(super) fn new(format: &'static str, pixel: &'static str, pixels: &[Pixel], clamped: u64) -> Self {
         let floats = pixels.iter().filter(|pixel| **pixel == Pixel::F32).count();
-        Self { pixels: pixels.iter().map(|pixel| pixel.name().to_owned()).collect(), clamped, floats }
+        let pixels = pixels.iter().map(|pixel| pixel.name().to_owned()).collect();
+        Self { format, pixel, pixels, clamped, floats }
     }
 }
 
