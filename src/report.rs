@@ -41,6 +41,9 @@ pub struct Report {
     /// What was written for which engine; absent without `--target`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetReport>,
+    /// What tells whether the bake need not be done again; absent from the library's own reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<FingerprintReport>,
     /// Wall time from reading to writing.
     pub seconds: f64,
 }
@@ -159,6 +162,15 @@ pub struct TargetReport {
     pub files: Vec<String>,
 }
 
+/// What tells whether a bake need not be done again: BLAKE3 hashes in hexadecimal.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FingerprintReport {
+    /// Of the input's content, the options and the program's version.
+    pub request: String,
+    /// Of the content of the outputs, this file left out.
+    pub outputs: String,
+}
+
 /// What the numbers and images mean.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ConventionsReport {
@@ -275,6 +287,7 @@ impl Report {
             },
             conventions: ConventionsReport::default(),
             target: None,
+            fingerprint: None,
             seconds: told.seconds,
         }
     }

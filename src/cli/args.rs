@@ -107,7 +107,7 @@ pub(super) struct EngineArgs {
     pub(super) threads: Option<u32>,
 }
 
-#[derive(Debug, ClapArgs)]
+#[derive(Clone, Debug, ClapArgs)]
 pub(super) struct BakeArgs {
     /// Environments: .hdr, .exr, .png, .jpg; .ktx2 or bakes
     #[arg(required = true, value_name = "INPUT")]
@@ -214,6 +214,12 @@ pub(super) struct BakeArgs {
     /// Replace outputs that exist
     #[arg(long)]
     pub(super) force: bool,
+    /// Leave alone outputs that are up to date
+    ///
+    /// Those that hold what a bake of the same input content by the same options and version wrote, as hashes in the
+    /// report tell. With --force all others are baked anew; without it they are errors where they exist.
+    #[arg(long, conflicts_with = "json")]
+    pub(super) skip_unchanged: bool,
     #[command(flatten)]
     pub(super) table: TableArgs,
     #[command(flatten)]

@@ -5,8 +5,9 @@ use super::engine::{Baker, Engine};
 use super::input::{self, Opened, Source};
 use super::output::{Encoding, Outputs, Stored};
 use super::talk::{self, Talk};
-use super::{Failure, Outcome, bake_targets, on_threads, print, usage};
+use super::{Failure, Outcome, bake_targets, on_threads, print, unchanged, usage};
 use anyhow::anyhow;
+use blake3::Hash;
 use octagloss::Environment;
 use octagloss::bake::{Bake, BakeSettings, Filter, Ladder};
 use octagloss::io::cube_write::Container;
@@ -34,6 +35,9 @@ struct Plan {
     json: bool,
     overflow: Overflow,
     engine: EngineArgs,
+    skip_unchanged: bool,
+    /// All that the outputs depend on besides their inputs.
+    options: String,
 }
 
 /// One environment and where it goes.
@@ -57,6 +61,7 @@ impl Plan {
     fn new(args: BakeArgs) -> Outcome<Self> {
         let settings = settings(&args)?;
         let encoding = encoding(&args)?;
+        let options = unchanged::options(&args, &format!("{encoding:?}"));
         let existing = if args.force { Existing::Replace } else { Existing::Keep };
         let sources = input::sources(args.inputs, &args.input)?;
         let format = encoding.format();
@@ -113,6 +118,8 @@ impl Plan {
             json: args.json,
             overflow: args.overflow.into(),
             engine: args.engine,
+            skip_unchanged: args.skip_unchanged,
+            options,
         })
     }
 
@@ -137,6 +144,10 @@ impl Plan {
         }
         let mut ready = Vec::new();
         for job in &self.jobs {
+            if self.skip_unchanged && self.request(job).is_ok_and(|request| job.outputs.holds(request)) {
+                talk.note(&format!("{}: unchanged", job.outputs.main.display()));
+                continue;
+            }
             match job.outputs.check(fresh) {
                 Ok(()) => ready.push(job),
                 Err(error) => tell(error.into())?,
@@ -151,8 +162,15 @@ impl Plan {
         if failed { Err(Failure::Told) } else { Ok(()) }
     }
 
+    /// The hash of what `job` is made of.
+    fn request(&self, job: &Job) -> octagloss::Result<Hash> {
+        unchanged::request(&job.source, &self.options)
+    }
+
     fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
         let start = Instant::now();
+        // Before it is read: should it change meanwhile, it is found changed.
+        let request = self.request(job)?;
         let opened = job.source.open(&self.input, talk)?;
         let engine = self.engine.chosen(engine, talk)?;
         if self.settings.filter == Filter::Reference {
@@ -190,7 +208,8 @@ impl Plan {
             })?,
             None => 0,
         };
-        let (report, bytes) = job.outputs.write(&self.settings, &baked, compressed, circumstances)?;
+        let (report, bytes) =
+            job.outputs.write(&self.settings, &baked, compressed, request, circumstances)?;
         let bound = match report.error_bound_max() {
             Some(bound) => format!("greatest error bound {bound:.3e}"),
             None => "no error bound".to_owned(),

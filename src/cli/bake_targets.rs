@@ -6,8 +6,10 @@ use super::engine::Engine;
 use super::input::{self, Source};
 use super::output::{Stored, metadata, report_text};
 use super::talk::{self, Talk};
+use super::unchanged::{self, REPORT};
 use super::{Failure, Outcome, on_threads, print, usage};
 use anyhow::anyhow;
+use blake3::Hash;
 use octagloss::Error;
 use octagloss::bake::{BakeSettings, Ladder};
 use octagloss::io::output::{self, Existing};
@@ -19,7 +21,7 @@ use octagloss::target::{Content, Diffuse, Plan};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// What is to be done for every environment, checked.
@@ -33,6 +35,9 @@ struct Work {
     json: bool,
     overflow: Overflow,
     engine: EngineArgs,
+    skip_unchanged: bool,
+    /// All that the outputs depend on besides their inputs.
+    options: String,
 }
 
 /// One environment, its name, and the folder that its files go into.
@@ -71,6 +76,7 @@ impl Work {
             }
             plans.push(planned(Plan::new(target), &args)?);
         }
+        let options = unchanged::options(&args, "");
         let several = args.inputs.len() > 1 && args.input.layout != super::args::LayoutArg::Faces;
         if several && args.name.is_some() {
             return usage("--name names one environment; several inputs were given");
@@ -110,6 +116,8 @@ impl Work {
             json: args.json,
             overflow: args.overflow.into(),
             engine: args.engine,
+            skip_unchanged: args.skip_unchanged,
+            options,
         })
     }
 
@@ -132,7 +140,7 @@ impl Work {
                     text += &format!("{}\t{}\n", folder.join(path).display(), told(plan, settings, content)?);
                 }
                 if !self.json {
-                    text += &format!("{}\treport\n", folder.join("report.json").display());
+                    text += &format!("{}\treport\n", folder.join(REPORT).display());
                 }
             }
         }
@@ -154,6 +162,10 @@ impl Work {
         let mut failed = false;
         let engine = OnceCell::new();
         for job in &self.jobs {
+            if self.skip_unchanged && self.holds(job) {
+                talk.note(&format!("{}: unchanged", job.folder.display()));
+                continue;
+            }
             let outcome = self.check(job).map_err(Failure::from).and_then(|()| self.bake(job, &engine, talk));
             match outcome {
                 Err(Failure::Failed(error)) => {
@@ -166,8 +178,20 @@ impl Work {
         if failed { Err(Failure::Told) } else { Ok(()) }
     }
 
+    /// Whether every target's folder is as it was written for the same request.
+    fn holds(&self, job: &Job) -> bool {
+        unchanged::request(&job.source, &self.options).is_ok_and(|request| {
+            self.plans.iter().all(|(plan, _)| {
+                let report = job.folder.join(self.within(plan)).join(REPORT);
+                unchanged::holds(&report, request, [&*job.folder])
+            })
+        })
+    }
+
     fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
         let start = Instant::now();
+        // Before it is read: should it change meanwhile, it is found changed.
+        let request = unchanged::request(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, talk)?;
         let engine = self.engine.chosen(engine, talk)?;
         let bar = talk.bar(&job.name);
@@ -213,7 +237,7 @@ impl Work {
         if let Some(folder) = &self.folder {
             fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
         }
-        output::write_folder(&job.folder, self.existing, |folder| self.write(folder, &outputs))?;
+        output::write_folder(&job.folder, self.existing, |folder| self.write(folder, request, &mut outputs))?;
         let bytes: usize = outputs.iter().flat_map(|(made, _)| made).map(|file| file.bytes.len()).sum();
         talk.note(&format!(
             "{}: {} for {} in {:.2} s on {}, OEM {} + {}",
@@ -234,20 +258,29 @@ impl Work {
         Ok(())
     }
 
-    fn write(&self, folder: &std::path::Path, outputs: &[(Vec<Made>, Report)]) -> octagloss::Result<()> {
-        for ((plan, _), (made, report)) in self.plans.iter().zip(outputs) {
-            let place = |path: &str| folder.join(self.within(plan)).join(path);
-            let write = |path: &str, bytes: &[u8]| {
-                let path = place(path);
-                let parent = path.parent().expect("within a folder");
-                fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
-                fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
-            };
+    /// Writes all into `folder` and completes the reports.
+    fn write(
+        &self,
+        folder: &Path,
+        request: Hash,
+        outputs: &mut [(Vec<Made>, Report)],
+    ) -> octagloss::Result<()> {
+        let write = |plan: &Plan, path: &str, bytes: &[u8]| {
+            let path = folder.join(self.within(plan)).join(path);
+            let parent = path.parent().expect("within a folder");
+            fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
+            fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
+        };
+        for ((plan, _), (made, _)) in self.plans.iter().zip(&*outputs) {
             for file in made {
-                write(&file.path, &file.bytes)?;
+                write(plan, &file.path, &file.bytes)?;
             }
+        }
+        let written = unchanged::joined([unchanged::hash_of(folder)])?;
+        for ((plan, _), (_, report)) in self.plans.iter().zip(outputs) {
+            report.fingerprint = Some(unchanged::fingerprint(request, written));
             if !self.json {
-                write("report.json", report_text(report).as_bytes())?;
+                write(plan, REPORT, report_text(report).as_bytes())?;
             }
         }
         Ok(())

@@ -1,6 +1,8 @@
 //! Outputs of a bake: where they go, and writing them.
 
 use super::args::FormatArg;
+use super::unchanged::{self, REPORT, fingerprint};
+use blake3::Hash;
 use octagloss::bake::{Bake, BakeSettings};
 use octagloss::chain::{CubeChain, CubeLevel};
 use octagloss::io::cube_write::{Container, cube_bytes};
@@ -87,7 +89,7 @@ impl Outputs {
         preview: Option<PathBuf>,
     ) -> Self {
         let single = matches!(encoding, Encoding::Cube(..));
-        let report = if single { suffixed(&main, ".report.json") } else { main.join("report.json") };
+        let report = if single { suffixed(&main, ".report.json") } else { main.join(REPORT) };
         Self {
             encoding,
             existing,
@@ -109,6 +111,16 @@ impl Outputs {
         let report = self.report.as_ref().filter(|_| !self.is_folder());
         let others = [report, self.irradiance.as_ref(), self.bounds.as_ref(), self.preview.as_ref()];
         std::iter::once(&self.main).chain(others.into_iter().flatten()).map(PathBuf::as_path)
+    }
+
+    /// Whether all is there as it was written for `request`.
+    pub(super) fn holds(&self, request: Hash) -> bool {
+        self.report.as_deref().is_some_and(|report| unchanged::holds(report, request, self.hashed()))
+    }
+
+    /// The places without the report.
+    fn hashed(&self) -> impl Iterator<Item = &Path> {
+        self.places().filter(|place| Some(*place) != self.report.as_deref())
     }
 
     /// Fails where writing would before it begins. What is to stand in `fresh`, a folder that is yet to be made,
@@ -134,11 +146,31 @@ impl Outputs {
         settings: &BakeSettings,
         bake: &Bake,
         compressed: u64,
+        request: Hash,
         told: impl FnOnce(Stored) -> Circumstances,
     ) -> Result<(Report, u64)> {
-        let report_of = |stored: Stored| Report { compressed, ..Report::new(settings, bake, told(stored)) };
+        let report_of = |stored: Stored, outputs: Hash| Report {
+            compressed,
+            fingerprint: Some(fingerprint(request, outputs)),
+            ..Report::new(settings, bake, told(stored))
+        };
+        let preview = match &self.preview {
+            Some(_) => Some(png_write::png_bytes(&preview::contact_sheet(&bake.chain)?)?),
+            None => None,
+        };
         let metadata = metadata(settings);
         let irradiance = bake.irradiance.as_ref();
+        let write_preview = |preview: &Option<Vec<u8>>| match (&self.preview, preview) {
+            (Some(path), Some(bytes)) => {
+                output::write_file(path, self.existing, |file| file.write_all(bytes))
+            }
+            _ => Ok(()),
+        };
+        // The folder is complete but for its report, and a preview comes later.
+        let hash_of = |folder: &Path| {
+            let preview = preview.iter().map(|bytes| Ok(blake3::hash(bytes)));
+            unchanged::joined(std::iter::once(unchanged::hash_of(folder)).chain(preview))
+        };
         let (format, pixel_name) = (self.encoding.format().name(), self.encoding.pixel_name());
         let report = match self.encoding {
             Encoding::Cube(container, pixel) => {
@@ -157,8 +189,10 @@ impl Outputs {
                 if let Some(path) = &self.bounds {
                     output::write_folder(path, self.existing, |folder| write_bounds(folder, &bake.chain))?;
                 }
+                write_preview(&preview)?;
                 let pixels = vec![pixel; bake.chain.levels.len()];
-                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped));
+                let hash = unchanged::joined(self.hashed().map(unchanged::hash_of))?;
+                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash);
                 if let Some(path) = &self.report {
                     let text = report_text(&report);
                     output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))?;
@@ -170,7 +204,7 @@ impl Outputs {
                     exr_write::write_level_folder(folder, &bake.chain, irradiance, choice, &metadata)?;
                 let pixels: Vec<Pixel> = stored.iter().map(|level| level.pixel).collect();
                 let clamped = stored.iter().map(|level| level.clamped).sum();
-                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped));
+                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash_of(folder)?);
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
@@ -180,13 +214,16 @@ impl Outputs {
                     write_bounds(folder, &bake.chain)?;
                 }
                 let pixels = bake.chain.levels.iter().map(|_| "rgbe".to_owned()).collect();
-                let report = report_of(Stored { format, pixel: pixel_name, pixels, clamped: 0, floats: 0 });
+                let report = report_of(
+                    Stored { format, pixel: pixel_name, pixels, clamped: 0, floats: 0 },
+                    hash_of(folder)?,
+                );
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
         };
-        if let Some(path) = &self.preview {
-            png_write::write_png(path, self.existing, &preview::contact_sheet(&bake.chain)?)?;
+        if self.is_folder() {
+            write_preview(&preview)?;
         }
         Ok((report, self.places().map(bytes_in).sum()))
     }
@@ -195,7 +232,7 @@ impl Outputs {
         if self.report.is_none() {
             return Ok(());
         }
-        let path = folder.join("report.json");
+        let path = folder.join(REPORT);
         fs::write(&path, report_text(report)).map_err(|e| Error::io(&path, e))
     }
 }

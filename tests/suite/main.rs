@@ -4,6 +4,7 @@ mod adaptive;
 mod bc6h;
 mod cli;
 mod cli_targets;
+mod cli_unchanged;
 mod common;
 mod containers;
 mod dfg;
