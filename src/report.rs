@@ -4,6 +4,7 @@
 
 use crate::bake::{Bake, BakeSettings, Filter, Ladder};
 use crate::io::Repairs;
+use crate::sun::Sun;
 use serde::{Deserialize, Serialize};
 
 /// A bake's report; its fields are the keys of `report.json`.
@@ -25,6 +26,9 @@ pub struct Report {
     pub energy: EnergyReport,
     /// Spherical harmonics of the source.
     pub sh: ShReport,
+    /// The sun that was taken out before the bake; `null` where none was, or none was to be.
+    #[serde(default)]
+    pub sun: Option<SunReport>,
     /// What was set right in the input.
     pub repaired: RepairReport,
     /// Texels with a channel that the pixel format could not hold.
@@ -113,6 +117,48 @@ pub struct RepairReport {
     pub negative_energy_share: f64,
 }
 
+/// A sun, see [`Sun`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SunReport {
+    /// Unit vector towards it, in the world.
+    pub direction: [f64; 3],
+    /// Degrees from +X towards +Z.
+    pub azimuth_degrees: f64,
+    /// Degrees above the horizon.
+    pub elevation_degrees: f64,
+    /// Radiance of its brightest texel.
+    pub peak: [f32; 3],
+    /// Irradiance on a surface that faces it.
+    pub irradiance: [f64; 3],
+    /// Irradiance over its greatest channel, which is a directional light's intensity.
+    pub color: [f64; 3],
+    /// Steradians.
+    pub solid_angle: f64,
+    /// Texels.
+    pub texels: usize,
+    /// Its share of the environment's energy, by luminance.
+    pub energy_share: f64,
+}
+
+impl SunReport {
+    /// The report of `sun`, which has `energy_share` of all energy.
+    #[must_use]
+    pub fn new(sun: &Sun, energy_share: f64) -> Self {
+        let intensity = sun.irradiance.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        Self {
+            direction: sun.direction.to_array(),
+            azimuth_degrees: sun.azimuth_degrees(),
+            elevation_degrees: sun.elevation_degrees(),
+            peak: sun.peak,
+            irradiance: sun.irradiance,
+            color: sun.irradiance.map(|channel| channel / intensity),
+            solid_angle: sun.solid_angle,
+            texels: sun.texels,
+            energy_share,
+        }
+    }
+}
+
 impl From<Repairs> for RepairReport {
     fn from(repairs: Repairs) -> Self {
         let Repairs { negative, negative_energy_share, nan, infinite } = repairs;
@@ -143,6 +189,9 @@ pub struct OptionsReport {
     pub mirror: bool,
     /// Whether NaN and Inf were to be repaired.
     pub sanitize: bool,
+    /// Whether the sun was to be taken out.
+    #[serde(default)]
+    pub extract_sun: bool,
     /// Edge of the irradiance cube.
     pub irradiance: Option<u32>,
 }
@@ -214,6 +263,10 @@ pub struct Circumstances {
     pub mirror: bool,
     /// Whether NaN and Inf were to be repaired.
     pub sanitize: bool,
+    /// Whether the sun was to be taken out.
+    pub extract_sun: bool,
+    /// The sun that was.
+    pub sun: Option<SunReport>,
     /// Format of the output.
     pub format: String,
     /// Pixel format asked for.
@@ -264,6 +317,7 @@ impl Report {
                         0.546274 (xx-yy); no cosine, no division by pi"
                     .to_owned(),
             },
+            sun: told.sun,
             repaired: told.repaired,
             clamped: told.clamped,
             compressed: 0,
@@ -283,6 +337,7 @@ impl Report {
                 rotate_y: told.rotate_y,
                 mirror: told.mirror,
                 sanitize: told.sanitize,
+                extract_sun: told.extract_sun,
                 irradiance: settings.irradiance,
             },
             conventions: ConventionsReport::default(),

@@ -66,6 +66,13 @@ pub(super) struct InputArgs {
     /// Without it negative radiance becomes 0, is counted, and one warning says how much energy it was.
     #[arg(long, conflicts_with = "sanitize")]
     pub(super) strict: bool,
+    /// Take the sun out: go on with the rest
+    ///
+    /// The sun is what is connected to the brightest texel and at least a tenth as bright, with its glow, if that texel
+    /// outshines the median 10 to 30 degrees around it eightfold; what surrounds it closes over it. bake writes what was
+    /// taken out into the report and into OUT.sun.json, or sun.json in OUT where that is a folder: a directional light.
+    #[arg(long)]
+    pub(super) extract_sun: bool,
 }
 
 /// The table that lobes are read from.
@@ -198,6 +205,12 @@ pub(super) struct BakeArgs {
     /// Write a picture of spheres down the ladder
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
+    /// Write the environment without its sun
+    ///
+    /// OUT.sunless.exr, or sunless.exr in OUT where that is a folder: floats, in the input's layout (cubes as a cross),
+    /// not turned. With --extract-sun only.
+    #[arg(long, requires = "extract_sun")]
+    pub(super) sunless: bool,
     /// Write every texel's certified error bound
     ///
     /// m{level}_{face}_bound.exr, absolute luminance. exr and hdr: beside the levels; else in the folder OUT.bounds.

@@ -3,7 +3,7 @@
 use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg, PixelArg};
 use super::engine::{Baker, Engine};
 use super::input::{self, Opened, Source};
-use super::output::{Encoding, Outputs, Stored};
+use super::output::{Encoding, Extras, Outputs, Stored, SunFile};
 use super::talk::{self, Talk};
 use super::{Failure, Outcome, bake_targets, on_threads, print, unchanged, usage};
 use anyhow::anyhow;
@@ -58,12 +58,12 @@ pub(super) fn run(args: BakeArgs) -> Outcome {
 }
 
 impl Plan {
-    fn new(args: BakeArgs) -> Outcome<Self> {
+    fn new(mut args: BakeArgs) -> Outcome<Self> {
         let settings = settings(&args)?;
         let encoding = encoding(&args)?;
         let options = unchanged::options(&args, &format!("{encoding:?}"));
         let existing = if args.force { Existing::Replace } else { Existing::Keep };
-        let sources = input::sources(args.inputs, &args.input)?;
+        let sources = input::sources(std::mem::take(&mut args.inputs), &args.input)?;
         let format = encoding.format();
         let suffix = match format {
             FormatArg::Ktx2 => ".ktx2",
@@ -102,8 +102,9 @@ impl Plan {
                     Some(path) => path.clone(),
                     None => name,
                 };
-                let preview = args.preview.clone();
-                let outputs = Outputs::around(main, encoding, existing, &settings, args.json, preview);
+                let extras =
+                    Extras { json: args.json, sun: SunFile::asked(&args), preview: args.preview.clone() };
+                let outputs = Outputs::around(main, encoding, existing, &settings, extras);
                 Job { source, outputs }
             })
             .collect();
@@ -209,7 +210,7 @@ impl Plan {
             None => 0,
         };
         let (report, bytes) =
-            job.outputs.write(&self.settings, &baked, compressed, request, circumstances)?;
+            job.outputs.write(&self.settings, &baked, compressed, request, &opened, circumstances)?;
         let bound = match report.error_bound_max() {
             Some(bound) => format!("greatest error bound {bound:.3e}"),
             None => "no error bound".to_owned(),
@@ -251,6 +252,8 @@ impl Told<'_> {
             rotate_y: self.input.rotate_y.unwrap_or(0.0),
             mirror: self.input.mirror,
             sanitize: self.input.sanitize,
+            extract_sun: self.input.extract_sun,
+            sun: self.opened.sun.clone(),
             format: stored.format.to_owned(),
             pixel: stored.pixel.to_owned(),
             level_pixels: stored.pixels,
@@ -270,7 +273,7 @@ pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> oc
 impl Job {
     /// Outputs must differ from one another and from every input of `jobs`.
     fn check_places(&self, jobs: &[Self]) -> Outcome {
-        let places: Vec<&Path> = self.outputs.places().collect();
+        let places: Vec<PathBuf> = self.outputs.places().collect();
         for (index, place) in places.iter().enumerate() {
             if places[..index].contains(place) {
                 return usage(format!("{} is named for two outputs", place.display()));

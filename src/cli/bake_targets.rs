@@ -3,8 +3,8 @@
 use super::args::{BakeArgs, EngineArgs, InputArgs, LobeArg};
 use super::bake::{Told, compress, container};
 use super::engine::Engine;
-use super::input::{self, Source};
-use super::output::{Stored, metadata, report_text};
+use super::input::{self, Opened, Source};
+use super::output::{Stored, SunFile, json_text, metadata};
 use super::talk::{self, Talk};
 use super::unchanged::{self, REPORT};
 use super::{Failure, Outcome, on_threads, print, usage};
@@ -35,6 +35,7 @@ struct Work {
     json: bool,
     overflow: Overflow,
     engine: EngineArgs,
+    sun: Vec<SunFile>,
     skip_unchanged: bool,
     /// All that the outputs depend on besides their inputs.
     options: String,
@@ -76,7 +77,7 @@ impl Work {
             }
             plans.push(planned(Plan::new(target), &args)?);
         }
-        let options = unchanged::options(&args, "");
+        let (options, sun) = (unchanged::options(&args, ""), SunFile::asked(&args));
         let several = args.inputs.len() > 1 && args.input.layout != super::args::LayoutArg::Faces;
         if several && args.name.is_some() {
             return usage("--name names one environment; several inputs were given");
@@ -116,6 +117,7 @@ impl Work {
             json: args.json,
             overflow: args.overflow.into(),
             engine: args.engine,
+            sun,
             skip_unchanged: args.skip_unchanged,
             options,
         })
@@ -142,6 +144,9 @@ impl Work {
                 if !self.json {
                     text += &format!("{}\treport\n", folder.join(REPORT).display());
                 }
+            }
+            for file in &self.sun {
+                text += &format!("{}\t{}\n", job.folder.join(file.name()).display(), file.content());
             }
         }
         print(&text)
@@ -183,7 +188,7 @@ impl Work {
         unchanged::request(&job.source, &self.options).is_ok_and(|request| {
             self.plans.iter().all(|(plan, _)| {
                 let report = job.folder.join(self.within(plan)).join(REPORT);
-                unchanged::holds(&report, request, [&*job.folder])
+                unchanged::holds(&report, request, [job.folder.clone()])
             })
         })
     }
@@ -237,7 +242,9 @@ impl Work {
         if let Some(folder) = &self.folder {
             fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
         }
-        output::write_folder(&job.folder, self.existing, |folder| self.write(folder, request, &mut outputs))?;
+        output::write_folder(&job.folder, self.existing, |folder| {
+            self.write(folder, request, &opened, &mut outputs)
+        })?;
         let bytes: usize = outputs.iter().flat_map(|(made, _)| made).map(|file| file.bytes.len()).sum();
         talk.note(&format!(
             "{}: {} for {} in {:.2} s on {}, OEM {} + {}",
@@ -263,6 +270,7 @@ impl Work {
         &self,
         folder: &Path,
         request: Hash,
+        opened: &Opened,
         outputs: &mut [(Vec<Made>, Report)],
     ) -> octagloss::Result<()> {
         let write = |plan: &Plan, path: &str, bytes: &[u8]| {
@@ -276,11 +284,12 @@ impl Work {
                 write(plan, &file.path, &file.bytes)?;
             }
         }
+        self.sun.iter().try_for_each(|file| file.write_into(folder, opened))?;
         let written = unchanged::joined([unchanged::hash_of(folder)])?;
         for ((plan, _), (_, report)) in self.plans.iter().zip(outputs) {
             report.fingerprint = Some(unchanged::fingerprint(request, written));
             if !self.json {
-                write(plan, REPORT, report_text(report).as_bytes())?;
+                write(plan, REPORT, json_text(report).as_bytes())?;
             }
         }
         Ok(())

@@ -97,10 +97,11 @@ fn against_source(args: &CompareArgs, bake: &CubeChain, talk: &Talk) -> Outcome<
             Lobe::Ggx
         }
     };
-    // Turned and flipped as the bake was, unless said otherwise.
+    // Turned, flipped and without its sun as the bake was, unless said otherwise.
     let input = InputArgs {
         rotate_y: args.input.rotate_y.or(told.rotate_y),
         mirror: args.input.mirror || told.mirror,
+        extract_sun: args.input.extract_sun || told.extract_sun,
         ..args.input.clone()
     };
     let source = input::single_source(vec![args.against.clone()], &input)?;
@@ -162,6 +163,7 @@ struct Told {
     lobe: Option<Lobe>,
     rotate_y: Option<f64>,
     mirror: bool,
+    extract_sun: bool,
 }
 
 impl Told {
@@ -179,6 +181,7 @@ impl Told {
                 lobe: lobe_named(&options.lobe),
                 rotate_y: Some(options.rotate_y),
                 mirror: options.mirror,
+                extract_sun: options.extract_sun,
             },
             None => {
                 Self { lobe: ktx2_text(bake, LOBE_KEY).and_then(|name| lobe_named(&name)), ..Self::default() }

@@ -1,11 +1,13 @@
 //! Outputs of a bake: where they go, and writing them.
 
-use super::args::FormatArg;
+use super::args::{BakeArgs, FormatArg};
+use super::input::Opened;
 use super::unchanged::{self, REPORT, fingerprint};
 use blake3::Hash;
 use octagloss::bake::{Bake, BakeSettings};
 use octagloss::chain::{CubeChain, CubeLevel};
 use octagloss::io::cube_write::{Container, cube_bytes};
+use octagloss::io::environment_write::exact_exr_bytes;
 use octagloss::io::exr_write::{self, ExrPixel, Samples};
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
@@ -13,6 +15,7 @@ use octagloss::io::{hdr_write, png_write};
 use octagloss::report::{Circumstances, Report, filter_name};
 use octagloss::sphere::cube::Face;
 use octagloss::{Error, Result, preview};
+use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -68,7 +71,62 @@ pub(super) struct Outputs {
     pub(super) irradiance: Option<PathBuf>,
     /// The bounds, where they have a folder of their own.
     pub(super) bounds: Option<PathBuf>,
+    /// What is told of the sun.
+    sun: Vec<SunFile>,
     pub(super) preview: Option<PathBuf>,
+}
+
+/// What a bake writes besides what its settings ask for.
+pub(super) struct Extras {
+    /// Whether the report is printed instead.
+    pub(super) json: bool,
+    pub(super) sun: Vec<SunFile>,
+    pub(super) preview: Option<PathBuf>,
+}
+
+/// A file about the sun that was taken out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SunFile {
+    /// What it is.
+    Sun,
+    /// The environment without it.
+    Sunless,
+}
+
+impl SunFile {
+    /// Those that `args` ask for.
+    pub(super) fn asked(args: &BakeArgs) -> Vec<Self> {
+        let asked = [(Self::Sun, args.input.extract_sun), (Self::Sunless, args.sunless)];
+        asked.into_iter().filter_map(|(file, asked)| asked.then_some(file)).collect()
+    }
+
+    /// Its name in a folder, and the end of its name beside a file.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Sun => "sun.json",
+            Self::Sunless => "sunless.exr",
+        }
+    }
+
+    /// What it holds, in a few words.
+    pub(super) const fn content(self) -> &'static str {
+        match self {
+            Self::Sun => "the sun",
+            Self::Sunless => "f32 environment without the sun",
+        }
+    }
+
+    fn bytes(self, opened: &Opened) -> Result<Vec<u8>> {
+        match self {
+            Self::Sun => Ok(json_text(&opened.sun).into_bytes()),
+            Self::Sunless => exact_exr_bytes(&opened.environment, "an environment without its sun"),
+        }
+    }
+
+    pub(super) fn write_into(self, folder: &Path, opened: &Opened) -> Result<()> {
+        let path = folder.join(self.name());
+        fs::write(&path, self.bytes(opened)?).map_err(|e| Error::io(&path, e))
+    }
 }
 
 /// `path` with `suffix` after its whole name.
@@ -85,9 +143,9 @@ impl Outputs {
         encoding: Encoding,
         existing: Existing,
         settings: &BakeSettings,
-        json: bool,
-        preview: Option<PathBuf>,
+        extras: Extras,
     ) -> Self {
+        let Extras { json, sun, preview } = extras;
         let single = matches!(encoding, Encoding::Cube(..));
         let report = if single { suffixed(&main, ".report.json") } else { main.join(REPORT) };
         Self {
@@ -97,9 +155,15 @@ impl Outputs {
             irradiance: (single && settings.irradiance.is_some())
                 .then(|| main.with_extension(format!("irradiance.{}", encoding.format().name()))),
             bounds: (single && settings.bounds).then(|| suffixed(&main, ".bounds")),
+            sun,
             preview,
             main,
         }
+    }
+
+    /// Where a file about the sun goes that has a place of its own.
+    fn sun_place(&self, file: SunFile) -> PathBuf {
+        suffixed(&self.main, &format!(".{}", file.name()))
     }
 
     const fn is_folder(&self) -> bool {
@@ -107,10 +171,11 @@ impl Outputs {
     }
 
     /// Files and folders beside one another.
-    pub(super) fn places(&self) -> impl Iterator<Item = &Path> {
+    pub(super) fn places(&self) -> impl Iterator<Item = PathBuf> {
         let report = self.report.as_ref().filter(|_| !self.is_folder());
         let others = [report, self.irradiance.as_ref(), self.bounds.as_ref(), self.preview.as_ref()];
-        std::iter::once(&self.main).chain(others.into_iter().flatten()).map(PathBuf::as_path)
+        let sun = self.sun.iter().filter(|_| !self.is_folder()).map(|file| self.sun_place(*file));
+        std::iter::once(&self.main).chain(others.into_iter().flatten()).cloned().chain(sun)
     }
 
     /// Whether all is there as it was written for `request`.
@@ -119,8 +184,8 @@ impl Outputs {
     }
 
     /// The places without the report.
-    fn hashed(&self) -> impl Iterator<Item = &Path> {
-        self.places().filter(|place| Some(*place) != self.report.as_deref())
+    fn hashed(&self) -> impl Iterator<Item = PathBuf> {
+        self.places().filter(|place| Some(place) != self.report.as_ref())
     }
 
     /// Fails where writing would before it begins. What is to stand in `fresh`, a folder that is yet to be made,
@@ -130,11 +195,11 @@ impl Outputs {
             if fresh.is_some() && place.parent() == fresh {
                 continue;
             }
-            let folder = (place == self.main && self.is_folder()) || Some(place) == self.bounds.as_deref();
+            let folder = (place == self.main && self.is_folder()) || Some(&place) == self.bounds.as_ref();
             if folder {
-                output::check_folder(place, self.existing)?;
+                output::check_folder(&place, self.existing)?;
             } else {
-                output::check_file(place, self.existing)?;
+                output::check_file(&place, self.existing)?;
             }
         }
         Ok(())
@@ -147,6 +212,7 @@ impl Outputs {
         bake: &Bake,
         compressed: u64,
         request: Hash,
+        opened: &Opened,
         told: impl FnOnce(Stored) -> Circumstances,
     ) -> Result<(Report, u64)> {
         let report_of = |stored: Stored, outputs: Hash| Report {
@@ -160,6 +226,7 @@ impl Outputs {
         };
         let metadata = metadata(settings);
         let irradiance = bake.irradiance.as_ref();
+        let write_sun = |folder: &Path| self.sun.iter().try_for_each(|file| file.write_into(folder, opened));
         let write_preview = |preview: &Option<Vec<u8>>| match (&self.preview, preview) {
             (Some(path), Some(bytes)) => {
                 output::write_file(path, self.existing, |file| file.write_all(bytes))
@@ -189,12 +256,16 @@ impl Outputs {
                 if let Some(path) = &self.bounds {
                     output::write_folder(path, self.existing, |folder| write_bounds(folder, &bake.chain))?;
                 }
+                for file in &self.sun {
+                    let bytes = file.bytes(opened)?;
+                    output::write_file(&self.sun_place(*file), self.existing, |out| out.write_all(&bytes))?;
+                }
                 write_preview(&preview)?;
                 let pixels = vec![pixel; bake.chain.levels.len()];
-                let hash = unchanged::joined(self.hashed().map(unchanged::hash_of))?;
+                let hash = unchanged::joined(self.hashed().map(|place| unchanged::hash_of(&place)))?;
                 let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash);
                 if let Some(path) = &self.report {
-                    let text = report_text(&report);
+                    let text = json_text(&report);
                     output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))?;
                 }
                 report
@@ -202,6 +273,7 @@ impl Outputs {
             Encoding::Exr(choice) => output::write_folder(&self.main, self.existing, |folder| {
                 let stored =
                     exr_write::write_level_folder(folder, &bake.chain, irradiance, choice, &metadata)?;
+                write_sun(folder)?;
                 let pixels: Vec<Pixel> = stored.iter().map(|level| level.pixel).collect();
                 let clamped = stored.iter().map(|level| level.clamped).sum();
                 let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash_of(folder)?);
@@ -213,6 +285,7 @@ impl Outputs {
                 if settings.bounds {
                     write_bounds(folder, &bake.chain)?;
                 }
+                write_sun(folder)?;
                 let pixels = bake.chain.levels.iter().map(|_| "rgbe".to_owned()).collect();
                 let report = report_of(
                     Stored { format, pixel: pixel_name, pixels, clamped: 0, floats: 0 },
@@ -225,7 +298,7 @@ impl Outputs {
         if self.is_folder() {
             write_preview(&preview)?;
         }
-        Ok((report, self.places().map(bytes_in).sum()))
+        Ok((report, self.places().map(|place| bytes_in(&place)).sum()))
     }
 
     fn write_report_into(&self, folder: &Path, report: &Report) -> Result<()> {
@@ -233,7 +306,7 @@ impl Outputs {
             return Ok(());
         }
         let path = folder.join(REPORT);
-        fs::write(&path, report_text(report)).map_err(|e| Error::io(&path, e))
+        fs::write(&path, json_text(report)).map_err(|e| Error::io(&path, e))
     }
 }
 
@@ -275,8 +348,9 @@ pub(super) fn metadata(settings: &BakeSettings) -> Vec<(String, String)> {
 /// The key that names the lobe.
 pub(super) const LOBE_KEY: &str = "octaglossLobe";
 
-pub(super) fn report_text(report: &Report) -> String {
-    serde_json::to_string_pretty(report).expect("keys are strings") + "\n"
+/// `value` as a file of its own.
+pub(super) fn json_text(value: &impl Serialize) -> String {
+    serde_json::to_string_pretty(value).expect("keys are strings") + "\n"
 }
 
 /// `m{level}_{face}_bound.exr` of every level.

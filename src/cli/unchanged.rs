@@ -96,10 +96,11 @@ pub(super) fn fingerprint(request: Hash, outputs: Hash) -> FingerprintReport {
 }
 
 /// Whether `outputs` still hold what `report` says was written to them for `request`.
-pub(super) fn holds<'a>(report: &Path, request: Hash, outputs: impl IntoIterator<Item = &'a Path>) -> bool {
+pub(super) fn holds(report: &Path, request: Hash, outputs: impl IntoIterator<Item = PathBuf>) -> bool {
     let text = fs::read(report).ok();
     let told = text.and_then(|text| serde_json::from_slice::<Report>(&text).ok()?.fingerprint);
     told.is_some_and(|told| {
-        joined(outputs.into_iter().map(hash_of)).is_ok_and(|outputs| told == fingerprint(request, outputs))
+        joined(outputs.into_iter().map(|output| hash_of(&output)))
+            .is_ok_and(|outputs| told == fingerprint(request, outputs))
     })
 }

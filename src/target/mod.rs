@@ -313,6 +313,6 @@ pub fn is_target_file(path: &str) -> bool {
             .is_some_and(|name| !name.is_empty())
     };
     let files = || TARGETS.iter().flat_map(|target| target.files);
-    path == "report.json"
+    ["report.json", "sun.json"].contains(&path)
         || files().any(|file| extensions.iter().any(|ext| matches(&file.path.replace("{ext}", ext))))
 }
