@@ -9,6 +9,7 @@ use crate::lobe::Lobe;
 use crate::oem::OemSize;
 use crate::reflector::{Reflector, ReflectorSettings, default_oem_size, source_oem_size};
 use crate::sh;
+use crate::sh_window::ShWindow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -54,6 +55,10 @@ pub struct BakeSettings {
     pub bounds: bool,
     /// Edge of an irradiance cube (cosine lobe, divided by pi) to bake as well.
     pub irradiance: Option<u32>,
+    /// The highest band of the spherical harmonics, at most [`sh::MAX_ORDER`].
+    pub sh_order: u32,
+    /// What their bands are multiplied by.
+    pub sh_window: ShWindow,
 }
 
 impl Default for BakeSettings {
@@ -68,6 +73,8 @@ impl Default for BakeSettings {
             border: None,
             bounds: false,
             irradiance: None,
+            sh_order: 2,
+            sh_window: ShWindow::None,
         }
     }
 }
@@ -145,8 +152,10 @@ pub struct Bake {
     pub stats: Vec<LevelStats>,
     /// The irradiance cube, where asked for; values are irradiance/pi.
     pub irradiance: Option<CubeLevel>,
-    /// Spherical harmonics L0..L2 of the source, see [`crate::sh`].
-    pub sh: [[f64; 3]; 9],
+    /// Spherical harmonics of the source, see [`crate::sh`], windowed.
+    pub sh: Vec<[f64; 3]>,
+    /// Their window, its width found where it was to be.
+    pub sh_window: ShWindow,
     /// The OEM's size.
     pub oem: OemSize,
     /// Total energy (radiance times solid angle) of the source, a channel each.
@@ -248,6 +257,10 @@ impl<'a> Order<'a> {
         let mut wanted = Vec::with_capacity(settings.len());
         let mut all_rungs = Vec::new();
         for settings in settings {
+            if settings.sh_order > sh::MAX_ORDER {
+                let (asked, most) = (settings.sh_order, sh::MAX_ORDER);
+                return Err(Error::Parameter(format!("--sh-order {asked} is above {most}")));
+            }
             if settings.irradiance == Some(0) {
                 return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
             }
@@ -317,7 +330,8 @@ impl<'a> Order<'a> {
                 oem.inner
             ));
         }
-        let sh = sh::spherical_harmonics(environment);
+        let highest = settings.iter().map(|settings| settings.sh_order).max().unwrap_or(0);
+        let sh = sh::spherical_harmonics(environment, highest);
         // L0 is the integral of the radiance times the constant 1/sqrt(4 pi).
         let source_energy = sh[0].map(|coefficient| coefficient * (4.0 * std::f64::consts::PI).sqrt());
         let stats: Vec<LevelStats> =
@@ -338,13 +352,16 @@ impl<'a> Order<'a> {
         };
         let assemble = |(settings, mut places): (&BakeSettings, Vec<usize>)| {
             let irradiance = settings.irradiance.and_then(|_| places.pop());
+            let sh = &sh[..sh::count(settings.sh_order)];
+            let sh_window = settings.sh_window.settled(sh);
             Bake {
                 chain: CubeChain {
                     levels: places.iter().map(|place| cube_level(*place, settings.bounds)).collect(),
                 },
                 stats: places.iter().map(|place| stats[*place].clone()).collect(),
                 irradiance: irradiance.map(|place| cube_level(place, false)),
-                sh,
+                sh: sh_window.apply(sh),
+                sh_window,
                 oem,
                 source_energy,
                 oem_energy: [totals[0], totals[1], totals[2]],

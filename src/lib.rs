@@ -102,6 +102,7 @@ pub mod sat_f32;
 pub mod seamless;
 pub mod sh;
 pub mod sh_scale;
+pub mod sh_window;
 pub mod sphere;
 pub mod sun;
 pub mod survey;

@@ -4,6 +4,7 @@
 
 use crate::bake::{Bake, BakeSettings, Filter, Ladder};
 use crate::io::Repairs;
+use crate::sh::order_text;
 use crate::sun::Sun;
 use serde::{Deserialize, Serialize};
 
@@ -93,15 +94,18 @@ pub struct EnergyReport {
     pub relative_difference: f64,
 }
 
-/// Spherical harmonics L0 to L2.
+/// Spherical harmonics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShReport {
-    /// Nine coefficients, red, green and blue each.
-    pub coefficients: [[f64; 3]; 9],
+    /// Nine coefficients, or as many as were asked for, red, green and blue each.
+    pub coefficients: Vec<[f64; 3]>,
     /// Which coefficient is which.
     pub order: String,
     /// What they are multiplied by.
     pub scale: String,
+    /// What their bands are multiplied by besides: `none`, or the window's name and its width in bands.
+    #[serde(default)]
+    pub window: String,
 }
 
 /// What was set right in the input.
@@ -309,13 +313,13 @@ impl Report {
                 relative_difference: relative_difference(bake.source_energy, bake.oem_energy),
             },
             sh: ShReport {
-                coefficients: bake.sh,
-                order: "L00, L1-1 (y), L10 (z), L11 (x), L2-2 (xy), L2-1 (yz), L20 (3zz-1), L21 (xz), L22 (xx-yy)"
-                    .to_owned(),
+                coefficients: bake.sh.clone(),
+                order: order_text(bake.sh.len()),
                 scale: "integrals of radiance times the real orthonormal basis without the Condon-Shortley phase: \
                         0.282095, 0.488603 {y, z, x}, 1.092548 {xy, yz}, 0.315392 (3zz-1), 1.092548 xz, \
-                        0.546274 (xx-yy); no cosine, no division by pi"
+                        0.546274 (xx-yy) and so on; no cosine, no division by pi"
                     .to_owned(),
+                window: bake.sh_window.to_string(),
             },
             sun: told.sun,
             repaired: told.repaired,

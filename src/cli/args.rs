@@ -5,6 +5,8 @@ use octagloss::bake::{Filter, Ladder};
 use octagloss::io::pixels::Pixel;
 use octagloss::lobe::Lobe;
 use octagloss::overflow::Overflow;
+use octagloss::sh::MAX_ORDER;
+use octagloss::sh_window::ShWindow;
 use octagloss::target::{Diffuse, Flip, Plan, TARGETS, Target};
 use std::path::PathBuf;
 
@@ -181,6 +183,19 @@ pub(super) struct BakeArgs {
     /// file, OUT's stem with .irradiance.ktx2 or the like.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(super) irradiance: Option<u32>,
+    /// Highest band of spherical harmonics, 2 to 4
+    ///
+    /// In the report and in sh.json; Filament and EXT_lights_image_based have bands up to 2 only. [default: 2]
+    #[arg(long, value_name = "L", default_value_t = 2, hide_default_value = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_ORDER)))]
+    pub(super) sh_order: u32,
+    /// Their window against ringing [default: none]
+    ///
+    /// none; hanning:W, lanczos:W and sinc4:W scale band l by (1 + cos x)/2, sin(x)/x and (sin(x)/x)^4, x = pi l/W, and
+    /// to 0 from l = W on; nonnegative is sinc4 of the widest W for which irradiance is nowhere negative, as cmgen's
+    /// --sh-window=auto has it.
+    #[arg(long, value_name = "WINDOW", default_value = "none", hide_default_value = true, value_parser = sh_window)]
+    pub(super) sh_window: ShWindow,
     /// Axis turned about by the engine: none, x or z
     ///
     /// Cubes for engines that negate a coordinate before they look into a cube map; with --target only, whose own it
@@ -632,6 +647,22 @@ pub(super) fn filter(text: &str) -> Result<Filter, String> {
         ("box", None) => Ok(Filter::Box),
         ("reference", None) => Ok(Filter::Reference),
         _ => Err("there are adaptive:E, box and reference".to_owned()),
+    }
+}
+
+/// A window of spherical harmonics, as reports name it.
+fn sh_window(text: &str) -> Result<ShWindow, String> {
+    let width = |text: &str| match number(text)? {
+        width if width > 0.0 && width.is_finite() => Ok(width),
+        _ => Err("the width of a window must be above 0 and finite".to_owned()),
+    };
+    match text.split_once(':') {
+        None if text == "none" => Ok(ShWindow::None),
+        None if text == "nonnegative" => Ok(ShWindow::Nonnegative),
+        Some(("hanning", value)) => width(value).map(ShWindow::Hanning),
+        Some(("lanczos", value)) => width(value).map(ShWindow::Lanczos),
+        Some(("sinc4", value)) => width(value).map(ShWindow::Sinc4),
+        _ => Err("there are none, hanning:W, lanczos:W, sinc4:W and nonnegative".to_owned()),
     }
 }
 

@@ -305,6 +305,8 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         border: args.table.border,
         bounds: args.bounds,
         irradiance: args.irradiance,
+        sh_order: args.sh_order,
+        sh_window: args.sh_window,
     };
     match settings.rungs() {
         Ok(_) => Ok(settings),

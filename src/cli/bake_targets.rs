@@ -355,6 +355,8 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
         border: args.table.border,
         bounds: false,
         irradiance: cube.then(|| args.irradiance.unwrap_or(target.irradiance_size)),
+        sh_order: args.sh_order,
+        sh_window: args.sh_window,
     };
     match settings.rungs() {
         Ok(_) => Ok((plan, settings)),

@@ -16,6 +16,7 @@ mod patch;
 mod texels;
 
 pub use oem::{OemOracle, reflect_oem};
+pub(crate) use patch::gauss_legendre;
 pub(crate) use texels::SourceTexels;
 
 use crate::environment::{Environment, Layout, Rgb};

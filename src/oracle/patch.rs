@@ -9,7 +9,7 @@ use std::f64::consts::{PI, SQRT_2};
 use std::sync::LazyLock;
 
 /// Nodes in (0, 1) and weights of the Gauss-Legendre rule of `order` points.
-pub(super) fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
     let n = f64::from(order);
     (0..order)
         .map(|k| {
