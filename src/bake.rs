@@ -34,6 +34,22 @@ pub enum Filter {
     Reference,
 }
 
+impl Filter {
+    /// Whether it can be had of `lobe`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where it cannot.
+    pub fn check(self, lobe: Lobe) -> Result<()> {
+        match (self, lobe) {
+            (Self::Box, Lobe::Charlie) => Err(Error::Parameter(
+                "one box around a direction is no Charlie lobe, which is dark there; use --filter adaptive:E"
+                    .to_owned(),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
 /// What to bake. `Default` is what `octagloss bake INPUT` does.
 #[derive(Clone, Debug)]
 pub struct BakeSettings {
@@ -59,6 +75,8 @@ pub struct BakeSettings {
     pub sh_order: u32,
     /// What their bands are multiplied by.
     pub sh_window: ShWindow,
+    /// Bake the sizes and roughnesses of the chain with the Charlie lobe (sheen) as well.
+    pub sheen: bool,
 }
 
 impl Default for BakeSettings {
@@ -75,6 +93,7 @@ impl Default for BakeSettings {
             irradiance: None,
             sh_order: 2,
             sh_window: ShWindow::None,
+            sheen: false,
         }
     }
 }
@@ -92,10 +111,15 @@ impl BakeSettings {
     /// Size and roughness of every level.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for no size, no levels, or more levels than reach a size of 1.
+    /// [`Error::Parameter`] for no size, no levels, more levels than reach a size of 1, or a filter that the lobe does
+    /// not have.
     pub fn rungs(&self) -> Result<Vec<Rung>> {
         if self.size == 0 {
             return Err(Error::Parameter("--size must be at least 1".to_owned()));
+        }
+        self.filter.check(self.lobe)?;
+        if self.sheen {
+            self.filter.check(Lobe::Charlie)?;
         }
         let most = self.size.ilog2() + 1;
         let own = match self.ladder {
@@ -152,6 +176,10 @@ pub struct Bake {
     pub stats: Vec<LevelStats>,
     /// The irradiance cube, where asked for; values are irradiance/pi.
     pub irradiance: Option<CubeLevel>,
+    /// The levels of the Charlie lobe, where asked for.
+    pub sheen: Option<CubeChain>,
+    /// Their figures.
+    pub sheen_stats: Vec<LevelStats>,
     /// Spherical harmonics of the source, see [`crate::sh`], windowed.
     pub sh: Vec<[f64; 3]>,
     /// Their window, its width found where it was to be.
@@ -227,7 +255,7 @@ pub(crate) struct Order<'a> {
     environment: &'a Environment,
     settings: &'a [BakeSettings],
     parts: Vec<Part>,
-    /// Which parts each bake takes: its ladder, then its irradiance where it is asked for.
+    /// Which parts each bake takes: its ladder, then that of its sheen and its irradiance where they are asked for.
     wanted: Vec<Vec<usize>>,
     /// The rungs of all ladders.
     rungs: Vec<Rung>,
@@ -266,13 +294,21 @@ impl<'a> Order<'a> {
             }
             let filter = settings.filter;
             let rungs = settings.rungs()?;
-            all_rungs.extend(rungs.iter().copied());
-            let levels = rungs.into_iter().map(|rung| Part { rung, lobe: settings.lobe, filter });
+            let sheen = settings.sheen.then_some(Lobe::Charlie);
+            let lobes = std::iter::once(settings.lobe).chain(sheen);
+            let levels: Vec<Part> = lobes
+                .flat_map(|lobe| rungs.iter().map(move |rung| Part { rung: *rung, lobe, filter }))
+                .collect();
+            all_rungs.extend(levels.iter().map(|Part { rung, lobe, .. }| Rung {
+                roughness: lobe.served_roughness(rung.roughness),
+                ..*rung
+            }));
             let irradiance = settings.irradiance.map(|size| {
                 let rung = Rung { size, roughness: 1.0 };
                 Part { rung, lobe: Lobe::Cosine, filter }
             });
             let places: Vec<usize> = levels
+                .into_iter()
                 .chain(irradiance)
                 .map(|part| {
                     parts.iter().position(|other| *other == part).unwrap_or_else(|| {
@@ -352,6 +388,7 @@ impl<'a> Order<'a> {
         };
         let assemble = |(settings, mut places): (&BakeSettings, Vec<usize>)| {
             let irradiance = settings.irradiance.and_then(|_| places.pop());
+            let sheen = if settings.sheen { places.split_off(places.len() / 2) } else { Vec::new() };
             let sh = &sh[..sh::count(settings.sh_order)];
             let sh_window = settings.sh_window.settled(sh);
             Bake {
@@ -360,6 +397,10 @@ impl<'a> Order<'a> {
                 },
                 stats: places.iter().map(|place| stats[*place].clone()).collect(),
                 irradiance: irradiance.map(|place| cube_level(place, false)),
+                sheen: settings.sheen.then(|| CubeChain {
+                    levels: sheen.iter().map(|place| cube_level(*place, false)).collect(),
+                }),
+                sheen_stats: sheen.iter().map(|place| stats[*place].clone()).collect(),
                 sh: sh_window.apply(sh),
                 sh_window,
                 oem,

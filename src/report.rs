@@ -2,7 +2,8 @@
 //!
 //! Two runs with the same input and options give the same report, but for the keys named `seconds`.
 
-use crate::bake::{Bake, BakeSettings, Filter, Ladder};
+use crate::bake::{Bake, BakeSettings, Filter, Ladder, LevelStats};
+use crate::chain::CubeLevel;
 use crate::io::Repairs;
 use crate::sh::order_text;
 use crate::sun::Sun;
@@ -23,6 +24,9 @@ pub struct Report {
     pub oem: OemReport,
     /// The levels, the sharpest first.
     pub levels: Vec<LevelReport>,
+    /// The levels of the sheen; absent where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sheen: Vec<LevelReport>,
     /// Energy before and after reparameterisation.
     pub energy: EnergyReport,
     /// Spherical harmonics of the source.
@@ -289,24 +293,15 @@ impl Report {
     /// The report of `bake`.
     #[must_use]
     pub fn new(settings: &BakeSettings, bake: &Bake, told: Circumstances) -> Self {
-        let levels = bake.chain.levels.iter().zip(&bake.stats).zip(told.level_pixels).enumerate();
-        let levels = levels.map(|(index, ((level, stats), pixel))| LevelReport {
-            level: u32::try_from(index).expect("a cube has at most 32 levels"),
-            size: level.size,
-            roughness: level.roughness,
-            pixel,
-            seconds: stats.seconds,
-            leaves_per_texel: stats.leaves_per_texel,
-            error_bound_max: stats.error_bound_max,
-            error_bound_mean: stats.error_bound_mean,
-        });
+        let sheen = bake.sheen.as_ref().map_or(&[][..], |sheen| &sheen.levels);
         Self {
             generator: concat!("octagloss ", env!("CARGO_PKG_VERSION")).to_owned(),
             input: told.input,
             engine: told.engine,
             adapter: told.adapter,
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
-            levels: levels.collect(),
+            levels: level_reports(&bake.chain.levels, &bake.stats, &told.level_pixels),
+            sheen: level_reports(sheen, &bake.sheen_stats, &told.level_pixels),
             energy: EnergyReport {
                 source: bake.source_energy,
                 oem: bake.oem_energy,
@@ -356,6 +351,21 @@ impl Report {
     pub fn error_bound_max(&self) -> Option<f64> {
         self.levels.iter().filter_map(|level| level.error_bound_max).reduce(f64::max)
     }
+}
+
+fn level_reports(levels: &[CubeLevel], stats: &[LevelStats], pixels: &[String]) -> Vec<LevelReport> {
+    let report =
+        |(index, ((level, stats), pixel)): (usize, ((&CubeLevel, &LevelStats), &String))| LevelReport {
+            level: u32::try_from(index).expect("a cube has at most 32 levels"),
+            size: level.size,
+            roughness: level.roughness,
+            pixel: pixel.clone(),
+            seconds: stats.seconds,
+            leaves_per_texel: stats.leaves_per_texel,
+            error_bound_max: stats.error_bound_max,
+            error_bound_mean: stats.error_bound_mean,
+        };
+    levels.iter().zip(stats).zip(pixels).enumerate().map(report).collect()
 }
 
 /// The filter as the command line has it.

@@ -148,9 +148,10 @@ pub(super) struct BakeArgs {
     /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it.
     #[arg(long, value_name = "LADDER", hide_possible_values = true)]
     pub(super) ladder: Option<LadderArg>,
-    /// Reflection lobe: ggx, phong, cone or cosine
+    /// ggx, phong, cone, cosine or charlie
     ///
-    /// cosine is irradiance over pi; it has no roughness and bakes one level.
+    /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band towards the
+    /// horizon; it has no mirror, and below roughness 0.125 it is that of 0.125. It is the CPU's.
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: LobeArg,
     /// adaptive:E, box or reference
@@ -214,8 +215,8 @@ pub(super) struct BakeArgs {
     pub(super) name: Option<String>,
     /// Say what would be written, and write nothing
     ///
-    /// A line a file on standard output; inputs are looked for, but not read. With --target only.
-    #[arg(long, requires = "target")]
+    /// A line a file on standard output; inputs are looked for, but read only for --skip-unchanged.
+    #[arg(long)]
     pub(super) dry_run: bool,
     /// Write a picture of spheres down the ladder
     #[arg(long, value_name = "FILE.png")]
@@ -269,7 +270,7 @@ pub(super) struct QueryArgs {
     /// Required but for the cosine lobe, which has none.
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = roughness)]
     pub(super) roughness: Option<f64>,
-    /// Reflection lobe: ggx, phong, cone or cosine
+    /// ggx, phong, cone, cosine or charlie
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: LobeArg,
     /// adaptive:E, box or reference
@@ -448,6 +449,7 @@ pub(super) enum LobeArg {
     Phong,
     Cone,
     Cosine,
+    Charlie,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -513,6 +515,7 @@ impl From<LobeArg> for Lobe {
             LobeArg::Phong => Self::Phong,
             LobeArg::Cone => Self::Cone,
             LobeArg::Cosine => Self::Cosine,
+            LobeArg::Charlie => Self::Charlie,
         }
     }
 }

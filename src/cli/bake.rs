@@ -52,8 +52,11 @@ pub(super) fn run(args: BakeArgs) -> Outcome {
     }
     let talk = Talk::new(args.quiet);
     args.engine.check()?;
-    let threads = args.engine.threads;
+    let (threads, dry_run) = (args.engine.threads, args.dry_run);
     let plan = Plan::new(args)?;
+    if dry_run {
+        return plan.foretell();
+    }
     on_threads(threads, || plan.run(&talk))
 }
 
@@ -124,6 +127,41 @@ impl Plan {
         })
     }
 
+    /// What would be written, a line a file.
+    fn foretell(&self) -> Outcome {
+        let fresh = self.fresh_folder()?;
+        let mut text = String::new();
+        for job in &self.jobs {
+            job.source.check()?;
+            if self.is_up_to_date(job) {
+                continue;
+            }
+            job.outputs.check(fresh)?;
+            for (path, content) in job.outputs.files(&self.settings)? {
+                text += &format!("{}\t{content}\n", path.display());
+            }
+        }
+        print(&text)
+    }
+
+    /// The folder for several outputs, where it is yet to be made.
+    fn fresh_folder(&self) -> Outcome<Option<&Path>> {
+        let fresh = self.folder.as_deref().filter(|folder| !folder.exists());
+        match (&self.folder, fresh) {
+            (Some(folder), None) if !folder.is_dir() => {
+                return Err(anyhow!("{}: is a file; several inputs need a folder", folder.display()).into());
+            }
+            (_, Some(fresh)) => output::check_folder(fresh, Existing::Keep)?,
+            _ => {}
+        }
+        Ok(fresh)
+    }
+
+    /// Whether `job` is to be left alone.
+    fn is_up_to_date(&self, job: &Job) -> bool {
+        self.skip_unchanged && self.request(job).is_ok_and(|request| job.outputs.holds(request))
+    }
+
     fn run(&self, talk: &Talk) -> Outcome {
         let mut failed = false;
         let mut tell = |failure: Failure| match failure {
@@ -135,17 +173,10 @@ impl Plan {
             other => Err(other),
         };
         // What cannot be written is told before anything is baked.
-        let fresh = self.folder.as_deref().filter(|folder| !folder.exists());
-        match (&self.folder, fresh) {
-            (Some(folder), None) if !folder.is_dir() => {
-                return Err(anyhow!("{}: is a file; several inputs need a folder", folder.display()).into());
-            }
-            (_, Some(fresh)) => output::check_folder(fresh, Existing::Keep)?,
-            _ => {}
-        }
+        let fresh = self.fresh_folder()?;
         let mut ready = Vec::new();
         for job in &self.jobs {
-            if self.skip_unchanged && self.request(job).is_ok_and(|request| job.outputs.holds(request)) {
+            if self.is_up_to_date(job) {
                 talk.note(&format!("{}: unchanged", job.outputs.main.display()));
                 continue;
             }
@@ -266,7 +297,8 @@ impl Told<'_> {
 
 /// Prepares every level of `baked` for `pixel`; the texels that were scaled down.
 pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> octagloss::Result<u64> {
-    let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut());
+    let sheen = baked.sheen.as_mut().map_or(&mut [][..], |sheen| &mut sheen.levels);
+    let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut()).chain(sheen);
     levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum()
 }
 
@@ -307,6 +339,7 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         irradiance: args.irradiance,
         sh_order: args.sh_order,
         sh_window: args.sh_window,
+        sheen: false,
     };
     match settings.rungs() {
         Ok(_) => Ok(settings),

@@ -4,7 +4,7 @@ use super::args::{BakeArgs, EngineArgs, InputArgs, LobeArg};
 use super::bake::{Told, compress, container};
 use super::engine::Engine;
 use super::input::{self, Opened, Source};
-use super::output::{Stored, SunFile, json_text, metadata};
+use super::output::{Stored, SunFile, cube_told, json_text, metadata};
 use super::talk::{self, Talk};
 use super::unchanged::{self, REPORT};
 use super::{Failure, Outcome, on_threads, print, usage};
@@ -132,8 +132,9 @@ impl Work {
     fn foretell(&self) -> Outcome {
         let mut text = String::new();
         for job in &self.jobs {
-            for file in job.source.files() {
-                fs::metadata(file).map_err(|error| Error::io(file, error))?;
+            job.source.check()?;
+            if self.is_up_to_date(job) {
+                continue;
             }
             self.check(job)?;
             for (plan, settings) in &self.plans {
@@ -167,7 +168,7 @@ impl Work {
         let mut failed = false;
         let engine = OnceCell::new();
         for job in &self.jobs {
-            if self.skip_unchanged && self.holds(job) {
+            if self.is_up_to_date(job) {
                 talk.note(&format!("{}: unchanged", job.folder.display()));
                 continue;
             }
@@ -183,14 +184,16 @@ impl Work {
         if failed { Err(Failure::Told) } else { Ok(()) }
     }
 
-    /// Whether every target's folder is as it was written for the same request.
-    fn holds(&self, job: &Job) -> bool {
-        unchanged::request(&job.source, &self.options).is_ok_and(|request| {
-            self.plans.iter().all(|(plan, _)| {
-                let report = job.folder.join(self.within(plan)).join(REPORT);
-                unchanged::holds(&report, request, [job.folder.clone()])
+    /// Whether `job` is to be left alone: every target's folder is as it was written for the same request.
+    fn is_up_to_date(&self, job: &Job) -> bool {
+        let request = unchanged::request(&job.source, &self.options);
+        self.skip_unchanged
+            && request.is_ok_and(|request| {
+                self.plans.iter().all(|(plan, _)| {
+                    let report = job.folder.join(self.within(plan)).join(REPORT);
+                    unchanged::holds(&report, request, [job.folder.clone()])
+                })
             })
-        })
     }
 
     fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
@@ -300,13 +303,12 @@ impl Work {
 fn told(plan: &Plan, settings: &BakeSettings, content: Content) -> octagloss::Result<String> {
     let pixel = plan.pixel.name();
     Ok(match content {
-        Content::Specular => {
-            let rungs = settings.rungs()?;
-            format!("{pixel} cube {}, {} levels", settings.size, rungs.len())
-        }
-        Content::Skybox => format!("{pixel} cube {}, 1 level", settings.size),
+        Content::Specular => cube_told(pixel, settings.size, settings.rungs()?.len()),
+        Content::Sheen => cube_told(&format!("{pixel} sheen"), settings.size, settings.rungs()?.len()),
+        Content::Skybox => cube_told(pixel, settings.size, 1),
         Content::Irradiance => {
-            format!("{pixel} irradiance cube {}", settings.irradiance.unwrap_or(plan.target.irradiance_size))
+            let size = settings.irradiance.unwrap_or(plan.target.irradiance_size);
+            cube_told(&format!("{pixel} irradiance"), size, 1)
         }
         Content::ShJson | Content::ShText => "spherical harmonics".to_owned(),
     })
@@ -357,6 +359,7 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
         irradiance: cube.then(|| args.irradiance.unwrap_or(target.irradiance_size)),
         sh_order: args.sh_order,
         sh_window: args.sh_window,
+        sheen: target.has_sheen(),
     };
     match settings.rungs() {
         Ok(_) => Ok((plan, settings)),

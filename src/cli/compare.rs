@@ -2,7 +2,6 @@
 
 use super::args::{CompareArgs, InputArgs, Texels};
 use super::input::{self, is_ktx2, ktx2_text, read_bake};
-use super::output::LOBE_KEY;
 use super::talk::Talk;
 use super::{Outcome, on_threads, print, usage};
 use anyhow::anyhow;
@@ -14,7 +13,7 @@ use octagloss::io::{
     self,
     output::{self, Existing},
 };
-use octagloss::lobe::Lobe;
+use octagloss::lobe::{LOBE_KEY, Lobe};
 use octagloss::preview::error_picture;
 use octagloss::report::Report;
 use serde::Serialize;
@@ -178,20 +177,17 @@ impl Told {
         let report = fs::read(report).ok().and_then(|text| serde_json::from_slice::<Report>(&text).ok());
         match report {
             Some(Report { options, .. }) => Self {
-                lobe: lobe_named(&options.lobe),
+                lobe: Lobe::named(&options.lobe),
                 rotate_y: Some(options.rotate_y),
                 mirror: options.mirror,
                 extract_sun: options.extract_sun,
             },
-            None => {
-                Self { lobe: ktx2_text(bake, LOBE_KEY).and_then(|name| lobe_named(&name)), ..Self::default() }
-            }
+            None => Self {
+                lobe: ktx2_text(bake, LOBE_KEY).and_then(|name| Lobe::named(&name)),
+                ..Self::default()
+            },
         }
     }
-}
-
-fn lobe_named(name: &str) -> Option<Lobe> {
-    [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine].into_iter().find(|lobe| lobe.name() == name)
 }
 
 fn judge(levels: &[LevelErrors], limit: Option<f64>) -> Outcome {

@@ -4,7 +4,7 @@ use super::args::{BakeArgs, FormatArg};
 use super::input::Opened;
 use super::unchanged::{self, REPORT, fingerprint};
 use blake3::Hash;
-use octagloss::bake::{Bake, BakeSettings};
+use octagloss::bake::{Bake, BakeSettings, Rung};
 use octagloss::chain::{CubeChain, CubeLevel};
 use octagloss::io::cube_write::{Container, cube_bytes};
 use octagloss::io::environment_write::exact_exr_bytes;
@@ -12,6 +12,7 @@ use octagloss::io::exr_write::{self, ExrPixel, Samples};
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::io::{hdr_write, png_write};
+use octagloss::lobe::LOBE_KEY;
 use octagloss::report::{Circumstances, Report, filter_name};
 use octagloss::sphere::cube::Face;
 use octagloss::{Error, Result, preview};
@@ -205,6 +206,46 @@ impl Outputs {
         Ok(())
     }
 
+    /// The files that will be written, and what each will be.
+    pub(super) fn files(&self, settings: &BakeSettings) -> Result<Vec<(PathBuf, String)>> {
+        let pixel = self.encoding.pixel_name();
+        let rungs = settings.rungs()?;
+        let faces = |folder: &Path, name: String, told: String| {
+            Face::ALL.map(|face| (folder.join(name.replace("{face}", face.short_name())), told.clone()))
+        };
+        let mut files = Vec::new();
+        if self.is_folder() {
+            let extension = self.encoding.format().name();
+            for (index, rung) in rungs.iter().enumerate() {
+                let told = format!("{pixel} face {}", rung.size);
+                files.extend(faces(&self.main, format!("m{index}_{{face}}.{extension}"), told));
+            }
+            if let Some(size) = settings.irradiance {
+                let told = format!("{pixel} irradiance face {size}");
+                files.extend(faces(&self.main, format!("irradiance_{{face}}.{extension}"), told));
+            }
+        } else {
+            files.push((self.main.clone(), cube_told(pixel, settings.size, rungs.len())));
+            if let (Some(path), Some(size)) = (&self.irradiance, settings.irradiance) {
+                files.push((path.clone(), cube_told(&format!("{pixel} irradiance"), size, 1)));
+            }
+        }
+        // A mirror has no bounds.
+        let bounded = |rung: &Rung| settings.bounds && !(rung.roughness == 0.0 && settings.lobe.has_mirror());
+        for (index, rung) in rungs.iter().enumerate().filter(|(_, rung)| bounded(rung)) {
+            let folder = self.bounds.as_ref().unwrap_or(&self.main);
+            let told = format!("f32 error bounds {}", rung.size);
+            files.extend(faces(folder, format!("m{index}_{{face}}_bound.exr"), told));
+        }
+        for file in &self.sun {
+            let path = if self.is_folder() { self.main.join(file.name()) } else { self.sun_place(*file) };
+            files.push((path, file.content().to_owned()));
+        }
+        files.extend(self.preview.iter().map(|path| (path.clone(), "picture".to_owned())));
+        files.extend(self.report.iter().map(|path| (path.clone(), "report".to_owned())));
+        Ok(files)
+    }
+
     /// Writes all; `told` is completed with what was stored, the report comes back with the bytes written.
     pub(super) fn write(
         &self,
@@ -310,6 +351,14 @@ impl Outputs {
     }
 }
 
+/// What a cube is, in a few words.
+pub(super) fn cube_told(kind: &str, size: u32, levels: usize) -> String {
+    match levels {
+        1 => format!("{kind} cube {size}"),
+        _ => format!("{kind} cube {size}, {levels} levels"),
+    }
+}
+
 /// How a bake was stored.
 pub(super) struct Stored {
     /// Format of the output.
@@ -344,9 +393,6 @@ pub(super) fn metadata(settings: &BakeSettings) -> Vec<(String, String)> {
     .map(|(key, value)| (key.to_owned(), value))
     .to_vec()
 }
-
-/// The key that names the lobe.
-pub(super) const LOBE_KEY: &str = "octaglossLobe";
 
 /// `value` as a file of its own.
 pub(super) fn json_text(value: &impl Serialize) -> String {

@@ -14,7 +14,8 @@
 //!
 //! The estimate is k(t) + V k''(t)/2, kept inside the interval; the certified error is the greater of the sums of what
 //! lies above and what lies below. Two cases bound less sharply: a cell across the horizon, where k has a kink, takes the chord of k from a to b above and
-//! k(t) below (Edmundson and Madansky; Jensen), and lobes that are not smooth (cones, wide Phong) take k(a) and k(b).
+//! k(t) below (Edmundson and Madansky; Jensen), and lobes that are not smooth (cones, wide Phong) take k(a) and k(b). Charlie,
+//! which rises before it falls, has bounds of its own (`kernel`).
 //!
 //! V is used as ((R - m).C.(R - m)), which keeps its precision near the peak; what that leaves out is the radial part
 //! (l - m).m, whose deviation is at most sqrt(tr C) rho/2 (Bhatia and Davis 2000 on [1 - rho^2/2, 1]), so V lies
@@ -24,7 +25,7 @@
 //! packet. Which cells are leaves decides how tight the bound is, never whether it holds.
 
 use super::cells::{Cells, Quad};
-use super::kernel::{Kernel, Radial, expected_error, interval, with_radial};
+use super::kernel::{Kernel, Radial, expected_error, with_radial};
 use super::subtexel;
 use crate::environment::{LUMINANCE, Rgb};
 use glam::DVec3;
@@ -196,7 +197,8 @@ impl<'a> Adaptive<'a> {
     /// Lobes of `kernel` to a relRMSE of `error` over the sphere.
     #[must_use]
     pub fn new(cells: &'a Cells, kernel: Kernel, error: f64) -> Self {
-        let tolerance = LEAF_SHARE * error * cells.mean_luminance * kernel.integral;
+        let share = LEAF_SHARE * kernel.leaf_share();
+        let tolerance = share * error * cells.mean_luminance * kernel.integral;
         Self { cells, kernel, tolerance, scale: 1.0, arch: pulp::Arch::new() }
     }
 
@@ -277,7 +279,7 @@ impl<'a> Adaptive<'a> {
                 let squared = x * x + y * y + z * z;
                 let along =
                     xx * x * x + yy * y * y + zz * z * z + 2.0 * (yz * y * z + zx * z * x + xy * x * y);
-                let share = interval(kernel, squared, trace, along, leaf.radius);
+                let share = kernel.interval(squared, trace, along, leaf.radius);
                 sums[0][k] += share.estimate * red;
                 sums[1][k] += share.estimate * green;
                 sums[2][k] += share.estimate * blue;

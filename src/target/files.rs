@@ -5,6 +5,7 @@ use crate::bake::Bake;
 use crate::chain::{CubeChain, CubeLevel};
 use crate::error::{Error, Result};
 use crate::io::cube_write::{Container, cube_bytes};
+use crate::lobe::{LOBE_KEY, Lobe};
 use crate::sh::{name, order_text};
 use crate::sh_scale::{ShScale, scaled};
 
@@ -26,27 +27,33 @@ pub struct Made {
 ///
 /// # Errors
 /// [`Error::Parameter`] where the container cannot hold the pixels or the levels, and where the plan asks for an
-/// irradiance cube that was not baked.
+/// irradiance or a sheen cube that was not baked.
 pub fn files(plan: &Plan, stem: &str, bake: &Bake, metadata: &[(String, String)]) -> Result<Vec<Made>> {
     plan.check()?;
     let make = |(path, content): (String, Content)| {
         let cube = |levels: &[CubeLevel], sh: bool| {
             let chain = CubeChain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
-            cube_bytes(plan.container, &chain, plan.pixel, &cube_metadata(plan, bake, metadata, sh))
+            let mut pairs = cube_metadata(plan, bake, metadata, sh);
+            if content == Content::Sheen {
+                let lobe = pairs.iter_mut().filter(|(key, _)| key == LOBE_KEY);
+                lobe.for_each(|(_, value)| Lobe::Charlie.name().clone_into(value));
+            }
+            cube_bytes(plan.container, &chain, plan.pixel, &pairs)
         };
+        let missing = |what: &str| Error::Parameter(format!("{what} is to be written that was not baked"));
         let (bytes, clamped) = match content {
             Content::ShJson => (sh_json(plan, bake).into_bytes(), Vec::new()),
             Content::ShText => (sh_text(bake).into_bytes(), Vec::new()),
-            Content::Specular | Content::Skybox | Content::Irradiance => {
+            Content::Specular | Content::Skybox | Content::Sheen | Content::Irradiance => {
                 let file = match content {
                     Content::Specular => cube(&bake.chain.levels, plan.diffuse.has_sh())?,
                     Content::Skybox => cube(&bake.chain.levels[..1], false)?,
+                    Content::Sheen => {
+                        let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
+                        cube(&sheen.levels, false)?
+                    }
                     _ => {
-                        let level = bake.irradiance.as_ref().ok_or_else(|| {
-                            Error::Parameter(
-                                "an irradiance cube is to be written that was not baked".to_owned(),
-                            )
-                        })?;
+                        let level = bake.irradiance.as_ref().ok_or_else(|| missing("an irradiance cube"))?;
                         cube(std::slice::from_ref(level), false)?
                     }
                 };
