@@ -15,7 +15,7 @@ const KINDS: [&[&str]; 8] = [
     &["-o", "a", "--format", "hdr"],
     &["-o", "a.ktx2", "--extract-sun", "--sunless"],
     &["-o", "a", "--format", "exr", "--extract-sun", "--sunless"],
-    &["-o", "a", "--target", "khronos,three", "--extract-sun"],
+    &["-o", "a", "--target", "bevy,three", "--extract-sun"],
 ];
 
 fn tree(folder: &Path, within: &str) -> BTreeSet<String> {
