@@ -9,6 +9,7 @@ use crate::lobe::Lobe;
 use crate::oem::OemSize;
 use crate::reflector::{Reflector, ReflectorSettings, default_oem_size, source_oem_size};
 use crate::sh;
+use crate::sh_window::ShWindow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -33,6 +34,22 @@ pub enum Filter {
     Reference,
 }
 
+impl Filter {
+    /// Whether it can be had of `lobe`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where it cannot.
+    pub fn check(self, lobe: Lobe) -> Result<()> {
+        match (self, lobe) {
+            (Self::Box, Lobe::Charlie) => Err(Error::Parameter(
+                "one box around a direction is no Charlie lobe, which is dark there; use --filter adaptive:E"
+                    .to_owned(),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
 /// What to bake. `Default` is what `octagloss bake INPUT` does.
 #[derive(Clone, Debug)]
 pub struct BakeSettings {
@@ -54,6 +71,12 @@ pub struct BakeSettings {
     pub bounds: bool,
     /// Edge of an irradiance cube (cosine lobe, divided by pi) to bake as well.
     pub irradiance: Option<u32>,
+    /// The highest band of the spherical harmonics, at most [`sh::MAX_ORDER`].
+    pub sh_order: u32,
+    /// What their bands are multiplied by.
+    pub sh_window: ShWindow,
+    /// Bake the sizes and roughnesses of the chain with the Charlie lobe (sheen) as well.
+    pub sheen: bool,
 }
 
 impl Default for BakeSettings {
@@ -68,6 +91,9 @@ impl Default for BakeSettings {
             border: None,
             bounds: false,
             irradiance: None,
+            sh_order: 2,
+            sh_window: ShWindow::None,
+            sheen: false,
         }
     }
 }
@@ -85,10 +111,15 @@ impl BakeSettings {
     /// Size and roughness of every level.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for no size, no levels, or more levels than reach a size of 1.
+    /// [`Error::Parameter`] for no size, no levels, more levels than reach a size of 1, or a filter that the lobe does
+    /// not have.
     pub fn rungs(&self) -> Result<Vec<Rung>> {
         if self.size == 0 {
             return Err(Error::Parameter("--size must be at least 1".to_owned()));
+        }
+        self.filter.check(self.lobe)?;
+        if self.sheen {
+            self.filter.check(Lobe::Charlie)?;
         }
         let most = self.size.ilog2() + 1;
         let own = match self.ladder {
@@ -145,8 +176,14 @@ pub struct Bake {
     pub stats: Vec<LevelStats>,
     /// The irradiance cube, where asked for; values are irradiance/pi.
     pub irradiance: Option<CubeLevel>,
-    /// Spherical harmonics L0..L2 of the source, see [`crate::sh`].
-    pub sh: [[f64; 3]; 9],
+    /// The levels of the Charlie lobe, where asked for.
+    pub sheen: Option<CubeChain>,
+    /// Their figures.
+    pub sheen_stats: Vec<LevelStats>,
+    /// Spherical harmonics of the source, see [`crate::sh`], windowed.
+    pub sh: Vec<[f64; 3]>,
+    /// Their window, its width found where it was to be.
+    pub sh_window: ShWindow,
     /// The OEM's size.
     pub oem: OemSize,
     /// Total energy (radiance times solid angle) of the source, a channel each.
@@ -218,7 +255,7 @@ pub(crate) struct Order<'a> {
     environment: &'a Environment,
     settings: &'a [BakeSettings],
     parts: Vec<Part>,
-    /// Which parts each bake takes: its ladder, then its irradiance where it is asked for.
+    /// Which parts each bake takes: its ladder, then that of its sheen and its irradiance where they are asked for.
     wanted: Vec<Vec<usize>>,
     /// The rungs of all ladders.
     rungs: Vec<Rung>,
@@ -248,18 +285,30 @@ impl<'a> Order<'a> {
         let mut wanted = Vec::with_capacity(settings.len());
         let mut all_rungs = Vec::new();
         for settings in settings {
+            if settings.sh_order > sh::MAX_ORDER {
+                let (asked, most) = (settings.sh_order, sh::MAX_ORDER);
+                return Err(Error::Parameter(format!("--sh-order {asked} is above {most}")));
+            }
             if settings.irradiance == Some(0) {
                 return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
             }
             let filter = settings.filter;
             let rungs = settings.rungs()?;
-            all_rungs.extend(rungs.iter().copied());
-            let levels = rungs.into_iter().map(|rung| Part { rung, lobe: settings.lobe, filter });
+            let sheen = settings.sheen.then_some(Lobe::Charlie);
+            let lobes = std::iter::once(settings.lobe).chain(sheen);
+            let levels: Vec<Part> = lobes
+                .flat_map(|lobe| rungs.iter().map(move |rung| Part { rung: *rung, lobe, filter }))
+                .collect();
+            all_rungs.extend(levels.iter().map(|Part { rung, lobe, .. }| Rung {
+                roughness: lobe.served_roughness(rung.roughness),
+                ..*rung
+            }));
             let irradiance = settings.irradiance.map(|size| {
                 let rung = Rung { size, roughness: 1.0 };
                 Part { rung, lobe: Lobe::Cosine, filter }
             });
             let places: Vec<usize> = levels
+                .into_iter()
                 .chain(irradiance)
                 .map(|part| {
                     parts.iter().position(|other| *other == part).unwrap_or_else(|| {
@@ -317,7 +366,8 @@ impl<'a> Order<'a> {
                 oem.inner
             ));
         }
-        let sh = sh::spherical_harmonics(environment);
+        let highest = settings.iter().map(|settings| settings.sh_order).max().unwrap_or(0);
+        let sh = sh::spherical_harmonics(environment, highest);
         // L0 is the integral of the radiance times the constant 1/sqrt(4 pi).
         let source_energy = sh[0].map(|coefficient| coefficient * (4.0 * std::f64::consts::PI).sqrt());
         let stats: Vec<LevelStats> =
@@ -338,13 +388,21 @@ impl<'a> Order<'a> {
         };
         let assemble = |(settings, mut places): (&BakeSettings, Vec<usize>)| {
             let irradiance = settings.irradiance.and_then(|_| places.pop());
+            let sheen = if settings.sheen { places.split_off(places.len() / 2) } else { Vec::new() };
+            let sh = &sh[..sh::count(settings.sh_order)];
+            let sh_window = settings.sh_window.settled(sh);
             Bake {
                 chain: CubeChain {
                     levels: places.iter().map(|place| cube_level(*place, settings.bounds)).collect(),
                 },
                 stats: places.iter().map(|place| stats[*place].clone()).collect(),
                 irradiance: irradiance.map(|place| cube_level(place, false)),
-                sh,
+                sheen: settings.sheen.then(|| CubeChain {
+                    levels: sheen.iter().map(|place| cube_level(*place, false)).collect(),
+                }),
+                sheen_stats: sheen.iter().map(|place| stats[*place].clone()).collect(),
+                sh: sh_window.apply(sh),
+                sh_window,
                 oem,
                 source_energy,
                 oem_energy: [totals[0], totals[1], totals[2]],

@@ -94,6 +94,12 @@ impl Environment {
         Ok(Self { layout, texels, source_from_world: DMat3::IDENTITY })
     }
 
+    /// Other texels in the same layout, turned alike; as many, finite and not negative.
+    pub(crate) fn with_texels(&self, texels: Vec<Rgb>) -> Self {
+        debug_assert_eq!(texels.len(), self.texels.len(), "one for one");
+        Self { texels, ..*self }
+    }
+
     /// The same environment turned about +Y: +90 degrees carries what was at +Z to +X.
     #[must_use]
     pub fn rotated_y(mut self, degrees: f64) -> Self {

@@ -37,7 +37,7 @@
 //! | radiance | linear RGB in any unit, kept as it came; finite and never negative |
 //! | roughness | perceptual r in \[0,1\], alpha = r^2; glossiness = 1 - r |
 //! | GGX lobe | N = V = R (the split sum): K(theta) = D(theta/2) cos(theta) for theta < 90 degrees, D = a^2 / (pi (s + a^2 (1-s))^2), a = alpha, s = sin^2(theta/2); divided by its integral over the sphere |
-//! | other lobes | Phong cos^n, n = 2/alpha^2 - 2; cone of half-angle r\*pi/2; cosine (irradiance over pi; no roughness) |
+//! | other lobes | Phong cos^n, n = 2/alpha^2 - 2; cone of half-angle r\*pi/2; cosine (irradiance over pi; no roughness); Charlie (sheen), sin(theta/2)^(1/alpha) cos(theta) |
 //! | angles | radians |
 //!
 //! # From an environment to a chain
@@ -102,6 +102,7 @@ pub mod sat_f32;
 pub mod seamless;
 pub mod sh;
 pub mod sh_scale;
+pub mod sh_window;
 pub mod sphere;
 pub mod sun;
 pub mod survey;

@@ -15,7 +15,21 @@ pub enum Lobe {
     Cone,
     /// cos theta: irradiance over pi. Has no roughness.
     Cosine,
+    /// Charlie, the sheen of Estevez and Kulla 2017, with N = V = R: D(theta/2) * cos(theta), D = sin^(1/alpha), a band
+    /// towards the horizon. Khronos's sampler draws half vectors by D cos, which makes D/4 of directions, and weighs
+    /// them by cos(theta) (lib/shaders/filter.frag): this kernel. Below [`LEAST_CHARLIE_ROUGHNESS`] it is that one's.
+    Charlie,
 }
+
+/// Every lobe.
+pub const LOBES: [Lobe; 5] = [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine, Lobe::Charlie];
+
+/// The key under which outputs name their lobe.
+pub const LOBE_KEY: &str = "octaglossLobe";
+
+/// The least roughness of a Charlie lobe, four degrees across: level 1 of nine. At 0 it would be the horizon's circle, which no texel
+/// resolves; the sampler's level 0 is black, no half vector of its having its light above the horizon.
+pub const LEAST_CHARLIE_ROUGHNESS: f64 = 0.125;
 
 impl Lobe {
     /// Name on the command line and in reports.
@@ -26,6 +40,28 @@ impl Lobe {
             Self::Phong => "phong",
             Self::Cone => "cone",
             Self::Cosine => "cosine",
+            Self::Charlie => "charlie",
+        }
+    }
+
+    /// The lobe called `name`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        LOBES.into_iter().find(|lobe| lobe.name() == name)
+    }
+
+    /// Whether it narrows to a mirror at roughness 0.
+    #[must_use]
+    pub const fn has_mirror(self) -> bool {
+        matches!(self, Self::Ggx | Self::Phong | Self::Cone)
+    }
+
+    /// The roughness that is served where `roughness` is asked for.
+    #[must_use]
+    pub const fn served_roughness(self, roughness: f64) -> f64 {
+        match self {
+            Self::Charlie => roughness.max(LEAST_CHARLIE_ROUGHNESS),
+            _ => roughness,
         }
     }
 }
@@ -55,6 +91,12 @@ pub fn phong_exponent(alpha: f64) -> f64 {
     2.0 / (alpha * alpha) - 2.0
 }
 
+/// p of the Charlie lobe of `alpha` in [0, 1], s^p (1 - 2s): 1/(2 alpha), its sine being that of half the angle.
+#[must_use]
+pub fn charlie_power(alpha: f64) -> f64 {
+    0.5 / alpha.max(LEAST_CHARLIE_ROUGHNESS * LEAST_CHARLIE_ROUGHNESS)
+}
+
 /// Kernel value at `s` = sin^2(theta/2) for `alpha` in (0, 1]: the definition, in double precision.
 #[must_use]
 pub fn kernel(lobe: Lobe, alpha: f64, s: f64) -> f64 {
@@ -71,6 +113,7 @@ pub fn kernel(lobe: Lobe, alpha: f64, s: f64) -> f64 {
         Lobe::Phong => (phong_exponent(alpha) * (-2.0 * s).ln_1p()).exp(),
         Lobe::Cone => f64::from(u8::from(s <= cone_edge(alpha))),
         Lobe::Cosine => cos_theta,
+        Lobe::Charlie => (2.0 * s).powf(charlie_power(alpha)) * cos_theta,
     }
 }
 
@@ -88,27 +131,44 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
         Lobe::Phong => 2.0 * PI / (phong_exponent(alpha) + 1.0),
         Lobe::Cone => 4.0 * PI * cone_edge(alpha),
         Lobe::Cosine => PI,
+        // 2 pi B(p + 1, 2).
+        Lobe::Charlie => {
+            let power = charlie_power(alpha);
+            2.0 * PI / ((power + 1.0) * (power + 2.0))
+        }
     }
 }
 
-/// Angle across the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX.
+/// Angle across the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX. Of a Charlie
+/// lobe, whose peak is a band, the angle across that.
 #[must_use]
 pub fn full_width_at_half_maximum(lobe: Lobe, alpha: f64) -> f64 {
-    if alpha <= 0.0 && lobe != Lobe::Cosine {
+    if alpha <= 0.0 && lobe.has_mirror() {
         return 0.0;
     }
-    let half = kernel(lobe, alpha, 0.0) / 2.0;
-    // Bisection of a decreasing function in theta, from the horizon down.
-    let (mut low, mut high) = (0.0_f64, PI / 2.0);
-    for _ in 0..60 {
-        let theta = (low + high) / 2.0;
-        if kernel(lobe, alpha, (theta / 2.0).sin().powi(2)) > half {
-            low = theta;
-        } else {
-            high = theta;
+    // s of the peak.
+    let peak = match lobe {
+        Lobe::Charlie => {
+            let power = charlie_power(alpha);
+            power / (power + 1.0) / 2.0
         }
-    }
-    2.0 * low
+        _ => 0.0,
+    };
+    let half = kernel(lobe, alpha, peak) / 2.0;
+    // Bisection in theta, away from the peak on either side.
+    let end = |far: f64| {
+        let (mut inside, mut outside) = (2.0 * peak.sqrt().asin(), far);
+        for _ in 0..60 {
+            let theta = f64::midpoint(inside, outside);
+            if kernel(lobe, alpha, (theta / 2.0).sin().powi(2)) > half {
+                inside = theta;
+            } else {
+                outside = theta;
+            }
+        }
+        inside
+    };
+    if lobe == Lobe::Charlie { end(PI / 2.0) - end(0.0) } else { 2.0 * end(PI / 2.0) }
 }
 
 #[cfg(test)]
@@ -123,7 +183,7 @@ mod tests {
             let alpha: f64 = roughness * roughness;
             assert!((ggx_integral(alpha) - value).abs() < 5e-7, "W({roughness}) = {}", ggx_integral(alpha));
         }
-        for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine] {
+        for lobe in LOBES {
             for roughness in [0.2, 0.5, 0.8, 0.995, 1.0] {
                 let alpha: f64 = roughness * roughness;
                 // d(omega) = 4 pi ds; midpoints in ln(s + tiny) resolve the peak.

@@ -14,6 +14,7 @@ pub fn bilinear_share(lobe: Lobe, alpha: f64, inner: u32) -> f64 {
     if lobe == Lobe::Cosine {
         return 0.0;
     }
+    let alpha = lobe.served_roughness(alpha.sqrt()).powi(2);
     let texels = alpha * f64::from(inner) / 2.0;
     let fade = ((4.0 - texels) / 2.0).clamp(0.0, 1.0);
     fade * fade * (3.0 - 2.0 * fade)

@@ -179,7 +179,8 @@ impl<'a> Reflector<'a> {
     /// Lobes of one family and roughness by one filter.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a roughness outside [0, 1] or an adaptive error outside (0, 1).
+    /// [`Error::Parameter`] for a roughness outside [0, 1], an adaptive error outside (0, 1), or a filter that the lobe
+    /// does not have.
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_, 'a>> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
@@ -189,8 +190,9 @@ impl<'a> Reflector<'a> {
         {
             return Err(Error::Parameter(format!("adaptive:{error} is outside (0, 1)")));
         }
+        filter.check(lobe)?;
         let alpha = roughness * roughness;
-        let mirror = lobe != Lobe::Cosine && alpha < MIRROR_ALPHA;
+        let mirror = lobe.has_mirror() && alpha < MIRROR_ALPHA;
         let method = match filter {
             Filter::Reference => Method::Reference(self.oracle(), lobe, roughness),
             Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),

@@ -2,7 +2,11 @@
 //!
 //! Two runs with the same input and options give the same report, but for the keys named `seconds`.
 
-use crate::bake::{Bake, BakeSettings, Filter, Ladder};
+use crate::bake::{Bake, BakeSettings, Filter, Ladder, LevelStats};
+use crate::chain::CubeLevel;
+use crate::io::Repairs;
+use crate::sh::order_text;
+use crate::sun::Sun;
 use serde::{Deserialize, Serialize};
 
 /// A bake's report; its fields are the keys of `report.json`.
@@ -20,10 +24,16 @@ pub struct Report {
     pub oem: OemReport,
     /// The levels, the sharpest first.
     pub levels: Vec<LevelReport>,
+    /// The levels of the sheen; absent where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sheen: Vec<LevelReport>,
     /// Energy before and after reparameterisation.
     pub energy: EnergyReport,
     /// Spherical harmonics of the source.
     pub sh: ShReport,
+    /// The sun that was taken out before the bake; `null` where none was, or none was to be.
+    #[serde(default)]
+    pub sun: Option<SunReport>,
     /// What was set right in the input.
     pub repaired: RepairReport,
     /// Texels with a channel that the pixel format could not hold.
@@ -40,6 +50,9 @@ pub struct Report {
     /// What was written for which engine; absent without `--target`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetReport>,
+    /// What tells whether the bake need not be done again; absent from the library's own reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<FingerprintReport>,
     /// Wall time from reading to writing.
     pub seconds: f64,
 }
@@ -85,15 +98,18 @@ pub struct EnergyReport {
     pub relative_difference: f64,
 }
 
-/// Spherical harmonics L0 to L2.
+/// Spherical harmonics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShReport {
-    /// Nine coefficients, red, green and blue each.
-    pub coefficients: [[f64; 3]; 9],
+    /// Nine coefficients, or as many as were asked for, red, green and blue each.
+    pub coefficients: Vec<[f64; 3]>,
     /// Which coefficient is which.
     pub order: String,
     /// What they are multiplied by.
     pub scale: String,
+    /// What their bands are multiplied by besides: `none`, or the window's name and its width in bands.
+    #[serde(default)]
+    pub window: String,
 }
 
 /// What was set right in the input.
@@ -107,6 +123,55 @@ pub struct RepairReport {
     pub infinite: u64,
     /// Energy of the negative values over that of the positive ones.
     pub negative_energy_share: f64,
+}
+
+/// A sun, see [`Sun`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SunReport {
+    /// Unit vector towards it, in the world.
+    pub direction: [f64; 3],
+    /// Degrees from +X towards +Z.
+    pub azimuth_degrees: f64,
+    /// Degrees above the horizon.
+    pub elevation_degrees: f64,
+    /// Radiance of its brightest texel.
+    pub peak: [f32; 3],
+    /// Irradiance on a surface that faces it.
+    pub irradiance: [f64; 3],
+    /// Irradiance over its greatest channel, which is a directional light's intensity.
+    pub color: [f64; 3],
+    /// Steradians.
+    pub solid_angle: f64,
+    /// Texels.
+    pub texels: usize,
+    /// Its share of the environment's energy, by luminance.
+    pub energy_share: f64,
+}
+
+impl SunReport {
+    /// The report of `sun`, which has `energy_share` of all energy.
+    #[must_use]
+    pub fn new(sun: &Sun, energy_share: f64) -> Self {
+        let intensity = sun.irradiance.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        Self {
+            direction: sun.direction.to_array(),
+            azimuth_degrees: sun.azimuth_degrees(),
+            elevation_degrees: sun.elevation_degrees(),
+            peak: sun.peak,
+            irradiance: sun.irradiance,
+            color: sun.irradiance.map(|channel| channel / intensity),
+            solid_angle: sun.solid_angle,
+            texels: sun.texels,
+            energy_share,
+        }
+    }
+}
+
+impl From<Repairs> for RepairReport {
+    fn from(repairs: Repairs) -> Self {
+        let Repairs { negative, negative_energy_share, nan, infinite } = repairs;
+        Self { negative, nan, infinite, negative_energy_share }
+    }
 }
 
 /// The options of a bake.
@@ -132,6 +197,9 @@ pub struct OptionsReport {
     pub mirror: bool,
     /// Whether NaN and Inf were to be repaired.
     pub sanitize: bool,
+    /// Whether the sun was to be taken out.
+    #[serde(default)]
+    pub extract_sun: bool,
     /// Edge of the irradiance cube.
     pub irradiance: Option<u32>,
 }
@@ -149,6 +217,15 @@ pub struct TargetReport {
     pub verified: bool,
     /// The files, beside this one.
     pub files: Vec<String>,
+}
+
+/// What tells whether a bake need not be done again: BLAKE3 hashes in hexadecimal.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FingerprintReport {
+    /// Of the input's content, the options and the program's version.
+    pub request: String,
+    /// Of the content of the outputs, this file left out.
+    pub outputs: String,
 }
 
 /// What the numbers and images mean.
@@ -194,6 +271,10 @@ pub struct Circumstances {
     pub mirror: bool,
     /// Whether NaN and Inf were to be repaired.
     pub sanitize: bool,
+    /// Whether the sun was to be taken out.
+    pub extract_sun: bool,
+    /// The sun that was.
+    pub sun: Option<SunReport>,
     /// Format of the output.
     pub format: String,
     /// Pixel format asked for.
@@ -212,38 +293,30 @@ impl Report {
     /// The report of `bake`.
     #[must_use]
     pub fn new(settings: &BakeSettings, bake: &Bake, told: Circumstances) -> Self {
-        let levels = bake.chain.levels.iter().zip(&bake.stats).zip(told.level_pixels).enumerate();
-        let levels = levels.map(|(index, ((level, stats), pixel))| LevelReport {
-            level: u32::try_from(index).expect("a cube has at most 32 levels"),
-            size: level.size,
-            roughness: level.roughness,
-            pixel,
-            seconds: stats.seconds,
-            leaves_per_texel: stats.leaves_per_texel,
-            error_bound_max: stats.error_bound_max,
-            error_bound_mean: stats.error_bound_mean,
-        });
+        let sheen = bake.sheen.as_ref().map_or(&[][..], |sheen| &sheen.levels);
         Self {
             generator: concat!("octagloss ", env!("CARGO_PKG_VERSION")).to_owned(),
             input: told.input,
             engine: told.engine,
             adapter: told.adapter,
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
-            levels: levels.collect(),
+            levels: level_reports(&bake.chain.levels, &bake.stats, &told.level_pixels),
+            sheen: level_reports(sheen, &bake.sheen_stats, &told.level_pixels),
             energy: EnergyReport {
                 source: bake.source_energy,
                 oem: bake.oem_energy,
                 relative_difference: relative_difference(bake.source_energy, bake.oem_energy),
             },
             sh: ShReport {
-                coefficients: bake.sh,
-                order: "L00, L1-1 (y), L10 (z), L11 (x), L2-2 (xy), L2-1 (yz), L20 (3zz-1), L21 (xz), L22 (xx-yy)"
-                    .to_owned(),
+                coefficients: bake.sh.clone(),
+                order: order_text(bake.sh.len()),
                 scale: "integrals of radiance times the real orthonormal basis without the Condon-Shortley phase: \
                         0.282095, 0.488603 {y, z, x}, 1.092548 {xy, yz}, 0.315392 (3zz-1), 1.092548 xz, \
-                        0.546274 (xx-yy); no cosine, no division by pi"
+                        0.546274 (xx-yy) and so on; no cosine, no division by pi"
                     .to_owned(),
+                window: bake.sh_window.to_string(),
             },
+            sun: told.sun,
             repaired: told.repaired,
             clamped: told.clamped,
             compressed: 0,
@@ -263,10 +336,12 @@ impl Report {
                 rotate_y: told.rotate_y,
                 mirror: told.mirror,
                 sanitize: told.sanitize,
+                extract_sun: told.extract_sun,
                 irradiance: settings.irradiance,
             },
             conventions: ConventionsReport::default(),
             target: None,
+            fingerprint: None,
             seconds: told.seconds,
         }
     }
@@ -276,6 +351,21 @@ impl Report {
     pub fn error_bound_max(&self) -> Option<f64> {
         self.levels.iter().filter_map(|level| level.error_bound_max).reduce(f64::max)
     }
+}
+
+fn level_reports(levels: &[CubeLevel], stats: &[LevelStats], pixels: &[String]) -> Vec<LevelReport> {
+    let report =
+        |(index, ((level, stats), pixel)): (usize, ((&CubeLevel, &LevelStats), &String))| LevelReport {
+            level: u32::try_from(index).expect("a cube has at most 32 levels"),
+            size: level.size,
+            roughness: level.roughness,
+            pixel: pixel.clone(),
+            seconds: stats.seconds,
+            leaves_per_texel: stats.leaves_per_texel,
+            error_bound_max: stats.error_bound_max,
+            error_bound_mean: stats.error_bound_mean,
+        };
+    levels.iter().zip(stats).zip(pixels).enumerate().map(report).collect()
 }
 
 /// The filter as the command line has it.

@@ -1,105 +1,188 @@
-//! Spherical harmonics of an environment.
+//! Spherical harmonics of an environment, up to L4.
 //!
 //! Real, orthonormal, without the Condon-Shortley phase, in the world's own axes (x, y up, z), in the order
-//! L0; L1 by y, z, x; L2 by xy, yz, 3z^2 - 1, zx, x^2 - y^2, which is m = -l..l of the usual formulas. Coefficients
-//! are of radiance: c_k is the integral of L * Y_k over the sphere, and L(d) is about the sum of c_k Y_k(d).
+//! L0; L1 by y, z, x; L2 by xy, yz, 3z^2 - 1, zx, x^2 - y^2; and so on, m = -l..l of the usual formulas, whose pole is z:
+//! L_lm is at l^2 + l + m. Coefficients are of radiance: c_k is the integral of L * Y_k over the sphere, and L(d) is about
+//! the sum of c_k Y_k(d).
 
 use crate::environment::{Environment, Layout, Rgb};
-use crate::oracle::SourceTexels;
+use crate::oracle::{SourceTexels, gauss_legendre};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// The nine basis functions at `direction` (unit length).
+/// The highest band that can be had.
+pub const MAX_ORDER: u32 = 4;
+
+/// Functions up to [`MAX_ORDER`].
+pub const MAX_COUNT: usize = count(MAX_ORDER);
+
+/// The polynomials, by which each function is known but for its factor.
+const POLYNOMIALS: [&str; MAX_COUNT] = [
+    "1",
+    "y",
+    "z",
+    "x",
+    "xy",
+    "yz",
+    "3zz-1",
+    "xz",
+    "xx-yy",
+    "y(3xx-yy)",
+    "xyz",
+    "y(5zz-1)",
+    "z(5zz-3)",
+    "x(5zz-1)",
+    "z(xx-yy)",
+    "x(xx-3yy)",
+    "xy(xx-yy)",
+    "yz(3xx-yy)",
+    "xy(7zz-1)",
+    "yz(7zz-3)",
+    "35zzzz-30zz+3",
+    "xz(7zz-3)",
+    "(xx-yy)(7zz-1)",
+    "xz(xx-3yy)",
+    "xxxx-6xxyy+yyyy",
+];
+
+/// Functions up to band `order`.
 #[must_use]
-pub fn basis(direction: DVec3) -> [f64; 9] {
+pub const fn count(order: u32) -> usize {
+    ((order + 1) * (order + 1)) as usize
+}
+
+/// Band of the function at `index`.
+#[must_use]
+pub const fn band(index: usize) -> usize {
+    index.isqrt()
+}
+
+/// Name of the function at `index`: `L2-1`.
+#[must_use]
+pub fn name(index: usize) -> String {
+    let l = band(index);
+    format!("L{l}{}", index as i64 - (l * l + l) as i64)
+}
+
+/// Which coefficient is which of the first `count`, in words.
+#[must_use]
+pub fn order_text(count: usize) -> String {
+    let told = |(index, polynomial): (usize, &&str)| match index {
+        0 => name(0),
+        _ => format!("{} ({polynomial})", name(index)),
+    };
+    POLYNOMIALS[..count].iter().enumerate().map(told).collect::<Vec<_>>().join(", ")
+}
+
+/// The basis functions at `direction` (unit length).
+#[must_use]
+pub fn basis(direction: DVec3) -> [f64; MAX_COUNT] {
     let d = direction;
     let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
-    from_moments(1.0, d, outer)
+    let mut all = [0.0; MAX_COUNT];
+    all[..9].copy_from_slice(&from_moments(1.0, d, outer));
+    let DVec3 { x, y, z } = d;
+    let (xx, yy, zz) = (x * x, y * y, z * z);
+    let factor = |numerator: f64, denominator: f64| (numerator / (denominator * PI)).sqrt();
+    let (tesseral, third) = (factor(35.0, 32.0), factor(21.0, 32.0));
+    let (sectoral, fourth) = (factor(315.0, 32.0), factor(45.0, 32.0));
+    all[9..].copy_from_slice(&[
+        tesseral * y * (3.0 * xx - yy),
+        factor(105.0, 4.0) * x * y * z,
+        third * y * (5.0 * zz - 1.0),
+        factor(7.0, 16.0) * z * (5.0 * zz - 3.0),
+        third * x * (5.0 * zz - 1.0),
+        factor(105.0, 16.0) * z * (xx - yy),
+        tesseral * x * (xx - 3.0 * yy),
+        factor(315.0, 16.0) * x * y * (xx - yy),
+        sectoral * y * z * (3.0 * xx - yy),
+        factor(45.0, 16.0) * x * y * (7.0 * zz - 1.0),
+        fourth * y * z * (7.0 * zz - 3.0),
+        factor(9.0, 256.0) * (35.0 * zz * zz - 30.0 * zz + 3.0),
+        fourth * x * z * (7.0 * zz - 3.0),
+        factor(45.0, 64.0) * (xx - yy) * (7.0 * zz - 1.0),
+        sectoral * x * z * (xx - 3.0 * yy),
+        factor(315.0, 256.0) * (xx * xx - 6.0 * xx * yy + yy * yy),
+    ]);
+    all
 }
 
-/// Coefficients of `environment`'s radiance up to L2, red, green and blue.
+/// Coefficients of `environment`'s radiance up to band `order` (at most [`MAX_ORDER`]), red, green and blue.
 ///
-/// The basis functions are polynomials of the direction, so the exact integrals of 1, l and l l^T over each texel are
-/// all that it takes.
+/// The basis functions are integrated over each texel to rounding; up to L2 they follow from the exact moments of the
+/// direction.
+///
+/// # Panics
+/// Where `order` is above [`MAX_ORDER`].
 #[must_use]
-pub fn spherical_harmonics(environment: &Environment) -> [[f64; 3]; 9] {
-    let moments = match environment.layout() {
-        Layout::Panorama { width, .. } => panorama_moments(environment, width as usize),
-        _ => block_moments(environment),
-    };
-    let world_from_source = environment.source_from_world().transpose();
-    let mut coefficients = [[0.0; 3]; 9];
-    for (channel, Moments { area, first, second }) in moments.into_iter().enumerate() {
-        let second = world_from_source * second * world_from_source.transpose();
-        for (coefficient, value) in
-            coefficients.iter_mut().zip(from_moments(area, world_from_source * first, second))
-        {
-            coefficient[channel] = value;
-        }
-    }
-    coefficients
-}
-
-/// The integrals of one channel's radiance times 1, l and l l^T, in the source's own space.
-#[derive(Clone, Copy)]
-struct Moments {
-    area: f64,
-    first: DVec3,
-    second: DMat3,
-}
-
-impl Moments {
-    const ZERO: Self = Self { area: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
-}
-
-/// A panorama's moments: the texels of a row are one block turned by their longitudes, so five sums along the row do.
-fn panorama_moments(environment: &Environment, width: usize) -> [Moments; 3] {
+pub fn spherical_harmonics(environment: &Environment, order: u32) -> Vec<[f64; 3]> {
+    assert!(order <= MAX_ORDER, "bands up to L{MAX_ORDER}");
     let texels = SourceTexels::new(environment.layout());
-    let waves: Vec<[f64; 5]> = (0..width)
+    let coefficients = match (environment.layout(), order) {
+        (Layout::Panorama { width, .. }, 0..=2) => panorama::<5>(environment, &texels, width as usize, order),
+        (Layout::Panorama { width, .. }, _) => panorama::<9>(environment, &texels, width as usize, order),
+        _ => blocks(environment, &texels, order),
+    };
+    turned(&coefficients, environment.source_from_world())
+}
+
+type Coefficients = Vec<[f64; 3]>;
+
+/// A panorama's: the texels of a row are one block turned by their longitudes, so a few sums along the row do. Turns
+/// about y are simple where y is the pole: y and z change places, and back.
+fn panorama<const WAVES: usize>(
+    environment: &Environment,
+    texels: &SourceTexels,
+    width: usize,
+    order: u32,
+) -> Coefficients {
+    let pole_from_up = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
+    let waves: Vec<[f64; WAVES]> = (0..width)
         .map(|i| {
-            let (sin, cos) = (((i as f64 + 0.5) / width as f64 - 0.5) * TAU).sin_cos();
-            [1.0, cos, sin, cos * cos - sin * sin, 2.0 * cos * sin]
+            let longitude = ((i as f64 + 0.5) / width as f64 - 0.5) * TAU;
+            // 1, cos, sin, cos 2, sin 2, ...
+            std::array::from_fn(|k| {
+                let (sin, cos) = (k.div_ceil(2) as f64 * longitude).sin_cos();
+                if k > 0 && k % 2 == 0 { sin } else { cos }
+            })
         })
         .collect();
     let arch = pulp::Arch::new();
-    let rows: Vec<[[f64; 4]; 5]> = environment
+    let rows: Vec<[[f64; 4]; WAVES]> = environment
         .texels()
         .par_chunks_exact(width)
         .map(|row| arch.dispatch(RowSums { row, waves: &waves }))
         .collect();
-    let mut moments = [Moments::ZERO; 3];
-    for (sums, block) in rows.iter().zip(texels.blocks()) {
-        let (mean, spread) = (block.mean, block.second_moment());
-        let (even, odd) =
-            ((spread.x_axis.x + spread.z_axis.z) / 2.0, (spread.x_axis.x - spread.z_axis.z) / 2.0);
-        for (channel, moments) in moments.iter_mut().enumerate() {
-            let [one, cos, sin, cos2, sin2] = sums.map(|sum| sum[channel] * block.solid_angle);
-            let (xy, yz, zx) = (spread.x_axis.y * cos, spread.x_axis.y * sin, odd * sin2);
-            moments.area += one;
-            moments.first += DVec3::new(mean.x * cos, mean.y * one, mean.x * sin);
-            moments.second += DMat3::from_cols(
-                DVec3::new(even * one + odd * cos2, xy, zx),
-                DVec3::new(xy, spread.y_axis.y * one, yz),
-                DVec3::new(zx, yz, even * one - odd * cos2),
-            );
+    let mut coefficients = vec![[0.0; 3]; count(order)];
+    for (block, sums) in rows.iter().enumerate() {
+        let integrals = block_integrals(texels, block, pole_from_up, order);
+        for (index, coefficient) in coefficients.iter_mut().enumerate() {
+            let l = band(index);
+            let m = index as i64 - (l * l + l) as i64;
+            // The block is symmetric about longitude 0: only its cosines count.
+            let own = integrals[l * l + l + m.unsigned_abs() as usize];
+            let wave = if m < 0 { 2 * m.unsigned_abs() as usize } else { (2 * m as usize).saturating_sub(1) };
+            for (value, sum) in coefficient.iter_mut().zip(sums[wave]) {
+                *value += own * sum;
+            }
         }
     }
-    moments
+    turned(&coefficients, pole_from_up)
 }
 
 /// Sums of a row's radiance times each of `waves`; the fourth channel fills the vector.
-struct RowSums<'a> {
+struct RowSums<'a, const WAVES: usize> {
     row: &'a [Rgb],
-    waves: &'a [[f64; 5]],
+    waves: &'a [[f64; WAVES]],
 }
 
-impl pulp::NullaryFnOnce for RowSums<'_> {
-    type Output = [[f64; 4]; 5];
+impl<const WAVES: usize> pulp::NullaryFnOnce for RowSums<'_, WAVES> {
+    type Output = [[f64; 4]; WAVES];
 
     #[inline(always)]
-    fn call(self) -> [[f64; 4]; 5] {
-        let mut sums = [[0.0; 4]; 5];
+    fn call(self) -> [[f64; 4]; WAVES] {
+        let mut sums = [[0.0; 4]; WAVES];
         for ([r, g, b], waves) in self.row.iter().zip(self.waves) {
             let radiance = [*r, *g, *b, 0.0].map(f64::from);
             sums = std::array::from_fn(|k| std::array::from_fn(|c| sums[k][c] + waves[k] * radiance[c]));
@@ -108,45 +191,76 @@ impl pulp::NullaryFnOnce for RowSums<'_> {
     }
 }
 
-/// The moments of cubes and octahedral squares, from those of every block.
-fn block_moments(environment: &Environment) -> [Moments; 3] {
-    let texels = SourceTexels::new(environment.layout());
-    // The integrals of 1, l and l l^T over each block, in its own space.
-    let blocks: Vec<[f64; 10]> = texels
-        .blocks()
-        .iter()
-        .map(|texel| {
-            let (mean, second) = (texel.mean, texel.second_moment());
-            let (x, y, z) = (second.x_axis, second.y_axis, second.z_axis);
-            [1.0, mean.x, mean.y, mean.z, x.x, y.y, z.z, x.y, y.z, z.x]
-                .map(|moment| moment * texel.solid_angle)
-        })
-        .collect();
-    // Moments of the radiance, gathered in each frame's own space.
-    let mut gathered = vec![[[0.0; 10]; 3]; texels.frames().len()];
+/// Those of cubes and octahedral squares, gathered in each frame's own space from the integrals over every block.
+fn blocks(environment: &Environment, texels: &SourceTexels, order: u32) -> Coefficients {
+    let indices = 0..texels.blocks().len();
+    let integrals: Vec<[f64; MAX_COUNT]> =
+        indices.into_par_iter().map(|block| block_integrals(texels, block, DMat3::IDENTITY, order)).collect();
+    let mut gathered = vec![vec![[0.0; 3]; count(order)]; texels.frames().len()];
     texels.for_each(|index, block, frame| {
-        for (sums, radiance) in gathered[frame].iter_mut().zip(environment.texels()[index]) {
-            for (sum, moment) in sums.iter_mut().zip(&blocks[block]) {
-                *sum += f64::from(radiance) * moment;
-            }
+        let radiance = environment.texels()[index].map(f64::from);
+        for (sum, integral) in gathered[frame].iter_mut().zip(&integrals[block]) {
+            (0..3).for_each(|c| sum[c] += radiance[c] * integral);
         }
     });
-    let mut moments = [Moments::ZERO; 3];
-    for (frame, gathered) in texels.frames().iter().zip(&gathered) {
-        for (moments, sums) in moments.iter_mut().zip(gathered) {
-            let [one, x, y, z, xx, yy, zz, xy, yz, zx] = *sums;
-            let source_from_block = frame.transpose();
-            let own =
-                DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));
-            moments.area += one;
-            moments.first += source_from_block * DVec3::new(x, y, z);
-            moments.second += source_from_block * own * source_from_block.transpose();
+    let mut coefficients = vec![[0.0; 3]; count(order)];
+    for (gathered, block_from_source) in gathered.iter().zip(texels.frames()) {
+        for (sum, part) in coefficients.iter_mut().zip(turned(gathered, *block_from_source)) {
+            (0..3).for_each(|c| sum[c] += part[c]);
         }
     }
-    moments
+    coefficients
 }
 
-/// The integrals of the nine basis functions, from those of 1, l and l l^T.
+/// The integrals of the basis functions over a block, its directions taken through `map` first.
+fn block_integrals(texels: &SourceTexels, block: usize, map: DMat3, order: u32) -> [f64; MAX_COUNT] {
+    let texel = &texels.blocks()[block];
+    let mut integrals = [0.0; MAX_COUNT];
+    if order <= 2 {
+        let second = map * texel.second_moment() * map.transpose();
+        integrals[..9].copy_from_slice(&from_moments(1.0, map * texel.mean, second));
+        return integrals.map(|mean| mean * texel.solid_angle);
+    }
+    let mut area = 0.0;
+    texels.for_each_sample(block, &mut |direction, weight| {
+        area += weight;
+        for (sum, value) in integrals.iter_mut().zip(basis(map * direction)) {
+            *sum += weight * value;
+        }
+    });
+    integrals.map(|sum| sum / area * texel.solid_angle)
+}
+
+/// The coefficients of d -> f(`map` d), those of f being `coefficients`; `map` is a turn, a flip or both.
+fn turned(coefficients: &[[f64; 3]], map: DMat3) -> Coefficients {
+    if map == DMat3::IDENTITY {
+        return coefficients.to_vec();
+    }
+    let mut result = vec![[0.0; 3]; coefficients.len()];
+    // Products of two of the functions have degree 8: exact by five nodes in z and nine around it.
+    let around = 9;
+    for (node, weight) in gauss_legendre(5) {
+        let z = 2.0 * node - 1.0;
+        let weight = 2.0 * weight * TAU / f64::from(around);
+        for k in 0..around {
+            let (sin, cos) = (f64::from(k) / f64::from(around) * TAU).sin_cos();
+            let radius = (1.0 - z * z).sqrt();
+            let direction = DVec3::new(radius * cos, radius * sin, z);
+            let (here, there) = (basis(direction), basis(map * direction));
+            // Bands do not mix.
+            for l in 0..=band(coefficients.len() - 1) {
+                let own = l * l..(l + 1) * (l + 1);
+                for c in 0..3 {
+                    let value: f64 = own.clone().map(|j| coefficients[j][c] * there[j]).sum();
+                    own.clone().for_each(|k| result[k][c] += weight * value * here[k]);
+                }
+            }
+        }
+    }
+    result
+}
+
+/// The integrals of the functions up to L2, from those of 1, l and l l^T.
 fn from_moments(area: f64, first: DVec3, second: DMat3) -> [f64; 9] {
     let linear = (3.0 / (4.0 * PI)).sqrt();
     let quadratic = (15.0 / (4.0 * PI)).sqrt();

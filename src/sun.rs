@@ -1,8 +1,9 @@
-//! Where the sun is: the region of an environment that outshines its surroundings.
+//! Where the sun is: the region of an environment that outshines its surroundings, and the environment without it.
 
-use crate::environment::{Environment, Layout, Rgb, luminance};
+use crate::environment::{Environment, LUMINANCE, Layout, Rgb, luminance};
 use crate::sphere::{cube, equirect, octahedral};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
@@ -40,46 +41,143 @@ pub struct Sun {
     pub surroundings: f64,
 }
 
-impl Sun {
-    /// The sun of `environment`, where there is one.
-    #[must_use]
-    pub fn find(environment: &Environment) -> Option<Self> {
-        let texels = environment.texels();
+/// An environment parted into its sun and the rest.
+#[derive(Clone, Debug)]
+pub struct Extraction {
+    /// The light that was taken out: its irradiance is what the region shone with above what replaces it, which also
+    /// weighs its direction.
+    pub sun: Sun,
+    /// Its share of the environment's energy, by luminance.
+    pub energy_share: f64,
+    /// The environment without it.
+    pub sunless: Environment,
+}
+
+/// The brightest texel and what is around it.
+struct Peak {
+    at: usize,
+    luminance: f64,
+    surroundings: f64,
+}
+
+impl Peak {
+    /// The peak of `environment`, where it is a sun's.
+    fn find(environment: &Environment, grid: Grid) -> Option<Self> {
         let (mut peak_at, mut peak) = (0, 0.0);
-        for (at, texel) in texels.iter().enumerate() {
+        for (at, texel) in environment.texels().iter().enumerate() {
             let l = luminance(*texel);
             if l > peak {
                 (peak_at, peak) = (at, l);
             }
         }
         let peak = f64::from(peak);
-        let grid = Grid(environment.layout());
         let surroundings = surroundings(environment, grid.direction(peak_at))?;
-        if peak <= 0.0 || peak < CONTRAST * surroundings {
+        let found = peak > 0.0 && peak >= CONTRAST * surroundings;
+        found.then_some(Self { at: peak_at, luminance: peak, surroundings })
+    }
+
+    /// The luminance of the sun's edge.
+    fn edge(&self) -> f64 {
+        self.surroundings + EDGE * (self.luminance - self.surroundings)
+    }
+}
+
+/// Rim texels that a replaced texel looks at, about: more are no smoother and cost their number.
+const RIM: usize = 512;
+
+impl Sun {
+    /// The sun of `environment`, where there is one.
+    #[must_use]
+    pub fn find(environment: &Environment) -> Option<Self> {
+        let grid = Grid(environment.layout());
+        let peak = Peak::find(environment, grid)?;
+        let texels = environment.texels();
+        let region = grid.region(peak.at, |at| f64::from(luminance(texels[at])) >= peak.edge());
+        Some(Self::over(environment, grid, &peak, &region, |at| texels[at].map(f64::from)))
+    }
+
+    /// Parts `environment` into its sun, where there is one, and the rest; their energies add up to its own.
+    ///
+    /// What is taken out is the region of [`Sun::find`] with the glow that is connected to it: texels of at least eight
+    /// times the surroundings' luminance, up to where the surroundings begin; and one texel more all around, where edges
+    /// are blurred and compression rings. They take on the mean of the texels around
+    /// the region, weighted by one over the squared distance, which in a disc is the harmonic (smoothest) continuation
+    /// of its rim; but no channel becomes brighter than it was.
+    #[must_use]
+    pub fn extract(environment: &Environment) -> Option<Extraction> {
+        let grid = Grid(environment.layout());
+        let peak = Peak::find(environment, grid)?;
+        let texels = environment.texels();
+        let (edge, glow) = (peak.edge(), CONTRAST * peak.surroundings);
+        let (middle, reach) = (grid.direction(peak.at), surroundings_begin(environment.layout()).cos());
+        let mut region = grid.region(peak.at, |at| {
+            let l = f64::from(luminance(texels[at]));
+            l >= edge || (l >= glow && grid.direction(at).dot(middle) > reach)
+        });
+        region.sort_unstable();
+        region.extend(grid.rim(&region));
+        region.sort_unstable();
+        let rim = grid.rim(&region);
+        if rim.is_empty() {
             return None;
         }
-        let threshold = surroundings + EDGE * (peak - surroundings);
-        let region = grid.region(peak_at, |at| f64::from(luminance(texels[at])) >= threshold);
+        let rim: Vec<(DVec3, f64, Rgb)> = rim
+            .iter()
+            .step_by(rim.len().div_ceil(RIM))
+            .map(|&at| (grid.direction(at), grid.solid_angle(at), texels[at]))
+            .collect();
+        let continued = |&at: &usize| {
+            let direction = grid.direction(at);
+            let (mut sum, mut total) = ([0.0; 3], 0.0);
+            for (place, solid_angle, radiance) in &rim {
+                let weight = solid_angle / place.distance_squared(direction);
+                total += weight;
+                for (sum, value) in sum.iter_mut().zip(radiance) {
+                    *sum += weight * f64::from(*value);
+                }
+            }
+            std::array::from_fn(|c| texels[at][c].min((sum[c] / total) as f32))
+        };
+        let replacements: Vec<Rgb> = region.par_iter().map(continued).collect();
+        let mut rest = texels.to_vec();
+        for (&at, replacement) in region.iter().zip(replacements) {
+            rest[at] = replacement;
+        }
+        let above = |at: usize| std::array::from_fn(|c| f64::from(texels[at][c]) - f64::from(rest[at][c]));
+        let sun = Self::over(environment, grid, &peak, &region, above);
+        let mut energy = 0.0;
+        environment.for_each_texel(|_, w, texel| energy += w * f64::from(luminance(texel)));
+        let energy_share = weigh(sun.irradiance) / energy;
+        Some(Extraction { sun, energy_share, sunless: environment.with_texels(rest) })
+    }
 
+    /// The sun over the texels of `region`, of which `radiance` counts.
+    fn over(
+        environment: &Environment,
+        grid: Grid,
+        peak: &Peak,
+        region: &[usize],
+        radiance: impl Fn(usize) -> [f64; 3],
+    ) -> Self {
         let (mut irradiance, mut solid_angle, mut centre) = ([0.0; 3], 0.0, DVec3::ZERO);
-        for &at in &region {
-            let w = grid.solid_angle(at);
+        for &at in region {
+            let (w, radiance) = (grid.solid_angle(at), radiance(at));
             solid_angle += w;
-            centre += grid.direction(at) * w * f64::from(luminance(texels[at]));
-            for (sum, value) in irradiance.iter_mut().zip(texels[at]) {
-                *sum += f64::from(value) * w;
+            centre += grid.direction(at) * w * weigh(radiance);
+            for (sum, value) in irradiance.iter_mut().zip(radiance) {
+                *sum += value * w;
             }
         }
         let world_from_source = environment.source_from_world().transpose();
-        let direction = centre.try_normalize().unwrap_or_else(|| grid.direction(peak_at));
-        Some(Self {
+        let direction = centre.try_normalize().unwrap_or_else(|| grid.direction(peak.at));
+        Self {
             direction: world_from_source * direction,
-            peak: texels[peak_at],
+            peak: environment.texels()[peak.at],
             irradiance,
             solid_angle,
             texels: region.len(),
-            surroundings,
-        })
+            surroundings: peak.surroundings,
+        }
     }
 
     /// Degrees from +X towards +Z, in (-180, 180]: the panorama's centre is 0, its right half is positive.
@@ -95,9 +193,14 @@ impl Sun {
     }
 }
 
+/// Luminance in double precision.
+fn weigh(rgb: [f64; 3]) -> f64 {
+    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
+}
+
 /// Median luminance of the texels around `peak` (a direction of the source), or of all where none is that near.
 fn surroundings(environment: &Environment, peak: DVec3) -> Option<f64> {
-    let begin = SURROUNDINGS_DEGREES.to_radians().max(2.0 * texel_width(environment.layout()));
+    let begin = surroundings_begin(environment.layout());
     let [inner, outer] = [begin, SURROUNDINGS_REACH * begin].map(|angle| angle.min(PI).cos());
     let peak = environment.source_from_world().transpose() * peak;
     let mut around = Vec::new();
@@ -112,6 +215,11 @@ fn surroundings(environment: &Environment, peak: DVec3) -> Option<f64> {
     }
     let middle = around.len() / 2;
     (!around.is_empty()).then(|| f64::from(*around.select_nth_unstable_by(middle, f32::total_cmp).1))
+}
+
+/// The angle from the peak at which its surroundings begin.
+fn surroundings_begin(layout: Layout) -> f64 {
+    SURROUNDINGS_DEGREES.to_radians().max(2.0 * texel_width(layout))
 }
 
 /// Angle across a texel, roughly.
@@ -183,6 +291,21 @@ impl Grid {
         }
     }
 
+    /// The texels that touch texel `at` by a side or a corner.
+    fn around(self, at: usize) -> [usize; 8] {
+        [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
+            .map(|(right, down)| self.neighbour(at, right, down))
+    }
+
+    /// The texels around `region`, which is sorted, in order.
+    fn rim(self, region: &[usize]) -> Vec<usize> {
+        let beside = region.iter().flat_map(|&at| self.around(at));
+        let mut rim: Vec<usize> = beside.filter(|at| region.binary_search(at).is_err()).collect();
+        rim.sort_unstable();
+        rim.dedup();
+        rim
+    }
+
     /// The texels connected to `seed` for which `belongs` holds.
     fn region(self, seed: usize, belongs: impl Fn(usize) -> bool) -> Vec<usize> {
         let mut seen = vec![false; self.0.texel_count()];
@@ -191,8 +314,7 @@ impl Grid {
         seen[seed] = true;
         while let Some(at) = queue.pop_front() {
             region.push(at);
-            for (right, down) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)] {
-                let next = self.neighbour(at, right, down);
+            for next in self.around(at) {
                 if !seen[next] && belongs(next) {
                     seen[next] = true;
                     queue.push_back(next);
@@ -244,6 +366,77 @@ mod tests {
         }
     }
 
+    /// Energy of each channel.
+    fn energy(environment: &Environment) -> [f64; 3] {
+        let mut energy = [0.0; 3];
+        environment.for_each_texel(|_, w, texel| {
+            (0..3).for_each(|c| energy[c] += w * f64::from(texel[c]));
+        });
+        energy
+    }
+
+    #[test]
+    fn what_is_taken_out_and_what_stays_are_the_whole() {
+        let layouts = [
+            Layout::Panorama { width: 128, height: 64 },
+            Layout::Cube { size: 32 },
+            Layout::Octahedral { size: 64 },
+        ];
+        // The poles, the panorama's seam, a cube's corner and edge, an octahedral fold.
+        let places = [DVec3::Y, DVec3::NEG_Y, DVec3::NEG_X, DVec3::ONE, DVec3::new(1.0, 0.0, 1.0)];
+        for layout in layouts {
+            for place in places.map(DVec3::normalize) {
+                // A sun with a glow over a sky that brightens to one side, each channel its own.
+                let grid = Grid(layout);
+                let texels: Vec<Rgb> = (0..layout.texel_count())
+                    .map(|at| {
+                        let d = grid.direction(at);
+                        let (sky, angle) = (2.0 + d.z, d.angle_between(place).to_degrees());
+                        let glow = 40.0 * (-angle / 1.5).exp();
+                        let sun = if angle < 4.0 { 5000.0 } else { 0.0 };
+                        [sun + glow + sky, 0.8 * (sun + glow) + sky, 0.5 * (sun + glow) + 2.0 * sky]
+                            .map(|value| value as f32)
+                    })
+                    .collect();
+                let environment = Environment::new(layout, texels).expect("valid").rotated_y(30.0);
+                let Extraction { sun, energy_share, sunless } = Sun::extract(&environment).expect("a sun");
+                let (whole, rest) = (energy(&environment), energy(&sunless));
+                for c in 0..3 {
+                    let sum = rest[c] + sun.irradiance[c];
+                    // Sums of 10^4 terms in double precision.
+                    assert!((sum / whole[c] - 1.0).abs() < 1e-12, "{layout:?} {place}: {sum} {}", whole[c]);
+                }
+                let told = weigh(sun.irradiance) / weigh(whole);
+                assert!((energy_share - told).abs() < 1e-6, "{layout:?} {place}: {energy_share} {told}");
+                let world = environment.source_from_world().transpose() * place;
+                assert!(sun.direction.dot(world) > 0.9995, "{layout:?} {place}: {}", sun.direction);
+                assert_eq!(Sun::find(&sunless), None, "{layout:?} {place}");
+                for (at, (was, is)) in environment.texels().iter().zip(sunless.texels()).enumerate() {
+                    let away = grid.direction(at).angle_between(place).to_degrees();
+                    let kept = was == is;
+                    assert!(kept || away < 17.0, "{layout:?} {place}: a texel {away} degrees off changed");
+                    assert!((0..3).all(|c| 0.0 <= is[c] && is[c] <= was[c]), "{was:?} became {is:?}");
+                    // Eight times the sky's two, and what the glow adds to the rim.
+                    assert!(is[0] < 24.0, "{layout:?} {place}: {is:?} is left {away} degrees off");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sun_of_one_texel_leaves_its_neighbours_mean() {
+        let layout = Layout::Cube { size: 16 };
+        let mut texels = vec![[1.0, 2.0, 3.0]; layout.texel_count()];
+        texels[5 * 16 + 7] = [900.0, 2.0, 1.0];
+        let environment = Environment::new(layout, texels.clone()).expect("valid");
+        let extraction = Sun::extract(&environment).expect("a sun");
+        // Blue was darker than its surroundings and stays.
+        texels[5 * 16 + 7] = [1.0, 2.0, 1.0];
+        assert_eq!(extraction.sunless.texels(), texels);
+        assert_eq!(extraction.sun.texels, 9, "with those around it, which stay");
+        assert!(extraction.sun.irradiance[1] == 0.0 && extraction.sun.irradiance[0] > 0.0);
+    }
+
     #[test]
     fn a_turned_environment_has_its_sun_elsewhere() {
         let environment = sky(Layout::Panorama { width: 128, height: 64 }, DVec3::Z, 4.0).rotated_y(90.0);
@@ -259,6 +452,7 @@ mod tests {
             let environment =
                 Environment::new(layout, vec![[value; 3]; layout.texel_count()]).expect("valid");
             assert_eq!(Sun::find(&environment), None);
+            assert!(Sun::extract(&environment).is_none());
         }
     }
 }

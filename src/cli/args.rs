@@ -5,6 +5,8 @@ use octagloss::bake::{Filter, Ladder};
 use octagloss::io::pixels::Pixel;
 use octagloss::lobe::Lobe;
 use octagloss::overflow::Overflow;
+use octagloss::sh::MAX_ORDER;
+use octagloss::sh_window::ShWindow;
 use octagloss::target::{Diffuse, Flip, Plan, TARGETS, Target};
 use std::path::PathBuf;
 
@@ -66,6 +68,13 @@ pub(super) struct InputArgs {
     /// Without it negative radiance becomes 0, is counted, and one warning says how much energy it was.
     #[arg(long, conflicts_with = "sanitize")]
     pub(super) strict: bool,
+    /// Take the sun out: go on with the rest
+    ///
+    /// The sun is what is connected to the brightest texel and at least a tenth as bright, with its glow, if that texel
+    /// outshines the median 10 to 30 degrees around it eightfold; what surrounds it closes over it. bake writes what was
+    /// taken out into the report and into OUT.sun.json, or sun.json in OUT where that is a folder: a directional light.
+    #[arg(long)]
+    pub(super) extract_sun: bool,
 }
 
 /// The table that lobes are read from.
@@ -107,7 +116,7 @@ pub(super) struct EngineArgs {
     pub(super) threads: Option<u32>,
 }
 
-#[derive(Debug, ClapArgs)]
+#[derive(Clone, Debug, ClapArgs)]
 pub(super) struct BakeArgs {
     /// Environments: .hdr, .exr, .png, .jpg; .ktx2 or bakes
     #[arg(required = true, value_name = "INPUT")]
@@ -139,9 +148,10 @@ pub(super) struct BakeArgs {
     /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it.
     #[arg(long, value_name = "LADDER", hide_possible_values = true)]
     pub(super) ladder: Option<LadderArg>,
-    /// Reflection lobe: ggx, phong, cone or cosine
+    /// ggx, phong, cone, cosine or charlie
     ///
-    /// cosine is irradiance over pi; it has no roughness and bakes one level.
+    /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band towards the
+    /// horizon; it has no mirror, and below roughness 0.125 it is that of 0.125. It is the CPU's.
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: LobeArg,
     /// adaptive:E, box or reference
@@ -174,6 +184,19 @@ pub(super) struct BakeArgs {
     /// file, OUT's stem with .irradiance.ktx2 or the like.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(super) irradiance: Option<u32>,
+    /// Highest band of spherical harmonics, 2 to 4
+    ///
+    /// In the report and in sh.json; Filament and EXT_lights_image_based have bands up to 2 only. [default: 2]
+    #[arg(long, value_name = "L", default_value_t = 2, hide_default_value = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_ORDER)))]
+    pub(super) sh_order: u32,
+    /// Their window against ringing [default: none]
+    ///
+    /// none; hanning:W, lanczos:W and sinc4:W scale band l by (1 + cos x)/2, sin(x)/x and (sin(x)/x)^4, x = pi l/W, and
+    /// to 0 from l = W on; nonnegative is sinc4 of the widest W for which irradiance is nowhere negative, as cmgen's
+    /// --sh-window=auto has it.
+    #[arg(long, value_name = "WINDOW", default_value = "none", hide_default_value = true, value_parser = sh_window)]
+    pub(super) sh_window: ShWindow,
     /// Axis turned about by the engine: none, x or z
     ///
     /// Cubes for engines that negate a coordinate before they look into a cube map; with --target only, whose own it
@@ -192,12 +215,18 @@ pub(super) struct BakeArgs {
     pub(super) name: Option<String>,
     /// Say what would be written, and write nothing
     ///
-    /// A line a file on standard output; inputs are looked for, but not read. With --target only.
-    #[arg(long, requires = "target")]
+    /// A line a file on standard output; inputs are looked for, but read only for --skip-unchanged.
+    #[arg(long)]
     pub(super) dry_run: bool,
     /// Write a picture of spheres down the ladder
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
+    /// Write the environment without its sun
+    ///
+    /// OUT.sunless.exr, or sunless.exr in OUT where that is a folder: floats, in the input's layout (cubes as a cross),
+    /// not turned. With --extract-sun only.
+    #[arg(long, requires = "extract_sun")]
+    pub(super) sunless: bool,
     /// Write every texel's certified error bound
     ///
     /// m{level}_{face}_bound.exr, absolute luminance. exr and hdr: beside the levels; else in the folder OUT.bounds.
@@ -214,6 +243,12 @@ pub(super) struct BakeArgs {
     /// Replace outputs that exist
     #[arg(long)]
     pub(super) force: bool,
+    /// Leave alone outputs that are up to date
+    ///
+    /// Those that hold what a bake of the same input content by the same options and version wrote, as hashes in the
+    /// report tell. With --force all others are baked anew; without it they are errors where they exist.
+    #[arg(long, conflicts_with = "json")]
+    pub(super) skip_unchanged: bool,
     #[command(flatten)]
     pub(super) table: TableArgs,
     #[command(flatten)]
@@ -235,7 +270,7 @@ pub(super) struct QueryArgs {
     /// Required but for the cosine lobe, which has none.
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = roughness)]
     pub(super) roughness: Option<f64>,
-    /// Reflection lobe: ggx, phong, cone or cosine
+    /// ggx, phong, cone, cosine or charlie
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: LobeArg,
     /// adaptive:E, box or reference
@@ -414,6 +449,7 @@ pub(super) enum LobeArg {
     Phong,
     Cone,
     Cosine,
+    Charlie,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -479,6 +515,7 @@ impl From<LobeArg> for Lobe {
             LobeArg::Phong => Self::Phong,
             LobeArg::Cone => Self::Cone,
             LobeArg::Cosine => Self::Cosine,
+            LobeArg::Charlie => Self::Charlie,
         }
     }
 }
@@ -613,6 +650,22 @@ pub(super) fn filter(text: &str) -> Result<Filter, String> {
         ("box", None) => Ok(Filter::Box),
         ("reference", None) => Ok(Filter::Reference),
         _ => Err("there are adaptive:E, box and reference".to_owned()),
+    }
+}
+
+/// A window of spherical harmonics, as reports name it.
+fn sh_window(text: &str) -> Result<ShWindow, String> {
+    let width = |text: &str| match number(text)? {
+        width if width > 0.0 && width.is_finite() => Ok(width),
+        _ => Err("the width of a window must be above 0 and finite".to_owned()),
+    };
+    match text.split_once(':') {
+        None if text == "none" => Ok(ShWindow::None),
+        None if text == "nonnegative" => Ok(ShWindow::Nonnegative),
+        Some(("hanning", value)) => width(value).map(ShWindow::Hanning),
+        Some(("lanczos", value)) => width(value).map(ShWindow::Lanczos),
+        Some(("sinc4", value)) => width(value).map(ShWindow::Sinc4),
+        _ => Err("there are none, hanning:W, lanczos:W, sinc4:W and nonnegative".to_owned()),
     }
 }
 

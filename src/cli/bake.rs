@@ -1,12 +1,13 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
 use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg, PixelArg};
-use super::engine::Engine;
-use super::input::{self, Source};
-use super::output::{Encoding, Outputs, Stored};
+use super::engine::{Baker, Engine};
+use super::input::{self, Opened, Source};
+use super::output::{Encoding, Extras, Outputs, Stored, SunFile};
 use super::talk::{self, Talk};
-use super::{Failure, Outcome, bake_targets, on_threads, print, usage};
+use super::{Failure, Outcome, bake_targets, on_threads, print, unchanged, usage};
 use anyhow::anyhow;
+use blake3::Hash;
 use octagloss::Environment;
 use octagloss::bake::{Bake, BakeSettings, Filter, Ladder};
 use octagloss::io::cube_write::Container;
@@ -15,7 +16,7 @@ use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::oracle::Oracle;
 use octagloss::overflow::Overflow;
-use octagloss::report::{Circumstances, RepairReport};
+use octagloss::report::Circumstances;
 use octagloss::sphere::cube::{Face, direction_from_texel};
 use rayon::prelude::*;
 use std::cell::OnceCell;
@@ -34,6 +35,9 @@ struct Plan {
     json: bool,
     overflow: Overflow,
     engine: EngineArgs,
+    skip_unchanged: bool,
+    /// All that the outputs depend on besides their inputs.
+    options: String,
 }
 
 /// One environment and where it goes.
@@ -48,17 +52,21 @@ pub(super) fn run(args: BakeArgs) -> Outcome {
     }
     let talk = Talk::new(args.quiet);
     args.engine.check()?;
-    let threads = args.engine.threads;
+    let (threads, dry_run) = (args.engine.threads, args.dry_run);
     let plan = Plan::new(args)?;
+    if dry_run {
+        return plan.foretell();
+    }
     on_threads(threads, || plan.run(&talk))
 }
 
 impl Plan {
-    fn new(args: BakeArgs) -> Outcome<Self> {
+    fn new(mut args: BakeArgs) -> Outcome<Self> {
         let settings = settings(&args)?;
         let encoding = encoding(&args)?;
+        let options = unchanged::options(&args, &format!("{encoding:?}"));
         let existing = if args.force { Existing::Replace } else { Existing::Keep };
-        let sources = input::sources(args.inputs, &args.input)?;
+        let sources = input::sources(std::mem::take(&mut args.inputs), &args.input)?;
         let format = encoding.format();
         let suffix = match format {
             FormatArg::Ktx2 => ".ktx2",
@@ -97,8 +105,9 @@ impl Plan {
                     Some(path) => path.clone(),
                     None => name,
                 };
-                let preview = args.preview.clone();
-                let outputs = Outputs::around(main, encoding, existing, &settings, args.json, preview);
+                let extras =
+                    Extras { json: args.json, sun: SunFile::asked(&args), preview: args.preview.clone() };
+                let outputs = Outputs::around(main, encoding, existing, &settings, extras);
                 Job { source, outputs }
             })
             .collect();
@@ -113,7 +122,44 @@ impl Plan {
             json: args.json,
             overflow: args.overflow.into(),
             engine: args.engine,
+            skip_unchanged: args.skip_unchanged,
+            options,
         })
+    }
+
+    /// What would be written, a line a file.
+    fn foretell(&self) -> Outcome {
+        let fresh = self.fresh_folder()?;
+        let mut text = String::new();
+        for job in &self.jobs {
+            job.source.check()?;
+            if self.is_up_to_date(job) {
+                continue;
+            }
+            job.outputs.check(fresh)?;
+            for (path, content) in job.outputs.files(&self.settings)? {
+                text += &format!("{}\t{content}\n", path.display());
+            }
+        }
+        print(&text)
+    }
+
+    /// The folder for several outputs, where it is yet to be made.
+    fn fresh_folder(&self) -> Outcome<Option<&Path>> {
+        let fresh = self.folder.as_deref().filter(|folder| !folder.exists());
+        match (&self.folder, fresh) {
+            (Some(folder), None) if !folder.is_dir() => {
+                return Err(anyhow!("{}: is a file; several inputs need a folder", folder.display()).into());
+            }
+            (_, Some(fresh)) => output::check_folder(fresh, Existing::Keep)?,
+            _ => {}
+        }
+        Ok(fresh)
+    }
+
+    /// Whether `job` is to be left alone.
+    fn is_up_to_date(&self, job: &Job) -> bool {
+        self.skip_unchanged && self.request(job).is_ok_and(|request| job.outputs.holds(request))
     }
 
     fn run(&self, talk: &Talk) -> Outcome {
@@ -127,16 +173,13 @@ impl Plan {
             other => Err(other),
         };
         // What cannot be written is told before anything is baked.
-        let fresh = self.folder.as_deref().filter(|folder| !folder.exists());
-        match (&self.folder, fresh) {
-            (Some(folder), None) if !folder.is_dir() => {
-                return Err(anyhow!("{}: is a file; several inputs need a folder", folder.display()).into());
-            }
-            (_, Some(fresh)) => output::check_folder(fresh, Existing::Keep)?,
-            _ => {}
-        }
+        let fresh = self.fresh_folder()?;
         let mut ready = Vec::new();
         for job in &self.jobs {
+            if self.is_up_to_date(job) {
+                talk.note(&format!("{}: unchanged", job.outputs.main.display()));
+                continue;
+            }
             match job.outputs.check(fresh) {
                 Ok(()) => ready.push(job),
                 Err(error) => tell(error.into())?,
@@ -151,8 +194,15 @@ impl Plan {
         if failed { Err(Failure::Told) } else { Ok(()) }
     }
 
+    /// The hash of what `job` is made of.
+    fn request(&self, job: &Job) -> octagloss::Result<Hash> {
+        unchanged::request(&job.source, &self.options)
+    }
+
     fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
         let start = Instant::now();
+        // Before it is read: should it change meanwhile, it is found changed.
+        let request = self.request(job)?;
         let opened = job.source.open(&self.input, talk)?;
         let engine = self.engine.chosen(engine, talk)?;
         if self.settings.filter == Filter::Reference {
@@ -175,33 +225,14 @@ impl Plan {
         if let Some(folder) = &self.folder {
             fs::create_dir_all(folder).map_err(|e| octagloss::Error::io(folder, e))?;
         }
-        let told = |stored: Stored| {
+        let told = Told { source: &job.source, opened: &opened, input: &self.input, baker: &baker, start };
+        let circumstances = |stored: Stored| {
             let mut warnings = opened.warnings.clone();
             for warning in stored_warnings(&stored, job.outputs.encoding) {
                 talk.warn(&format!("{}: {warning}", job.outputs.main.display()));
                 warnings.push(warning);
             }
-            Circumstances {
-                input: job.source.path().display().to_string(),
-                engine: baker.engine.to_owned(),
-                adapter: baker.adapter,
-                repaired: RepairReport {
-                    negative: opened.repaired.negative,
-                    nan: opened.repaired.nan,
-                    infinite: opened.repaired.infinite,
-                    negative_energy_share: opened.repaired.negative_energy_share,
-                },
-                layout: opened.layout.to_owned(),
-                rotate_y: self.input.rotate_y.unwrap_or(0.0),
-                mirror: self.input.mirror,
-                sanitize: self.input.sanitize,
-                format: job.outputs.encoding.format().name().to_owned(),
-                pixel: job.outputs.encoding.pixel_name().to_owned(),
-                level_pixels: stored.pixels,
-                clamped: stored.clamped,
-                warnings,
-                seconds: start.elapsed().as_secs_f64(),
-            }
+            told.circumstances(stored, warnings)
         };
         let compressed = match job.outputs.encoding.clamping_pixel() {
             Some(pixel) => compress(&mut baked, self.overflow, pixel).map_err(|error| {
@@ -209,7 +240,8 @@ impl Plan {
             })?,
             None => 0,
         };
-        let (report, bytes) = job.outputs.write(&self.settings, &baked, compressed, told)?;
+        let (report, bytes) =
+            job.outputs.write(&self.settings, &baked, compressed, request, &opened, circumstances)?;
         let bound = match report.error_bound_max() {
             Some(bound) => format!("greatest error bound {bound:.3e}"),
             None => "no error bound".to_owned(),
@@ -231,16 +263,49 @@ impl Plan {
     }
 }
 
+/// What a report tells of an environment and its bake, however it is stored.
+pub(super) struct Told<'a> {
+    pub(super) source: &'a Source,
+    pub(super) opened: &'a Opened,
+    pub(super) input: &'a InputArgs,
+    pub(super) baker: &'a Baker,
+    pub(super) start: Instant,
+}
+
+impl Told<'_> {
+    pub(super) fn circumstances(&self, stored: Stored, warnings: Vec<String>) -> Circumstances {
+        Circumstances {
+            input: self.source.path().display().to_string(),
+            engine: self.baker.engine.to_owned(),
+            adapter: self.baker.adapter.clone(),
+            repaired: self.opened.repaired.into(),
+            layout: self.opened.layout.to_owned(),
+            rotate_y: self.input.rotate_y.unwrap_or(0.0),
+            mirror: self.input.mirror,
+            sanitize: self.input.sanitize,
+            extract_sun: self.input.extract_sun,
+            sun: self.opened.sun.clone(),
+            format: stored.format.to_owned(),
+            pixel: stored.pixel.to_owned(),
+            level_pixels: stored.pixels,
+            clamped: stored.clamped,
+            warnings,
+            seconds: self.start.elapsed().as_secs_f64(),
+        }
+    }
+}
+
 /// Prepares every level of `baked` for `pixel`; the texels that were scaled down.
 pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> octagloss::Result<u64> {
-    let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut());
+    let sheen = baked.sheen.as_mut().map_or(&mut [][..], |sheen| &mut sheen.levels);
+    let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut()).chain(sheen);
     levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum()
 }
 
 impl Job {
     /// Outputs must differ from one another and from every input of `jobs`.
     fn check_places(&self, jobs: &[Self]) -> Outcome {
-        let places: Vec<&Path> = self.outputs.places().collect();
+        let places: Vec<PathBuf> = self.outputs.places().collect();
         for (index, place) in places.iter().enumerate() {
             if places[..index].contains(place) {
                 return usage(format!("{} is named for two outputs", place.display()));
@@ -272,6 +337,9 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         border: args.table.border,
         bounds: args.bounds,
         irradiance: args.irradiance,
+        sh_order: args.sh_order,
+        sh_window: args.sh_window,
+        sheen: false,
     };
     match settings.rungs() {
         Ok(_) => Ok(settings),

@@ -1,25 +1,27 @@
 //! `octagloss bake --target`: the files that engines expect, in a folder for each environment.
 
 use super::args::{BakeArgs, EngineArgs, InputArgs, LobeArg};
-use super::bake::{compress, container};
+use super::bake::{Told, compress, container};
 use super::engine::Engine;
-use super::input::{self, Source};
-use super::output::{metadata, report_text};
+use super::input::{self, Opened, Source};
+use super::output::{Stored, SunFile, cube_told, json_text, metadata};
 use super::talk::{self, Talk};
+use super::unchanged::{self, REPORT};
 use super::{Failure, Outcome, on_threads, print, usage};
 use anyhow::anyhow;
+use blake3::Hash;
 use octagloss::Error;
 use octagloss::bake::{BakeSettings, Ladder};
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::overflow::Overflow;
-use octagloss::report::{Circumstances, RepairReport, Report, TargetReport};
+use octagloss::report::{Report, TargetReport};
 use octagloss::target::files::{Made, files};
 use octagloss::target::{Content, Diffuse, Plan};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// What is to be done for every environment, checked.
@@ -33,6 +35,10 @@ struct Work {
     json: bool,
     overflow: Overflow,
     engine: EngineArgs,
+    sun: Vec<SunFile>,
+    skip_unchanged: bool,
+    /// All that the outputs depend on besides their inputs.
+    options: String,
 }
 
 /// One environment, its name, and the folder that its files go into.
@@ -71,6 +77,7 @@ impl Work {
             }
             plans.push(planned(Plan::new(target), &args)?);
         }
+        let (options, sun) = (unchanged::options(&args, ""), SunFile::asked(&args));
         let several = args.inputs.len() > 1 && args.input.layout != super::args::LayoutArg::Faces;
         if several && args.name.is_some() {
             return usage("--name names one environment; several inputs were given");
@@ -110,6 +117,9 @@ impl Work {
             json: args.json,
             overflow: args.overflow.into(),
             engine: args.engine,
+            sun,
+            skip_unchanged: args.skip_unchanged,
+            options,
         })
     }
 
@@ -122,8 +132,9 @@ impl Work {
     fn foretell(&self) -> Outcome {
         let mut text = String::new();
         for job in &self.jobs {
-            for file in job.source.files() {
-                fs::metadata(file).map_err(|error| Error::io(file, error))?;
+            job.source.check()?;
+            if self.is_up_to_date(job) {
+                continue;
             }
             self.check(job)?;
             for (plan, settings) in &self.plans {
@@ -132,8 +143,11 @@ impl Work {
                     text += &format!("{}\t{}\n", folder.join(path).display(), told(plan, settings, content)?);
                 }
                 if !self.json {
-                    text += &format!("{}\treport\n", folder.join("report.json").display());
+                    text += &format!("{}\treport\n", folder.join(REPORT).display());
                 }
+            }
+            for file in &self.sun {
+                text += &format!("{}\t{}\n", job.folder.join(file.name()).display(), file.content());
             }
         }
         print(&text)
@@ -154,6 +168,10 @@ impl Work {
         let mut failed = false;
         let engine = OnceCell::new();
         for job in &self.jobs {
+            if self.is_up_to_date(job) {
+                talk.note(&format!("{}: unchanged", job.folder.display()));
+                continue;
+            }
             let outcome = self.check(job).map_err(Failure::from).and_then(|()| self.bake(job, &engine, talk));
             match outcome {
                 Err(Failure::Failed(error)) => {
@@ -166,8 +184,22 @@ impl Work {
         if failed { Err(Failure::Told) } else { Ok(()) }
     }
 
+    /// Whether `job` is to be left alone: every target's folder is as it was written for the same request.
+    fn is_up_to_date(&self, job: &Job) -> bool {
+        let request = unchanged::request(&job.source, &self.options);
+        self.skip_unchanged
+            && request.is_ok_and(|request| {
+                self.plans.iter().all(|(plan, _)| {
+                    let report = job.folder.join(self.within(plan)).join(REPORT);
+                    unchanged::holds(&report, request, [job.folder.clone()])
+                })
+            })
+    }
+
     fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
         let start = Instant::now();
+        // Before it is read: should it change meanwhile, it is found changed.
+        let request = unchanged::request(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, talk)?;
         let engine = self.engine.chosen(engine, talk)?;
         let bar = talk.bar(&job.name);
@@ -175,6 +207,7 @@ impl Work {
         let (bakes, baker) =
             engine.bake_all(&opened.environment, &settings, talk, &|progress| bar.bake(progress))?;
         drop(bar);
+        let told = Told { source: &job.source, opened: &opened, input: &self.input, baker: &baker, start };
         let mut outputs: Vec<(Vec<Made>, Report)> = Vec::with_capacity(bakes.len());
         for ((plan, settings), mut bake) in self.plans.iter().zip(bakes) {
             let compressed = compress(&mut bake, self.overflow, plan.pixel).map_err(|error| {
@@ -196,28 +229,10 @@ impl Work {
             for warning in &bake.warnings {
                 talk.warn(&format!("{}: {warning}", job.source.path().display()));
             }
-            let told = Circumstances {
-                input: job.source.path().display().to_string(),
-                engine: baker.engine.to_owned(),
-                adapter: baker.adapter.clone(),
-                repaired: RepairReport {
-                    negative: opened.repaired.negative,
-                    nan: opened.repaired.nan,
-                    infinite: opened.repaired.infinite,
-                    negative_energy_share: opened.repaired.negative_energy_share,
-                },
-                layout: opened.layout.to_owned(),
-                rotate_y: self.input.rotate_y.unwrap_or(0.0),
-                mirror: self.input.mirror,
-                sanitize: self.input.sanitize,
-                format: plan.container.name().to_owned(),
-                pixel: plan.pixel.name().to_owned(),
-                level_pixels: vec![plan.pixel.name().to_owned(); bake.chain.levels.len()],
-                clamped,
-                warnings,
-                seconds: start.elapsed().as_secs_f64(),
-            };
-            let mut report = Report { compressed, ..Report::new(settings, bake, told) };
+            let pixels = vec![plan.pixel; bake.chain.levels.len()];
+            let stored = Stored::new(plan.container.name(), plan.pixel.name(), &pixels, clamped);
+            let mut report =
+                Report { compressed, ..Report::new(settings, bake, told.circumstances(stored, warnings)) };
             report.target = Some(TargetReport {
                 name: plan.target.name.to_owned(),
                 flip: plan.flip.name().to_owned(),
@@ -230,7 +245,9 @@ impl Work {
         if let Some(folder) = &self.folder {
             fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
         }
-        output::write_folder(&job.folder, self.existing, |folder| self.write(folder, &outputs))?;
+        output::write_folder(&job.folder, self.existing, |folder| {
+            self.write(folder, request, &opened, &mut outputs)
+        })?;
         let bytes: usize = outputs.iter().flat_map(|(made, _)| made).map(|file| file.bytes.len()).sum();
         talk.note(&format!(
             "{}: {} for {} in {:.2} s on {}, OEM {} + {}",
@@ -251,20 +268,31 @@ impl Work {
         Ok(())
     }
 
-    fn write(&self, folder: &std::path::Path, outputs: &[(Vec<Made>, Report)]) -> octagloss::Result<()> {
-        for ((plan, _), (made, report)) in self.plans.iter().zip(outputs) {
-            let place = |path: &str| folder.join(self.within(plan)).join(path);
-            let write = |path: &str, bytes: &[u8]| {
-                let path = place(path);
-                let parent = path.parent().expect("within a folder");
-                fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
-                fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
-            };
+    /// Writes all into `folder` and completes the reports.
+    fn write(
+        &self,
+        folder: &Path,
+        request: Hash,
+        opened: &Opened,
+        outputs: &mut [(Vec<Made>, Report)],
+    ) -> octagloss::Result<()> {
+        let write = |plan: &Plan, path: &str, bytes: &[u8]| {
+            let path = folder.join(self.within(plan)).join(path);
+            let parent = path.parent().expect("within a folder");
+            fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
+            fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
+        };
+        for ((plan, _), (made, _)) in self.plans.iter().zip(&*outputs) {
             for file in made {
-                write(&file.path, &file.bytes)?;
+                write(plan, &file.path, &file.bytes)?;
             }
+        }
+        self.sun.iter().try_for_each(|file| file.write_into(folder, opened))?;
+        let written = unchanged::joined([unchanged::hash_of(folder)])?;
+        for ((plan, _), (_, report)) in self.plans.iter().zip(outputs) {
+            report.fingerprint = Some(unchanged::fingerprint(request, written));
             if !self.json {
-                write("report.json", report_text(report).as_bytes())?;
+                write(plan, REPORT, json_text(report).as_bytes())?;
             }
         }
         Ok(())
@@ -275,13 +303,12 @@ impl Work {
 fn told(plan: &Plan, settings: &BakeSettings, content: Content) -> octagloss::Result<String> {
     let pixel = plan.pixel.name();
     Ok(match content {
-        Content::Specular => {
-            let rungs = settings.rungs()?;
-            format!("{pixel} cube {}, {} levels", settings.size, rungs.len())
-        }
-        Content::Skybox => format!("{pixel} cube {}, 1 level", settings.size),
+        Content::Specular => cube_told(pixel, settings.size, settings.rungs()?.len()),
+        Content::Sheen => cube_told(&format!("{pixel} sheen"), settings.size, settings.rungs()?.len()),
+        Content::Skybox => cube_told(pixel, settings.size, 1),
         Content::Irradiance => {
-            format!("{pixel} irradiance cube {}", settings.irradiance.unwrap_or(plan.target.irradiance_size))
+            let size = settings.irradiance.unwrap_or(plan.target.irradiance_size);
+            cube_told(&format!("{pixel} irradiance"), size, 1)
         }
         Content::ShJson | Content::ShText => "spherical harmonics".to_owned(),
     })
@@ -330,6 +357,9 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
         border: args.table.border,
         bounds: false,
         irradiance: cube.then(|| args.irradiance.unwrap_or(target.irradiance_size)),
+        sh_order: args.sh_order,
+        sh_window: args.sh_window,
+        sheen: target.has_sheen(),
     };
     match settings.rungs() {
         Ok(_) => Ok((plan, settings)),

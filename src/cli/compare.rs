@@ -2,7 +2,6 @@
 
 use super::args::{CompareArgs, InputArgs, Texels};
 use super::input::{self, is_ktx2, ktx2_text, read_bake};
-use super::output::LOBE_KEY;
 use super::talk::Talk;
 use super::{Outcome, on_threads, print, usage};
 use anyhow::anyhow;
@@ -14,7 +13,7 @@ use octagloss::io::{
     self,
     output::{self, Existing},
 };
-use octagloss::lobe::Lobe;
+use octagloss::lobe::{LOBE_KEY, Lobe};
 use octagloss::preview::error_picture;
 use octagloss::report::Report;
 use serde::Serialize;
@@ -97,10 +96,11 @@ fn against_source(args: &CompareArgs, bake: &CubeChain, talk: &Talk) -> Outcome<
             Lobe::Ggx
         }
     };
-    // Turned and flipped as the bake was, unless said otherwise.
+    // Turned, flipped and without its sun as the bake was, unless said otherwise.
     let input = InputArgs {
         rotate_y: args.input.rotate_y.or(told.rotate_y),
         mirror: args.input.mirror || told.mirror,
+        extract_sun: args.input.extract_sun || told.extract_sun,
         ..args.input.clone()
     };
     let source = input::single_source(vec![args.against.clone()], &input)?;
@@ -162,6 +162,7 @@ struct Told {
     lobe: Option<Lobe>,
     rotate_y: Option<f64>,
     mirror: bool,
+    extract_sun: bool,
 }
 
 impl Told {
@@ -176,19 +177,17 @@ impl Told {
         let report = fs::read(report).ok().and_then(|text| serde_json::from_slice::<Report>(&text).ok());
         match report {
             Some(Report { options, .. }) => Self {
-                lobe: lobe_named(&options.lobe),
+                lobe: Lobe::named(&options.lobe),
                 rotate_y: Some(options.rotate_y),
                 mirror: options.mirror,
+                extract_sun: options.extract_sun,
             },
-            None => {
-                Self { lobe: ktx2_text(bake, LOBE_KEY).and_then(|name| lobe_named(&name)), ..Self::default() }
-            }
+            None => Self {
+                lobe: ktx2_text(bake, LOBE_KEY).and_then(|name| Lobe::named(&name)),
+                ..Self::default()
+            },
         }
     }
-}
-
-fn lobe_named(name: &str) -> Option<Lobe> {
-    [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine].into_iter().find(|lobe| lobe.name() == name)
 }
 
 fn judge(levels: &[LevelErrors], limit: Option<f64>) -> Outcome {

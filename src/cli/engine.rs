@@ -4,10 +4,12 @@ use super::args::{EngineArg, EngineArgs};
 use super::talk::Talk;
 use super::{Outcome, usage};
 use glam::DVec3;
+use octagloss::Environment;
+#[cfg(feature = "gpu")]
+use octagloss::Error;
 use octagloss::bake::{Bake, BakeSettings, Filter, Progress, bake_all};
 use octagloss::lobe::Lobe;
 use octagloss::reflector::{Answer, Reflector, ReflectorSettings, Workspace};
-use octagloss::{Environment, Error};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 
@@ -36,9 +38,21 @@ pub(super) struct Baker {
     pub(super) adapter: Option<String>,
 }
 
-/// Whether an engine other than the one asked may answer this: it asks for more than the adapter has.
-fn asks_too_much(error: &Error) -> bool {
-    matches!(error, Error::Limit { .. } | Error::Parameter(_))
+/// What the GPU answered; or the CPU's answer, where the GPU was asked for more than it has and `may_fall_back`.
+#[cfg(feature = "gpu")]
+fn or_on_cpu<T>(
+    on_gpu: octagloss::Result<T>,
+    may_fall_back: bool,
+    talk: &Talk,
+    on_cpu: impl FnOnce() -> octagloss::Result<T>,
+) -> octagloss::Result<T> {
+    match on_gpu {
+        Err(error @ (Error::Limit { .. } | Error::Parameter(_))) if may_fall_back => {
+            talk.note(&format!("{error}; the CPU takes over"));
+            on_cpu()
+        }
+        answered => answered,
+    }
 }
 
 impl EngineArgs {
@@ -149,14 +163,10 @@ impl Engine {
             Self::Gpu { engine, may_fall_back } => {
                 let context = engine.context();
                 let baked = engine.bake_all(environment, settings, progress);
-                match octagloss::gpu::block_on(Some(context), baked).and_then(|baked| baked) {
-                    Ok(baked) => Ok((baked, Baker { engine: "gpu", adapter: Some(context.describe()) })),
-                    Err(error) if *may_fall_back && asks_too_much(&error) => {
-                        talk.note(&format!("{error}; the CPU takes over"));
-                        on_cpu()
-                    }
-                    Err(error) => Err(error),
-                }
+                let baked = octagloss::gpu::block_on(Some(context), baked).and_then(|baked| {
+                    Ok((baked?, Baker { engine: "gpu", adapter: Some(context.describe()) }))
+                });
+                or_on_cpu(baked, *may_fall_back, talk, on_cpu)
             }
         }
     }
@@ -208,13 +218,7 @@ impl Engine {
                 };
                 let answers =
                     octagloss::gpu::block_on(Some(engine.context()), on_gpu).and_then(|answers| answers);
-                match answers {
-                    Err(error) if *may_fall_back && asks_too_much(&error) => {
-                        talk.note(&format!("{error}; the CPU takes over"));
-                        on_cpu()
-                    }
-                    answers => answers,
-                }
+                or_on_cpu(answers, *may_fall_back, talk, on_cpu)
             }
         }
     }

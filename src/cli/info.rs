@@ -8,8 +8,8 @@ use super::{Failure, Outcome, print};
 use octagloss::chain::{CubeChain, CubeLevel};
 use octagloss::environment::LUMINANCE;
 use octagloss::io::Repairs;
+use octagloss::report::SunReport;
 use octagloss::sphere::cube;
-use octagloss::sun::Sun;
 use octagloss::survey::Survey;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -27,22 +27,10 @@ struct EnvironmentInfo {
     min: [f32; 3],
     max: [f32; 3],
     mean: [f64; 3],
-    sun: Option<SunInfo>,
+    sun: Option<SunReport>,
     half_float: HalfInfo,
     repaired: Repairs,
     warnings: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct SunInfo {
-    direction: [f64; 3],
-    azimuth_degrees: f64,
-    elevation_degrees: f64,
-    peak: [f32; 3],
-    irradiance: [f64; 3],
-    solid_angle: f64,
-    texels: usize,
-    energy_share: f64,
 }
 
 #[derive(Serialize)]
@@ -138,16 +126,6 @@ fn bake_info(input: String, chain: &CubeChain) -> BakeInfo {
 fn environment_info(input: String, opened: Opened) -> EnvironmentInfo {
     let survey = Survey::of(&opened.environment);
     let energy_share = survey.sun_share();
-    let sun = |sun: Sun| SunInfo {
-        direction: sun.direction.to_array(),
-        azimuth_degrees: sun.azimuth_degrees(),
-        elevation_degrees: sun.elevation_degrees(),
-        peak: sun.peak,
-        irradiance: sun.irradiance,
-        solid_angle: sun.solid_angle,
-        texels: sun.texels,
-        energy_share,
-    };
     EnvironmentInfo {
         kind: "environment",
         input,
@@ -159,7 +137,7 @@ fn environment_info(input: String, opened: Opened) -> EnvironmentInfo {
         min: survey.min,
         max: survey.max,
         mean: survey.mean,
-        sun: survey.sun.map(sun),
+        sun: survey.sun.map(|sun| SunReport::new(&sun, energy_share)),
         half_float: HalfInfo {
             clipped_texels: survey.half.texels,
             lost_energy_share: survey.half.energy_share,

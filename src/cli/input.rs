@@ -5,6 +5,8 @@ use super::talk::Talk;
 use super::{Outcome, usage};
 use octagloss::chain::CubeChain;
 use octagloss::io::{self, LayoutChoice, ReadOptions, Repairs};
+use octagloss::report::SunReport;
+use octagloss::sun::Sun;
 use octagloss::{Environment, Layout};
 use std::fs;
 use std::io::Read as _;
@@ -17,6 +19,8 @@ pub(super) struct Source(Vec<PathBuf>);
 /// An environment as it is to be used, and what is to be told of it.
 pub(super) struct Opened {
     pub(super) environment: Environment,
+    /// What was taken out of it.
+    pub(super) sun: Option<SunReport>,
     pub(super) repaired: Repairs,
     pub(super) warnings: Vec<String>,
     pub(super) format: String,
@@ -59,6 +63,13 @@ impl Source {
         &self.0
     }
 
+    /// Fails where a file is missing.
+    pub(super) fn check(&self) -> octagloss::Result<()> {
+        self.0.iter().try_for_each(|file| {
+            fs::metadata(file).map(drop).map_err(|error| octagloss::Error::io(file, error))
+        })
+    }
+
     /// What outputs are named after: the file's stem or the folder's name; of six faces what their stems begin with,
     /// or else the name of their folder.
     pub(super) fn stem(&self) -> String {
@@ -93,7 +104,7 @@ impl Source {
         }
     }
 
-    /// Reads, turns and flips; warnings are said here.
+    /// Reads, turns, flips and takes the sun out; warnings are said here.
     pub(super) fn open(&self, args: &InputArgs, talk: &Talk) -> octagloss::Result<Opened> {
         let options = ReadOptions {
             layout: match args.layout {
@@ -112,9 +123,7 @@ impl Source {
             [path] => io::read(path, &options)?,
             faces => io::read_faces(faces, &options)?,
         };
-        for warning in &loaded.warnings {
-            talk.warn(&format!("{}: {warning}", self.path().display()));
-        }
+        let mut warnings = loaded.warnings;
         let mut environment = loaded.environment;
         if args.mirror {
             environment = environment.mirrored();
@@ -122,10 +131,24 @@ impl Source {
         if let Some(degrees) = args.rotate_y {
             environment = environment.rotated_y(degrees);
         }
+        let mut sun = None;
+        if args.extract_sun {
+            match Sun::extract(&environment) {
+                Some(extraction) => {
+                    sun = Some(SunReport::new(&extraction.sun, extraction.energy_share));
+                    environment = extraction.sunless;
+                }
+                None => warnings.push("no sun stands out, so none was taken out".to_owned()),
+            }
+        }
+        for warning in &warnings {
+            talk.warn(&format!("{}: {warning}", self.path().display()));
+        }
         Ok(Opened {
             environment,
+            sun,
             repaired: loaded.repaired,
-            warnings: loaded.warnings,
+            warnings,
             format: loaded.format,
             layout: loaded.layout,
             width: loaded.width,

@@ -17,6 +17,7 @@ mod output;
 mod query;
 mod synth;
 mod talk;
+mod unchanged;
 
 use args::{Args, Command};
 use clap::Parser as _;

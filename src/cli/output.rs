@@ -1,16 +1,22 @@
 //! Outputs of a bake: where they go, and writing them.
 
-use super::args::FormatArg;
-use octagloss::bake::{Bake, BakeSettings};
+use super::args::{BakeArgs, FormatArg};
+use super::input::Opened;
+use super::unchanged::{self, REPORT, fingerprint};
+use blake3::Hash;
+use octagloss::bake::{Bake, BakeSettings, Rung};
 use octagloss::chain::{CubeChain, CubeLevel};
 use octagloss::io::cube_write::{Container, cube_bytes};
+use octagloss::io::environment_write::exact_exr_bytes;
 use octagloss::io::exr_write::{self, ExrPixel, Samples};
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::io::{hdr_write, png_write};
+use octagloss::lobe::LOBE_KEY;
 use octagloss::report::{Circumstances, Report, filter_name};
 use octagloss::sphere::cube::Face;
 use octagloss::{Error, Result, preview};
+use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -66,7 +72,62 @@ pub(super) struct Outputs {
     pub(super) irradiance: Option<PathBuf>,
     /// The bounds, where they have a folder of their own.
     pub(super) bounds: Option<PathBuf>,
+    /// What is told of the sun.
+    sun: Vec<SunFile>,
     pub(super) preview: Option<PathBuf>,
+}
+
+/// What a bake writes besides what its settings ask for.
+pub(super) struct Extras {
+    /// Whether the report is printed instead.
+    pub(super) json: bool,
+    pub(super) sun: Vec<SunFile>,
+    pub(super) preview: Option<PathBuf>,
+}
+
+/// A file about the sun that was taken out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SunFile {
+    /// What it is.
+    Sun,
+    /// The environment without it.
+    Sunless,
+}
+
+impl SunFile {
+    /// Those that `args` ask for.
+    pub(super) fn asked(args: &BakeArgs) -> Vec<Self> {
+        let asked = [(Self::Sun, args.input.extract_sun), (Self::Sunless, args.sunless)];
+        asked.into_iter().filter_map(|(file, asked)| asked.then_some(file)).collect()
+    }
+
+    /// Its name in a folder, and the end of its name beside a file.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Sun => "sun.json",
+            Self::Sunless => "sunless.exr",
+        }
+    }
+
+    /// What it holds, in a few words.
+    pub(super) const fn content(self) -> &'static str {
+        match self {
+            Self::Sun => "the sun",
+            Self::Sunless => "f32 environment without the sun",
+        }
+    }
+
+    fn bytes(self, opened: &Opened) -> Result<Vec<u8>> {
+        match self {
+            Self::Sun => Ok(json_text(&opened.sun).into_bytes()),
+            Self::Sunless => exact_exr_bytes(&opened.environment, "an environment without its sun"),
+        }
+    }
+
+    pub(super) fn write_into(self, folder: &Path, opened: &Opened) -> Result<()> {
+        let path = folder.join(self.name());
+        fs::write(&path, self.bytes(opened)?).map_err(|e| Error::io(&path, e))
+    }
 }
 
 /// `path` with `suffix` after its whole name.
@@ -83,11 +144,11 @@ impl Outputs {
         encoding: Encoding,
         existing: Existing,
         settings: &BakeSettings,
-        json: bool,
-        preview: Option<PathBuf>,
+        extras: Extras,
     ) -> Self {
+        let Extras { json, sun, preview } = extras;
         let single = matches!(encoding, Encoding::Cube(..));
-        let report = if single { suffixed(&main, ".report.json") } else { main.join("report.json") };
+        let report = if single { suffixed(&main, ".report.json") } else { main.join(REPORT) };
         Self {
             encoding,
             existing,
@@ -95,9 +156,15 @@ impl Outputs {
             irradiance: (single && settings.irradiance.is_some())
                 .then(|| main.with_extension(format!("irradiance.{}", encoding.format().name()))),
             bounds: (single && settings.bounds).then(|| suffixed(&main, ".bounds")),
+            sun,
             preview,
             main,
         }
+    }
+
+    /// Where a file about the sun goes that has a place of its own.
+    fn sun_place(&self, file: SunFile) -> PathBuf {
+        suffixed(&self.main, &format!(".{}", file.name()))
     }
 
     const fn is_folder(&self) -> bool {
@@ -105,10 +172,21 @@ impl Outputs {
     }
 
     /// Files and folders beside one another.
-    pub(super) fn places(&self) -> impl Iterator<Item = &Path> {
+    pub(super) fn places(&self) -> impl Iterator<Item = PathBuf> {
         let report = self.report.as_ref().filter(|_| !self.is_folder());
         let others = [report, self.irradiance.as_ref(), self.bounds.as_ref(), self.preview.as_ref()];
-        std::iter::once(&self.main).chain(others.into_iter().flatten()).map(PathBuf::as_path)
+        let sun = self.sun.iter().filter(|_| !self.is_folder()).map(|file| self.sun_place(*file));
+        std::iter::once(&self.main).chain(others.into_iter().flatten()).cloned().chain(sun)
+    }
+
+    /// Whether all is there as it was written for `request`.
+    pub(super) fn holds(&self, request: Hash) -> bool {
+        self.report.as_deref().is_some_and(|report| unchanged::holds(report, request, self.hashed()))
+    }
+
+    /// The places without the report.
+    fn hashed(&self) -> impl Iterator<Item = PathBuf> {
+        self.places().filter(|place| Some(place) != self.report.as_ref())
     }
 
     /// Fails where writing would before it begins. What is to stand in `fresh`, a folder that is yet to be made,
@@ -118,14 +196,54 @@ impl Outputs {
             if fresh.is_some() && place.parent() == fresh {
                 continue;
             }
-            let folder = (place == self.main && self.is_folder()) || Some(place) == self.bounds.as_deref();
+            let folder = (place == self.main && self.is_folder()) || Some(&place) == self.bounds.as_ref();
             if folder {
-                output::check_folder(place, self.existing)?;
+                output::check_folder(&place, self.existing)?;
             } else {
-                output::check_file(place, self.existing)?;
+                output::check_file(&place, self.existing)?;
             }
         }
         Ok(())
+    }
+
+    /// The files that will be written, and what each will be.
+    pub(super) fn files(&self, settings: &BakeSettings) -> Result<Vec<(PathBuf, String)>> {
+        let pixel = self.encoding.pixel_name();
+        let rungs = settings.rungs()?;
+        let faces = |folder: &Path, name: String, told: String| {
+            Face::ALL.map(|face| (folder.join(name.replace("{face}", face.short_name())), told.clone()))
+        };
+        let mut files = Vec::new();
+        if self.is_folder() {
+            let extension = self.encoding.format().name();
+            for (index, rung) in rungs.iter().enumerate() {
+                let told = format!("{pixel} face {}", rung.size);
+                files.extend(faces(&self.main, format!("m{index}_{{face}}.{extension}"), told));
+            }
+            if let Some(size) = settings.irradiance {
+                let told = format!("{pixel} irradiance face {size}");
+                files.extend(faces(&self.main, format!("irradiance_{{face}}.{extension}"), told));
+            }
+        } else {
+            files.push((self.main.clone(), cube_told(pixel, settings.size, rungs.len())));
+            if let (Some(path), Some(size)) = (&self.irradiance, settings.irradiance) {
+                files.push((path.clone(), cube_told(&format!("{pixel} irradiance"), size, 1)));
+            }
+        }
+        // A mirror has no bounds.
+        let bounded = |rung: &Rung| settings.bounds && !(rung.roughness == 0.0 && settings.lobe.has_mirror());
+        for (index, rung) in rungs.iter().enumerate().filter(|(_, rung)| bounded(rung)) {
+            let folder = self.bounds.as_ref().unwrap_or(&self.main);
+            let told = format!("f32 error bounds {}", rung.size);
+            files.extend(faces(folder, format!("m{index}_{{face}}_bound.exr"), told));
+        }
+        for file in &self.sun {
+            let path = if self.is_folder() { self.main.join(file.name()) } else { self.sun_place(*file) };
+            files.push((path, file.content().to_owned()));
+        }
+        files.extend(self.preview.iter().map(|path| (path.clone(), "picture".to_owned())));
+        files.extend(self.report.iter().map(|path| (path.clone(), "report".to_owned())));
+        Ok(files)
     }
 
     /// Writes all; `told` is completed with what was stored, the report comes back with the bytes written.
@@ -134,11 +252,34 @@ impl Outputs {
         settings: &BakeSettings,
         bake: &Bake,
         compressed: u64,
+        request: Hash,
+        opened: &Opened,
         told: impl FnOnce(Stored) -> Circumstances,
     ) -> Result<(Report, u64)> {
-        let report_of = |stored: Stored| Report { compressed, ..Report::new(settings, bake, told(stored)) };
+        let report_of = |stored: Stored, outputs: Hash| Report {
+            compressed,
+            fingerprint: Some(fingerprint(request, outputs)),
+            ..Report::new(settings, bake, told(stored))
+        };
+        let preview = match &self.preview {
+            Some(_) => Some(png_write::png_bytes(&preview::contact_sheet(&bake.chain)?)?),
+            None => None,
+        };
         let metadata = metadata(settings);
         let irradiance = bake.irradiance.as_ref();
+        let write_sun = |folder: &Path| self.sun.iter().try_for_each(|file| file.write_into(folder, opened));
+        let write_preview = |preview: &Option<Vec<u8>>| match (&self.preview, preview) {
+            (Some(path), Some(bytes)) => {
+                output::write_file(path, self.existing, |file| file.write_all(bytes))
+            }
+            _ => Ok(()),
+        };
+        // The folder is complete but for its report, and a preview comes later.
+        let hash_of = |folder: &Path| {
+            let preview = preview.iter().map(|bytes| Ok(blake3::hash(bytes)));
+            unchanged::joined(std::iter::once(unchanged::hash_of(folder)).chain(preview))
+        };
+        let (format, pixel_name) = (self.encoding.format().name(), self.encoding.pixel_name());
         let report = match self.encoding {
             Encoding::Cube(container, pixel) => {
                 let cube = |path: &Path, chain: &CubeChain, metadata: &[(String, String)]| {
@@ -156,10 +297,16 @@ impl Outputs {
                 if let Some(path) = &self.bounds {
                     output::write_folder(path, self.existing, |folder| write_bounds(folder, &bake.chain))?;
                 }
+                for file in &self.sun {
+                    let bytes = file.bytes(opened)?;
+                    output::write_file(&self.sun_place(*file), self.existing, |out| out.write_all(&bytes))?;
+                }
+                write_preview(&preview)?;
                 let pixels = vec![pixel; bake.chain.levels.len()];
-                let report = report_of(Stored::new(&pixels, clamped));
+                let hash = unchanged::joined(self.hashed().map(|place| unchanged::hash_of(&place)))?;
+                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash);
                 if let Some(path) = &self.report {
-                    let text = report_text(&report);
+                    let text = json_text(&report);
                     output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))?;
                 }
                 report
@@ -167,9 +314,10 @@ impl Outputs {
             Encoding::Exr(choice) => output::write_folder(&self.main, self.existing, |folder| {
                 let stored =
                     exr_write::write_level_folder(folder, &bake.chain, irradiance, choice, &metadata)?;
+                write_sun(folder)?;
                 let pixels: Vec<Pixel> = stored.iter().map(|level| level.pixel).collect();
                 let clamped = stored.iter().map(|level| level.clamped).sum();
-                let report = report_of(Stored::new(&pixels, clamped));
+                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash_of(folder)?);
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
@@ -178,29 +326,45 @@ impl Outputs {
                 if settings.bounds {
                     write_bounds(folder, &bake.chain)?;
                 }
+                write_sun(folder)?;
                 let pixels = bake.chain.levels.iter().map(|_| "rgbe".to_owned()).collect();
-                let report = report_of(Stored { pixels, clamped: 0, floats: 0 });
+                let report = report_of(
+                    Stored { format, pixel: pixel_name, pixels, clamped: 0, floats: 0 },
+                    hash_of(folder)?,
+                );
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
         };
-        if let Some(path) = &self.preview {
-            png_write::write_png(path, self.existing, &preview::contact_sheet(&bake.chain)?)?;
+        if self.is_folder() {
+            write_preview(&preview)?;
         }
-        Ok((report, self.places().map(bytes_in).sum()))
+        Ok((report, self.places().map(|place| bytes_in(&place)).sum()))
     }
 
     fn write_report_into(&self, folder: &Path, report: &Report) -> Result<()> {
         if self.report.is_none() {
             return Ok(());
         }
-        let path = folder.join("report.json");
-        fs::write(&path, report_text(report)).map_err(|e| Error::io(&path, e))
+        let path = folder.join(REPORT);
+        fs::write(&path, json_text(report)).map_err(|e| Error::io(&path, e))
+    }
+}
+
+/// What a cube is, in a few words.
+pub(super) fn cube_told(kind: &str, size: u32, levels: usize) -> String {
+    match levels {
+        1 => format!("{kind} cube {size}"),
+        _ => format!("{kind} cube {size}, {levels} levels"),
     }
 }
 
 /// How a bake was stored.
 pub(super) struct Stored {
+    /// Format of the output.
+    pub(super) format: &'static str,
+    /// Pixel format asked for.
+    pub(super) pixel: &'static str,
     /// Pixel format of each level.
     pub(super) pixels: Vec<String>,
     /// Texels clamped.
@@ -210,9 +374,10 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    fn new(pixels: &[Pixel], clamped: u64) -> Self {
+    pub(super) fn new(format: &'static str, pixel: &'static str, pixels: &[Pixel], clamped: u64) -> Self {
         let floats = pixels.iter().filter(|pixel| **pixel == Pixel::F32).count();
-        Self { pixels: pixels.iter().map(|pixel| pixel.name().to_owned()).collect(), clamped, floats }
+        let pixels = pixels.iter().map(|pixel| pixel.name().to_owned()).collect();
+        Self { format, pixel, pixels, clamped, floats }
     }
 }
 
@@ -229,11 +394,9 @@ pub(super) fn metadata(settings: &BakeSettings) -> Vec<(String, String)> {
     .to_vec()
 }
 
-/// The key that names the lobe.
-pub(super) const LOBE_KEY: &str = "octaglossLobe";
-
-pub(super) fn report_text(report: &Report) -> String {
-    serde_json::to_string_pretty(report).expect("keys are strings") + "\n"
+/// `value` as a file of its own.
+pub(super) fn json_text(value: &impl Serialize) -> String {
+    serde_json::to_string_pretty(value).expect("keys are strings") + "\n"
 }
 
 /// `m{level}_{face}_bound.exr` of every level.

@@ -29,6 +29,9 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         (_, Some(roughness)) => roughness,
         (_, None) => return usage("--roughness R is needed, R in [0, 1]"),
     };
+    if let Err(error) = args.filter.check(lobe) {
+        return usage(error.to_string());
+    }
     if args.bound && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bound needs --filter adaptive:E; the others certify nothing");
     }
@@ -41,7 +44,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         let settings = ReflectorSettings {
             oem_size: args.table.oem_size,
             border: args.table.border,
-            sharpest: roughness,
+            sharpest: lobe.served_roughness(roughness),
         };
         let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
         let query = Query { lobe, roughness, filter: args.filter };

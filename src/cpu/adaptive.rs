@@ -17,7 +17,8 @@
 //! hinge lies between that of its mean (Jensen) and (sqrt(V + (t - 1/2)^2) + 1/2 - t)/2 (Scarf 1958).
 //!
 //! The estimate is k(t) + V k''(t)/2, kept inside the interval; the certified error is the greater of the sums of what
-//! lies above and what lies below. Lobes that are not smooth (cones, wide Phong) take k(a) and k(b).
+//! lies above and what lies below. Lobes that are not smooth (cones, wide Phong) take k(a) and k(b). Charlie, which rises
+//! before it falls, has bounds of its own (`kernel`).
 //!
 //! V is used as ((R - m).C.(R - m)), which keeps its precision near the peak; what that leaves out is the radial part
 //! (l - m).m, whose deviation is at most sqrt(tr C) rho/2 (Bhatia and Davis 2000 on [1 - rho^2/2, 1]), so V lies
@@ -27,7 +28,7 @@
 //! packet. Which cells are leaves decides how tight the bound is, never whether it holds.
 
 use super::cells::{Cells, Quad};
-use super::kernel::{Kernel, Radial, expected_error, interval, with_radial};
+use super::kernel::{Kernel, Radial, expected_error, with_radial};
 use super::subtexel;
 use crate::environment::{LUMINANCE, Rgb};
 use glam::DVec3;
@@ -204,7 +205,8 @@ impl<'a> Adaptive<'a> {
     /// Lobes of `kernel` to a relRMSE of `error` over the sphere.
     #[must_use]
     pub fn new(cells: &'a Cells, kernel: Kernel, error: f64) -> Self {
-        let tolerance = leaf_share(error) * cells.mean_luminance * kernel.integral;
+        let share = leaf_share(error) * kernel.leaf_share();
+        let tolerance = share * cells.mean_luminance * kernel.integral;
         Self { cells, kernel, tolerance, scale: 1.0, arch: pulp::Arch::new() }
     }
 
@@ -289,9 +291,9 @@ impl<'a> Adaptive<'a> {
                 let along =
                     xx * x * x + yy * y * y + zz * z * z + 2.0 * (yz * y * z + zx * z * x + xy * x * y);
                 let share = if across {
-                    interval::<R, true>(kernel, squared, trace, along, leaf.radius)
+                    kernel.interval::<true>(squared, trace, along, leaf.radius)
                 } else {
-                    interval::<R, false>(kernel, squared, trace, along, leaf.radius)
+                    kernel.interval::<false>(squared, trace, along, leaf.radius)
                 };
                 sums[0][k] += share.estimate * red;
                 sums[1][k] += share.estimate * green;

@@ -75,7 +75,7 @@ pub(crate) fn bake_level(
 
 /// Whether a level of `lobe` shows what its texels cover.
 pub(crate) fn is_mirror(rung: Rung, lobe: Lobe) -> bool {
-    rung.roughness == 0.0 && lobe != Lobe::Cosine
+    rung.roughness == 0.0 && lobe.has_mirror()
 }
 
 impl BakedLevel {

@@ -98,6 +98,7 @@ impl Engine {
         let meter = order.meter(progress);
         let reflector_settings = order.reflector_settings();
         for part in order.parts() {
+            check_lobe(part.lobe)?;
             self.check_fits(environment, &reflector_settings, part.filter)?;
         }
         let reflector = Reflector::new(self, environment, &reflector_settings)?;
@@ -270,6 +271,8 @@ impl<'a> Reflector<'a> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
+        check_lobe(lobe)?;
+        filter.check(lobe)?;
         let Engine { context, box_filter, adaptive, .. } = self.engine;
         let source_from_world = self.environment.source_from_world();
         let alpha = roughness * roughness;
@@ -294,7 +297,7 @@ impl<'a> Reflector<'a> {
         if !(error > 0.0 && error < 1.0) {
             return Err(Error::Parameter(format!("adaptive:{error} is outside (0, 1)")));
         }
-        if lobe != Lobe::Cosine && alpha < SHARPEST_ALPHA {
+        if lobe.has_mirror() && alpha < SHARPEST_ALPHA {
             let oem = self.planes.read(context).await?;
             let reflector = crate::reflector::Reflector::over(self.environment, oem, self.block);
             let lobes = reflector.lobes(lobe, roughness, filter)?;
@@ -358,6 +361,14 @@ impl<'a> Reflector<'a> {
             level.extend(line);
         }
         Ok(BakedLevel::new(level.into_iter(), answers.leaves, packets, tiling.samples()))
+    }
+}
+
+/// Whether the shaders have `lobe`.
+fn check_lobe(lobe: Lobe) -> Result<()> {
+    match lobe {
+        Lobe::Charlie => Err(Error::Parameter("the Charlie lobe is the CPU's: use --engine cpu".to_owned())),
+        Lobe::Ggx | Lobe::Phong | Lobe::Cone | Lobe::Cosine => Ok(()),
     }
 }
 

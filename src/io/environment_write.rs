@@ -23,11 +23,7 @@ pub fn write_environment(
     environment: &Environment,
     comment: &str,
 ) -> Result<()> {
-    let (width, height, texels) = match environment.layout() {
-        Layout::Panorama { width, height } => (width, height, environment.texels().to_vec()),
-        Layout::Octahedral { size } => (size, size, environment.texels().to_vec()),
-        Layout::Cube { size } => (4 * size, 3 * size, cross_from_faces(size, environment.texels())),
-    };
+    let (width, height, texels) = picture(environment);
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     let bytes = match extension.as_deref() {
         Some("exr") => {
@@ -39,6 +35,25 @@ pub fn write_environment(
         _ => return Err(Error::input(path, "an environment is written as .exr or .hdr")),
     };
     output::write_file(path, existing, |file| file.write_all(&bytes))
+}
+
+/// The texels of `environment` as an EXR file of floats, which loses nothing; laid out as by [`write_environment`].
+///
+/// # Errors
+/// As [`exr_bytes`].
+pub fn exact_exr_bytes(environment: &Environment, comment: &str) -> Result<Vec<u8>> {
+    let (width, height, texels) = picture(environment);
+    let attributes = [("comments".to_owned(), Attribute::Text(comment.to_owned()))];
+    exr_bytes(width, height, Samples::Rgb(&texels), Pixel::F32, &attributes)
+}
+
+/// The texels as one image: its width, its height and its rows.
+fn picture(environment: &Environment) -> (u32, u32, Vec<Rgb>) {
+    match environment.layout() {
+        Layout::Panorama { width, height } => (width, height, environment.texels().to_vec()),
+        Layout::Octahedral { size } => (size, size, environment.texels().to_vec()),
+        Layout::Cube { size } => (4 * size, 3 * size, cross_from_faces(size, environment.texels())),
+    }
 }
 
 /// The horizontal cross, 4 x 3 faces, of six faces of `size` x `size` texels as they are stored; black elsewhere.

@@ -166,9 +166,9 @@ fn is_known(path: &str) -> bool {
     is_bake_file(path) || target::is_target_file(path) || in_target
 }
 
-/// `report.json`, `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`, `irradiance_{face}.exr`, and .hdr alike.
+/// `report.json`, `sun.json`, `sunless.exr`, `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`, `irradiance_{face}.exr`, and .hdr alike.
 fn is_bake_file(name: &str) -> bool {
-    if name == "report.json" {
+    if ["report.json", "sun.json", "sunless.exr"].contains(&name) {
         return true;
     }
     let Some(stem) = name.strip_suffix(".exr").or_else(|| name.strip_suffix(".hdr")) else { return false };

@@ -16,6 +16,7 @@ mod patch;
 mod texels;
 
 pub use oem::{OemOracle, reflect_oem};
+pub(crate) use patch::gauss_legendre;
 pub(crate) use texels::SourceTexels;
 
 use crate::environment::{Environment, Layout, Rgb};
@@ -85,11 +86,11 @@ impl<'a> Oracle<'a> {
     /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (of the world, any length but zero).
     ///
     /// Each channel is sum(L_i K_i) / sum(K_i), K_i the kernel's integral over texel i to a relative 1e-5 or better.
-    /// At roughness 0 (below 3e-5) it is the radiance of the texel looked at. The cosine lobe has no roughness.
+    /// At roughness 0 (below 3e-5) it is the radiance of the texel looked at, but for lobes that have no mirror.
     #[must_use]
     pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
         let direction = (self.environment.source_from_world() * direction).normalize();
-        if roughness < MIRROR && lobe != Lobe::Cosine {
+        if roughness < MIRROR && lobe.has_mirror() {
             return self.texel_towards(direction).map(f64::from);
         }
         let kernel = Kernel::new(lobe, roughness, direction);
@@ -193,6 +194,7 @@ pub fn irradiance(environment: &Environment, direction: DVec3) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lobe::LOBES;
 
     #[test]
     fn kernels_over_all_texels_sum_to_their_integral() {
@@ -205,7 +207,7 @@ mod tests {
         let accuracy = Accuracy::new(1e-9, 8);
         for layout in layouts {
             let texels = SourceTexels::new(layout);
-            for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cosine, Lobe::Cone] {
+            for lobe in LOBES {
                 for roughness in [0.03, 0.2, 0.6, 1.0] {
                     let kernel = Kernel::new(lobe, roughness, DVec3::new(0.3, -0.5, 0.7).normalize());
                     let frames: Vec<DVec3> = texels.frames().iter().map(|f| *f * kernel.direction).collect();

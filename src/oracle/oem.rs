@@ -87,7 +87,7 @@ impl OemOracle {
         direction: DVec3,
         bilinear: f64,
     ) -> [f64; 3] {
-        if roughness < super::MIRROR && lobe != Lobe::Cosine {
+        if roughness < super::MIRROR && lobe.has_mirror() {
             return self.mirror(direction);
         }
         let kernel = Kernel::new(lobe, roughness, direction.normalize());

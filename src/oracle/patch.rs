@@ -9,7 +9,7 @@ use std::f64::consts::{PI, SQRT_2};
 use std::sync::LazyLock;
 
 /// Nodes in (0, 1) and weights of the Gauss-Legendre rule of `order` points.
-pub(super) fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
     let n = f64::from(order);
     (0..order)
         .map(|k| {
@@ -131,7 +131,7 @@ fn integrate_inside<P: Patch, V: FnMut(Sample, f64)>(
     if nearest >= kernel.vanishes {
         return;
     }
-    let side = SQRT_2 * radius / kernel.reach(nearest);
+    let side = SQRT_2 * radius / kernel.panel(nearest);
     // A sixtieth halving is below the rounding of a direction.
     match accuracy.rule(side).or_else(|| (level == 60).then_some(&RULES[4])) {
         Some(rule) => patch.sample(rule, &mut |s| visit(s, kernel.at(s.point, s.length_squared))),

@@ -114,60 +114,63 @@ impl SourceTexels {
         sum
     }
 
-    fn work_out(&self, block: usize) -> Texel {
-        let mut moments = Moments { area: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
+    /// Calls `visit` with directions and weights over a block, in its own space: a quadrature that integrates polynomials
+    /// of the direction to rounding; weights sum to the solid angle.
+    pub(crate) fn for_each_sample(&self, block: usize, visit: &mut impl FnMut(DVec3, f64)) {
         let accuracy = Accuracy::new(1e-15, 0);
+        match self.layout {
+            Layout::Panorama { width, height } => {
+                sample(&panorama_texel(width, height, block), &accuracy, visit);
+            }
+            Layout::Cube { size } => sample(&cube_texel(size, block), &accuracy, visit),
+            Layout::Octahedral { size } => {
+                for_each_octahedral_piece(size, block, |piece| sample(&piece, &accuracy, visit));
+            }
+        }
+    }
+
+    fn work_out(&self, block: usize) -> Texel {
+        let (mut area, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
+        self.for_each_sample(block, &mut |direction, weight| {
+            area += weight;
+            first += direction * weight;
+            second += outer(direction) * weight;
+        });
         let (solid_angle, cap) = match self.layout {
             Layout::Panorama { width, height } => {
-                let band = panorama_texel(width, height, block);
-                moments.add_patch(&band, &accuracy);
-                (equirect::texel_solid_angle(width, height, block as u32), band.cap())
+                let cap = panorama_texel(width, height, block).cap();
+                (equirect::texel_solid_angle(width, height, block as u32), cap)
             }
             Layout::Cube { size } => {
-                let flat = cube_texel(size, block);
-                moments.add_patch(&flat, &accuracy);
                 let (i, j) = (block as u32 % size, block as u32 / size);
-                (cube::texel_solid_angle(size, i, j), flat.cap())
+                (cube::texel_solid_angle(size, i, j), cube_texel(size, block).cap())
             }
             Layout::Octahedral { size } => {
                 let (x, y) = (block as u32 % size, block as u32 / size);
                 let centre = octahedral::direction_from_oct(octahedral::texel_centre(size, x, y));
                 let mut radius: f64 = 0.0;
                 for_each_octahedral_piece(size, block, |piece| {
-                    moments.add_patch(&piece, &accuracy);
                     let (middle, spread) = piece.cap();
                     radius = radius.max(middle.distance(centre) + spread).min(2.0);
                 });
                 (octahedral::texel_solid_angle(size, x, y), (centre, radius))
             }
         };
-        let mean = moments.first / moments.area;
-        let covariance = moments.second * (1.0 / moments.area) - outer(mean);
+        let mean = first / area;
+        let covariance = second * (1.0 / area) - outer(mean);
         Texel { solid_angle, mean, covariance, centre: cap.0, radius: cap.1 }
     }
 }
 
-/// Integrals of 1, l and l l^T over a piece of the sphere.
-struct Moments {
-    area: f64,
-    first: DVec3,
-    second: DMat3,
-}
-
-impl Moments {
-    /// To rounding: the integrands' poles lie where |point| = 0, half a unit or more away.
-    fn add_patch<P: Patch>(&mut self, patch: &P, accuracy: &Accuracy) {
-        match accuracy.rule(patch.cap().1 / 0.5) {
-            Some(rule) => patch.sample(rule, &mut |s: Sample| {
-                let direction = s.point / s.length_squared.sqrt();
-                self.area += s.weight;
-                self.first += direction * s.weight;
-                self.second += outer(direction) * s.weight;
-            }),
-            None => {
-                for quarter in patch.split() {
-                    self.add_patch(&quarter, accuracy);
-                }
+/// To rounding: the integrands' poles lie where |point| = 0, half a unit or more away.
+fn sample<P: Patch>(patch: &P, accuracy: &Accuracy, visit: &mut impl FnMut(DVec3, f64)) {
+    match accuracy.rule(patch.cap().1 / 0.5) {
+        Some(rule) => {
+            patch.sample(rule, &mut |s: Sample| visit(s.point / s.length_squared.sqrt(), s.weight));
+        }
+        None => {
+            for quarter in patch.split() {
+                sample(&quarter, accuracy, visit);
             }
         }
     }

@@ -21,6 +21,8 @@ pub enum Content {
     Specular,
     /// Level 0 alone.
     Skybox,
+    /// The levels of the Charlie lobe.
+    Sheen,
     /// The irradiance cube, over pi: what a white diffuse surface reflects.
     Irradiance,
     /// Spherical harmonics as JSON.
@@ -103,7 +105,7 @@ pub struct Target {
     pub verified: Option<&'static str>,
 }
 
-use Content::{Irradiance, ShJson, ShText, Skybox, Specular};
+use Content::{Irradiance, ShJson, ShText, Sheen, Skybox, Specular};
 
 /// The presets.
 pub const TARGETS: [Target; 5] = [
@@ -206,6 +208,7 @@ pub const TARGETS: [Target; 5] = [
         sh_scale: ShScale::Irradiance,
         files: &[
             FileSpec { path: "ggx/specular.{ext}", content: Specular },
+            FileSpec { path: "charlie/sheen.{ext}", content: Sheen },
             FileSpec { path: "lambertian/diffuse.{ext}", content: Irradiance },
             FileSpec { path: "sh.json", content: ShJson },
         ],
@@ -226,6 +229,12 @@ impl Target {
         size.checked_ilog2().unwrap_or(0).saturating_sub(self.last_size.ilog2()) + 1
     }
 
+    /// Whether it has a cube of the Charlie lobe.
+    #[must_use]
+    pub fn has_sheen(&self) -> bool {
+        self.files.iter().any(|file| file.content == Sheen)
+    }
+
     /// What it expands to, as options of the command line.
     #[must_use]
     pub fn expansion(&self) -> String {
@@ -244,6 +253,9 @@ impl Target {
         );
         if self.diffuse.has_cube() {
             text += &format!(" --irradiance {}", self.irradiance_size);
+        }
+        if self.has_sheen() {
+            text += ", and the same levels by --lobe charlie";
         }
         text
     }
@@ -292,7 +304,7 @@ impl Plan {
     #[must_use]
     pub fn files(&self, name: &str) -> Vec<(String, Content)> {
         let wanted = |content| match content {
-            Specular | Skybox => true,
+            Specular | Skybox | Sheen => true,
             Irradiance => self.diffuse.has_cube(),
             ShJson | ShText => self.diffuse.has_sh(),
         };
@@ -313,6 +325,6 @@ pub fn is_target_file(path: &str) -> bool {
             .is_some_and(|name| !name.is_empty())
     };
     let files = || TARGETS.iter().flat_map(|target| target.files);
-    path == "report.json"
+    ["report.json", "sun.json"].contains(&path)
         || files().any(|file| extensions.iter().any(|ext| matches(&file.path.replace("{ext}", ext))))
 }

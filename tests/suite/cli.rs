@@ -12,10 +12,10 @@ use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 /// What a run left.
-struct Ran {
-    code: i32,
-    out: String,
-    err: String,
+pub(crate) struct Ran {
+    pub(crate) code: i32,
+    pub(crate) out: String,
+    pub(crate) err: String,
 }
 
 fn command(folder: &Path, args: &[&str]) -> Command {
@@ -33,19 +33,19 @@ fn ran(mut command: Command) -> Ran {
     }
 }
 
-fn octagloss(folder: &Path, args: &[&str]) -> Ran {
+pub(crate) fn octagloss(folder: &Path, args: &[&str]) -> Ran {
     ran(command(folder, args))
 }
 
 /// Runs what must succeed, and says nothing on standard output but data.
-fn done(folder: &Path, args: &[&str]) -> Ran {
+pub(crate) fn done(folder: &Path, args: &[&str]) -> Ran {
     let ran = octagloss(folder, args);
     assert_eq!(ran.code, 0, "{args:?}: {}", ran.err);
     ran
 }
 
 /// Runs what must fail with `code` and one line that holds `words`.
-fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
+pub(crate) fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     let ran = octagloss(folder, args);
     let errors: Vec<_> = ran.err.lines().filter(|line| line.starts_with("octagloss: error: ")).collect();
     assert_eq!(ran.code, code, "{args:?}: {}", ran.err);
@@ -56,7 +56,7 @@ fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     assert_eq!(ran.out, "", "{args:?}");
 }
 
-fn write_panorama(path: &Path, width: u32, radiance: impl Fn(glam::DVec3) -> [f32; 3]) {
+pub(crate) fn write_panorama(path: &Path, width: u32, radiance: impl Fn(glam::DVec3) -> [f32; 3]) {
     let height = width / 2;
     let texels: Vec<[f32; 3]> = (0..width * height)
         .map(|k| {
@@ -69,7 +69,7 @@ fn write_panorama(path: &Path, width: u32, radiance: impl Fn(glam::DVec3) -> [f3
 }
 
 /// A folder with `sky.exr`: a gradient and a small sun towards +Z.
-fn with_sky() -> TempDir {
+pub(crate) fn with_sky() -> TempDir {
     let folder = TempDir::new().expect("a temporary folder");
     write_panorama(&folder.path().join("sky.exr"), 32, |d| {
         if d.z > 0.98 { [500.0, 400.0, 300.0] } else { [0.3, 0.5, 1.0 + d.y as f32] }
@@ -77,7 +77,7 @@ fn with_sky() -> TempDir {
     folder
 }
 
-fn names(folder: &Path) -> Vec<String> {
+pub(crate) fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = fs::read_dir(folder)
         .expect("a folder")
         .map(|entry| entry.expect("readable").file_name().into_string().expect("text"))
@@ -90,7 +90,7 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
 }
 
-fn json_file(path: &Path) -> Value {
+pub(crate) fn json_file(path: &Path) -> Value {
     json(&fs::read_to_string(path).expect("readable"))
 }
 
@@ -133,6 +133,11 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (bake(&["--size", "8", "--levels", "0"]), "--levels"),
         (bake(&["--size", "8", "--levels", "5"]), "4"),
         (bake(&["--lobe", "cosine", "--levels", "3"]), "one level"),
+        (bake(&["--lobe", "charlie", "--filter", "box"]), "adaptive:E"),
+        (bake(&["--target", "khronos", "--filter", "box"]), "Charlie"),
+        (bake(&["--sh-order", "5"]), "2..=4"),
+        (bake(&["--sh-window", "hanning"]), "hanning:W"),
+        (bake(&["--sh-window", "lanczos:0"]), "above 0"),
         (bake(&["--filter", "box", "--bounds"]), "--bounds needs"),
         (bake(&["--format", "exr", "-o", "out.ktx2"]), "contradict"),
         (bake(&["--format", "tga"]), "ktx2, ktx, dds, exr, hdr"),
@@ -169,6 +174,7 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (query(&["--roughness", "NaN"]), "between 0 and 1"),
         (query(&["--roughness", "0.5", "--lobe", "cosine"]), "no roughness"),
         (query(&["--roughness", "0.5", "--filter", "box", "--bound"]), "--bound needs"),
+        (query(&["--roughness", "0.5", "--filter", "box", "--lobe", "charlie"]), "adaptive:E"),
         (query(&["more.exr", "--roughness", "0.5"]), "one environment"),
         (vec!["compare", "sky.exr"], "<B>"),
         (vec!["compare", "a", "b", "--texels", "0"], "above 0"),

@@ -101,6 +101,7 @@ fn several_targets_and_several_inputs_have_folders_of_their_own() {
         ["a", "b"]
             .map(|stem| {
                 [
+                    format!("{stem}/khronos/charlie/sheen.ktx2"),
                     format!("{stem}/khronos/ggx/specular.ktx2"),
                     format!("{stem}/khronos/lambertian/diffuse.ktx2"),
                     format!("{stem}/three/{stem}_pmrem.ktx2"),

@@ -3,7 +3,10 @@
 mod adaptive;
 mod bc6h;
 mod cli;
+mod cli_full;
+mod cli_sun;
 mod cli_targets;
+mod cli_unchanged;
 mod common;
 mod containers;
 mod dfg;

@@ -7,7 +7,7 @@ use octagloss::Rgb;
 use octagloss::bake::{Bake, BakeSettings, bake, bake_all};
 use octagloss::io::cube_write::Container;
 use octagloss::io::pixels::Pixel;
-use octagloss::lobe::Lobe;
+use octagloss::lobe::{LOBE_KEY, Lobe};
 use octagloss::oracle::Oracle;
 use octagloss::sh_scale::{ShScale, filament_irradiance, scaled};
 use octagloss::sphere::cube::{Face, direction_from_texel};
@@ -84,6 +84,7 @@ fn small(target: &'static Target) -> (Plan, BakeSettings) {
         levels: Some(target.levels(64)),
         ladder: target.ladder,
         irradiance: matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both).then_some(8),
+        sheen: target.has_sheen(),
         ..BakeSettings::default()
     };
     (plan, settings)
@@ -209,17 +210,65 @@ fn overrides_replace_what_the_preset_says() {
 }
 
 #[test]
+fn the_sheen_cube_holds_the_charlie_lobe() {
+    let studio = synth("studio").unwrap();
+    let (plan, settings) = small(Target::named("khronos").unwrap());
+    let baked = bake(&studio, &settings, &|_| ()).unwrap();
+    let made = files(&plan, "a", &baked, &[(LOBE_KEY.to_owned(), "ggx".to_owned())]).unwrap();
+    let paths: Vec<&str> = made.iter().map(|file| file.path.as_str()).collect();
+    assert_eq!(paths, ["ggx/specular.ktx2", "charlie/sheen.ktx2", "lambertian/diffuse.ktx2"]);
+    for (file, lobe) in made.iter().zip(["ggx", "charlie", "ggx"]) {
+        let reader = ktx2::Reader::new(&file.bytes).unwrap();
+        let (_, value) = reader.key_value_data().find(|(key, _)| *key == LOBE_KEY).unwrap();
+        assert_eq!(value, format!("{lobe}\0").as_bytes(), "{}", file.path);
+    }
+    let stored = levels(plan.container, plan.pixel, &made[1].bytes);
+    let sheen = baked.sheen.as_ref().unwrap();
+    assert_eq!((stored.len(), sheen.levels.len(), baked.sheen_stats.len()), (6, 6, 6));
+    let oracle = Oracle::new(&studio);
+    let mut random = Random::new(6);
+    let (mut error, mut power) = (0.0, 0.0);
+    for (level, stored) in sheen.levels.iter().zip(stored).take(4) {
+        for _ in 0..40 {
+            let at = random.below(level.texels.len() as u32) as usize;
+            let area = (level.size * level.size) as usize;
+            let place = (at % area) as u32;
+            let direction = direction_from_texel(
+                Face::ALL[at / area],
+                level.size,
+                place % level.size,
+                place / level.size,
+            );
+            let exact = oracle.reflect(Lobe::Charlie, level.roughness, direction)[1];
+            error += (f64::from(stored[at][1]) - exact).powi(2);
+            power += exact * exact;
+        }
+    }
+    let error = (error / power).sqrt();
+    assert!(error < 0.01, "relRMSE {error}");
+    let other =
+        bake(&studio, &BakeSettings { lobe: Lobe::Charlie, sheen: false, ..settings }, &|_| ()).unwrap();
+    if other.oem == baked.oem {
+        assert_eq!(other.chain, *sheen);
+    }
+    assert!(files(&plan, "a", &other, &[]).is_err(), "what was not baked is not written");
+}
+
+#[test]
 fn several_targets_share_their_levels_and_cost_them_once() {
     let studio = synth("studio").unwrap();
     let settings: Vec<BakeSettings> =
         ["generic", "bevy", "khronos"].map(|name| small(Target::named(name).unwrap()).1).to_vec();
     let total = std::sync::Mutex::new(0);
     let bakes = bake_all(&studio, &settings, &|progress| *total.lock().unwrap() = progress.total).unwrap();
-    // generic and bevy have the same seven levels; khronos has six of other roughness but the first.
+    // generic and bevy have the same seven levels; khronos has six of other roughness but the first, and six of sheen.
     let texels = |sizes: &[u64]| sizes.iter().map(|n| 6 * n * n).sum::<u64>();
     assert_eq!(
         *total.lock().unwrap(),
-        texels(&[64, 32, 16, 8, 4, 2, 1]) + texels(&[32, 16, 8, 4, 2]) + texels(&[8])
+        texels(&[64, 32, 16, 8, 4, 2, 1])
+            + texels(&[32, 16, 8, 4, 2])
+            + texels(&[64, 32, 16, 8, 4, 2])
+            + texels(&[8])
     );
     assert_eq!(bakes[0].chain, bakes[1].chain);
     for (together, settings) in bakes.iter().zip(&settings) {
@@ -276,6 +325,7 @@ fn encodings_add_to_the_error_what_the_readme_says() {
                 levels: Some(plan.target.levels(128)),
                 ladder: plan.target.ladder,
                 irradiance: matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both).then_some(8),
+                sheen: plan.target.has_sheen(),
                 ..BakeSettings::default()
             })
             .collect();

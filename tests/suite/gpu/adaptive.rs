@@ -43,7 +43,7 @@ fn evaluate(
 }
 
 fn examinations(seed: u64, scenes: u64, questions: usize, size: fn(&mut Random) -> u32) -> Vec<Examination> {
-    (0..scenes).into_par_iter().map(|index| Examination::new(seed, index, questions, size)).collect()
+    (0..scenes).into_par_iter().map(|index| Examination::new(None, seed, index, questions, size)).collect()
 }
 
 /// What the GPU answers to `examination` where `served` is the OEM that it gets.
