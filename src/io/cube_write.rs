@@ -62,10 +62,7 @@ pub fn cube_bytes(
     metadata: &[(String, String)],
 ) -> Result<CubeFile> {
     match container {
-        Container::Ktx2 => {
-            let ktx2 = ktx2_write::ktx2_bytes(chain, pixel, metadata)?;
-            Ok(CubeFile { bytes: ktx2.bytes, clamped: ktx2.clamped })
-        }
+        Container::Ktx2 => ktx2_write::ktx2_bytes(chain, pixel, metadata),
         Container::Ktx1 => ktx1_write::ktx1_bytes(chain, pixel, metadata),
         Container::Dds => dds_write::dds_bytes(chain, pixel),
     }

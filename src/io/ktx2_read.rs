@@ -1,5 +1,6 @@
 //! KTX2 files: RGBA16F, RGBA32F and RGB9E5 cubes and 2D images with their mips, plain or zstd.
 
+use super::ktx2_write::ROUGHNESS_KEY;
 use super::picture::{Content, Picture, Source, TEXEL_BYTES};
 use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::Rgb;
@@ -7,9 +8,6 @@ use crate::error::Result;
 use half::slice::HalfFloatSliceExt as _;
 use ktx2::{Format, SupercompressionScheme};
 use std::borrow::Cow;
-
-/// The key of the levels' roughnesses: decimals, comma separated, NUL-terminated.
-pub(super) const ROUGHNESS_KEY: &str = "octaglossRoughness";
 
 /// A parsed file whose header makes sense.
 struct Container<'a> {
