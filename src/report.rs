@@ -2,7 +2,7 @@
 //!
 //! Two runs with the same input and options give the same report, but for the keys named `seconds`.
 
-use crate::bake::{Bake, BakeSettings, Filter, Ladder};
+use crate::bake::{Bake, BakeSettings, Filter};
 use serde::{Deserialize, Serialize};
 
 /// A bake's report; its fields are the keys of `report.json`.
@@ -58,7 +58,7 @@ pub struct OemReport {
 pub struct LevelReport {
     /// Its number, from 0.
     pub level: u32,
-    /// Texels along an edge of a face.
+    /// Texels along an edge of a face, rows of a single image.
     pub size: u32,
     /// Perceptual roughness in [0, 1].
     pub roughness: f64,
@@ -114,7 +114,7 @@ pub struct RepairReport {
 pub struct OptionsReport {
     /// Edge of level 0.
     pub size: u32,
-    /// `linear` or `filament`.
+    /// `linear`, `filament`, `unity` or `babylon`.
     pub ladder: String,
     /// Name of the lobe.
     pub lobe: String,
@@ -212,11 +212,13 @@ impl Report {
     /// The report of `bake`.
     #[must_use]
     pub fn new(settings: &BakeSettings, bake: &Bake, told: Circumstances) -> Self {
-        let levels = bake.chain.levels.iter().zip(&bake.stats).zip(told.level_pixels).enumerate();
-        let levels = levels.map(|(index, ((level, stats), pixel))| LevelReport {
-            level: u32::try_from(index).expect("a cube has at most 32 levels"),
-            size: level.size,
-            roughness: level.roughness,
+        let cubes = bake.chain.levels.iter().map(|level| (level.size, level.roughness));
+        let images = bake.images.iter().map(|level| (level.layout.sides().1, level.roughness));
+        let levels = cubes.chain(images).zip(&bake.stats).zip(told.level_pixels).enumerate();
+        let levels = levels.map(|(index, (((size, roughness), stats), pixel))| LevelReport {
+            level: u32::try_from(index).expect("at most 32 levels"),
+            size,
+            roughness,
             pixel,
             seconds: stats.seconds,
             leaves_per_texel: stats.leaves_per_texel,
@@ -250,11 +252,7 @@ impl Report {
             warnings: told.warnings.into_iter().chain(bake.warnings.iter().cloned()).collect(),
             options: OptionsReport {
                 size: settings.size,
-                ladder: match settings.ladder {
-                    Ladder::Linear => "linear",
-                    Ladder::Filament => "filament",
-                }
-                .to_owned(),
+                ladder: settings.ladder.name().to_owned(),
                 lobe: settings.lobe.name().to_owned(),
                 filter: filter_name(settings.filter),
                 format: told.format,

@@ -133,10 +133,11 @@ pub(super) struct BakeArgs {
     /// filament.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=15))]
     pub(super) levels: Option<u32>,
-    /// linear or filament: roughness [default: linear]
+    /// Roughness of the levels [default: linear]
     ///
     /// linear: level/(levels-1), as glTF, Bevy and the Khronos sampler have it. filament:
-    /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it.
+    /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it. unity: seven levels of
+    /// r (1.7 - 0.7 r) = level/(levels-1). babylon: alpha = 2^(level/0.8)/size.
     #[arg(long, value_name = "LADDER", hide_possible_values = true)]
     pub(super) ladder: Option<LadderArg>,
     /// Reflection lobe: ggx, phong, cone or cosine
@@ -406,6 +407,8 @@ pub(super) enum EngineArg {
 pub(super) enum LadderArg {
     Linear,
     Filament,
+    Unity,
+    Babylon,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -468,6 +471,8 @@ impl From<LadderArg> for Ladder {
         match ladder {
             LadderArg::Linear => Self::Linear,
             LadderArg::Filament => Self::Filament,
+            LadderArg::Unity => Self::Unity,
+            LadderArg::Babylon => Self::Babylon,
         }
     }
 }

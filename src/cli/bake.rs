@@ -234,7 +234,12 @@ impl Plan {
 /// Prepares every level of `baked` for `pixel`; the texels that were scaled down.
 pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> octagloss::Result<u64> {
     let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut());
-    levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum()
+    let cubes: u64 =
+        levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum::<Result<_, _>>()?;
+    let images = baked.images.iter_mut().enumerate();
+    let images: u64 =
+        images.map(|(index, level)| overflow.apply_image(index, level, pixel)).sum::<Result<_, _>>()?;
+    Ok(cubes + images)
 }
 
 impl Job {
@@ -263,6 +268,7 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
     let settings = BakeSettings {
+        map: octagloss::Map::Cube,
         size: args.size.unwrap_or(256),
         levels: args.levels,
         ladder: args.ladder.map_or(Ladder::Linear, Ladder::from),
@@ -382,7 +388,7 @@ fn foretell(environment: &Environment, settings: &BakeSettings) -> octagloss::Re
         (0..threads).map(|k| direction_from_texel(Face::ALL[k % 6], 5, (k % 5) as u32, 1)).collect();
     let (mut seconds, mut last) = (prepared, 0.0);
     for level in settings.rungs()? {
-        let texels = 6.0 * f64::from(level.size) * f64::from(level.size);
+        let texels = level.layout.texel_count() as f64;
         // Lobes cost alike from level to level: once one is slow it stands for the rest.
         if last < 1.0 {
             let start = Instant::now();

@@ -1,6 +1,6 @@
 //! `octagloss bake --target`: the files that engines expect, in a folder for each environment.
 
-use super::args::{BakeArgs, EngineArgs, InputArgs, LobeArg};
+use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg};
 use super::bake::{compress, container};
 use super::engine::Engine;
 use super::input::{self, Source};
@@ -8,14 +8,15 @@ use super::output::{metadata, report_text};
 use super::talk::{self, Talk};
 use super::{Failure, Outcome, on_threads, print, usage};
 use anyhow::anyhow;
-use octagloss::Error;
 use octagloss::bake::{BakeSettings, Ladder};
+use octagloss::io::cube_write::Container;
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::overflow::Overflow;
 use octagloss::report::{Circumstances, RepairReport, Report, TargetReport};
 use octagloss::target::files::{Made, files};
 use octagloss::target::{Content, Diffuse, Plan};
+use octagloss::{Error, Map};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::fs;
@@ -210,9 +211,9 @@ impl Work {
                 rotate_y: self.input.rotate_y.unwrap_or(0.0),
                 mirror: self.input.mirror,
                 sanitize: self.input.sanitize,
-                format: plan.container.name().to_owned(),
+                format: plan.format_name().to_owned(),
                 pixel: plan.pixel.name().to_owned(),
-                level_pixels: vec![plan.pixel.name().to_owned(); bake.chain.levels.len()],
+                level_pixels: vec![plan.pixel.name().to_owned(); bake.stats.len()],
                 clamped,
                 warnings,
                 seconds: start.elapsed().as_secs_f64(),
@@ -284,20 +285,59 @@ fn told(plan: &Plan, settings: &BakeSettings, content: Content) -> octagloss::Re
             format!("{pixel} irradiance cube {}", settings.irradiance.unwrap_or(plan.target.irradiance_size))
         }
         Content::ShJson | Content::ShText => "spherical harmonics".to_owned(),
+        Content::Oem => {
+            let rungs = settings.rungs()?;
+            format!("{pixel} octahedral map {}, {} levels, with borders", settings.size, rungs.len())
+        }
+        Content::Reader => "shader code".to_owned(),
+        Content::Panorama => format!("panorama {}x{}", 2 * settings.size, settings.size),
+        Content::Env | Content::Glb => {
+            let rungs = settings.rungs()?;
+            format!("{pixel} cube {}, {} levels, and spherical harmonics", settings.size, rungs.len())
+        }
     })
 }
 
 /// The preset with what `args` override.
 fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
     let target = plan.target;
+    let fixed =
+        |option: &str| usage(format!("target {} has a format of its own; leave {option} out", target.name));
     if let Some(format) = args.format {
-        let Some(container) = container(format) else {
-            return usage(format!(
-                "--format {} is a folder of faces and does not go with --target; ktx2, ktx and dds do",
-                format.name()
-            ));
+        if !target.has_container() {
+            return fixed("--format");
+        }
+        plan.container = match (container(format), format) {
+            (Some(container), _) => container,
+            (None, FormatArg::Exr) => Container::Exr,
+            (None, _) => {
+                return usage(format!(
+                    "--format {} is a folder of faces and does not go with --target; ktx2, ktx, dds and exr do",
+                    format.name()
+                ));
+            }
         };
-        plan.container = container;
+    }
+    if target.map == Map::Octahedral && !matches!(plan.container, Container::Ktx2 | Container::Exr) {
+        return usage(format!(
+            "target {}: --format {} is for cubes; ktx2 and exr go",
+            target.name,
+            plan.container.name()
+        ));
+    }
+    if !target.has_container() {
+        if args.pixel.is_some() {
+            return fixed("--pixel");
+        }
+        if args.diffuse.is_some() || args.irradiance.is_some() {
+            return fixed("--diffuse and --irradiance");
+        }
+    }
+    if target.map != Map::Cube && args.flip.is_some() {
+        return usage(format!("target {} has no cube; leave --flip out", target.name));
+    }
+    if target.map == Map::Panorama && args.levels.is_some() {
+        return usage(format!("target {} has one level; leave --levels out", target.name));
     }
     plan.pixel = args.pixel.map_or(plan.pixel, Pixel::from);
     plan.flip = args.flip.map_or(plan.flip, Into::into);
@@ -321,6 +361,7 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
     let cube = matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both);
     let size = args.size.unwrap_or(target.size);
     let settings = BakeSettings {
+        map: target.map,
         size,
         levels: Some(args.levels.unwrap_or_else(|| target.levels(size))),
         ladder: args.ladder.map_or(target.ladder, Ladder::from),
@@ -331,8 +372,9 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
         bounds: false,
         irradiance: cube.then(|| args.irradiance.unwrap_or(target.irradiance_size)),
     };
-    match settings.rungs() {
-        Ok(_) => Ok((plan, settings)),
+    let rungs = settings.rungs().and_then(|rungs| plan.check_levels(size, rungs.len() as u32));
+    match rungs {
+        Ok(()) => Ok((plan, settings)),
         Err(error) => usage(format!("target {}: {error}", target.name)),
     }
 }

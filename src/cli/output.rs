@@ -28,7 +28,7 @@ impl Encoding {
             Self::Cube(Container::Ktx2, _) => FormatArg::Ktx2,
             Self::Cube(Container::Ktx1, _) => FormatArg::Ktx,
             Self::Cube(Container::Dds, _) => FormatArg::Dds,
-            Self::Exr(_) => FormatArg::Exr,
+            Self::Cube(Container::Exr, _) | Self::Exr(_) => FormatArg::Exr,
             Self::Hdr => FormatArg::Hdr,
         }
     }

@@ -6,7 +6,7 @@ use super::output::{self, Existing};
 use super::pixels::Pixel;
 use super::texel_bytes::texel_bytes;
 use crate::chain::CubeChain;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use ktx2::Format;
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub fn write_ktx2(
 /// A KTX2 cube map of `chain`: RGBA16F, RGBA32F (alpha 1), RGB9E5, R11G11B10F or BC6H. `metadata` are further key/value pairs, text.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for a chain without levels or whose sizes do not halve, and for keys that are empty,
+/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, and for keys that are empty,
 /// double, hold a NUL, or are reserved ("KTX", "ktx").
 pub fn ktx2_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     let size = check_sizes("KTX2", chain)?;
@@ -43,7 +43,7 @@ pub fn ktx2_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]
     let mut pairs = vec![(ROUGHNESS_KEY, roughness.as_str())];
     pairs.extend(metadata.iter().map(|(key, value)| (key.as_str(), value.as_str())));
     let shape =
-        Shape { format: format_of(pixel), width: size, height: size, faces: 6, levels: chain.levels.len() };
+        Shape { format: format_of(pixel)?, width: size, height: size, faces: 6, levels: chain.levels.len() };
     let bytes = ktx2_file(&shape, &pairs, |index| {
         let level = &chain.levels[index];
         texel_bytes(level.size, &level.texels, pixel)
@@ -57,12 +57,13 @@ pub(super) fn roughness_text(roughness: impl Iterator<Item = f64>) -> String {
 }
 
 /// Vulkan's name of a pixel format.
-pub(super) const fn format_of(pixel: Pixel) -> Format {
-    match pixel {
+pub(super) fn format_of(pixel: Pixel) -> Result<Format> {
+    Ok(match pixel {
         Pixel::F16 => Format::R16G16B16A16_SFLOAT,
         Pixel::F32 => Format::R32G32B32A32_SFLOAT,
         Pixel::Rgb9e5 => Format::E5B9G9R9_UFLOAT_PACK32,
         Pixel::R11g11b10 => Format::B10G11R11_UFLOAT_PACK32,
         Pixel::Bc6h => Format::BC6H_UFLOAT_BLOCK,
-    }
+        Pixel::Rgbd => return Err(Error::Parameter("ktx2 files cannot hold rgbd".to_owned())),
+    })
 }

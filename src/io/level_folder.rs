@@ -72,10 +72,31 @@ fn read_report(folder: &Path, memory_limit: u64) -> Result<Vec<ReportLevel>> {
     }
     let bytes = super::file_bytes(&path, memory_limit)?;
     let source = Source { path: &path, bytes: &bytes, memory_limit };
-    let report: Report = serde_json::from_slice(&bytes)
+    parsed(&source)
+}
+
+/// The levels that the report `source` lists, checked.
+fn parsed(source: &Source<'_>) -> Result<Vec<ReportLevel>> {
+    let report: Report = serde_json::from_slice(source.bytes)
         .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
-    check_levels(&source, &report.levels)?;
+    check_levels(source, &report.levels)?;
     Ok(report.levels)
+}
+
+/// The roughness of each level of the file `path`, by the report that a bake puts beside it.
+pub(super) fn told_roughness(path: &Path, memory_limit: u64) -> Result<Vec<f64>> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".report.json");
+    let report = PathBuf::from(name);
+    if !report.is_file() {
+        return Err(Error::input(
+            path,
+            format!("it does not say its levels' roughness, and {} is not there", report.display()),
+        ));
+    }
+    let bytes = super::file_bytes(&report, memory_limit)?;
+    let source = Source { path: &report, bytes: &bytes, memory_limit };
+    Ok(parsed(&source)?.into_iter().map(|level| level.roughness).collect())
 }
 
 /// The levels that the files of a folder without a report tell of.
