@@ -134,6 +134,9 @@ pub struct OptionsReport {
     pub sanitize: bool,
     /// Edge of the irradiance cube.
     pub irradiance: Option<u32>,
+    /// How the levels lie in images; absent where it is by faces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub out_layout: Option<String>,
 }
 
 /// What was written for an engine.
@@ -262,6 +265,7 @@ impl Report {
                 mirror: told.mirror,
                 sanitize: told.sanitize,
                 irradiance: settings.irradiance,
+                out_layout: None,
             },
             conventions: ConventionsReport::default(),
             target: None,

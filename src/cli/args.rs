@@ -1,7 +1,9 @@
 //! What was typed: the options of every subcommand, each checked on its own. Their doc comments are the help.
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use octagloss::Map;
 use octagloss::bake::{Filter, Ladder};
+use octagloss::io::layout::Unfolding;
 use octagloss::io::pixels::Pixel;
 use octagloss::lobe::Lobe;
 use octagloss::overflow::Overflow;
@@ -157,6 +159,14 @@ pub(super) struct BakeArgs {
     /// By default what OUT's extension says. ktx is KTX 1.
     #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
     pub(super) format: Option<FormatArg>,
+    /// How levels lie in exr and hdr [default: faces]
+    ///
+    /// faces: m{level}_{face}, six images a level. cross, cross-vertical, strip, strip-vertical: m{level}, the faces in
+    /// one image. equirect: m{level}, panoramas of 2N x N for --size N. octahedral: m{level}, squares of N x N. parts: one
+    /// EXR file OUT, a part a face. mips: one EXR file OUT, a panorama with MIP levels down to one texel. Every texel is
+    /// a lobe of its own, not resampled.
+    #[arg(long, value_name = "LAYOUT", conflicts_with = "target", hide_possible_values = true)]
+    pub(super) out_layout: Option<OutLayoutArg>,
     /// f16, f32, rgb9e5, r11g11b10f, bc6h [default: f16]
     ///
     /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels as floats, and has f16
@@ -429,6 +439,19 @@ pub(super) enum FormatArg {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum OutLayoutArg {
+    Faces,
+    Cross,
+    CrossVertical,
+    Strip,
+    StripVertical,
+    Equirect,
+    Octahedral,
+    Parts,
+    Mips,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum PixelArg {
     F16,
     F32,
@@ -527,6 +550,42 @@ impl From<DiffuseArg> for Diffuse {
             DiffuseArg::Cube => Self::Cube,
             DiffuseArg::Sh => Self::Sh,
             DiffuseArg::Both => Self::Both,
+        }
+    }
+}
+
+impl OutLayoutArg {
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Faces => "faces",
+            Self::Cross => "cross",
+            Self::CrossVertical => "cross-vertical",
+            Self::Strip => "strip",
+            Self::StripVertical => "strip-vertical",
+            Self::Equirect => "equirect",
+            Self::Octahedral => "octahedral",
+            Self::Parts => "parts",
+            Self::Mips => "mips",
+        }
+    }
+
+    /// What its levels' texels cover.
+    pub(super) const fn map(self) -> Map {
+        match self {
+            Self::Equirect | Self::Mips => Map::Panorama,
+            Self::Octahedral => Map::Octahedral,
+            _ => Map::Cube,
+        }
+    }
+
+    /// How a cube's faces lie in a level's one image.
+    pub(super) const fn unfolding(self) -> Option<Unfolding> {
+        match self {
+            Self::Cross => Some(Unfolding::Cross),
+            Self::CrossVertical => Some(Unfolding::CrossVertical),
+            Self::Strip => Some(Unfolding::Strip),
+            Self::StripVertical => Some(Unfolding::StripVertical),
+            _ => None,
         }
     }
 }

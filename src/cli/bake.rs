@@ -1,13 +1,12 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
-use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg, PixelArg};
+use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg, OutLayoutArg, PixelArg};
 use super::engine::Engine;
 use super::input::{self, Source};
 use super::output::{Encoding, Outputs, Stored};
 use super::talk::{self, Talk};
 use super::{Failure, Outcome, bake_targets, on_threads, print, usage};
 use anyhow::anyhow;
-use octagloss::Environment;
 use octagloss::bake::{Bake, BakeSettings, Filter, Ladder};
 use octagloss::io::cube_write::Container;
 use octagloss::io::exr_write::ExrPixel;
@@ -17,6 +16,7 @@ use octagloss::oracle::Oracle;
 use octagloss::overflow::Overflow;
 use octagloss::report::{Circumstances, RepairReport};
 use octagloss::sphere::cube::{Face, direction_from_texel};
+use octagloss::{Environment, Map};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -64,6 +64,7 @@ impl Plan {
             FormatArg::Ktx2 => ".ktx2",
             FormatArg::Ktx => ".ktx",
             FormatArg::Dds => ".dds",
+            FormatArg::Exr if encoding.is_single() => ".exr",
             FormatArg::Exr | FormatArg::Hdr => "",
         };
 
@@ -267,8 +268,20 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
+    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
+        let name = layout.name();
+        if args.bounds {
+            return usage(format!("--bounds is for --out-layout faces, not {name}"));
+        }
+        if args.preview.is_some() && layout.map() != Map::Cube {
+            return usage(format!("--preview shows cubes; leave it or --out-layout {name} out"));
+        }
+        if args.irradiance.is_some() && layout.map() != Map::Cube {
+            return usage(format!("--irradiance is a cube; leave it or --out-layout {name} out"));
+        }
+    }
     let settings = BakeSettings {
-        map: octagloss::Map::Cube,
+        map: args.out_layout.map_or(Map::Cube, OutLayoutArg::map),
         size: args.size.unwrap_or(256),
         levels: args.levels,
         ladder: args.ladder.map_or(Ladder::Linear, Ladder::from),
@@ -319,8 +332,14 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
                 output()
             ));
         }
-        (said, named) => said.or(named).unwrap_or(FormatArg::Ktx2),
+        (said, named) => said.or(named).unwrap_or(match args.out_layout {
+            Some(layout) if layout != OutLayoutArg::Faces => FormatArg::Exr,
+            _ => FormatArg::Ktx2,
+        }),
     };
+    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
+        return image_encoding(args, format, layout);
+    }
     match (format, args.pixel) {
         (FormatArg::Ktx2 | FormatArg::Ktx | FormatArg::Dds, pixel) => {
             let container = container(format).expect("these three are");
@@ -345,6 +364,36 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
     }
 }
 
+/// How `layout`, which is not faces, is stored in `format`.
+fn image_encoding(args: &BakeArgs, format: FormatArg, layout: OutLayoutArg) -> Outcome<Encoding> {
+    let single = matches!(layout, OutLayoutArg::Parts | OutLayoutArg::Mips);
+    if single && format != FormatArg::Exr {
+        return usage(format!("--out-layout {} is an exr file, not {}", layout.name(), format.name()));
+    }
+    let pixel = match (format, args.pixel) {
+        (FormatArg::Exr, None) => ExrPixel::Auto,
+        (FormatArg::Exr, Some(PixelArg::F16)) => ExrPixel::F16,
+        (FormatArg::Exr, Some(PixelArg::F32)) => ExrPixel::F32,
+        (FormatArg::Hdr, None) => return Ok(Encoding::HdrImages(layout)),
+        (FormatArg::Exr | FormatArg::Hdr, Some(_)) => {
+            return usage("--pixel f16 and f32 go with exr, none with hdr");
+        }
+        _ => {
+            return usage(format!(
+                "--out-layout {} is for exr and hdr, not {}",
+                layout.name(),
+                format.name()
+            ));
+        }
+    };
+    let one = if pixel == ExrPixel::F32 { Pixel::F32 } else { Pixel::F16 };
+    Ok(match layout {
+        OutLayoutArg::Parts => Encoding::Cube(Container::Exr, one),
+        OutLayoutArg::Mips => Encoding::Mips(one),
+        _ => Encoding::ExrImages(layout, pixel),
+    })
+}
+
 /// The container that `format` is, where it holds a chain in one file.
 pub(super) const fn container(format: FormatArg) -> Option<Container> {
     match format {
@@ -367,7 +416,9 @@ fn stored_warnings(stored: &Stored, encoding: Encoding) -> Vec<String> {
             stored.clamped
         ));
     }
-    if stored.floats > 0 && encoding == Encoding::Exr(ExrPixel::Auto) {
+    let may_be_floats =
+        matches!(encoding, Encoding::Exr(ExrPixel::Auto) | Encoding::ExrImages(_, ExrPixel::Auto));
+    if stored.floats > 0 && may_be_floats {
         warnings.push(format!(
             "{} of {} levels are stored as float, having values above 65504",
             stored.floats,

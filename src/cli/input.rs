@@ -154,11 +154,13 @@ pub(super) fn read_bake(path: &Path) -> octagloss::Result<Option<CubeChain>> {
     Ok(if is_chain_file(path) { io::read_chain(path).ok() } else { None })
 }
 
-/// Whether the file `path` begins as those do that can hold a chain.
+/// Whether the file `path` begins as those do that can hold a chain: KTX2, DDS, and OpenEXR of several parts.
 pub(super) fn is_chain_file(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = fs::File::open(path).and_then(|file| file.take(12).read_to_end(&mut start));
-    read.is_ok() && (start.starts_with(&ktx2::MAGIC) || start.starts_with(b"DDS "))
+    let parts =
+        start.starts_with(&[0x76, 0x2f, 0x31, 0x01]) && start.get(5).is_some_and(|flags| flags & 0x10 != 0);
+    read.is_ok() && (start.starts_with(&ktx2::MAGIC) || start.starts_with(b"DDS ") || parts)
 }
 
 /// The text under `key` in a KTX2 file that [`read_bake`] could read.

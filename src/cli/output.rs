@@ -1,10 +1,11 @@
 //! Outputs of a bake: where they go, and writing them.
 
-use super::args::FormatArg;
+use super::args::{FormatArg, OutLayoutArg};
 use octagloss::bake::{Bake, BakeSettings};
 use octagloss::chain::{CubeChain, CubeLevel};
 use octagloss::io::cube_write::{Container, cube_bytes};
 use octagloss::io::exr_write::{self, ExrPixel, Samples};
+use octagloss::io::level_images::{LevelImage, mips_bytes, write_exr_images, write_hdr_images};
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::io::{hdr_write, png_write};
@@ -20,6 +21,11 @@ pub(super) enum Encoding {
     Cube(Container, Pixel),
     Exr(ExrPixel),
     Hdr,
+    /// An image a level.
+    ExrImages(OutLayoutArg, ExrPixel),
+    HdrImages(OutLayoutArg),
+    /// Panoramas as the MIP levels of one file.
+    Mips(Pixel),
 }
 
 impl Encoding {
@@ -28,27 +34,44 @@ impl Encoding {
             Self::Cube(Container::Ktx2, _) => FormatArg::Ktx2,
             Self::Cube(Container::Ktx1, _) => FormatArg::Ktx,
             Self::Cube(Container::Dds, _) => FormatArg::Dds,
-            Self::Cube(Container::Exr, _) | Self::Exr(_) => FormatArg::Exr,
-            Self::Hdr => FormatArg::Hdr,
+            Self::Cube(Container::Exr, _) | Self::Exr(_) | Self::ExrImages(..) | Self::Mips(_) => {
+                FormatArg::Exr
+            }
+            Self::Hdr | Self::HdrImages(_) => FormatArg::Hdr,
+        }
+    }
+
+    /// Whether all levels are in one file.
+    pub(super) const fn is_single(self) -> bool {
+        matches!(self, Self::Cube(..) | Self::Mips(_))
+    }
+
+    /// How the levels lie in images, where it is not by faces.
+    const fn layout_name(self) -> Option<&'static str> {
+        match self {
+            Self::ExrImages(layout, _) | Self::HdrImages(layout) => Some(layout.name()),
+            Self::Mips(_) => Some(OutLayoutArg::Mips.name()),
+            Self::Cube(Container::Exr, _) => Some(OutLayoutArg::Parts.name()),
+            Self::Cube(..) | Self::Exr(_) | Self::Hdr => None,
         }
     }
 
     /// The pixel format whose greatest value is a limit: those of a single kind, but floats.
     pub(super) const fn clamping_pixel(self) -> Option<Pixel> {
         match self {
-            Self::Cube(_, pixel) => Some(pixel),
-            Self::Exr(ExrPixel::F16) => Some(Pixel::F16),
-            Self::Exr(_) | Self::Hdr => None,
+            Self::Cube(_, pixel) | Self::Mips(pixel) => Some(pixel),
+            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => Some(Pixel::F16),
+            Self::Exr(_) | Self::ExrImages(..) | Self::Hdr | Self::HdrImages(_) => None,
         }
     }
 
     pub(super) const fn pixel_name(self) -> &'static str {
         match self {
-            Self::Cube(_, pixel) => pixel.name(),
-            Self::Exr(ExrPixel::Auto) => "auto",
-            Self::Exr(ExrPixel::F16) => "f16",
-            Self::Exr(ExrPixel::F32) => "f32",
-            Self::Hdr => "rgbe",
+            Self::Cube(_, pixel) | Self::Mips(pixel) => pixel.name(),
+            Self::Exr(ExrPixel::Auto) | Self::ExrImages(_, ExrPixel::Auto) => "auto",
+            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => "f16",
+            Self::Exr(ExrPixel::F32) | Self::ExrImages(_, ExrPixel::F32) => "f32",
+            Self::Hdr | Self::HdrImages(_) => "rgbe",
         }
     }
 }
@@ -86,7 +109,7 @@ impl Outputs {
         json: bool,
         preview: Option<PathBuf>,
     ) -> Self {
-        let single = matches!(encoding, Encoding::Cube(..));
+        let single = encoding.is_single();
         let report = if single { suffixed(&main, ".report.json") } else { main.join("report.json") };
         Self {
             encoding,
@@ -101,7 +124,7 @@ impl Outputs {
     }
 
     const fn is_folder(&self) -> bool {
-        matches!(self.encoding, Encoding::Exr(_) | Encoding::Hdr)
+        !self.encoding.is_single()
     }
 
     /// Files and folders beside one another.
@@ -136,7 +159,11 @@ impl Outputs {
         compressed: u64,
         told: impl FnOnce(Stored) -> Circumstances,
     ) -> Result<(Report, u64)> {
-        let report_of = |stored: Stored| Report { compressed, ..Report::new(settings, bake, told(stored)) };
+        let report_of = |stored: Stored| {
+            let mut report = Report { compressed, ..Report::new(settings, bake, told(stored)) };
+            report.options.out_layout = self.encoding.layout_name().map(str::to_owned);
+            report
+        };
         let metadata = metadata(settings);
         let irradiance = bake.irradiance.as_ref();
         let report = match self.encoding {
@@ -173,6 +200,37 @@ impl Outputs {
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
+            Encoding::ExrImages(layout, choice) => {
+                output::write_folder(&self.main, self.existing, |folder| {
+                    let images = level_images(layout, bake);
+                    let stored = write_exr_images(folder, &images, choice, &metadata)?;
+                    let levels = &stored[..bake.stats.len()];
+                    let pixels: Vec<Pixel> = levels.iter().map(|level| level.pixel).collect();
+                    let clamped = stored.iter().map(|level| level.clamped).sum();
+                    let report = report_of(Stored::new(&pixels, clamped));
+                    self.write_report_into(folder, &report)?;
+                    Ok(report)
+                })?
+            }
+            Encoding::HdrImages(layout) => output::write_folder(&self.main, self.existing, |folder| {
+                write_hdr_images(folder, &level_images(layout, bake))?;
+                let pixels = vec!["rgbe".to_owned(); bake.stats.len()];
+                let report = report_of(Stored { pixels, clamped: 0, floats: 0 });
+                self.write_report_into(folder, &report)?;
+                Ok(report)
+            })?,
+            Encoding::Mips(pixel) => {
+                output::check_file(&self.main, self.existing)?;
+                let bytes = mips_bytes(&bake.images, pixel, &metadata)?;
+                output::write_file(&self.main, self.existing, |file| file.write_all(&bytes))?;
+                let clamped = bake.images.iter().map(|level| pixel.clamped(&level.texels)).sum();
+                let report = report_of(Stored::new(&vec![pixel; bake.stats.len()], clamped));
+                if let Some(path) = &self.report {
+                    let text = report_text(&report);
+                    output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))?;
+                }
+                report
+            }
             Encoding::Hdr => output::write_folder(&self.main, self.existing, |folder| {
                 hdr_write::write_level_folder(folder, &bake.chain, irradiance)?;
                 if settings.bounds {
@@ -197,6 +255,21 @@ impl Outputs {
         let path = folder.join("report.json");
         fs::write(&path, report_text(report)).map_err(|e| Error::io(&path, e))
     }
+}
+
+/// The levels of `bake` in `layout`, and its irradiance where there is some.
+fn level_images(layout: OutLayoutArg, bake: &Bake) -> Vec<LevelImage<'_>> {
+    let name = |index: usize| format!("m{index}");
+    let Some(unfolding) = layout.unfolding() else {
+        return bake.images.iter().enumerate().map(|(k, level)| LevelImage::whole(name(k), level)).collect();
+    };
+    let levels = bake.chain.levels.iter().enumerate();
+    let levels =
+        levels.map(|(k, level)| LevelImage::unfolded(name(k), level, unfolding, Some(level.roughness)));
+    let irradiance = bake.irradiance.iter();
+    let irradiance =
+        irradiance.map(|level| LevelImage::unfolded("irradiance".to_owned(), level, unfolding, None));
+    levels.chain(irradiance).collect()
 }
 
 /// How a bake was stored.

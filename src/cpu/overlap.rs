@@ -62,8 +62,12 @@ pub fn panorama_mean_radiances(environment: &Environment, width: u32, height: u3
         Overlaps::new(Layout::Panorama { width, height }, environment.source_from_world(), target)?;
     let mut sums = vec![[0.0_f64; 4]; width as usize * height as usize];
     for (texel, radiance) in environment.texels().iter().enumerate() {
+        // Shares are of a texel's exact solid angle, so that all its energy arrives.
+        let mut whole = 0.0;
+        overlaps.for_each_source(texel, |_, solid_angle| whole += f64::from(solid_angle));
+        let scale = target.solid_angle(texel) / whole;
         overlaps.for_each_source(texel, |place, solid_angle| {
-            let weight = f64::from(solid_angle);
+            let weight = f64::from(solid_angle) * scale;
             for (sum, value) in sums[place].iter_mut().zip(radiance) {
                 *sum += weight * f64::from(*value);
             }

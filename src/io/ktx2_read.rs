@@ -2,6 +2,7 @@
 
 use super::bc6h;
 use super::ktx2_write::ROUGHNESS_KEY;
+use super::oem_write::BORDER_KEY;
 use super::picture::{Content, Picture, Source, TEXEL_BYTES};
 use super::pixels::rgb_from_rgb9e5;
 use super::r11g11b10::rgb_from_r11g11b10;
@@ -59,14 +60,18 @@ pub(super) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     let container = Container::open(source)?;
     let levels = container.reader.levels().len();
     let kind = if container.is_cube { "cube" } else { "2D" };
-    Ok(Picture {
+    let picture = Picture {
         width: container.width,
         height: if container.is_cube { 6 * container.width } else { container.height },
         texels: container.level(0)?,
         content: if container.is_cube { Content::Cube } else { Content::Image },
         format: format!("KTX2 {kind}, {}, {levels} levels", container.pixel.name()),
         warnings: Vec::new(),
-    })
+    };
+    match container.text(BORDER_KEY) {
+        Some(border) if !container.is_cube => picture.without_border(source, &border),
+        _ => Ok(picture),
+    }
 }
 
 /// Every level of a cube, with its roughness.
@@ -193,15 +198,20 @@ impl<'a> Container<'a> {
             .any(|(key, value)| key == "KTXorientation" && value.get(1) == Some(&b'u'))
     }
 
+    /// The text under `key`.
+    fn text(&self, key: &str) -> Option<String> {
+        let (_, value) = self.reader.key_value_data().find(|(name, _)| *name == key)?;
+        Some(String::from_utf8_lossy(value.split(|&byte| byte == 0).next().unwrap_or_default()).into_owned())
+    }
+
     /// The roughness of each level.
     fn roughness(&self) -> Result<Vec<f64>> {
         let levels = self.reader.levels().len();
-        let Some((_, value)) = self.reader.key_value_data().find(|(key, _)| *key == ROUGHNESS_KEY) else {
+        let Some(text) = self.text(ROUGHNESS_KEY) else {
             return Err(self.source.error(format!(
                 "it does not say its levels' roughness (key {ROUGHNESS_KEY}); octagloss bake writes it"
             )));
         };
-        let text = String::from_utf8_lossy(value.split(|&byte| byte == 0).next().unwrap_or_default());
         let parsed: Option<Vec<f64>> = text
             .split(',')
             .map(|word| word.trim().parse().ok().filter(|r| (0.0..=1.0).contains(r)))

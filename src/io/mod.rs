@@ -26,6 +26,7 @@ pub mod ktx2_write;
 pub mod layout;
 mod ldr;
 mod level_folder;
+pub mod level_images;
 pub mod oem_write;
 pub mod output;
 mod picture;
@@ -131,8 +132,8 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     finish_finite(ordered[0], picture, false, repaired, options)
 }
 
-/// Reads a prefiltered cube chain: a KTX2 file, a DDS file with its report beside it, or a level folder
-/// (`m{level}_{px,..}.exr` or `.hdr` and `report.json`).
+/// Reads a prefiltered cube chain: a KTX2 file, a DDS file with its report beside it, an EXR file with a part a face, or
+/// a level folder (`m{level}_{px,..}.exr` or `.hdr`, or `m{level}.exr` unfolded, and `report.json`).
 ///
 /// # Errors
 /// As [`read`]; NaN and Inf are always refused.
@@ -141,6 +142,10 @@ pub fn read_chain(path: &Path) -> Result<CubeChain> {
         return level_folder::read_chain(path, DEFAULT_MEMORY_LIMIT);
     }
     let bytes = file_bytes(path, DEFAULT_MEMORY_LIMIT)?;
+    if Format::sniff(&bytes) == Some(Format::OpenExr) {
+        let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
+        return contained(path, || exr::decode_chain(&source));
+    }
     if Format::sniff(&bytes) == Some(Format::Dds) {
         let roughness = level_folder::told_roughness(path, DEFAULT_MEMORY_LIMIT)?;
         let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };

@@ -18,6 +18,9 @@ use crate::error::{Error, Result};
 use crate::oem::OemSize;
 use crate::sphere::octahedral::wrap_texel;
 
+/// The key that lists each level's border in texels, comma-separated.
+pub const BORDER_KEY: &str = "octaglossBorder";
+
 /// What every file says of its map.
 const CONVENTIONS: [(&str, &str); 4] = [
     (
@@ -83,7 +86,7 @@ pub fn oem_bytes(
     let own = [
         ("octaglossContent", "octahedral map".to_owned()),
         ("octaglossInterior", list(|size| size.inner)),
-        ("octaglossBorder", list(|size| size.border)),
+        (BORDER_KEY, list(|size| size.border)),
     ];
     let mut pairs: Vec<(&str, &str)> = own.iter().map(|(key, value)| (*key, value.as_str())).collect();
     pairs.extend(CONVENTIONS);

@@ -1,7 +1,8 @@
 //! Babylon.js's `.env`: eight bytes, a JSON header, RGBD images as PNG.
 //!
 //! packages/dev/core/src/Misc/environmentTextureTools.ts (`GetEnvInfo`, `CreateEnvTextureAsync`): mipmaps from the largest
-//! down to one texel, six faces each in the order of the cube map, at positions counted from the header's end.
+//! down to one texel, six faces each in the order of the cube map, at positions counted from the header's end. Images are
+//! upside down: the reader draws them into a render target, whose rows run upwards.
 
 use super::Flip;
 use crate::chain::CubeChain;
@@ -36,7 +37,7 @@ pub(super) fn check(size: u32, levels: u32) -> Result<()> {
 pub(super) fn env_bytes(chain: &CubeChain, sh: &[[f64; 3]; 9], flip: Flip) -> Result<CubeFile> {
     let size = chain.levels.first().map_or(0, |level| level.size);
     check(size, chain.levels.len() as u32)?;
-    let images = png_faces(chain, |row| row.to_vec())?;
+    let images = png_faces(chain)?;
     let mut position = 0;
     let mipmaps: Vec<Value> = images
         .iter()
@@ -64,15 +65,12 @@ pub(super) fn clamped(chain: &CubeChain) -> Vec<u64> {
     chain.levels.iter().map(|level| Pixel::Rgbd.clamped(&level.texels)).collect()
 }
 
-/// A PNG for every face of every level, its rows by `row`.
-pub(super) fn png_faces(
-    chain: &CubeChain,
-    row: impl Fn(&[[f32; 3]]) -> Vec<[f32; 3]> + Sync,
-) -> Result<Vec<Vec<u8>>> {
+/// A PNG for every face of every level, rows upwards.
+pub(super) fn png_faces(chain: &CubeChain) -> Result<Vec<Vec<u8>>> {
     let faces: Vec<_> =
         chain.levels.iter().flat_map(|level| Face::ALL.map(|face| (level.size, level.face(face)))).collect();
     let png = |(size, texels): (u32, &[[f32; 3]])| {
-        let texels: Vec<_> = texels.chunks_exact(size as usize).flat_map(&row).collect();
+        let texels: Vec<_> = texels.chunks_exact(size as usize).rev().flatten().copied().collect();
         rgbd_png_bytes(size, &texels)
     };
     faces.into_par_iter().map(png).collect()

@@ -1,8 +1,10 @@
 //! glTF with EXT_lights_image_based: one binary file, the faces as RGBD in PNG.
 //!
 //! extensions/2.0/Vendor/EXT_lights_image_based/README.md of KhronosGroup/glTF: levels evenly from roughness 0 to 1 and not
-//! down to one texel, every image flipped about its vertical axis, nine coefficients of irradiance. Babylon.js's loader
-//! (packages/dev/loaders/src/glTF/2.0/Extensions/EXT_lights_image_based.ts) reads the levels by the logarithm of alpha.
+//! down to one texel, every image flipped about, nine coefficients of irradiance. Where it leaves a choice, as Babylon.js's
+//! loader has it (packages/dev/loaders/src/glTF/2.0/Extensions/EXT_lights_image_based.ts): images are upside down and the
+//! cube is looked up with x negated, as in an `.env`. It reads the levels by the logarithm of alpha, though, and takes the
+//! coefficients' signs and bands otherwise than the text.
 
 use super::babylon::{clamped, png_faces};
 use crate::chain::CubeChain;
@@ -32,7 +34,7 @@ pub(super) fn check(size: u32) -> Result<()> {
 pub(super) fn glb_bytes(chain: &CubeChain, sh: &[[f64; 3]; 9], name: &str) -> Result<CubeFile> {
     let size = chain.levels.first().map_or(0, |level| level.size);
     check(size)?;
-    let images = png_faces(chain, |row| row.iter().rev().copied().collect())?;
+    let images = png_faces(chain)?;
     let mut binary = Vec::new();
     let mut views = Vec::new();
     for image in &images {

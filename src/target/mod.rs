@@ -288,7 +288,7 @@ pub const TARGETS: [Target; 12] = [
         irradiance_size: 32,
         sh_scale: ShScale::Radiance,
         files: &[FileSpec { path: "{name}_ibl.env", content: Env }],
-        verified: None,
+        verified: Some("babylonjs 9.34"),
     },
     // See gltf.rs.
     Target {
@@ -300,7 +300,7 @@ pub const TARGETS: [Target; 12] = [
         size: 256,
         last_size: 16,
         ladder: Ladder::Linear,
-        flip: Flip::None,
+        flip: Flip::X,
         quarter_turns: 0,
         diffuse: Diffuse::None,
         irradiance_size: 32,

@@ -3,6 +3,7 @@
 mod adaptive;
 mod bc6h;
 mod cli;
+mod cli_layouts;
 mod cli_targets;
 mod common;
 mod containers;

@@ -26,8 +26,11 @@ pub(crate) fn levels(size: u32, count: u32, seed: u64) -> Vec<ImageLevel> {
         .collect()
 }
 
-/// Side and texels of each level of a 2D KTX2 file of half floats, and its key/value pairs.
-pub(crate) fn read_ktx2(bytes: &[u8]) -> (Vec<(u32, Vec<[f16; 4]>)>, Vec<(String, String)>) {
+/// Side and texels of a level of half floats.
+pub(crate) type Level = (u32, Vec<[f16; 4]>);
+
+/// The levels of a 2D KTX2 file of half floats, and its key/value pairs.
+pub(crate) fn read_ktx2(bytes: &[u8]) -> (Vec<Level>, Vec<(String, String)>) {
     let reader = ktx2::Reader::new(bytes).unwrap();
     let header = reader.header();
     assert_eq!((header.face_count, header.layer_count, header.pixel_depth), (1, 0, 0));

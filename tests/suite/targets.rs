@@ -55,11 +55,12 @@ fn levels(container: Container, pixel: Pixel, bytes: &[u8]) -> Vec<Vec<Rgb>> {
     }
 }
 
-/// The faces of a PNG in RGBD.
+/// A face as a PNG in RGBD, rows upwards.
 fn png_face(bytes: &[u8]) -> Vec<Rgb> {
     let image = image::load_from_memory(bytes).unwrap().into_rgba8();
     assert_eq!(image.width(), image.height());
-    colours(Pixel::Rgbd, image.width(), image.as_raw())
+    let texels = colours(Pixel::Rgbd, image.width(), image.as_raw());
+    texels.chunks(image.width() as usize).rev().flatten().copied().collect()
 }
 
 /// Levels of an `.env`, as `GetEnvInfo` and `CreateRadianceImageDataArrayBufferViews` of Babylon.js find them.
@@ -77,7 +78,7 @@ fn parse_env(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
     (mipmaps.chunks(6).map(|faces| faces.iter().flat_map(face).collect()).collect(), manifest)
 }
 
-/// Levels of a light of EXT_lights_image_based in a binary glTF, every image flipped back.
+/// Levels of a light of EXT_lights_image_based in a binary glTF.
 fn parse_glb(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
     assert_eq!((&bytes[..4], word(4), word(8)), (&b"glTF"[..], 2, bytes.len()));
@@ -91,9 +92,7 @@ fn parse_glb(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
         assert_eq!(image["mimeType"], "image/png");
         let view = &root["bufferViews"][image["bufferView"].as_u64().unwrap() as usize];
         let at = |key: &str| view[key].as_u64().unwrap() as usize;
-        let texels = png_face(&bytes[binary_at + 8 + at("byteOffset")..][..at("byteLength")]);
-        let n = texels.len().isqrt();
-        texels.chunks(n).flat_map(|row| row.iter().rev().copied()).collect::<Vec<_>>()
+        png_face(&bytes[binary_at + 8 + at("byteOffset")..][..at("byteLength")])
     };
     let levels = light["specularImages"].as_array().unwrap();
     let level = |faces: &serde_json::Value| faces.as_array().unwrap().iter().flat_map(face).collect();
@@ -146,7 +145,7 @@ fn look_up(level: &[Rgb], direction: DVec3) -> Rgb {
 fn engine_direction(target: &str, d: DVec3) -> DVec3 {
     match target {
         // Left-handed engines, into which glTF comes with x negated.
-        "three" | "babylon" | "unity" => DVec3::new(-d.x, d.y, d.z),
+        "three" | "babylon" | "gltf-ext" | "unity" => DVec3::new(-d.x, d.y, d.z),
         "bevy" => DVec3::new(d.x, d.y, -d.z),
         _ => d,
     }
