@@ -47,8 +47,8 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
     }
     on_threads(args.threads, || {
         let Some(bake) = read_bake(&args.bake)? else {
-            // A KTX2 or DDS file that is no bake, or a broken one, says why.
-            if is_chain_file(&args.bake) {
+            // A file or folder that could be a bake and is none, or a broken one, says why.
+            if args.bake.is_dir() || is_chain_file(&args.bake) {
                 io::read_chain(&args.bake)?;
             }
             let path = args.bake.display();

@@ -148,7 +148,10 @@ pub(super) fn layout_name(layout: Layout) -> &'static str {
 pub(super) fn read_bake(path: &Path) -> octagloss::Result<Option<CubeChain>> {
     let metadata = fs::metadata(path).map_err(|error| octagloss::Error::io(path, error))?;
     if metadata.is_dir() {
-        return io::read_chain(path).map(Some);
+        let chain = io::read_chain(path);
+        // Levels that are one image each may be panoramas or octahedral squares: level 0 is an environment.
+        let images = ["m0.exr", "m0.hdr"].iter().any(|name| path.join(name).is_file());
+        return if images { Ok(chain.ok()) } else { chain.map(Some) };
     }
     // What else is wrong with such a file is told when its level 0 is read as an environment.
     Ok(if is_chain_file(path) { io::read_chain(path).ok() } else { None })

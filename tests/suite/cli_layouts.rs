@@ -99,6 +99,8 @@ fn panoramas_and_squares_are_environments_again() {
     assert_eq!(report["levels"].as_array().unwrap().len(), 6);
     let error = read_chain(&at("equirect")).unwrap_err().to_string();
     assert!(error.contains("a chain is a cube"), "{error}");
+    assert!(done(folder.path(), &["info", "equirect"]).contains("panorama, 32x16"));
+    fails(folder.path(), &["compare", "equirect", "a.exr"], 1, "a chain is a cube");
     // Every MIP level, by another reader.
     let image =
         read_exr().no_deep_data().all_resolution_levels().all_channels().first_valid_layer().all_attributes();
