@@ -1,9 +1,9 @@
 //! Lobes to cube chains: the levels and roughnesses of a bake, and the bake itself.
 
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{CubeChain, CubeLevel, ImageLevel};
 use crate::cpu::bake_level::{self, BakedLevel};
 use crate::cpu::box_filter;
-use crate::environment::Environment;
+use crate::environment::{Environment, Layout, Map};
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
@@ -21,6 +21,38 @@ pub enum Ladder {
     Linear,
     /// r = 1 - sqrt(1 - level/(levels - 1)): Filament, three.js.
     Filament,
+    /// r (1.7 - 0.7 r) = level/(levels - 1): Unity.
+    Unity,
+    /// alpha = 2^(level/0.8)/size, at most 1: Babylon.js.
+    Babylon,
+}
+
+impl Ladder {
+    /// Name on the command line and in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Filament => "filament",
+            Self::Unity => "unity",
+            Self::Babylon => "babylon",
+        }
+    }
+
+    /// Perceptual roughness of level `level` of `levels` below a level 0 of `size` texels.
+    #[must_use]
+    pub fn roughness(self, level: u32, levels: u32, size: u32) -> f64 {
+        let step = if levels <= 1 { 0.0 } else { f64::from(level) / f64::from(levels - 1) };
+        match self {
+            _ if step == 0.0 => 0.0,
+            Self::Linear => step,
+            Self::Filament => 1.0 - (1.0 - step).sqrt(),
+            // Exact at the end, where the root is rounded.
+            Self::Unity if step == 1.0 => 1.0,
+            Self::Unity => (1.7 - (2.89 - 2.8 * step).sqrt()) / 1.4,
+            Self::Babylon => ((f64::from(level) / 0.8).exp2() / f64::from(size)).min(1.0).sqrt(),
+        }
+    }
 }
 
 /// How a lobe is evaluated.
@@ -53,7 +85,9 @@ impl Filter {
 /// What to bake. `Default` is what `octagloss bake INPUT` does.
 #[derive(Clone, Debug)]
 pub struct BakeSettings {
-    /// Texels along an edge of level 0.
+    /// What the levels' texels cover.
+    pub map: Map,
+    /// Texels along an edge of level 0; of a panorama its height.
     pub size: u32,
     /// Number of levels; `None` for the ladder's own default.
     pub levels: Option<u32>,
@@ -82,6 +116,7 @@ pub struct BakeSettings {
 impl Default for BakeSettings {
     fn default() -> Self {
         Self {
+            map: Map::Cube,
             size: 256,
             levels: None,
             ladder: Ladder::Linear,
@@ -101,8 +136,8 @@ impl Default for BakeSettings {
 /// A level to be baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rung {
-    /// Texels along an edge.
-    pub size: u32,
+    /// Its texels.
+    pub layout: Layout,
     /// Perceptual roughness in [0, 1].
     pub roughness: f64,
 }
@@ -121,9 +156,11 @@ impl BakeSettings {
         if self.sheen {
             self.filter.check(Lobe::Charlie)?;
         }
-        let most = self.size.ilog2() + 1;
+        let most = self.map.most_levels(self.size);
         let own = match self.ladder {
-            Ladder::Linear => most,
+            Ladder::Linear | Ladder::Babylon => most,
+            // Six steps (UNITY_SPECCUBE_LOD_STEPS).
+            Ladder::Unity => most.min(7),
             // Down to 16: 256 has five.
             Ladder::Filament => most.saturating_sub(4).max(1),
         };
@@ -141,15 +178,9 @@ impl BakeSettings {
                 self.size
             )));
         }
-        let roughness = |level: u32| {
-            let step = if levels == 1 { 0.0 } else { f64::from(level) / f64::from(levels - 1) };
-            match self.ladder {
-                Ladder::Linear => step,
-                Ladder::Filament => 1.0 - (1.0 - step).sqrt(),
-            }
-        };
+        let roughness = |level| self.ladder.roughness(level, levels, self.size);
         Ok((0..levels)
-            .map(|level| Rung { size: (self.size >> level).max(1), roughness: roughness(level) })
+            .map(|level| Rung { layout: self.map.layout(self.size, level), roughness: roughness(level) })
             .collect())
     }
 }
@@ -170,8 +201,10 @@ pub struct LevelStats {
 /// What a bake made.
 #[derive(Clone, Debug)]
 pub struct Bake {
-    /// The prefiltered levels.
+    /// The prefiltered levels; none where [`BakeSettings::map`] is not the cube.
     pub chain: CubeChain,
+    /// The prefiltered levels where it is another.
+    pub images: Vec<ImageLevel>,
     /// Figures, one a level.
     pub stats: Vec<LevelStats>,
     /// The irradiance cube, where asked for; values are irradiance/pi.
@@ -304,7 +337,7 @@ impl<'a> Order<'a> {
                 ..*rung
             }));
             let irradiance = settings.irradiance.map(|size| {
-                let rung = Rung { size, roughness: 1.0 };
+                let rung = Rung { layout: Layout::Cube { size }, roughness: 1.0 };
                 Part { rung, lobe: Lobe::Cosine, filter }
             });
             let places: Vec<usize> = levels
@@ -323,7 +356,7 @@ impl<'a> Order<'a> {
     }
 
     pub(crate) fn meter<'p>(&self, progress: &'p (dyn Fn(Progress) + Sync)) -> Meter<'p> {
-        let texels = |part: &Part| 6 * u64::from(part.rung.size) * u64::from(part.rung.size);
+        let texels = |part: &Part| part.rung.layout.texel_count() as u64;
         Meter { done: AtomicU64::new(0), total: self.parts.iter().map(texels).sum(), progress }
     }
 
@@ -375,32 +408,52 @@ impl<'a> Order<'a> {
         // The last bake to want a level gets the level itself.
         let mut uses = vec![0_u32; parts.len()];
         wanted.iter().flatten().for_each(|place| uses[*place] += 1);
-        let mut cube_level = |place: usize, bounds: bool| {
-            let Rung { size, roughness } = parts[place].rung;
+        let mut taken = |place: usize| {
             let level = &mut levels[place].0;
             uses[place] -= 1;
-            let (texels, all_bounds) = if uses[place] == 0 {
+            if uses[place] == 0 {
                 (std::mem::take(&mut level.texels), level.bounds.take())
             } else {
                 (level.texels.clone(), level.bounds.clone())
-            };
-            CubeLevel { size, roughness, texels, bounds: all_bounds.filter(|_| bounds) }
+            }
         };
         let assemble = |(settings, mut places): (&BakeSettings, Vec<usize>)| {
             let irradiance = settings.irradiance.and_then(|_| places.pop());
             let sheen = if settings.sheen { places.split_off(places.len() / 2) } else { Vec::new() };
             let sh = &sh[..sh::count(settings.sh_order)];
             let sh_window = settings.sh_window.settled(sh);
+            let mut cube_level = |place: usize, keep_bounds: bool| {
+                let Rung { layout, roughness } = parts[place].rung;
+                let (texels, bounds) = taken(place);
+                CubeLevel {
+                    size: layout.sides().0,
+                    roughness,
+                    texels,
+                    bounds: bounds.filter(|_| keep_bounds),
+                }
+            };
+            let irradiance = irradiance.map(|place| cube_level(place, false));
+            let sheen_stats = sheen.iter().map(|place| stats[*place].clone()).collect();
+            let sheen = settings
+                .sheen
+                .then(|| CubeChain { levels: sheen.iter().map(|place| cube_level(*place, false)).collect() });
+            let mut chain = CubeChain { levels: Vec::new() };
+            let mut images = Vec::new();
+            if settings.map == Map::Cube {
+                chain.levels.extend(places.iter().map(|place| cube_level(*place, settings.bounds)));
+            } else {
+                images.extend(places.iter().map(|place| {
+                    let Rung { layout, roughness } = parts[*place].rung;
+                    ImageLevel { layout, roughness, texels: taken(*place).0 }
+                }));
+            }
             Bake {
-                chain: CubeChain {
-                    levels: places.iter().map(|place| cube_level(*place, settings.bounds)).collect(),
-                },
+                chain,
+                images,
                 stats: places.iter().map(|place| stats[*place].clone()).collect(),
-                irradiance: irradiance.map(|place| cube_level(place, false)),
-                sheen: settings.sheen.then(|| CubeChain {
-                    levels: sheen.iter().map(|place| cube_level(*place, false)).collect(),
-                }),
-                sheen_stats: sheen.iter().map(|place| stats[*place].clone()).collect(),
+                irradiance,
+                sheen,
+                sheen_stats,
                 sh: sh_window.apply(sh),
                 sh_window,
                 oem,

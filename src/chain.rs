@@ -1,6 +1,6 @@
-//! A prefiltered cube chain: what a bake makes, and what the writers and readers of `io` carry.
+//! Prefiltered chains: what a bake makes, and what the writers and readers of `io` carry.
 
-use crate::environment::Rgb;
+use crate::environment::{Layout, Rgb};
 use crate::sphere::cube::Face;
 
 /// One level: six faces of `size` x `size` texels.
@@ -23,6 +23,17 @@ impl CubeLevel {
         let area = self.size as usize * self.size as usize;
         &self.texels[face.index() * area..][..area]
     }
+}
+
+/// One level as a single image: a panorama or an octahedral square.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageLevel {
+    /// How its texels cover the sphere.
+    pub layout: Layout,
+    /// Perceptual roughness in [0, 1].
+    pub roughness: f64,
+    /// Linear radiance, row-major.
+    pub texels: Vec<Rgb>,
 }
 
 /// Levels from the sharpest to the roughest.

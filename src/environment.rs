@@ -38,7 +38,48 @@ pub enum Layout {
     },
 }
 
+/// A map of the sphere, without a size: what [`Layout`] is over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Map {
+    /// Six faces, see [`cube`].
+    #[default]
+    Cube,
+    /// A panorama, 2:1, see [`equirect`].
+    Panorama,
+    /// An octahedral square, see [`octahedral`].
+    Octahedral,
+}
+
+impl Map {
+    /// Levels down to a single texel (of each face) from level 0 of `size` texels along its shorter edge.
+    #[must_use]
+    pub fn most_levels(self, size: u32) -> u32 {
+        let longer = if self == Self::Panorama { size.saturating_mul(2) } else { size };
+        longer.checked_ilog2().map_or(0, |log2| log2 + 1)
+    }
+
+    /// Level `level` below a level 0 of `size` texels along its shorter edge: sides halve, down to one texel.
+    #[must_use]
+    pub fn layout(self, size: u32, level: u32) -> Layout {
+        let side = |full: u32| full.checked_shr(level).unwrap_or(0).max(1);
+        match self {
+            Self::Cube => Layout::Cube { size: side(size) },
+            Self::Panorama => Layout::Panorama { width: side(size.saturating_mul(2)), height: side(size) },
+            Self::Octahedral => Layout::Octahedral { size: side(size) },
+        }
+    }
+}
+
 impl Layout {
+    /// Columns and rows of one image: of a face, where there are six.
+    #[must_use]
+    pub const fn sides(self) -> (u32, u32) {
+        match self {
+            Self::Panorama { width, height } => (width, height),
+            Self::Cube { size } | Self::Octahedral { size } => (size, size),
+        }
+    }
+
     /// Texels in all.
     #[must_use]
     pub fn texel_count(self) -> usize {

@@ -109,7 +109,7 @@ pub mod survey;
 pub mod synth;
 pub mod target;
 
-pub use environment::{Environment, Layout, Rgb};
+pub use environment::{Environment, Layout, Map, Rgb};
 pub use error::{Error, Result};
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -1,6 +1,7 @@
 //! Radiance above what a pixel format can hold: clamped, compressed, or refused.
 
-use crate::chain::CubeLevel;
+use crate::chain::{CubeLevel, ImageLevel};
+use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::io::pixels::Pixel;
 use crate::sphere::cube::Face;
@@ -43,14 +44,34 @@ impl Overflow {
     /// # Errors
     /// [`Error::Parameter`] for [`Overflow::Error`] where a texel is too bright, naming it.
     pub fn apply(self, index: usize, level: &mut CubeLevel, pixel: Pixel) -> Result<u64> {
+        let n = level.size as usize;
+        let place = |at: usize| {
+            let face = Face::ALL[at / (n * n)].short_name();
+            format!("level {index} face {face} pixel ({}, {})", at % n, at / n % n)
+        };
+        self.apply_to(&mut level.texels, pixel, place)
+    }
+
+    /// [`Overflow::apply`] for a level that is one image.
+    ///
+    /// # Errors
+    /// As [`Overflow::apply`].
+    pub fn apply_image(self, index: usize, level: &mut ImageLevel, pixel: Pixel) -> Result<u64> {
+        let width = level.layout.sides().0 as usize;
+        let place = |at: usize| format!("level {index} pixel ({}, {})", at % width, at / width);
+        self.apply_to(&mut level.texels, pixel, place)
+    }
+
+    /// `place` says which texel an index is.
+    fn apply_to(self, texels: &mut [Rgb], pixel: Pixel, place: impl Fn(usize) -> String) -> Result<u64> {
         let most = pixel.max();
         let greatest = |texel: &[f32; 3]| texel.iter().copied().fold(0.0, f32::max);
-        let Some(first) = level.texels.iter().position(|texel| greatest(texel) > most) else { return Ok(0) };
+        let Some(first) = texels.iter().position(|texel| greatest(texel) > most) else { return Ok(0) };
         match self {
             Self::Clamp => Ok(0),
             Self::Compress => {
                 let mut count = 0;
-                for texel in &mut level.texels {
+                for texel in texels.iter_mut() {
                     let value = greatest(texel);
                     let share = compressed(f64::from(value), f64::from(most)) / f64::from(value);
                     if share < 1.0 {
@@ -60,19 +81,12 @@ impl Overflow {
                 }
                 Ok(count)
             }
-            Self::Error => {
-                let n = level.size as usize;
-                let (face, place) = (first / (n * n), first % (n * n));
-                Err(Error::Parameter(format!(
-                    "level {index} face {} pixel ({}, {}) is {:?} and {} holds up to {most}; --pixel f32 keeps it, \
-                     --overflow compress scales it down",
-                    Face::ALL[face].short_name(),
-                    place % n,
-                    place / n,
-                    level.texels[first],
-                    pixel.name()
-                )))
-            }
+            Self::Error => Err(Error::Parameter(format!(
+                "{} is {:?} and {} holds up to {most}; --pixel f32 keeps it, --overflow compress scales it down",
+                place(first),
+                texels[first],
+                pixel.name()
+            ))),
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::{Rgb, luminance};
 use crate::error::{Error, Result};
 use crate::font;
-use crate::io::environment_write::CROSS_CELLS;
+use crate::io::layout::CROSS_CELLS;
 use crate::seamless::SeamlessLevel;
 use crate::sphere::cube::{self, Face};
 use glam::DVec3;

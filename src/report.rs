@@ -2,8 +2,7 @@
 //!
 //! Two runs with the same input and options give the same report, but for the keys named `seconds`.
 
-use crate::bake::{Bake, BakeSettings, Filter, Ladder, LevelStats};
-use crate::chain::CubeLevel;
+use crate::bake::{Bake, BakeSettings, Filter, LevelStats};
 use crate::io::Repairs;
 use crate::sh::order_text;
 use crate::sun::Sun;
@@ -71,7 +70,7 @@ pub struct OemReport {
 pub struct LevelReport {
     /// Its number, from 0.
     pub level: u32,
-    /// Texels along an edge of a face.
+    /// Texels along an edge of a face, rows of a single image.
     pub size: u32,
     /// Perceptual roughness in [0, 1].
     pub roughness: f64,
@@ -179,7 +178,7 @@ impl From<Repairs> for RepairReport {
 pub struct OptionsReport {
     /// Edge of level 0.
     pub size: u32,
-    /// `linear` or `filament`.
+    /// `linear`, `filament`, `unity` or `babylon`.
     pub ladder: String,
     /// Name of the lobe.
     pub lobe: String,
@@ -202,6 +201,9 @@ pub struct OptionsReport {
     pub extract_sun: bool,
     /// Edge of the irradiance cube.
     pub irradiance: Option<u32>,
+    /// How the levels lie in images; absent where it is by faces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub out_layout: Option<String>,
 }
 
 /// What was written for an engine.
@@ -293,14 +295,17 @@ impl Report {
     /// The report of `bake`.
     #[must_use]
     pub fn new(settings: &BakeSettings, bake: &Bake, told: Circumstances) -> Self {
-        let sheen = bake.sheen.as_ref().map_or(&[][..], |sheen| &sheen.levels);
+        let cubes = bake.chain.levels.iter().map(|level| (level.size, level.roughness));
+        let images = bake.images.iter().map(|level| (level.layout.sides().1, level.roughness));
+        let sheen = bake.sheen.iter().flat_map(|sheen| &sheen.levels);
+        let sheen = sheen.map(|level| (level.size, level.roughness));
         Self {
             generator: concat!("octagloss ", env!("CARGO_PKG_VERSION")).to_owned(),
             input: told.input,
             engine: told.engine,
             adapter: told.adapter,
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
-            levels: level_reports(&bake.chain.levels, &bake.stats, &told.level_pixels),
+            levels: level_reports(cubes.chain(images), &bake.stats, &told.level_pixels),
             sheen: level_reports(sheen, &bake.sheen_stats, &told.level_pixels),
             energy: EnergyReport {
                 source: bake.source_energy,
@@ -323,11 +328,7 @@ impl Report {
             warnings: told.warnings.into_iter().chain(bake.warnings.iter().cloned()).collect(),
             options: OptionsReport {
                 size: settings.size,
-                ladder: match settings.ladder {
-                    Ladder::Linear => "linear",
-                    Ladder::Filament => "filament",
-                }
-                .to_owned(),
+                ladder: settings.ladder.name().to_owned(),
                 lobe: settings.lobe.name().to_owned(),
                 filter: filter_name(settings.filter),
                 format: told.format,
@@ -338,6 +339,7 @@ impl Report {
                 sanitize: told.sanitize,
                 extract_sun: told.extract_sun,
                 irradiance: settings.irradiance,
+                out_layout: None,
             },
             conventions: ConventionsReport::default(),
             target: None,
@@ -353,19 +355,24 @@ impl Report {
     }
 }
 
-fn level_reports(levels: &[CubeLevel], stats: &[LevelStats], pixels: &[String]) -> Vec<LevelReport> {
-    let report =
-        |(index, ((level, stats), pixel)): (usize, ((&CubeLevel, &LevelStats), &String))| LevelReport {
-            level: u32::try_from(index).expect("a cube has at most 32 levels"),
-            size: level.size,
-            roughness: level.roughness,
-            pixel: pixel.clone(),
-            seconds: stats.seconds,
-            leaves_per_texel: stats.leaves_per_texel,
-            error_bound_max: stats.error_bound_max,
-            error_bound_mean: stats.error_bound_mean,
-        };
-    levels.iter().zip(stats).zip(pixels).enumerate().map(report).collect()
+/// Reports of levels by their sizes and roughnesses.
+fn level_reports(
+    levels: impl Iterator<Item = (u32, f64)>,
+    stats: &[LevelStats],
+    pixels: &[String],
+) -> Vec<LevelReport> {
+    let levels = (0..).zip(levels.zip(stats).zip(pixels));
+    let report = levels.map(|(level, (((size, roughness), stats), pixel))| LevelReport {
+        level,
+        size,
+        roughness,
+        pixel: pixel.clone(),
+        seconds: stats.seconds,
+        leaves_per_texel: stats.leaves_per_texel,
+        error_bound_max: stats.error_bound_max,
+        error_bound_mean: stats.error_bound_mean,
+    });
+    report.collect()
 }
 
 /// The filter as the command line has it.

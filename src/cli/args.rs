@@ -1,7 +1,9 @@
 //! What was typed: the options of every subcommand, each checked on its own. Their doc comments are the help.
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use octagloss::Map;
 use octagloss::bake::{Filter, Ladder};
+use octagloss::io::layout::Unfolding;
 use octagloss::io::pixels::Pixel;
 use octagloss::lobe::Lobe;
 use octagloss::overflow::Overflow;
@@ -142,10 +144,11 @@ pub(super) struct BakeArgs {
     /// filament.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=15))]
     pub(super) levels: Option<u32>,
-    /// linear or filament: roughness [default: linear]
+    /// Roughness of the levels [default: linear]
     ///
     /// linear: level/(levels-1), as glTF, Bevy and the Khronos sampler have it. filament:
-    /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it.
+    /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it. unity: seven levels of
+    /// r (1.7 - 0.7 r) = level/(levels-1). babylon: alpha = 2^(level/0.8)/size.
     #[arg(long, value_name = "LADDER", hide_possible_values = true)]
     pub(super) ladder: Option<LadderArg>,
     /// ggx, phong, cone, cosine or charlie
@@ -166,6 +169,14 @@ pub(super) struct BakeArgs {
     /// By default what OUT's extension says. ktx is KTX 1.
     #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
     pub(super) format: Option<FormatArg>,
+    /// How levels lie in exr and hdr [default: faces]
+    ///
+    /// faces: m{level}_{face}, six images a level. cross, cross-vertical, strip, strip-vertical: m{level}, the faces in
+    /// one image. equirect: m{level}, panoramas of 2N x N for --size N. octahedral: m{level}, squares of N x N. parts: one
+    /// EXR file OUT, a part a face. mips: one EXR file OUT, a panorama with MIP levels down to one texel. Every texel is
+    /// a lobe of its own, not resampled.
+    #[arg(long, value_name = "LAYOUT", conflicts_with = "target", hide_possible_values = true)]
+    pub(super) out_layout: Option<OutLayoutArg>,
     /// f16, f32, rgb9e5, r11g11b10f, bc6h [default: f16]
     ///
     /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels as floats, and has f16
@@ -441,6 +452,8 @@ pub(super) enum EngineArg {
 pub(super) enum LadderArg {
     Linear,
     Filament,
+    Unity,
+    Babylon,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -459,6 +472,19 @@ pub(super) enum FormatArg {
     Dds,
     Exr,
     Hdr,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum OutLayoutArg {
+    Faces,
+    Cross,
+    CrossVertical,
+    Strip,
+    StripVertical,
+    Equirect,
+    Octahedral,
+    Parts,
+    Mips,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -504,6 +530,8 @@ impl From<LadderArg> for Ladder {
         match ladder {
             LadderArg::Linear => Self::Linear,
             LadderArg::Filament => Self::Filament,
+            LadderArg::Unity => Self::Unity,
+            LadderArg::Babylon => Self::Babylon,
         }
     }
 }
@@ -559,6 +587,42 @@ impl From<DiffuseArg> for Diffuse {
             DiffuseArg::Cube => Self::Cube,
             DiffuseArg::Sh => Self::Sh,
             DiffuseArg::Both => Self::Both,
+        }
+    }
+}
+
+impl OutLayoutArg {
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Faces => "faces",
+            Self::Cross => "cross",
+            Self::CrossVertical => "cross-vertical",
+            Self::Strip => "strip",
+            Self::StripVertical => "strip-vertical",
+            Self::Equirect => "equirect",
+            Self::Octahedral => "octahedral",
+            Self::Parts => "parts",
+            Self::Mips => "mips",
+        }
+    }
+
+    /// What its levels' texels cover.
+    pub(super) const fn map(self) -> Map {
+        match self {
+            Self::Equirect | Self::Mips => Map::Panorama,
+            Self::Octahedral => Map::Octahedral,
+            _ => Map::Cube,
+        }
+    }
+
+    /// How a cube's faces lie in a level's one image.
+    pub(super) const fn unfolding(self) -> Option<Unfolding> {
+        match self {
+            Self::Cross => Some(Unfolding::Cross),
+            Self::CrossVertical => Some(Unfolding::CrossVertical),
+            Self::Strip => Some(Unfolding::Strip),
+            Self::StripVertical => Some(Unfolding::StripVertical),
+            _ => None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
-use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg, PixelArg};
+use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg, OutLayoutArg, PixelArg};
 use super::engine::{Baker, Engine};
 use super::input::{self, Opened, Source};
 use super::output::{Encoding, Extras, Outputs, Stored, SunFile};
@@ -8,7 +8,6 @@ use super::talk::{self, Talk};
 use super::{Failure, Outcome, bake_targets, on_threads, print, unchanged, usage};
 use anyhow::anyhow;
 use blake3::Hash;
-use octagloss::Environment;
 use octagloss::bake::{Bake, BakeSettings, Filter, Ladder};
 use octagloss::io::cube_write::Container;
 use octagloss::io::exr_write::ExrPixel;
@@ -18,6 +17,7 @@ use octagloss::oracle::Oracle;
 use octagloss::overflow::Overflow;
 use octagloss::report::Circumstances;
 use octagloss::sphere::cube::{Face, direction_from_texel};
+use octagloss::{Environment, Map};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -72,6 +72,7 @@ impl Plan {
             FormatArg::Ktx2 => ".ktx2",
             FormatArg::Ktx => ".ktx",
             FormatArg::Dds => ".dds",
+            FormatArg::Exr if encoding.is_single() => ".exr",
             FormatArg::Exr | FormatArg::Hdr => "",
         };
 
@@ -299,7 +300,12 @@ impl Told<'_> {
 pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> octagloss::Result<u64> {
     let sheen = baked.sheen.as_mut().map_or(&mut [][..], |sheen| &mut sheen.levels);
     let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut()).chain(sheen);
-    levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum()
+    let cubes: u64 =
+        levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum::<Result<_, _>>()?;
+    let images = baked.images.iter_mut().enumerate();
+    let images: u64 =
+        images.map(|(index, level)| overflow.apply_image(index, level, pixel)).sum::<Result<_, _>>()?;
+    Ok(cubes + images)
 }
 
 impl Job {
@@ -327,7 +333,20 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
+    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
+        let name = layout.name();
+        if args.bounds {
+            return usage(format!("--bounds is for --out-layout faces, not {name}"));
+        }
+        if args.preview.is_some() && layout.map() != Map::Cube {
+            return usage(format!("--preview shows cubes; leave it or --out-layout {name} out"));
+        }
+        if args.irradiance.is_some() && layout.map() != Map::Cube {
+            return usage(format!("--irradiance is a cube; leave it or --out-layout {name} out"));
+        }
+    }
     let settings = BakeSettings {
+        map: args.out_layout.map_or(Map::Cube, OutLayoutArg::map),
         size: args.size.unwrap_or(256),
         levels: args.levels,
         ladder: args.ladder.map_or(Ladder::Linear, Ladder::from),
@@ -381,8 +400,14 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
                 output()
             ));
         }
-        (said, named) => said.or(named).unwrap_or(FormatArg::Ktx2),
+        (said, named) => said.or(named).unwrap_or(match args.out_layout {
+            Some(layout) if layout != OutLayoutArg::Faces => FormatArg::Exr,
+            _ => FormatArg::Ktx2,
+        }),
     };
+    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
+        return image_encoding(args, format, layout);
+    }
     match (format, args.pixel) {
         (FormatArg::Ktx2 | FormatArg::Ktx | FormatArg::Dds, pixel) => {
             let container = container(format).expect("these three are");
@@ -407,6 +432,36 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
     }
 }
 
+/// How `layout`, which is not faces, is stored in `format`.
+fn image_encoding(args: &BakeArgs, format: FormatArg, layout: OutLayoutArg) -> Outcome<Encoding> {
+    let single = matches!(layout, OutLayoutArg::Parts | OutLayoutArg::Mips);
+    if single && format != FormatArg::Exr {
+        return usage(format!("--out-layout {} is an exr file, not {}", layout.name(), format.name()));
+    }
+    let pixel = match (format, args.pixel) {
+        (FormatArg::Exr, None) => ExrPixel::Auto,
+        (FormatArg::Exr, Some(PixelArg::F16)) => ExrPixel::F16,
+        (FormatArg::Exr, Some(PixelArg::F32)) => ExrPixel::F32,
+        (FormatArg::Hdr, None) => return Ok(Encoding::HdrImages(layout)),
+        (FormatArg::Exr | FormatArg::Hdr, Some(_)) => {
+            return usage("--pixel f16 and f32 go with exr, none with hdr");
+        }
+        _ => {
+            return usage(format!(
+                "--out-layout {} is for exr and hdr, not {}",
+                layout.name(),
+                format.name()
+            ));
+        }
+    };
+    let one = if pixel == ExrPixel::F32 { Pixel::F32 } else { Pixel::F16 };
+    Ok(match layout {
+        OutLayoutArg::Parts => Encoding::Cube(Container::Exr, one),
+        OutLayoutArg::Mips => Encoding::Mips(one),
+        _ => Encoding::ExrImages(layout, pixel),
+    })
+}
+
 /// The container that `format` is, where it holds a chain in one file.
 pub(super) const fn container(format: FormatArg) -> Option<Container> {
     match format {
@@ -429,7 +484,9 @@ fn stored_warnings(stored: &Stored, encoding: Encoding) -> Vec<String> {
             stored.clamped
         ));
     }
-    if stored.floats > 0 && encoding == Encoding::Exr(ExrPixel::Auto) {
+    let may_be_floats =
+        matches!(encoding, Encoding::Exr(ExrPixel::Auto) | Encoding::ExrImages(_, ExrPixel::Auto));
+    if stored.floats > 0 && may_be_floats {
         warnings.push(format!(
             "{} of {} levels are stored as float, having values above 65504",
             stored.floats,
@@ -450,7 +507,7 @@ fn foretell(environment: &Environment, settings: &BakeSettings) -> octagloss::Re
         (0..threads).map(|k| direction_from_texel(Face::ALL[k % 6], 5, (k % 5) as u32, 1)).collect();
     let (mut seconds, mut last) = (prepared, 0.0);
     for level in settings.rungs()? {
-        let texels = 6.0 * f64::from(level.size) * f64::from(level.size);
+        let texels = level.layout.texel_count() as f64;
         // Lobes cost alike from level to level: once one is slow it stands for the rest.
         if last < 1.0 {
             let start = Instant::now();

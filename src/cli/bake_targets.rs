@@ -1,6 +1,6 @@
 //! `octagloss bake --target`: the files that engines expect, in a folder for each environment.
 
-use super::args::{BakeArgs, EngineArgs, InputArgs, LobeArg};
+use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg};
 use super::bake::{Told, compress, container};
 use super::engine::Engine;
 use super::input::{self, Opened, Source};
@@ -10,14 +10,15 @@ use super::unchanged::{self, REPORT};
 use super::{Failure, Outcome, on_threads, print, usage};
 use anyhow::anyhow;
 use blake3::Hash;
-use octagloss::Error;
 use octagloss::bake::{BakeSettings, Ladder};
+use octagloss::io::cube_write::Container;
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::overflow::Overflow;
 use octagloss::report::{Report, TargetReport};
 use octagloss::target::files::{Made, files};
 use octagloss::target::{Content, Diffuse, Plan};
+use octagloss::{Error, Map};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::fs;
@@ -229,8 +230,8 @@ impl Work {
             for warning in &bake.warnings {
                 talk.warn(&format!("{}: {warning}", job.source.path().display()));
             }
-            let pixels = vec![plan.pixel; bake.chain.levels.len()];
-            let stored = Stored::new(plan.container.name(), plan.pixel.name(), &pixels, clamped);
+            let pixels = vec![plan.pixel; bake.stats.len()];
+            let stored = Stored::new(plan.format_name(), plan.pixel.name(), &pixels, clamped);
             let mut report =
                 Report { compressed, ..Report::new(settings, bake, told.circumstances(stored, warnings)) };
             report.target = Some(TargetReport {
@@ -311,20 +312,59 @@ fn told(plan: &Plan, settings: &BakeSettings, content: Content) -> octagloss::Re
             cube_told(&format!("{pixel} irradiance"), size, 1)
         }
         Content::ShJson | Content::ShText => "spherical harmonics".to_owned(),
+        Content::Oem => {
+            let rungs = settings.rungs()?;
+            format!("{pixel} octahedral map {}, {} levels, with borders", settings.size, rungs.len())
+        }
+        Content::Reader => "shader code".to_owned(),
+        Content::Panorama => format!("panorama {}x{}", 2 * settings.size, settings.size),
+        Content::Env | Content::Glb => {
+            let rungs = settings.rungs()?;
+            format!("{pixel} cube {}, {} levels, and spherical harmonics", settings.size, rungs.len())
+        }
     })
 }
 
 /// The preset with what `args` override.
 fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
     let target = plan.target;
+    let fixed =
+        |option: &str| usage(format!("target {} has a format of its own; leave {option} out", target.name));
     if let Some(format) = args.format {
-        let Some(container) = container(format) else {
-            return usage(format!(
-                "--format {} is a folder of faces and does not go with --target; ktx2, ktx and dds do",
-                format.name()
-            ));
+        if !target.has_container() {
+            return fixed("--format");
+        }
+        plan.container = match (container(format), format) {
+            (Some(container), _) => container,
+            (None, FormatArg::Exr) => Container::Exr,
+            (None, _) => {
+                return usage(format!(
+                    "--format {} is a folder of faces and does not go with --target; ktx2, ktx, dds and exr do",
+                    format.name()
+                ));
+            }
         };
-        plan.container = container;
+    }
+    if target.map == Map::Octahedral && !matches!(plan.container, Container::Ktx2 | Container::Exr) {
+        return usage(format!(
+            "target {}: --format {} is for cubes; ktx2 and exr go",
+            target.name,
+            plan.container.name()
+        ));
+    }
+    if !target.has_container() {
+        if args.pixel.is_some() {
+            return fixed("--pixel");
+        }
+        if args.diffuse.is_some() || args.irradiance.is_some() {
+            return fixed("--diffuse and --irradiance");
+        }
+    }
+    if target.map != Map::Cube && args.flip.is_some() {
+        return usage(format!("target {} has no cube; leave --flip out", target.name));
+    }
+    if target.map == Map::Panorama && args.levels.is_some() {
+        return usage(format!("target {} has one level; leave --levels out", target.name));
     }
     plan.pixel = args.pixel.map_or(plan.pixel, Pixel::from);
     plan.flip = args.flip.map_or(plan.flip, Into::into);
@@ -348,6 +388,7 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
     let cube = matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both);
     let size = args.size.unwrap_or(target.size);
     let settings = BakeSettings {
+        map: target.map,
         size,
         levels: Some(args.levels.unwrap_or_else(|| target.levels(size))),
         ladder: args.ladder.map_or(target.ladder, Ladder::from),
@@ -361,8 +402,9 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
         sh_window: args.sh_window,
         sheen: target.has_sheen(),
     };
-    match settings.rungs() {
-        Ok(_) => Ok((plan, settings)),
+    let rungs = settings.rungs().and_then(|rungs| plan.check_levels(size, rungs.len() as u32));
+    match rungs {
+        Ok(()) => Ok((plan, settings)),
         Err(error) => usage(format!("target {}: {error}", target.name)),
     }
 }

@@ -1,7 +1,7 @@
 //! `octagloss compare`: how far a bake is from its source or from another bake.
 
 use super::args::{CompareArgs, InputArgs, Texels};
-use super::input::{self, is_ktx2, ktx2_text, read_bake};
+use super::input::{self, is_chain_file, ktx2_text, read_bake};
 use super::talk::Talk;
 use super::{Outcome, on_threads, print, usage};
 use anyhow::anyhow;
@@ -46,13 +46,13 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
     }
     on_threads(args.threads, || {
         let Some(bake) = read_bake(&args.bake)? else {
-            // A KTX2 file that is no bake, or a broken one, says why.
-            if is_ktx2(&args.bake) {
+            // A file or folder that could be a bake and is none, or a broken one, says why.
+            if args.bake.is_dir() || is_chain_file(&args.bake) {
                 io::read_chain(&args.bake)?;
             }
             let path = args.bake.display();
             return Err(anyhow!(
-                "{path}: no bake; a .ktx2 file of octagloss bake or a folder of levels is needed"
+                "{path}: no bake; a .ktx2 or .dds file of octagloss bake or a folder of levels is needed"
             )
             .into());
         };

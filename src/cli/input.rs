@@ -166,21 +166,27 @@ pub(super) fn layout_name(layout: Layout) -> &'static str {
     }
 }
 
-/// The bake in `path`: a folder of levels, or a KTX2 file that tells its levels' roughness. `None` for other files.
+/// The bake in `path`: a folder of levels, a KTX2 file that tells its levels' roughness, or a DDS file whose report does.
+/// `None` for other files.
 pub(super) fn read_bake(path: &Path) -> octagloss::Result<Option<CubeChain>> {
     let metadata = fs::metadata(path).map_err(|error| octagloss::Error::io(path, error))?;
     if metadata.is_dir() {
-        return io::read_chain(path).map(Some);
+        let chain = io::read_chain(path);
+        // Levels that are one image each may be panoramas or octahedral squares: level 0 is an environment.
+        let images = ["m0.exr", "m0.hdr"].iter().any(|name| path.join(name).is_file());
+        return if images { Ok(chain.ok()) } else { chain.map(Some) };
     }
-    // What else is wrong with a KTX2 file is told when its level 0 is read as an environment.
-    Ok(if is_ktx2(path) { io::read_chain(path).ok() } else { None })
+    // What else is wrong with such a file is told when its level 0 is read as an environment.
+    Ok(if is_chain_file(path) { io::read_chain(path).ok() } else { None })
 }
 
-/// Whether the file `path` begins as KTX2 files do.
-pub(super) fn is_ktx2(path: &Path) -> bool {
-    let mut magic = [0; ktx2::MAGIC.len()];
-    let read = fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic));
-    read.is_ok() && magic == ktx2::MAGIC
+/// Whether the file `path` begins as those do that can hold a chain: KTX2, DDS, and OpenEXR of several parts.
+pub(super) fn is_chain_file(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = fs::File::open(path).and_then(|file| file.take(12).read_to_end(&mut start));
+    let parts =
+        start.starts_with(&[0x76, 0x2f, 0x31, 0x01]) && start.get(5).is_some_and(|flags| flags & 0x10 != 0);
+    read.is_ok() && (start.starts_with(&ktx2::MAGIC) || start.starts_with(b"DDS ") || parts)
 }
 
 /// The text under `key` in a KTX2 file that [`read_bake`] could read.

@@ -1,6 +1,6 @@
 //! Outputs of a bake: where they go, and writing them.
 
-use super::args::{BakeArgs, FormatArg};
+use super::args::{BakeArgs, FormatArg, OutLayoutArg};
 use super::input::Opened;
 use super::unchanged::{self, REPORT, fingerprint};
 use blake3::Hash;
@@ -9,6 +9,7 @@ use octagloss::chain::{CubeChain, CubeLevel};
 use octagloss::io::cube_write::{Container, cube_bytes};
 use octagloss::io::environment_write::exact_exr_bytes;
 use octagloss::io::exr_write::{self, ExrPixel, Samples};
+use octagloss::io::level_images::{LevelImage, mips_bytes, write_exr_images, write_hdr_images};
 use octagloss::io::output::{self, Existing};
 use octagloss::io::pixels::Pixel;
 use octagloss::io::{hdr_write, png_write};
@@ -26,6 +27,11 @@ pub(super) enum Encoding {
     Cube(Container, Pixel),
     Exr(ExrPixel),
     Hdr,
+    /// An image a level.
+    ExrImages(OutLayoutArg, ExrPixel),
+    HdrImages(OutLayoutArg),
+    /// Panoramas as the MIP levels of one file.
+    Mips(Pixel),
 }
 
 impl Encoding {
@@ -34,27 +40,44 @@ impl Encoding {
             Self::Cube(Container::Ktx2, _) => FormatArg::Ktx2,
             Self::Cube(Container::Ktx1, _) => FormatArg::Ktx,
             Self::Cube(Container::Dds, _) => FormatArg::Dds,
-            Self::Exr(_) => FormatArg::Exr,
-            Self::Hdr => FormatArg::Hdr,
+            Self::Cube(Container::Exr, _) | Self::Exr(_) | Self::ExrImages(..) | Self::Mips(_) => {
+                FormatArg::Exr
+            }
+            Self::Hdr | Self::HdrImages(_) => FormatArg::Hdr,
+        }
+    }
+
+    /// Whether all levels are in one file.
+    pub(super) const fn is_single(self) -> bool {
+        matches!(self, Self::Cube(..) | Self::Mips(_))
+    }
+
+    /// How the levels lie in images, where it is not by faces.
+    const fn layout_name(self) -> Option<&'static str> {
+        match self {
+            Self::ExrImages(layout, _) | Self::HdrImages(layout) => Some(layout.name()),
+            Self::Mips(_) => Some(OutLayoutArg::Mips.name()),
+            Self::Cube(Container::Exr, _) => Some(OutLayoutArg::Parts.name()),
+            Self::Cube(..) | Self::Exr(_) | Self::Hdr => None,
         }
     }
 
     /// The pixel format whose greatest value is a limit: those of a single kind, but floats.
     pub(super) const fn clamping_pixel(self) -> Option<Pixel> {
         match self {
-            Self::Cube(_, pixel) => Some(pixel),
-            Self::Exr(ExrPixel::F16) => Some(Pixel::F16),
-            Self::Exr(_) | Self::Hdr => None,
+            Self::Cube(_, pixel) | Self::Mips(pixel) => Some(pixel),
+            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => Some(Pixel::F16),
+            Self::Exr(_) | Self::ExrImages(..) | Self::Hdr | Self::HdrImages(_) => None,
         }
     }
 
     pub(super) const fn pixel_name(self) -> &'static str {
         match self {
-            Self::Cube(_, pixel) => pixel.name(),
-            Self::Exr(ExrPixel::Auto) => "auto",
-            Self::Exr(ExrPixel::F16) => "f16",
-            Self::Exr(ExrPixel::F32) => "f32",
-            Self::Hdr => "rgbe",
+            Self::Cube(_, pixel) | Self::Mips(pixel) => pixel.name(),
+            Self::Exr(ExrPixel::Auto) | Self::ExrImages(_, ExrPixel::Auto) => "auto",
+            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => "f16",
+            Self::Exr(ExrPixel::F32) | Self::ExrImages(_, ExrPixel::F32) => "f32",
+            Self::Hdr | Self::HdrImages(_) => "rgbe",
         }
     }
 }
@@ -147,7 +170,7 @@ impl Outputs {
         extras: Extras,
     ) -> Self {
         let Extras { json, sun, preview } = extras;
-        let single = matches!(encoding, Encoding::Cube(..));
+        let single = encoding.is_single();
         let report = if single { suffixed(&main, ".report.json") } else { main.join(REPORT) };
         Self {
             encoding,
@@ -168,7 +191,7 @@ impl Outputs {
     }
 
     const fn is_folder(&self) -> bool {
-        matches!(self.encoding, Encoding::Exr(_) | Encoding::Hdr)
+        !self.encoding.is_single()
     }
 
     /// Files and folders beside one another.
@@ -214,27 +237,44 @@ impl Outputs {
             Face::ALL.map(|face| (folder.join(name.replace("{face}", face.short_name())), told.clone()))
         };
         let mut files = Vec::new();
-        if self.is_folder() {
-            let extension = self.encoding.format().name();
-            for (index, rung) in rungs.iter().enumerate() {
-                let told = format!("{pixel} face {}", rung.size);
-                files.extend(faces(&self.main, format!("m{index}_{{face}}.{extension}"), told));
+        let extension = self.encoding.format().name();
+        match self.encoding {
+            Encoding::ExrImages(layout, _) | Encoding::HdrImages(layout) => {
+                let told = |what: &str, size: u32| format!("{pixel} {what}{} {size}", layout.name());
+                let image =
+                    |name: String, told: String| (self.main.join(format!("{name}.{extension}")), told);
+                let levels = rungs.iter().enumerate();
+                files.extend(levels.map(|(k, rung)| image(format!("m{k}"), told("", rung.layout.sides().1))));
+                let irradiance = settings.irradiance.filter(|_| layout.unfolding().is_some());
+                files
+                    .extend(irradiance.map(|size| image("irradiance".to_owned(), told("irradiance ", size))));
             }
-            if let Some(size) = settings.irradiance {
-                let told = format!("{pixel} irradiance face {size}");
-                files.extend(faces(&self.main, format!("irradiance_{{face}}.{extension}"), told));
+            Encoding::Exr(_) | Encoding::Hdr => {
+                for (index, rung) in rungs.iter().enumerate() {
+                    let told = format!("{pixel} face {}", rung.layout.sides().0);
+                    files.extend(faces(&self.main, format!("m{index}_{{face}}.{extension}"), told));
+                }
+                if let Some(size) = settings.irradiance {
+                    let told = format!("{pixel} irradiance face {size}");
+                    files.extend(faces(&self.main, format!("irradiance_{{face}}.{extension}"), told));
+                }
             }
-        } else {
-            files.push((self.main.clone(), cube_told(pixel, settings.size, rungs.len())));
-            if let (Some(path), Some(size)) = (&self.irradiance, settings.irradiance) {
-                files.push((path.clone(), cube_told(&format!("{pixel} irradiance"), size, 1)));
+            Encoding::Mips(_) => {
+                let told = format!("{pixel} panorama {}, {} levels", settings.size, rungs.len());
+                files.push((self.main.clone(), told));
+            }
+            Encoding::Cube(..) => {
+                files.push((self.main.clone(), cube_told(pixel, settings.size, rungs.len())));
+                if let (Some(path), Some(size)) = (&self.irradiance, settings.irradiance) {
+                    files.push((path.clone(), cube_told(&format!("{pixel} irradiance"), size, 1)));
+                }
             }
         }
         // A mirror has no bounds.
         let bounded = |rung: &Rung| settings.bounds && !(rung.roughness == 0.0 && settings.lobe.has_mirror());
         for (index, rung) in rungs.iter().enumerate().filter(|(_, rung)| bounded(rung)) {
             let folder = self.bounds.as_ref().unwrap_or(&self.main);
-            let told = format!("f32 error bounds {}", rung.size);
+            let told = format!("f32 error bounds {}", rung.layout.sides().0);
             files.extend(faces(folder, format!("m{index}_{{face}}_bound.exr"), told));
         }
         for file in &self.sun {
@@ -256,10 +296,14 @@ impl Outputs {
         opened: &Opened,
         told: impl FnOnce(Stored) -> Circumstances,
     ) -> Result<(Report, u64)> {
-        let report_of = |stored: Stored, outputs: Hash| Report {
-            compressed,
-            fingerprint: Some(fingerprint(request, outputs)),
-            ..Report::new(settings, bake, told(stored))
+        let report_of = |stored: Stored, outputs: Hash| {
+            let mut report = Report {
+                compressed,
+                fingerprint: Some(fingerprint(request, outputs)),
+                ..Report::new(settings, bake, told(stored))
+            };
+            report.options.out_layout = self.encoding.layout_name().map(str::to_owned);
+            report
         };
         let preview = match &self.preview {
             Some(_) => Some(png_write::png_bytes(&preview::contact_sheet(&bake.chain)?)?),
@@ -273,6 +317,21 @@ impl Outputs {
                 output::write_file(path, self.existing, |file| file.write_all(bytes))
             }
             _ => Ok(()),
+        };
+        // What stands beside a single file.
+        let write_beside = || {
+            for file in &self.sun {
+                let bytes = file.bytes(opened)?;
+                output::write_file(&self.sun_place(*file), self.existing, |out| out.write_all(&bytes))?;
+            }
+            write_preview(&preview)
+        };
+        let write_report = |report: &Report| match &self.report {
+            Some(path) => {
+                let text = json_text(report);
+                output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))
+            }
+            None => Ok(()),
         };
         // The folder is complete but for its report, and a preview comes later.
         let hash_of = |folder: &Path| {
@@ -297,18 +356,11 @@ impl Outputs {
                 if let Some(path) = &self.bounds {
                     output::write_folder(path, self.existing, |folder| write_bounds(folder, &bake.chain))?;
                 }
-                for file in &self.sun {
-                    let bytes = file.bytes(opened)?;
-                    output::write_file(&self.sun_place(*file), self.existing, |out| out.write_all(&bytes))?;
-                }
-                write_preview(&preview)?;
+                write_beside()?;
                 let pixels = vec![pixel; bake.chain.levels.len()];
                 let hash = unchanged::joined(self.hashed().map(|place| unchanged::hash_of(&place)))?;
                 let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash);
-                if let Some(path) = &self.report {
-                    let text = json_text(&report);
-                    output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))?;
-                }
+                write_report(&report)?;
                 report
             }
             Encoding::Exr(choice) => output::write_folder(&self.main, self.existing, |folder| {
@@ -321,6 +373,41 @@ impl Outputs {
                 self.write_report_into(folder, &report)?;
                 Ok(report)
             })?,
+            Encoding::ExrImages(layout, choice) => {
+                output::write_folder(&self.main, self.existing, |folder| {
+                    let images = level_images(layout, bake);
+                    let stored = write_exr_images(folder, &images, choice, &metadata)?;
+                    let levels = &stored[..bake.stats.len()];
+                    let pixels: Vec<Pixel> = levels.iter().map(|level| level.pixel).collect();
+                    let clamped = stored.iter().map(|level| level.clamped).sum();
+                    write_sun(folder)?;
+                    let stored = Stored::new(format, pixel_name, &pixels, clamped);
+                    let report = report_of(stored, hash_of(folder)?);
+                    self.write_report_into(folder, &report)?;
+                    Ok(report)
+                })?
+            }
+            Encoding::HdrImages(layout) => output::write_folder(&self.main, self.existing, |folder| {
+                write_hdr_images(folder, &level_images(layout, bake))?;
+                write_sun(folder)?;
+                let pixels = vec!["rgbe".to_owned(); bake.stats.len()];
+                let stored = Stored { format, pixel: pixel_name, pixels, clamped: 0, floats: 0 };
+                let report = report_of(stored, hash_of(folder)?);
+                self.write_report_into(folder, &report)?;
+                Ok(report)
+            })?,
+            Encoding::Mips(pixel) => {
+                output::check_file(&self.main, self.existing)?;
+                let bytes = mips_bytes(&bake.images, pixel, &metadata)?;
+                output::write_file(&self.main, self.existing, |file| file.write_all(&bytes))?;
+                let clamped = bake.images.iter().map(|level| pixel.clamped(&level.texels)).sum();
+                write_beside()?;
+                let hash = unchanged::joined(self.hashed().map(|place| unchanged::hash_of(&place)))?;
+                let pixels = vec![pixel; bake.stats.len()];
+                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash);
+                write_report(&report)?;
+                report
+            }
             Encoding::Hdr => output::write_folder(&self.main, self.existing, |folder| {
                 hdr_write::write_level_folder(folder, &bake.chain, irradiance)?;
                 if settings.bounds {
@@ -357,6 +444,21 @@ pub(super) fn cube_told(kind: &str, size: u32, levels: usize) -> String {
         1 => format!("{kind} cube {size}"),
         _ => format!("{kind} cube {size}, {levels} levels"),
     }
+}
+
+/// The levels of `bake` in `layout`, and its irradiance where there is some.
+fn level_images(layout: OutLayoutArg, bake: &Bake) -> Vec<LevelImage<'_>> {
+    let name = |index: usize| format!("m{index}");
+    let Some(unfolding) = layout.unfolding() else {
+        return bake.images.iter().enumerate().map(|(k, level)| LevelImage::whole(name(k), level)).collect();
+    };
+    let levels = bake.chain.levels.iter().enumerate();
+    let levels =
+        levels.map(|(k, level)| LevelImage::unfolded(name(k), level, unfolding, Some(level.roughness)));
+    let irradiance = bake.irradiance.iter();
+    let irradiance =
+        irradiance.map(|level| LevelImage::unfolded("irradiance".to_owned(), level, unfolding, None));
+    levels.chain(irradiance).collect()
 }
 
 /// How a bake was stored.

@@ -1,14 +1,17 @@
-//! One level of a bake: every texel of six faces, tiles of neighbours sharing their walks.
+//! One level of a bake: every texel of its map, tiles of neighbours sharing their walks.
 
-use super::reparameterise::footprints_from_environment;
+use super::reparameterise::footprints_over;
 use crate::bake::{Filter, Rung};
-use crate::environment::Rgb;
+use crate::environment::{Layout, Rgb};
 use crate::error::Result;
 use crate::lobe::{self, Lobe};
 use crate::reflector::{Answer, Reflector, Workspace};
-use crate::sphere::cube::{Face, direction_from_cube, texel_solid_angle};
-use glam::DVec3;
+use crate::sphere::cube::{self, Face, direction_from_cube};
+use crate::sphere::equirect::direction_from_equirect;
+use crate::sphere::octahedral::{self, direction_from_oct, solid_angle_density};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Texels along an edge of a tile: sixteen directions, one packet.
 const TILE: u32 = 4;
@@ -44,7 +47,7 @@ pub(crate) fn bake_level(
 ) -> Result<BakedLevel> {
     if is_mirror(rung, lobe) {
         // A mirror shows what each texel covers.
-        let texels = footprints_from_environment(reflector.environment(), rung.size)?;
+        let texels = footprints_over(reflector.environment(), rung.layout)?;
         advance(texels.len() as u64);
         return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
     }
@@ -100,9 +103,11 @@ impl BakedLevel {
 
 /// How the texels of a level are grouped: tiles of neighbours, whose directions make full packets.
 pub(crate) struct Tiling {
-    size: u32,
+    layout: Layout,
+    /// Columns and rows of an image: of a face, where there are six.
+    sides: (u32, u32),
     footprint: Footprint,
-    /// Texels along an edge of a tile, and tiles along an edge of a face.
+    /// Texels along an edge of a tile, and tiles down an image.
     tile: u32,
     tiles: u32,
 }
@@ -120,12 +125,16 @@ impl Tiling {
     pub(crate) fn new(oem: u32, rung: Rung, lobe: Lobe) -> Self {
         let footprint = Footprint::new(oem, rung, lobe);
         let tile = (TILE / footprint.divisions).max(1);
-        Self { size: rung.size, footprint, tile, tiles: rung.size.div_ceil(tile) }
+        let sides = rung.layout.sides();
+        Self { layout: rung.layout, sides, footprint, tile, tiles: sides.1.div_ceil(tile) }
     }
 
-    /// Rows of tiles, of all six faces.
+    /// Rows of tiles, of all images.
     pub(crate) const fn rows(&self) -> u32 {
-        6 * self.tiles
+        match self.layout {
+            Layout::Cube { .. } => 6 * self.tiles,
+            Layout::Panorama { .. } | Layout::Octahedral { .. } => self.tiles,
+        }
     }
 
     /// Directions of a texel.
@@ -135,33 +144,74 @@ impl Tiling {
 
     /// Room for the answers to the texels of row `row`, row-major.
     pub(crate) fn line(&self, row: u32) -> Vec<Answer> {
-        let (top, bottom) = self.span(row % self.tiles);
-        vec![Answer { radiance: [0.0; 3], bound: None }; (self.size * (bottom - top)) as usize]
+        let (top, bottom) = self.span(row % self.tiles, self.sides.1);
+        vec![Answer { radiance: [0.0; 3], bound: None }; (self.sides.0 * (bottom - top)) as usize]
     }
 
-    fn span(&self, tile: u32) -> (u32, u32) {
-        (tile * self.tile, ((tile + 1) * self.tile).min(self.size))
+    fn span(&self, tile: u32, side: u32) -> (u32, u32) {
+        (tile * self.tile, ((tile + 1) * self.tile).min(side))
     }
 
     /// Calls `visit` with every tile of row `row`, in `tile`.
     pub(crate) fn for_each_tile(&self, row: u32, tile: &mut Tile, mut visit: impl FnMut(&Tile)) {
-        let face = Face::ALL[(row / self.tiles) as usize];
-        let (top, bottom) = self.span(row % self.tiles);
-        for column in 0..self.tiles {
-            let (left, right) = self.span(column);
+        let (columns, rows) = self.sides;
+        let (top, bottom) = self.span(row % self.tiles, rows);
+        for column in 0..columns.div_ceil(self.tile) {
+            let (left, right) = self.span(column, columns);
             tile.places.clear();
             tile.directions.clear();
             tile.weights.clear();
             for (i, j) in (top..bottom).flat_map(|j| (left..right).map(move |i| (i, j))) {
-                tile.places.push(((j - top) * self.size + i) as usize);
-                self.footprint.for_each_direction(i, j, |s, t| {
-                    tile.directions.push(direction_from_cube(face, s, t));
-                    // Solid angle of a unit of (s, t).
-                    tile.weights.push((1.0 + s * s + t * t).powf(-1.5) as f32);
+                tile.places.push(((j - top) * columns + i) as usize);
+                self.footprint.for_each_place(i, j, |x, y| {
+                    let (direction, density) = at(self.layout, row / self.tiles, x, y);
+                    tile.directions.push(direction);
+                    tile.weights.push(density as f32);
                 });
             }
             visit(tile);
         }
+    }
+}
+
+/// The direction of place (`x`, `y`), in texels, of image `image`, and the solid angle of a unit there up to a factor.
+fn at(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
+    match layout {
+        Layout::Cube { size } => {
+            let scale = 2.0 / f64::from(size);
+            let (s, t) = (x * scale - 1.0, y * scale - 1.0);
+            (direction_from_cube(Face::ALL[image as usize], s, t), (1.0 + s * s + t * t).powf(-1.5))
+        }
+        Layout::Panorama { width, height } => {
+            let (u, v) = (x / f64::from(width), y / f64::from(height));
+            (direction_from_equirect(u, v), (v * PI).sin())
+        }
+        Layout::Octahedral { size } => {
+            let uv = DVec2::new(x, y) * (2.0 / f64::from(size)) - 1.0;
+            (direction_from_oct(uv), solid_angle_density(uv))
+        }
+    }
+}
+
+/// The edge of texel (`i`, `j`) in radians; of a panorama's the longer one.
+fn edge(layout: Layout, i: u32, j: u32) -> f64 {
+    match layout {
+        Layout::Cube { size } => cube::texel_solid_angle(size, i, j).sqrt(),
+        Layout::Panorama { height, .. } => PI / f64::from(height),
+        Layout::Octahedral { size } => {
+            let density = solid_angle_density(octahedral::texel_centre(size, i, j));
+            2.0 / f64::from(size) * density.sqrt()
+        }
+    }
+}
+
+/// The longest [`edge`] of all.
+fn longest_edge(layout: Layout) -> f64 {
+    match layout {
+        Layout::Cube { size } => edge(layout, size / 2, size / 2),
+        Layout::Panorama { .. } => edge(layout, 0, 0),
+        // The density is greatest, 3^1.5, at the centres of the octahedron's faces.
+        Layout::Octahedral { size } => 2.0 / f64::from(size) * 3.0_f64.powf(0.75),
     }
 }
 
@@ -195,7 +245,7 @@ fn mean(samples: &[Answer], weights: &[f32]) -> Answer {
 
 /// How much of a texel's own extent its lobe is averaged over.
 struct Footprint {
-    size: u32,
+    layout: Layout,
     /// Full width at half maximum of what is served: the lobe, smoothed by an OEM texel.
     width: f64,
     /// Directions along an edge of a texel.
@@ -207,30 +257,27 @@ impl Footprint {
         let alpha = rung.roughness * rung.roughness;
         // An OEM texel is nowhere narrower than 2/n.
         let width = lobe::full_width_at_half_maximum(lobe, alpha).max(2.0 / f64::from(oem));
-        let widest = texel_solid_angle(rung.size, rung.size / 2, rung.size / 2).sqrt();
-        let share = widest / width;
+        let share = longest_edge(rung.layout) / width;
         let divisions = if extent(share) < NEGLIGIBLE_EXTENT {
             1
         } else {
             // Samples at most a quarter of a lobe apart.
             ((4.0 * share).ceil() as u32).next_power_of_two().clamp(2, 64)
         };
-        Self { size: rung.size, width, divisions }
+        Self { layout: rung.layout, width, divisions }
     }
 
     const fn samples(&self) -> usize {
         (self.divisions * self.divisions) as usize
     }
 
-    /// Calls `visit` with s, t of every direction of texel (`i`, `j`).
-    fn for_each_direction(&self, i: u32, j: u32, mut visit: impl FnMut(f64, f64)) {
-        let scale = 2.0 / f64::from(self.size);
-        let place = |k: u32, offset: f64| (f64::from(k) + 0.5 + offset) * scale - 1.0;
+    /// Calls `visit` with the place, in texels, of every direction of texel (`i`, `j`).
+    fn for_each_place(&self, i: u32, j: u32, mut visit: impl FnMut(f64, f64)) {
+        let place = |k: u32, offset: f64| f64::from(k) + 0.5 + offset;
         if self.divisions == 1 {
             return visit(place(i, 0.0), place(j, 0.0));
         }
-        let share = texel_solid_angle(self.size, i, j).sqrt() / self.width;
-        let extent = extent(share);
+        let extent = extent(edge(self.layout, i, j) / self.width);
         let count = f64::from(self.divisions);
         // Midpoints, drawn apart to have the variance of the whole texel.
         let spacing = extent / (count * count - 1.0).sqrt();

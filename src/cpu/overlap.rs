@@ -11,6 +11,7 @@
 mod cells;
 mod grid;
 mod index;
+mod panorama;
 mod sweep;
 
 use crate::environment::{Environment, Layout, Rgb};
@@ -45,6 +46,36 @@ pub fn mean_radiances(environment: &Environment, target: Target, turned: bool) -
     let overlaps = Overlaps::new(environment.layout(), turn, target)?;
     let mean = |texel| overlaps.mean_radiance(texel, environment.texels());
     Ok((0..target.texel_count()).into_par_iter().map(mean).collect())
+}
+
+/// The mean radiance of `environment` over every texel of a `width` x `height` panorama of the world.
+///
+/// # Errors
+/// [`Error::Limit`] where the overlaps would not fit.
+pub fn panorama_mean_radiances(environment: &Environment, width: u32, height: u32) -> Result<Vec<Rgb>> {
+    let target = match environment.layout() {
+        Layout::Panorama { .. } => return Ok(panorama::mean_radiances(environment, width, height)),
+        Layout::Cube { size } => Target::Cube(size),
+        Layout::Octahedral { size } => Target::Octahedral(size),
+    };
+    // The matrix knows panoramas as sources only: it is made the other way around and read by its columns.
+    let overlaps =
+        Overlaps::new(Layout::Panorama { width, height }, environment.source_from_world(), target)?;
+    let mut sums = vec![[0.0_f64; 4]; width as usize * height as usize];
+    for (texel, radiance) in environment.texels().iter().enumerate() {
+        // Shares are of a texel's exact solid angle, so that all its energy arrives.
+        let mut whole = 0.0;
+        overlaps.for_each_source(texel, |_, solid_angle| whole += f64::from(solid_angle));
+        let scale = target.solid_angle(texel) / whole;
+        overlaps.for_each_source(texel, |place, solid_angle| {
+            let weight = f64::from(solid_angle) * scale;
+            for (sum, value) in sums[place].iter_mut().zip(radiance) {
+                *sum += weight * f64::from(*value);
+            }
+            sums[place][3] += weight;
+        });
+    }
+    Ok(sums.into_iter().map(|[r, g, b, w]| [r, g, b].map(|sum| (sum / w) as f32)).collect())
 }
 
 /// Whether one octant stands for all eight.

@@ -1,6 +1,6 @@
 //! Environment to OEM, by area: every source texel's energy arrives, and a constant stays one.
 
-use super::overlap::{Target, mean_radiances};
+use super::overlap::{Target, mean_radiances, panorama_mean_radiances};
 use super::tent::mirrored_in_diagonal;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::Result;
@@ -36,6 +36,18 @@ pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<
 /// [`crate::Error::Limit`] where the overlaps would not fit.
 pub fn footprints_from_environment(environment: &Environment, size: u32) -> Result<Vec<Rgb>> {
     mean_radiances(environment, Target::Cube(size), true)
+}
+
+/// The mean radiances over the texels of `layout`, in the world.
+///
+/// # Errors
+/// [`crate::Error::Limit`] where the overlaps would not fit.
+pub fn footprints_over(environment: &Environment, layout: Layout) -> Result<Vec<Rgb>> {
+    match layout {
+        Layout::Cube { size } => footprints_from_environment(environment, size),
+        Layout::Octahedral { size } => mean_radiances(environment, Target::Octahedral(size), true),
+        Layout::Panorama { width, height } => panorama_mean_radiances(environment, width, height),
+    }
 }
 
 fn energy([r, g, b]: Rgb, solid_angle: f32) -> [f32; 4] {

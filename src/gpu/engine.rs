@@ -12,8 +12,9 @@ use crate::cpu::adaptive::LANES;
 use crate::cpu::bake_level::{self, BakedLevel, Tile, Tiling};
 use crate::cpu::box_filter::single_box;
 use crate::cpu::kernel::Kernel;
+use crate::cpu::reparameterise::footprints_over;
 use crate::cpu::tent::Reconstruction;
-use crate::environment::Environment;
+use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::oem::bilinear_share;
@@ -147,7 +148,10 @@ impl Engine {
         for &bake::Part { rung, lobe, .. } in order.parts() {
             if bake_level::is_mirror(rung, lobe) {
                 let texture = &reflector.texture;
-                levels.push(reparameterise.footprints(context, environment, texture, rung.size)?.0);
+                let Layout::Cube { size } = rung.layout else {
+                    return Err(Error::Parameter("stages of a bake are those of a cube".to_owned()));
+                };
+                levels.push(reparameterise.footprints(context, environment, texture, size)?.0);
                 continue;
             }
             let groups = groups(&Tiling::new(reflector.planes.size().inner, rung, lobe));
@@ -335,8 +339,13 @@ impl<'a> Reflector<'a> {
     async fn bake_level(&self, rung: Rung, lobe: Lobe, filter: Filter) -> Result<BakedLevel> {
         let Engine { context, reparameterise, .. } = self.engine;
         if bake_level::is_mirror(rung, lobe) {
+            // Overlaps with other maps are the CPU's, and used once.
+            let Layout::Cube { size } = rung.layout else {
+                let texels = footprints_over(self.environment, rung.layout)?;
+                return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
+            };
             let (stage, footprints) =
-                reparameterise.footprints(context, self.environment, &self.texture, rung.size)?;
+                reparameterise.footprints(context, self.environment, &self.texture, size)?;
             context.submit(|encoder| stage.record(encoder));
             let texels: Vec<[f32; 4]> = readback::read(context, &footprints).await?;
             let texels = texels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();

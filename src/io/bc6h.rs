@@ -1,4 +1,4 @@
-//! BC6H, unsigned: blocks of 4 x 4 texels in 16 bytes, through the `block_compression` crate.
+//! BC6H: blocks of 4 x 4 texels in 16 bytes, encoded by the `block_compression` crate, decoded by `bcdec_rs`.
 
 use super::pixels::HALF_MAX;
 use crate::environment::Rgb;
@@ -12,7 +12,32 @@ const BLOCK: usize = 4;
 /// Bytes of a square of `size` x `size` texels.
 #[must_use]
 pub fn bc6h_length(size: u32) -> usize {
-    (size as usize).div_ceil(BLOCK).pow(2) * 16
+    image_length(size, size)
+}
+
+/// Bytes of an image of `width` x `height` texels.
+pub(super) fn image_length(width: u32, height: u32) -> usize {
+    (width as usize).div_ceil(BLOCK) * (height as usize).div_ceil(BLOCK) * 16
+}
+
+/// The texels of an image of `width` x `height`, row-major, from its blocks, `signed` or not.
+pub(super) fn rgb_from_bc6h(width: u32, height: u32, signed: bool, blocks: &[u8]) -> Vec<Rgb> {
+    let (columns, rows) = (width as usize, height as usize);
+    let across = columns.div_ceil(BLOCK);
+    let mut texels = vec![[0.0; 3]; columns * rows];
+    for (index, block) in blocks.chunks_exact(16).enumerate() {
+        let mut rgb = [0.0_f32; 3 * BLOCK * BLOCK];
+        bcdec_rs::bc6h_float(block, &mut rgb, 3 * BLOCK, signed);
+        let (left, top) = (index % across * BLOCK, index / across * BLOCK);
+        for (row, line) in rgb.chunks_exact(3 * BLOCK).enumerate().take(rows.saturating_sub(top).min(BLOCK)) {
+            let shown = (columns - left).min(BLOCK);
+            let at = (top + row) * columns + left;
+            for (texel, rgb) in texels[at..at + shown].iter_mut().zip(line.as_chunks::<3>().0) {
+                *texel = *rgb;
+            }
+        }
+    }
+    texels
 }
 
 /// The blocks of `count` = `texels.len() / size^2` squares of `size` x `size` texels, one square after the other.

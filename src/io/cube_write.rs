@@ -1,9 +1,12 @@
 //! Cube chains as single files: which containers there are, and what they have in common.
 
+use super::exr_parts::{Part, exr_parts_bytes};
+use super::exr_write::Attribute;
 use super::pixels::Pixel;
 use super::{dds_write, ktx1_write, ktx2_write};
-use crate::chain::CubeChain;
+use crate::chain::{CubeChain, CubeLevel};
 use crate::error::{Error, Result};
+use crate::sphere::cube::Face;
 
 /// A file format that holds a whole cube chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,6 +17,8 @@ pub enum Container {
     Ktx1,
     /// DDS with the DX10 header.
     Dds,
+    /// OpenEXR, a part for each face of each level.
+    Exr,
 }
 
 impl Container {
@@ -24,13 +29,18 @@ impl Container {
             Self::Ktx2 => "ktx2",
             Self::Ktx1 => "ktx",
             Self::Dds => "dds",
+            Self::Exr => "exr",
         }
     }
 
     /// Whether files of this kind can hold `pixel`.
     #[must_use]
-    pub const fn holds(self, pixel: Pixel) -> bool {
-        !matches!((self, pixel), (Self::Ktx1, Pixel::Bc6h))
+    pub fn holds(self, pixel: Pixel) -> bool {
+        match self {
+            Self::Ktx2 | Self::Dds => pixel != Pixel::Rgbd,
+            Self::Ktx1 => !matches!(pixel, Pixel::Bc6h | Pixel::Rgbd),
+            Self::Exr => matches!(pixel, Pixel::F16 | Pixel::F32),
+        }
     }
 }
 
@@ -62,13 +72,35 @@ pub fn cube_bytes(
     metadata: &[(String, String)],
 ) -> Result<CubeFile> {
     match container {
-        Container::Ktx2 => {
-            let ktx2 = ktx2_write::ktx2_bytes(chain, pixel, metadata)?;
-            Ok(CubeFile { bytes: ktx2.bytes, clamped: ktx2.clamped })
-        }
+        Container::Ktx2 => ktx2_write::ktx2_bytes(chain, pixel, metadata),
         Container::Ktx1 => ktx1_write::ktx1_bytes(chain, pixel, metadata),
         Container::Dds => dds_write::dds_bytes(chain, pixel),
+        Container::Exr => exr_bytes(chain, pixel, metadata),
     }
+}
+
+/// `chain` as an EXR file with parts `m0_px`, `m0_nx`, ..., which tell their roughness and `metadata`.
+fn exr_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
+    check_sizes("EXR", chain)?;
+    let attributes = |level: &CubeLevel| {
+        let text = metadata.iter().map(|(key, text)| (key.clone(), Attribute::Text(text.clone())));
+        let roughness = ("roughness".to_owned(), Attribute::Float(level.roughness as f32));
+        std::iter::once(roughness).chain(text).collect()
+    };
+    let parts: Vec<Part<'_>> = chain
+        .levels
+        .iter()
+        .enumerate()
+        .flat_map(|(index, level)| Face::ALL.map(|face| (index, level, face)))
+        .map(|(index, level, face)| Part {
+            name: format!("m{index}_{}", face.short_name()),
+            width: level.size,
+            height: level.size,
+            texels: level.face(face),
+            attributes: attributes(level),
+        })
+        .collect();
+    Ok(CubeFile::new(exr_parts_bytes(&parts, pixel)?, chain, pixel))
 }
 
 /// The edge of level 0 of a chain that a file of `format` can hold: sizes halve, every face is whole.

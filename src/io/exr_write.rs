@@ -13,10 +13,11 @@ use crate::sphere::cube::Face;
 use libdeflater::{CompressionLvl, Compressor};
 use rayon::prelude::*;
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 
 /// Rows of a ZIP block.
-const BLOCK_ROWS: usize = 16;
+pub(super) const BLOCK_ROWS: usize = 16;
 
 /// libdeflate's fastest level: on faces of real panoramas 17 ms for 3.1 MB and 76 % of the bytes, where level 4 takes
 /// 29 ms for 72 % and miniz_oxide at 4 takes 64 ms for 75 %.
@@ -77,53 +78,104 @@ pub fn exr_bytes(
     pixel: Pixel,
     attributes: &[(String, Attribute)],
 ) -> Result<Vec<u8>> {
-    let count = match samples {
-        Samples::Rgb(texels) => texels.len(),
-        Samples::Luminance(values) => values.len(),
-    };
-    let (columns, rows) = (width as usize, height as usize);
-    if count == 0 || count != columns * rows || i32::try_from(width.max(height)).is_err() {
-        return Err(Error::Parameter(format!("an EXR file of {width}x{height} cannot hold {count} samples")));
-    }
-    let sample_bytes = match pixel {
-        Pixel::F16 => 2,
-        Pixel::F32 => 4,
-        Pixel::Rgb9e5 | Pixel::R11g11b10 | Pixel::Bc6h => {
-            return Err(Error::Parameter(format!("EXR has no {}; choose f16 or f32", pixel.name())));
-        }
-    };
-    let mut out = header_bytes(width, height, samples, pixel, attributes);
-    let channels = match samples {
-        Samples::Rgb(_) => 3,
-        Samples::Luminance(_) => 1,
-    };
+    let image = Image { width, height, samples, pixel };
+    image.check()?;
+    let mut out = preamble(0);
+    header_bytes(&image, (width, height), &[], attributes, &mut out);
+    let columns = width as usize;
+    let rows = height as usize;
     let table = out.len();
     out.resize(table + rows.div_ceil(BLOCK_ROWS) * 8, 0);
-    out.reserve(columns * rows * channels * sample_bytes);
-    let mut compressor =
-        Compressor::new(CompressionLvl::new(ZIP_LEVEL).expect("a level that libdeflate has"));
-    let mut raw = Vec::with_capacity(columns * BLOCK_ROWS * channels * sample_bytes);
-    let mut scratch = Vec::new();
+    out.reserve(columns * rows * image.pixel_bytes());
+    let mut packer = Packer::new();
     for (block, first_row) in (0..rows).step_by(BLOCK_ROWS).enumerate() {
-        let block_rows = BLOCK_ROWS.min(rows - first_row);
-        raw.clear();
-        for row in first_row..first_row + block_rows {
-            push_row(samples, row * columns..(row + 1) * columns, pixel, &mut raw);
-        }
         let offset = out.len() as u64;
         out[table + block * 8..][..8].copy_from_slice(&offset.to_le_bytes());
         out.extend((first_row as i32).to_le_bytes());
-        let size_at = out.len();
-        out.extend([0; 4]);
-        zip_block(&raw, &mut compressor, &mut scratch, &mut out);
-        let size = (out.len() - size_at - 4) as i32;
-        out[size_at..][..4].copy_from_slice(&size.to_le_bytes());
+        packer.push(&image, 0..columns, first_row..(first_row + BLOCK_ROWS).min(rows), &mut out);
     }
     Ok(out)
 }
 
+/// Magic number and version 2 with `flags`: names up to 31 bytes, a single part of scan lines where there are none.
+pub(super) fn preamble(flags: u32) -> Vec<u8> {
+    [20_000_630_u32, 2 | flags].iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+/// Samples and how they are stored.
+#[derive(Clone, Copy)]
+pub(super) struct Image<'a> {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) samples: Samples<'a>,
+    pub(super) pixel: Pixel,
+}
+
+impl Image<'_> {
+    pub(super) fn check(&self) -> Result<()> {
+        let Self { width, height, samples, pixel } = *self;
+        let count = match samples {
+            Samples::Rgb(texels) => texels.len(),
+            Samples::Luminance(values) => values.len(),
+        };
+        let area = width as usize * height as usize;
+        if count == 0 || count != area || i32::try_from(width.max(height)).is_err() {
+            return Err(Error::Parameter(format!(
+                "an EXR file of {width}x{height} cannot hold {count} samples"
+            )));
+        }
+        match pixel {
+            Pixel::F16 | Pixel::F32 => Ok(()),
+            _ => Err(Error::Parameter(format!("EXR has no {}; choose f16 or f32", pixel.name()))),
+        }
+    }
+
+    /// Bytes of all channels of a pixel.
+    pub(super) const fn pixel_bytes(&self) -> usize {
+        let sample = if matches!(self.pixel, Pixel::F32) { 4 } else { 2 };
+        match self.samples {
+            Samples::Rgb(_) => 3 * sample,
+            Samples::Luminance(_) => sample,
+        }
+    }
+}
+
+/// Compresses blocks, one after the other.
+pub(super) struct Packer {
+    compressor: Compressor,
+    raw: Vec<u8>,
+    scratch: Vec<u8>,
+}
+
+impl Packer {
+    pub(super) fn new() -> Self {
+        let level = CompressionLvl::new(ZIP_LEVEL).expect("a level that libdeflate has");
+        Self { compressor: Compressor::new(level), raw: Vec::new(), scratch: Vec::new() }
+    }
+
+    /// Appends the block of `columns` and `rows` of `image`: its length, its bytes.
+    pub(super) fn push(
+        &mut self,
+        image: &Image<'_>,
+        columns: Range<usize>,
+        rows: Range<usize>,
+        out: &mut Vec<u8>,
+    ) {
+        self.raw.clear();
+        for row in rows {
+            let start = row * image.width as usize;
+            push_row(image.samples, start + columns.start..start + columns.end, image.pixel, &mut self.raw);
+        }
+        let size_at = out.len();
+        out.extend([0; 4]);
+        zip_block(&self.raw, &mut self.compressor, &mut self.scratch, out);
+        let size = (out.len() - size_at - 4) as i32;
+        out[size_at..][..4].copy_from_slice(&size.to_le_bytes());
+    }
+}
+
 /// Appends one row, channel by channel in the order of their names: B, G, R.
-fn push_row(samples: Samples<'_>, row: std::ops::Range<usize>, pixel: Pixel, out: &mut Vec<u8>) {
+fn push_row(samples: Samples<'_>, row: Range<usize>, pixel: Pixel, out: &mut Vec<u8>) {
     let mut push = |values: &[f32]| match pixel {
         Pixel::F32 => out.extend(values.iter().flat_map(|v| v.to_le_bytes())),
         _ => push_halves(values, out),
@@ -160,17 +212,16 @@ fn zip_block(raw: &[u8], compressor: &mut Compressor, scratch: &mut Vec<u8>, out
     }
 }
 
-fn header_bytes(
-    width: u32,
-    height: u32,
-    samples: Samples<'_>,
-    pixel: Pixel,
+/// Appends the header of `image` in a display window of `display` columns and rows: what every file says, what its
+/// kind demands (`required`: name, type and value), and `attributes`.
+pub(super) fn header_bytes(
+    image: &Image<'_>,
+    display: (u32, u32),
+    required: &[(&str, &str, &[u8])],
     attributes: &[(String, Attribute)],
-) -> Vec<u8> {
-    let mut out = Vec::with_capacity(512);
-    out.extend(20_000_630_u32.to_le_bytes());
-    // Version 2, single part, scan lines, names up to 31 bytes.
-    out.extend(2_u32.to_le_bytes());
+    out: &mut Vec<u8>,
+) {
+    let Image { width, height, samples, pixel } = *image;
     let mut attribute = |name: &str, kind: &str, value: &[u8]| {
         for text in [name, kind] {
             out.extend(text.as_bytes());
@@ -195,18 +246,22 @@ fn header_bytes(
         }
     }
     channels.push(0);
-    let window: Vec<u8> =
-        [0, 0, width as i32 - 1, height as i32 - 1].iter().flat_map(|v: &i32| v.to_le_bytes()).collect();
+    let window = |(width, height): (u32, u32)| -> Vec<u8> {
+        [0, 0, width as i32 - 1, height as i32 - 1].iter().flat_map(|v: &i32| v.to_le_bytes()).collect()
+    };
 
     attribute("channels", "chlist", &channels);
     attribute("compression", "compression", &[3]);
-    attribute("dataWindow", "box2i", &window);
-    attribute("displayWindow", "box2i", &window);
+    attribute("dataWindow", "box2i", &window((width, height)));
+    attribute("displayWindow", "box2i", &window(display));
     attribute("lineOrder", "lineOrder", &[0]);
     attribute("pixelAspectRatio", "float", &1_f32.to_le_bytes());
     attribute("screenWindowCenter", "v2f", &[0; 8]);
     attribute("screenWindowWidth", "float", &1_f32.to_le_bytes());
     attribute("software", "string", SOFTWARE.as_bytes());
+    for (name, kind, value) in required {
+        attribute(name, kind, value);
+    }
     for (name, value) in attributes {
         match value {
             Attribute::Float(value) => attribute(name, "float", &value.to_le_bytes()),
@@ -214,7 +269,6 @@ fn header_bytes(
         }
     }
     out.push(0);
-    out
 }
 
 /// Writes a chain's levels into `folder`: `m{level}_{face}.exr`, where there are bounds `m{level}_{face}_bound.exr`
@@ -233,7 +287,8 @@ pub fn write_level_folder(
 ) -> Result<Vec<StoredLevel>> {
     let levels = chain.levels.iter().enumerate().map(|(index, level)| (format!("m{index}"), level));
     let levels: Vec<_> = levels.chain(irradiance.map(|level| ("irradiance".to_owned(), level))).collect();
-    let stored: Vec<StoredLevel> = levels.iter().map(|(_, level)| stored_level(level, choice)).collect();
+    let stored: Vec<StoredLevel> =
+        levels.iter().map(|(_, level)| stored_level(&level.texels, choice)).collect();
 
     let files: Vec<_> = levels
         .iter()
@@ -259,8 +314,9 @@ pub fn write_level_folder(
     Ok(stored)
 }
 
-fn stored_level(level: &CubeLevel, choice: ExrPixel) -> StoredLevel {
-    let above = Pixel::F16.clamped(&level.texels);
+/// How `texels` are stored under `choice`.
+pub(super) fn stored_level(texels: &[Rgb], choice: ExrPixel) -> StoredLevel {
+    let above = Pixel::F16.clamped(texels);
     match choice {
         ExrPixel::F16 => StoredLevel { pixel: Pixel::F16, clamped: above },
         ExrPixel::Auto if above == 0 => StoredLevel { pixel: Pixel::F16, clamped: 0 },

@@ -4,6 +4,7 @@
 //! libs/ktxreader/src/Ktx1Reader.cpp for what its reader asks for beyond that.
 
 use super::cube_write::{CubeFile, check_sizes};
+use super::key_values::key_value_bytes;
 use super::pixels::Pixel;
 use super::texel_bytes::texel_bytes;
 use crate::chain::CubeChain;
@@ -31,7 +32,8 @@ const GL_RGBA: u32 = 0x1908;
 pub fn ktx1_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     let size = check_sizes("KTX", chain)?;
     let gl = gl_format(pixel)?;
-    let pairs = key_value_bytes(metadata)?;
+    let metadata: Vec<_> = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
+    let pairs = key_value_bytes("KTX", &metadata)?;
     let mut bytes = MAGIC.to_vec();
     let header = [
         0x0403_0201, // little endian
@@ -82,31 +84,11 @@ fn gl_format(pixel: Pixel) -> Result<GlFormat> {
         Pixel::F32 => {
             GlFormat { kind: 0x1406, kind_bytes: 4, format: GL_RGBA, internal: 0x8814, base: GL_RGBA }
         }
-        Pixel::Bc6h => {
-            return Err(Error::Parameter(
-                "bc6h is not written into KTX 1; choose ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32"
-                    .to_owned(),
-            ));
-        }
-    })
-}
-
-/// Pairs in the order given, each padded to four bytes; values are text and end in NUL.
-fn key_value_bytes(metadata: &[(String, String)]) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    for (index, (key, value)) in metadata.iter().enumerate() {
-        let double = metadata[..index].iter().any(|(other, _)| other == key);
-        if key.is_empty() || key.contains('\0') || double {
+        Pixel::Bc6h | Pixel::Rgbd => {
             return Err(Error::Parameter(format!(
-                "{key:?} cannot be a key of KTX metadata, or is there twice"
+                "{} is not written into KTX 1; choose ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
+                pixel.name()
             )));
         }
-        bytes.extend((key.len() as u32 + 1 + value.len() as u32 + 1).to_le_bytes());
-        for text in [key, value] {
-            bytes.extend(text.as_bytes());
-            bytes.push(0);
-        }
-        bytes.resize(bytes.len().next_multiple_of(4), 0);
-    }
-    Ok(bytes)
+    })
 }

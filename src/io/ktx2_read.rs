@@ -1,15 +1,17 @@
-//! KTX2 files: RGBA16F, RGBA32F and RGB9E5 cubes and 2D images with their mips, plain or zstd.
+//! KTX2 files: RGBA16F, RGBA32F, RGB9E5, R11G11B10F and BC6H cubes and 2D images with their mips, plain or zstd.
 
+use super::bc6h;
+use super::ktx2_write::ROUGHNESS_KEY;
+use super::oem_write::BORDER_KEY;
 use super::picture::{Content, Picture, Source, TEXEL_BYTES};
+use super::pixels::rgb_from_rgb9e5;
+use super::r11g11b10::rgb_from_r11g11b10;
 use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::Rgb;
 use crate::error::Result;
 use half::slice::HalfFloatSliceExt as _;
 use ktx2::{Format, SupercompressionScheme};
 use std::borrow::Cow;
-
-/// The key of the levels' roughnesses: decimals, comma separated, NUL-terminated.
-pub(super) const ROUGHNESS_KEY: &str = "octaglossRoughness";
 
 /// A parsed file whose header makes sense.
 struct Container<'a> {
@@ -26,15 +28,20 @@ enum Pixel {
     Rgba16F,
     Rgba32F,
     Rgb9E5,
+    R11G11B10F,
+    Bc6h { signed: bool },
 }
 
 impl Pixel {
-    const fn bytes(self) -> usize {
-        match self {
+    /// Bytes of an image of `width` x `height`.
+    fn bytes(self, width: u32, height: u32) -> usize {
+        let texel = match self {
             Self::Rgba16F => 8,
             Self::Rgba32F => 16,
-            Self::Rgb9E5 => 4,
-        }
+            Self::Rgb9E5 | Self::R11G11B10F => 4,
+            Self::Bc6h { .. } => return bc6h::image_length(width, height),
+        };
+        width as usize * height as usize * texel
     }
 
     const fn name(self) -> &'static str {
@@ -42,6 +49,8 @@ impl Pixel {
             Self::Rgba16F => "RGBA16F",
             Self::Rgba32F => "RGBA32F",
             Self::Rgb9E5 => "RGB9E5",
+            Self::R11G11B10F => "R11G11B10F",
+            Self::Bc6h { .. } => "BC6H",
         }
     }
 }
@@ -51,14 +60,18 @@ pub(super) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     let container = Container::open(source)?;
     let levels = container.reader.levels().len();
     let kind = if container.is_cube { "cube" } else { "2D" };
-    Ok(Picture {
+    let picture = Picture {
         width: container.width,
         height: if container.is_cube { 6 * container.width } else { container.height },
         texels: container.level(0)?,
         content: if container.is_cube { Content::Cube } else { Content::Image },
         format: format!("KTX2 {kind}, {}, {levels} levels", container.pixel.name()),
         warnings: Vec::new(),
-    })
+    };
+    match container.text(BORDER_KEY) {
+        Some(border) if !container.is_cube => picture.without_border(source, &border),
+        _ => Ok(picture),
+    }
 }
 
 /// Every level of a cube, with its roughness.
@@ -98,12 +111,15 @@ impl<'a> Container<'a> {
             Some(Format::R16G16B16A16_SFLOAT) => Pixel::Rgba16F,
             Some(Format::R32G32B32A32_SFLOAT) => Pixel::Rgba32F,
             Some(Format::E5B9G9R9_UFLOAT_PACK32) => Pixel::Rgb9E5,
+            Some(Format::B10G11R11_UFLOAT_PACK32) => Pixel::R11G11B10F,
+            Some(Format::BC6H_UFLOAT_BLOCK) => Pixel::Bc6h { signed: false },
+            Some(Format::BC6H_SFLOAT_BLOCK) => Pixel::Bc6h { signed: true },
             other => {
                 let name =
                     other.map_or_else(|| "a universal texture".to_owned(), |format| format!("{format:?}"));
-                return Err(
-                    source.error(format!("its pixels are {name}; RGBA16F, RGBA32F and RGB9E5 can be read"))
-                );
+                return Err(source.error(format!(
+                    "its pixels are {name}; RGBA16F, RGBA32F, RGB9E5, R11G11B10F and BC6H can be read"
+                )));
             }
         };
         match header.supercompression_scheme {
@@ -134,16 +150,19 @@ impl<'a> Container<'a> {
         // The decompressed bytes of level 0 beside its texels; the mips together are a third of it.
         let faces = if is_cube { 6 } else { 1 };
         let mips = if reader.levels().len() > 1 { 2 } else { 1 };
-        source.check_memory(width, height, faces * (mips * TEXEL_BYTES + pixel.bytes() as u64))?;
+        // Blocks take a byte a texel, and no more than four times that where they are cut.
+        let stored = if matches!(pixel, Pixel::Bc6h { .. }) { 4 } else { pixel.bytes(1, 1) as u64 };
+        source.check_memory(width, height, faces * (mips * TEXEL_BYTES + stored))?;
         Ok(Self { source: *source, reader, width, height, pixel, is_cube })
     }
 
     /// The texels of one level, a cube's faces one after the other.
     fn level(&self, level: usize) -> Result<Vec<Rgb>> {
-        let side = |full: u32| (full >> level).max(1) as usize;
+        let side = |full: u32| (full >> level).max(1);
         let (width, height) = (side(self.width), side(self.height));
         let faces = if self.is_cube { 6 } else { 1 };
-        let expected = width * height * faces * self.pixel.bytes();
+        let image = self.pixel.bytes(width, height);
+        let expected = faces * image;
         let stored = self.reader.levels().nth(level).expect("the caller counts levels").data;
         let zstd = self.reader.header().supercompression_scheme.is_some();
         let bytes = if zstd {
@@ -159,9 +178,15 @@ impl<'a> Container<'a> {
                 bytes.len()
             )));
         }
-        let mut texels = texels_from(self.pixel, &bytes);
+        let mut texels = match self.pixel {
+            Pixel::Bc6h { signed } => bytes
+                .chunks_exact(image)
+                .flat_map(|blocks| bc6h::rgb_from_bc6h(width, height, signed, blocks))
+                .collect(),
+            pixel => texels_from(pixel, &bytes),
+        };
         if !self.is_cube && self.is_bottom_up() {
-            texels = texels.chunks_exact(width).rev().flatten().copied().collect();
+            texels = texels.chunks_exact(width as usize).rev().flatten().copied().collect();
         }
         Ok(texels)
     }
@@ -173,15 +198,20 @@ impl<'a> Container<'a> {
             .any(|(key, value)| key == "KTXorientation" && value.get(1) == Some(&b'u'))
     }
 
+    /// The text under `key`.
+    fn text(&self, key: &str) -> Option<String> {
+        let (_, value) = self.reader.key_value_data().find(|(name, _)| *name == key)?;
+        Some(String::from_utf8_lossy(value.split(|&byte| byte == 0).next().unwrap_or_default()).into_owned())
+    }
+
     /// The roughness of each level.
     fn roughness(&self) -> Result<Vec<f64>> {
         let levels = self.reader.levels().len();
-        let Some((_, value)) = self.reader.key_value_data().find(|(key, _)| *key == ROUGHNESS_KEY) else {
+        let Some(text) = self.text(ROUGHNESS_KEY) else {
             return Err(self.source.error(format!(
                 "it does not say its levels' roughness (key {ROUGHNESS_KEY}); octagloss bake writes it"
             )));
         };
-        let text = String::from_utf8_lossy(value.split(|&byte| byte == 0).next().unwrap_or_default());
         let parsed: Option<Vec<f64>> = text
             .split(',')
             .map(|word| word.trim().parse().ok().filter(|r| (0.0..=1.0).contains(r)))
@@ -219,16 +249,10 @@ fn texels_from(pixel: Pixel, bytes: &[u8]) -> Vec<Rgb> {
                 [channel(0), channel(1), channel(2)]
             })
             .collect(),
-        Pixel::Rgb9E5 => bytes
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|texel| {
-                let packed = u32::from_le_bytes(*texel);
-                // Nine bits of mantissa without an implied one, exponent bias 15 (Vulkan, E5B9G9R9).
-                let scale = f64::from(2.0f32).powi((packed >> 27).cast_signed() - 24);
-                [0, 9, 18].map(|shift| (f64::from(packed >> shift & 0x1ff) * scale) as f32)
-            })
-            .collect(),
+        // The caller has seen to blocks.
+        Pixel::Rgb9E5 | Pixel::R11G11B10F | Pixel::Bc6h { .. } => {
+            let rgb_from = if pixel == Pixel::Rgb9E5 { rgb_from_rgb9e5 } else { rgb_from_r11g11b10 };
+            bytes.as_chunks::<4>().0.iter().map(|texel| rgb_from(u32::from_le_bytes(*texel))).collect()
+        }
     }
 }

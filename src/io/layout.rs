@@ -43,6 +43,61 @@ struct Cell {
     turned: bool,
 }
 
+/// How a cube's six faces lie in one image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Unfolding {
+    /// Horizontal cross, 4:3.
+    Cross,
+    /// Vertical cross, 3:4.
+    CrossVertical,
+    /// Row, 6:1.
+    Strip,
+    /// Column, 1:6.
+    StripVertical,
+}
+
+impl Unfolding {
+    /// Columns and rows of the image, in faces.
+    #[must_use]
+    pub const fn sides(self) -> (u32, u32) {
+        match self {
+            Self::Cross => (4, 3),
+            Self::CrossVertical => (3, 4),
+            Self::Strip => (6, 1),
+            Self::StripVertical => (1, 6),
+        }
+    }
+
+    const fn cells(self) -> &'static [Cell; 6] {
+        match self {
+            Self::Cross => &HORIZONTAL_CROSS,
+            Self::CrossVertical => &VERTICAL_CROSS,
+            Self::Strip => &ROW_STRIP,
+            Self::StripVertical => &COLUMN_STRIP,
+        }
+    }
+
+    /// The image, row-major, of six faces of `size` x `size` texels as they are stored; black elsewhere.
+    #[must_use]
+    pub fn image_from_faces(self, size: u32, texels: &[Rgb]) -> Vec<Rgb> {
+        let (columns, rows) = self.sides();
+        let (n, width) = (size as usize, (columns * size) as usize);
+        let mut image = vec![[0.0; 3]; width * rows as usize * n];
+        for (cell, face) in self.cells().iter().zip(texels.chunks_exact(n * n)) {
+            for (j, line) in face.chunks_exact(n).enumerate() {
+                let row = if cell.turned { n - 1 - j } else { j };
+                let at = (cell.row as usize * n + row) * width + cell.column as usize * n;
+                let target = &mut image[at..at + n];
+                target.copy_from_slice(line);
+                if cell.turned {
+                    target.reverse();
+                }
+            }
+        }
+        image
+    }
+}
+
 /// Where each texel of a layout lies in the image.
 #[derive(Clone, Debug)]
 pub(super) struct Arrangement {
@@ -56,10 +111,23 @@ const fn cell(column: u32, row: u32) -> Cell {
     Cell { column, row, turned: false }
 }
 
-const HORIZONTAL_CROSS: [Cell; 6] = [cell(2, 1), cell(0, 1), cell(1, 0), cell(1, 2), cell(1, 1), cell(3, 1)];
+/// Where each face of [`crate::sphere::cube::Face::ALL`] stands in the horizontal cross, in faces from the left and from
+/// the top.
+pub const CROSS_CELLS: [(u32, u32); 6] = [(2, 1), (0, 1), (1, 0), (1, 2), (1, 1), (3, 1)];
+
+const HORIZONTAL_CROSS: [Cell; 6] = {
+    let mut cells = [cell(0, 0); 6];
+    let mut face = 0;
+    while face < 6 {
+        cells[face] = cell(CROSS_CELLS[face].0, CROSS_CELLS[face].1);
+        face += 1;
+    }
+    cells
+};
 const VERTICAL_CROSS: [Cell; 6] =
     [cell(2, 1), cell(0, 1), cell(1, 0), cell(1, 2), cell(1, 1), Cell { column: 1, row: 3, turned: true }];
 const ROW_STRIP: [Cell; 6] = [cell(0, 0), cell(1, 0), cell(2, 0), cell(3, 0), cell(4, 0), cell(5, 0)];
+const COLUMN_STRIP: [Cell; 6] = [cell(0, 0), cell(0, 1), cell(0, 2), cell(0, 3), cell(0, 4), cell(0, 5)];
 
 /// The arrangement of a `width` x `height` picture under `choice`.
 pub(super) fn arrangement(

@@ -1,10 +1,12 @@
-//! Level folders as `bake` writes them: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`) and `report.json`. Without the
+//! Level folders as `bake` writes them: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`), or an image `m{level}.exr` (or
+//! `.hdr`) a level, and `report.json`. Without the
 //! report (`bake --json` prints it instead) EXR files still tell their roughness.
 
 use super::contain::contained;
+use super::layout::{LayoutChoice, arrangement};
 use super::picture::{Content, Picture, Source};
 use crate::chain::{CubeChain, CubeLevel};
-use crate::environment::Rgb;
+use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::sphere::cube::Face;
 use std::path::{Path, PathBuf};
@@ -37,7 +39,14 @@ pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<CubeChain> 
         .into_iter()
         .map(|level| {
             let ReportLevel { size, roughness, .. } = level;
-            let texels = read_level(folder, level, memory_limit)?.texels;
+            let picture = read_level(folder, level, memory_limit)?;
+            if picture.content != Content::Cube {
+                return Err(Error::input(
+                    folder,
+                    "its levels are panoramas or octahedral squares; a chain is a cube, give one level as an environment",
+                ));
+            }
+            let texels = picture.texels;
             check_finite(folder, level.level, size, &texels)?;
             Ok(CubeLevel { size, roughness, texels, bounds: None })
         })
@@ -72,10 +81,31 @@ fn read_report(folder: &Path, memory_limit: u64) -> Result<Vec<ReportLevel>> {
     }
     let bytes = super::file_bytes(&path, memory_limit)?;
     let source = Source { path: &path, bytes: &bytes, memory_limit };
-    let report: Report = serde_json::from_slice(&bytes)
+    parsed(&source)
+}
+
+/// The levels that the report `source` lists, checked.
+fn parsed(source: &Source<'_>) -> Result<Vec<ReportLevel>> {
+    let report: Report = serde_json::from_slice(source.bytes)
         .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
-    check_levels(&source, &report.levels)?;
+    check_levels(source, &report.levels)?;
     Ok(report.levels)
+}
+
+/// The roughness of each level of the file `path`, by the report that a bake puts beside it.
+pub(super) fn told_roughness(path: &Path, memory_limit: u64) -> Result<Vec<f64>> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".report.json");
+    let report = PathBuf::from(name);
+    if !report.is_file() {
+        return Err(Error::input(
+            path,
+            format!("it does not say its levels' roughness, and {} is not there", report.display()),
+        ));
+    }
+    let bytes = super::file_bytes(&report, memory_limit)?;
+    let source = Source { path: &report, bytes: &bytes, memory_limit };
+    Ok(parsed(&source)?.into_iter().map(|level| level.roughness).collect())
 }
 
 /// The levels that the files of a folder without a report tell of.
@@ -120,8 +150,11 @@ fn check_levels(source: &Source<'_>, levels: &[ReportLevel]) -> Result<()> {
     Ok(())
 }
 
-/// Six faces of one level, one below the other.
+/// Six faces of one level, one below the other; or its one image where that is no cube.
 fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Picture> {
+    if let Some(path) = image_file(folder, level.level) {
+        return read_image(&path, level, memory_limit);
+    }
     let mut cube: Option<Picture> = None;
     for face in Face::ALL {
         let path = face_file(folder, level.level, face)?;
@@ -146,6 +179,34 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
     cube.height = 6 * cube.width;
     cube.content = Content::Cube;
     Ok(cube)
+}
+
+/// The file of a level that is one image.
+fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
+    let files = ["exr", "hdr"].into_iter().map(|extension| folder.join(format!("m{level}.{extension}")));
+    files.into_iter().find(|path| path.is_file())
+}
+
+/// A level that is one image: faces cut out of crosses and strips, other maps as they are.
+fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Picture> {
+    let bytes = super::file_bytes(path, memory_limit)?;
+    let source = Source { path, bytes: &bytes, memory_limit };
+    let mut picture = contained(path, || super::decode(&source))?;
+    let (width, height) = (picture.width, picture.height);
+    let arrangement = arrangement(path, width, height, picture.content, LayoutChoice::Auto)?;
+    let (_, rows) = arrangement.layout.sides();
+    if rows != level.size {
+        return Err(source.error(format!(
+            "{width}x{height}, but report.json says that level {} has {} rows a face or image",
+            level.level, level.size
+        )));
+    }
+    if matches!(arrangement.layout, Layout::Cube { .. }) {
+        picture.texels = arrangement.arrange(picture.texels, width);
+        (picture.width, picture.height) = (level.size, 6 * level.size);
+        picture.content = Content::Cube;
+    }
+    Ok(picture)
 }
 
 fn face_file(folder: &Path, level: u32, face: Face) -> Result<PathBuf> {

@@ -13,22 +13,28 @@ mod dds_read;
 pub mod dds_write;
 pub mod environment_write;
 mod exr;
+pub mod exr_parts;
 pub mod exr_write;
 mod face_names;
 mod hdr;
 pub mod hdr_write;
+mod key_values;
 pub mod ktx1_write;
+mod ktx2_file;
 mod ktx2_read;
 pub mod ktx2_write;
 pub mod layout;
 mod ldr;
 mod level_folder;
+pub mod level_images;
+pub mod oem_write;
 pub mod output;
 mod picture;
 pub mod pixels;
 pub mod png_write;
 pub mod r11g11b10;
 mod repair;
+pub mod rgbd;
 pub mod table_write;
 mod texel_bytes;
 
@@ -126,7 +132,8 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     finish_finite(ordered[0], picture, false, repaired, options)
 }
 
-/// Reads a prefiltered cube chain: a KTX2 file, or a level folder (`m{level}_{px,..}.exr` or `.hdr` and `report.json`).
+/// Reads a prefiltered cube chain: a KTX2 file, a DDS file with its report beside it, an EXR file with a part a face, or
+/// a level folder (`m{level}_{px,..}.exr` or `.hdr`, or `m{level}.exr` unfolded, and `report.json`).
 ///
 /// # Errors
 /// As [`read`]; NaN and Inf are always refused.
@@ -134,7 +141,17 @@ pub fn read_chain(path: &Path) -> Result<CubeChain> {
     if is_directory(path)? {
         return level_folder::read_chain(path, DEFAULT_MEMORY_LIMIT);
     }
-    read_chain_from_memory(path, &file_bytes(path, DEFAULT_MEMORY_LIMIT)?, DEFAULT_MEMORY_LIMIT)
+    let bytes = file_bytes(path, DEFAULT_MEMORY_LIMIT)?;
+    if Format::sniff(&bytes) == Some(Format::OpenExr) {
+        let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
+        return contained(path, || exr::decode_chain(&source));
+    }
+    if Format::sniff(&bytes) == Some(Format::Dds) {
+        let roughness = level_folder::told_roughness(path, DEFAULT_MEMORY_LIMIT)?;
+        let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
+        return contained(path, || dds_read::decode_chain(&source, &roughness));
+    }
+    read_chain_from_memory(path, &bytes, DEFAULT_MEMORY_LIMIT)
 }
 
 /// [`read_chain`] for a KTX2 file already in memory; `path` names it in messages.

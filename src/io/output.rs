@@ -166,20 +166,24 @@ fn is_known(path: &str) -> bool {
     is_bake_file(path) || target::is_target_file(path) || in_target
 }
 
-/// `report.json`, `sun.json`, `sunless.exr`, `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`, `irradiance_{face}.exr`, and .hdr alike.
+/// `report.json`, `sun.json`, `sunless.exr`, `m{level}.exr`, `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`,
+/// `irradiance.exr`, `irradiance_{face}.exr`, and .hdr alike.
 fn is_bake_file(name: &str) -> bool {
     if ["report.json", "sun.json", "sunless.exr"].contains(&name) {
         return true;
     }
     let Some(stem) = name.strip_suffix(".exr").or_else(|| name.strip_suffix(".hdr")) else { return false };
-    let stem = stem.strip_suffix("_bound").unwrap_or(stem);
-    let Some((level, face)) = stem.rsplit_once('_') else { return false };
-    let known_face = crate::sphere::cube::Face::ALL.iter().any(|f| f.short_name() == face);
-    let known_level = level == "irradiance"
-        || level
-            .strip_prefix('m')
-            .is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()));
-    known_face && known_level
+    let known_level = |level: &str| {
+        level == "irradiance"
+            || level
+                .strip_prefix('m')
+                .is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let known_face = |face: &str| crate::sphere::cube::Face::ALL.iter().any(|f| f.short_name() == face);
+    match stem.strip_suffix("_bound").unwrap_or(stem).rsplit_once('_') {
+        Some((level, face)) => known_level(level) && known_face(face),
+        None => known_level(stem),
+    }
 }
 
 /// The folder that is to hold `path`, which must be there.

@@ -40,6 +40,29 @@ pub(super) struct Picture {
     pub(super) warnings: Vec<String>,
 }
 
+impl Picture {
+    /// The picture without the `border` that an octahedral map of `octagloss bake --target oem` says it has: a list, the
+    /// first level's first.
+    pub(super) fn without_border(mut self, source: &Source<'_>, border: &str) -> Result<Self> {
+        let first = border.split(',').next().unwrap_or_default().trim();
+        let fits =
+            |b: &u32| self.width == self.height && b.checked_mul(2).is_some_and(|both| both < self.width);
+        let Some(border) = first.parse::<u32>().ok().filter(fits) else {
+            return Err(source.error(format!(
+                "it says its border is {border:?}, which a map of {}x{} cannot have; bake it anew",
+                self.width, self.height
+            )));
+        };
+        let (side, cut) = (self.width as usize, border as usize);
+        let rows = self.texels.chunks_exact(side).skip(cut).take(side - 2 * cut);
+        self.texels = rows.flat_map(|row| &row[cut..side - cut]).copied().collect();
+        self.width -= 2 * border;
+        self.height = self.width;
+        self.format += &format!(", border {border}");
+        Ok(self)
+    }
+}
+
 impl Source<'_> {
     /// An [`Error::Input`] about this file, on one line whatever `message` quotes.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {

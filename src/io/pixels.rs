@@ -1,6 +1,7 @@
 //! Pixel formats of the outputs and the conversions into them: rounded to nearest, clamped, counted.
 
 use super::r11g11b10::R11G11B10_MAX;
+use super::rgbd::RGBD_MAX;
 use crate::environment::Rgb;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
@@ -25,6 +26,8 @@ pub enum Pixel {
     R11g11b10,
     /// Blocks of 4 x 4 texels in BC6H, unsigned, clamped at [`HALF_MAX`].
     Bc6h,
+    /// Eight bits a channel and a divisor, clamped at [`super::rgbd::RGBD_MAX`]; in PNG images only.
+    Rgbd,
 }
 
 impl Pixel {
@@ -37,6 +40,7 @@ impl Pixel {
             Self::Rgb9e5 => "rgb9e5",
             Self::R11g11b10 => "r11g11b10f",
             Self::Bc6h => "bc6h",
+            Self::Rgbd => "rgbd",
         }
     }
 
@@ -48,6 +52,7 @@ impl Pixel {
             Self::F32 => f32::MAX,
             Self::Rgb9e5 => RGB9E5_MAX,
             Self::R11g11b10 => R11G11B10_MAX,
+            Self::Rgbd => RGBD_MAX,
         }
     }
 

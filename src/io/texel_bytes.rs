@@ -3,6 +3,7 @@
 use super::bc6h::bc6h_blocks;
 use super::pixels::{Pixel, push_halves, rgb9e5_from_rgb};
 use super::r11g11b10::r11g11b10_from_rgb;
+use super::rgbd::rgbd_from_rgb;
 use crate::environment::Rgb;
 use half::f16;
 
@@ -28,6 +29,7 @@ pub(super) fn texel_bytes(size: u32, texels: &[Rgb], pixel: Pixel) -> Vec<u8> {
         }
         Pixel::Rgb9e5 => bytes.extend(texels.iter().flat_map(|t| rgb9e5_from_rgb(*t).to_le_bytes())),
         Pixel::R11g11b10 => bytes.extend(texels.iter().flat_map(|t| r11g11b10_from_rgb(*t).to_le_bytes())),
+        Pixel::Rgbd => bytes.extend(texels.iter().flat_map(|t| rgbd_from_rgb(*t))),
         Pixel::Bc6h => return bc6h_blocks(size, texels),
     }
     bytes

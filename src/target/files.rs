@@ -1,10 +1,15 @@
 //! The files of a target, made of a bake.
 
-use super::{Content, Plan};
+use super::{Content, Plan, READERS, babylon, gltf};
 use crate::bake::Bake;
 use crate::chain::{CubeChain, CubeLevel};
+use crate::environment::Rgb;
 use crate::error::{Error, Result};
-use crate::io::cube_write::{Container, cube_bytes};
+use crate::io::cube_write::{Container, CubeFile, cube_bytes};
+use crate::io::exr_write::{Attribute, Samples, exr_bytes};
+use crate::io::hdr_write::hdr_bytes;
+use crate::io::oem_write::oem_bytes;
+use crate::io::pixels::Pixel;
 use crate::lobe::{LOBE_KEY, Lobe};
 use crate::sh::{name, order_text};
 use crate::sh_scale::{ShScale, scaled};
@@ -41,28 +46,63 @@ pub fn files(plan: &Plan, stem: &str, bake: &Bake, metadata: &[(String, String)]
             cube_bytes(plan.container, &chain, plan.pixel, &pairs)
         };
         let missing = |what: &str| Error::Parameter(format!("{what} is to be written that was not baked"));
-        let (bytes, clamped) = match content {
-            Content::ShJson => (sh_json(plan, bake).into_bytes(), Vec::new()),
-            Content::ShText => (sh_text(bake).into_bytes(), Vec::new()),
-            Content::Specular | Content::Skybox | Content::Sheen | Content::Irradiance => {
-                let file = match content {
-                    Content::Specular => cube(&bake.chain.levels, plan.diffuse.has_sh())?,
-                    Content::Skybox => cube(&bake.chain.levels[..1], false)?,
-                    Content::Sheen => {
-                        let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
-                        cube(&sheen.levels, false)?
-                    }
-                    _ => {
-                        let level = bake.irradiance.as_ref().ok_or_else(|| missing("an irradiance cube"))?;
-                        cube(std::slice::from_ref(level), false)?
-                    }
-                };
-                (file.bytes, file.clamped)
+        let text = |text: String| CubeFile { bytes: text.into_bytes(), clamped: Vec::new() };
+        let file = match content {
+            Content::ShJson => text(sh_json(plan, bake)),
+            Content::ShText => text(sh_text(bake)),
+            Content::Specular => cube(&bake.chain.levels, plan.diffuse.has_sh())?,
+            Content::Skybox => cube(&bake.chain.levels[..1], false)?,
+            Content::Sheen => {
+                let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
+                cube(&sheen.levels, false)?
             }
+            Content::Irradiance => {
+                let level = bake.irradiance.as_ref().ok_or_else(|| missing("an irradiance cube"))?;
+                cube(std::slice::from_ref(level), false)?
+            }
+            Content::Oem => oem_bytes(plan.container, &bake.images, plan.pixel, metadata)?,
+            Content::Reader => {
+                let (_, code) =
+                    READERS.iter().find(|(name, _)| *name == path).expect("a reader of that name");
+                text((*code).to_owned())
+            }
+            Content::Panorama => {
+                CubeFile { bytes: panorama(plan, bake, &path, metadata)?, clamped: Vec::new() }
+            }
+            Content::Env => babylon::env_bytes(&plan.flip.chain(&bake.chain), &bake.sh, plan.flip)?,
+            Content::Glb => gltf::glb_bytes(&plan.flip.chain(&bake.chain), &bake.sh, stem)?,
         };
-        Ok(Made { path, content, bytes, clamped })
+        Ok(Made { path, content, bytes: file.bytes, clamped: file.clamped })
     };
     plan.files(stem).into_iter().map(make).collect()
+}
+
+/// Level 0 as one image, its columns where the engine looks for them.
+fn panorama(plan: &Plan, bake: &Bake, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
+    let level = bake
+        .images
+        .first()
+        .ok_or_else(|| Error::Parameter("a panorama is to be written that was not baked".to_owned()))?;
+    let (width, height) = level.layout.sides();
+    if !width.is_multiple_of(4) {
+        return Err(Error::Parameter(format!(
+            "target {}: --size {height} is not even, and its panorama cannot be turned by quarters",
+            plan.target.name
+        )));
+    }
+    let shift = (plan.target.quarter_turns * width / 4) as usize;
+    let texels: Vec<Rgb> = level
+        .texels
+        .chunks_exact(width as usize)
+        .flat_map(|row| [&row[row.len() - shift..], &row[..row.len() - shift]].concat())
+        .collect();
+    if path.ends_with(".hdr") {
+        return hdr_bytes(width, height, &texels);
+    }
+    let attributes: Vec<_> =
+        metadata.iter().map(|(key, text)| (key.clone(), Attribute::Text(text.clone()))).collect();
+    let pixel = if Pixel::F16.clamped(&texels) == 0 { Pixel::F16 } else { Pixel::F32 };
+    exr_bytes(width, height, Samples::Rgb(&texels), pixel, &attributes)
 }
 
 /// What the container tells: Filament's key for spherical harmonics, or our own pairs.
@@ -74,7 +114,7 @@ fn cube_metadata(plan: &Plan, bake: &Bake, metadata: &[(String, String)], sh: bo
             let lines = scaled(&bake.sh, ShScale::Filament).into_iter().map(line).collect();
             if sh { vec![("sh".to_owned(), lines)] } else { Vec::new() }
         }
-        Container::Ktx2 | Container::Dds => {
+        Container::Ktx2 | Container::Dds | Container::Exr => {
             let mut pairs = metadata.to_vec();
             pairs.push(("octaglossTarget".to_owned(), plan.target.name.to_owned()));
             pairs.push(("octaglossFlip".to_owned(), plan.flip.name().to_owned()));

@@ -3,14 +3,18 @@
 //! A [`Target`] is a row of [`TARGETS`]; a [`Plan`] is such a row with whatever was overridden; [`files`] makes its
 //! files of a bake.
 
+mod babylon;
 pub mod files;
 mod flip;
+mod gltf;
 
 pub use flip::Flip;
 
 use crate::bake::Ladder;
+use crate::environment::Map;
 use crate::error::{Error, Result};
 use crate::io::cube_write::Container;
+use crate::io::oem_write;
 use crate::io::pixels::Pixel;
 use crate::sh_scale::ShScale;
 
@@ -29,7 +33,24 @@ pub enum Content {
     ShJson,
     /// Spherical harmonics as the text that cmgen writes.
     ShText,
+    /// Octahedral levels with their borders.
+    Oem,
+    /// The shader code of [`READERS`] that its path names.
+    Reader,
+    /// Level 0 as one image, by its path's extension.
+    Panorama,
+    /// Levels and harmonics in Babylon.js's own container.
+    Env,
+    /// Levels and harmonics as a glTF light.
+    Glb,
 }
+
+/// Shader code that reads an octahedral map, by the file's name.
+pub const READERS: [(&str, &str); 3] = [
+    ("oem.wgsl", include_str!("../../shaders/readers/oem.wgsl")),
+    ("oem.glsl", include_str!("../../shaders/readers/oem.glsl")),
+    ("oem.hlsl", include_str!("../../shaders/readers/oem.hlsl")),
+];
 
 /// A file of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,7 +106,9 @@ pub struct Target {
     pub container: Container,
     /// Their pixels.
     pub pixel: Pixel,
-    /// Edge of level 0.
+    /// What its levels' texels cover.
+    pub map: Map,
+    /// Edge of level 0; of a panorama its height.
     pub size: u32,
     /// Edge of the last level.
     pub last_size: u32,
@@ -93,6 +116,8 @@ pub struct Target {
     pub ladder: Ladder,
     /// How it looks cubes up.
     pub flip: Flip,
+    /// How far to the right of our panoramas' column it looks for the same direction, in quarters of the width.
+    pub quarter_turns: u32,
     /// Its diffuse light.
     pub diffuse: Diffuse,
     /// Edge of the irradiance cube, where there is one.
@@ -105,19 +130,21 @@ pub struct Target {
     pub verified: Option<&'static str>,
 }
 
-use Content::{Irradiance, ShJson, ShText, Sheen, Skybox, Specular};
+use Content::{Env, Glb, Irradiance, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox, Specular};
 
 /// The presets.
-pub const TARGETS: [Target; 5] = [
+pub const TARGETS: [Target; 12] = [
     Target {
         name: "generic",
         reader: "this program's own conventions",
         container: Container::Ktx2,
         pixel: Pixel::F16,
+        map: Map::Cube,
         size: 256,
         last_size: 1,
         ladder: Ladder::Linear,
         flip: Flip::None,
+        quarter_turns: 0,
         diffuse: Diffuse::None,
         irradiance_size: 32,
         sh_scale: ShScale::Radiance,
@@ -136,10 +163,12 @@ pub const TARGETS: [Target; 5] = [
         reader: "three.js from r187, as a PMREM",
         container: Container::Ktx2,
         pixel: Pixel::F16,
+        map: Map::Cube,
         size: 256,
         last_size: 8,
         ladder: Ladder::Filament,
         flip: Flip::X,
+        quarter_turns: 0,
         diffuse: Diffuse::Sh,
         irradiance_size: 32,
         sh_scale: ShScale::Radiance,
@@ -156,10 +185,12 @@ pub const TARGETS: [Target; 5] = [
         reader: "Filament's IndirectLight and Skybox",
         container: Container::Ktx1,
         pixel: Pixel::R11g11b10,
+        map: Map::Cube,
         size: 256,
         last_size: 16,
         ladder: Ladder::Filament,
         flip: Flip::None,
+        quarter_turns: 0,
         diffuse: Diffuse::Sh,
         irradiance_size: 32,
         sh_scale: ShScale::Filament,
@@ -178,10 +209,12 @@ pub const TARGETS: [Target; 5] = [
         reader: "Bevy's EnvironmentMapLight",
         container: Container::Ktx2,
         pixel: Pixel::Rgb9e5,
+        map: Map::Cube,
         size: 256,
         last_size: 1,
         ladder: Ladder::Linear,
         flip: Flip::Z,
+        quarter_turns: 0,
         diffuse: Diffuse::Cube,
         irradiance_size: 32,
         sh_scale: ShScale::Radiance,
@@ -199,10 +232,12 @@ pub const TARGETS: [Target; 5] = [
         reader: "what reads the glTF IBL Sampler's files",
         container: Container::Ktx2,
         pixel: Pixel::F16,
+        map: Map::Cube,
         size: 256,
         last_size: 2,
         ladder: Ladder::Linear,
         flip: Flip::None,
+        quarter_turns: 0,
         diffuse: Diffuse::Cube,
         irradiance_size: 64,
         sh_scale: ShScale::Irradiance,
@@ -212,6 +247,146 @@ pub const TARGETS: [Target; 5] = [
             FileSpec { path: "lambertian/diffuse.{ext}", content: Irradiance },
             FileSpec { path: "sh.json", content: ShJson },
         ],
+        verified: None,
+    },
+    // The border is the program's own convention; the files say it in their metadata.
+    Target {
+        name: "oem",
+        reader: "whoever reads bordered octahedral maps",
+        container: Container::Ktx2,
+        pixel: Pixel::F16,
+        map: Map::Octahedral,
+        size: 512,
+        last_size: 16,
+        ladder: Ladder::Linear,
+        flip: Flip::None,
+        quarter_turns: 0,
+        diffuse: Diffuse::None,
+        irradiance_size: 32,
+        sh_scale: ShScale::Radiance,
+        files: &[
+            FileSpec { path: "{name}_oem.{ext}", content: Oem },
+            FileSpec { path: "oem.wgsl", content: Reader },
+            FileSpec { path: "oem.glsl", content: Reader },
+            FileSpec { path: "oem.hlsl", content: Reader },
+            FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
+            FileSpec { path: "{name}_sh.json", content: ShJson },
+        ],
+        verified: Some("its own readers"),
+    },
+    // alpha = 2^(level/0.8)/size (Materials/Textures/Filtering/hdrFiltering.ts); left-handed scenes, into which glTF is
+    // turned with x negated (loaders/src/glTF/2.0/glTFLoader.ts, __root__).
+    Target {
+        name: "babylon",
+        reader: "Babylon.js's CubeTexture, left-handed scenes",
+        container: Container::Ktx2,
+        pixel: Pixel::Rgbd,
+        map: Map::Cube,
+        size: 256,
+        last_size: 1,
+        ladder: Ladder::Babylon,
+        flip: Flip::X,
+        quarter_turns: 0,
+        diffuse: Diffuse::None,
+        irradiance_size: 32,
+        sh_scale: ShScale::Radiance,
+        files: &[FileSpec { path: "{name}_ibl.env", content: Env }],
+        verified: Some("babylonjs 9.34"),
+    },
+    // See gltf.rs.
+    Target {
+        name: "gltf-ext",
+        reader: "glTF with EXT_lights_image_based",
+        container: Container::Ktx2,
+        pixel: Pixel::Rgbd,
+        map: Map::Cube,
+        size: 256,
+        last_size: 16,
+        ladder: Ladder::Linear,
+        flip: Flip::X,
+        quarter_turns: 0,
+        diffuse: Diffuse::None,
+        irradiance_size: 32,
+        sh_scale: ShScale::Irradiance,
+        files: &[FileSpec { path: "{name}_ibl.glb", content: Glb }],
+        verified: None,
+    },
+    // Six steps of r (1.7 - 0.7 r) (ImageBasedLighting.hlsl, PerceptualRoughnessToMipmapLevel); left-handed, glTF comes in
+    // with x negated (glTFast). A cube imported with Convolution Type None keeps its own levels.
+    Target {
+        name: "unity",
+        reader: "Unity's cubemap import, Convolution Type None",
+        container: Container::Dds,
+        pixel: Pixel::F16,
+        map: Map::Cube,
+        size: 256,
+        last_size: 4,
+        ladder: Ladder::Unity,
+        flip: Flip::X,
+        quarter_turns: 0,
+        diffuse: Diffuse::None,
+        irradiance_size: 32,
+        sh_scale: ShScale::Radiance,
+        files: &[
+            FileSpec { path: "{name}_specular.{ext}", content: Specular },
+            FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
+            FileSpec { path: "{name}_sh.json", content: ShJson },
+        ],
+        verified: None,
+    },
+    // u = (1 + atan2(X, -Z)/pi)/2 in coordinates whose y and z are exchanged (TextureCompressorModule.cpp, LookupLongLat and
+    // TransformSideToWorldSpace); glTF's (x, y, z) comes in as (x, z, y). The engine filters by itself.
+    Target {
+        name: "unreal",
+        reader: "Unreal's sky light, from a long-lat cube",
+        container: Container::Ktx2,
+        pixel: Pixel::F32,
+        map: Map::Panorama,
+        size: 1024,
+        last_size: 1024,
+        ladder: Ladder::Linear,
+        flip: Flip::None,
+        quarter_turns: 1,
+        diffuse: Diffuse::None,
+        irradiance_size: 32,
+        sh_scale: ShScale::Radiance,
+        files: &[FileSpec { path: "{name}_panorama.hdr", content: Panorama }],
+        verified: None,
+    },
+    // u = atan(x, -z)/2 pi (servers/rendering/renderer_rd/shaders/environment/sky.glsl). The engine filters by itself.
+    Target {
+        name: "godot",
+        reader: "Godot's PanoramaSkyMaterial",
+        container: Container::Ktx2,
+        pixel: Pixel::F32,
+        map: Map::Panorama,
+        size: 1024,
+        last_size: 1024,
+        ladder: Ladder::Linear,
+        flip: Flip::None,
+        quarter_turns: 3,
+        diffuse: Diffuse::None,
+        irradiance_size: 32,
+        sh_scale: ShScale::Radiance,
+        files: &[FileSpec { path: "{name}_panorama.exr", content: Panorama }],
+        verified: None,
+    },
+    // u = 1/2 - atan2(y, x)/2 pi (intern/cycles/kernel/camera/projection.h); glTF's (x, y, z) comes in as (x, -z, y).
+    Target {
+        name: "blender",
+        reader: "Blender's environment texture",
+        container: Container::Ktx2,
+        pixel: Pixel::F32,
+        map: Map::Panorama,
+        size: 1024,
+        last_size: 1024,
+        ladder: Ladder::Linear,
+        flip: Flip::None,
+        quarter_turns: 0,
+        diffuse: Diffuse::None,
+        irradiance_size: 32,
+        sh_scale: ShScale::Radiance,
+        files: &[FileSpec { path: "{name}_panorama.exr", content: Panorama }],
         verified: None,
     },
 ];
@@ -235,22 +410,27 @@ impl Target {
         self.files.iter().any(|file| file.content == Sheen)
     }
 
+    /// Whether its files are in a container and pixels that can be chosen.
+    #[must_use]
+    pub fn has_container(&self) -> bool {
+        self.files.iter().any(|file| file.path.contains("{ext}"))
+    }
+
     /// What it expands to, as options of the command line.
     #[must_use]
     pub fn expansion(&self) -> String {
-        let ladder = match self.ladder {
-            Ladder::Linear => "linear",
-            Ladder::Filament => "filament",
-        };
-        let mut text = format!(
-            "--format {} --pixel {} --size {} --levels {} --ladder {ladder} --flip {} --diffuse {}",
-            self.container.name(),
-            self.pixel.name(),
-            self.size,
-            self.levels(self.size),
-            self.flip.name(),
-            self.diffuse.name(),
-        );
+        let mut text = String::new();
+        if self.has_container() {
+            text += &format!("--format {} --pixel {} ", self.container.name(), self.pixel.name());
+        }
+        text += &format!("--size {} ", self.size);
+        if self.map != Map::Panorama {
+            text += &format!("--levels {} --ladder {} ", self.levels(self.size), self.ladder.name());
+        }
+        if self.map == Map::Cube {
+            text += &format!("--flip {} ", self.flip.name());
+        }
+        text += &format!("--diffuse {}", self.diffuse.name());
         if self.diffuse.has_cube() {
             text += &format!(" --irradiance {}", self.irradiance_size);
         }
@@ -289,7 +469,7 @@ impl Plan {
     /// # Errors
     /// [`Error::Parameter`] where it cannot.
     pub fn check(&self) -> Result<()> {
-        if self.container.holds(self.pixel) {
+        if !self.target.has_container() || self.container.holds(self.pixel) {
             return Ok(());
         }
         Err(Error::Parameter(format!(
@@ -300,11 +480,31 @@ impl Plan {
         )))
     }
 
+    /// Whether the files can hold `levels` levels from `size` down.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where they cannot.
+    pub fn check_levels(&self, size: u32, levels: u32) -> Result<()> {
+        self.target.files.iter().try_for_each(|file| match file.content {
+            Oem => oem_write::level_sizes(size, levels).map(drop),
+            Env => babylon::check(size, levels),
+            Glb => gltf::check(size),
+            _ => Ok(()),
+        })
+    }
+
+    /// Name of the format of the files that the levels are in.
+    #[must_use]
+    pub fn format_name(&self) -> &'static str {
+        let own = self.target.files[0].path.rsplit('.').next().unwrap_or_default();
+        if self.target.has_container() { self.container.name() } else { own }
+    }
+
     /// The files that are to be written, with their paths in the target's folder, for the environment `name`.
     #[must_use]
     pub fn files(&self, name: &str) -> Vec<(String, Content)> {
         let wanted = |content| match content {
-            Specular | Skybox | Sheen => true,
+            Specular | Skybox | Sheen | Oem | Reader | Panorama | Env | Glb => true,
             Irradiance => self.diffuse.has_cube(),
             ShJson | ShText => self.diffuse.has_sh(),
         };
@@ -317,7 +517,7 @@ impl Plan {
 /// Whether a bake for some target writes a file at `path`, relative to its folder.
 #[must_use]
 pub fn is_target_file(path: &str) -> bool {
-    let extensions = [Container::Ktx2, Container::Ktx1, Container::Dds].map(Container::name);
+    let extensions = [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr].map(Container::name);
     let matches = |pattern: &str| {
         let Some((before, after)) = pattern.split_once("{name}") else { return path == pattern };
         path.strip_prefix(before)

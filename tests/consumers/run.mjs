@@ -11,6 +11,7 @@ import { tmpdir } from 'node:os';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import puppeteer from 'puppeteer-core';
+import { checkBabylon } from './babylon.mjs';
 import { checkFilament } from './filament.mjs';
 import { checkThree } from './three.mjs';
 
@@ -89,6 +90,7 @@ try {
         octagloss(['bake', environment, '--quiet', '--name', 'world', '-o', join(work, folder), ...args]);
     await checkThree({ open, bake, query, diffuse, tell });
     await checkFilament({ open, bake, query, diffuse, tell });
+    await checkBabylon({ open, bake, query, diffuse, tell });
 } catch (error) {
     tell('run', false, error.stack);
 } finally {

@@ -8,18 +8,18 @@ use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
-fn octagloss(folder: &Path, args: &[&str]) -> Output {
+pub(crate) fn octagloss(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_octagloss")).current_dir(folder).args(args).output().expect("it starts")
 }
 
-fn done(folder: &Path, args: &[&str]) -> String {
+pub(crate) fn done(folder: &Path, args: &[&str]) -> String {
     let output = octagloss(folder, args);
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).expect("text")
 }
 
 /// Fails with `code` and one line that holds `words`, and prints no data.
-fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
+pub(crate) fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     let output = octagloss(folder, args);
     let told = String::from_utf8(output.stderr).expect("text");
     let errors: Vec<&str> = told.lines().filter(|line| line.starts_with("octagloss: error: ")).collect();
@@ -29,7 +29,7 @@ fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
 }
 
 /// A folder with `a.exr` and `b.exr`, whose brightest texels no half float holds.
-fn with_environments() -> TempDir {
+pub(crate) fn with_environments() -> TempDir {
     let folder = TempDir::new().expect("a temporary folder");
     for (name, sun) in [("a.exr", 1e6), ("b.exr", 9e5)] {
         let mut texels = vec![[0.5, 0.4, 0.3]; 32 * 16];
@@ -41,7 +41,7 @@ fn with_environments() -> TempDir {
 }
 
 /// Every file within `folder`, by its path from there.
-fn tree(folder: &Path) -> Vec<String> {
+pub(crate) fn tree(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(next) = folders.pop() {
@@ -58,13 +58,13 @@ fn tree(folder: &Path) -> Vec<String> {
     found
 }
 
-fn json(path: &Path) -> Value {
+pub(crate) fn json(path: &Path) -> Value {
     serde_json::from_str(&fs::read_to_string(path).expect("readable")).expect("JSON")
 }
 
 const SMALL: [&str; 4] = ["--size", "32", "--irradiance", "4"];
 
-fn bake<'a>(args: &[&'a str]) -> Vec<&'a str> {
+pub(crate) fn bake<'a>(args: &[&'a str]) -> Vec<&'a str> {
     [&["bake", "a.exr", "--quiet"], args].concat()
 }
 

@@ -8,7 +8,8 @@ use octagloss::chain::CubeChain;
 use octagloss::io::cube_write::{Container, cube_bytes};
 use octagloss::io::pixels::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
 use octagloss::io::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
-use octagloss::io::{ReadOptions, read_from_memory};
+use octagloss::io::rgbd::{RGBD_MAX, rgb_from_rgbd, rgbd_from_rgb, rgbd_png_bytes};
+use octagloss::io::{ReadOptions, read_chain, read_chain_from_memory, read_from_memory};
 use std::path::Path;
 
 const PLAIN: [Pixel; 4] = [Pixel::F16, Pixel::F32, Pixel::Rgb9e5, Pixel::R11g11b10];
@@ -43,6 +44,9 @@ pub(crate) fn colours(pixel: Pixel, size: u32, bytes: &[u8]) -> Vec<Rgb> {
         Pixel::Rgb9e5 => texels.map(|at| rgb_from_rgb9e5(word(bytes, at))).collect(),
         Pixel::R11g11b10 => texels.map(|at| rgb_from_r11g11b10(word(bytes, at))).collect(),
         Pixel::Bc6h => decoded(size, bytes),
+        Pixel::Rgbd => (0..(size * size) as usize)
+            .map(|k| rgb_from_rgbd(bytes[4 * k..4 * k + 4].try_into().unwrap()))
+            .collect(),
     }
 }
 
@@ -57,7 +61,7 @@ pub(crate) fn parse_ktx1(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
         Pixel::F32 => (0x1406, 4, 0x1908, 0x8814),
         Pixel::Rgb9e5 => (0x8c3e, 4, 0x1907, 0x8c3d),
         Pixel::R11g11b10 => (0x8c3a, 4, 0x1907, 0x8c3a),
-        Pixel::Bc6h => return Err("no BC6H here".to_owned()),
+        Pixel::Bc6h | Pixel::Rgbd => return Err("neither BC6H nor RGBD here".to_owned()),
     };
     rule(header[1..6] == [kind, kind_bytes, format, internal, format], "formats")?;
     let size = header[6];
@@ -113,6 +117,7 @@ pub(crate) fn parse_dds(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
         Pixel::R11g11b10 => 26,
         Pixel::Rgb9e5 => 67,
         Pixel::Bc6h => 95,
+        Pixel::Rgbd => return Err("no RGBD here".to_owned()),
     };
     rule(word(bytes, 128) == format, "DXGI format")?;
     rule(word(bytes, 132) == 3 && word(bytes, 136) == 4 && word(bytes, 140) == 1, "2D, a cube, one of it")?;
@@ -141,7 +146,7 @@ fn stored(pixel: Pixel, texel: Rgb) -> Rgb {
         Pixel::F32 => texel,
         Pixel::Rgb9e5 => rgb_from_rgb9e5(rgb9e5_from_rgb(texel)),
         Pixel::R11g11b10 => rgb_from_r11g11b10(r11g11b10_from_rgb(texel)),
-        Pixel::Bc6h => unreachable!("lossy by blocks"),
+        Pixel::Bc6h | Pixel::Rgbd => unreachable!("not among the formats"),
     }
 }
 
@@ -192,9 +197,69 @@ fn the_program_reads_the_dds_that_it_writes() {
             assert!(error.starts_with("a.dds: ") && error.contains(words), "{error}");
         }
     }
-    let blocks = cube_bytes(Container::Dds, &chain, Pixel::Bc6h, &[]).unwrap().bytes;
-    let error = read_from_memory(Path::new("a.dds"), &blocks, &ReadOptions::default()).unwrap_err();
-    assert!(error.to_string().contains("RGBA16F, RGBA32F, RGB9E5 and R11G11B10F can be read"), "{error}");
+}
+
+#[test]
+fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
+    // 5 leaves blocks cut on every level but the first of 8.
+    for size in [8, 5] {
+        let chain = chain(size, 3, false);
+        for pixel in [Pixel::Bc6h, Pixel::R11g11b10] {
+            let dds = cube_bytes(Container::Dds, &chain, pixel, &[]).unwrap().bytes;
+            let ktx2 = cube_bytes(Container::Ktx2, &chain, pixel, &[]).unwrap().bytes;
+            let expected = parse_dds(&dds, pixel).unwrap().levels;
+            for (name, bytes) in [("a.dds", &dds), ("a.ktx2", &ktx2)] {
+                let loaded = read_from_memory(Path::new(name), bytes, &ReadOptions::default()).unwrap();
+                assert_eq!(
+                    first_difference(loaded.environment.texels(), &expected[0]),
+                    None,
+                    "{name} {size}"
+                );
+                let cut =
+                    read_from_memory(Path::new(name), &bytes[..bytes.len() - 1], &ReadOptions::default());
+                assert!(cut.is_err(), "{name} {size}");
+            }
+            let read = read_chain_from_memory(Path::new("a.ktx2"), &ktx2, 1 << 30).unwrap();
+            for (found, (expected, exact)) in read.levels.iter().zip(expected.iter().zip(&chain.levels)) {
+                assert_eq!(first_difference(&found.texels, expected), None, "{size} {pixel:?}");
+                assert_eq!((found.size, found.roughness), (exact.size, exact.roughness));
+            }
+            // A DDS file's report tells the roughness.
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("a.dds");
+            std::fs::write(&path, &dds).unwrap();
+            let error = read_chain(&path).unwrap_err().to_string();
+            assert!(error.contains("a.dds.report.json is not there"), "{error}");
+            let levels: Vec<_> = (0..).zip(&chain.levels).map(|(level, l)| {
+                serde_json::json!({ "level": level, "size": l.size, "roughness": l.roughness })
+            }).collect();
+            let report = serde_json::json!({ "levels": levels }).to_string();
+            std::fs::write(folder.path().join("a.dds.report.json"), report).unwrap();
+            assert_eq!(read_chain(&path).unwrap(), read);
+        }
+    }
+}
+
+#[test]
+fn rgbd_keeps_radiance_within_what_eight_bits_of_gamma_hold() {
+    let mut worst = 0.0_f32;
+    for k in 0..4000 {
+        let value = 2_f32.powf(k as f32 / 250.0 - 8.0).min(RGBD_MAX);
+        let code = rgbd_from_rgb([value, value / 3.0, 0.0]);
+        let [r, g, b] = rgb_from_rgbd(code);
+        // Half a code, and up to a half of the range lost to the divisor's rounding down.
+        worst = worst.max((r - value).abs() / value.max(0.25));
+        assert!((g - value / 3.0).abs() < 0.02 * value.max(0.25) && b == 0.0, "{value}: {code:?}");
+    }
+    assert!(worst < 0.013, "{worst}");
+    assert_eq!(rgbd_from_rgb([1.0, 0.5, 0.0])[3], 255);
+    assert_eq!(rgb_from_rgbd(rgbd_from_rgb([1e9, 0.0, 0.0])), [RGBD_MAX, 0.0, 0.0]);
+    assert_eq!(rgb_from_rgbd([255, 0, 0, 0]), [255.0, 0.0, 0.0], "a divisor of 0 is no division by 0");
+    let png = rgbd_png_bytes(2, &[[1.0, 0.0, 2.0], [0.2; 3]]).unwrap();
+    let read = image::load_from_memory(&png).unwrap().into_rgba8();
+    assert_eq!(read.dimensions(), (2, 1));
+    assert_eq!(read.get_pixel(0, 0).0, rgbd_from_rgb([1.0, 0.0, 2.0]));
+    assert!(rgbd_png_bytes(2, &[[1.0; 3]; 3]).is_err() && rgbd_png_bytes(0, &[]).is_err());
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use crate::written::{names_in, read_exr_rgb, to_half};
 use glam::DVec3;
 use octagloss::environment::{Environment, Layout, Rgb, luminance};
-use octagloss::io::environment_write::{cross_from_faces, write_environment};
+use octagloss::io::environment_write::write_environment;
+use octagloss::io::layout::Unfolding;
 use octagloss::io::output::Existing;
 use octagloss::sphere::cube::{self, Face};
 use octagloss::sphere::equirect::equirect_from_direction;
@@ -33,7 +34,7 @@ fn first_far(found: &[Rgb], expected: &[Rgb], step: f32) -> Option<usize> {
 
 fn image_of(environment: &Environment) -> Vec<Rgb> {
     match environment.layout() {
-        Layout::Cube { size } => cross_from_faces(size, environment.texels()),
+        Layout::Cube { size } => Unfolding::Cross.image_from_faces(size, environment.texels()),
         _ => environment.texels().to_vec(),
     }
 }

@@ -5,7 +5,8 @@
 //! n - 1 - c, for odd n too.
 
 use crate::environment::Layout;
-use crate::sphere::cube::{Face, cube_point};
+use crate::sphere::cube::{self, Face, cube_point};
+use crate::sphere::octahedral;
 use glam::DVec3;
 
 /// The grid that energy is carried to.
@@ -24,6 +25,17 @@ impl Target {
         match self {
             Self::Octahedral(n) => n as usize * n as usize,
             Self::Cube(n) => 6 * n as usize * n as usize,
+        }
+    }
+
+    /// Exact solid angle of texel `texel`, in steradians.
+    #[must_use]
+    pub fn solid_angle(self, texel: usize) -> f64 {
+        let n = self.edge();
+        let place = (texel % (n as usize * n as usize)) as u32;
+        match self {
+            Self::Octahedral(_) => octahedral::texel_solid_angle(n, place % n, place / n),
+            Self::Cube(_) => cube::texel_solid_angle(n, place % n, place / n),
         }
     }
 

@@ -6,9 +6,12 @@ mod select;
 mod zip;
 
 use super::color::{self, Primaries};
+use super::oem_write::BORDER_KEY;
 use super::picture::{Content, Picture, Source, TEXEL_BYTES};
+use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::Rgb;
 use crate::error::Result;
+use crate::sphere::cube::Face;
 use ::exr::error::Error as ExrError;
 use ::exr::meta::attribute::{AttributeValue, Chromaticities, Compression, SampleType};
 use ::exr::meta::header::Header;
@@ -29,6 +32,17 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     let reader =
         ::exr::block::read(Cursor::new(source.bytes), false).map_err(|error| exr_error(source, &error))?;
     let metadata: MetaData = reader.meta_data().clone();
+    if part_named(&metadata, &part_name(0, Face::PosX)).is_some() {
+        let (size, texels) = cube_of_parts(source, &metadata, 0)?;
+        return Ok(Picture {
+            width: size,
+            height: 6 * size,
+            texels,
+            content: Content::Cube,
+            format: format!("OpenEXR, {} parts", metadata.headers.len()),
+            warnings: Vec::new(),
+        });
+    }
     let selection = select::select(source, &metadata.headers)?;
     let header = &metadata.headers[selection.header];
     let window = Window::of(source, header)?;
@@ -44,29 +58,121 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     warnings.extend(selection.warning());
     warnings.extend(window.warning());
     convert_color(header, selection.channels, &mut texels, &mut warnings);
-    Ok(Picture {
+    let picture = Picture {
         width: window.width,
         height: window.height,
         texels,
         content: Content::Image,
         format: describe(header, &selection),
         warnings,
+    };
+    match text_told(header, BORDER_KEY) {
+        Some(border) => {
+            // The other parts are its rougher levels.
+            let picture = Picture { warnings: Vec::new(), ..picture };
+            picture.without_border(source, &border)
+        }
+        None => Ok(picture),
+    }
+}
+
+/// The cube chain in a file with a part for each face of each level, as `bake --out-layout parts` writes it.
+pub(super) fn decode_chain(source: &Source<'_>) -> Result<CubeChain> {
+    let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
+        .map_err(|error| exr_error(source, &error))?;
+    let mut levels = Vec::new();
+    for level in 0u32..32 {
+        let Some(first) = part_named(&metadata, &part_name(level, Face::PosX)) else { break };
+        let (size, texels) = cube_of_parts(source, &metadata, level)?;
+        let Some(roughness) = roughness_told(&metadata.headers[first]).filter(|r| (0.0..=1.0).contains(r))
+        else {
+            return Err(source.error(format!("its level {level} does not say its roughness; bake it anew")));
+        };
+        super::level_folder::check_finite(source.path, level, size, &texels)?;
+        levels.push(CubeLevel { size, roughness, texels, bounds: None });
+    }
+    if levels.is_empty() {
+        return Err(source.error("no part m0_px; a chain in OpenEXR has a part for each face of each level"));
+    }
+    let halves = |(level, expected): (u32, &CubeLevel)| expected.size == (levels[0].size >> level).max(1);
+    if !(0u32..).zip(&levels).all(halves) {
+        return Err(source.error("its levels do not halve; bake it anew"));
+    }
+    Ok(CubeChain { levels })
+}
+
+/// What the part of a face of a level is called.
+fn part_name(level: u32, face: Face) -> String {
+    format!("m{level}_{}", face.short_name())
+}
+
+fn part_named(metadata: &MetaData, name: &str) -> Option<usize> {
+    metadata
+        .headers
+        .iter()
+        .position(|header| header.own_attributes.layer_name.as_ref().is_some_and(|own| *own == *name))
+}
+
+/// Size and texels of a level whose faces are parts.
+fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result<(u32, Vec<Rgb>)> {
+    let mut texels = Vec::new();
+    let mut size = 0;
+    for face in Face::ALL {
+        let name = part_name(level, face);
+        let selected =
+            part_named(metadata, &name).and_then(|index| select::of_part(index, &metadata.headers[index]));
+        let Some(selection) = selected else {
+            return Err(source.error(format!("its part {name} is missing or not RGB; bake it anew")));
+        };
+        let header = &metadata.headers[selection.header];
+        let window = Window::of_data(source, header)?;
+        if window.width != window.height || (face != Face::PosX && window.width != size) {
+            return Err(source.error(format!(
+                "its part {name} is {}x{}; faces are square and all of a size",
+                window.width, window.height
+            )));
+        }
+        size = window.width;
+        source.check_memory(size, 6 * size, TEXEL_BYTES)?;
+        blocks::check_block_memory(source, header, &window)?;
+        let reader = ::exr::block::read(Cursor::new(source.bytes), false)
+            .map_err(|error| exr_error(source, &error))?;
+        let mut own = vec![Rgb::default(); size as usize * size as usize];
+        blocks::decode_into(source, reader, metadata, &selection, &window, &mut own)?;
+        texels.append(&mut own);
+    }
+    Ok((size, texels))
+}
+
+/// The text of attribute `name`.
+fn text_told(header: &Header, name: &str) -> Option<String> {
+    attributes(header, name).find_map(|value| match value {
+        AttributeValue::Text(text) => Some(text.to_string()),
+        _ => None,
     })
+}
+
+/// The attribute `roughness`.
+fn roughness_told(header: &Header) -> Option<f64> {
+    attributes(header, "roughness").find_map(|value| match value {
+        AttributeValue::F32(roughness) => Some(f64::from(*roughness)),
+        _ => None,
+    })
+}
+
+fn attributes<'a>(header: &'a Header, name: &'a str) -> impl Iterator<Item = &'a AttributeValue> {
+    let all = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
+    all.filter(move |(key, _)| **key == *name).map(|(_, value)| value)
 }
 
 /// Size and roughness of a bake's level by one of its faces, where the header tells them.
 pub(super) fn level_told(source: &Source<'_>) -> Result<Option<(u32, f64)>> {
     let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
         .map_err(|error| exr_error(source, &error))?;
-    Ok(metadata.headers.first().and_then(|header| {
-        let attributes = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
-        let roughness =
-            attributes.filter(|(name, _)| **name == *"roughness").find_map(|(_, value)| match value {
-                AttributeValue::F32(roughness) => Some(f64::from(*roughness)),
-                _ => None,
-            })?;
-        Some((u32::try_from(header.layer_size.x()).ok()?, roughness))
-    }))
+    Ok(metadata
+        .headers
+        .first()
+        .and_then(|header| Some((u32::try_from(header.layer_size.x()).ok()?, roughness_told(header)?))))
 }
 
 /// Columns and rows of the first data window that the header names; the crate has no words of its own for none.
@@ -105,6 +211,20 @@ struct Window {
 }
 
 impl Window {
+    /// The data window itself, whatever is displayed of it.
+    fn of_data(source: &Source<'_>, header: &Header) -> Result<Self> {
+        let too_large = |_| source.error("its data window is larger than 32 bits can count");
+        let (data_width, data_height) = (header.layer_size.x(), header.layer_size.y());
+        Ok(Self {
+            width: u32::try_from(data_width).map_err(too_large)?,
+            height: u32::try_from(data_height).map_err(too_large)?,
+            data_x: 0,
+            data_y: 0,
+            data_width,
+            data_height,
+        })
+    }
+
     fn of(source: &Source<'_>, header: &Header) -> Result<Self> {
         let display = header.shared_attributes.display_window;
         let data = header.own_attributes.layer_position;

@@ -94,6 +94,14 @@ pub(super) fn select(source: &Source<'_>, headers: &[Header]) -> Result<Selectio
     })
 }
 
+/// The colours of one part.
+pub(super) fn of_part(index: usize, header: &Header) -> Option<Selection> {
+    let candidate =
+        candidates_of(index, header).into_iter().find(|c| matches!(c.channels, Channels::Rgb(_)))?;
+    let Candidate { header, channels, name } = candidate;
+    Some(Selection { header, channels, name, others: Vec::new() })
+}
+
 /// The layers of one header: channels that share what stands before their last dot.
 fn candidates_of(index: usize, header: &Header) -> Vec<Candidate> {
     let names: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();

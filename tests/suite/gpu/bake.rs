@@ -2,11 +2,12 @@
 
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::adaptive::luminance;
-use octagloss::Environment;
+use crate::common::{Look, Random, environment, texels};
 use octagloss::bake::{Bake, BakeSettings, Filter, bake};
 use octagloss::cpu::adaptive::leaf_share;
 use octagloss::lobe::Lobe;
 use octagloss::synth::synth;
+use octagloss::{Environment, Layout, Map};
 
 const ERROR: f64 = 0.005;
 
@@ -216,6 +217,32 @@ fn every_lobe_bakes_within_its_bounds() {
                     let off = (e - f).abs();
                     assert!(off <= allowed, "{lobe:?} texel {k}: {f}, not {e}, on {}", context.describe());
                 }
+            }
+        }
+    });
+}
+
+#[test]
+fn other_maps_are_baked_as_on_the_cpu() {
+    let layout = Layout::Panorama { width: 32, height: 16 };
+    let sky = environment(layout, texels(&mut Random::new(21), Look::Suns, layout)).rotated_y(40.0);
+    with_passes("maps", |context, engine| {
+        for map in [Map::Panorama, Map::Octahedral] {
+            let settings = BakeSettings { map, size: 16, levels: Some(3), ..BakeSettings::default() };
+            let on_gpu = wait(context, engine.bake(&sky, &settings, &|_| ()));
+            let on_cpu = bake(&sky, &settings, &|_| ()).expect("a small bake");
+            assert_eq!(on_gpu.images[0], on_cpu.images[0], "mirrors are the CPU's");
+            for (level, (gpu, cpu)) in on_gpu.images.iter().zip(&on_cpu.images).enumerate().skip(1) {
+                assert_eq!(gpu.layout, cpu.layout);
+                let pairs = gpu.texels.as_flattened().iter().zip(cpu.texels.as_flattened());
+                let (mut off, mut power) = (0.0, 0.0);
+                for (gpu, cpu) in pairs {
+                    off += f64::from(gpu - cpu).powi(2);
+                    power += f64::from(*cpu).powi(2);
+                }
+                // Both aim at 0.005, and decide alike but at thresholds.
+                let error = (off / power).sqrt();
+                assert!(!exceeds(error, 0.002), "{map:?} level {level}: {error} on {}", context.describe());
             }
         }
     });

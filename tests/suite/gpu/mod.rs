@@ -9,6 +9,7 @@ mod boxes;
 mod cells;
 mod errors;
 mod oem;
+mod oem_reader;
 mod reflection;
 mod sat;
 mod scenes;

@@ -7,6 +7,7 @@ use octagloss::cpu::adaptive::LANES;
 use octagloss::environment::LUMINANCE;
 use octagloss::gpu::{adaptive, box_filter, cells, copy, fixed_point, oem, reparameterise};
 use octagloss::gpu::{sat_f32, sat_hensley, sat_scan, shader};
+use octagloss::target::READERS;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -528,6 +529,8 @@ fn every_shader_on_disk_is_listed() {
     on_disk.sort();
     let mut listed: Vec<(String, String)> =
         shader::FILES.iter().map(|(path, text)| ((*path).to_owned(), (*text).to_owned())).collect();
+    let readers = READERS.iter().map(|(name, text)| (format!("readers/{name}"), (*text).to_owned()));
+    listed.extend(readers);
     listed.sort();
     let names = |files: &[(String, String)]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
     assert_eq!(names(&listed), names(&on_disk));

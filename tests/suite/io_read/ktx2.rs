@@ -104,7 +104,7 @@ fn damaged_and_foreign_files_are_named() {
     foreign[12] = 37;
     assert_eq!(
         error_of(read("a.ktx2", &foreign)),
-        "a.ktx2: its pixels are R8G8B8A8_UNORM; RGBA16F, RGBA32F and RGB9E5 can be read"
+        "a.ktx2: its pixels are R8G8B8A8_UNORM; RGBA16F, RGBA32F, RGB9E5, R11G11B10F and BC6H can be read"
     );
     let mut five_faces = whole;
     five_faces[36] = 5;

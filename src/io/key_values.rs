@@ -1,0 +1,26 @@
+//! Key/value data as KTX 1 and KTX 2 have it: a length, the key, a value that is text, both ending in NUL.
+
+use crate::error::{Error, Result};
+
+/// `pairs` in the order given, each padded to four bytes; `format` names the file in messages.
+///
+/// # Errors
+/// [`Error::Parameter`] for keys that are empty, hold a NUL or are there twice.
+pub(super) fn key_value_bytes(format: &str, pairs: &[(&str, &str)]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    for (index, (key, value)) in pairs.iter().enumerate() {
+        if key.is_empty() || key.contains('\0') {
+            return Err(Error::Parameter(format!("{key:?} cannot be a key of {format} metadata")));
+        }
+        if pairs[..index].iter().any(|(other, _)| other == key) {
+            return Err(Error::Parameter(format!("the {format} metadata has {key:?} twice")));
+        }
+        bytes.extend((key.len() as u32 + 1 + value.len() as u32 + 1).to_le_bytes());
+        for text in [key, value] {
+            bytes.extend(text.as_bytes());
+            bytes.push(0);
+        }
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,151 @@
+//! Bordered octahedral maps as interchange files: a level for each roughness, each with its own border, in KTX2 (MIP
+//! levels) or OpenEXR (a part a level).
+//!
+//! Level l of L has n >> l texels and a border of 2^(L - 1 - l) on every side: one texel at the last, so that bilinear
+//! look-ups never wrap, and the same share of the side at every level, so that a direction has the same texture
+//! coordinates at all of them. Border texels are those of the square that the unfolded plane has there.
+
+use super::cube_write::{Container, CubeFile};
+use super::exr_parts::{Part, exr_parts_bytes};
+use super::exr_write::Attribute;
+use super::ktx2_file::{Shape, ktx2_file};
+use super::ktx2_write::{ROUGHNESS_KEY, format_of, roughness_text};
+use super::pixels::Pixel;
+use super::texel_bytes::texel_bytes;
+use crate::chain::ImageLevel;
+use crate::environment::{Layout, Rgb};
+use crate::error::{Error, Result};
+use crate::oem::OemSize;
+use crate::sphere::octahedral::wrap_texel;
+
+/// The key that lists each level's border in texels, comma-separated.
+pub const BORDER_KEY: &str = "octaglossBorder";
+
+/// What every file says of its map.
+const CONVENTIONS: [(&str, &str); 4] = [
+    (
+        "octaglossFold",
+        "p = d / (|x| + |y| + |z|); y >= 0: (u, v) = (p.x, p.z); y < 0: (u, v) = ((1 - |p.z|) s(p.x), (1 - |p.x|) \
+         s(p.z)), s(t) = 1 for t >= 0, else -1",
+    ),
+    ("octaglossUp", "+Y, right-handed; the centre is +Y, the corners are -Y, u runs along x, v along z"),
+    (
+        "octaglossBorderRule",
+        "texel (i, j) of the unfolded plane is (i mod n, j mod n) where floor(i/n) + floor(j/n) is even, else that \
+         turned by 180 degrees: (n-1 - i mod n, n-1 - j mod n)",
+    ),
+    (
+        "octaglossTexelCentres",
+        "half-integer: texel (i, j) of the square without its border lies at (u, v) = ((i, j) + 1/2) 2/n - 1, v \
+         downwards",
+    ),
+];
+
+/// Sizes of the levels of a map of `size` x `size` texels, the sharpest first.
+///
+/// # Errors
+/// [`Error::Parameter`] where there are no levels, or the size does not halve so often without a rest.
+pub fn level_sizes(size: u32, levels: u32) -> Result<Vec<OemSize>> {
+    let halvings = levels.saturating_sub(1);
+    if levels == 0 || halvings > 14 || size == 0 || !size.is_multiple_of(1 << halvings) {
+        return Err(Error::Parameter(format!(
+            "an octahedral map of --size {size} does not halve {halvings} times; choose a multiple of {}, or fewer \
+             --levels",
+            1_u32 << halvings.min(14)
+        )));
+    }
+    Ok((0..levels).map(|l| OemSize { inner: size >> l, border: 1 << (halvings - l) }).collect())
+}
+
+/// A file of `levels`, octahedral squares whose sizes halve, with their borders: KTX2, or OpenEXR with parts `m0`, `m1`,
+/// ... `metadata` are further key/value pairs, text.
+///
+/// # Errors
+/// [`Error::Parameter`] for other containers and levels, and for pixels and keys that the container cannot hold.
+pub fn oem_bytes(
+    container: Container,
+    levels: &[ImageLevel],
+    pixel: Pixel,
+    metadata: &[(String, String)],
+) -> Result<CubeFile> {
+    let size = levels.first().map_or(0, |level| level.layout.sides().0);
+    let sizes = level_sizes(size, levels.len() as u32)?;
+    for (index, (level, size)) in levels.iter().zip(&sizes).enumerate() {
+        if level.layout != (Layout::Octahedral { size: size.inner }) {
+            return Err(Error::Parameter(format!(
+                "level {index} of an octahedral map must be a square of {}, not {:?}",
+                size.inner, level.layout
+            )));
+        }
+    }
+    if !container.holds(pixel) {
+        return Err(Error::Parameter(format!("{} files cannot hold {}", container.name(), pixel.name())));
+    }
+    let list =
+        |of: fn(&OemSize) -> u32| sizes.iter().map(|s| of(s).to_string()).collect::<Vec<_>>().join(",");
+    let own = [
+        ("octaglossContent", "octahedral map".to_owned()),
+        ("octaglossInterior", list(|size| size.inner)),
+        (BORDER_KEY, list(|size| size.border)),
+    ];
+    let mut pairs: Vec<(&str, &str)> = own.iter().map(|(key, value)| (*key, value.as_str())).collect();
+    pairs.extend(CONVENTIONS);
+    pairs.extend(metadata.iter().map(|(key, value)| (key.as_str(), value.as_str())));
+    let bordered: Vec<Vec<Rgb>> =
+        levels.iter().zip(&sizes).map(|(level, size)| with_border(&level.texels, *size)).collect();
+
+    let bytes = match container {
+        Container::Ktx2 => {
+            let roughness = roughness_text(levels.iter().map(|level| level.roughness));
+            pairs.push((ROUGHNESS_KEY, &roughness));
+            let side = sizes[0].bordered();
+            let shape = Shape {
+                format: format_of(pixel)?,
+                width: side,
+                height: side,
+                faces: 1,
+                levels: levels.len(),
+            };
+            ktx2_file(&shape, &pairs, |index| texel_bytes(sizes[index].bordered(), &bordered[index], pixel))?
+        }
+        Container::Exr => {
+            let parts: Vec<Part<'_>> = levels
+                .iter()
+                .zip(&sizes)
+                .zip(&bordered)
+                .enumerate()
+                .map(|(index, ((level, size), texels))| {
+                    let text = pairs
+                        .iter()
+                        .map(|(key, value)| ((*key).to_owned(), Attribute::Text((*value).to_owned())));
+                    let roughness = ("roughness".to_owned(), Attribute::Float(level.roughness as f32));
+                    Part {
+                        name: format!("m{index}"),
+                        width: size.bordered(),
+                        height: size.bordered(),
+                        texels,
+                        attributes: std::iter::once(roughness).chain(text).collect(),
+                    }
+                })
+                .collect();
+            exr_parts_bytes(&parts, pixel)?
+        }
+        Container::Ktx1 | Container::Dds => {
+            return Err(Error::Parameter(format!(
+                "an octahedral map is written as ktx2 or exr, not {}",
+                container.name()
+            )));
+        }
+    };
+    Ok(CubeFile { bytes, clamped: levels.iter().map(|level| pixel.clamped(&level.texels)).collect() })
+}
+
+/// The texels of a square with those that the unfolded plane has around it.
+fn with_border(square: &[Rgb], size: OemSize) -> Vec<Rgb> {
+    let (border, side) = (i64::from(size.border), i64::from(size.bordered()));
+    let texel = |(x, y): (i64, i64)| {
+        let (x, y) = wrap_texel(size.inner, x - border, y - border);
+        square[y as usize * size.inner as usize + x as usize]
+    };
+    (0..side).flat_map(|y| (0..side).map(move |x| (x, y))).map(texel).collect()
+}

@@ -1,0 +1,69 @@
+// Babylon.js: .env (RGBD in PNG) as scene.environmentTexture of a left-handed scene, where the engine's own glTF loader
+// has x negated.
+import { EYES, relativeError } from './pictures.mjs';
+
+// Levels of 256 texels whose roughness is below 1: alpha = 2^(level/0.8)/256.
+const LEVELS = [2, 3, 4, 5, 6];
+const roughnessOf = (level) => Math.sqrt(2 ** (level / 0.8) / 256);
+// RGBD has eight bits, the engine adds 0.0005 to alpha and filters bilinearly.
+const TOLERANCE = 0.02;
+
+const turned = ([x, y, z]) => [-x, y, z];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+
+// Pixels of the unit sphere seen from `eye` without its rim: index, normal and mirrored view, in the world of glTF.
+function pixelsOf({ size, right, up }, eye, step) {
+    const pixels = [];
+    for (let j = step >> 1; j < size; j += step) {
+        for (let i = step >> 1; i < size; i += step) {
+            const [x, y] = [(2 * i + 1) / size - 1, (2 * j + 1) / size - 1];
+            const rr = x * x + y * y;
+            if (rr > 0.8) continue;
+            const normal = [0, 1, 2].map((c) => right[c] * x + up[c] * y + eye[c] * Math.sqrt(1 - rr));
+            const mirrored = normal.map((n, c) => 2 * dot(normal, eye) * n - eye[c]);
+            pixels.push({ at: j * size + i, normal: turned(normal), mirrored: turned(mirrored) });
+        }
+    }
+    return pixels;
+}
+
+export async function checkBabylon({ open, bake, query, diffuse, tell }) {
+    bake('babylon', ['--target', 'babylon']);
+    bake('babylon-unflipped', ['--target', 'babylon', '--flip', 'none']);
+    const page = await open('babylon.html');
+    const render = (options) => page.evaluate((o) => window.sphere(o), options);
+    const shownAt = (picture, pixels) => pixels.map(({ at }) => picture.pixels.slice(4 * at, 4 * at + 3));
+    const errorOf = async (folder, level, eye) => {
+        const roughness = roughnessOf(level);
+        const picture = await render({ url: `/bake/${folder}/world_ibl.env`, roughness, eye });
+        const pixels = pixelsOf(picture, eye, 16);
+        return relativeError(shownAt(picture, pixels), query(pixels.map((p) => p.mirrored), roughness));
+    };
+    for (const level of LEVELS) {
+        let worst = 0;
+        for (const eye of EYES) worst = Math.max(worst, await errorOf('babylon', level, eye));
+        tell(`babylon .env, level ${level} of roughness ${roughnessOf(level).toFixed(3)}, ${EYES.length} views`,
+            worst < TOLERANCE, `relative error ${worst.toFixed(4)}`);
+    }
+    // The comparison sees a cube that is not turned about as the engine asks for.
+    const unflipped = await errorOf('babylon-unflipped', 3, EYES.at(-1));
+    tell('babylon, a cube that is not flipped is seen', unflipped > 10 * TOLERANCE, `relative error ${unflipped.toFixed(4)}`);
+
+    // Irradiance over pi, as the engine's shader adds it up from what the engine's parser found
+    // (harmonicsFunctions.fx, computeEnvironmentIrradiance).
+    const found = await page.evaluate((url) => window.polynomial(url), '/bake/babylon/world_ibl.env');
+    const normals = [];
+    for (let k = 0; k < 200; k++) {
+        const [y, phi] = [1 - (2 * k + 1) / 200, k * Math.PI * (3 - Math.sqrt(5))];
+        normals.push([Math.sqrt(1 - y * y) * Math.cos(phi), y, Math.sqrt(1 - y * y) * Math.sin(phi)]);
+    }
+    const irradiance = (normal) => {
+        const [x, y, z] = turned(normal);
+        const terms = { x, y, z, xx: x * x, yy: y * y, zz: z * z, xy: x * y, yz: y * z, zx: z * x };
+        return [0, 1, 2].map((c) => Object.entries(terms).reduce((sum, [name, t]) => sum + t * found[name][c], 0));
+    };
+    const error = relativeError(normals.map(irradiance), diffuse(normals));
+    // What bands above the second hold of this environment's irradiance.
+    tell('babylon spherical polynomial', error < 0.03, `relative error ${error.toFixed(4)}`);
+    await page.close();
+}
