@@ -5,6 +5,7 @@ use crate::cpu::bake_level::{self, BakedLevel};
 use crate::cpu::box_filter;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
+use crate::fitted::COUNTS;
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
 use crate::reflector::{Reflector, ReflectorSettings, default_oem_size, source_oem_size};
@@ -27,10 +28,42 @@ pub enum Ladder {
 pub enum Filter {
     /// Quadrature with a certified bound; the number is the relRMSE aimed at over the sphere, in (0, 1).
     Adaptive(f64),
+    /// The real-time tier: this many soft boxes (1, 2, 4 or 8) and a harmonic term, fitted to GGX; see [`crate::fitted`].
+    /// Irradiance is by [`Filter::Adaptive`] of 0.005.
+    Fitted(u32),
     /// The paper's single box.
     Box,
     /// Exhaustive integration over the source texels in double precision: slow, for auditing.
     Reference,
+}
+
+impl Filter {
+    /// Whether it serves `lobe`, over an OEM of `inner` texels where that is settled.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an adaptive error outside (0, 1); for fitted lobes other than GGX, of a count of boxes that
+    /// there is not, or over an OEM that is no power of two from 16 on.
+    pub fn check(self, lobe: Lobe, inner: Option<u32>) -> Result<()> {
+        let wrong = |message: String| Err(Error::Parameter(message));
+        match self {
+            Self::Adaptive(error) if !(error > 0.0 && error < 1.0) => {
+                wrong(format!("adaptive:{error} is outside (0, 1)"))
+            }
+            Self::Fitted(count) if !COUNTS.contains(&count) => {
+                wrong(format!("fitted:{count}: there are 1, 2, 4 and 8 boxes"))
+            }
+            Self::Fitted(count) if lobe != Lobe::Ggx => {
+                wrong(format!("fitted:{count} is fitted to ggx; for {} take adaptive:E", lobe.name()))
+            }
+            Self::Fitted(count) => match inner {
+                Some(inner) if !inner.is_power_of_two() || inner < 16 => wrong(format!(
+                    "an OEM of {inner} texels: fitted:{count} needs --oem-size to be a power of two from 16 on"
+                )),
+                _ => Ok(()),
+            },
+            _ => Ok(()),
+        }
+    }
 }
 
 /// What to bake. `Default` is what `octagloss bake INPUT` does.
@@ -257,6 +290,7 @@ impl<'a> Order<'a> {
             let levels = rungs.into_iter().map(|rung| Part { rung, lobe: settings.lobe, filter });
             let irradiance = settings.irradiance.map(|size| {
                 let rung = Rung { size, roughness: 1.0 };
+                let filter = if let Filter::Fitted(_) = filter { Filter::Adaptive(0.005) } else { filter };
                 Part { rung, lobe: Lobe::Cosine, filter }
             });
             let places: Vec<usize> = levels
@@ -297,7 +331,9 @@ impl<'a> Order<'a> {
                     .then(|| box_filter::widest_half_extent(settings.lobe, roughest * roughest, inner))
             })
         };
-        ReflectorSettings { oem_size, border: settings.iter().filter_map(own).max(), sharpest }
+        let border = settings.iter().filter_map(own).max();
+        let fitted = settings.iter().any(|settings| matches!(settings.filter, Filter::Fitted(_)));
+        ReflectorSettings { oem_size, border, sharpest, fitted }
     }
 
     /// The bakes, from the levels and the seconds that each took, and the OEM's size and totals.

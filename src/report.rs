@@ -283,6 +283,7 @@ impl Report {
 pub fn filter_name(filter: Filter) -> String {
     match filter {
         Filter::Adaptive(error) => format!("adaptive:{error}"),
+        Filter::Fitted(count) => format!("fitted:{count}"),
         Filter::Box => "box".to_owned(),
         Filter::Reference => "reference".to_owned(),
     }

@@ -6,6 +6,8 @@
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::oracle::SourceTexels;
+use crate::sat::Sat;
+use crate::sphere::octahedral::{direction_from_oct, texel_centre};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -16,6 +18,73 @@ pub fn basis(direction: DVec3) -> [f64; 9] {
     let d = direction;
     let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
     from_moments(1.0, d, outer)
+}
+
+/// The 25 basis functions up to L4 at `direction` (unit length); the first nine are [`basis`].
+#[must_use]
+pub fn basis_to_l4(direction: DVec3) -> [f64; 25] {
+    let DVec3 { x, y, z } = direction;
+    let mut values = [0.0; 25];
+    // (x + iy)^m, whose parts are the sines and cosines of the longitude.
+    let (mut re, mut im) = (1.0, 0.0);
+    // (2m - 1)!!, the derivative of P_m that is a constant.
+    let mut lowest = 1.0;
+    for m in 0..5_usize {
+        // The m-th derivatives of P_l, by the recurrence in l.
+        let (mut before, mut derivative) = (0.0, lowest);
+        for l in m..5 {
+            let factorials = (l - m + 1..=l + m).map(|k| k as f64).product::<f64>();
+            let scale = ((2 * l + 1) as f64 / (4.0 * PI * factorials)).sqrt();
+            if m == 0 {
+                values[l * (l + 1)] = scale * derivative;
+            } else {
+                let scale = scale * 2.0_f64.sqrt();
+                values[l * (l + 1) + m] = scale * derivative * re;
+                values[l * (l + 1) - m] = scale * derivative * im;
+            }
+            let next = ((2 * l + 1) as f64 * z * derivative - (l + m) as f64 * before) / (l + 1 - m) as f64;
+            (before, derivative) = (derivative, next);
+        }
+        (re, im) = (re * x - im * y, re * y + im * x);
+        lowest *= (2 * m + 1) as f64;
+    }
+    values
+}
+
+/// Coefficients up to L4 of an OEM's radiance and of 1 (red, green, blue and solid angle), in the OEM's own space, from its
+/// table: texels of up to 1/128 in (u, v), each at its centre, which is 5e-5 off at most. Of the constant they say the
+/// same as of radiance, so that their quotient is exact.
+#[must_use]
+pub fn table_harmonics(sat: &Sat) -> [[f64; 4]; 25] {
+    let inner = sat.size().inner;
+    let grid = sat.coarsened(inner / inner.min(256));
+    let n = grid.size().inner;
+    let rows: Vec<[[f64; 4]; 25]> = (0..n)
+        .into_par_iter()
+        .map(|y| {
+            let mut sums = [[0.0; 4]; 25];
+            for x in 0..n {
+                let (left, top) = (i64::from(x), i64::from(y));
+                let energy = grid.fixed_point().values(grid.bordered_box(left, top, left + 1, top + 1));
+                let basis = basis_to_l4(direction_from_oct(texel_centre(n, x, y)));
+                for (sums, basis) in sums.iter_mut().zip(basis) {
+                    for (sum, energy) in sums.iter_mut().zip(energy) {
+                        *sum += basis * energy;
+                    }
+                }
+            }
+            sums
+        })
+        .collect();
+    let mut total = [[0.0; 4]; 25];
+    for row in &rows {
+        for (total, sums) in total.iter_mut().zip(row) {
+            for (total, sum) in total.iter_mut().zip(sums) {
+                *total += sum;
+            }
+        }
+    }
+    total
 }
 
 /// Coefficients of `environment`'s radiance up to L2, red, green and blue.

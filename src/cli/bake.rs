@@ -262,6 +262,9 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
+    if let Err(error) = args.filter.check(args.lobe.into(), args.table.oem_size) {
+        return usage(error.to_string());
+    }
     let settings = BakeSettings {
         size: args.size.unwrap_or(256),
         levels: args.levels,

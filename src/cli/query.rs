@@ -32,6 +32,9 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     if args.bound && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bound needs --filter adaptive:E; the others certify nothing");
     }
+    if let Err(error) = args.filter.check(lobe, args.table.oem_size) {
+        return usage(error.to_string());
+    }
     let source = input::single_source(args.inputs, &args.input)?;
     let talk = Talk::new(args.quiet);
     on_threads(args.engine.threads, || {
@@ -42,6 +45,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
             oem_size: args.table.oem_size,
             border: args.table.border,
             sharpest: roughness,
+            fitted: matches!(args.filter, Filter::Fitted(_)),
         };
         let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
         let query = Query { lobe, roughness, filter: args.filter };

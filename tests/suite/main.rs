@@ -7,6 +7,7 @@ mod cli_targets;
 mod common;
 mod containers;
 mod dfg;
+mod fitted;
 mod fuzz;
 #[cfg(feature = "gpu")]
 mod gpu;
