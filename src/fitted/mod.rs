@@ -21,8 +21,8 @@
 //!
 //! Parameters are linear between nodes: 78 in the triangle of directions to which the map's sixteen symmetries bring every
 //! other ([`triangle`]), 4 in each of six octaves of alpha. Octaves overlap by a quarter, in which one fades into the
-//! next; from roughness 0.65 to 0.75 boxes fade into harmonics alone; a lobe sharper than the finest blur over an OEM, two
-//! texels wide, is that blur's lobe in the share t (2 - t), t the square of alpha over its alpha, and the mirror for the rest.
+//! next; from roughness 0.65 to 0.75 boxes fade into harmonics alone; a lobe sharper than the finest blur, that of octave 6 or the one two
+//! texels of the OEM wide, is that blur's lobe in the share t (2 - t), t the square of alpha over its alpha, and the mirror for the rest.
 //! So the answer is continuous in direction and roughness, down to the mirror.
 //!
 //! [`crate::fit`] tells how the parameters are found.
@@ -160,8 +160,8 @@ impl Table {
     /// The kernel at `point` of the triangle for `alpha`, by the parameters of `octave`: its boxes through `visit`, and the
     /// weights of the harmonics.
     ///
-    /// Beyond the finest octave that was fitted, lobes are the finest made smaller: boxes by as much as alpha, harmonics,
-    /// which are the tail, by its square.
+    /// # Panics
+    /// Where `octave` is none of [`OCTAVES`].
     pub fn kernel(
         &self,
         octave: u32,
@@ -169,9 +169,9 @@ impl Table {
         point: DVec2,
         mut visit: impl FnMut(SoftBox),
     ) -> [f64; HARMONICS] {
-        let fitted = octave.min(*OCTAVES.end());
+        assert!(OCTAVES.contains(&octave), "octave {octave} was fitted");
         let position = alpha.log2() + f64::from(octave);
-        let parameters = self.parameters(fitted, position, &place(point));
+        let parameters = self.parameters(octave, position, &place(point));
         let (boxes, harmonics) = parameters.split_at(BOX_PARAMETERS * self.shape.boxes());
         for (parameters, wider) in boxes.chunks_exact(BOX_PARAMETERS).zip(self.shape.wider) {
             let [root, cu, cv, lu, lv] = *parameters else { unreachable!("five to a box") };
@@ -179,8 +179,7 @@ impl Table {
             let offset = DVec2::new(cu, cv) * half;
             visit(SoftBox { mass: root * root, offset, half, octave: octave - wider });
         }
-        let smaller = (-2.0 * f64::from(octave - fitted)).exp2();
-        std::array::from_fn(|order| harmonics[order] * smaller)
+        std::array::from_fn(|order| harmonics[order])
     }
 
     /// Parameters at `place` and `position` in `octave`; positions beyond the last knot have its parameters.
