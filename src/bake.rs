@@ -5,6 +5,7 @@ use crate::cpu::bake_level::{self, BakedLevel};
 use crate::cpu::box_filter;
 use crate::environment::{Environment, Layout, Map};
 use crate::error::{Error, Result};
+use crate::fitted::COUNTS;
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
 use crate::reflector::{Reflector, ReflectorSettings, default_oem_size, source_oem_size};
@@ -60,6 +61,9 @@ impl Ladder {
 pub enum Filter {
     /// Quadrature with a certified bound; the number is the relRMSE aimed at over the sphere, in (0, 1).
     Adaptive(f64),
+    /// The real-time tier: this many soft boxes (1, 2, 4 or 8) and a harmonic term, fitted to GGX; see [`crate::fitted`].
+    /// Irradiance is by [`Filter::Adaptive`] of 0.005.
+    Fitted(u32),
     /// The paper's single box.
     Box,
     /// Exhaustive integration over the source texels in double precision: slow, for auditing.
@@ -67,16 +71,42 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// Whether it can be had of `lobe`.
+    /// The filter of the lobes that come beside a chain's own, sheen and irradiance: fitted lobes are GGX alone.
+    #[must_use]
+    pub const fn beside(self) -> Self {
+        match self {
+            Self::Fitted(_) => Self::Adaptive(0.005),
+            other => other,
+        }
+    }
+
+    /// Whether it serves `lobe`, over an OEM of `inner` texels where that is settled.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where it cannot.
-    pub fn check(self, lobe: Lobe) -> Result<()> {
-        match (self, lobe) {
-            (Self::Box, Lobe::Charlie) => Err(Error::Parameter(
+    /// [`Error::Parameter`] for an adaptive error outside (0, 1); for fitted lobes other than GGX, of a count of boxes that
+    /// there is not, or over an OEM that is no power of two from 16 on.
+    pub fn check(self, lobe: Lobe, inner: Option<u32>) -> Result<()> {
+        let wrong = |message: String| Err(Error::Parameter(message));
+        match self {
+            Self::Adaptive(error) if !(error > 0.0 && error < 1.0) => {
+                wrong(format!("adaptive:{error} is outside (0, 1)"))
+            }
+            Self::Box if lobe == Lobe::Charlie => wrong(
                 "one box around a direction is no Charlie lobe, which is dark there; use --filter adaptive:E"
                     .to_owned(),
-            )),
+            ),
+            Self::Fitted(count) if !COUNTS.contains(&count) => {
+                wrong(format!("fitted:{count}: there are 1, 2, 4 and 8 boxes"))
+            }
+            Self::Fitted(count) if lobe != Lobe::Ggx => {
+                wrong(format!("fitted:{count} is fitted to ggx; for {} take adaptive:E", lobe.name()))
+            }
+            Self::Fitted(count) => match inner {
+                Some(inner) if !inner.is_power_of_two() || inner < 16 => wrong(format!(
+                    "an OEM of {inner} texels: fitted:{count} needs --oem-size to be a power of two from 16 on"
+                )),
+                _ => Ok(()),
+            },
             _ => Ok(()),
         }
     }
@@ -152,9 +182,9 @@ impl BakeSettings {
         if self.size == 0 {
             return Err(Error::Parameter("--size must be at least 1".to_owned()));
         }
-        self.filter.check(self.lobe)?;
+        self.filter.check(self.lobe, self.oem_size)?;
         if self.sheen {
-            self.filter.check(Lobe::Charlie)?;
+            self.filter.beside().check(Lobe::Charlie, None)?;
         }
         let most = self.map.most_levels(self.size);
         let own = match self.ladder {
@@ -327,10 +357,10 @@ impl<'a> Order<'a> {
             }
             let filter = settings.filter;
             let rungs = settings.rungs()?;
-            let sheen = settings.sheen.then_some(Lobe::Charlie);
-            let lobes = std::iter::once(settings.lobe).chain(sheen);
+            let sheen = settings.sheen.then_some((Lobe::Charlie, filter.beside()));
+            let lobes = std::iter::once((settings.lobe, filter)).chain(sheen);
             let levels: Vec<Part> = lobes
-                .flat_map(|lobe| rungs.iter().map(move |rung| Part { rung: *rung, lobe, filter }))
+                .flat_map(|(lobe, filter)| rungs.iter().map(move |rung| Part { rung: *rung, lobe, filter }))
                 .collect();
             all_rungs.extend(levels.iter().map(|Part { rung, lobe, .. }| Rung {
                 roughness: lobe.served_roughness(rung.roughness),
@@ -338,7 +368,7 @@ impl<'a> Order<'a> {
             }));
             let irradiance = settings.irradiance.map(|size| {
                 let rung = Rung { layout: Layout::Cube { size }, roughness: 1.0 };
-                Part { rung, lobe: Lobe::Cosine, filter }
+                Part { rung, lobe: Lobe::Cosine, filter: filter.beside() }
             });
             let places: Vec<usize> = levels
                 .into_iter()
@@ -379,7 +409,9 @@ impl<'a> Order<'a> {
                     .then(|| box_filter::widest_half_extent(settings.lobe, roughest * roughest, inner))
             })
         };
-        ReflectorSettings { oem_size, border: settings.iter().filter_map(own).max(), sharpest }
+        let border = settings.iter().filter_map(own).max();
+        let fitted = settings.iter().any(|settings| matches!(settings.filter, Filter::Fitted(_)));
+        ReflectorSettings { oem_size, border, sharpest, fitted }
     }
 
     /// The bakes, from the levels and the seconds that each took, and the OEM's size and totals.

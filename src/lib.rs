@@ -6,7 +6,7 @@
 //! cube / panorama  --->  L*w and w per texel ---> energy, centroid,   --->   adaptive quadrature, bound
 //!       |                (w = solid angle)        covariance                      |
 //!       |                      |                                                  +--> query: any direction, roughness
-//!       |                      +----> exact 64-bit SAT ---> boxes                 +--> bake: a cube chain
+//!       |                      +----> exact 64-bit SAT ---> boxes, fitted lobes   +--> bake: a cube chain
 //!       +----> oracle: exhaustive integration, to check all of it by
 //! ```
 //!
@@ -17,9 +17,10 @@
 //! 3. [`sat`] and [`cpu::sat_scan`]: its summed-area table (SAT) in 64-bit fixed point, for boxes.
 //! 4. [`cpu::cells`]: a quadtree whose nodes know the first three moments of their energy.
 //! 5. [`cpu::adaptive`]: a [`lobe`] by the coarsest cells that are fine enough, with bounds from two-point distributions.
-//! 6. [`reflector`]: all of these for point queries; [`bake`]: for cube chains ([`chain`]), which [`io`] writes.
+//! 6. [`fitted`] and [`cpu::blur`], instead of 4 and 5: a GGX lobe by a few soft boxes and harmonics, found by [`fit`].
+//! 7. [`reflector`]: all of these for point queries; [`bake`]: for cube chains ([`chain`]), which [`io`] writes.
 //!
-//! `gpu` (feature `gpu`) runs steps 2 to 6 as compute passes, held to the CPU's results by the tests.
+//! `gpu` (feature `gpu`) runs steps 2 to 5 and 7 as compute passes, held to the CPU's results by the tests.
 //!
 //! [`oracle`] integrates exhaustively in double precision and shares no code with the engine but the maps of [`sphere`];
 //! [`compare`] measures a bake by it.
@@ -86,6 +87,8 @@ pub mod cpu;
 pub mod dfg;
 pub mod environment;
 pub mod error;
+pub mod fit;
+pub mod fitted;
 mod font;
 #[cfg(feature = "gpu")]
 pub mod gpu;

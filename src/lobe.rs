@@ -139,6 +139,32 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
     }
 }
 
+/// What convolution with the lobe, whose integral is made 1, leaves of harmonics of order 0 to 4: 2 pi times the integral
+/// over cos(theta) of the kernel times Legendre's polynomials. `alpha` in (0, 1]; exact to 1e-6 from 0.1 on.
+#[must_use]
+pub fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
+    // Midpoints in the logarithm of s + alpha^2, which GGX is flat in.
+    const COUNT: u32 = 1024;
+    let a2 = alpha * alpha;
+    let step = ((0.5 + a2) / a2).ln() / f64::from(COUNT);
+    let mut sums = [0.0; 5];
+    for k in 0..COUNT {
+        let shifted = a2 * ((f64::from(k) + 0.5) * step).exp();
+        let weight = kernel(lobe, alpha, shifted - a2) * shifted;
+        for (sum, value) in sums.iter_mut().zip(legendre(1.0 - 2.0 * (shifted - a2))) {
+            *sum += weight * value;
+        }
+    }
+    sums.map(|sum| sum / sums[0])
+}
+
+/// Legendre's polynomials of order 0 to 4 at `x`.
+#[must_use]
+pub fn legendre(x: f64) -> [f64; 5] {
+    let x2 = x * x;
+    [1.0, x, (3.0 * x2 - 1.0) / 2.0, (5.0 * x2 - 3.0) * x / 2.0, ((35.0 * x2 - 30.0) * x2 + 3.0) / 8.0]
+}
+
 /// Angle across the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX. Of a Charlie
 /// lobe, whose peak is a band, the angle across that.
 #[must_use]

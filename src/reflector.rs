@@ -4,15 +4,18 @@ use crate::bake::Filter;
 use crate::cpu::adaptive::{Adaptive, LANES, Packet, Scratch};
 use crate::cpu::box_filter::BoxFilter;
 use crate::cpu::cells::Cells;
+use crate::cpu::fitted::{Fitted, finest_octave};
 use crate::cpu::kernel::Kernel;
 use crate::cpu::tent::Reconstruction;
-use crate::cpu::{mirror, reparameterise};
+use crate::cpu::{blur, mirror, reparameterise};
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
+use crate::fitted::Table;
 use crate::lobe::Lobe;
 use crate::oem::{Oem, OemSize, bilinear_share};
 use crate::oracle::Oracle;
 use crate::sat::{Sat, Scan};
+use crate::sh;
 use glam::{DMat3, DVec3};
 use std::sync::OnceLock;
 
@@ -30,6 +33,8 @@ pub struct ReflectorSettings {
     /// The least roughness above 0 that will be asked of [`Filter::Adaptive`]: cells much finer than its lobe are
     /// not kept.
     pub sharpest: f64,
+    /// Whether [`Filter::Fitted`] will be asked for: the default size is rounded up to a power of two.
+    pub fitted: bool,
 }
 
 impl ReflectorSettings {
@@ -39,7 +44,10 @@ impl ReflectorSettings {
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
     pub fn plan(&self, layout: Layout) -> Result<(OemSize, u32)> {
         let border = self.border.unwrap_or(0);
-        let inner = self.oem_size.unwrap_or_else(|| default_oem_size(layout, border, self.sharpest));
+        let inner = self.oem_size.unwrap_or_else(|| {
+            let inner = default_oem_size(layout, border, self.sharpest);
+            if self.fitted { inner.next_power_of_two() } else { inner }
+        });
         if inner == 0 {
             return Err(Error::Parameter("an OEM of 0 texels: --oem-size must be at least 1".to_owned()));
         }
@@ -110,6 +118,7 @@ pub struct Reflector<'a> {
     constant: OnceLock<Cells>,
     bilinear: OnceLock<Cells>,
     sat: OnceLock<Sat>,
+    soft: OnceLock<SoftTables>,
     oracle: OnceLock<Oracle<'a>>,
 }
 
@@ -142,6 +151,7 @@ impl<'a> Reflector<'a> {
             constant: OnceLock::new(),
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
+            soft: OnceLock::new(),
             oracle: OnceLock::new(),
         }
     }
@@ -172,6 +182,15 @@ impl<'a> Reflector<'a> {
         cells.get_or_init(|| Cells::new(&self.oem, self.block, reconstruction))
     }
 
+    /// Blurred tables and harmonics, over an OEM that is a power of two wide.
+    fn soft(&self) -> &SoftTables {
+        self.soft.get_or_init(|| SoftTables {
+            blurred: (0..=finest_octave(self.oem.size().inner)).map(|_| OnceLock::new()).collect(),
+            harmonics: sh::table_harmonics(self.sat()),
+            least: self.oem.least_radiance(),
+        })
+    }
+
     fn oracle(&self) -> &Oracle<'a> {
         self.oracle.get_or_init(|| Oracle::new(self.environment))
     }
@@ -179,23 +198,26 @@ impl<'a> Reflector<'a> {
     /// Lobes of one family and roughness by one filter.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a roughness outside [0, 1], an adaptive error outside (0, 1), or a filter that the lobe
-    /// does not have.
+    /// [`Error::Parameter`] for a roughness outside [0, 1] or an adaptive error outside (0, 1), for a filter that the lobe
+    /// does not have, and for fitted lobes of a count of boxes that there is not or over an OEM that is no power of two
+    /// from 16 on.
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_, 'a>> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
-        if let Filter::Adaptive(error) = filter
-            && !(error > 0.0 && error < 1.0)
-        {
-            return Err(Error::Parameter(format!("adaptive:{error} is outside (0, 1)")));
-        }
-        filter.check(lobe)?;
+        filter.check(lobe, Some(self.oem.size().inner))?;
         let alpha = roughness * roughness;
         let mirror = lobe.has_mirror() && alpha < MIRROR_ALPHA;
         let method = match filter {
             Filter::Reference => Method::Reference(self.oracle(), lobe, roughness),
             Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),
+            Filter::Fitted(count) => {
+                let table = Table::of(count).expect("checked");
+                let SoftTables { blurred, harmonics, least } = self.soft();
+                let blurred =
+                    |octave| blurred[octave as usize].get_or_init(|| blur::blurred(self.sat(), octave));
+                Method::Fitted(Fitted::new(table, alpha, &self.oem, *least, &blurred, harmonics))
+            }
             Filter::Adaptive(_) if mirror => Method::Mirror(&self.oem, self.oem.least_radiance()),
             Filter::Adaptive(error) => {
                 let share = bilinear_share(lobe, alpha, self.oem.size().inner);
@@ -226,10 +248,20 @@ impl<'a> Reflector<'a> {
     }
 }
 
+/// What soft boxes are read from; blurred tables are made when first asked for.
+#[derive(Debug)]
+struct SoftTables {
+    /// By octave.
+    blurred: Vec<OnceLock<Sat>>,
+    harmonics: [[f64; 4]; 25],
+    least: Rgb,
+}
+
 #[derive(Debug)]
 enum Method<'r, 'e> {
     Adaptive { constant: Option<Adaptive<'r>>, bilinear: Option<Adaptive<'r>> },
     Box(BoxFilter<'r>),
+    Fitted(Fitted<'r>),
     Mirror(&'r Oem, Rgb),
     Reference(&'r Oracle<'e>, Lobe, f64),
 }
@@ -282,6 +314,9 @@ impl Lobes<'_, '_> {
             }
             Method::Box(filter) => {
                 answers.extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d))))
+            }
+            Method::Fitted(fitted) => {
+                answers.extend(directions.iter().map(|d| unbounded(fitted.radiance(source_from_world * *d))))
             }
             Method::Mirror(oem, least) => answers.extend(
                 directions.iter().map(|d| unbounded(mirror::radiance(oem, *least, source_from_world * *d))),

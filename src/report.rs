@@ -380,6 +380,7 @@ fn level_reports(
 pub fn filter_name(filter: Filter) -> String {
     match filter {
         Filter::Adaptive(error) => format!("adaptive:{error}"),
+        Filter::Fitted(count) => format!("fitted:{count}"),
         Filter::Box => "box".to_owned(),
         Filter::Reference => "reference".to_owned(),
     }

@@ -7,6 +7,7 @@
 use crate::cpu::sat_scan;
 use crate::oem::{Oem, OemSize};
 use glam::DVec2;
+use rayon::prelude::*;
 
 /// How a table is scanned; every choice gives the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -136,6 +137,34 @@ impl Sat {
         Self { size: oem.size(), fixed, entries }
     }
 
+    /// The table of `values`, row-major, one a texel of a square without a border, in units of `fixed`.
+    ///
+    /// # Panics
+    /// Where they are no square.
+    pub(crate) fn from_values(fixed: FixedPoint, values: Vec<[u64; 4]>) -> Self {
+        let inner = values.len().isqrt();
+        assert!(inner > 0 && inner * inner == values.len(), "texels of a square");
+        let mut entries = values;
+        sat_scan::sum_up(&mut entries, inner);
+        Self { size: OemSize { inner: inner as u32, border: 0 }, fixed, entries }
+    }
+
+    /// The table of the square without its border, `factor` x `factor` texels in one: every so many entries of this one.
+    ///
+    /// # Panics
+    /// Where `factor` does not divide the square's side.
+    pub(crate) fn coarsened(&self, factor: u32) -> Self {
+        let Self { size, fixed, .. } = *self;
+        assert!(size.inner.is_multiple_of(factor), "whole texels");
+        let inner = size.inner / factor;
+        let at = |k: u32| i64::from((k + 1) * factor);
+        let entries = (0..inner * inner)
+            .into_par_iter()
+            .map(|k| self.bordered_box(0, 0, at(k % inner), at(k / inner)))
+            .collect();
+        Self { size: OemSize { inner, border: 0 }, fixed, entries }
+    }
+
     /// Size of the OEM summed.
     #[must_use]
     pub const fn size(&self) -> OemSize {
@@ -184,6 +213,9 @@ impl Sat {
     #[must_use]
     pub fn plane_prefix(&self, x: i64, y: i64) -> [u64; 4] {
         let n = i64::from(self.size.inner);
+        if (0..=n).contains(&x) && (0..=n).contains(&y) {
+            return self.bordered_box(0, 0, x, y);
+        }
         let (i, x) = (x.div_euclid(n), x.rem_euclid(n));
         let (j, y) = (y.div_euclid(n), y.rem_euclid(n));
         let inside = |x: i64, y: i64| self.bordered_box(0, 0, x, y);

@@ -7,6 +7,8 @@
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::oracle::{SourceTexels, gauss_legendre};
+use crate::sat::Sat;
+use crate::sphere::octahedral::{direction_from_oct, texel_centre};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -106,6 +108,42 @@ pub fn basis(direction: DVec3) -> [f64; MAX_COUNT] {
         factor(315.0, 256.0) * (xx * xx - 6.0 * xx * yy + yy * yy),
     ]);
     all
+}
+
+/// Coefficients up to L4 of an OEM's radiance and of 1 (red, green, blue and solid angle), in the OEM's own space, from its
+/// table: texels of up to 1/128 in (u, v), each at its centre, which is 5e-5 off at most. Of the constant they say the
+/// same as of radiance, so that their quotient is exact.
+#[must_use]
+pub fn table_harmonics(sat: &Sat) -> [[f64; 4]; MAX_COUNT] {
+    let inner = sat.size().inner;
+    let grid = sat.coarsened(inner / inner.min(256));
+    let n = grid.size().inner;
+    let rows: Vec<[[f64; 4]; MAX_COUNT]> = (0..n)
+        .into_par_iter()
+        .map(|y| {
+            let mut sums = [[0.0; 4]; 25];
+            for x in 0..n {
+                let (left, top) = (i64::from(x), i64::from(y));
+                let energy = grid.fixed_point().values(grid.bordered_box(left, top, left + 1, top + 1));
+                let basis = basis(direction_from_oct(texel_centre(n, x, y)));
+                for (sums, basis) in sums.iter_mut().zip(basis) {
+                    for (sum, energy) in sums.iter_mut().zip(energy) {
+                        *sum += basis * energy;
+                    }
+                }
+            }
+            sums
+        })
+        .collect();
+    let mut total = [[0.0; 4]; 25];
+    for row in &rows {
+        for (total, sums) in total.iter_mut().zip(row) {
+            for (total, sum) in total.iter_mut().zip(sums) {
+                *total += sum;
+            }
+        }
+    }
+    total
 }
 
 /// Coefficients of `environment`'s radiance up to band `order` (at most [`MAX_ORDER`]), red, green and blue.

@@ -3,6 +3,7 @@
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use octagloss::Map;
 use octagloss::bake::{Filter, Ladder};
+use octagloss::fitted::COUNTS;
 use octagloss::io::layout::Unfolding;
 use octagloss::io::pixels::Pixel;
 use octagloss::lobe::Lobe;
@@ -157,10 +158,11 @@ pub(super) struct BakeArgs {
     /// horizon; it has no mirror, and below roughness 0.125 it is that of 0.125. It is the CPU's.
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: LobeArg,
-    /// adaptive:E, box or reference
+    /// adaptive:E, fitted:K, box or reference
     ///
     /// adaptive:E is quadrature with a certified bound, E in (0, 1) the relative RMS error aimed at; adaptive alone
-    /// is adaptive:0.005. box is the single box of the octahedron environment maps paper. reference integrates
+    /// is adaptive:0.005. fitted:K is the real-time tier, K soft boxes (1, 2, 4 or 8) and spherical harmonics fitted to
+    /// ggx; fitted alone is fitted:4. box is the single box of the octahedron environment maps paper. reference integrates
     /// exhaustively in double precision: slow, for auditing.
     #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
     pub(super) filter: Filter,
@@ -284,7 +286,7 @@ pub(super) struct QueryArgs {
     /// ggx, phong, cone, cosine or charlie
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: LobeArg,
-    /// adaptive:E, box or reference
+    /// adaptive:E, fitted:K, box or reference
     ///
     /// As in bake.
     #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
@@ -711,9 +713,14 @@ pub(super) fn filter(text: &str) -> Result<Filter, String> {
             Ok(error) if 0.0 < error && error < 1.0 => Ok(Filter::Adaptive(error)),
             _ => Err("the error of adaptive:E must be a number above 0 and below 1".to_owned()),
         },
+        ("fitted", None) => Ok(Filter::Fitted(4)),
+        ("fitted", Some(value)) => match value.parse() {
+            Ok(count) if COUNTS.contains(&count) => Ok(Filter::Fitted(count)),
+            _ => Err("the boxes of fitted:K must be 1, 2, 4 or 8".to_owned()),
+        },
         ("box", None) => Ok(Filter::Box),
         ("reference", None) => Ok(Filter::Reference),
-        _ => Err("there are adaptive:E, box and reference".to_owned()),
+        _ => Err("there are adaptive:E, fitted:K, box and reference".to_owned()),
     }
 }
 

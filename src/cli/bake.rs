@@ -333,6 +333,9 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
+    if let Err(error) = args.filter.check(args.lobe.into(), args.table.oem_size) {
+        return usage(error.to_string());
+    }
     if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
         let name = layout.name();
         if args.bounds {

@@ -369,6 +369,9 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
     plan.pixel = args.pixel.map_or(plan.pixel, Pixel::from);
     plan.flip = args.flip.map_or(plan.flip, Into::into);
     plan.diffuse = args.diffuse.map_or(plan.diffuse, Into::into);
+    if let Err(error) = args.filter.check(args.lobe.into(), args.table.oem_size) {
+        return usage(error.to_string());
+    }
     let cube = matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both);
     if args.irradiance.is_some() && !cube {
         match (args.diffuse, plan.diffuse) {

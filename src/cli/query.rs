@@ -29,11 +29,11 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         (_, Some(roughness)) => roughness,
         (_, None) => return usage("--roughness R is needed, R in [0, 1]"),
     };
-    if let Err(error) = args.filter.check(lobe) {
-        return usage(error.to_string());
-    }
     if args.bound && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bound needs --filter adaptive:E; the others certify nothing");
+    }
+    if let Err(error) = args.filter.check(lobe, args.table.oem_size) {
+        return usage(error.to_string());
     }
     let source = input::single_source(args.inputs, &args.input)?;
     let talk = Talk::new(args.quiet);
@@ -45,6 +45,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
             oem_size: args.table.oem_size,
             border: args.table.border,
             sharpest: lobe.served_roughness(roughness),
+            fitted: matches!(args.filter, Filter::Fitted(_)),
         };
         let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
         let query = Query { lobe, roughness, filter: args.filter };

@@ -6,8 +6,10 @@ pub mod sat_scan;
 
 pub mod adaptive;
 pub(crate) mod bake_level;
+pub mod blur;
 pub mod box_filter;
 pub mod cells;
+pub(crate) mod fitted;
 pub mod kernel;
 pub mod mirror;
 mod subtexel;

@@ -42,6 +42,18 @@ fn serial(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64;
     }
 }
 
+/// Sums `entries` up in place, `width` to a row.
+pub(crate) fn sum_up(entries: &mut [[u64; 4]], width: usize) {
+    for k in 0..entries.len() {
+        if k % width > 0 {
+            entries[k] = add(entries[k], entries[k - 1]);
+        }
+    }
+    for k in width..entries.len() {
+        entries[k] = add(entries[k], entries[k - width]);
+    }
+}
+
 /// Rows of a block: one block of one strip is a task, long enough to be worth handing over.
 const BLOCK_ROWS: usize = 32;
 

@@ -128,6 +128,7 @@ impl Engine {
         match filter {
             Filter::Adaptive(_) => CellTree::check_fits(&self.context, size.inner, block),
             Filter::Box => SatPlanes::check_fits(&self.context, size),
+            Filter::Fitted(_) => Err(cpu_s_own("fitted")),
             Filter::Reference => Ok(()),
         }
     }
@@ -164,6 +165,11 @@ impl Engine {
         let cells = [constant, bilinear].into_iter().filter_map(OnceLock::get).map(|(_, stage)| stage);
         Ok(std::iter::once(stage).chain(cells).cloned().chain(levels).collect())
     }
+}
+
+/// The error of a filter that runs on the CPU alone.
+fn cpu_s_own(filter: &str) -> Error {
+    Error::Parameter(format!("the {filter} filter is the CPU's: use --engine cpu"))
 }
 
 /// An environment's OEM on the GPU, ready to answer. Tables are built when first asked for.
@@ -276,16 +282,13 @@ impl<'a> Reflector<'a> {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
         check_lobe(lobe)?;
-        filter.check(lobe)?;
+        filter.check(lobe, None)?;
         let Engine { context, box_filter, adaptive, .. } = self.engine;
         let source_from_world = self.environment.source_from_world();
         let alpha = roughness * roughness;
         let error = match filter {
-            Filter::Reference => {
-                return Err(Error::Parameter(
-                    "the reference filter is the CPU's: use --engine cpu".to_owned(),
-                ));
-            }
+            Filter::Fitted(_) => return Err(cpu_s_own("fitted")),
+            Filter::Reference => return Err(cpu_s_own("reference")),
             Filter::Box => {
                 let directions: Vec<DVec3> = groups
                     .iter()
@@ -298,9 +301,6 @@ impl<'a> Reflector<'a> {
             }
             Filter::Adaptive(error) => error,
         };
-        if !(error > 0.0 && error < 1.0) {
-            return Err(Error::Parameter(format!("adaptive:{error} is outside (0, 1)")));
-        }
         if lobe.has_mirror() && alpha < SHARPEST_ALPHA {
             let oem = self.planes.read(context).await?;
             let reflector = crate::reflector::Reflector::over(self.environment, oem, self.block);

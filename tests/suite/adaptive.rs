@@ -288,13 +288,13 @@ fn one_wrong_texel_breaks_a_bound() {
 }
 
 /// A reflector of `environment` with an OEM of `inner` texels.
-fn reflector(environment: &Environment, inner: u32) -> Reflector<'_> {
+pub(crate) fn reflector(environment: &Environment, inner: u32) -> Reflector<'_> {
     let settings = ReflectorSettings { oem_size: Some(inner), ..ReflectorSettings::default() };
     Reflector::new(environment, &settings).expect("a small OEM")
 }
 
 /// Answers of one filter, direction by direction.
-fn ask(
+pub(crate) fn ask(
     reflector: &Reflector<'_>,
     lobe: Lobe,
     roughness: f64,
@@ -340,7 +340,7 @@ fn what_a_reflector_serves_is_what_it_says() {
 /// What the issue asks of a constant environment.
 pub(crate) const FURNACE: f64 = 1e-6;
 
-fn furnace_error(
+pub(crate) fn furnace_error(
     environment: &Environment,
     inner: u32,
     lobe: Lobe,
@@ -375,7 +375,7 @@ fn a_furnace_is_white() {
         for inner in [1, 3, 17, 64, 256] {
             for lobe in LOBES {
                 let filters = [Filter::Adaptive(0.005), Filter::Adaptive(0.1), Filter::Box];
-                for filter in filters.into_iter().filter(|filter| filter.check(lobe).is_ok()) {
+                for filter in filters.into_iter().filter(|filter| filter.check(lobe, None).is_ok()) {
                     let error = furnace_error(&furnace, inner, lobe, filter, &directions);
                     assert!(error <= FURNACE, "{layout:?} {inner} {lobe:?} {filter:?}: off by {error:e}");
                 }

@@ -125,7 +125,11 @@ fn usage_errors_exit_with_2_and_write_nothing() {
     let query = |more: &[&'static str]| [&["query", "sky.exr", "--directions", "d.csv"], more].concat();
     let cases: Vec<(Vec<&str>, &str)> = vec![
         (vec!["bake"], "<INPUT>"),
-        (bake(&["--filter", "fitted:4"]), "adaptive:E, box and reference"),
+        (bake(&["--filter", "gauss"]), "adaptive:E, fitted:K, box and reference"),
+        (bake(&["--filter", "fitted:3"]), "1, 2, 4 or 8"),
+        (bake(&["--filter", "fitted:4", "--lobe", "cone"]), "fitted to ggx"),
+        (bake(&["--filter", "fitted:4", "--oem-size", "96"]), "a power of two"),
+        (bake(&["--filter", "fitted:4", "--bounds"]), "--bounds needs"),
         (bake(&["--filter", "adaptive:0"]), "above 0 and below 1"),
         (bake(&["--filter", "adaptive:NaN"]), "above 0 and below 1"),
         (bake(&["--filter", "adaptive:1"]), "above 0 and below 1"),
@@ -176,6 +180,9 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (query(&["--roughness", "0.5", "--lobe", "cosine"]), "no roughness"),
         (query(&["--roughness", "0.5", "--filter", "box", "--bound"]), "--bound needs"),
         (query(&["--roughness", "0.5", "--filter", "box", "--lobe", "charlie"]), "adaptive:E"),
+        (query(&["--roughness", "0.5", "--filter", "fitted:16"]), "1, 2, 4 or 8"),
+        (query(&["--roughness", "0.5", "--filter", "fitted:2", "--lobe", "phong"]), "fitted to ggx"),
+        (query(&["--roughness", "0.5", "--filter", "fitted:2", "--oem-size", "8"]), "a power of two"),
         (query(&["more.exr", "--roughness", "0.5"]), "one environment"),
         (vec!["compare", "sky.exr"], "<B>"),
         (vec!["compare", "a", "b", "--texels", "0"], "above 0"),

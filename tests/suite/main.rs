@@ -11,6 +11,7 @@ mod cli_unchanged;
 mod common;
 mod containers;
 mod dfg;
+mod fitted;
 mod fuzz;
 #[cfg(feature = "gpu")]
 mod gpu;

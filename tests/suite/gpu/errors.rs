@@ -141,6 +141,7 @@ fn parameters_that_cannot_be_served_are_named() {
             (0.5, Filter::Adaptive(1.0)),
             (0.5, Filter::Adaptive(f64::NAN)),
             (0.5, Filter::Reference),
+            (0.5, Filter::Fitted(4)),
         ] {
             let outcome = wait_for(context, reflector.query(&up, Lobe::Ggx, roughness, filter));
             assert!(matches!(outcome, Err(Error::Parameter(_))), "{roughness} {filter:?}");

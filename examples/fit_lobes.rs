@@ -1,0 +1,31 @@
+//! Fits the parameters of the real-time tier: `cargo run --release --example fit_lobes K [FILE]` for K = 1, 2, 4 or 8 boxes
+//! writes the file in `src/fitted` that the library holds, or FILE. Takes one to ten minutes of two cores.
+
+use octagloss::fit::fit;
+use octagloss::fitted::Shape;
+use std::process::ExitCode;
+use std::time::Instant;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let name = match arguments.first().map(String::as_str) {
+        Some("1") => "one",
+        Some("2") => "two",
+        Some("4") => "four",
+        Some("8") => "eight",
+        _ => {
+            eprintln!("the first argument is the number of boxes: 1, 2, 4 or 8");
+            return ExitCode::from(2);
+        }
+    };
+    let path = arguments.get(1).cloned().unwrap_or_else(|| format!("src/fitted/{name}.bin"));
+    let shape = arguments[0].parse().ok().and_then(Shape::of).expect("one of them");
+    let start = Instant::now();
+    let tell = |done: &str| println!("{done} after {:.0} s", start.elapsed().as_secs_f64());
+    let table = fit(shape, &tell);
+    if let Err(error) = std::fs::write(&path, table.bytes()) {
+        eprintln!("{path}: {error}");
+        return ExitCode::FAILURE;
+    }
+    ExitCode::SUCCESS
+}

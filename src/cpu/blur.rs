@@ -1,0 +1,65 @@
+//! Tables of the OEM blurred by a tent, from its own table: what soft boxes are read from.
+
+use super::sat_scan::sum_up;
+use crate::sat::Sat;
+use rayon::prelude::*;
+
+/// Texels of a blurred table to half of its tent's width: between them a soft edge is off by 1/128 of its height at most.
+const TEXELS: u32 = 4;
+
+/// Texels of the grid that is blurred to half of the tent's width.
+const FINE_TEXELS: u32 = 16;
+
+/// The table of what `sat` sums, blurred by a tent of half-width 2^-`octave` in u and in v, in texels of about a quarter of
+/// that, none finer than its own.
+///
+/// The tent is a box applied twice, on the unfolded plane, in integers: radiance and solid angle lose less than one unit of
+/// fixed point to a texel, and the map's wrapping and the fixed point stay what they were.
+///
+/// `sat`'s square must be a power of two wide, and at least 4 * 2^`octave`.
+///
+/// # Panics
+/// Where it is not.
+#[must_use]
+pub fn blurred(sat: &Sat, octave: u32) -> Sat {
+    let inner = sat.size().inner;
+    assert!(inner.is_power_of_two() && inner >= 4 << octave, "a power of two, four texels to the tent");
+    // Half of the square's width is 1.
+    let size = |texels: u32| inner.min((2 * texels) << octave);
+    let n = size(FINE_TEXELS);
+    let grid = sat.coarsened(inner / n);
+    // The box, and the shift that divides by its texels.
+    let side = i64::from(n >> (octave + 1));
+    let shift = 2 * side.ilog2();
+    // Boxes around the corners of texels, as far out as boxes around texels reach to them: even widths have their middle at
+    // a corner, and a half-turn of the plane brings corners to corners.
+    let (first, corners) = (1 - side / 2, i64::from(n) + side - 1);
+    let at = |k: i64| (k % corners + first, k / corners + first);
+    let mut once: Vec<[u64; 4]> = (0..corners * corners)
+        .into_par_iter()
+        .map(|k| {
+            let (x, y) = at(k);
+            let sum = grid.plane_box(x - side / 2, y - side / 2, x + side / 2, y + side / 2);
+            sum.map(|channel| channel >> shift)
+        })
+        .collect();
+    sum_up(&mut once, corners as usize);
+    let prefix = |x: i64, y: i64| match (x, y) {
+        (0, _) | (_, 0) => [0; 4],
+        _ => once[((y - 1) * corners + x - 1) as usize],
+    };
+    let texels = i64::from(n);
+    let twice = (0..texels * texels)
+        .into_par_iter()
+        .map(|k| {
+            let (x, y) = (k % texels, k / texels);
+            let [a, b, c, d] =
+                [prefix(x, y), prefix(x + side, y), prefix(x, y + side), prefix(x + side, y + side)];
+            std::array::from_fn(|channel| {
+                let sum = d[channel].wrapping_sub(b[channel]).wrapping_sub(c[channel]);
+                sum.wrapping_add(a[channel]) >> shift
+            })
+        })
+        .collect();
+    Sat::from_values(grid.fixed_point(), twice).coarsened(n / size(TEXELS))
+}

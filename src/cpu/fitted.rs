@@ -1,0 +1,181 @@
+//! The real-time tier: GGX lobes as a few soft boxes and a zonal harmonic term, see [`crate::fitted`].
+
+use super::mirror;
+use crate::environment::Rgb;
+use crate::fitted::triangle::triangle_from_oct;
+use crate::fitted::{HARMONICS, KNOTS, OCTAVES, Table};
+use crate::lobe::{self, Lobe};
+use crate::oem::Oem;
+use crate::sat::Sat;
+use crate::sh::basis;
+use crate::sphere::octahedral::{oct_from_direction, solid_angle_density};
+use glam::{DVec2, DVec3};
+
+/// Roughness from which on harmonics join the boxes,
+const HARMONICS_FROM: f64 = 0.65;
+/// and from which on they are alone.
+const HARMONICS_ALONE: f64 = 0.75;
+
+/// The finest octave that is served: the parameters of the next, at roughness 0.1 to 0.14, are no better than a mirror's share.
+const FINEST: u32 = 6;
+
+/// The finest octave over an OEM of `inner` texels: blurs are at least four texels wide.
+#[must_use]
+pub(crate) fn finest_octave(inner: u32) -> u32 {
+    (inner / 4).ilog2().min(FINEST)
+}
+
+/// The octaves around one alpha, and what each counts.
+///
+/// The octave that alpha lies in and, in its first quarter, the next finer one fading out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Octaves {
+    pub(crate) own: u32,
+    /// The share of the next finer octave.
+    pub(crate) finer: f64,
+}
+
+impl Octaves {
+    /// Those around `alpha`, of those up to `finest`.
+    pub(crate) fn around(alpha: f64, finest: u32) -> Self {
+        let [first, .., last] = KNOTS;
+        let own = (first - alpha.log2()).ceil().clamp(f64::from(*OCTAVES.start()), f64::from(finest)) as u32;
+        let position = alpha.log2() + f64::from(own);
+        let finer = if own < finest { 1.0 - smooth((position - first) / (last - first - 1.0)) } else { 0.0 };
+        Self { own, finer }
+    }
+}
+
+/// 0 below 0, 1 above 1, smooth between.
+fn smooth(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// GGX lobes of one alpha by one table of parameters.
+#[derive(Debug)]
+pub(crate) struct Fitted<'a> {
+    oem: &'a Oem,
+    least: Rgb,
+    /// The share of the mirror.
+    mirror: f64,
+    table: &'static Table,
+    /// The sharpest alpha that the tables resolve, or the lobe's own.
+    alpha: f64,
+    /// Octaves and their shares; none where harmonics are alone.
+    parts: Vec<(u32, f64)>,
+    /// Blurred tables, by octave; those that are read.
+    blurred: Vec<Option<&'a Sat>>,
+    harmonics: &'a [[f64; 4]; 25],
+    /// What each order of them counts where they are alone, their share in it.
+    alone: [f64; HARMONICS],
+}
+
+impl<'a> Fitted<'a> {
+    /// Lobes of `alpha` in [0, 1] over `oem`, a power of two and at least 16 texels wide; `blurred` is its table, blurred by a
+    /// tent of half-width 2^-octave.
+    pub(crate) fn new(
+        table: &'static Table,
+        alpha: f64,
+        oem: &'a Oem,
+        least: Rgb,
+        blurred: &dyn Fn(u32) -> &'a Sat,
+        harmonics: &'a [[f64; 4]; 25],
+    ) -> Self {
+        let finest = finest_octave(oem.size().inner);
+        // A lobe sharper than the finest blur is that blur's lobe and a mirror, in shares that run into both smoothly: the tail of
+        // a lobe is proportional to alpha^2.
+        let sharpest = (KNOTS[0] - f64::from(finest)).exp2();
+        let square = (alpha / sharpest).min(1.0).powi(2);
+        let share = square * (2.0 - square);
+        let alpha = alpha.max(sharpest);
+        let alone = smooth((alpha.sqrt() - HARMONICS_FROM) / (HARMONICS_ALONE - HARMONICS_FROM));
+        let mut parts = Vec::new();
+        let mut read = vec![None; finest as usize + 1];
+        if alone < 1.0 && share > 0.0 {
+            let Octaves { own, finer } = Octaves::around(alpha, finest);
+            let shares = [(own, (1.0 - alone) * (1.0 - finer)), (own + 1, (1.0 - alone) * finer)];
+            parts.extend(shares.into_iter().filter(|(_, share)| *share > 0.0));
+            for (octave, _) in &parts {
+                for wider in table.shape().wider {
+                    let octave = octave - wider;
+                    read[octave as usize] = Some(blurred(octave));
+                }
+            }
+        }
+        let weights = lobe::zonal_weights(Lobe::Ggx, alpha).map(|weight| alone * weight);
+        Self {
+            oem,
+            least,
+            mirror: 1.0 - share,
+            table,
+            alpha,
+            parts,
+            blurred: read,
+            harmonics,
+            alone: weights,
+        }
+    }
+
+    /// Radiance of the lobe around `direction` (unit, of the OEM's space).
+    pub(crate) fn radiance(&self, direction: DVec3) -> Rgb {
+        let mut sum = [0.0; 3];
+        let mut add = |share: f64, [r, g, b, w]: [f64; 4]| {
+            for (sum, value) in sum.iter_mut().zip([r, g, b]) {
+                // Harmonics ring: behind a sun they are negative.
+                *sum += share * (value / w).max(0.0);
+            }
+        };
+        if self.mirror < 1.0 {
+            // What each order of harmonics is here.
+            let mut orders = [[0.0; 4]; HARMONICS];
+            for (k, (basis, coefficients)) in basis(direction).iter().zip(self.harmonics).enumerate() {
+                for (order, coefficient) in orders[k.isqrt()].iter_mut().zip(coefficients) {
+                    *order += basis * coefficient;
+                }
+            }
+            let uv = oct_from_direction(direction);
+            for (octave, share) in &self.parts {
+                add((1.0 - self.mirror) * share, self.boxes(*octave, uv, &orders));
+            }
+            // The first weight is the share itself.
+            if self.alone[0] > 0.0 {
+                add((1.0 - self.mirror) * self.alone[0], weighted(&self.alone, &orders));
+            }
+        }
+        if self.mirror > 0.0 {
+            for (sum, value) in sum.iter_mut().zip(mirror::radiance(self.oem, self.least, direction)) {
+                *sum += self.mirror * f64::from(value);
+            }
+        }
+        sum.map(|value| value as f32)
+    }
+
+    /// Energies and solid angle of the kernel of `octave` around `uv`.
+    fn boxes(&self, octave: u32, uv: DVec2, orders: &[[f64; 4]; HARMONICS]) -> [f64; 4] {
+        let (point, fold) = triangle_from_oct(uv);
+        let density = solid_angle_density(uv);
+        let mut sum = [0.0; 4];
+        let weights = self.table.kernel(octave, self.alpha, point, |soft| {
+            let table = self.blurred[soft.octave as usize].expect("made with the lobe");
+            let scale = f64::from(table.size().inner) / 2.0;
+            let centre = uv + fold.oct_from_triangle(soft.offset);
+            let half = fold.oct_from_triangle(soft.half).abs();
+            let energy = table.fractional_box((centre - half + 1.0) * scale, (centre + half + 1.0) * scale);
+            let height = soft.mass / (4.0 * half.x * half.y * density);
+            for (sum, energy) in sum.iter_mut().zip(energy) {
+                *sum += height * energy;
+            }
+        });
+        for (sum, value) in sum.iter_mut().zip(weighted(&weights, orders)) {
+            *sum += value;
+        }
+        sum
+    }
+}
+
+fn weighted(weights: &[f64; HARMONICS], orders: &[[f64; 4]; HARMONICS]) -> [f64; 4] {
+    std::array::from_fn(|channel| {
+        weights.iter().zip(orders).map(|(weight, order)| weight * order[channel]).sum()
+    })
+}

@@ -1,0 +1,203 @@
+//! The real-time tier's parameters: GGX lobes as a few soft boxes and a zonal harmonic term.
+//!
+//! ```text
+//! direction ---> triangle ---> parameters ---> K soft boxes ---> energy and w of each, from a blurred table
+//!                (16-fold)     of 3 nodes                            |
+//! roughness ---> octave ------ x 2 knots ----> 5 weights ----> orders 0 to 4 of the harmonics
+//!                                                                    |
+//!                                                     sum of energies / sum of w
+//! ```
+//!
+//! A soft box is a box read from the table of the OEM blurred by a tent ([`crate::cpu::blur`]), one table an octave of alpha:
+//! four entries at integer edges, as any box, and none of a box's hard edges. Harmonics to order 4 carry GGX's long tail.
+//! The kernel of boxes of masses m, half-widths h and of weights c is
+//!
+//! ```text
+//! K(l) = sum over boxes of m / (4 hu hv rho) * soft box(l)  +  sum over orders n of c_n (2n + 1)/4pi P_n(l.R)
+//! ```
+//!
+//! with rho the solid angle of a unit of (u, v) at R. It is applied to L and to 1, and the quotient is the answer: a constant
+//! stays one. Negative answers (harmonics ring behind a sun) become 0.
+//!
+//! Parameters are linear between nodes: 78 in the triangle of directions to which the map's sixteen symmetries bring every
+//! other ([`triangle`]), 4 in each of six octaves of alpha. Octaves overlap by a quarter, in which one fades into the
+//! next; from roughness 0.65 to 0.75 boxes fade into harmonics alone; a lobe sharper than the finest blur, that of octave 6 or the one two
+//! texels of the OEM wide, is that blur's lobe in the share t (2 - t), t the square of alpha over its alpha, and the mirror for the rest.
+//! So the answer is continuous in direction and roughness, down to the mirror.
+//!
+//! [`crate::fit`] tells how the parameters are found.
+
+pub mod triangle;
+
+use glam::DVec2;
+use half::f16;
+use std::sync::LazyLock;
+use triangle::{NODES, Place, place};
+
+/// Counts of boxes that there are.
+pub const COUNTS: [u32; 4] = [1, 2, 4, 8];
+
+/// Parameters of a soft box: root of its mass, centre (in half-widths of its own, from the lobe's), log2 of its half-widths
+/// in units of alpha.
+pub const BOX_PARAMETERS: usize = 5;
+
+/// Weights of the harmonics of order 0 to 4.
+pub const HARMONICS: usize = 5;
+
+/// Octaves of alpha with parameters of their own: octave k, of blurs 2^-k wide, serves alpha from 1.2 times that on.
+pub const OCTAVES: std::ops::RangeInclusive<u32> = 2..=7;
+
+/// Positions in an octave that are tabulated: log2 of alpha over the blur's half-width.
+pub const KNOTS: [f64; 4] = [0.25, 2.0 / 3.0, 3.25 / 3.0, 1.5];
+
+/// What is fitted for one count of boxes.
+#[derive(Debug)]
+pub struct Shape {
+    /// How many octaves wider than its octave's own blur each box's is.
+    pub wider: &'static [u32],
+    /// The box that each box becomes in the mirrors v = 0, u = v and u + v = 1. Lobes are longest across u = v, so boxes
+    /// stand there in pairs; at the other two each is its own image, which was the best of all ways to pair them.
+    pub mirrors: [&'static [usize]; 3],
+}
+
+static ONE: Shape = Shape { wider: &[0], mirrors: [&[0], &[0], &[0]] };
+static TWO: Shape = Shape { wider: &[0, 0], mirrors: [&[0, 1], &[1, 0], &[0, 1]] };
+static FOUR: Shape = Shape { wider: &[0, 0, 1, 1], mirrors: [&[0, 1, 2, 3], &[1, 0, 3, 2], &[0, 1, 2, 3]] };
+static EIGHT: Shape = Shape {
+    wider: &[0, 0, 0, 0, 1, 1, 1, 1],
+    mirrors: [&[0, 1, 2, 3, 4, 5, 6, 7], &[1, 0, 3, 2, 5, 4, 7, 6], &[0, 1, 2, 3, 4, 5, 6, 7]],
+};
+
+impl Shape {
+    /// The shape of `count` boxes; `None` where there is none.
+    #[must_use]
+    pub fn of(count: u32) -> Option<&'static Self> {
+        let place = COUNTS.iter().position(|other| *other == count)?;
+        Some([&ONE, &TWO, &FOUR, &EIGHT][place])
+    }
+
+    /// Number of boxes.
+    #[must_use]
+    pub const fn boxes(&self) -> usize {
+        self.wider.len()
+    }
+
+    /// Number of parameters: those of each box, then the harmonics' weights.
+    #[must_use]
+    pub const fn parameters(&self) -> usize {
+        BOX_PARAMETERS * self.boxes() + HARMONICS
+    }
+}
+
+/// Fitted parameters of one shape.
+#[derive(Debug)]
+pub struct Table {
+    shape: &'static Shape,
+    /// By octave, knot, node and parameter.
+    values: Vec<f32>,
+}
+
+/// A soft box in the plane of the triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct SoftBox {
+    /// What it holds of the lobe, about: masses and the weight of order 0 sum to nearly 1.
+    pub mass: f64,
+    /// Its centre, from the lobe's.
+    pub offset: DVec2,
+    /// Its half-widths.
+    pub half: DVec2,
+    /// Octave of its blur: a tent of half-width 2^-octave.
+    pub octave: u32,
+}
+
+impl Table {
+    /// The table of `count` boxes; `None` where there is none.
+    #[must_use]
+    pub fn of(count: u32) -> Option<&'static Self> {
+        static TABLES: [LazyLock<Table>; 4] = [
+            LazyLock::new(|| Table::read(&ONE, include_bytes!("one.bin"))),
+            LazyLock::new(|| Table::read(&TWO, include_bytes!("two.bin"))),
+            LazyLock::new(|| Table::read(&FOUR, include_bytes!("four.bin"))),
+            LazyLock::new(|| Table::read(&EIGHT, include_bytes!("eight.bin"))),
+        ];
+        let place = COUNTS.iter().position(|other| *other == count)?;
+        Some(&TABLES[place])
+    }
+
+    /// A table of `values` by octave, knot, node and parameter.
+    ///
+    /// # Panics
+    /// Where they are not as many as `shape` has.
+    #[must_use]
+    pub fn new(shape: &'static Shape, values: Vec<f32>) -> Self {
+        assert_eq!(values.len(), OCTAVES.count() * KNOTS.len() * NODES * shape.parameters(), "parameters");
+        Self { shape, values }
+    }
+
+    fn read(shape: &'static Shape, bytes: &[u8]) -> Self {
+        let halves = bytes.chunks_exact(2).map(|two| f16::from_le_bytes([two[0], two[1]]));
+        Self::new(shape, halves.map(f16::to_f32).collect())
+    }
+
+    /// Its bytes in a file: half floats, little-endian.
+    #[must_use]
+    pub fn bytes(&self) -> Vec<u8> {
+        self.values.iter().flat_map(|value| f16::from_f32(*value).to_le_bytes()).collect()
+    }
+
+    /// What it was fitted for.
+    #[must_use]
+    pub const fn shape(&self) -> &'static Shape {
+        self.shape
+    }
+
+    /// All parameters, by octave, knot, node and parameter.
+    #[must_use]
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// The kernel at `point` of the triangle for `alpha`, by the parameters of `octave`: its boxes through `visit`, and the
+    /// weights of the harmonics.
+    ///
+    /// # Panics
+    /// Where `octave` is none of [`OCTAVES`].
+    pub fn kernel(
+        &self,
+        octave: u32,
+        alpha: f64,
+        point: DVec2,
+        mut visit: impl FnMut(SoftBox),
+    ) -> [f64; HARMONICS] {
+        assert!(OCTAVES.contains(&octave), "octave {octave} was fitted");
+        let position = alpha.log2() + f64::from(octave);
+        let parameters = self.parameters(octave, position, &place(point));
+        let (boxes, harmonics) = parameters.split_at(BOX_PARAMETERS * self.shape.boxes());
+        for (parameters, wider) in boxes.chunks_exact(BOX_PARAMETERS).zip(self.shape.wider) {
+            let [root, cu, cv, lu, lv] = *parameters else { unreachable!("five to a box") };
+            let half = DVec2::new(lu, lv).exp2() * alpha;
+            let offset = DVec2::new(cu, cv) * half;
+            visit(SoftBox { mass: root * root, offset, half, octave: octave - wider });
+        }
+        std::array::from_fn(|order| harmonics[order])
+    }
+
+    /// Parameters at `place` and `position` in `octave`; positions beyond the last knot have its parameters.
+    fn parameters(&self, octave: u32, position: f64, place: &Place) -> Vec<f64> {
+        let count = self.shape.parameters();
+        let along = ((position - KNOTS[0]) / (KNOTS[1] - KNOTS[0])).clamp(0.0, (KNOTS.len() - 1) as f64);
+        let knot = (along as usize).min(KNOTS.len() - 2);
+        let along = along - knot as f64;
+        let first = (octave - OCTAVES.start()) as usize * KNOTS.len();
+        let mut sums = vec![0.0; count];
+        for (knot, share) in [(knot, 1.0 - along), (knot + 1, along)] {
+            for (node, share_of_node) in place.nodes.iter().zip(place.shares) {
+                let at = ((first + knot) * NODES + node) * count;
+                for (sum, value) in sums.iter_mut().zip(&self.values[at..at + count]) {
+                    *sum += share * share_of_node * f64::from(*value);
+                }
+            }
+        }
+        sums
+    }
+}
