@@ -62,12 +62,17 @@ impl ReflectorSettings {
             });
         }
         // Cells of less than a third of the sharpest lobe's alpha: a texel is at least 2/n wide.
-        let alpha = self.sharpest * self.sharpest;
+        let alpha = self.sharpest.min(KINKED).powi(2);
         let finest = alpha / 3.4 * f64::from(inner) / 2.0;
         let block = if finest >= 2.0 { 1 << (finest.log2() as u32).min(6) } else { 1 };
         Ok((OemSize { inner, border }, block))
     }
 }
+
+/// However wide a lobe is, its edges, its kink at the horizon and a Charlie lobe's point around R are sharp: cells are kept
+/// as for a peak of this roughness. Measured, with hdr/sky.exr's sun beside the horizon of a lobe of roughness 1: 0.4 % off,
+/// where cells for that alone leave 2.3 %.
+const KINKED: f64 = 0.2;
 
 /// An OEM resolves a lobe whose alpha is this many of its texels (2/n wide where they are narrowest).
 const TEXELS_PER_ALPHA: f64 = 8.5;

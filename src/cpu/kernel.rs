@@ -141,6 +141,9 @@ pub(super) trait Radial: Copy {
     /// sharp bounds from mean and variance ask for.
     const SMOOTH: bool;
 
+    /// Whether what the kink at the horizon leaves open is told apart from the rest.
+    const SPLIT: bool = true;
+
     /// k at `s`.
     fn value(self, s: f32) -> f32;
 
@@ -358,6 +361,7 @@ impl Charlie {
 
 impl Radial for Charlie {
     const SMOOTH: bool = true;
+    const SPLIT: bool = false;
 
     #[inline(always)]
     fn value(self, s: f32) -> f32 {
@@ -376,10 +380,6 @@ impl Radial for Charlie {
         let (p, x) = (self.power, 2.0 * s);
         let third = p * (p - 1.0) * self.rise(x) * (((p - 2.0) - (p + 1.0) * x).abs() + 1.0);
         (third / (3.0 * x * x * x)).abs()
-    }
-
-    fn kink(self) -> f32 {
-        2.0
     }
 
     fn spread(self, low: f32, high: f32) -> f32 {
@@ -571,7 +571,7 @@ pub(super) fn expected_error<R: Radial>(
     let apart = ((0.5 - 0.25 * (distance * distance + trace)).abs() - 0.5 * distance * packet).max(0.0);
     let bent = 0.5 * variance / ((variance + apart * apart).sqrt() + apart).max(1e-12);
     let bent = kernel.kink() * bent.min(over);
-    if reach < 0.5 * scale { third + bent } else { certain }
+    if (reach < 0.5 * scale) & (R::SPLIT | (over == 0.0)) { third + bent } else { certain }
 }
 
 /// Width of the interval between the extremes of k, for cells whose centroid is not known exactly.
