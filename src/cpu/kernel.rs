@@ -177,11 +177,11 @@ pub(super) trait Radial: Copy {
         0.0
     }
 
-    /// k''' over 24 around `s`, in magnitude, where k is `value`.
+    /// |k'''|/24 around `s`, where k is `value`, times a third `moment`; neither is without the other what float32 holds.
     #[inline(always)]
-    fn jerk(self, s: f32, value: f32) -> f32 {
+    fn third_order(self, s: f32, value: f32, moment: f32) -> f32 {
         let scale = self.scale(s);
-        value / (scale * scale * scale)
+        value * moment / (scale * scale * scale)
     }
 
     /// The mean of k over a cell of unit energy, see [`interval`].
@@ -375,11 +375,11 @@ impl Radial for Charlie {
     }
 
     #[inline(always)]
-    fn jerk(self, s: f32, _: f32) -> f32 {
+    fn third_order(self, s: f32, _: f32, moment: f32) -> f32 {
         // p (p - 1) x^(p-3) (p - 2 - (p + 1) x) of x, away from the last factor's zero.
         let (p, x) = (self.power, 2.0 * s);
         let third = p * (p - 1.0) * self.rise(x) * (((p - 2.0) - (p + 1.0) * x).abs() + 1.0);
-        (third / (3.0 * x * x * x)).abs()
+        (third / (3.0 * x * x * x)).abs() * moment
     }
 
     fn spread(self, low: f32, high: f32) -> f32 {
@@ -560,8 +560,8 @@ pub(super) fn expected_error<R: Radial>(
     let scale = kernel.scale(s);
     let reach = 0.25 * radius * (2.0 * worst + radius);
     // The third-order term E|s - mean|^3 |k'''|/6, while the series makes sense; else what is certain.
-    let jerk = kernel.jerk(s, interval.estimate);
-    let third = 0.25 * (along + 0.25 * trace * radius * radius) * reach * jerk;
+    let moment = 0.25 * (along + 0.25 * trace * radius * radius) * reach;
+    let third = kernel.third_order(s, interval.estimate, moment);
     let certain = 0.25 * (interval.greatest - interval.least);
     // And what the kink leaves open, for the direction that has it nearest: all that lies between Scarf's bound and
     // Jensen's, for such errors have one sign and add up; no more than what reaches over the horizon.
