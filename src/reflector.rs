@@ -61,11 +61,15 @@ impl ReflectorSettings {
                 remedy: "choose --oem-size and --border to make at most 16384".to_owned(),
             });
         }
+        Ok((OemSize { inner, border }, self.block(inner)))
+    }
+
+    /// Texels along an edge of the finest cells of an OEM of `inner` texels.
+    pub(crate) fn block(&self, inner: u32) -> u32 {
         // Cells of less than a third of the sharpest lobe's alpha: a texel is at least 2/n wide.
         let alpha = self.sharpest.min(KINKED).powi(2);
         let finest = alpha / 3.4 * f64::from(inner) / 2.0;
-        let block = if finest >= 2.0 { 1 << (finest.log2() as u32).min(6) } else { 1 };
-        Ok((OemSize { inner, border }, block))
+        if finest >= 2.0 { 1 << (finest.log2() as u32).min(6) } else { 1 }
     }
 }
 

@@ -148,14 +148,14 @@ impl CellTree {
         &self.quads
     }
 
-    /// Whether the tree over `inner` x `inner` texels in blocks of `block`, and their moments, fit.
-    pub(super) fn check_fits(context: &Context, inner: u32, block: u32) -> Result<()> {
-        let tents = |inner: u64| TENT * inner.div_ceil(2).pow(2);
-        let quads = |inner: u64| QUAD * u64::from(levels_over(inner.div_ceil(u64::from(block)) as u32).1);
-        let bytes = |inner: u64| tents(inner).max(quads(inner));
+    /// Whether the tree over `inner` x `inner` texels in blocks that `block` gives for them, and their moments, fit.
+    pub(super) fn check_fits(context: &Context, inner: u32, block: impl Fn(u32) -> u32) -> Result<()> {
+        let tents = |inner: u32| TENT * u64::from(inner.div_ceil(2)).pow(2);
+        let quads = |inner: u32| QUAD * u64::from(levels_over(inner.div_ceil(block(inner))).1);
+        let bytes = |inner: u32| tents(inner).max(quads(inner));
         let what = format!("a tree of cells over {inner} x {inner} texels");
-        context.fits(&what, bytes(inner.into()), |available| {
-            let fitting = (1..inner.into()).rev().find(|inner| bytes(*inner) <= available);
+        context.fits(&what, bytes(inner), |available| {
+            let fitting = (1..inner).rev().find(|inner| bytes(*inner) <= available);
             format!("choose --oem-size at most {}, or --engine cpu", fitting.unwrap_or(0))
         })
     }
@@ -200,7 +200,7 @@ impl BuildCells {
     ) -> Result<(Stage, CellTree)> {
         assert!(block > 0, "blocks of at least one texel");
         let Table { inner, .. } = oem.table();
-        CellTree::check_fits(context, inner, block)?;
+        CellTree::check_fits(context, inner, |_| block)?;
         let cells = inner.div_ceil(block);
         let (levels, count) = levels_over(cells);
         let bytes = QUAD * u64::from(count);

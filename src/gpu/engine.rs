@@ -124,9 +124,9 @@ impl Engine {
         settings: &ReflectorSettings,
         filter: Filter,
     ) -> Result<()> {
-        let (size, block) = settings.plan(environment.layout())?;
+        let (size, _) = settings.plan(environment.layout())?;
         match filter {
-            Filter::Adaptive(_) => CellTree::check_fits(&self.context, size.inner, block),
+            Filter::Adaptive(_) => CellTree::check_fits(&self.context, size.inner, |n| settings.block(n)),
             Filter::Box => SatPlanes::check_fits(&self.context, size),
             Filter::Fitted(_) => Err(cpu_s_own("fitted")),
             Filter::Reference => Ok(()),
