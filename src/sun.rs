@@ -339,6 +339,15 @@ pub(crate) fn beside(size: u32, face: cube::Face, x: i64, y: i64) -> usize {
 mod tests {
     use super::*;
 
+    const LAYOUTS: [Layout; 3] = [
+        Layout::Panorama { width: 128, height: 64 },
+        Layout::Cube { size: 32 },
+        Layout::Octahedral { size: 64 },
+    ];
+
+    /// The poles, the panorama's seam, a cube's corner and edge, an octahedral fold.
+    const PLACES: [DVec3; 5] = [DVec3::Y, DVec3::NEG_Y, DVec3::NEG_X, DVec3::ONE, DVec3::new(1.0, 0.0, 1.0)];
+
     /// Sky of 1 with a sun of 1000 where `direction` is within `degrees` of `centre`.
     fn sky(layout: Layout, centre: DVec3, degrees: f64) -> Environment {
         let grid = Grid(layout);
@@ -349,14 +358,8 @@ mod tests {
 
     #[test]
     fn a_sun_is_found_across_every_kind_of_edge() {
-        let layouts = [
-            Layout::Panorama { width: 128, height: 64 },
-            Layout::Cube { size: 32 },
-            Layout::Octahedral { size: 64 },
-        ];
-        let places = [DVec3::Y, DVec3::NEG_Y, DVec3::NEG_X, DVec3::ONE, DVec3::new(1.0, 0.0, 1.0)];
-        for layout in layouts {
-            for place in places.map(DVec3::normalize) {
+        for layout in LAYOUTS {
+            for place in PLACES.map(DVec3::normalize) {
                 let sun = Sun::find(&sky(layout, place, 8.0)).expect("a sun");
                 let whole = std::f64::consts::TAU * (1.0 - 8_f64.to_radians().cos());
                 assert!(sun.direction.dot(place) > 0.9995, "{layout:?} {place}: {}", sun.direction);
@@ -377,15 +380,8 @@ mod tests {
 
     #[test]
     fn what_is_taken_out_and_what_stays_are_the_whole() {
-        let layouts = [
-            Layout::Panorama { width: 128, height: 64 },
-            Layout::Cube { size: 32 },
-            Layout::Octahedral { size: 64 },
-        ];
-        // The poles, the panorama's seam, a cube's corner and edge, an octahedral fold.
-        let places = [DVec3::Y, DVec3::NEG_Y, DVec3::NEG_X, DVec3::ONE, DVec3::new(1.0, 0.0, 1.0)];
-        for layout in layouts {
-            for place in places.map(DVec3::normalize) {
+        for layout in LAYOUTS {
+            for place in PLACES.map(DVec3::normalize) {
                 // A sun with a glow over a sky that brightens to one side, each channel its own.
                 let grid = Grid(layout);
                 let texels: Vec<Rgb> = (0..layout.texel_count())

@@ -1,10 +1,11 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
-use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg, OutLayoutArg, PixelArg};
+use super::args::{BakeArgs, EngineArgs, InputArgs};
 use super::engine::{Baker, Engine};
 use super::input::{self, Opened, Source};
 use super::output::{Encoding, Extras, Outputs, Stored, SunFile};
 use super::talk::{self, Talk};
+use super::values::{FormatArg, LayoutArg, LobeArg, OutLayoutArg, PixelArg};
 use super::{Failure, Outcome, bake_targets, on_threads, print, unchanged, usage};
 use anyhow::anyhow;
 use blake3::Hash;
@@ -333,9 +334,6 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
-    if let Err(error) = args.filter.check(args.lobe.into(), args.table.oem_size) {
-        return usage(error.to_string());
-    }
     if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
         let name = layout.name();
         if args.bounds {
@@ -391,7 +389,7 @@ fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
             output()
         ));
     }
-    let several = args.inputs.len() > 1 && args.input.layout != super::args::LayoutArg::Faces;
+    let several = args.inputs.len() > 1 && args.input.layout != LayoutArg::Faces;
     if let (true, Some(_)) = (several, named) {
         return usage(format!("several inputs are written into a folder; {} names a file", output()));
     }

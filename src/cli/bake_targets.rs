@@ -1,12 +1,13 @@
 //! `octagloss bake --target`: the files that engines expect, in a folder for each environment.
 
-use super::args::{BakeArgs, EngineArgs, FormatArg, InputArgs, LobeArg};
+use super::args::{BakeArgs, EngineArgs, InputArgs};
 use super::bake::{Told, compress, container};
 use super::engine::Engine;
 use super::input::{self, Opened, Source};
 use super::output::{Stored, SunFile, cube_told, json_text, metadata};
 use super::talk::{self, Talk};
 use super::unchanged::{self, REPORT};
+use super::values::{FormatArg, LayoutArg, LobeArg};
 use super::{Failure, Outcome, on_threads, print, usage};
 use anyhow::anyhow;
 use blake3::Hash;
@@ -79,7 +80,7 @@ impl Work {
             plans.push(planned(Plan::new(target), &args)?);
         }
         let (options, sun) = (unchanged::options(&args, ""), SunFile::asked(&args));
-        let several = args.inputs.len() > 1 && args.input.layout != super::args::LayoutArg::Faces;
+        let several = args.inputs.len() > 1 && args.input.layout != LayoutArg::Faces;
         if several && args.name.is_some() {
             return usage("--name names one environment; several inputs were given");
         }

@@ -1,6 +1,7 @@
 //! `octagloss bench`: how long the stages take, as JSON. Ratios within one run are what counts.
 
-use super::args::{BenchArgs, EngineArg};
+use super::args::BenchArgs;
+use super::values::EngineArg;
 use super::{Outcome, on_threads, print};
 use octagloss::bake::{BakeSettings, Filter, Ladder, bake};
 use octagloss::cpu::reparameterise::oem_from_environment;

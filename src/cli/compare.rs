@@ -1,8 +1,9 @@
 //! `octagloss compare`: how far a bake is from its source or from another bake.
 
-use super::args::{CompareArgs, InputArgs, Texels};
+use super::args::{CompareArgs, InputArgs};
 use super::input::{self, is_chain_file, ktx2_text, read_bake};
 use super::talk::Talk;
+use super::values::Texels;
 use super::{Outcome, on_threads, print, usage};
 use anyhow::anyhow;
 use image::RgbImage;

@@ -1,7 +1,8 @@
 //! `octagloss dfg`: the table of what rough surfaces reflect of white.
 
-use super::args::{DfgArgs, DfgFormArg};
+use super::args::DfgArgs;
 use super::talk::{self, Talk};
+use super::values::DfgFormArg;
 use super::{Outcome, usage};
 use octagloss::dfg::{DfgForm, dfg_table};
 use octagloss::io::exr_write::{Attribute, Samples, exr_bytes};

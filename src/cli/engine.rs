@@ -1,7 +1,8 @@
 //! What computes: the CPU, or an adapter.
 
-use super::args::{EngineArg, EngineArgs};
+use super::args::EngineArgs;
 use super::talk::Talk;
+use super::values::EngineArg;
 use super::{Outcome, usage};
 use glam::DVec3;
 use octagloss::Environment;

@@ -1,7 +1,8 @@
 //! Inputs: which files make one environment, and reading them.
 
-use super::args::{InputArgs, LayoutArg};
+use super::args::InputArgs;
 use super::talk::Talk;
+use super::values::LayoutArg;
 use super::{Outcome, usage};
 use octagloss::chain::CubeChain;
 use octagloss::io::{self, LayoutChoice, ReadOptions, Repairs};

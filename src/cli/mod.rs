@@ -18,6 +18,7 @@ mod query;
 mod synth;
 mod talk;
 mod unchanged;
+mod values;
 
 use args::{Args, Command};
 use clap::Parser as _;

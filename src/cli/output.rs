@@ -1,8 +1,9 @@
 //! Outputs of a bake: where they go, and writing them.
 
-use super::args::{BakeArgs, FormatArg, OutLayoutArg};
+use super::args::BakeArgs;
 use super::input::Opened;
 use super::unchanged::{self, REPORT, fingerprint};
+use super::values::{FormatArg, OutLayoutArg};
 use blake3::Hash;
 use octagloss::bake::{Bake, BakeSettings, Rung};
 use octagloss::chain::{CubeChain, CubeLevel};

@@ -205,8 +205,7 @@ impl<'a> Adaptive<'a> {
     /// Lobes of `kernel` to a relRMSE of `error` over the sphere.
     #[must_use]
     pub fn new(cells: &'a Cells, kernel: Kernel, error: f64) -> Self {
-        let share = leaf_share(error) * kernel.leaf_share();
-        let tolerance = share * cells.mean_luminance * kernel.integral;
+        let tolerance = kernel.tolerance_per_mean(error) * cells.mean_luminance;
         Self { cells, kernel, tolerance, scale: 1.0, arch: pulp::Arch::new() }
     }
 

@@ -1,5 +1,6 @@
 //! Lobes as the engine evaluates them: float32 kernels of s = |l - R|^2/4, with intervals for cells of energy.
 
+use super::adaptive::leaf_share;
 use crate::lobe::{self, Lobe};
 use std::f64::consts::PI;
 
@@ -79,9 +80,9 @@ impl Kernel {
         Self { shape, integral: lobe::kernel_integral(lobe, alpha), width, leaf_share }
     }
 
-    /// A leaf's share of the tolerance, in relation to that of lobes with a peak.
-    pub(super) const fn leaf_share(&self) -> f64 {
-        self.leaf_share
+    /// What a leaf may be expected to be off by for a relRMSE of `error`, in units of the kernel, times the mean radiance.
+    pub(crate) fn tolerance_per_mean(&self, error: f64) -> f64 {
+        leaf_share(error) * self.leaf_share * self.integral
     }
 
     /// The kernel's integral over the sphere.

@@ -3,7 +3,7 @@
 use super::cells::CellTree;
 use super::stage::Dispatch;
 use super::{Context, Stage, readback, shader};
-use crate::cpu::adaptive::{LANES, leaf_share};
+use crate::cpu::adaptive::LANES;
 use crate::cpu::kernel::Kernel;
 use crate::error::{Error, Result};
 use crate::reflector::Answer;
@@ -127,7 +127,7 @@ impl Part<'_> {
             shape,
             first,
             second,
-            tolerance_per_mean: (leaf_share(error) * kernel.integral()) as f32,
+            tolerance_per_mean: kernel.tolerance_per_mean(error) as f32,
             share: share as f32,
             per_integral: (share / kernel.integral()) as f32,
             // As on the CPU, with divisions of 2.5 units, square roots and exponentials of a few dozen, and pieces of

@@ -132,52 +132,49 @@ pub struct Target {
 
 use Content::{Env, Glb, Irradiance, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox, Specular};
 
+/// This program's own conventions, which the other rows depart from.
+const GENERIC: Target = Target {
+    name: "generic",
+    reader: "this program's own conventions",
+    container: Container::Ktx2,
+    pixel: Pixel::F16,
+    map: Map::Cube,
+    size: 256,
+    last_size: 1,
+    ladder: Ladder::Linear,
+    flip: Flip::None,
+    quarter_turns: 0,
+    diffuse: Diffuse::None,
+    irradiance_size: 32,
+    sh_scale: ShScale::Radiance,
+    files: &[
+        FileSpec { path: "specular.{ext}", content: Specular },
+        FileSpec { path: "irradiance.{ext}", content: Irradiance },
+        FileSpec { path: "sh.json", content: ShJson },
+    ],
+    verified: Some("this program"),
+};
+
 /// The presets.
 pub const TARGETS: [Target; 12] = [
-    Target {
-        name: "generic",
-        reader: "this program's own conventions",
-        container: Container::Ktx2,
-        pixel: Pixel::F16,
-        map: Map::Cube,
-        size: 256,
-        last_size: 1,
-        ladder: Ladder::Linear,
-        flip: Flip::None,
-        quarter_turns: 0,
-        diffuse: Diffuse::None,
-        irradiance_size: 32,
-        sh_scale: ShScale::Radiance,
-        files: &[
-            FileSpec { path: "specular.{ext}", content: Specular },
-            FileSpec { path: "irradiance.{ext}", content: Irradiance },
-            FileSpec { path: "sh.json", content: ShJson },
-        ],
-        verified: Some("this program"),
-    },
+    GENERIC,
     // Cube textures are looked up with x negated unless they are render targets (WebGLMaterials.js); a prefiltered
     // cube runs down to 8 texels and its last level is the irradiance (PMREMGenerator.js, LOD_MIN, and
     // envmap_physical_pars_fragment.glsl.js); LightProbe takes radiance coefficients.
     Target {
         name: "three",
         reader: "three.js from r187, as a PMREM",
-        container: Container::Ktx2,
-        pixel: Pixel::F16,
-        map: Map::Cube,
-        size: 256,
         last_size: 8,
         ladder: Ladder::Filament,
         flip: Flip::X,
-        quarter_turns: 0,
         diffuse: Diffuse::Sh,
-        irradiance_size: 32,
-        sh_scale: ShScale::Radiance,
         files: &[
             FileSpec { path: "{name}_pmrem.{ext}", content: Specular },
             FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: Some("three 0.187"),
+        ..GENERIC
     },
     // Names, formats and the key `sh` as cmgen --deploy --format=ktx has them (tools/cmgen/src/cmgen.cpp).
     Target {
@@ -185,14 +182,9 @@ pub const TARGETS: [Target; 12] = [
         reader: "Filament's IndirectLight and Skybox",
         container: Container::Ktx1,
         pixel: Pixel::R11g11b10,
-        map: Map::Cube,
-        size: 256,
         last_size: 16,
         ladder: Ladder::Filament,
-        flip: Flip::None,
-        quarter_turns: 0,
         diffuse: Diffuse::Sh,
-        irradiance_size: 32,
         sh_scale: ShScale::Filament,
         files: &[
             FileSpec { path: "{name}_ibl.{ext}", content: Specular },
@@ -201,43 +193,30 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "sh.txt", content: ShText },
         ],
         verified: Some("filament 1.53 (npm)"),
+        ..GENERIC
     },
     // z is negated at every look-up, roughness runs linearly over all levels, and the diffuse cube is multiplied by
     // the diffuse colour alone (crates/bevy_pbr/src/light_probe/environment_map.wesl).
     Target {
         name: "bevy",
         reader: "Bevy's EnvironmentMapLight",
-        container: Container::Ktx2,
         pixel: Pixel::Rgb9e5,
-        map: Map::Cube,
-        size: 256,
-        last_size: 1,
-        ladder: Ladder::Linear,
         flip: Flip::Z,
-        quarter_turns: 0,
         diffuse: Diffuse::Cube,
-        irradiance_size: 32,
-        sh_scale: ShScale::Radiance,
         files: &[
             FileSpec { path: "{name}_specular.{ext}", content: Specular },
             FileSpec { path: "{name}_diffuse.{ext}", content: Irradiance },
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: None,
+        ..GENERIC
     },
     // floor(log2(size)) levels, half floats, directions as they are (lib/source/lib.cpp and lib/shaders/filter.frag);
     // folders as in the repository glTF-Sample-Environments.
     Target {
         name: "khronos",
         reader: "what reads the glTF IBL Sampler's files",
-        container: Container::Ktx2,
-        pixel: Pixel::F16,
-        map: Map::Cube,
-        size: 256,
         last_size: 2,
-        ladder: Ladder::Linear,
-        flip: Flip::None,
-        quarter_turns: 0,
         diffuse: Diffuse::Cube,
         irradiance_size: 64,
         sh_scale: ShScale::Irradiance,
@@ -248,22 +227,15 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "sh.json", content: ShJson },
         ],
         verified: None,
+        ..GENERIC
     },
     // The border is the program's own convention; the files say it in their metadata.
     Target {
         name: "oem",
         reader: "whoever reads bordered octahedral maps",
-        container: Container::Ktx2,
-        pixel: Pixel::F16,
         map: Map::Octahedral,
         size: 512,
         last_size: 16,
-        ladder: Ladder::Linear,
-        flip: Flip::None,
-        quarter_turns: 0,
-        diffuse: Diffuse::None,
-        irradiance_size: 32,
-        sh_scale: ShScale::Radiance,
         files: &[
             FileSpec { path: "{name}_oem.{ext}", content: Oem },
             FileSpec { path: "oem.wgsl", content: Reader },
@@ -273,43 +245,31 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: Some("its own readers"),
+        ..GENERIC
     },
     // alpha = 2^(level/0.8)/size (Materials/Textures/Filtering/hdrFiltering.ts); left-handed scenes, into which glTF is
     // turned with x negated (loaders/src/glTF/2.0/glTFLoader.ts, __root__).
     Target {
         name: "babylon",
         reader: "Babylon.js's CubeTexture, left-handed scenes",
-        container: Container::Ktx2,
         pixel: Pixel::Rgbd,
-        map: Map::Cube,
-        size: 256,
-        last_size: 1,
         ladder: Ladder::Babylon,
         flip: Flip::X,
-        quarter_turns: 0,
-        diffuse: Diffuse::None,
-        irradiance_size: 32,
-        sh_scale: ShScale::Radiance,
         files: &[FileSpec { path: "{name}_ibl.env", content: Env }],
         verified: Some("babylonjs 9.34"),
+        ..GENERIC
     },
     // See gltf.rs.
     Target {
         name: "gltf-ext",
         reader: "glTF with EXT_lights_image_based",
-        container: Container::Ktx2,
         pixel: Pixel::Rgbd,
-        map: Map::Cube,
-        size: 256,
         last_size: 16,
-        ladder: Ladder::Linear,
         flip: Flip::X,
-        quarter_turns: 0,
-        diffuse: Diffuse::None,
-        irradiance_size: 32,
         sh_scale: ShScale::Irradiance,
         files: &[FileSpec { path: "{name}_ibl.glb", content: Glb }],
         verified: None,
+        ..GENERIC
     },
     // Six steps of r (1.7 - 0.7 r) (ImageBasedLighting.hlsl, PerceptualRoughnessToMipmapLevel); left-handed, glTF comes in
     // with x negated (glTFast). A cube imported with Convolution Type None keeps its own levels.
@@ -317,77 +277,55 @@ pub const TARGETS: [Target; 12] = [
         name: "unity",
         reader: "Unity's cubemap import, Convolution Type None",
         container: Container::Dds,
-        pixel: Pixel::F16,
-        map: Map::Cube,
-        size: 256,
         last_size: 4,
         ladder: Ladder::Unity,
         flip: Flip::X,
-        quarter_turns: 0,
-        diffuse: Diffuse::None,
-        irradiance_size: 32,
-        sh_scale: ShScale::Radiance,
         files: &[
             FileSpec { path: "{name}_specular.{ext}", content: Specular },
             FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: None,
+        ..GENERIC
     },
     // u = (1 + atan2(X, -Z)/pi)/2 in coordinates whose y and z are exchanged (TextureCompressorModule.cpp, LookupLongLat and
     // TransformSideToWorldSpace); glTF's (x, y, z) comes in as (x, z, y). The engine filters by itself.
     Target {
         name: "unreal",
         reader: "Unreal's sky light, from a long-lat cube",
-        container: Container::Ktx2,
         pixel: Pixel::F32,
         map: Map::Panorama,
         size: 1024,
         last_size: 1024,
-        ladder: Ladder::Linear,
-        flip: Flip::None,
         quarter_turns: 1,
-        diffuse: Diffuse::None,
-        irradiance_size: 32,
-        sh_scale: ShScale::Radiance,
         files: &[FileSpec { path: "{name}_panorama.hdr", content: Panorama }],
         verified: None,
+        ..GENERIC
     },
     // u = atan(x, -z)/2 pi (servers/rendering/renderer_rd/shaders/environment/sky.glsl). The engine filters by itself.
     Target {
         name: "godot",
         reader: "Godot's PanoramaSkyMaterial",
-        container: Container::Ktx2,
         pixel: Pixel::F32,
         map: Map::Panorama,
         size: 1024,
         last_size: 1024,
-        ladder: Ladder::Linear,
-        flip: Flip::None,
         quarter_turns: 3,
-        diffuse: Diffuse::None,
-        irradiance_size: 32,
-        sh_scale: ShScale::Radiance,
         files: &[FileSpec { path: "{name}_panorama.exr", content: Panorama }],
         verified: None,
+        ..GENERIC
     },
     // u = 1/2 - atan2(y, x)/2 pi (intern/cycles/kernel/camera/projection.h); glTF's (x, y, z) comes in as (x, -z, y).
     Target {
         name: "blender",
         reader: "Blender's environment texture",
-        container: Container::Ktx2,
         pixel: Pixel::F32,
         map: Map::Panorama,
         size: 1024,
         last_size: 1024,
-        ladder: Ladder::Linear,
-        flip: Flip::None,
-        quarter_turns: 0,
-        diffuse: Diffuse::None,
-        irradiance_size: 32,
-        sh_scale: ShScale::Radiance,
         files: &[FileSpec { path: "{name}_panorama.exr", content: Panorama }],
         verified: None,
+        ..GENERIC
     },
 ];
 

@@ -1,6 +1,6 @@
 // Babylon.js: .env (RGBD in PNG) as scene.environmentTexture of a left-handed scene, where the engine's own glTF loader
 // has x negated.
-import { EYES, relativeError } from './pictures.mjs';
+import { EYES, relativeError, spherePixels } from './pictures.mjs';
 
 // Levels of 256 texels whose roughness is below 1: alpha = 2^(level/0.8)/256.
 const LEVELS = [2, 3, 4, 5, 6];
@@ -9,23 +9,10 @@ const roughnessOf = (level) => Math.sqrt(2 ** (level / 0.8) / 256);
 const TOLERANCE = 0.02;
 
 const turned = ([x, y, z]) => [-x, y, z];
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
-// Pixels of the unit sphere seen from `eye` without its rim: index, normal and mirrored view, in the world of glTF.
-function pixelsOf({ size, right, up }, eye, step) {
-    const pixels = [];
-    for (let j = step >> 1; j < size; j += step) {
-        for (let i = step >> 1; i < size; i += step) {
-            const [x, y] = [(2 * i + 1) / size - 1, (2 * j + 1) / size - 1];
-            const rr = x * x + y * y;
-            if (rr > 0.8) continue;
-            const normal = [0, 1, 2].map((c) => right[c] * x + up[c] * y + eye[c] * Math.sqrt(1 - rr));
-            const mirrored = normal.map((n, c) => 2 * dot(normal, eye) * n - eye[c]);
-            pixels.push({ at: j * size + i, normal: turned(normal), mirrored: turned(mirrored) });
-        }
-    }
-    return pixels;
-}
+// What the engine's camera, whose axes the picture tells, sees of the unit sphere, in the world of glTF.
+const pixelsOf = ({ size, right, up }, eye, step) => spherePixels(size, eye, step, [right, up]).map(
+    ({ at, normal, mirrored }) => ({ at, normal: turned(normal), mirrored: turned(mirrored) }));
 
 export async function checkBabylon({ open, bake, query, diffuse, tell }) {
     bake('babylon', ['--target', 'babylon']);

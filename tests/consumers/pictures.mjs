@@ -5,11 +5,15 @@ const add = (a, s, b) => a.map((v, c) => v + s * b[c]);
 const unit = (a) => a.map((v) => v / Math.hypot(...a));
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
+// To the right and upwards for whoever looks from `eye` (a unit vector) at the origin.
+function axesOf(eye) {
+    const right = unit(cross(Math.abs(eye[1]) > 0.9 ? [0, 0, 1] : [0, 1, 0], eye));
+    return [right, cross(eye, right)];
+}
+
 // Pixels of an orthographic view of the unit sphere from `eye` (a unit vector), rows upwards: index, normal and
 // mirrored view direction. The rim, where a pixel covers many normals, is left out.
-export function spherePixels(size, eye, step) {
-    const right = unit(cross(Math.abs(eye[1]) > 0.9 ? [0, 0, 1] : [0, 1, 0], eye));
-    const up = cross(eye, right);
+export function spherePixels(size, eye, step, [right, up] = axesOf(eye)) {
     const pixels = [];
     for (let j = step >> 1; j < size; j += step) {
         for (let i = step >> 1; i < size; i += step) {
