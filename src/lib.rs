@@ -111,6 +111,8 @@ pub mod sun;
 pub mod survey;
 pub mod synth;
 pub mod target;
+#[cfg(feature = "view")]
+pub mod view;
 
 pub use environment::{Environment, Layout, Map, Rgb};
 pub use error::{Error, Result};

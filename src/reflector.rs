@@ -17,6 +17,7 @@ use crate::oracle::Oracle;
 use crate::sat::{Sat, Scan};
 use crate::sh;
 use glam::{DMat3, DVec3};
+use std::borrow::Cow;
 use std::sync::OnceLock;
 
 /// Lobes of a smaller alpha than this are served as mirrors: float32 resolves no sharper one, and beyond a texel even of
@@ -120,7 +121,7 @@ pub fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
 /// An environment's OEM and tables, ready to answer. Tables are built when first asked for.
 #[derive(Debug)]
 pub struct Reflector<'a> {
-    environment: &'a Environment,
+    environment: Cow<'a, Environment>,
     oem: Oem,
     /// Texels along an edge of the finest cells.
     block: u32,
@@ -128,7 +129,6 @@ pub struct Reflector<'a> {
     bilinear: OnceLock<Cells>,
     sat: OnceLock<Sat>,
     soft: OnceLock<SoftTables>,
-    oracle: OnceLock<Oracle<'a>>,
 }
 
 /// The answer to a query.
@@ -151,8 +151,22 @@ impl<'a> Reflector<'a> {
         Ok(Self::over(environment, reparameterise::oem_from_environment(environment, size)?, block))
     }
 
+    /// [`Reflector::new`] for an environment that the reflector keeps.
+    ///
+    /// # Errors
+    /// Those of [`Reflector::new`].
+    pub fn owning(environment: Environment, settings: &ReflectorSettings) -> Result<Reflector<'static>> {
+        let (size, block) = settings.plan(environment.layout())?;
+        let oem = reparameterise::oem_from_environment(&environment, size)?;
+        Ok(Reflector::of(Cow::Owned(environment), oem, block))
+    }
+
     /// A reflector over an OEM that is there already, with cells down to `block` texels.
-    pub(crate) fn over(environment: &'a Environment, oem: Oem, block: u32) -> Self {
+    pub(crate) const fn over(environment: &'a Environment, oem: Oem, block: u32) -> Self {
+        Self::of(Cow::Borrowed(environment), oem, block)
+    }
+
+    const fn of(environment: Cow<'a, Environment>, oem: Oem, block: u32) -> Self {
         Self {
             environment,
             oem,
@@ -161,14 +175,13 @@ impl<'a> Reflector<'a> {
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
             soft: OnceLock::new(),
-            oracle: OnceLock::new(),
         }
     }
 
     /// The environment.
     #[must_use]
-    pub const fn environment(&self) -> &'a Environment {
-        self.environment
+    pub fn environment(&self) -> &Environment {
+        &self.environment
     }
 
     /// The OEM, in the source's own space.
@@ -200,17 +213,13 @@ impl<'a> Reflector<'a> {
         })
     }
 
-    fn oracle(&self) -> &Oracle<'a> {
-        self.oracle.get_or_init(|| Oracle::new(self.environment))
-    }
-
     /// Lobes of one family and roughness by one filter.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a roughness outside [0, 1] or an adaptive error outside (0, 1), for a filter that the lobe
     /// does not have, and for fitted lobes of a count of boxes that there is not or over an OEM that is no power of two
     /// from 16 on.
-    pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_, 'a>> {
+    pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
@@ -218,7 +227,7 @@ impl<'a> Reflector<'a> {
         let alpha = roughness * roughness;
         let mirror = lobe.has_mirror() && alpha < MIRROR_ALPHA;
         let method = match filter {
-            Filter::Reference => Method::Reference(self.oracle(), lobe, roughness),
+            Filter::Reference => Method::Reference(Oracle::new(&self.environment), lobe, roughness),
             Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),
             Filter::Fitted(count) => {
                 let table = Table::of(count).expect("checked");
@@ -267,19 +276,19 @@ struct SoftTables {
 }
 
 #[derive(Debug)]
-enum Method<'r, 'e> {
+enum Method<'r> {
     Adaptive { constant: Option<Adaptive<'r>>, bilinear: Option<Adaptive<'r>> },
     Box(BoxFilter<'r>),
     Fitted(Fitted<'r>),
     Mirror(&'r Oem, Rgb),
-    Reference(&'r Oracle<'e>, Lobe, f64),
+    Reference(Oracle<'r>, Lobe, f64),
 }
 
 /// Lobes of one family, roughness and filter over a reflector.
 #[derive(Debug)]
-pub struct Lobes<'r, 'e> {
+pub struct Lobes<'r> {
     source_from_world: DMat3,
-    method: Method<'r, 'e>,
+    method: Method<'r>,
 }
 
 /// Buffers of evaluations, one a thread.
@@ -292,7 +301,7 @@ pub struct Workspace {
     pub packets: u64,
 }
 
-impl Lobes<'_, '_> {
+impl Lobes<'_> {
     /// Appends the answer for each of `directions` (unit vectors of the world). Directions near one another go
     /// together, up to [`LANES`] share one walk.
     pub fn evaluate(&self, directions: &[DVec3], workspace: &mut Workspace, answers: &mut Vec<Answer>) {

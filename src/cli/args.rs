@@ -42,6 +42,9 @@ pub(super) enum Command {
     Synth(SynthArgs),
     /// Write the table of what rough surfaces reflect of white
     Dfg(DfgArgs),
+    /// Look at glossy objects, in a window or as a picture
+    #[cfg(feature = "view")]
+    View(Box<super::view::ViewArgs>),
 }
 
 /// How input files are read.

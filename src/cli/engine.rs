@@ -11,6 +11,8 @@ use octagloss::Error;
 use octagloss::bake::{Bake, BakeSettings, Filter, Progress, bake_all};
 use octagloss::lobe::Lobe;
 use octagloss::reflector::{Answer, Reflector, ReflectorSettings, Workspace};
+#[cfg(feature = "gpu")]
+use octagloss::wgpu;
 use rayon::prelude::*;
 use std::cell::OnceCell;
 
@@ -56,6 +58,34 @@ fn or_on_cpu<T>(
     }
 }
 
+/// The first of `adapters` that has `name` in its own.
+#[cfg(feature = "gpu")]
+fn adapter_called<'a>(adapters: &'a [wgpu::Adapter], name: &str) -> octagloss::Result<&'a wgpu::Adapter> {
+    let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+    let place = names.iter().position(|other| other.to_lowercase().contains(&name.to_lowercase()));
+    place.map(|place| &adapters[place]).ok_or_else(|| {
+        let there = if names.is_empty() {
+            "there are none".to_owned()
+        } else {
+            format!("there are: {}", names.join(", "))
+        };
+        Error::Gpu(format!("no adapter is called {name}; {there}"))
+    })
+}
+
+/// The adapter called `name`, or the best there is.
+#[cfg(feature = "view")]
+pub(super) fn any_adapter(name: Option<&str>) -> Outcome<wgpu::Adapter> {
+    let adapters = octagloss::gpu::block_on(None, octagloss::gpu::adapters())?;
+    let adapter = match name {
+        Some(name) => adapter_called(&adapters, name)?,
+        None => adapters
+            .first()
+            .ok_or_else(|| Error::Gpu("no adapter; install a Vulkan driver, such as Mesa's".to_owned()))?,
+    };
+    Ok(adapter.clone())
+}
+
 impl EngineArgs {
     /// Options that contradict each other.
     pub(super) fn check(&self) -> Outcome {
@@ -80,7 +110,6 @@ impl EngineArgs {
     pub(super) fn choose(&self, talk: &Talk) -> Outcome<Engine> {
         use octagloss::gpu::context::{adapters, describe, is_hardware, may_have_hardware};
         use octagloss::gpu::{Context, block_on, engine};
-        use octagloss::wgpu;
 
         if self.engine == EngineArg::Cpu {
             return Ok(Engine::Cpu);
@@ -93,29 +122,15 @@ impl EngineArgs {
             return on_cpu();
         }
         let adapters = block_on(None, adapters())?;
-        let names = || {
-            let all: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
-            if all.is_empty() {
-                "there are none".to_owned()
-            } else {
-                format!("there are: {}", all.join(", "))
-            }
-        };
-        let wanted = |adapter: &&wgpu::Adapter| match &self.adapter {
-            Some(name) => adapter.get_info().name.to_lowercase().contains(&name.to_lowercase()),
-            None => self.engine == EngineArg::Gpu || is_hardware(&adapter.get_info()),
-        };
-        let Some(adapter) = adapters.iter().find(wanted) else {
-            return match (&self.adapter, self.engine) {
-                (Some(name), _) => {
-                    Err(Error::Gpu(format!("no adapter is called {name}; {}", names())).into())
-                }
-                (None, EngineArg::Gpu) => {
-                    Err(Error::Gpu("no adapter; use --engine cpu or install a Vulkan driver".to_owned())
-                        .into())
-                }
-                (None, _) => on_cpu(),
-            };
+        let adapter = match (&self.adapter, self.engine) {
+            (Some(name), _) => adapter_called(&adapters, name)?,
+            (None, EngineArg::Gpu) => adapters.first().ok_or_else(|| {
+                Error::Gpu("no adapter; use --engine cpu or install a Vulkan driver".to_owned())
+            })?,
+            (None, _) => match adapters.iter().find(|adapter| is_hardware(&adapter.get_info())) {
+                Some(adapter) => adapter,
+                None => return on_cpu(),
+            },
         };
         let may_fall_back = self.engine == EngineArg::Auto;
         let opened =

@@ -19,6 +19,8 @@ mod synth;
 mod talk;
 mod unchanged;
 mod values;
+#[cfg(feature = "view")]
+mod view;
 
 use args::{Args, Command};
 use clap::Parser as _;
@@ -87,6 +89,8 @@ fn run(command: Command) -> Outcome {
         Command::Bench(args) => bench::run(args),
         Command::Synth(args) => synth::run(args),
         Command::Dfg(args) => dfg::run(args),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(*args),
     }
 }
 
@@ -95,7 +99,7 @@ fn refuse(error: &clap::Error) -> Outcome {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => usage(
-            "a subcommand is missing: bake, query, info, compare, bench, synth or dfg; see octagloss --help",
+            "a subcommand is missing: bake, query, info, compare, bench, synth, dfg or view; see octagloss --help",
         ),
         _ => {
             let text = error.render().to_string();

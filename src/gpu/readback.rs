@@ -28,3 +28,31 @@ pub async fn read<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) ->
     let view = staging.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
     Ok(bytemuck::pod_collect_to_vec(&view))
 }
+
+/// The first level of a two-dimensional `texture` whose texels are `T`, row-major.
+///
+/// # Errors
+/// [`Error::Gpu`] where the device fails.
+///
+/// # Panics
+/// Where the texture's texels are not as large as `T`.
+pub async fn read_texture<T: bytemuck::Pod>(context: &Context, texture: &wgpu::Texture) -> Result<Vec<T>> {
+    let size = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
+    let texel = size_of::<T>() as u32;
+    assert_eq!(texture.format().block_copy_size(None), Some(texel), "texels of {:?}", texture.format());
+    let row = texel * size.width;
+    let pitch = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = context.storage("texture read back", u64::from(pitch) * u64::from(size.height));
+    context.submit(|encoder| {
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(pitch), rows_per_image: None };
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            size,
+        );
+    });
+    let bytes: Vec<u8> = read(context, &buffer).await?;
+    let rows = bytes.chunks_exact(pitch as usize);
+    Ok(rows.flat_map(|padded| bytemuck::pod_collect_to_vec::<u8, T>(&padded[..row as usize])).collect())
+}

@@ -45,6 +45,12 @@ pub const FILES: &[(&str, &str)] = &files![
     "sat_f32.wgsl",
     "sat_hensley.wgsl",
     "sat_scan.wgsl",
+    "view/box.wgsl",
+    "view/draw.wgsl",
+    "view/levels.wgsl",
+    "view/present.wgsl",
+    "view/scene.wgsl",
+    "view/truth.wgsl",
 ];
 
 /// The text of `path` with its includes, each file once, before what includes it.
@@ -76,7 +82,7 @@ fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
 }
 
 /// The module of file `path`.
-pub(super) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
+pub(crate) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
     context.device().create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(path),
         source: wgpu::ShaderSource::Wgsl(source(path).into()),

@@ -1,0 +1,50 @@
+// The viewer by single boxes, and its pictures of the tables.
+@group(1) @binding(0) var<uniform> octagloss_table: OctaglossTable;
+@group(1) @binding(1) var octagloss_low: texture_2d<u32>;
+@group(1) @binding(2) var octagloss_high: texture_2d<u32>;
+#include "common/sat.wgsl"
+#include "view/draw.wgsl"
+
+fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32> {
+    return octagloss_ggx(direction, roughness);
+}
+
+// Where a pixel lies in a square as high as the picture: 0 to 1, beyond outside of it.
+fn place_in_square(pixel: vec2<f32>) -> vec2<f32> {
+    let side = min(frame.size.x, frame.size.y);
+    return (pixel - 0.5 * (frame.size - side)) / side;
+}
+
+fn in_square(place: vec2<f32>) -> bool {
+    return all(place >= vec2<f32>(0.0)) && all(place < vec2<f32>(1.0));
+}
+
+@fragment
+fn oem(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    let place = place_in_square(at.xy);
+    if !in_square(place) {
+        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+    }
+    let n = f32(octagloss_table.inner);
+    let texel = vec2<i32>(place * n);
+    let light = floats_from_sum(plane_box(texel, texel + 1));
+    return exposed(light);
+}
+
+// The mean radiance of the box from the upper left corner.
+@fragment
+fn sat(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    let place = place_in_square(at.xy);
+    if !in_square(place) {
+        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+    }
+    let corner = vec2<i32>(place * f32(octagloss_table.inner)) + 1;
+    return exposed(floats_from_sum(square_prefix(corner.x, corner.y)));
+}
+
+fn exposed(sum: vec4<f32>) -> vec4<f32> {
+    let up = octagloss_table.exponents.a - octagloss_table.exponents.rgb;
+    let light = vec3<f32>(
+        scale_by_power(sum.r, up.r), scale_by_power(sum.g, up.g), scale_by_power(sum.b, up.b)) / sum.a;
+    return vec4<f32>(min(light * frame.exposure, vec3<f32>(GREATEST)), 1.0);
+}

@@ -1,0 +1,104 @@
+// The viewer's pictures: linear and exposed, or the samples themselves. What includes this gives
+// `fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>`, `direction` being the source's.
+#include "view/scene.wgsl"
+
+// Half floats end there.
+const GREATEST = 65504.0;
+
+struct Corner {
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+}
+
+struct Surface {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+}
+
+// One triangle over everything.
+@vertex
+fn cover(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    let corner = vec2<f32>(f32((index << 1u) & 2u), f32(index & 2u));
+    return vec4<f32>(corner * 2.0 - 1.0, 1.0, 1.0);
+}
+
+@vertex
+fn transform(corner: Corner) -> Surface {
+    let clip = frame.clip_from_world * vec4<f32>(corner.position, 1.0);
+    return Surface(clip, corner.position, corner.normal, corner.uv);
+}
+
+fn mesh_sample(surface: Surface) -> Sample {
+    let view = normalize(surface.position - frame.eye);
+    return surface_sample(view, normalize(surface.normal), frame.roughness, surface.uv);
+}
+
+fn lit(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
+    let light = radiance(frame.source_from_world * found.direction, found.roughness, pixel);
+    return vec4<f32>(min(light * found.factor * frame.exposure, vec3<f32>(GREATEST)), 1.0);
+}
+
+@fragment
+fn cover_picture(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return lit(ball_sample(at.xy), at.xy);
+}
+
+@fragment
+fn mesh_picture(surface: Surface) -> @location(0) vec4<f32> {
+    return lit(mesh_sample(surface), surface.clip.xy);
+}
+
+// Relative error of luminance, from black through blue and red to pale yellow, evenly lighter to the eye with its logarithm
+// from 1e-4 to 1: `error_colour` of src/preview.rs, linear.
+fn error_colour(error: f32) -> vec3<f32> {
+    if error <= 0.0 {
+        return vec3<f32>();
+    }
+    let t = clamp(log2(error * 1e4) / log2(1e4), 0.0, 1.0);
+    let lightness = 0.22 + 0.74 * t;
+    let hue = radians(265.0 + 205.0 * t);
+    let chroma = 0.04 + 0.13 * sin(t * 3.1415927);
+    let a = chroma * cos(hue);
+    let b = chroma * sin(hue);
+    let l = lightness + 0.39633778 * a + 0.21580376 * b;
+    let m = lightness - 0.10556135 * a - 0.06385417 * b;
+    let s = lightness - 0.08948418 * a - 1.2914855 * b;
+    let cubes = vec3<f32>(l * l * l, m * m * m, s * s * s);
+    return max(vec3<f32>(
+        dot(vec3<f32>(4.0767417, -3.3077116, 0.23096994), cubes),
+        dot(vec3<f32>(-1.268438, 2.6097574, -0.34131938), cubes),
+        dot(vec3<f32>(-0.0041960863, -0.7034186, 1.7076147), cubes)), vec3<f32>(0.0));
+}
+
+fn off(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
+    let weights = vec3<f32>(0.2126, 0.7152, 0.0722);
+    let given = dot(weights, radiance(frame.source_from_world * found.direction, found.roughness, pixel));
+    let expected = dot(weights, textureLoad(truth, vec2<i32>(pixel), 0).rgb);
+    return vec4<f32>(error_colour(abs(given - expected) / max(expected, 1e-30)), 1.0);
+}
+
+@fragment
+fn cover_error(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return off(ball_sample(at.xy), at.xy);
+}
+
+@fragment
+fn mesh_error(surface: Surface) -> @location(0) vec4<f32> {
+    return off(mesh_sample(surface), surface.clip.xy);
+}
+
+// Direction of the world and roughness.
+@fragment
+fn cover_samples(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    let found = ball_sample(at.xy);
+    return vec4<f32>(found.direction, found.roughness);
+}
+
+@fragment
+fn mesh_samples(surface: Surface) -> @location(0) vec4<f32> {
+    let found = mesh_sample(surface);
+    return vec4<f32>(found.direction, found.roughness);
+}

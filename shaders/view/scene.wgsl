@@ -1,0 +1,118 @@
+// What every pixel of the viewer looks at: `ViewFrame` of src/view/renderer.rs and the pictures beside it.
+
+struct Ball {
+    centre: vec3<f32>,
+    radius: f32,
+    roughness: f32,
+}
+
+struct ViewFrame {
+    eye: vec3<f32>,
+    // What radiance is multiplied by.
+    exposure: f32,
+    // To the right and upper edges of the picture, at distance 1.
+    right: vec3<f32>,
+    roughness: f32,
+    up: vec3<f32>,
+    // Roughness of the lobe that the backdrop is seen by.
+    backdrop: f32,
+    forward: vec3<f32>,
+    // Whether the roughness is multiplied by a map's.
+    textured: u32,
+    // Reflectance at normal incidence.
+    metal: vec3<f32>,
+    balls: u32,
+    // Pixels of the picture.
+    size: vec2<f32>,
+    // Levels of the prefiltered cube.
+    levels: f32,
+    source_from_world: mat3x3<f32>,
+    clip_from_world: mat4x4<f32>,
+    ball: array<Ball, 9>,
+}
+
+@group(0) @binding(0) var<uniform> frame: ViewFrame;
+// Columns by the view's cosine, rows by roughness: scale and bias of the reflectance at normal incidence.
+@group(0) @binding(1) var split_sum: texture_2d<f32>;
+@group(0) @binding(2) var roughness_map: texture_2d<f32>;
+// Radiance of the certified tier, a texel a pixel.
+@group(0) @binding(3) var truth: texture_2d<f32>;
+
+// What a pixel asks of the environment, and what becomes of the answer.
+struct Sample {
+    // Of the world, unit.
+    direction: vec3<f32>,
+    roughness: f32,
+    factor: vec3<f32>,
+}
+
+// Bilinear, by hand: table texels are at the same places for every driver.
+fn split_sum_at(cosine: f32, roughness: f32) -> vec2<f32> {
+    let last = vec2<f32>(textureDimensions(split_sum)) - 1.0;
+    let at = clamp(vec2<f32>(cosine, roughness) * (last + 1.0) - 0.5, vec2<f32>(0.0), last);
+    let low = vec2<i32>(floor(at));
+    let high = min(low + 1, vec2<i32>(last));
+    let share = at - floor(at);
+    let upper = mix(textureLoad(split_sum, low, 0), textureLoad(split_sum, vec2<i32>(high.x, low.y), 0), share.x);
+    let lower = mix(textureLoad(split_sum, vec2<i32>(low.x, high.y), 0), textureLoad(split_sum, high, 0), share.x);
+    return mix(upper, lower, share.y).rg;
+}
+
+// Bilinear, around both ways.
+fn roughness_at(uv: vec2<f32>) -> f32 {
+    let size = vec2<f32>(textureDimensions(roughness_map));
+    let at = (uv - floor(uv)) * size - 0.5;
+    let low = floor(at);
+    let share = at - low;
+    let left = vec2<i32>((low + size) - size * floor((low + size) / size));
+    let right = vec2<i32>((low + 1.0) - size * floor((low + 1.0) / size));
+    let upper = mix(
+        textureLoad(roughness_map, left, 0).r, textureLoad(roughness_map, vec2<i32>(right.x, left.y), 0).r, share.x);
+    let lower = mix(
+        textureLoad(roughness_map, vec2<i32>(left.x, right.y), 0).r, textureLoad(roughness_map, right, 0).r, share.x);
+    return mix(upper, lower, share.y);
+}
+
+// The direction through a point of the picture, in pixels from its upper left corner.
+fn view_direction(pixel: vec2<f32>) -> vec3<f32> {
+    let at = (pixel / frame.size * 2.0 - 1.0) * vec2<f32>(1.0, -1.0);
+    return normalize(frame.forward + frame.right * at.x + frame.up * at.y);
+}
+
+// A metal's surface with unit `normal`, seen along `view`.
+fn surface_sample(view: vec3<f32>, normal: vec3<f32>, base_roughness: f32, uv: vec2<f32>) -> Sample {
+    var roughness = base_roughness;
+    if frame.textured != 0u {
+        roughness *= roughness_at(uv);
+    }
+    let cosine = clamp(-dot(view, normal), 0.0, 1.0);
+    let terms = split_sum_at(cosine, roughness);
+    let once = terms.x + terms.y;
+    // What a white metal misses of a white environment comes out after further reflections (Fdez-Aguera 2019, in the form of
+    // Filament's 4.7.2).
+    let again = 1.0 + frame.metal * (1.0 / once - 1.0);
+    return Sample(reflect(view, normal), roughness, (frame.metal * terms.x + terms.y) * again);
+}
+
+// The nearest sphere along the view, or the backdrop.
+fn ball_sample(pixel: vec2<f32>) -> Sample {
+    let view = view_direction(pixel);
+    var nearest = 1e30;
+    var found = Sample(view, frame.backdrop, vec3<f32>(1.0));
+    for (var k = 0u; k < frame.balls; k++) {
+        let ball = frame.ball[k];
+        let from_centre = frame.eye - ball.centre;
+        let along = dot(from_centre, view);
+        // Without the cancellation of the textbook's discriminant.
+        let across = from_centre - along * view;
+        let square = ball.radius * ball.radius - dot(across, across);
+        let distance = -along - sqrt(max(square, 0.0));
+        if square > 0.0 && distance > 0.0 && distance < nearest {
+            nearest = distance;
+            let normal = normalize(from_centre + distance * view);
+            let uv = vec2<f32>(0.5 + atan2(normal.z, normal.x) / 6.2831853, acos(clamp(normal.y, -1.0, 1.0)) / 3.1415927);
+            found = surface_sample(view, normal, ball.roughness, uv);
+        }
+    }
+    return found;
+}

@@ -1,0 +1,67 @@
+//! The camera: around the origin, which it looks at.
+
+use glam::{DMat4, DVec3};
+
+/// An orbit around the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Angle about +Y in radians; 0 stands at -X and looks along +X, the middle of a panorama; growing turns to the right.
+    pub yaw: f64,
+    /// Height above the horizon in radians, within (-pi/2, pi/2).
+    pub pitch: f64,
+    /// From the origin, in units of an object's radius.
+    pub distance: f64,
+    /// Vertical angle of view in radians.
+    pub angle: f64,
+}
+
+/// Steepest view: straight down there is no up.
+pub(crate) const MAX_PITCH: f64 = 1.55;
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self { yaw: 0.0, pitch: 0.12, distance: 4.2, angle: 0.6 }
+    }
+}
+
+/// A camera's place and axes; right and up are as long as half of the picture is wide and high at distance 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Where it stands.
+    pub eye: DVec3,
+    /// Where it looks, unit.
+    pub forward: DVec3,
+    /// To the picture's right edge.
+    pub right: DVec3,
+    /// To the picture's upper edge.
+    pub up: DVec3,
+    /// Into clip space, depth 0 to 1.
+    pub clip_from_world: DMat4,
+}
+
+impl Camera {
+    /// The frame of a picture `aspect` times as wide as high.
+    #[must_use]
+    pub fn frame(&self, aspect: f64) -> Frame {
+        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch.clamp(-MAX_PITCH, MAX_PITCH).sin_cos();
+        let forward = DVec3::new(cos_yaw * cos_pitch, -sin_pitch, sin_yaw * cos_pitch);
+        let eye = -self.distance * forward;
+        let right = forward.cross(DVec3::Y).normalize();
+        let up = right.cross(forward);
+        let tangent = (0.5 * self.angle).tan();
+        let (right, up) = (right * tangent * aspect, up * tangent);
+        // Clip space is as wide and high as the picture at w = distance along the view.
+        let (near, far) = (0.02 * self.distance, 100.0 * self.distance);
+        let deep = far / (far - near);
+        let row = |axis: DVec3, shift: f64| axis.extend(shift - axis.dot(eye));
+        let rows = [
+            row(right / right.length_squared(), 0.0),
+            row(up / up.length_squared(), 0.0),
+            row(deep * forward, -deep * near),
+            row(forward, 0.0),
+        ];
+        let clip_from_world = DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
+        Frame { eye, forward, right, up, clip_from_world }
+    }
+}

@@ -1,0 +1,147 @@
+//! An environment on the GPU: its tables, and what rebuilds them every frame.
+
+use crate::bake::{self, BakeSettings, bake};
+use crate::environment::Environment;
+use crate::error::Result;
+use crate::gpu::box_filter::{BoxFilter, SatTextures};
+use crate::gpu::fixed_point::FixedPoint;
+use crate::gpu::reparameterise::{Reparameterise, upload};
+use crate::gpu::sat_scan::SatScan;
+use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
+use crate::reflector::ReflectorSettings;
+use glam::DMat3;
+use half::f16;
+
+/// Pipelines that make tables.
+#[derive(Debug)]
+pub(super) struct Passes {
+    reparameterise: Reparameterise,
+    fixed_point: FixedPoint,
+    sat_scan: SatScan,
+    box_filter: BoxFilter,
+}
+
+impl Passes {
+    pub(super) fn new(context: &Context) -> Self {
+        Self {
+            reparameterise: Reparameterise::new(context),
+            fixed_point: FixedPoint::new(context),
+            sat_scan: SatScan::new(context),
+            box_filter: BoxFilter::new(context),
+        }
+    }
+}
+
+/// An environment and its tables on the GPU.
+#[derive(Debug)]
+pub struct Light {
+    /// In its own space: directions are turned into it by `source_from_world`.
+    environment: Environment,
+    source_from_world: DMat3,
+    boxes: SatTextures,
+    /// From texels to tables, in order.
+    stages: Vec<Stage>,
+}
+
+/// Edge of the cube that engines would prefilter.
+const LEVELS_SIZE: u32 = 256;
+
+/// Texels of the largest OEM that a viewer makes by itself.
+const LARGEST: u32 = 2048;
+
+impl Light {
+    /// The tables of `environment`, on an OEM of `inner` texels or as many as suit it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] where the tables do not fit the device.
+    pub(super) fn new(
+        context: &Context,
+        passes: &Passes,
+        environment: &Environment,
+        inner: Option<u32>,
+    ) -> Result<Self> {
+        let source_from_world = environment.source_from_world();
+        let environment = Environment::of_sound(environment.layout(), environment.texels().to_vec())?;
+        let settings = ReflectorSettings { oem_size: inner, fitted: true, ..ReflectorSettings::default() };
+        let (mut size, _) = settings.plan(environment.layout())?;
+        if inner.is_none() {
+            size.inner = size.inner.min(LARGEST);
+        }
+        let texture = upload(context, &environment)?;
+        let planes = OemPlanes::new(context, size)?;
+        let sat = SatPlanes::new(context, size)?;
+        let boxes = SatTextures::new(context, &sat)?;
+        let stages = vec![
+            passes.reparameterise.stage(context, environment.layout(), &texture, &planes)?,
+            passes.fixed_point.stage(context, &planes, &sat),
+            passes.sat_scan.stage(context, &planes, &sat),
+            passes.box_filter.pack(context, &sat, &boxes),
+        ];
+        context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+        context.check()?;
+        Ok(Self { environment, source_from_world, boxes, stages })
+    }
+
+    /// The environment, in its own space.
+    #[must_use]
+    pub const fn environment(&self) -> &Environment {
+        &self.environment
+    }
+
+    /// Turns directions of a world that is turned by `degrees` about +Y into the environment's own space.
+    #[must_use]
+    pub fn source_from_world(&self, degrees: f64) -> DMat3 {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let turn = DMat3::from_cols_array(&[cos, 0.0, sin, 0.0, 1.0, 0.0, -sin, 0.0, cos]);
+        self.source_from_world * turn
+    }
+
+    /// What makes the tables anew, in order: to be recorded whenever the light changes.
+    #[must_use]
+    pub fn stages(&self) -> &[Stage] {
+        &self.stages
+    }
+
+    pub(super) const fn boxes(&self) -> &SatTextures {
+        &self.boxes
+    }
+
+    /// A prefiltered cube of half floats, level l of n for roughness l/(n-1), and n.
+    pub(super) fn prefiltered(&self, context: &Context) -> Result<(wgpu::TextureView, u32)> {
+        let settings = BakeSettings { size: LEVELS_SIZE, ..BakeSettings::default() };
+        let bake::Bake { chain, .. } = bake(&self.environment, &settings, &|_| ())?;
+        let count = chain.levels.len() as u32;
+        let texture = context.device().create_texture(&wgpu::TextureDescriptor {
+            label: Some("prefiltered cube"),
+            size: wgpu::Extent3d { width: LEVELS_SIZE, height: LEVELS_SIZE, depth_or_array_layers: 6 },
+            mip_level_count: count,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        for (mip_level, level) in (0..).zip(&chain.levels) {
+            let texels: Vec<[f16; 4]> = level
+                .texels
+                .iter()
+                .map(|[r, g, b]| [*r, *g, *b, 1.0].map(|value| f16::from_f32(value.min(f16::MAX.to_f32()))))
+                .collect();
+            context.queue().write_texture(
+                wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() },
+                bytemuck::cast_slice(&texels),
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(8 * level.size),
+                    rows_per_image: Some(level.size),
+                },
+                wgpu::Extent3d { width: level.size, height: level.size, depth_or_array_layers: 6 },
+            );
+        }
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::Cube),
+            ..Default::default()
+        });
+        Ok((view, count))
+    }
+}

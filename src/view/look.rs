@@ -1,0 +1,176 @@
+//! What is shown and how: everything that a slider or a switch changes.
+
+use super::Camera;
+use crate::environment::Rgb;
+use crate::error::{Error, Result};
+use crate::fitted::COUNTS;
+
+/// What stands under the environment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Object {
+    /// One sphere.
+    #[default]
+    Sphere,
+    /// Nine spheres of roughness 0 to 1.
+    Row,
+    /// A torus knot.
+    Knot,
+    /// The mesh of a file.
+    Mesh,
+}
+
+/// How lobes are answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filter {
+    /// The single box of the octahedron environment maps paper.
+    Box,
+    /// The real-time tier, by so many soft boxes.
+    Fitted(u32),
+    /// A prefiltered cube chain, trilinear, as engines have it.
+    Levels,
+    /// The certified tier, by the CPU for the pixels that are seen.
+    Adaptive,
+}
+
+/// What the picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Show {
+    /// The scene.
+    #[default]
+    Scene,
+    /// The octahedral map.
+    Oem,
+    /// Its table: the mean radiance of the box from the upper left corner to each place.
+    Sat,
+    /// The filter's relative error against the certified tier, in false colour.
+    Error,
+}
+
+/// From radiance to what a display shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tone {
+    /// The PBR Neutral tone mapper of the Khronos Group (2024), for colours as they are.
+    #[default]
+    Neutral,
+    /// Narkowicz's fit of the ACES reference transform (2015).
+    Aces,
+    /// Reinhard et al. 2002, equation 3, a channel at a time.
+    Reinhard,
+    /// Cut off at 1.
+    Linear,
+}
+
+/// What the viewer shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// What stands there.
+    pub object: Object,
+    /// From where it is seen.
+    pub camera: Camera,
+    /// Perceptual roughness in \[0, 1\]; a row of spheres has its own.
+    pub roughness: f64,
+    /// Whether the roughness varies over the surface: times a map's, a mesh's own where it has one.
+    pub textured: bool,
+    /// Reflectance at normal incidence, linear.
+    pub metal: Rgb,
+    /// Roughness of the lobe that the backdrop is seen by, in \[0, 1\].
+    pub backdrop: f64,
+    /// Turn of the environment about +Y in degrees.
+    pub turn: f64,
+    /// Exposure in powers of two.
+    pub exposure: f64,
+    /// From radiance to display.
+    pub tone: Tone,
+    /// How lobes are answered.
+    pub filter: Filter,
+    /// What the picture shows.
+    pub show: Show,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            object: Object::default(),
+            camera: Camera::default(),
+            roughness: 0.3,
+            textured: false,
+            metal: [0.95, 0.93, 0.88],
+            backdrop: 0.0,
+            turn: 0.0,
+            exposure: 0.0,
+            tone: Tone::default(),
+            filter: Filter::Fitted(4),
+            show: Show::default(),
+        }
+    }
+}
+
+/// Spheres in a row.
+pub(super) const ROW: u32 = 9;
+
+/// A sphere of the scene.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    pub(super) centre: [f64; 3],
+    pub(super) radius: f64,
+    pub(super) roughness: f64,
+}
+
+impl Look {
+    /// Whether every value is one that can be shown.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] naming the value and its range.
+    pub fn check(&self) -> Result<()> {
+        let Self { camera, metal: [red, green, blue], .. } = self;
+        let within = [
+            ("roughness", self.roughness, 0.0, 1.0),
+            ("backdrop roughness", self.backdrop, 0.0, 1.0),
+            ("exposure", self.exposure, -40.0, 40.0),
+            ("turn", self.turn, -1e6, 1e6),
+            ("yaw", camera.yaw, -1e6, 1e6),
+            ("pitch", camera.pitch, -std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2),
+            ("distance", camera.distance, 1.05, 1e3),
+            ("angle of view", camera.angle, 0.01, 3.0),
+            ("red reflectance", f64::from(*red), 0.0, 1.0),
+            ("green reflectance", f64::from(*green), 0.0, 1.0),
+            ("blue reflectance", f64::from(*blue), 0.0, 1.0),
+        ];
+        for (name, value, least, most) in within {
+            if !(least..=most).contains(&value) {
+                return Err(Error::Parameter(format!("{name} {value} is outside [{least}, {most}]")));
+            }
+        }
+        match self.filter {
+            Filter::Fitted(count) if !COUNTS.contains(&count) => {
+                Err(Error::Parameter(format!("no lobes are fitted with {count} boxes; there are {COUNTS:?}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether lobes are asked of the certified tier.
+    #[must_use]
+    pub fn needs_truth(&self) -> bool {
+        match self.show {
+            Show::Scene => self.filter == Filter::Adaptive,
+            Show::Error => true,
+            Show::Oem | Show::Sat => false,
+        }
+    }
+
+    /// The spheres that are shown.
+    pub(super) fn balls(&self) -> Vec<Ball> {
+        match self.object {
+            Object::Sphere => vec![Ball { centre: [0.0; 3], radius: 1.0, roughness: self.roughness }],
+            Object::Row => (0..ROW)
+                .map(|k| {
+                    let along = f64::from(k) / f64::from(ROW - 1);
+                    // To the right of the default camera.
+                    Ball { centre: [0.0, 0.0, (2.0 * along - 1.0) * 1.9], radius: 0.21, roughness: along }
+                })
+                .collect(),
+            Object::Knot | Object::Mesh => Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! The live glossiness slider: objects under an environment, every pixel a lobe of its own roughness.
+//!
+//! ```text
+//! environment --light--> OEM, SAT, soft tables, harmonics --+
+//! camera, object, look --scene--> uniforms ----------------+--> picture (linear, as fine as time allows)
+//!                                                           |        |
+//! truth: reflected directions read back, adaptive lobes ----+        +--present--> tone-mapped pixels
+//! ```
+//!
+//! [`Look`] says what is shown; [`Renderer`] draws it into any texture, in a window or, by [`screenshot()`], into an image.
+//! Surfaces are metals by the split sum: radiance of the lobe around the mirrored view, times what the table of
+//! [`crate::dfg`] says that the metal reflects of white, multiple scattering included.
+
+mod camera;
+mod light;
+mod look;
+mod mesh;
+mod renderer;
+mod roughness_map;
+mod screenshot;
+mod truth;
+
+pub use camera::Camera;
+pub use light::Light;
+pub use look::{Filter, Look, Object, Show, Tone};
+pub use mesh::Mesh;
+pub use renderer::{Renderer, Viewport};
+pub use screenshot::{Screenshot, screenshot};
+pub use truth::Truth;

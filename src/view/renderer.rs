@@ -1,0 +1,688 @@
+//! Draws a [`Look`] at a [`Light`]: a linear picture first, then what a display shows of it.
+
+use super::camera::Frame;
+use super::light::{Light, Passes};
+use super::look::{Ball, Filter, Look, Object, ROW, Show, Tone};
+use super::mesh::{Mesh, Vertex};
+use super::roughness_map::RoughnessMap;
+use super::truth::Asked;
+use crate::dfg::{DfgForm, dfg_table};
+use crate::environment::Environment;
+use crate::error::{Error, Result};
+use crate::gpu::box_filter::SatTextures;
+use crate::gpu::{Context, readback, shader};
+use glam::{DMat3, DVec3};
+use std::collections::HashMap;
+
+/// Texels along an edge of the split sum's table.
+const SPLIT_SUM: u32 = 64;
+
+const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct BallUniform {
+    centre: [f32; 3],
+    radius: f32,
+    roughness: f32,
+    pad: [f32; 3],
+}
+
+/// The uniform of a picture.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct ViewFrame {
+    eye: [f32; 3],
+    exposure: f32,
+    right: [f32; 3],
+    roughness: f32,
+    up: [f32; 3],
+    backdrop: f32,
+    forward: [f32; 3],
+    textured: u32,
+    metal: [f32; 3],
+    balls: u32,
+    size: [f32; 2],
+    levels: f32,
+    pad: f32,
+    source_from_world: [[f32; 4]; 3],
+    clip_from_world: [[f32; 4]; 4],
+    ball: [BallUniform; ROW as usize],
+}
+
+/// The uniform of what a display shows.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct Present {
+    origin: [f32; 2],
+    size: [f32; 2],
+    source: [f32; 2],
+    tone: u32,
+    pad: u32,
+}
+
+/// Where a picture goes in its target, in pixels from the upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewport {
+    /// Left edge.
+    pub x: u32,
+    /// Upper edge.
+    pub y: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// What answers a pixel's question: a shader file, and what it is bound to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Source {
+    Box,
+    Levels,
+    Truth,
+}
+
+impl Source {
+    const fn file(self) -> &'static str {
+        match self {
+            Self::Box => "view/box.wgsl",
+            Self::Levels => "view/levels.wgsl",
+            Self::Truth => "view/truth.wgsl",
+        }
+    }
+}
+
+/// What a pass leaves in every pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Output {
+    Picture,
+    Error,
+    Samples,
+    Oem,
+    Sat,
+}
+
+/// A mesh on the GPU.
+#[derive(Debug)]
+struct Buffers {
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    count: u32,
+    roughness: Option<wgpu::TextureView>,
+}
+
+/// Textures as large as the picture.
+#[derive(Debug)]
+struct Targets {
+    width: u32,
+    height: u32,
+    picture: wgpu::TextureView,
+    depth: wgpu::TextureView,
+}
+
+/// Everything on a device that draws.
+#[derive(Debug)]
+pub struct Renderer {
+    context: Context,
+    passes: Passes,
+    frame: wgpu::Buffer,
+    frame_layout: wgpu::BindGroupLayout,
+    levels_layout: wgpu::BindGroupLayout,
+    boxes_layout: wgpu::BindGroupLayout,
+    pipelines: HashMap<(Source, Output, bool), wgpu::RenderPipeline>,
+    split_sum: wgpu::TextureView,
+    roughness: wgpu::TextureView,
+    trilinear: wgpu::Sampler,
+    knot: Buffers,
+    mesh: Option<Buffers>,
+    truth: wgpu::TextureView,
+    /// The prefiltered cube of the light that was drawn last, and its levels.
+    levels: Option<(wgpu::TextureView, u32)>,
+    targets: Option<Targets>,
+    present: wgpu::Buffer,
+    present_pipelines: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
+}
+
+impl Renderer {
+    /// Compiles what every picture needs; the rest when it is first drawn.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where a shader fails.
+    pub fn new(context: Context) -> Result<Self> {
+        let device = context.device();
+        let uniform = |label, size| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty,
+            count: None,
+        };
+        let buffer = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let texture = |filterable, view_dimension| wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable },
+            view_dimension,
+            multisampled: false,
+        };
+        let flat = texture(false, wgpu::TextureViewDimension::D2);
+        let cube = texture(true, wgpu::TextureViewDimension::Cube);
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+        };
+        let frame_entries = [entry(0, buffer), entry(1, flat), entry(2, flat), entry(3, flat)];
+        let table = dfg_table(SPLIT_SUM, DfgForm::SplitSum, false)?;
+        let split_sum: Vec<[f32; 2]> = table.texels.iter().map(|[scale, bias, _]| [*scale, *bias]).collect();
+        let renderer = Self {
+            passes: Passes::new(&context),
+            frame: uniform("view frame", size_of::<ViewFrame>() as u64),
+            frame_layout: layout("view frame", &frame_entries),
+            levels_layout: layout("prefiltered cube", &[entry(0, cube), entry(1, sampler)]),
+            boxes_layout: SatTextures::bind_group_layout(device, wgpu::ShaderStages::FRAGMENT),
+            pipelines: HashMap::new(),
+            split_sum: texture_of(
+                &context,
+                "split sum",
+                wgpu::TextureFormat::Rg32Float,
+                [SPLIT_SUM; 2],
+                bytemuck::cast_slice(&split_sum),
+            ),
+            roughness: roughness_texture(&context, &RoughnessMap::own()),
+            trilinear: device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                ..Default::default()
+            }),
+            knot: Buffers::new(&context, &Mesh::knot())?,
+            mesh: None,
+            truth: texture_of(&context, "truth", SAMPLES, [1; 2], bytemuck::cast_slice(&[0.0_f32; 4])),
+            levels: None,
+            targets: None,
+            present: uniform("present", size_of::<Present>() as u64),
+            present_pipelines: HashMap::new(),
+            context,
+        };
+        renderer.context.check()?;
+        Ok(renderer)
+    }
+
+    /// The device.
+    #[must_use]
+    pub const fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// Makes `environment` ready, on an OEM of `inner` texels or as many as suit it.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables do not fit the device.
+    pub fn light(&mut self, environment: &Environment, inner: Option<u32>) -> Result<Light> {
+        let light = Light::new(&self.context, &self.passes, environment, inner)?;
+        self.levels = None;
+        Ok(light)
+    }
+
+    /// Takes `mesh` as the object [`Object::Mesh`].
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where it does not fit the device.
+    pub fn set_mesh(&mut self, mesh: &Mesh) -> Result<()> {
+        self.mesh = Some(Buffers::new(&self.context, mesh)?);
+        Ok(())
+    }
+
+    /// Draws the linear picture, `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a look that cannot be shown, [`Error::Gpu`] where the device fails.
+    pub fn draw(&mut self, look: &Look, light: &Light, width: u32, height: u32) -> Result<()> {
+        look.check()?;
+        self.make_targets(width, height)?;
+        let (source, output) = match (look.show, look.filter) {
+            (Show::Oem, _) => (Source::Box, Output::Oem),
+            (Show::Sat, _) => (Source::Box, Output::Sat),
+            (Show::Scene, filter) => (source_of(filter), Output::Picture),
+            (Show::Error, filter) => (source_of(filter), Output::Error),
+        };
+        if source == Source::Levels && self.levels.is_none() {
+            self.levels = Some(light.prefiltered(&self.context)?);
+        }
+        let picture = self.targets.as_ref().expect("made").picture.clone();
+        self.draw_into(&picture, PICTURE, source, output, look, light);
+        self.context.check()
+    }
+
+    /// What every pixel of a picture asks of the environment, read back: direction of the world and roughness.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::draw`].
+    pub(super) async fn samples(
+        &mut self,
+        look: &Look,
+        light: &Light,
+        width: u32,
+        height: u32,
+    ) -> Result<Vec<Asked>> {
+        look.check()?;
+        self.make_targets(width, height)?;
+        let texture = target(&self.context, "samples", SAMPLES, [width, height]);
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        self.draw_into(&view, SAMPLES, Source::Truth, Output::Samples, look, light);
+        readback::read_texture(&self.context, &texture).await
+    }
+
+    /// Takes answers to a picture's samples, `width` to a row.
+    pub(super) fn set_truth(&mut self, answers: &[[f32; 4]], width: u32) {
+        let size = [width, answers.len() as u32 / width];
+        self.truth = texture_of(&self.context, "truth", SAMPLES, size, bytemuck::cast_slice(answers));
+    }
+
+    fn make_targets(&mut self, width: u32, height: u32) -> Result<()> {
+        let most = self.context.device().limits().max_texture_dimension_2d;
+        if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
+            return Err(Error::Parameter(format!(
+                "a picture of {width} x {height} pixels; each side must be 1 to {most}"
+            )));
+        }
+        if self.targets.as_ref().is_none_or(|had| (had.width, had.height) != (width, height)) {
+            let view = |label, format| {
+                target(&self.context, label, format, [width, height])
+                    .create_view(&wgpu::TextureViewDescriptor::default())
+            };
+            let (picture, depth) = (view("picture", PICTURE), view("depth", DEPTH));
+            self.targets = Some(Targets { width, height, picture, depth });
+        }
+        Ok(())
+    }
+
+    fn draw_into(
+        &mut self,
+        view: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        source: Source,
+        output: Output,
+        look: &Look,
+        light: &Light,
+    ) {
+        let has_mesh = matches!(output, Output::Picture | Output::Error | Output::Samples)
+            && matches!(look.object, Object::Knot | Object::Mesh);
+        self.pipeline(source, output, false, format);
+        if has_mesh {
+            self.pipeline(source, output, true, format);
+        }
+        let Targets { width, height, depth, .. } = self.targets.as_ref().expect("made before");
+        let frame = look.camera.frame(f64::from(*width) / f64::from(*height));
+        let levels = self.levels.as_ref().map_or(1, |(_, count)| *count);
+        let uniform =
+            ViewFrame::new(look, &frame, light.source_from_world(look.turn), [*width, *height], levels);
+        self.context.queue().write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+
+        let mesh = match look.object {
+            Object::Knot => Some(&self.knot),
+            Object::Mesh => self.mesh.as_ref(),
+            Object::Sphere | Object::Row => None,
+        }
+        .filter(|_| has_mesh);
+        let device = self.context.device();
+        let roughness = mesh.and_then(|mesh| mesh.roughness.as_ref()).unwrap_or(&self.roughness);
+        let textures = [&self.split_sum, roughness, &self.truth];
+        let textures = (1..).zip(textures).map(|(binding, view)| wgpu::BindGroupEntry {
+            binding,
+            resource: wgpu::BindingResource::TextureView(view),
+        });
+        let frame = wgpu::BindGroupEntry { binding: 0, resource: self.frame.as_entire_binding() };
+        let entries: Vec<_> = std::iter::once(frame).chain(textures).collect();
+        let frame = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view frame"),
+            layout: &self.frame_layout,
+            entries: &entries,
+        });
+        let answers = match source {
+            Source::Box => Some(light.boxes().bind_group(device, &self.boxes_layout)),
+            Source::Levels => {
+                let (view, _) = self.levels.as_ref().expect("made before it is drawn");
+                Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("prefiltered cube"),
+                    layout: &self.levels_layout,
+                    entries: &[
+                        wgpu::BindGroupEntry {
+                            binding: 0,
+                            resource: wgpu::BindingResource::TextureView(view),
+                        },
+                        wgpu::BindGroupEntry {
+                            binding: 1,
+                            resource: wgpu::BindingResource::Sampler(&self.trilinear),
+                        },
+                    ],
+                }))
+            }
+            Source::Truth => None,
+        };
+        self.context.submit(|encoder| {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("picture"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: depth,
+                    depth_ops: Some(wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(1.0),
+                        store: wgpu::StoreOp::Discard,
+                    }),
+                    stencil_ops: None,
+                }),
+                ..Default::default()
+            });
+            pass.set_bind_group(0, &frame, &[]);
+            if let Some(answers) = &answers {
+                pass.set_bind_group(1, answers, &[]);
+            }
+            pass.set_pipeline(&self.pipelines[&(source, output, false)]);
+            pass.draw(0..3, 0..1);
+            if let Some(Buffers { vertices, indices, count, .. }) = mesh {
+                pass.set_pipeline(&self.pipelines[&(source, output, true)]);
+                pass.set_vertex_buffer(0, vertices.slice(..));
+                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(0..*count, 0, 0..1);
+            }
+        });
+    }
+
+    /// Compiles what leaves `output` in textures of `format`, for what covers the picture or for meshes.
+    fn pipeline(&mut self, source: Source, output: Output, of_mesh: bool, format: wgpu::TextureFormat) {
+        if self.pipelines.contains_key(&(source, output, of_mesh)) {
+            return;
+        }
+        let device = self.context.device();
+        let module = shader::module(&self.context, source.file());
+        let group = match source {
+            Source::Box => Some(&self.boxes_layout),
+            Source::Levels => Some(&self.levels_layout),
+            Source::Truth => None,
+        };
+        let groups: Vec<_> = std::iter::once(&self.frame_layout).chain(group).map(Some).collect();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(source.file()),
+            bind_group_layouts: &groups,
+            immediate_size: 0,
+        });
+        let fragment = match (output, of_mesh) {
+            (Output::Picture, false) => "cover_picture",
+            (Output::Picture, true) => "mesh_picture",
+            (Output::Error, false) => "cover_error",
+            (Output::Error, true) => "mesh_error",
+            (Output::Samples, false) => "cover_samples",
+            (Output::Samples, true) => "mesh_samples",
+            (Output::Oem, _) => "oem",
+            (Output::Sat, _) => "sat",
+        };
+        let corners = wgpu::VertexBufferLayout {
+            array_stride: size_of::<Vertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2],
+        };
+        let buffers = [Some(corners)];
+        let depth_compare =
+            if of_mesh { wgpu::CompareFunction::LessEqual } else { wgpu::CompareFunction::Always };
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(fragment),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some(if of_mesh { "transform" } else { "cover" }),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: if of_mesh { &buffers } else { &[] },
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH,
+                depth_write_enabled: Some(of_mesh),
+                depth_compare: Some(depth_compare),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(fragment),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        self.pipelines.insert((source, output, of_mesh), pipeline);
+    }
+
+    /// Shows the picture drawn last in `viewport` of `view`, tone-mapped, in sRGB; `encoder` has passes before and after.
+    ///
+    /// # Panics
+    /// Where nothing was drawn.
+    pub fn present(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        viewport: Viewport,
+        look: &Look,
+    ) {
+        let device = self.context.device();
+        let pipeline = self.present_pipelines.entry(format).or_insert_with(|| {
+            let module = shader::module(&self.context, "view/present.wgsl");
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("present"),
+                layout: None,
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("cover"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some("show"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    targets: &[Some(format.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        });
+        let Targets { width, height, picture, .. } = self.targets.as_ref().expect("a picture was drawn");
+        let tone = match (look.show, look.tone) {
+            // False colours are meant for the display as they are.
+            (Show::Error, _) | (_, Tone::Linear) => 3,
+            (_, Tone::Neutral) => 0,
+            (_, Tone::Aces) => 1,
+            (_, Tone::Reinhard) => 2,
+        };
+        let uniform = Present {
+            origin: [viewport.x as f32, viewport.y as f32],
+            size: [viewport.width as f32, viewport.height as f32],
+            source: [*width as f32, *height as f32],
+            tone,
+            pad: 0,
+        };
+        self.context.queue().write_buffer(&self.present, 0, bytemuck::bytes_of(&uniform));
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("present"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: self.present.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
+            ],
+        });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("present"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        let Viewport { x, y, width, height } = viewport;
+        pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// What answers for `filter`.
+const fn source_of(filter: Filter) -> Source {
+    match filter {
+        Filter::Box => Source::Box,
+        Filter::Fitted(_) => Source::Box,
+        Filter::Levels => Source::Levels,
+        Filter::Adaptive => Source::Truth,
+    }
+}
+
+impl ViewFrame {
+    fn new(look: &Look, frame: &Frame, source_from_world: DMat3, size: [u32; 2], levels: u32) -> Self {
+        let three = |v: DVec3| v.as_vec3().to_array();
+        let mut ball = [BallUniform::default(); ROW as usize];
+        let balls = look.balls();
+        for (uniform, Ball { centre, radius, roughness }) in ball.iter_mut().zip(&balls) {
+            *uniform = BallUniform {
+                centre: centre.map(|c| c as f32),
+                radius: *radius as f32,
+                roughness: *roughness as f32,
+                pad: [0.0; 3],
+            };
+        }
+        Self {
+            eye: three(frame.eye),
+            exposure: look.exposure.exp2() as f32,
+            right: three(frame.right),
+            roughness: look.roughness as f32,
+            up: three(frame.up),
+            backdrop: look.backdrop as f32,
+            forward: three(frame.forward),
+            textured: u32::from(look.textured),
+            metal: look.metal,
+            balls: balls.len() as u32,
+            size: size.map(|side| side as f32),
+            levels: levels as f32,
+            pad: 0.0,
+            source_from_world: [0, 1, 2].map(|c| {
+                let [x, y, z] = three(source_from_world.col(c));
+                [x, y, z, 0.0]
+            }),
+            clip_from_world: frame.clip_from_world.as_mat4().to_cols_array_2d(),
+            ball,
+        }
+    }
+}
+
+impl Buffers {
+    fn new(context: &Context, mesh: &Mesh) -> Result<Self> {
+        let buffer = |label, usage, bytes: &[u8]| {
+            let most = context.device().limits().max_buffer_size;
+            if bytes.len() as u64 > most {
+                return Err(Error::Limit {
+                    what: format!("the mesh's {label}"),
+                    needed: bytes.len() as u64,
+                    available: most,
+                    remedy: "use a mesh of fewer triangles".to_owned(),
+                });
+            }
+            let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes.len() as u64,
+                usage: usage | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            context.queue().write_buffer(&buffer, 0, bytes);
+            Ok(buffer)
+        };
+        Ok(Self {
+            vertices: buffer("corners", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&mesh.vertices))?,
+            indices: buffer("triangles", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&mesh.indices))?,
+            count: mesh.indices.len() as u32,
+            roughness: mesh.roughness.as_ref().map(|map| roughness_texture(context, map)),
+        })
+    }
+}
+
+fn roughness_texture(context: &Context, map: &RoughnessMap) -> wgpu::TextureView {
+    let size = [map.width, map.height];
+    texture_of(context, "roughness map", wgpu::TextureFormat::R8Unorm, size, &map.texels)
+}
+
+/// A texture that is drawn into, and read.
+pub(super) fn target(
+    context: &Context,
+    label: &str,
+    format: wgpu::TextureFormat,
+    [width, height]: [u32; 2],
+) -> wgpu::Texture {
+    context.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+/// A texture of `bytes`, rows one after the other.
+fn texture_of(
+    context: &Context,
+    label: &str,
+    format: wgpu::TextureFormat,
+    [width, height]: [u32; 2],
+    bytes: &[u8],
+) -> wgpu::TextureView {
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(bytes.len() as u32 / height),
+        rows_per_image: None,
+    };
+    context.queue().write_texture(texture.as_image_copy(), bytes, layout, size);
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}

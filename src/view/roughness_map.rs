@@ -1,0 +1,40 @@
+//! Roughness over a surface: a map of the viewer's own, and a mesh's.
+
+/// Texels along an edge of the viewer's own map.
+const SIZE: u32 = 256;
+
+/// Factors of roughness, row-major; the surface's u runs along rows and v down, both around.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoughnessMap {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// 0 to 255 for 0 to 1.
+    pub texels: Vec<u8>,
+}
+
+impl RoughnessMap {
+    /// Bands and discs between polished and rough, their edges soft.
+    #[must_use]
+    pub fn own() -> Self {
+        let texel = |index: u32| {
+            let place = |k: u32| (f64::from(k) + 0.5) / f64::from(SIZE);
+            let (u, v) = (place(index % SIZE), place(index / SIZE));
+            // Eight by six cells, a disc in every other one, on bands that swell along v.
+            let cell = |x: f64, count: f64| (x * count).fract() - 0.5;
+            let far = cell(u, 8.0).hypot(cell(v, 6.0));
+            let odd = ((u * 8.0) as u32 + (v * 6.0) as u32) % 2 == 1;
+            let disc = if odd { smooth((0.4 - far) / 0.08) } else { 0.0 };
+            let band = 0.5 + 0.5 * (std::f64::consts::TAU * (3.0 * v + u)).sin();
+            let factor = 0.35 + 0.65 * band;
+            ((factor * (1.0 - disc) + 0.08 * disc) * 255.0).round() as u8
+        };
+        Self { width: SIZE, height: SIZE, texels: (0..SIZE * SIZE).map(texel).collect() }
+    }
+}
+
+fn smooth(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

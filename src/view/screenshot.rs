@@ -1,0 +1,53 @@
+//! Pictures without a window.
+
+use super::{Light, Look, Renderer, Truth, Viewport};
+use crate::error::Result;
+use crate::gpu::readback;
+use image::RgbImage;
+
+/// Size of a picture, and how well it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Screenshot {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Samples along an edge of a pixel.
+    pub samples: u32,
+}
+
+/// The picture that a window would show of `look`, in sRGB. `truth` answers where the look asks for the certified tier.
+///
+/// # Errors
+/// [`crate::Error::Parameter`] for a look or a size that cannot be shown, [`crate::Error::Gpu`] where the device fails.
+///
+/// # Panics
+/// Where the look asks for the certified tier and there is no `truth`.
+pub async fn screenshot(
+    renderer: &mut Renderer,
+    look: &Look,
+    light: &Light,
+    truth: Option<&Truth>,
+    Screenshot { width, height, samples }: Screenshot,
+) -> Result<RgbImage> {
+    let (columns, rows) = (width.saturating_mul(samples), height.saturating_mul(samples));
+    if look.needs_truth() {
+        let asked = renderer.samples(look, light, columns, rows).await?;
+        let truth = truth.expect("the caller gives what the look asks for");
+        let answers = truth.answers(&asked, columns as usize, light.source_from_world(look.turn))?;
+        renderer.set_truth(&answers, columns);
+    }
+    renderer.draw(look, light, columns, rows)?;
+    let context = renderer.context().clone();
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let texture = super::renderer::target(&context, "screenshot", format, [width, height]);
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let viewport = Viewport { x: 0, y: 0, width, height };
+    context.submit(|encoder| renderer.present(encoder, &view, format, viewport, look));
+    let pixels: Vec<[u8; 4]> = readback::read_texture(&context, &texture).await?;
+    let mut picture = RgbImage::new(width, height);
+    for (pixel, [r, g, b, _]) in picture.pixels_mut().zip(pixels) {
+        pixel.0 = [r, g, b];
+    }
+    Ok(picture)
+}
