@@ -90,6 +90,22 @@ impl Layout {
             Self::Octahedral { size } => area(size, size),
         }
     }
+
+    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image`: a cube's face, else 0.
+    ///
+    /// # Panics
+    /// Where a cube has no such face.
+    #[must_use]
+    pub fn direction_from_texel(self, image: u32, i: u32, j: u32) -> DVec3 {
+        match self {
+            Self::Panorama { width, height } => equirect::direction_from_equirect(
+                (f64::from(i) + 0.5) / f64::from(width),
+                (f64::from(j) + 0.5) / f64::from(height),
+            ),
+            Self::Cube { size } => cube::direction_from_texel(cube::Face::ALL[image as usize], size, i, j),
+            Self::Octahedral { size } => octahedral::direction_from_oct(octahedral::texel_centre(size, i, j)),
+        }
+    }
 }
 
 /// Radiance from every direction.
@@ -195,35 +211,23 @@ impl Environment {
         let mut next = |direction: DVec3, solid_angle: f64| {
             visit(world_from_source * direction, solid_angle, *texels.next().expect("one texel a visit"));
         };
+        let direction = |image, i, j| self.layout.direction_from_texel(image, i, j);
         match self.layout {
             Layout::Panorama { width, height } => {
                 for j in 0..height {
                     let solid_angle = equirect::texel_solid_angle(width, height, j);
-                    for i in 0..width {
-                        let u = (f64::from(i) + 0.5) / f64::from(width);
-                        let v = (f64::from(j) + 0.5) / f64::from(height);
-                        next(equirect::direction_from_equirect(u, v), solid_angle);
-                    }
+                    (0..width).for_each(|i| next(direction(0, i, j), solid_angle));
                 }
             }
             Layout::Cube { size } => {
-                for face in cube::Face::ALL {
-                    for j in 0..size {
-                        for i in 0..size {
-                            next(
-                                cube::direction_from_texel(face, size, i, j),
-                                cube::texel_solid_angle(size, i, j),
-                            );
-                        }
-                    }
+                for (image, j) in (0..6).flat_map(|image| (0..size).map(move |j| (image, j))) {
+                    (0..size).for_each(|i| next(direction(image, i, j), cube::texel_solid_angle(size, i, j)));
                 }
             }
             Layout::Octahedral { size } => {
                 for j in 0..size {
-                    for i in 0..size {
-                        let uv = octahedral::texel_centre(size, i, j);
-                        next(octahedral::direction_from_oct(uv), octahedral::texel_solid_angle(size, i, j));
-                    }
+                    (0..size)
+                        .for_each(|i| next(direction(0, i, j), octahedral::texel_solid_angle(size, i, j)));
                 }
             }
         }

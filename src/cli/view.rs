@@ -7,11 +7,12 @@ use super::{Outcome, engine, input, usage};
 use clap::{Args as ClapArgs, ValueEnum};
 use octagloss::fitted::COUNTS;
 use octagloss::gpu::{Context, block_on};
-use octagloss::io::output::Existing;
+use octagloss::io::output::{Existing, check_file};
 use octagloss::io::png_write::write_png;
 use octagloss::synth::synth;
 use octagloss::view::{
-    Camera, Filter, Look, Mesh, Object, Renderer, Screenshot, Show, Tone, Truth, screenshot,
+    Camera, Filter, Look, Mesh, Object, Renderer, Screenshot, Show, Start, Tone, Truth, run as run_window,
+    screenshot,
 };
 use octagloss::{Environment, Rgb};
 use std::path::PathBuf;
@@ -24,7 +25,7 @@ pub(super) struct ViewArgs {
     /// Write a picture instead of opening a window
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
-    /// The picture's size in pixels
+    /// Size of the window or picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
     size: (u32, u32),
     /// Samples along an edge of a pixel, 1 to 8
@@ -212,8 +213,14 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
         return usage(format!("--oem-size {size} is no power of two, which fitted lobes need"));
     }
     let talk = Talk::new(args.quiet);
-    let environment = environment(&args, &talk)?;
+    let (environment, name) = environment(&args, &talk)?;
     let mesh = args.look.mesh.as_deref().map(Mesh::read).transpose()?;
+    let Some(path) = &args.screenshot else {
+        let ViewArgs { oem_size, adapter, size, .. } = args;
+        return Ok(run_window(Start { environment, name, mesh, look, oem_size, adapter, size })?);
+    };
+    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    check_file(path, existing)?;
     let adapter = engine::any_adapter(args.adapter.as_deref())?;
     let context = block_on(None, Context::new(&adapter))??;
     talk.note(&format!("adapter: {}", context.describe()));
@@ -222,23 +229,18 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
         renderer.set_mesh(mesh)?;
     }
     let light = renderer.light(&environment, args.oem_size)?;
-    let Some(path) = &args.screenshot else {
-        return usage("--screenshot FILE.png is needed: windows are not built in");
-    };
     let truth = look.needs_truth().then(|| Truth::new(light.environment())).transpose()?;
     let (width, height) = args.size;
     let shot = Screenshot { width, height, samples: args.samples };
     let picture = block_on(Some(&context), screenshot(&mut renderer, &look, &light, truth.as_ref(), shot))??;
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
-    write_png(path, existing, &picture)?;
-    Ok(())
+    Ok(write_png(path, existing, &picture)?)
 }
 
-/// The environment asked for, or the built-in sky.
-fn environment(args: &ViewArgs, talk: &Talk) -> Outcome<Environment> {
+/// The environment asked for, or the built-in sky, and its name.
+fn environment(args: &ViewArgs, talk: &Talk) -> Outcome<(Environment, String)> {
     if args.inputs.is_empty() {
-        return Ok(synth("sky")?);
+        return Ok((synth("sky")?, "sky".to_owned()));
     }
     let source = input::single_source(args.inputs.clone(), &args.input)?;
-    Ok(source.open(&args.input, talk)?.environment)
+    Ok((source.open(&args.input, talk)?.environment, source.stem()))
 }

@@ -46,20 +46,54 @@ impl Timer {
         let count = stages.len() as u32;
         assert!((1..=self.count).contains(&count), "1 to {} stages", self.count);
         context.submit(|encoder| {
-            for (first, stage) in (0..).step_by(2).zip(stages) {
-                let writes = wgpu::ComputePassTimestampWrites {
-                    query_set: &self.queries,
-                    beginning_of_pass_write_index: Some(first),
-                    end_of_pass_write_index: Some(first + 1),
-                };
-                stage.record_timed(encoder, Some(writes));
+            for (place, stage) in (0..).zip(stages) {
+                stage.record_timed(encoder, Some(self.compute_writes(place)));
             }
-            encoder.resolve_query_set(&self.queries, 0..2 * count, &self.resolved, 0);
         });
+        let spans = self.spans(context, count).await?;
+        let whole = spans[stages.len() - 1].1 - spans[0].0;
+        Ok((spans.iter().map(|(from, to)| to - from).collect(), whole))
+    }
+
+    /// What the compute pass at `place` writes.
+    #[must_use]
+    pub const fn compute_writes(&self, place: u32) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(2 * place),
+            end_of_pass_write_index: Some(2 * place + 1),
+        }
+    }
+
+    /// What the render pass at `place` writes.
+    #[must_use]
+    pub const fn render_writes(&self, place: u32) -> wgpu::RenderPassTimestampWrites<'_> {
+        wgpu::RenderPassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(2 * place),
+            end_of_pass_write_index: Some(2 * place + 1),
+        }
+    }
+
+    /// Seconds of each of the first `count` passes, which were submitted before.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the device fails.
+    pub async fn read(&self, context: &Context, count: u32) -> Result<Vec<f64>> {
+        let spans = self.spans(context, count).await?;
+        Ok(spans.into_iter().map(|(from, to)| to - from).collect())
+    }
+
+    /// Beginnings and ends in seconds, from the first beginning on.
+    async fn spans(&self, context: &Context, count: u32) -> Result<Vec<(f64, f64)>> {
+        context.submit(|encoder| encoder.resolve_query_set(&self.queries, 0..2 * count, &self.resolved, 0));
         let ticks: Vec<u64> = readback::read(context, &self.resolved).await?;
         let period = f64::from(context.queue().get_timestamp_period()) * 1e-9;
-        let seconds = |from: u64, to: u64| to.saturating_sub(from) as f64 * period;
-        let each = ticks.chunks_exact(2).take(stages.len()).map(|pair| seconds(pair[0], pair[1])).collect();
-        Ok((each, seconds(ticks[0], ticks[2 * stages.len() - 1])))
+        let seconds = |tick: u64| tick.saturating_sub(ticks[0]) as f64 * period;
+        Ok(ticks
+            .chunks_exact(2)
+            .take(count as usize)
+            .map(|pair| (seconds(pair[0]), seconds(pair[1])))
+            .collect())
     }
 }

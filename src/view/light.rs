@@ -1,16 +1,18 @@
 //! An environment on the GPU: its tables, and what rebuilds them every frame.
 
 use crate::bake::{self, BakeSettings, bake};
-use crate::environment::Environment;
+use crate::environment::{Environment, Rgb, luminance};
 use crate::error::Result;
 use crate::gpu::box_filter::{BoxFilter, SatTextures};
 use crate::gpu::fixed_point::FixedPoint;
-use crate::gpu::reparameterise::{Reparameterise, upload};
+use crate::gpu::reparameterise::{Reparameterise, texture_size, upload};
 use crate::gpu::sat_scan::SatScan;
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
 use crate::reflector::ReflectorSettings;
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 use half::f16;
+use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Pipelines that make tables.
 #[derive(Debug)]
@@ -38,6 +40,8 @@ pub struct Light {
     /// In its own space: directions are turned into it by `source_from_world`.
     environment: Environment,
     source_from_world: DMat3,
+    texture: wgpu::Texture,
+    mean_luminance: f64,
     boxes: SatTextures,
     /// From texels to tables, in order.
     stages: Vec<Stage>,
@@ -48,6 +52,35 @@ const LEVELS_SIZE: u32 = 256;
 
 /// Texels of the largest OEM that a viewer makes by itself.
 const LARGEST: u32 = 2048;
+
+/// A disc with a soft edge that circles at half height.
+#[derive(Debug)]
+struct Lamp {
+    towards: DVec3,
+    radiance: f32,
+}
+
+impl Lamp {
+    /// Cosine of its angular radius, 3.5 degrees, and of what is evenly bright of it.
+    const EDGE: f64 = 0.998_13;
+    const DISC: f64 = 0.998_63;
+
+    /// Radians a second.
+    const SPEED: f64 = 0.8;
+
+    /// It gives half as much light as an environment of `mean` luminance does.
+    fn after(seconds: f64, mean: f64) -> Self {
+        let (sin, cos) = (Self::SPEED * seconds).sin_cos();
+        let radiance = mean / (1.0 - Self::EDGE);
+        Self { towards: DVec3::new(cos, 0.7, sin).normalize(), radiance: radiance as f32 }
+    }
+
+    fn radiance_towards(&self, direction: DVec3) -> f32 {
+        let cosine = direction.dot(self.towards);
+        let share = ((cosine - Self::EDGE) / (Self::DISC - Self::EDGE)).clamp(0.0, 1.0);
+        self.radiance * share as f32
+    }
+}
 
 impl Light {
     /// The tables of `environment`, on an OEM of `inner` texels or as many as suit it.
@@ -79,7 +112,10 @@ impl Light {
         ];
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         context.check()?;
-        Ok(Self { environment, source_from_world, boxes, stages })
+        let mut sum = 0.0;
+        environment.for_each_texel(|_, solid_angle, rgb| sum += solid_angle * f64::from(luminance(rgb)));
+        let mean_luminance = sum / (4.0 * PI);
+        Ok(Self { environment, source_from_world, texture, mean_luminance, boxes, stages })
     }
 
     /// The environment, in its own space.
@@ -100,6 +136,40 @@ impl Light {
     #[must_use]
     pub fn stages(&self) -> &[Stage] {
         &self.stages
+    }
+
+    /// Puts a lamp where it is after `seconds` of its circling, or nowhere, and makes the tables anew.
+    pub(super) fn move_lamp(&self, context: &Context, seconds: Option<f64>) {
+        let lamp = seconds.map(|seconds| Lamp::after(seconds, self.mean_luminance));
+        let [width, height, layers] = texture_size(self.environment.layout());
+        let row = |layer: u32, y: u32| {
+            let first = (layer * height + y) as usize * width as usize;
+            let texels = &self.environment.texels()[first..first + width as usize];
+            let lit = |(x, texel): (u32, &Rgb)| {
+                let added = lamp.as_ref().map_or(0.0, |lamp| {
+                    lamp.radiance_towards(self.environment.layout().direction_from_texel(layer, x, y))
+                });
+                let [r, g, b] = texel.map(|channel| channel + added);
+                [r, g, b, 1.0]
+            };
+            (0..).zip(texels).map(lit).collect::<Vec<[f32; 4]>>()
+        };
+        let rows: Vec<(u32, u32)> =
+            (0..layers).flat_map(|layer| (0..height).map(move |y| (layer, y))).collect();
+        let texels: Vec<[f32; 4]> = rows.par_iter().flat_map_iter(|(layer, y)| row(*layer, *y)).collect();
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(16 * width),
+            rows_per_image: Some(height),
+        };
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
+        context.queue().write_texture(
+            self.texture.as_image_copy(),
+            bytemuck::cast_slice(&texels),
+            layout,
+            size,
+        );
+        context.submit(|encoder| self.stages.iter().for_each(|stage| stage.record(encoder)));
     }
 
     pub(super) const fn boxes(&self) -> &SatTextures {

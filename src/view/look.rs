@@ -159,6 +159,15 @@ impl Look {
         }
     }
 
+    /// Whether what is shown is read from tables that are made anew every frame where there is a lamp.
+    pub(super) const fn follows_lamp(&self) -> bool {
+        match self.show {
+            Show::Scene => matches!(self.filter, Filter::Box | Filter::Fitted(_)),
+            Show::Oem | Show::Sat => true,
+            Show::Error => false,
+        }
+    }
+
     /// The spheres that are shown.
     pub(super) fn balls(&self) -> Vec<Ball> {
         match self.object {

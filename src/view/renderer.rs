@@ -10,6 +10,7 @@ use crate::dfg::{DfgForm, dfg_table};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gpu::box_filter::SatTextures;
+use crate::gpu::timer::Timer;
 use crate::gpu::{Context, readback, shader};
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
@@ -141,6 +142,8 @@ pub struct Renderer {
     /// The prefiltered cube of the light that was drawn last, and its levels.
     levels: Option<(wgpu::TextureView, u32)>,
     targets: Option<Targets>,
+    /// What takes the next picture's time, and where in it.
+    timer: Option<(Timer, u32)>,
     present: wgpu::Buffer,
     present_pipelines: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
 }
@@ -211,6 +214,7 @@ impl Renderer {
             truth: texture_of(&context, "truth", SAMPLES, [1; 2], bytemuck::cast_slice(&[0.0_f32; 4])),
             levels: None,
             targets: None,
+            timer: None,
             present: uniform("present", size_of::<Present>() as u64),
             present_pipelines: HashMap::new(),
             context,
@@ -269,19 +273,50 @@ impl Renderer {
     ///
     /// # Errors
     /// Those of [`Renderer::draw`].
-    pub(super) async fn samples(
+    pub(super) fn samples(
         &mut self,
         look: &Look,
         light: &Light,
         width: u32,
         height: u32,
-    ) -> Result<Vec<Asked>> {
+    ) -> Result<impl Future<Output = Result<Vec<Asked>>> + use<>> {
         look.check()?;
         self.make_targets(width, height)?;
         let texture = target(&self.context, "samples", SAMPLES, [width, height]);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         self.draw_into(&view, SAMPLES, Source::Truth, Output::Samples, look, light);
-        readback::read_texture(&self.context, &texture).await
+        let context = self.context.clone();
+        Ok(async move { readback::read_texture(&context, &texture).await })
+    }
+
+    /// Seconds of every stage of the light and of a picture of `width` x `height` samples, made once more.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::draw`], and [`Error::Gpu`] where the adapter has no timestamp queries.
+    pub(super) fn times(
+        &mut self,
+        look: &Look,
+        light: &Light,
+        width: u32,
+        height: u32,
+    ) -> Result<impl Future<Output = Result<Vec<(&'static str, f64)>>> + use<>> {
+        let stages: Vec<_> = light.stages().iter().collect();
+        let timer = Timer::new(&self.context, stages.len() as u32 + 1)?;
+        for (place, stage) in (0..).zip(&stages) {
+            let writes = timer.compute_writes(place);
+            self.context.submit(|encoder| stage.record_timed(encoder, Some(writes)));
+        }
+        self.timer = Some((timer, stages.len() as u32));
+        let drawn = self.draw(look, light, width, height);
+        let (timer, _) = self.timer.take().expect("put there");
+        drawn?;
+        let labels: Vec<&'static str> =
+            stages.iter().map(|stage| stage.label()).chain(std::iter::once("picture")).collect();
+        let context = self.context.clone();
+        Ok(async move {
+            let seconds = timer.read(&context, labels.len() as u32).await?;
+            Ok(labels.into_iter().zip(seconds).collect())
+        })
     }
 
     /// Takes answers to a picture's samples, `width` to a row.
@@ -391,6 +426,7 @@ impl Renderer {
                     }),
                     stencil_ops: None,
                 }),
+                timestamp_writes: self.timer.as_ref().map(|(timer, place)| timer.render_writes(*place)),
                 ..Default::default()
             });
             pass.set_bind_group(0, &frame, &[]);

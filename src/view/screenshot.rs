@@ -32,7 +32,7 @@ pub async fn screenshot(
 ) -> Result<RgbImage> {
     let (columns, rows) = (width.saturating_mul(samples), height.saturating_mul(samples));
     if look.needs_truth() {
-        let asked = renderer.samples(look, light, columns, rows).await?;
+        let asked = renderer.samples(look, light, columns, rows)?.await?;
         let truth = truth.expect("the caller gives what the look asks for");
         let answers = truth.answers(&asked, columns as usize, light.source_from_world(look.turn))?;
         renderer.set_truth(&answers, columns);

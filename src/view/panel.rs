@@ -1,0 +1,152 @@
+//! Sliders and switches.
+
+use super::camera::MAX_PITCH;
+use super::look::{Filter, Look, Object, Show, Tone};
+use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Slider, Ui};
+
+/// What the panel changes besides the look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Motion {
+    /// The environment turns about +Y.
+    pub(super) turning: bool,
+    /// A lamp circles, and the tables are made anew every frame.
+    pub(super) lamp: bool,
+    /// Times of the passes are taken.
+    pub(super) timing: bool,
+}
+
+/// What the panel tells.
+#[derive(Debug)]
+pub(super) struct Status<'a> {
+    pub(super) environment: &'a str,
+    pub(super) adapter: &'a str,
+    pub(super) message: Option<&'a str>,
+    pub(super) has_mesh: bool,
+    /// Pixels of the picture, and the share that the certified tier has answered.
+    pub(super) size: (u32, u32),
+    pub(super) progress: Option<f64>,
+    /// Passes and their seconds.
+    pub(super) times: &'a [(&'static str, f64)],
+}
+
+/// Width in points.
+pub(super) const WIDTH: f32 = 250.0;
+
+/// Shows the panel's contents.
+pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &Status<'_>) {
+    ScrollArea::vertical().show(ui, |ui| {
+        ui.add_space(6.0);
+        ui.label(RichText::new("octagloss").heading());
+        ui.label(status.environment);
+        if let Some(message) = status.message {
+            ui.label(RichText::new(message).color(egui::Color32::from_rgb(255, 140, 120)));
+        }
+        ui.separator();
+        ui.spacing_mut().slider_width = 130.0;
+        ui.label("Roughness");
+        ui.add_enabled(look.object != Object::Row, Slider::new(&mut look.roughness, 0.0..=1.0).max_decimals(3));
+        ui.checkbox(&mut look.textured, "varies over the surface");
+        ui.separator();
+        Grid::new("look").num_columns(2).show(ui, |ui| {
+            choice(ui, "Object", &mut look.object, &[
+                (Object::Sphere, "sphere"),
+                (Object::Row, "row of spheres"),
+                (Object::Knot, "torus knot"),
+            ], status.has_mesh.then_some((Object::Mesh, "mesh")));
+            choice(ui, "Filter", &mut look.filter, &[
+                (Filter::Box, "box"),
+                (Filter::Fitted(1), "fitted:1"),
+                (Filter::Fitted(2), "fitted:2"),
+                (Filter::Fitted(4), "fitted:4"),
+                (Filter::Fitted(8), "fitted:8"),
+                (Filter::Levels, "prefiltered levels"),
+                (Filter::Adaptive, "adaptive"),
+            ], None);
+            choice(ui, "Show", &mut look.show, &[
+                (Show::Scene, "scene"),
+                (Show::Oem, "octahedral map"),
+                (Show::Sat, "summed-area table"),
+                (Show::Error, "error"),
+            ], None);
+            choice(ui, "Tone", &mut look.tone, &[
+                (Tone::Neutral, "neutral"),
+                (Tone::Aces, "ACES"),
+                (Tone::Reinhard, "Reinhard"),
+                (Tone::Linear, "linear"),
+            ], None);
+            ui.label("Metal");
+            ui.color_edit_button_rgb(&mut look.metal);
+            ui.end_row();
+        });
+        ui.separator();
+        ui.label("Exposure");
+        ui.add(Slider::new(&mut look.exposure, -8.0..=8.0).step_by(0.01).suffix(" EV"));
+        ui.label("Backdrop's roughness");
+        ui.add(Slider::new(&mut look.backdrop, 0.0..=1.0).max_decimals(3));
+        ui.label("Turn of the environment");
+        look.turn = look.turn.rem_euclid(360.0);
+        ui.add(Slider::new(&mut look.turn, 0.0..=360.0).step_by(0.1).suffix("\u{b0}"));
+        ui.checkbox(&mut motion.turning, "keeps turning");
+        let lamp = egui::Checkbox::new(&mut motion.lamp, "a lamp circles (tables every frame)");
+        ui.add_enabled(look.follows_lamp(), lamp);
+        ui.separator();
+        ui.collapsing("Camera", |ui| {
+            Grid::new("camera").num_columns(2).show(ui, |ui| {
+                degrees(ui, "Yaw", &mut look.camera.yaw, f64::INFINITY);
+                degrees(ui, "Pitch", &mut look.camera.pitch, MAX_PITCH);
+                ui.label("Distance");
+                ui.add(DragValue::new(&mut look.camera.distance).range(1.05..=100.0).speed(0.02));
+                ui.end_row();
+            });
+        });
+        if look.show == Show::Error {
+            ui.label("Relative error from 0.01 % (black) over blue and red to 100 % (yellow), against the adaptive filter");
+        }
+        ui.separator();
+        ui.checkbox(&mut motion.timing, "GPU times");
+        if motion.timing {
+            Grid::new("times").num_columns(2).show(ui, |ui| {
+                for (pass, seconds) in status.times {
+                    ui.label(*pass);
+                    ui.label(format!("{:.3} ms", 1e3 * seconds));
+                    ui.end_row();
+                }
+            });
+        }
+        let (width, height) = status.size;
+        ui.label(RichText::new(format!("{width} x {height} samples")).weak());
+        if let Some(progress) = status.progress {
+            ui.label(RichText::new(format!("adaptive: {:.0} %", 100.0 * progress)).weak());
+        }
+        ui.label(RichText::new(status.adapter).weak());
+        ui.label(RichText::new("Drag to turn, scroll to come nearer; drop an environment or a mesh. H hides this.").weak());
+    });
+}
+
+fn choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    label: &str,
+    value: &mut T,
+    choices: &[(T, &str)],
+    further: Option<(T, &str)>,
+) {
+    ui.label(label);
+    let all = || choices.iter().copied().chain(further);
+    let shown = all().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
+    ComboBox::from_id_salt(label).selected_text(shown).show_ui(ui, |ui| {
+        for (choice, name) in all() {
+            ui.selectable_value(value, choice, name);
+        }
+    });
+    ui.end_row();
+}
+
+fn degrees(ui: &mut Ui, label: &str, radians: &mut f64, most: f64) {
+    ui.label(label);
+    let mut value = radians.to_degrees();
+    let limit = most.to_degrees();
+    if ui.add(DragValue::new(&mut value).range(-limit..=limit).speed(0.5).suffix("\u{b0}")).changed() {
+        *radians = value.to_radians();
+    }
+    ui.end_row();
+}

@@ -1,0 +1,409 @@
+//! What a window shows, whatever windows it is in: the picture, as fine as time allows, and what becomes of files.
+
+use super::light::Light;
+use super::look::{Look, Object};
+use super::mesh::Mesh;
+use super::panel::{Motion, Status, panel};
+use super::renderer::{Renderer, Viewport};
+use super::truth::{Asked, Truth};
+use crate::environment::Environment;
+use crate::error::Result;
+use crate::gpu::Context;
+use crate::io::{self, ReadOptions};
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Duration;
+use web_time::Instant;
+
+/// A picture is drawn coarsely until nothing changed for this long.
+const IDLE: Duration = Duration::from_millis(250);
+
+/// A frame is to be drawn within this time while something changes.
+const FRAME: Duration = Duration::from_millis(40);
+
+/// Time that the certified tier may take of one frame.
+const SLICE: Duration = Duration::from_millis(60);
+
+/// Coarsest picture: a sample for so many pixels along an edge.
+const COARSEST: f64 = 10.0;
+
+/// Steps of refinement of the certified tier: pixels to a sample along an edge.
+const STEPS: [u32; 4] = [8, 4, 2, 1];
+
+/// Degrees a second that the environment turns by.
+const TURN: f64 = 24.0;
+
+/// Times of passes are taken so often.
+const TIMES: Duration = Duration::from_millis(500);
+
+/// What a future will leave.
+type Later<T> = Rc<RefCell<Option<Result<T>>>>;
+
+/// The certified tier at work on one picture.
+#[derive(Debug)]
+struct Work {
+    look: Look,
+    /// Pixels of the picture when it is done.
+    full: (u32, u32),
+    step: usize,
+    /// Samples of this step.
+    size: (u32, u32),
+    asked: Later<Vec<Asked>>,
+    answers: Vec<[f32; 4]>,
+}
+
+/// The state of a window.
+#[derive(Debug)]
+pub struct Viewer {
+    renderer: Renderer,
+    light: Light,
+    truth: Option<Truth>,
+    look: Look,
+    motion: Motion,
+    name: String,
+    adapter: String,
+    message: Option<String>,
+    has_mesh: bool,
+    panel_hidden: bool,
+    /// Look and samples of the picture that is there.
+    drawn: Option<(Look, (u32, u32))>,
+    /// Pixels that there are for it.
+    full: (u32, u32),
+    /// The lamp is in the tables.
+    lamp_lit: bool,
+    started: Instant,
+    changed: Instant,
+    last_frame: Instant,
+    /// Pixels to a sample along an edge while something changes.
+    coarseness: f64,
+    work: Option<Work>,
+    times: Vec<(&'static str, f64)>,
+    pending_times: Option<Later<Vec<(&'static str, f64)>>>,
+    timed: Instant,
+}
+
+/// Runs `future` to its end here; in a browser, in its own time.
+fn later<T: 'static>(context: &Context, future: impl Future<Output = Result<T>> + 'static) -> Later<T> {
+    let slot: Later<T> = Rc::default();
+    #[cfg(not(target_arch = "wasm32"))]
+    {
+        let outcome = crate::gpu::block_on(Some(context), future).and_then(|outcome| outcome);
+        *slot.borrow_mut() = Some(outcome);
+    }
+    #[cfg(target_arch = "wasm32")]
+    {
+        let _ = context;
+        let place = Rc::clone(&slot);
+        wasm_bindgen_futures::spawn_local(async move {
+            let outcome = future.await;
+            *place.borrow_mut() = Some(outcome);
+        });
+    }
+    slot
+}
+
+impl Viewer {
+    /// A viewer of `environment`, called `name`, drawn by `renderer`.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::light`].
+    pub fn new(
+        mut renderer: Renderer,
+        environment: &Environment,
+        name: String,
+        look: Look,
+        oem_size: Option<u32>,
+    ) -> Result<Self> {
+        let light = renderer.light(environment, oem_size)?;
+        let now = Instant::now();
+        Ok(Self {
+            adapter: renderer.context().describe(),
+            has_mesh: look.object == Object::Mesh,
+            renderer,
+            light,
+            truth: None,
+            look,
+            motion: Motion::default(),
+            name,
+            message: None,
+            panel_hidden: false,
+            drawn: None,
+            full: (1, 1),
+            lamp_lit: false,
+            started: now,
+            changed: now,
+            last_frame: now,
+            coarseness: 2.0,
+            work: None,
+            times: Vec::new(),
+            pending_times: None,
+            timed: now,
+        })
+    }
+
+    /// The device.
+    #[must_use]
+    pub const fn context(&self) -> &Context {
+        self.renderer.context()
+    }
+
+    /// What is shown.
+    #[must_use]
+    pub const fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// To change what is shown.
+    pub const fn look_mut(&mut self) -> &mut Look {
+        &mut self.look
+    }
+
+    /// What is told to the user, if anything is.
+    #[must_use]
+    pub fn message(&self) -> Option<&str> {
+        self.message.as_deref()
+    }
+
+    /// Shows the panel, or hides it.
+    pub const fn toggle_panel(&mut self) {
+        self.panel_hidden = !self.panel_hidden;
+    }
+
+    /// Takes an environment or a mesh, `bytes` of a file called `path`; where it is neither, says so and goes on with what
+    /// there was.
+    pub fn open(&mut self, path: &Path, bytes: &[u8]) {
+        let outcome = if is_mesh(path) {
+            Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
+        } else {
+            io::read_from_memory(path, bytes, &ReadOptions::default())
+                .and_then(|loaded| self.take_environment(&loaded.environment, path))
+        };
+        self.message = outcome.err().map(|error| error.to_string());
+    }
+
+    /// The same for a file by its path.
+    pub fn open_file(&mut self, path: &Path) {
+        let outcome = if is_mesh(path) {
+            Mesh::read(path).and_then(|mesh| self.take_mesh(&mesh))
+        } else {
+            io::read(path, &ReadOptions::default())
+                .and_then(|loaded| self.take_environment(&loaded.environment, path))
+        };
+        self.message = outcome.err().map(|error| error.to_string());
+    }
+
+    fn take_mesh(&mut self, mesh: &Mesh) -> Result<()> {
+        self.renderer.set_mesh(mesh)?;
+        self.has_mesh = true;
+        self.look.object = Object::Mesh;
+        self.drawn = None;
+        Ok(())
+    }
+
+    fn take_environment(&mut self, environment: &Environment, path: &Path) -> Result<()> {
+        self.light = self.renderer.light(environment, None)?;
+        self.name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        self.truth = None;
+        self.work = None;
+        self.drawn = None;
+        Ok(())
+    }
+
+    /// Whether the next frame will differ from the last.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        let settled = self.drawn.as_ref().is_some_and(|(look, _)| *look == self.look);
+        let Motion { turning, lamp, timing } = self.motion;
+        !settled || turning || lamp || timing || self.work.is_some() || self.coarse()
+    }
+
+    /// Whether the picture that is there is coarser than it might be.
+    fn coarse(&self) -> bool {
+        self.drawn.as_ref().is_some_and(|(_, size)| *size != self.full)
+    }
+
+    /// Draws what there is time for, for a picture of `full` pixels.
+    pub fn draw(&mut self, full: (u32, u32)) {
+        if let Err(error) = self.try_draw(full) {
+            // Not again before something changes.
+            self.drawn = Some((self.look.clone(), full));
+            self.work = None;
+            self.message = Some(error.to_string());
+        }
+    }
+
+    fn try_draw(&mut self, full: (u32, u32)) -> Result<()> {
+        self.full = full;
+        let now = Instant::now();
+        let passed = now - self.last_frame;
+        self.last_frame = now;
+        if self.motion.turning {
+            self.look.turn = (self.look.turn + TURN * passed.as_secs_f64().min(0.2)).rem_euclid(360.0);
+        }
+        let lamp = self.motion.lamp && self.look.follows_lamp();
+        if lamp || self.lamp_lit {
+            let place = lamp.then(|| (now - self.started).as_secs_f64());
+            self.light.move_lamp(self.renderer.context(), place);
+            self.lamp_lit = lamp;
+            self.drawn = None;
+        }
+        if self.drawn.as_ref().is_none_or(|(look, _)| *look != self.look) {
+            // Frames that follow one another tell what there is time for.
+            if now - self.changed < IDLE && passed < IDLE {
+                let pace = passed.as_secs_f64() / FRAME.as_secs_f64();
+                self.coarseness = (self.coarseness * pace.sqrt().clamp(0.9, 2.0)).clamp(1.0, COARSEST);
+            }
+            self.changed = now;
+        }
+        self.take_times(now)?;
+        if self.look.needs_truth() {
+            return self.refine();
+        }
+        self.work = None;
+        let settled = now - self.changed >= IDLE;
+        let size = if settled { full } else { coarser(full, self.coarseness) };
+        if self.drawn.as_ref().is_none_or(|(look, drawn)| *look != self.look || (settled && *drawn != size)) {
+            self.renderer.draw(&self.look, &self.light, size.0, size.1)?;
+            self.drawn = Some((self.look.clone(), size));
+        }
+        Ok(())
+    }
+
+    /// Lets the certified tier work on the picture for a while, coarse samples first.
+    fn refine(&mut self) -> Result<()> {
+        let done = self.drawn.as_ref().is_some_and(|(look, size)| *look == self.look && *size == self.full);
+        let at_it = self.work.as_ref().is_some_and(|work| work.look == self.look && work.full == self.full);
+        if done && !at_it {
+            return Ok(());
+        }
+        if !at_it {
+            self.work = Some(self.begin(0)?);
+        }
+        if self.truth.is_none() {
+            self.truth = Some(Truth::new(self.light.environment())?);
+        }
+        let (Some(mut work), Some(truth)) = (self.work.take(), &self.truth) else { return Ok(()) };
+        let answered = work.asked.borrow_mut().take();
+        let asked = match answered {
+            None => {
+                self.work = Some(work);
+                return Ok(());
+            }
+            Some(asked) => asked?,
+        };
+        let start = Instant::now();
+        let width = work.size.0 as usize;
+        let source_from_world = self.light.source_from_world(work.look.turn);
+        while work.answers.len() < asked.len() {
+            // Bands of rows that tiles fill.
+            let end = (work.answers.len() + 16 * width).min(asked.len());
+            let band = &asked[work.answers.len()..end];
+            work.answers.extend(truth.answers(band, width, source_from_world)?);
+            if start.elapsed() > SLICE {
+                break;
+            }
+        }
+        if work.answers.len() < asked.len() {
+            *work.asked.borrow_mut() = Some(Ok(asked));
+            self.work = Some(work);
+            return Ok(());
+        }
+        let (step, (width, height)) = (work.step, work.size);
+        self.renderer.set_truth(&work.answers, width);
+        self.renderer.draw(&work.look, &self.light, width, height)?;
+        self.drawn = Some((self.look.clone(), (width, height)));
+        self.work = if step + 1 < STEPS.len() { Some(self.begin(step + 1)?) } else { None };
+        Ok(())
+    }
+
+    fn begin(&mut self, step: usize) -> Result<Work> {
+        let size = coarser(self.full, f64::from(STEPS[step]));
+        let samples = self.renderer.samples(&self.look, &self.light, size.0, size.1)?;
+        let asked = later(self.renderer.context(), samples);
+        Ok(Work { look: self.look.clone(), full: self.full, step, size, asked, answers: Vec::new() })
+    }
+
+    /// Takes the times of the passes now and then.
+    fn take_times(&mut self, now: Instant) -> Result<()> {
+        if !self.motion.timing {
+            return Ok(());
+        }
+        if let Some(pending) = &self.pending_times {
+            let taken = pending.borrow_mut().take();
+            match taken {
+                None => return Ok(()),
+                Some(times) => {
+                    self.times = times?;
+                    self.pending_times = None;
+                }
+            }
+        }
+        if now - self.timed > TIMES {
+            self.timed = now;
+            let (width, height) = self.full;
+            match self.renderer.times(&self.look, &self.light, width, height) {
+                Ok(times) => self.pending_times = Some(later(self.renderer.context(), times)),
+                Err(error) => {
+                    self.motion.timing = false;
+                    return Err(error);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Shows the picture in `viewport` of `view`.
+    pub fn present(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        viewport: Viewport,
+    ) {
+        if let Some((look, _)) = &self.drawn {
+            self.renderer.present(encoder, view, format, viewport, look);
+        }
+    }
+
+    /// The panel's interface, and where it leaves room for the picture: in pixels of a target of `size`.
+    pub fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
+        let (width, height) = size;
+        if self.panel_hidden {
+            return Viewport { x: 0, y: 0, width, height };
+        }
+        let progress = self.work.as_ref().map(|work| {
+            let asked = work.asked.borrow();
+            let count = asked.as_ref().and_then(|asked| asked.as_ref().ok()).map_or(1, Vec::len);
+            work.answers.len() as f64 / count.max(1) as f64
+        });
+        let Self { look, motion, name, adapter, message, has_mesh, times, drawn, .. } = self;
+        let status = Status {
+            environment: name,
+            adapter,
+            message: message.as_deref(),
+            has_mesh: *has_mesh,
+            size: drawn.as_ref().map_or((0, 0), |(_, size)| *size),
+            progress,
+            times,
+        };
+        let shown = egui::Panel::left("panel")
+            .exact_size(super::panel::WIDTH)
+            .resizable(false)
+            .show(ui, |ui| panel(ui, look, motion, &status));
+        let edge = (shown.response.rect.right() * ui.ctx().pixels_per_point()).round() as u32;
+        let x = edge.min(width.saturating_sub(1));
+        Viewport { x, y: 0, width: width - x, height }
+    }
+}
+
+/// `full` pixels with a sample for `coarseness` of them along an edge.
+fn coarser((width, height): (u32, u32), coarseness: f64) -> (u32, u32) {
+    let side = |pixels: u32| ((f64::from(pixels) / coarseness).round() as u32).max(1);
+    (side(width), side(height))
+}
+
+fn is_mesh(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    ["gltf", "glb", "obj"].iter().any(|mesh| extension.eq_ignore_ascii_case(mesh))
+}

@@ -1,0 +1,388 @@
+//! A window around a [`Viewer`]: events, the surface, and the panel over the picture.
+
+use super::look::Look;
+use super::mesh::Mesh;
+use super::renderer::Renderer;
+use super::viewer::Viewer;
+use crate::environment::Environment;
+use crate::error::{Error, Result};
+use crate::gpu::Context;
+use std::path::PathBuf;
+use std::sync::Arc;
+use winit::application::ApplicationHandler;
+use winit::dpi::{LogicalSize, PhysicalSize};
+use winit::event::{ElementState, MouseButton, MouseScrollDelta, TouchPhase, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::keyboard::{Key, NamedKey};
+use winit::window::{Window, WindowAttributes, WindowId};
+
+/// What a window shows at first.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// The environment,
+    pub environment: Environment,
+    /// and what it is called.
+    pub name: String,
+    /// The object of [`super::Object::Mesh`].
+    pub mesh: Option<Mesh>,
+    /// How it is shown.
+    pub look: Look,
+    /// Texels of the OEM; `None` for what suits the environment.
+    pub oem_size: Option<u32>,
+    /// The GPU, by a part of its name; `None` for the best that shows windows.
+    pub adapter: Option<String>,
+    /// The window's size in points.
+    pub size: (u32, u32),
+}
+
+/// What reaches the window from outside of it.
+pub(super) enum Message {
+    /// The device is there.
+    Ready(Box<Result<Shown>>),
+    /// A file was given to the page.
+    #[cfg_attr(
+        not(target_arch = "wasm32"),
+        expect(dead_code, reason = "files come with events of the window")
+    )]
+    File(PathBuf, Vec<u8>),
+}
+
+/// Opens a window and serves it until it is closed.
+///
+/// # Errors
+/// [`Error::Gpu`] where no window or no device can be had.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn run(start: Start) -> Result<()> {
+    let refused = |error: winit::error::EventLoopError| {
+        Error::Gpu(format!("no window can be opened: {error}; --screenshot FILE.png needs none"))
+    };
+    let events = EventLoop::<Message>::with_user_event().build().map_err(refused)?;
+    let mut application = Application::new(start, events.create_proxy());
+    events.run_app(&mut application).map_err(refused)?;
+    application.failure.map_or(Ok(()), Err)
+}
+
+/// A window that has its device.
+pub(super) struct Shown {
+    window: Arc<Window>,
+    surface: wgpu::Surface<'static>,
+    configuration: wgpu::SurfaceConfiguration,
+    viewer: Viewer,
+    egui: egui_winit::State,
+    painter: egui_wgpu::Renderer,
+    /// Where the pointer is, and whether it turns the camera.
+    pointer: (f64, f64),
+    dragging: bool,
+}
+
+/// The window's side of the event loop.
+pub(super) struct Application {
+    start: Option<Start>,
+    messages: EventLoopProxy<Message>,
+    shown: Option<Shown>,
+    /// Why it stopped.
+    pub(super) failure: Option<Error>,
+}
+
+impl Application {
+    pub(super) const fn new(start: Start, messages: EventLoopProxy<Message>) -> Self {
+        Self { start: Some(start), messages, shown: None, failure: None }
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: Error) {
+        self.failure = Some(error);
+        event_loop.exit();
+    }
+}
+
+/// Attributes of the window that shows `start`.
+#[cfg(not(target_arch = "wasm32"))]
+fn attributes(start: &Start) -> WindowAttributes {
+    let (width, height) = start.size;
+    Window::default_attributes()
+        .with_title(format!("{} - octagloss", start.name))
+        .with_inner_size(LogicalSize::new(width, height))
+}
+
+impl Shown {
+    /// The device and the first picture of `start` in `window`.
+    async fn new(
+        start: Start,
+        window: Arc<Window>,
+        display: Box<dyn wgpu::wgt::WgpuHasDisplayHandle>,
+    ) -> Result<Self> {
+        let instance =
+            wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle_from_env(display));
+        let surface = instance
+            .create_surface(Arc::clone(&window))
+            .map_err(|error| Error::Gpu(format!("the window cannot be drawn into: {error}")))?;
+        let adapter = adapter(&instance, &surface, start.adapter.as_deref()).await?;
+        let context = Context::new(&adapter).await?;
+        let capabilities = surface.get_capabilities(&adapter);
+        // The shader writes sRGB by itself.
+        let format = capabilities
+            .formats
+            .iter()
+            .copied()
+            .find(|format| !format.is_srgb() && format.components() == 4)
+            .or_else(|| capabilities.formats.first().copied())
+            .ok_or_else(|| Error::Gpu(format!("{} shows no windows", context.describe())))?;
+        let size = window.inner_size();
+        let mut configuration =
+            surface
+                .get_default_config(&adapter, size.width.max(1), size.height.max(1))
+                .ok_or_else(|| Error::Gpu(format!("{} shows no windows", context.describe())))?;
+        configuration.format = format;
+        surface.configure(context.device(), &configuration);
+        let mut renderer = Renderer::new(context.clone())?;
+        if let Some(mesh) = &start.mesh {
+            renderer.set_mesh(mesh)?;
+        }
+        let painter =
+            egui_wgpu::Renderer::new(context.device(), format, egui_wgpu::RendererOptions::default());
+        let viewer = Viewer::new(renderer, &start.environment, start.name, start.look, start.oem_size)?;
+        let egui = egui_winit::State::new(
+            egui::Context::default(),
+            egui::ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            None,
+            Some(context.device().limits().max_texture_dimension_2d as usize),
+        );
+        Ok(Self {
+            window,
+            surface,
+            configuration,
+            viewer,
+            egui,
+            painter,
+            pointer: (0.0, 0.0),
+            dragging: false,
+        })
+    }
+
+    fn resize(&mut self, size: PhysicalSize<u32>) {
+        if size.width > 0 && size.height > 0 {
+            (self.configuration.width, self.configuration.height) = (size.width, size.height);
+            self.surface.configure(self.viewer.context().device(), &self.configuration);
+            self.window.request_redraw();
+        }
+    }
+
+    /// One frame: the interface, the picture, and both on the surface.
+    fn redraw(&mut self) -> Result<()> {
+        let size = (self.configuration.width, self.configuration.height);
+        let input = self.egui.take_egui_input(&self.window);
+        let interface = self.egui.egui_ctx().clone();
+        let mut viewport = None;
+        let output = interface.run_ui(input, |ui| viewport = Some(self.viewer.interface(ui, size)));
+        let Some(viewport) = viewport else { return Ok(()) };
+        self.egui.handle_platform_output(&self.window, output.platform_output);
+        self.viewer.draw((viewport.width, viewport.height));
+
+        let context = self.viewer.context().clone();
+        let frame = match self.surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(frame) | wgpu::CurrentSurfaceTexture::Suboptimal(frame) => {
+                frame
+            }
+            wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Occluded => return Ok(()),
+            wgpu::CurrentSurfaceTexture::Outdated | wgpu::CurrentSurfaceTexture::Lost => {
+                self.surface.configure(context.device(), &self.configuration);
+                self.window.request_redraw();
+                return Ok(());
+            }
+            wgpu::CurrentSurfaceTexture::Validation => {
+                context.check()?;
+                return Err(Error::Gpu("the window's surface is invalid".to_owned()));
+            }
+        };
+        let view = frame.texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let triangles = interface.tessellate(output.shapes, output.pixels_per_point);
+        let (device, queue) = (context.device(), context.queue());
+        for (id, deltas) in &output.textures_delta.set {
+            for delta in deltas {
+                self.painter.update_texture(device, queue, *id, delta);
+            }
+        }
+        let screen = egui_wgpu::ScreenDescriptor {
+            size_in_pixels: [size.0, size.1],
+            pixels_per_point: output.pixels_per_point,
+        };
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.viewer.present(&mut encoder, &view, self.configuration.format, viewport);
+        let uploads = self.painter.update_buffers(device, queue, &mut encoder, &triangles, &screen);
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("panel"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        let mut pass = pass.forget_lifetime();
+        self.painter.render(&mut pass, &triangles, &screen);
+        drop(pass);
+        queue.submit(uploads.into_iter().chain([encoder.finish()]));
+        self.window.pre_present_notify();
+        queue.present(frame);
+        for id in &output.textures_delta.free {
+            self.painter.free_texture(id);
+        }
+        context.check()?;
+        let again = output.viewport_output.values().any(|viewport| viewport.repaint_delay.is_zero());
+        if again || self.viewer.is_busy() {
+            self.window.request_redraw();
+        }
+        Ok(())
+    }
+
+    /// Turns and moves the camera.
+    fn on_event(&mut self, event: &WindowEvent) {
+        match event {
+            WindowEvent::DroppedFile(path) => self.viewer.open_file(path),
+            WindowEvent::MouseInput { state, button: MouseButton::Left, .. } => {
+                self.dragging = *state == ElementState::Pressed;
+            }
+            WindowEvent::CursorMoved { position, .. } => {
+                let (x, y) = self.pointer;
+                self.pointer = (position.x, position.y);
+                if self.dragging {
+                    self.orbit(position.x - x, position.y - y);
+                }
+            }
+            WindowEvent::Touch(touch) => {
+                let (x, y) = self.pointer;
+                self.pointer = (touch.location.x, touch.location.y);
+                if touch.phase == TouchPhase::Moved {
+                    self.orbit(touch.location.x - x, touch.location.y - y);
+                }
+            }
+            WindowEvent::MouseWheel { delta, .. } => {
+                let lines = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y / 50.0,
+                };
+                let camera = &mut self.viewer.look_mut().camera;
+                camera.distance = (camera.distance * (-0.1 * lines).exp()).clamp(1.05, 100.0);
+            }
+            WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
+                match &event.logical_key {
+                    Key::Character(text) if text.eq_ignore_ascii_case("h") => self.viewer.toggle_panel(),
+                    Key::Named(NamedKey::Home) => self.viewer.look_mut().camera = super::Camera::default(),
+                    _ => {}
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Turns the camera by a drag of so many pixels: half a turn for the window's height.
+    fn orbit(&mut self, right: f64, down: f64) {
+        let turn = std::f64::consts::PI / f64::from(self.configuration.height);
+        let camera = &mut self.viewer.look_mut().camera;
+        camera.yaw = (camera.yaw - right * turn).rem_euclid(std::f64::consts::TAU);
+        camera.pitch =
+            (camera.pitch + down * turn).clamp(-super::camera::MAX_PITCH, super::camera::MAX_PITCH);
+    }
+}
+
+/// The adapter called `name`, or the best, that can draw into `surface`.
+async fn adapter(
+    instance: &wgpu::Instance,
+    surface: &wgpu::Surface<'static>,
+    name: Option<&str>,
+) -> Result<wgpu::Adapter> {
+    if let Some(name) = name {
+        let adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+        let called = |adapter: &wgpu::Adapter| {
+            adapter.get_info().name.to_lowercase().contains(&name.to_lowercase())
+                && adapter.is_surface_supported(surface)
+        };
+        let found = adapters.into_iter().find(called);
+        return found.ok_or_else(|| {
+            Error::Gpu(format!("no adapter called {name} shows windows; see octagloss info --adapters"))
+        });
+    }
+    let options = wgpu::RequestAdapterOptions {
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        compatible_surface: Some(surface),
+        ..Default::default()
+    };
+    instance.request_adapter(&options).await.map_err(|error| {
+        Error::Gpu(format!("no adapter shows windows: {error}; install a Vulkan driver, such as Mesa's"))
+    })
+}
+
+impl ApplicationHandler<Message> for Application {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        event_loop.set_control_flow(ControlFlow::Wait);
+        let Some(start) = self.start.take() else { return };
+        let window = match event_loop.create_window(attributes(&start)) {
+            Ok(window) => Arc::new(window),
+            Err(error) => {
+                return self.fail(event_loop, Error::Gpu(format!("no window can be opened: {error}")));
+            }
+        };
+        let display = Box::new(event_loop.owned_display_handle());
+        let shown = Shown::new(start, window, display);
+        let messages = self.messages.clone();
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let shown = crate::gpu::block_on(None, shown).and_then(|shown| shown);
+            // Nobody listens once the loop has ended.
+            messages.send_event(Message::Ready(Box::new(shown))).ok();
+        }
+        #[cfg(target_arch = "wasm32")]
+        wasm_bindgen_futures::spawn_local(async move {
+            messages.send_event(Message::Ready(Box::new(shown.await))).ok();
+        });
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, message: Message) {
+        match message {
+            Message::Ready(shown) => match *shown {
+                Ok(mut shown) => {
+                    shown.resize(shown.window.inner_size());
+                    shown.window.request_redraw();
+                    self.shown = Some(shown);
+                }
+                Err(error) => self.fail(event_loop, error),
+            },
+            Message::File(path, bytes) => {
+                if let Some(shown) = &mut self.shown {
+                    shown.viewer.open(&path, &bytes);
+                    shown.window.request_redraw();
+                }
+            }
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(shown) = &mut self.shown else { return };
+        let response = shown.egui.on_window_event(&shown.window, &event);
+        if response.repaint {
+            shown.window.request_redraw();
+        }
+        match event {
+            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::Resized(size) => shown.resize(size),
+            WindowEvent::RedrawRequested => {
+                if let Err(error) = shown.redraw() {
+                    self.fail(event_loop, error);
+                }
+            }
+            _ => {
+                // A drag that began on the picture ends anywhere.
+                let released = matches!(event, WindowEvent::MouseInput { state: ElementState::Released, .. });
+                if !response.consumed || released {
+                    shown.on_event(&event);
+                }
+                if shown.viewer.is_busy() {
+                    shown.window.request_redraw();
+                }
+            }
+        }
+    }
+}
