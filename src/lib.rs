@@ -111,6 +111,8 @@ pub mod sun;
 pub mod survey;
 pub mod synth;
 pub mod target;
+#[cfg(all(target_arch = "wasm32", feature = "gpu"))]
+pub mod web;
 
 pub use environment::{Environment, Layout, Map, Rgb};
 pub use error::{Error, Result};
