@@ -12,7 +12,7 @@ use crate::reflector::{Reflector, ReflectorSettings, default_oem_size, source_oe
 use crate::sh;
 use crate::sh_window::ShWindow;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use web_time::Instant;
 
 /// How a level's roughness follows from its index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

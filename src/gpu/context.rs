@@ -1,10 +1,7 @@
 //! Adapters, devices, and what can go wrong with them.
 
 use crate::error::{Error, Result};
-use std::future::Future;
-use std::pin::pin;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::task::{Poll, Waker};
 
 /// A device with its queue, and the first thing that went wrong on it.
 #[derive(Clone, Debug)]
@@ -178,28 +175,4 @@ impl Context {
 fn note(failure: &Mutex<Option<String>>, message: &str) {
     let one_line = message.split_whitespace().collect::<Vec<_>>().join(" ");
     failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(one_line);
-}
-
-/// Waits for `future`, driving the device of `context` meanwhile. For programs; a browser's event loop drives futures
-/// by itself.
-///
-/// # Errors
-/// [`Error::Gpu`] where the device stops answering.
-#[cfg(not(target_arch = "wasm32"))]
-pub fn block_on<F: Future>(context: Option<&Context>, future: F) -> Result<F::Output> {
-    let mut future = pin!(future);
-    let mut task = std::task::Context::from_waker(Waker::noop());
-    loop {
-        if let Poll::Ready(output) = future.as_mut().poll(&mut task) {
-            return Ok(output);
-        }
-        match context {
-            Some(context) => {
-                context.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| {
-                    Error::Gpu(format!("{} stopped answering: {error}", context.describe()))
-                })?;
-            }
-            None => std::thread::yield_now(),
-        }
-    }
 }

@@ -22,7 +22,7 @@ use crate::reflector::{Answer, ReflectorSettings, Workspace};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Lobes of a smaller alpha, mirrors too, are below what float32 directions resolve: the CPU's code answers them, over the
 /// OEM read back.

@@ -18,6 +18,8 @@
 //! into the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing.
 
 pub mod adaptive;
+#[cfg(not(target_arch = "wasm32"))]
+mod block_on;
 pub mod box_filter;
 pub mod cells;
 pub mod context;
@@ -34,6 +36,8 @@ pub mod shader;
 mod stage;
 pub mod timer;
 
-pub use context::{Context, adapters, block_on};
+#[cfg(not(target_arch = "wasm32"))]
+pub use block_on::block_on;
+pub use context::{Context, adapters};
 pub use oem::{OemPlanes, SatPlanes};
 pub use stage::Stage;

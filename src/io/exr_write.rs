@@ -4,13 +4,13 @@
 //! miniz_oxide at a fixed level, which takes three to four times as long and makes larger files, and it writes
 //! attributes in the order of a hash map, so that equal inputs give unequal bytes. It reads back what is written here.
 
+use super::deflate::Deflater;
 use super::output;
 use super::pixels::{Pixel, push_halves};
 use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::sphere::cube::Face;
-use libdeflater::{CompressionLvl, Compressor};
 use rayon::prelude::*;
 use std::fs;
 use std::ops::Range;
@@ -18,10 +18,6 @@ use std::path::Path;
 
 /// Rows of a ZIP block.
 pub(super) const BLOCK_ROWS: usize = 16;
-
-/// libdeflate's fastest level: on faces of real panoramas 17 ms for 3.1 MB and 76 % of the bytes, where level 4 takes
-/// 29 ms for 72 % and miniz_oxide at 4 takes 64 ms for 75 %.
-const ZIP_LEVEL: i32 = 1;
 
 /// The program and its version, as outputs name it.
 pub const SOFTWARE: &str = concat!("octagloss ", env!("CARGO_PKG_VERSION"));
@@ -142,15 +138,14 @@ impl Image<'_> {
 
 /// Compresses blocks, one after the other.
 pub(super) struct Packer {
-    compressor: Compressor,
+    deflater: Deflater,
     raw: Vec<u8>,
     scratch: Vec<u8>,
 }
 
 impl Packer {
     pub(super) fn new() -> Self {
-        let level = CompressionLvl::new(ZIP_LEVEL).expect("a level that libdeflate has");
-        Self { compressor: Compressor::new(level), raw: Vec::new(), scratch: Vec::new() }
+        Self { deflater: Deflater::new(), raw: Vec::new(), scratch: Vec::new() }
     }
 
     /// Appends the block of `columns` and `rows` of `image`: its length, its bytes.
@@ -168,7 +163,7 @@ impl Packer {
         }
         let size_at = out.len();
         out.extend([0; 4]);
-        zip_block(&self.raw, &mut self.compressor, &mut self.scratch, out);
+        zip_block(&self.raw, &mut self.deflater, &mut self.scratch, out);
         let size = (out.len() - size_at - 4) as i32;
         out[size_at..][..4].copy_from_slice(&size.to_le_bytes());
     }
@@ -193,7 +188,7 @@ fn push_row(samples: Samples<'_>, row: Range<usize>, pixel: Pixel, out: &mut Vec
 
 /// Appends `raw` compressed as ZIP has it: bytes of even and of odd position apart, each as its difference from the
 /// one before, then zlib; or as it is where that is no smaller.
-fn zip_block(raw: &[u8], compressor: &mut Compressor, scratch: &mut Vec<u8>, out: &mut Vec<u8>) {
+fn zip_block(raw: &[u8], deflater: &mut Deflater, scratch: &mut Vec<u8>, out: &mut Vec<u8>) {
     scratch.clear();
     scratch.extend(raw.iter().step_by(2));
     scratch.extend(raw.iter().skip(1).step_by(2));
@@ -201,11 +196,11 @@ fn zip_block(raw: &[u8], compressor: &mut Compressor, scratch: &mut Vec<u8>, out
         scratch[at] = scratch[at].wrapping_sub(scratch[at - 1]).wrapping_add(128);
     }
     let start = out.len();
-    // One byte too few for no gain: libdeflate fails and the block stays raw.
+    // One byte too few for no gain: the block stays raw.
     out.resize(start + raw.len() - 1, 0);
-    match compressor.zlib_compress(scratch, &mut out[start..]) {
-        Ok(size) => out.truncate(start + size),
-        Err(_) => {
+    match deflater.deflate(scratch, &mut out[start..]) {
+        Some(size) => out.truncate(start + size),
+        None => {
             out.truncate(start);
             out.extend(raw);
         }

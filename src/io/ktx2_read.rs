@@ -6,6 +6,7 @@ use super::oem_write::BORDER_KEY;
 use super::picture::{Content, Picture, Source, TEXEL_BYTES};
 use super::pixels::rgb_from_rgb9e5;
 use super::r11g11b10::rgb_from_r11g11b10;
+use super::zstandard;
 use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::Rgb;
 use crate::error::Result;
@@ -166,7 +167,7 @@ impl<'a> Container<'a> {
         let stored = self.reader.levels().nth(level).expect("the caller counts levels").data;
         let zstd = self.reader.header().supercompression_scheme.is_some();
         let bytes = if zstd {
-            Cow::Owned(zstd::bulk::decompress(stored, expected).map_err(|error| {
+            Cow::Owned(zstandard::decompress(stored, expected).map_err(|error| {
                 self.source.error(format!("level {level} is corrupt: {error}; copy the file anew"))
             })?)
         } else {

@@ -11,6 +11,7 @@ mod contain;
 pub mod cube_write;
 mod dds_read;
 pub mod dds_write;
+mod deflate;
 pub mod environment_write;
 mod exr;
 pub mod exr_parts;
@@ -37,6 +38,7 @@ mod repair;
 pub mod rgbd;
 pub mod table_write;
 mod texel_bytes;
+mod zstandard;
 
 pub use layout::LayoutChoice;
 pub use repair::Repairs;

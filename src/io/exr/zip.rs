@@ -3,6 +3,7 @@
 //! The general way copies a block five times on its way and inflates it more slowly. What is odd in any respect is left
 //! to it, and so are the words for what is wrong.
 
+use super::super::deflate::Inflater;
 use super::super::picture::Source;
 use super::Window;
 use super::blocks::PARALLEL_BYTES;
@@ -13,7 +14,6 @@ use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use half::f16;
 use half::slice::{HalfBitsSliceExt as _, HalfFloatSliceExt as _};
-use libdeflater::Decompressor;
 use rayon::prelude::*;
 use std::io::Cursor;
 use std::ops::Range;
@@ -61,7 +61,7 @@ struct Channel {
 
 /// Buffers of a thread.
 struct Scratch {
-    decompressor: Decompressor,
+    inflater: Inflater,
     inflated: Vec<u8>,
     /// A block's samples, all of them even numbers of bytes.
     words: Vec<u16>,
@@ -71,7 +71,7 @@ struct Scratch {
 impl Default for Scratch {
     fn default() -> Self {
         Self {
-            decompressor: Decompressor::new(),
+            inflater: Inflater::new(),
             inflated: Vec::new(),
             words: Vec::new(),
             floats: Default::default(),
@@ -125,9 +125,9 @@ impl<'a> Blocks<'a> {
 
     /// Decodes block `k` into its texels.
     fn decode(&self, k: usize, scratch: &mut Scratch, texels: &mut [Rgb]) -> Option<()> {
-        let Scratch { decompressor, inflated, words, floats } = scratch;
+        let Scratch { inflater, inflated, words, floats } = scratch;
         words.resize(texels.len() * self.bytes_per_pixel / 2, 0);
-        unpack(self.compressed(k)?, decompressor, inflated, words)?;
+        unpack(self.compressed(k)?, inflater, inflated, words)?;
         for (line, texels) in texels.chunks_mut(self.width).enumerate() {
             for (channel, floats) in self.channels.iter().zip(&mut *floats) {
                 channel.floats_from(&words[channel.words(line, self.width, self.bytes_per_pixel)], floats);
@@ -177,7 +177,7 @@ impl Channel {
 /// Undoes compression; `words` says by its length how many there must be.
 fn unpack(
     compressed: &[u8],
-    decompressor: &mut Decompressor,
+    inflater: &mut Inflater,
     inflated: &mut Vec<u8>,
     words: &mut [u16],
 ) -> Option<()> {
@@ -188,7 +188,7 @@ fn unpack(
         return Some(());
     }
     inflated.resize(2 * words.len(), 0);
-    let length = decompressor.zlib_decompress(compressed, inflated).ok()?;
+    let length = inflater.inflate(compressed, inflated)?;
     (length == inflated.len()).then_some(())?;
     // All even bytes, then all odd ones; each but the first is its difference from the one before, plus 128. Both run
     // at once: sums wait for one another.
