@@ -18,12 +18,17 @@
 //! into the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing.
 
 pub mod adaptive;
+pub mod blur;
 pub mod box_filter;
 pub mod cells;
 pub mod context;
 pub mod copy;
 pub mod engine;
+pub mod fitted;
 pub mod fixed_point;
+pub mod harmonics;
+mod least;
+pub mod mirror;
 pub mod oem;
 pub mod readback;
 pub mod reparameterise;
