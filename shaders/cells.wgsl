@@ -1,6 +1,6 @@
 // The quadtree of moments: `Cells` of src/cpu/cells.rs, whose module says what the moments are for.
 #include "common/quad.wgsl"
-#include "common/reduction.wgsl"
+#include "common/table.wgsl"
 
 // Quads along an edge of a workgroup; each has four invocations.
 const EDGE = 8u;
@@ -31,46 +31,11 @@ struct Tent {
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
-// The least radiance of each channel: of each workgroup, then of all.
-@group(0) @binding(5) var<storage, read_write> partials: array<vec4<f32>, GROUPS>;
-@group(0) @binding(6) var<storage, read_write> least: array<vec4<f32>, 1>;
+// The least radiance of each channel.
+@group(0) @binding(6) var<storage, read> least: array<vec4<f32>, 1>;
 @group(0) @binding(7) var<storage, read> tents: array<Tent>;
 @group(0) @binding(8) var<storage, read_write> quads: array<f32>;
 @group(0) @binding(9) var<uniform> level: Level;
-
-var<workgroup> shared_least: array<vec4<f32>, GROUP_SIZE>;
-
-fn reduce_least(lane: u32) {
-    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
-        workgroupBarrier();
-        if lane < step {
-            shared_least[lane] = min(shared_least[lane], shared_least[lane + step]);
-        }
-    }
-}
-
-@compute @workgroup_size(GROUP_SIZE)
-fn least_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    var smallest = vec4<f32>(3.4e38);
-    for (var k = group.x * GROUP_SIZE + lane; k < count(); k += groups() * GROUP_SIZE) {
-        let at = place(k);
-        smallest = min(smallest, vec4<f32>(red[at], green[at], blue[at], 3.4e38) / solid_angle[at]);
-    }
-    shared_least[lane] = smallest;
-    reduce_least(lane);
-    if lane == 0u {
-        partials[group.x] = shared_least[0];
-    }
-}
-
-@compute @workgroup_size(GROUP_SIZE)
-fn least_of_all(@builtin(local_invocation_index) lane: u32) {
-    shared_least[lane] = partials[min(lane, groups() - 1u)];
-    reduce_least(lane);
-    if lane == 0u {
-        least[0] = shared_least[0];
-    }
-}
 
 struct Cell {
     centroid: vec3<f32>,

@@ -2,6 +2,7 @@
 // What includes this declares, in any group,
 //   octagloss_table: OctaglossTable (uniform), octagloss_low, octagloss_high: texture_2d<u32>.
 #include "common/octahedral.wgsl"
+#include "common/plane.wgsl"
 
 struct OctaglossTable {
     // F of red, green and blue energy and of solid angle.
@@ -9,38 +10,6 @@ struct OctaglossTable {
     // Texels along an edge of the square, and of its border.
     inner: u32,
     border: u32,
-}
-
-// Four channels modulo 2^64.
-struct Sum {
-    low: vec4<u32>,
-    high: vec4<u32>,
-}
-
-fn add_sums(a: Sum, b: Sum) -> Sum {
-    let low = a.low + b.low;
-    return Sum(low, a.high + b.high + select(vec4<u32>(0u), vec4<u32>(1u), low < a.low));
-}
-
-fn subtract_sums(a: Sum, b: Sum) -> Sum {
-    return Sum(a.low - b.low, a.high - b.high - select(vec4<u32>(0u), vec4<u32>(1u), a.low < b.low));
-}
-
-// `count` times a sum; `count` may be negative, and its square must fit 32 bits.
-fn multiply_sum(count: i32, a: Sum) -> Sum {
-    let k = u32(abs(count));
-    let k0 = k & 0xffffu;
-    let k1 = k >> 16u;
-    let a0 = a.low & vec4<u32>(0xffffu);
-    let a1 = a.low >> vec4<u32>(16u);
-    let middle = a1 * k0 + ((a0 * k0) >> vec4<u32>(16u));
-    let carried = a0 * k1 + (middle & vec4<u32>(0xffffu));
-    let high = a1 * k1 + (middle >> vec4<u32>(16u)) + (carried >> vec4<u32>(16u));
-    let product = Sum(a.low * k, high + a.high * k);
-    if count < 0 {
-        return subtract_sums(Sum(), product);
-    }
-    return product;
 }
 
 // Texels with coordinates below (x, y), counted from the bordered table's corner.
@@ -52,10 +21,6 @@ fn table_prefix(x: i32, y: i32) -> Sum {
     return Sum(textureLoad(octagloss_low, at, 0), textureLoad(octagloss_high, at, 0));
 }
 
-fn corners(a: Sum, b: Sum, c: Sum, d: Sum) -> Sum {
-    return add_sums(subtract_sums(subtract_sums(d, b), c), a);
-}
-
 // Texels 0 <= x' < x, 0 <= y' < y of the square.
 fn square_prefix(x: i32, y: i32) -> Sum {
     let b = i32(octagloss_table.border);
@@ -63,43 +28,16 @@ fn square_prefix(x: i32, y: i32) -> Sum {
         table_prefix(b, b), table_prefix(x + b, b), table_prefix(b, y + b), table_prefix(x + b, y + b));
 }
 
-// The same on the unfolded plane, for any integers: wallpaper group p2 by parity.
+// The same on the unfolded plane, for any integers.
 fn plane_prefix(at: vec2<i32>) -> Sum {
-    let n = i32(octagloss_table.inner);
-    let column = divide_floor(octagloss_table.inner, at.x);
-    let row = divide_floor(octagloss_table.inner, at.y);
-    let i = column.x;
-    let x = column.y;
-    let j = row.x;
-    let y = row.y;
-    let odd_i = (i & 1) != 0;
-    let odd_j = (j & 1) != 0;
+    let n = octagloss_table.inner;
     // In a loop: some compilers inline every call and take minutes over what comes of it.
-    var ends = array<vec2<i32>, 6>(
-        vec2<i32>(n, n), vec2<i32>(x, n), vec2<i32>(n, y), vec2<i32>(n - x, n), vec2<i32>(n, n - y),
-        select(vec2<i32>(x, y), vec2<i32>(n - x, n - y), odd_i != odd_j));
+    var ends = prefix_ends(n, at);
     var prefixes: array<Sum, 6>;
     for (var k = 0u; k < 6u; k++) {
         prefixes[k] = square_prefix(ends[k].x, ends[k].y);
     }
-    let total = prefixes[0];
-    let a = prefixes[1];
-    let b = prefixes[2];
-    let a_turned = prefixes[3];
-    let b_turned = prefixes[4];
-    // How many of the tiles below are upright and how many turned; >> rounds down.
-    let upright_a = select((j + 1) >> 1u, j >> 1u, odd_i);
-    let upright_b = select((i + 1) >> 1u, i >> 1u, odd_j);
-    var sum = multiply_sum(i * j, total);
-    sum = add_sums(sum, multiply_sum(upright_a, a));
-    sum = add_sums(sum, multiply_sum(j - upright_a, subtract_sums(total, a_turned)));
-    sum = add_sums(sum, multiply_sum(upright_b, b));
-    sum = add_sums(sum, multiply_sum(i - upright_b, subtract_sums(total, b_turned)));
-    if odd_i == odd_j {
-        return add_sums(sum, prefixes[5]);
-    }
-    let rest = subtract_sums(subtract_sums(total, a_turned), b_turned);
-    return add_sums(sum, add_sums(rest, prefixes[5]));
+    return unfolded_prefix(n, at, prefixes);
 }
 
 // Texels low <= p < high of the unfolded plane, sides up to twice the square's: four reads where the border holds them.
@@ -123,35 +61,6 @@ fn plane_box(low: vec2<i32>, high: vec2<i32>) -> Sum {
         }
     }
     return sum;
-}
-
-fn floats_from_sum(sum: Sum) -> vec4<f32> {
-    return vec4<f32>(sum.high) * 4294967296.0 + vec4<f32>(sum.low);
-}
-
-// x * 2^e, exact but for results out of range.
-fn scale_by_power(x: f32, e: i32) -> f32 {
-    let half = clamp(e / 2, -126, 127);
-    let rest = clamp(e - half, -126, 127);
-    return x * bitcast<f32>(u32(half + 127) << 23u) * bitcast<f32>(u32(rest + 127) << 23u);
-}
-
-// An interval with fractional ends as a partial texel, whole texels and a partial texel.
-struct Spans {
-    edges: vec4<i32>,
-    shares: vec3<f32>,
-}
-
-fn fractional_spans(low: f32, high: f32) -> Spans {
-    let first = floor(low);
-    let last = ceil(high);
-    let edge = i32(first);
-    if last - first <= 1.0 {
-        // Both ends in one texel.
-        return Spans(vec4<i32>(edge, edge + 1, edge + 1, edge + 1), vec3<f32>(high - low, 0.0, 0.0));
-    }
-    let end = i32(last);
-    return Spans(vec4<i32>(edge, edge + 1, end - 1, end), vec3<f32>(first + 1.0 - low, 1.0, high - (last - 1.0)));
 }
 
 // Energy and solid angle of a box of the unfolded plane with fractional edges, in texels of the square; in units in which

@@ -10,6 +10,12 @@ const TEXELS: u32 = 4;
 /// Texels of the grid that is blurred to half of the tent's width.
 const FINE_TEXELS: u32 = 16;
 
+/// Texels along an edge of the grid over `inner` texels that is blurred for `octave`, and of the blurred table.
+pub(crate) fn grids(inner: u32, octave: u32) -> [u32; 2] {
+    // Half of the square's width is 1.
+    [FINE_TEXELS, TEXELS].map(|texels| inner.min((2 * texels) << octave))
+}
+
 /// The table of what `sat` sums, blurred by a tent of half-width 2^-`octave` in u and in v, in texels of about a quarter of
 /// that, none finer than its own.
 ///
@@ -24,9 +30,7 @@ const FINE_TEXELS: u32 = 16;
 pub fn blurred(sat: &Sat, octave: u32) -> Sat {
     let inner = sat.size().inner;
     assert!(inner.is_power_of_two() && inner >= 4 << octave, "a power of two, four texels to the tent");
-    // Half of the square's width is 1.
-    let size = |texels: u32| inner.min((2 * texels) << octave);
-    let n = size(FINE_TEXELS);
+    let [n, coarse] = grids(inner, octave);
     let grid = sat.coarsened(inner / n);
     // The box, and the shift that divides by its texels.
     let side = i64::from(n >> (octave + 1));
@@ -61,5 +65,5 @@ pub fn blurred(sat: &Sat, octave: u32) -> Sat {
             })
         })
         .collect();
-    Sat::from_values(grid.fixed_point(), twice).coarsened(n / size(TEXELS))
+    Sat::from_values(grid.fixed_point(), twice).coarsened(n / coarse)
 }

@@ -27,15 +27,11 @@ pub struct SatTextures {
     high: wgpu::TextureView,
 }
 
-/// The query functions, their resources declared in group `group` at bindings 0, 1 and 2.
+/// The query functions, their resources declared in group `group` at bindings 0, 1 and 2; with other queries in one
+/// shader, see [`shader::queries`].
 #[must_use]
 pub fn wgsl(group: u32) -> String {
-    format!(
-        "@group({group}) @binding(0) var<uniform> octagloss_table: OctaglossTable;\n\
-         @group({group}) @binding(1) var octagloss_low: texture_2d<u32>;\n\
-         @group({group}) @binding(2) var octagloss_high: texture_2d<u32>;\n{}",
-        shader::source("common/sat.wgsl")
-    )
+    shader::queries(&[shader::Queries::Boxes(group)])
 }
 
 impl SatTextures {

@@ -1,6 +1,6 @@
 //! The quadtree of moments over an OEM's planes, level by level.
 
-use super::fixed_point::{GROUPS, groups};
+use super::least::Least;
 use super::oem::Table;
 use super::stage::Dispatch;
 use super::{Context, OemPlanes, Stage, shader};
@@ -44,8 +44,7 @@ pub struct Tent {
 /// Pipelines of the stage.
 #[derive(Clone, Debug)]
 pub struct BuildCells {
-    least_of_groups: wgpu::ComputePipeline,
-    least_of_all: wgpu::ComputePipeline,
+    least: Least,
     finest: wgpu::ComputePipeline,
     coarser: wgpu::ComputePipeline,
 }
@@ -176,12 +175,7 @@ impl BuildCells {
     pub fn new(context: &Context) -> Self {
         let module = shader::module(context, "cells.wgsl");
         let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self {
-            least_of_groups: pipeline("least_of_groups"),
-            least_of_all: pipeline("least_of_all"),
-            finest: pipeline("finest"),
-            coarser: pipeline("coarser"),
-        }
+        Self { least: Least::new(context), finest: pipeline("finest"), coarser: pipeline("coarser") }
     }
 
     /// The cells of `oem` down to blocks of `block` x `block` texels, and the stage that fills them.
@@ -217,31 +211,16 @@ impl BuildCells {
             })
             .collect();
         let tents = context.storage_of("moments of texels", &tents);
-        let partials = context.storage("least radiance of groups", 16 * u64::from(GROUPS));
         let least = context.storage("least radiance", 16);
         let quads = context.storage("quads", bytes);
 
         let table = (0, oem.table_buffer().as_entire_binding());
         let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
         let planes: Vec<_> = std::iter::once(table).chain(planes).collect();
-        let partials = (5, partials.as_entire_binding());
         let least_binding = (6, least.as_entire_binding());
         let quads_binding = (8, quads.as_entire_binding());
         let over = |width: u32| [width.div_ceil(EDGE), width.div_ceil(EDGE), 1];
-        let mut dispatches = vec![
-            Dispatch::new(
-                context,
-                &self.least_of_groups,
-                &[&planes[..], std::slice::from_ref(&partials)].concat(),
-                [groups(inner), 1, 1],
-            ),
-            Dispatch::new(
-                context,
-                &self.least_of_all,
-                &[planes[0].clone(), partials, least_binding.clone()],
-                [1, 1, 1],
-            ),
-        ];
+        let mut dispatches = Vec::from(self.least.dispatches(context, oem, least.as_entire_binding()));
         for (index, &[first, width]) in levels.iter().enumerate() {
             let [finer_first, finer_width] = if index > 0 { levels[index - 1] } else { [0, 0] };
             let uniform = Level { first, width, finer_first, finer_width, cells, block };

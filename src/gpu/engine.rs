@@ -1,9 +1,13 @@
 //! All passes together: environments made ready on the GPU, queried and baked.
 
 use super::adaptive::{Adaptive, Answers, Packet, Packets, Part};
+use super::blur::Blur;
 use super::box_filter::{BoxFilter, SatTextures};
 use super::cells::{BuildCells, CellTree};
+use super::fitted::{Fitted, FittedTables};
 use super::fixed_point::FixedPoint;
+use super::harmonics::Harmonics;
+use super::mirror::Mirror;
 use super::reparameterise::{self, Reparameterise};
 use super::sat_scan::SatScan;
 use super::{Context, OemPlanes, SatPlanes, Stage, readback};
@@ -14,7 +18,7 @@ use crate::cpu::box_filter::single_box;
 use crate::cpu::kernel::Kernel;
 use crate::cpu::reparameterise::footprints_over;
 use crate::cpu::tent::Reconstruction;
-use crate::environment::{Environment, Layout};
+use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::oem::bilinear_share;
@@ -40,6 +44,14 @@ pub struct Engine {
     pub sat_scan: SatScan,
     /// Table to textures, and boxes over them.
     pub box_filter: BoxFilter,
+    /// Table to blurred tables.
+    pub blur: Blur,
+    /// Table to harmonics.
+    pub harmonics: Harmonics,
+    /// OEM to what mirrors are read from.
+    pub mirror: Mirror,
+    /// Fitted lobes over those three.
+    pub fitted: Fitted,
     /// OEM to quadtree.
     pub cells: BuildCells,
     /// Quadtree to lobes.
@@ -57,6 +69,10 @@ impl Engine {
             fixed_point: FixedPoint::new(&context),
             sat_scan: SatScan::new(&context),
             box_filter: BoxFilter::new(&context),
+            blur: Blur::new(&context),
+            harmonics: Harmonics::new(&context),
+            mirror: Mirror::new(&context),
+            fitted: Fitted::new(&context),
             cells: BuildCells::new(&context),
             adaptive: Adaptive::new(&context),
             context,
@@ -128,9 +144,24 @@ impl Engine {
         match filter {
             Filter::Adaptive(_) => CellTree::check_fits(&self.context, size.inner, |n| settings.block(n)),
             Filter::Box => SatPlanes::check_fits(&self.context, size),
-            Filter::Fitted(_) => Err(cpu_s_own("fitted")),
+            Filter::Fitted(_) => SatPlanes::check_fits(&self.context, size)
+                .and_then(|()| FittedTables::check_fits(&self.context, size.inner)),
             Filter::Reference => Ok(()),
         }
+    }
+
+    /// The stages that fill `tables` from an OEM and its table, to be recorded after theirs.
+    ///
+    /// # Panics
+    /// Where they are of several sizes.
+    #[must_use]
+    pub fn fitted_stages(&self, oem: &OemPlanes, sat: &SatPlanes, tables: &FittedTables) -> [Stage; 3] {
+        let Self { context, blur, harmonics, mirror, .. } = self;
+        [
+            blur.stage(context, sat, tables),
+            harmonics.stage(context, sat, tables),
+            mirror.stage(context, oem, tables),
+        ]
     }
 
     /// The stages of a bake with [`Filter::Adaptive`], from the source's texture to every level's answers, to be recorded
@@ -185,6 +216,7 @@ pub struct Reflector<'a> {
     constant: OnceLock<(CellTree, Stage)>,
     bilinear: OnceLock<(CellTree, Stage)>,
     sat: OnceLock<SatTextures>,
+    fitted: OnceLock<FittedTables>,
 }
 
 impl<'a> Reflector<'a> {
@@ -214,6 +246,7 @@ impl<'a> Reflector<'a> {
             constant: OnceLock::new(),
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
+            fitted: OnceLock::new(),
         })
     }
 
@@ -241,16 +274,31 @@ impl<'a> Reflector<'a> {
         if let Some(textures) = self.sat.get() {
             return Ok(textures);
         }
-        let Engine { context, fixed_point, sat_scan, box_filter, .. } = self.engine;
+        let Engine { context, box_filter, .. } = self.engine;
         let sat = SatPlanes::new(context, self.planes.size())?;
         let textures = SatTextures::new(context, &sat)?;
-        let stages = [
-            fixed_point.stage(context, &self.planes, &sat),
-            sat_scan.stage(context, &self.planes, &sat),
-            box_filter.pack(context, &sat, &textures),
-        ];
-        context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+        self.fill(&sat, &[box_filter.pack(context, &sat, &textures)]);
         Ok(self.sat.get_or_init(|| textures))
+    }
+
+    fn fitted(&self, count: u32) -> Result<&FittedTables> {
+        let Engine { context, .. } = self.engine;
+        if let Some(tables) = self.fitted.get() {
+            tables.set_count(context, count)?;
+            return Ok(tables);
+        }
+        let tables = FittedTables::new(context, self.planes.size().inner, count)?;
+        let sat = SatPlanes::new(context, self.planes.size())?;
+        self.fill(&sat, &self.engine.fitted_stages(&self.planes, &sat, &tables));
+        Ok(self.fitted.get_or_init(|| tables))
+    }
+
+    /// Makes the exact table, and runs the stages after it.
+    fn fill(&self, sat: &SatPlanes, after: &[Stage]) {
+        let Engine { context, fixed_point, sat_scan, .. } = self.engine;
+        let stages =
+            [fixed_point.stage(context, &self.planes, sat), sat_scan.stage(context, &self.planes, sat)];
+        context.submit(|encoder| stages.iter().chain(after).for_each(|stage| stage.record(encoder)));
     }
 
     /// Answers to `directions` (unit vectors of the world), each on its own.
@@ -282,22 +330,26 @@ impl<'a> Reflector<'a> {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
         check_lobe(lobe)?;
-        filter.check(lobe, None)?;
-        let Engine { context, box_filter, adaptive, .. } = self.engine;
+        filter.check(lobe, Some(self.planes.size().inner))?;
+        let Engine { context, box_filter, fitted, adaptive, .. } = self.engine;
         let source_from_world = self.environment.source_from_world();
         let alpha = roughness * roughness;
+        let directions = || -> Vec<DVec3> {
+            groups.iter().flat_map(|group| group.iter().map(|d| source_from_world * *d)).collect()
+        };
+        let unbounded = |radiance: Vec<Rgb>| {
+            let lanes = radiance.into_iter().map(|radiance| Answer { radiance, bound: None }).collect();
+            Ok(Answers { lanes, leaves: 0 })
+        };
         let error = match filter {
-            Filter::Fitted(_) => return Err(cpu_s_own("fitted")),
             Filter::Reference => return Err(cpu_s_own("reference")),
+            Filter::Fitted(count) => {
+                let queries: Vec<_> = directions().into_iter().map(|d| (d, roughness)).collect();
+                return unbounded(fitted.radiance(context, self.fitted(count)?, &queries).await?);
+            }
             Filter::Box => {
-                let directions: Vec<DVec3> = groups
-                    .iter()
-                    .flat_map(|group| group.iter().map(|direction| source_from_world * *direction))
-                    .collect();
                 let stack = [single_box(lobe, alpha)];
-                let radiance = box_filter.radiance(context, self.sat()?, &directions, &stack).await?;
-                let lanes = radiance.into_iter().map(|radiance| Answer { radiance, bound: None }).collect();
-                return Ok(Answers { lanes, leaves: 0 });
+                return unbounded(box_filter.radiance(context, self.sat()?, &directions(), &stack).await?);
             }
             Filter::Adaptive(error) => error,
         };

@@ -20,12 +20,17 @@
 pub mod adaptive;
 #[cfg(not(target_arch = "wasm32"))]
 mod block_on;
+pub mod blur;
 pub mod box_filter;
 pub mod cells;
 pub mod context;
 pub mod copy;
 pub mod engine;
+pub mod fitted;
 pub mod fixed_point;
+pub mod harmonics;
+mod least;
+pub mod mirror;
 pub mod oem;
 pub mod readback;
 pub mod reparameterise;

@@ -27,19 +27,31 @@ pub(super) use members;
 
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
+    "common/fitted.wgsl",
     "common/fixed_point.wgsl",
+    "common/harmonics.wgsl",
     "common/kernel.wgsl",
+    "common/light.wgsl",
     "common/octahedral.wgsl",
+    "common/octaves.wgsl",
+    "common/plane.wgsl",
+    "common/planes.wgsl",
     "common/quad.wgsl",
     "common/reduction.wgsl",
     "common/sat.wgsl",
+    "common/sum.wgsl",
     "common/table.wgsl",
     "common/u64.wgsl",
     "adaptive.wgsl",
+    "blur.wgsl",
     "box_filter.wgsl",
     "cells.wgsl",
     "copy.wgsl",
+    "fitted.wgsl",
     "fixed_point.wgsl",
+    "harmonics.wgsl",
+    "least.wgsl",
+    "mirror.wgsl",
     "pack.wgsl",
     "reparameterise.wgsl",
     "sat_f32.wgsl",
@@ -47,6 +59,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "sat_scan.wgsl",
     "view/box.wgsl",
     "view/draw.wgsl",
+    "view/fitted.wgsl",
     "view/levels.wgsl",
     "view/present.wgsl",
     "view/scene.wgsl",
@@ -79,6 +92,52 @@ fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
             }
         }
     }
+}
+
+/// Queries that any shader can have, each with the group that its resources are declared in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Queries {
+    /// Those over [`super::box_filter::SatTextures`]: `octagloss_ggx(direction, roughness)` and
+    /// `octagloss_box(direction, solid_angle)`.
+    Boxes(u32),
+    /// That over [`super::fitted::FittedTables`]: `octagloss_fitted(direction, roughness)`.
+    Fitted(u32),
+}
+
+/// The functions of `queries` and their resources, for one shader: what they share is there once.
+#[must_use]
+pub fn queries(queries: &[Queries]) -> String {
+    let mut text = String::new();
+    let mut included = Vec::new();
+    for part in queries {
+        let (group, declared, path): (_, &[&str], _) = match part {
+            Queries::Boxes(group) => (
+                group,
+                &[
+                    "var<uniform> octagloss_table: OctaglossTable",
+                    "var octagloss_low: texture_2d<u32>",
+                    "var octagloss_high: texture_2d<u32>",
+                ],
+                "common/sat.wgsl",
+            ),
+            Queries::Fitted(group) => (
+                group,
+                &[
+                    "var<uniform> octagloss_octaves: OctaglossOctaves",
+                    "var<uniform> octagloss_light: OctaglossLight",
+                    "var<storage, read> octagloss_entries: array<Sum>",
+                    "var<storage, read> octagloss_parameters: array<vec4<u32>>",
+                    "var octagloss_oem: texture_2d<f32>",
+                ],
+                "common/fitted.wgsl",
+            ),
+        };
+        for (binding, declared) in declared.iter().enumerate() {
+            text.push_str(&format!("@group({group}) @binding({binding}) {declared};\n"));
+        }
+        append(path, &mut included, &mut text);
+    }
+    text
 }
 
 /// The module of file `path`.

@@ -3,8 +3,12 @@
 use crate::bake::{self, BakeSettings, bake};
 use crate::environment::{Environment, Rgb, luminance};
 use crate::error::Result;
+use crate::gpu::blur::Blur;
 use crate::gpu::box_filter::{BoxFilter, SatTextures};
+use crate::gpu::fitted::FittedTables;
 use crate::gpu::fixed_point::FixedPoint;
+use crate::gpu::harmonics::Harmonics;
+use crate::gpu::mirror::Mirror;
 use crate::gpu::reparameterise::{Reparameterise, texture_size, upload};
 use crate::gpu::sat_scan::SatScan;
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
@@ -21,6 +25,9 @@ pub(super) struct Passes {
     fixed_point: FixedPoint,
     sat_scan: SatScan,
     box_filter: BoxFilter,
+    blur: Blur,
+    harmonics: Harmonics,
+    mirror: Mirror,
 }
 
 impl Passes {
@@ -30,6 +37,9 @@ impl Passes {
             fixed_point: FixedPoint::new(context),
             sat_scan: SatScan::new(context),
             box_filter: BoxFilter::new(context),
+            blur: Blur::new(context),
+            harmonics: Harmonics::new(context),
+            mirror: Mirror::new(context),
         }
     }
 }
@@ -43,6 +53,7 @@ pub struct Light {
     texture: wgpu::Texture,
     mean_luminance: f64,
     boxes: SatTextures,
+    fitted: FittedTables,
     /// From texels to tables, in order.
     stages: Vec<Stage>,
 }
@@ -104,18 +115,22 @@ impl Light {
         let planes = OemPlanes::new(context, size)?;
         let sat = SatPlanes::new(context, size)?;
         let boxes = SatTextures::new(context, &sat)?;
+        let fitted = FittedTables::new(context, size.inner, 4)?;
         let stages = vec![
             passes.reparameterise.stage(context, environment.layout(), &texture, &planes)?,
             passes.fixed_point.stage(context, &planes, &sat),
             passes.sat_scan.stage(context, &planes, &sat),
             passes.box_filter.pack(context, &sat, &boxes),
+            passes.blur.stage(context, &sat, &fitted),
+            passes.harmonics.stage(context, &sat, &fitted),
+            passes.mirror.stage(context, &planes, &fitted),
         ];
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         context.check()?;
         let mut sum = 0.0;
         environment.for_each_texel(|_, solid_angle, rgb| sum += solid_angle * f64::from(luminance(rgb)));
         let mean_luminance = sum / (4.0 * PI);
-        Ok(Self { environment, source_from_world, texture, mean_luminance, boxes, stages })
+        Ok(Self { environment, source_from_world, texture, mean_luminance, boxes, fitted, stages })
     }
 
     /// The environment, in its own space.
@@ -174,6 +189,10 @@ impl Light {
 
     pub(super) const fn boxes(&self) -> &SatTextures {
         &self.boxes
+    }
+
+    pub(super) const fn fitted(&self) -> &FittedTables {
+        &self.fitted
     }
 
     /// A prefiltered cube of half floats, level l of n for roughness l/(n-1), and n.

@@ -10,6 +10,7 @@ use crate::dfg::{DfgForm, dfg_table};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gpu::box_filter::SatTextures;
+use crate::gpu::fitted::FittedTables;
 use crate::gpu::timer::Timer;
 use crate::gpu::{Context, readback, shader};
 use glam::{DMat3, DVec3};
@@ -81,6 +82,7 @@ pub struct Viewport {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Source {
     Box,
+    Fitted,
     Levels,
     Truth,
 }
@@ -89,6 +91,7 @@ impl Source {
     const fn file(self) -> &'static str {
         match self {
             Self::Box => "view/box.wgsl",
+            Self::Fitted => "view/fitted.wgsl",
             Self::Levels => "view/levels.wgsl",
             Self::Truth => "view/truth.wgsl",
         }
@@ -132,6 +135,7 @@ pub struct Renderer {
     frame_layout: wgpu::BindGroupLayout,
     levels_layout: wgpu::BindGroupLayout,
     boxes_layout: wgpu::BindGroupLayout,
+    fitted_layout: wgpu::BindGroupLayout,
     pipelines: HashMap<(Source, Output, bool), wgpu::RenderPipeline>,
     split_sum: wgpu::TextureView,
     roughness: wgpu::TextureView,
@@ -194,6 +198,7 @@ impl Renderer {
             frame_layout: layout("view frame", &frame_entries),
             levels_layout: layout("prefiltered cube", &[entry(0, cube), entry(1, sampler)]),
             boxes_layout: SatTextures::bind_group_layout(device, wgpu::ShaderStages::FRAGMENT),
+            fitted_layout: FittedTables::bind_group_layout(device, wgpu::ShaderStages::FRAGMENT),
             pipelines: HashMap::new(),
             split_sum: texture_of(
                 &context,
@@ -261,6 +266,9 @@ impl Renderer {
             (Show::Scene, filter) => (source_of(filter), Output::Picture),
             (Show::Error, filter) => (source_of(filter), Output::Error),
         };
+        if let Filter::Fitted(count) = look.filter {
+            light.fitted().set_count(&self.context, count)?;
+        }
         if source == Source::Levels && self.levels.is_none() {
             self.levels = Some(light.prefiltered(&self.context)?);
         }
@@ -387,6 +395,7 @@ impl Renderer {
         });
         let answers = match source {
             Source::Box => Some(light.boxes().bind_group(device, &self.boxes_layout)),
+            Source::Fitted => Some(light.fitted().bind_group(device, &self.fitted_layout)),
             Source::Levels => {
                 let (view, _) = self.levels.as_ref().expect("made before it is drawn");
                 Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -453,6 +462,7 @@ impl Renderer {
         let module = shader::module(&self.context, source.file());
         let group = match source {
             Source::Box => Some(&self.boxes_layout),
+            Source::Fitted => Some(&self.fitted_layout),
             Source::Levels => Some(&self.levels_layout),
             Source::Truth => None,
         };
@@ -596,7 +606,7 @@ impl Renderer {
 const fn source_of(filter: Filter) -> Source {
     match filter {
         Filter::Box => Source::Box,
-        Filter::Fitted(_) => Source::Box,
+        Filter::Fitted(_) => Source::Fitted,
         Filter::Levels => Source::Levels,
         Filter::Adaptive => Source::Truth,
     }

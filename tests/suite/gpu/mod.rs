@@ -8,6 +8,7 @@ mod bake;
 mod boxes;
 mod cells;
 mod errors;
+mod fitted;
 mod oem;
 mod oem_reader;
 mod reflection;

@@ -1,0 +1,179 @@
+// The table of an OEM blurred by a tent, one an octave: `blurred` of src/cpu/blur.rs, to the last bit. Tents are boxes
+// applied twice, in integers; the tables get a border, so that soft boxes near the square's edge need four reads a corner
+// as elsewhere.
+#include "common/octahedral.wgsl"
+#include "common/octaves.wgsl"
+#include "common/planes.wgsl"
+#include "common/sum.wgsl"
+
+// Texels along an edge of a tile of a grid that is blurred.
+const EDGE = 16u;
+const GROUP_SIZE = 256u;
+// Corners along an edge that a tile's texels reach: boxes are up to 16 wide.
+const REACH = 31u;
+
+@group(0) @binding(5) var<uniform> octaves: OctaglossOctaves;
+// Blurred texels: written a word at a time, read whole.
+@group(0) @binding(6) var<storage, read_write> words: array<u32>;
+@group(0) @binding(7) var<storage, read> texels: array<Sum>;
+@group(0) @binding(8) var<storage, read_write> entries: array<Sum>;
+
+// Sum of the texels of the box of `side` from `low` on of the unfolded plane, in texels of a grid of `n`; no corner further
+// out than the squares beside ours.
+fn grid_box(channel: u32, n: u32, low: vec2<i32>, side: i32) -> vec2<u32> {
+    let factor = table.inner / n;
+    let width = i32(n);
+    let first = select(vec2<i32>(0), vec2<i32>(-1), low < vec2<i32>(0));
+    var sum = vec2<u32>();
+    // What of it lies in each of up to four squares.
+    for (var k = 0; k < 4; k++) {
+        let square = first + vec2<i32>(k & 1, k >> 1u);
+        let from_corner = clamp(low - square * width, vec2<i32>(0), vec2<i32>(width));
+        let to_corner = clamp(low + side - square * width, vec2<i32>(0), vec2<i32>(width));
+        if any(from_corner >= to_corner) {
+            continue;
+        }
+        let turned = ((square.x ^ square.y) & 1) != 0;
+        let a = select(from_corner, width - to_corner, turned);
+        let d = select(to_corner, width - from_corner, turned);
+        sum = add64(sum, square_box(channel, vec2<u32>(a) * factor, vec2<u32>(d) * factor));
+    }
+    return sum;
+}
+
+var<workgroup> once: array<vec2<u32>, REACH * REACH>;
+var<workgroup> along: array<vec2<u32>, REACH * EDGE>;
+
+// One tile of one channel of one octave.
+@compute @workgroup_size(EDGE, EDGE)
+fn blur(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    var k = 0u;
+    while k + 1u < octaves.finest && group.x >= octaves.octaves[k + 1u].first_tile {
+        k++;
+    }
+    let octave = octaves.octaves[k];
+    let channel = group.y;
+    let side = octave.box_side;
+    let shift = 2u * firstLeadingBit(side);
+    let tiles = octave.fine / EDGE;
+    let tile = group.x - octave.first_tile;
+    let origin = vec2<u32>(tile % tiles, tile / tiles) * EDGE;
+    // Boxes around corners, those around texels being from the corner before the middle to the one after.
+    let reach = EDGE + side - 1u;
+    for (var c = lane; c < reach * reach; c += GROUP_SIZE) {
+        let low = vec2<i32>(origin + vec2<u32>(c % reach, c / reach)) + 1 - i32(side);
+        once[c] = shift_right64(grid_box(channel, octave.fine, low, i32(side)), shift);
+    }
+    workgroupBarrier();
+    for (var c = lane; c < reach * EDGE; c += GROUP_SIZE) {
+        var sum = vec2<u32>();
+        for (var i = 0u; i < side; i++) {
+            sum = add64(sum, once[c / EDGE * reach + c % EDGE + i]);
+        }
+        along[c] = sum;
+    }
+    workgroupBarrier();
+    var sum = vec2<u32>();
+    for (var j = 0u; j < side; j++) {
+        sum = add64(sum, along[lane + j * EDGE]);
+    }
+    once[lane] = shift_right64(sum, shift);
+    workgroupBarrier();
+    // Several texels of the grid in one.
+    let factor = octave.fine / octave.coarse;
+    let edge = EDGE / factor;
+    if lane >= edge * edge {
+        return;
+    }
+    let at = vec2<u32>(lane % edge, lane / edge);
+    var texel = vec2<u32>();
+    for (var part = 0u; part < factor * factor; part++) {
+        let place = at * factor + vec2<u32>(part % factor, part / factor);
+        texel = add64(texel, once[place.y * EDGE + place.x]);
+    }
+    let place = origin / factor + at;
+    let first = 8u * (octave.first_texel + place.y * octave.coarse + place.x);
+    words[first + channel] = texel.x;
+    words[first + 4u + channel] = texel.y;
+}
+
+// A row or column of all octaves'.
+struct Line {
+    octave: OctaglossOctave,
+    place: u32,
+}
+
+fn line(group: u32) -> Line {
+    var k = 0u;
+    while k + 1u < octaves.finest && group >= octaves.octaves[k + 1u].first_row {
+        k++;
+    }
+    let octave = octaves.octaves[k];
+    return Line(octave, group - octave.first_row);
+}
+
+// The texel before entry (x, y); none before the first row and column.
+fn texel_before(octave: OctaglossOctave, x: u32, y: u32) -> Sum {
+    if x == 0u || y == 0u {
+        return Sum();
+    }
+    let at = wrap_texel(octave.coarse, vec2<i32>(vec2<u32>(x, y)) - 1 - i32(octaves.border));
+    return texels[octave.first_texel + at.y * octave.coarse + at.x];
+}
+
+var<workgroup> run_sums: array<Sum, GROUP_SIZE>;
+
+// Every invocation's `own` to the sum of those before.
+fn before(own: Sum, lane: u32) -> Sum {
+    run_sums[lane] = own;
+    for (var step = 1u; step < GROUP_SIZE; step *= 2u) {
+        workgroupBarrier();
+        var left = Sum();
+        if lane >= step {
+            left = run_sums[lane - step];
+        }
+        workgroupBarrier();
+        run_sums[lane] = add_sums(run_sums[lane], left);
+    }
+    workgroupBarrier();
+    return subtract_sums(run_sums[lane], own);
+}
+
+// Sums along the rows of the bordered squares: a workgroup a row.
+@compute @workgroup_size(GROUP_SIZE)
+fn rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let row = line(group.x);
+    let side = row.octave.side;
+    let run = (side + GROUP_SIZE - 1u) / GROUP_SIZE;
+    let first = min(lane * run, side);
+    let last = min(first + run, side);
+    var sum = Sum();
+    for (var x = first; x < last; x++) {
+        sum = add_sums(sum, texel_before(row.octave, x, row.place));
+    }
+    var total = before(sum, lane);
+    for (var x = first; x < last; x++) {
+        total = add_sums(total, texel_before(row.octave, x, row.place));
+        entries[row.octave.first_entry + row.place * side + x] = total;
+    }
+}
+
+// Sums down their columns: a workgroup a column.
+@compute @workgroup_size(GROUP_SIZE)
+fn columns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let column = line(group.x);
+    let side = column.octave.side;
+    let run = (side + GROUP_SIZE - 1u) / GROUP_SIZE;
+    let first = min(lane * run, side);
+    let last = min(first + run, side);
+    let top = column.octave.first_entry + column.place;
+    var sum = Sum();
+    for (var y = first; y < last; y++) {
+        sum = add_sums(sum, entries[top + y * side]);
+    }
+    var total = before(sum, lane);
+    for (var y = first; y < last; y++) {
+        total = add_sums(total, entries[top + y * side]);
+        entries[top + y * side] = total;
+    }
+}

@@ -1,0 +1,330 @@
+// The real-time tier: lobes as soft boxes and harmonics, `Fitted` of src/cpu/fitted.rs; src/fitted says how.
+// What includes this declares, in any group,
+//   octagloss_octaves: OctaglossOctaves, octagloss_light: OctaglossLight (uniform),
+//   octagloss_entries: array<Sum>, octagloss_parameters: array<vec4<u32>> (storage, read), octagloss_oem: texture_2d<f32>.
+#include "common/harmonics.wgsl"
+#include "common/light.wgsl"
+#include "common/octahedral.wgsl"
+#include "common/octaves.wgsl"
+#include "common/plane.wgsl"
+
+// Intervals of the triangle's grid along a side, and its nodes.
+const INTERVALS = 11u;
+const NODES = 78u;
+// Knots of an octave, the first and last of them and how far apart they are, in octaves of alpha over the blur.
+const KNOTS = 4u;
+const FIRST_KNOT = 0.25;
+const KNOT_STEP = 0.41666667;
+// How far beyond its own octave, which begins at the first knot, the parameters of one reach.
+const OVERLAP = 0.25;
+// The coarsest octave of parameters.
+const FIRST_OCTAVE = 2u;
+// Roughness from which on harmonics join the boxes, and from which on they are alone.
+const HARMONICS_FROM = 0.65;
+const HARMONICS_ALONE = 0.75;
+// 2^-60: entries to the harmonics' units.
+const UNIT = 8.6736174e-19;
+
+// What each order of the harmonics is around one direction.
+struct Orders {
+    first: vec4<f32>,
+    others: mat4x4<f32>,
+}
+
+fn orders_around(direction: vec3<f32>) -> Orders {
+    var b = harmonic_basis(direction);
+    var orders: Orders;
+    orders.first = b[0] * octagloss_light.harmonics[0];
+    orders.others[0] = b[1] * octagloss_light.harmonics[1]
+        + b[2] * octagloss_light.harmonics[2]
+        + b[3] * octagloss_light.harmonics[3];
+    orders.others[1] = b[4] * octagloss_light.harmonics[4]
+        + b[5] * octagloss_light.harmonics[5]
+        + b[6] * octagloss_light.harmonics[6]
+        + b[7] * octagloss_light.harmonics[7]
+        + b[8] * octagloss_light.harmonics[8];
+    orders.others[2] = b[9] * octagloss_light.harmonics[9]
+        + b[10] * octagloss_light.harmonics[10]
+        + b[11] * octagloss_light.harmonics[11]
+        + b[12] * octagloss_light.harmonics[12]
+        + b[13] * octagloss_light.harmonics[13]
+        + b[14] * octagloss_light.harmonics[14]
+        + b[15] * octagloss_light.harmonics[15];
+    orders.others[3] = b[16] * octagloss_light.harmonics[16]
+        + b[17] * octagloss_light.harmonics[17]
+        + b[18] * octagloss_light.harmonics[18]
+        + b[19] * octagloss_light.harmonics[19]
+        + b[20] * octagloss_light.harmonics[20]
+        + b[21] * octagloss_light.harmonics[21]
+        + b[22] * octagloss_light.harmonics[22]
+        + b[23] * octagloss_light.harmonics[23]
+        + b[24] * octagloss_light.harmonics[24];
+    return orders;
+}
+
+// The triangle's point that a place is equivalent to, and how: `triangle_from_oct` of src/fitted/triangle.rs.
+struct Folded {
+    point: vec2<f32>,
+    signs: vec2<f32>,
+    swapped: bool,
+    reflected: bool,
+}
+
+fn triangle_from_oct(uv: vec2<f32>) -> Folded {
+    let signs = select(vec2<f32>(-1.0), vec2<f32>(1.0), uv >= vec2<f32>(0.0));
+    var point = abs(uv);
+    let swapped = point.y > point.x;
+    point = select(point, point.yx, swapped);
+    let reflected = point.x + point.y > 1.0;
+    point = select(point, 1.0 - point.yx, reflected);
+    return Folded(point, signs, swapped, reflected);
+}
+
+fn oct_from_triangle(folded: Folded, offset: vec2<f32>) -> vec2<f32> {
+    let unreflected = select(offset, -offset.yx, folded.reflected);
+    return select(unreflected, unreflected.yx, folded.swapped) * folded.signs;
+}
+
+// The six sets of parameters around a lobe: three nodes at two knots.
+struct Place {
+    // The first row of each.
+    lower: vec3<u32>,
+    upper: vec3<u32>,
+    shares: vec3<f32>,
+    // Of the upper knot.
+    along: f32,
+}
+
+fn triangle_node(i: u32, j: u32) -> u32 {
+    return i * (i + 1u) / 2u + j;
+}
+
+fn parameters_around(octave: u32, log_alpha: f32, point: vec2<f32>) -> Place {
+    let most = f32(INTERVALS);
+    let p = clamp((point.x + point.y) * most, 0.0, most);
+    let q = clamp((point.x - point.y) * most, 0.0, most);
+    let i = min(u32(p), INTERVALS - 1u);
+    let j = min(min(u32(q), INTERVALS - 1u), i);
+    let dp = p - f32(i);
+    var dq = q - f32(j);
+    var nodes = vec3<u32>(triangle_node(i, j), triangle_node(i, j + 1u), triangle_node(i + 1u, j + 1u));
+    var shares = vec3<f32>(1.0 - dq, dq - dp, dp);
+    if dq <= dp || i == j {
+        dq = min(dq, dp);
+        nodes.y = triangle_node(i + 1u, j);
+        shares = vec3<f32>(1.0 - dp, dp - dq, dq);
+    }
+    let knots = clamp((log_alpha + f32(octave) - FIRST_KNOT) / KNOT_STEP, 0.0, f32(KNOTS - 1u));
+    let knot = min(u32(knots), KNOTS - 2u);
+    let rows = octagloss_octaves.boxes + 1u;
+    let lower = ((octave - FIRST_OCTAVE) * KNOTS + knot) * NODES;
+    return Place(
+        (nodes + lower) * rows + octagloss_octaves.first_parameters,
+        (nodes + lower + NODES) * rows + octagloss_octaves.first_parameters,
+        shares, knots - f32(knot));
+}
+
+// Five parameters, half floats in the file.
+struct Parameters {
+    first: vec4<f32>,
+    last: f32,
+}
+
+fn add_parameters(sum: Parameters, share: f32, row: u32) -> Parameters {
+    let halves = octagloss_parameters[row];
+    let own = vec4<f32>(unpack2x16float(halves.x), unpack2x16float(halves.y));
+    return Parameters(sum.first + share * own, sum.last + share * unpack2x16float(halves.z).x);
+}
+
+// Row `row` of the parameters at `place`.
+fn parameters_of(place: Place, row: u32) -> Parameters {
+    let lower = place.shares * (1.0 - place.along);
+    let upper = place.shares * place.along;
+    var sum = add_parameters(Parameters(), lower.x, place.lower.x + row);
+    sum = add_parameters(sum, lower.y, place.lower.y + row);
+    sum = add_parameters(sum, lower.z, place.lower.z + row);
+    sum = add_parameters(sum, upper.x, place.upper.x + row);
+    sum = add_parameters(sum, upper.y, place.upper.y + row);
+    return add_parameters(sum, upper.z, place.upper.z + row);
+}
+
+// Differences of four entries of a row.
+struct Strip {
+    first: Sum,
+    middle: Sum,
+    last: Sum,
+}
+
+// Entries of `octave` in one row, at the columns of `edges`; all from the bordered square's corner.
+fn strip(row: u32, edges: vec4<i32>) -> Strip {
+    let at = vec4<u32>(edges) + row;
+    let a = octagloss_entries[at.x];
+    let b = octagloss_entries[at.y];
+    let c = octagloss_entries[at.z];
+    let d = octagloss_entries[at.w];
+    return Strip(subtract_sums(b, a), subtract_sums(c, b), subtract_sums(d, c));
+}
+
+// What lies between two strips, by shares of its columns.
+fn between(upper: Strip, lower: Strip, shares: vec3<f32>) -> vec4<f32> {
+    return shares.x * floats_from_sum(subtract_sums(lower.first, upper.first))
+        + shares.y * floats_from_sum(subtract_sums(lower.middle, upper.middle))
+        + shares.z * floats_from_sum(subtract_sums(lower.last, upper.last));
+}
+
+// Texels of the blurred square below (x, y).
+fn blurred_prefix(octave: OctaglossOctave, x: i32, y: i32) -> Sum {
+    let border = octagloss_octaves.border;
+    let corner = octave.first_entry + border * (octave.side + 1u);
+    let right = corner + u32(x);
+    let down = u32(y) * octave.side;
+    return corners(
+        octagloss_entries[corner], octagloss_entries[right], octagloss_entries[corner + down],
+        octagloss_entries[right + down]);
+}
+
+// A strip of the unfolded plane below `y`, for boxes that leave the border.
+fn unfolded_strip(octave: OctaglossOctave, y: i32, edges: vec4<i32>) -> Strip {
+    let n = octave.coarse;
+    var columns = edges;
+    var entries: array<Sum, 4>;
+    for (var i = 0u; i < 4u; i++) {
+        let at = vec2<i32>(columns[i], y);
+        var ends = prefix_ends(n, at);
+        var prefixes: array<Sum, 6>;
+        for (var k = 0u; k < 6u; k++) {
+            prefixes[k] = blurred_prefix(octave, ends[k].x, ends[k].y);
+        }
+        entries[i] = unfolded_prefix(n, at, prefixes);
+    }
+    return Strip(
+        subtract_sums(entries[1], entries[0]), subtract_sums(entries[2], entries[1]),
+        subtract_sums(entries[3], entries[2]));
+}
+
+// Energies and solid angle of a box over the blurred square of `octave`, in its texels: sixteen entries around the corners
+// make nine boxes, each non-negative and exact, weighted by the share of their texels inside.
+fn soft_box(octave: OctaglossOctave, low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
+    let columns = fractional_spans(low.x, high.x);
+    var rows = fractional_spans(low.y, high.y);
+    let border = i32(octagloss_octaves.border);
+    let most = i32(octave.coarse) + border;
+    let inside = min(columns.edges.x, rows.edges.x) >= -border && max(columns.edges.w, rows.edges.w) <= most;
+    if inside {
+        let edges = columns.edges + border;
+        let lines = vec4<u32>(rows.edges + border) * octave.side + octave.first_entry;
+        let first = strip(lines.x, edges);
+        let second = strip(lines.y, edges);
+        let third = strip(lines.z, edges);
+        let fourth = strip(lines.w, edges);
+        return rows.shares.x * between(first, second, columns.shares)
+            + rows.shares.y * between(second, third, columns.shares)
+            + rows.shares.z * between(third, fourth, columns.shares);
+    }
+    var upper = unfolded_strip(octave, rows.edges.x, columns.edges);
+    var sum = vec4<f32>();
+    for (var j = 0u; j < 3u; j++) {
+        let lower = unfolded_strip(octave, rows.edges[j + 1u], columns.edges);
+        sum += rows.shares[j] * between(upper, lower, columns.shares);
+        upper = lower;
+    }
+    return sum;
+}
+
+// Energies and solid angle of the lobe around `uv` by the parameters of `octave`.
+fn soft_boxes(octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders) -> vec4<f32> {
+    let folded = triangle_from_oct(uv);
+    let density = solid_angle_density(uv);
+    let place = parameters_around(octave, log2(alpha), folded.point);
+    var sum = vec4<f32>();
+    for (var b = 0u; b < octagloss_octaves.boxes; b++) {
+        let own = parameters_of(place, b);
+        let wider = select(0u, 1u, b >= octagloss_octaves.first_wider);
+        let table = octagloss_octaves.octaves[octave - wider - 1u];
+        let scale = 0.5 * f32(table.coarse);
+        // Root of the mass; centre in half-widths; log2 of half-widths in units of alpha.
+        let half = exp2(vec2<f32>(own.first.w, own.last)) * alpha;
+        let centre = uv + oct_from_triangle(folded, own.first.yz * half);
+        let extent = abs(oct_from_triangle(folded, half));
+        let energy = soft_box(table, (centre - extent + 1.0) * scale, (centre + extent + 1.0) * scale);
+        let height = own.first.x * own.first.x / (4.0 * extent.x * extent.y * density);
+        sum += height * UNIT * energy;
+    }
+    let weights = parameters_of(place, octagloss_octaves.boxes);
+    let others = vec4<f32>(weights.first.yzw, weights.last);
+    return sum + weights.first.x * orders.first + orders.others * others;
+}
+
+// What convolution leaves of harmonics of order 1 to 4, roughness being at least where they join.
+fn zonal_weights(roughness: f32) -> vec4<f32> {
+    let t = (2.0 * roughness - (1.0 + HARMONICS_FROM)) / (1.0 - HARMONICS_FROM);
+    var sum = octagloss_octaves.zonal[7];
+    for (var k = 6; k >= 0; k--) {
+        sum = sum * t + octagloss_octaves.zonal[k];
+    }
+    return sum;
+}
+
+// Radiance of the OEM, bilinear between texel centres.
+fn mirror_radiance(uv: vec2<f32>) -> vec3<f32> {
+    let n = octagloss_octaves.inner;
+    let scale = 0.5 * f32(n);
+    let at = (uv + 1.0) * scale - 0.5;
+    let low = floor(at);
+    let share = at - low;
+    let texel = vec2<i32>(low);
+    let least = octagloss_light.least.rgb;
+    var above = vec3<f32>();
+    for (var k = 0; k < 4; k++) {
+        let corner = vec2<i32>(k & 1, k >> 1u);
+        let energy = textureLoad(octagloss_oem, wrap_texel(n, texel + corner), 0);
+        let shares = select(1.0 - share, share, corner == vec2<i32>(1));
+        above += shares.x * shares.y * (energy.rgb - least * energy.a);
+    }
+    return least + above * (scale * scale / solid_angle_density(uv));
+}
+
+// Harmonics ring: behind a sun they are negative.
+fn radiance_of(energy: vec4<f32>) -> vec3<f32> {
+    return max(energy.rgb / energy.a, vec3<f32>(0.0)) * octagloss_light.scale[0].rgb * octagloss_light.scale[1].rgb;
+}
+
+// Radiance of a GGX reflection around `direction` (any length but zero) at `roughness` in [0, 1].
+fn octagloss_fitted(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
+    let uv = oct_from_direction(direction);
+    let finest = octagloss_octaves.finest;
+    let sharpest = octagloss_octaves.sharpest;
+    // A sharper lobe is the sharpest and a mirror.
+    let sharpness = min(roughness * roughness / sharpest, 1.0);
+    let share = sharpness * sharpness * (2.0 - sharpness * sharpness);
+    let alpha = max(roughness * roughness, sharpest);
+    let rough = sqrt(alpha);
+    let alone = smoothstep(HARMONICS_FROM, HARMONICS_ALONE, rough);
+    var radiance = vec3<f32>();
+    if share > 0.0 {
+        let orders = orders_around(normalize(direction));
+        if alone < 1.0 {
+            let log_alpha = log2(alpha);
+            let own = u32(clamp(i32(ceil(FIRST_KNOT - log_alpha)), i32(FIRST_OCTAVE), i32(finest)));
+            // In the first quarter of an octave the next finer one fades out.
+            let position = log_alpha + f32(own) - FIRST_KNOT;
+            let finer = select(0.0, 1.0 - smoothstep(0.0, OVERLAP, position), own < finest);
+            for (var part = 0u; part < 2u; part++) {
+                let weight = select(1.0 - finer, finer, part == 1u);
+                if weight > 0.0 {
+                    radiance += weight * radiance_of(soft_boxes(own + part, alpha, uv, orders));
+                }
+            }
+            radiance *= 1.0 - alone;
+        }
+        if alone > 0.0 {
+            let energy = orders.first + orders.others * zonal_weights(rough);
+            radiance += alone * radiance_of(energy);
+        }
+        radiance *= share;
+    }
+    if share < 1.0 {
+        radiance += (1.0 - share) * mirror_radiance(uv);
+    }
+    return radiance;
+}

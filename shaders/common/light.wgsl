@@ -1,0 +1,10 @@
+// What of the light is the same for every lobe: `LIGHT` of src/gpu/fitted.rs.
+
+struct OctaglossLight {
+    // The least radiance of each channel.
+    least: vec4<f32>,
+    // Two powers of two, whose product takes quotients of energy over solid angle to radiance.
+    scale: array<vec4<f32>, 2>,
+    // Of radiance and of 1, to order 4, in units of 2^60 of the table's.
+    harmonics: array<vec4<f32>, 25>,
+}

@@ -1,0 +1,334 @@
+//! The real-time tier over tables on the GPU: for lists of directions here, and for any shader of the caller's.
+//!
+//! ```text
+//! OEM planes --mirror--> texture, least radiance --+
+//! SAT planes --blur----> blurred tables -----------+--> octagloss_fitted(direction, roughness)
+//!            --harmonics--> orders 0 to 4 ---------+
+//! ```
+
+use super::blur::{self, BORDER, Octave};
+use super::shader::{self, Queries};
+use super::{Context, readback};
+use crate::error::{Error, Result};
+use crate::fitted::{BOX_PARAMETERS, COUNTS, KNOTS, Table};
+use crate::lobe::{Lobe, zonal_weights};
+use glam::DVec3;
+use half::f16;
+
+/// Invocations of a workgroup.
+pub const GROUP_SIZE: u32 = 64;
+
+/// Workgroups along a row of the dispatch.
+const ROW: u32 = 32_768;
+
+/// Coefficients of a polynomial over the roughness at which harmonics count by themselves.
+const ZONAL: usize = 8;
+
+/// The roughness that they begin at.
+const HARMONICS_FROM: f64 = 0.65;
+
+/// Bytes of what of the light every lobe shares: least radiance, units, harmonics; vectors of four floats.
+pub const LIGHT: u64 = 16 * (1 + 2 + 25);
+
+/// The uniform that says where tables lie and which lobes are asked for.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Octaves {
+    inner: u32,
+    finest: u32,
+    border: u32,
+    boxes: u32,
+    first_parameters: u32,
+    first_wider: u32,
+    sharpest: f32,
+    pad_0: u32,
+    zonal: [[f32; 4]; ZONAL],
+    octaves: [Octave; blur::OCTAVES],
+}
+
+shader::members!(Octaves {
+    inner,
+    finest,
+    border,
+    boxes,
+    first_parameters,
+    first_wider,
+    sharpest,
+    pad_0,
+    zonal,
+    octaves,
+});
+
+/// Which lobes are asked for: these three words of [`Octaves`].
+fn lobes(count: u32) -> [u32; 3] {
+    let shape = Table::of(count).expect("a count that there is").shape();
+    let first_wider = shape.wider.iter().position(|wider| *wider > 0).unwrap_or(shape.boxes());
+    assert!(shape.wider[first_wider..].iter().all(|wider| *wider == 1), "an octave wider from one box on");
+    let before = COUNTS.iter().take_while(|other| **other != count);
+    let first_parameters: usize =
+        before.map(|count| rows(Table::of(*count).expect("a count that there is"))).sum();
+    [count, first_parameters as u32, first_wider as u32]
+}
+
+/// Rows of a table's parameters: of each box and of the harmonics, at every node of every knot of every octave.
+fn rows(table: &Table) -> usize {
+    table.values().len() / BOX_PARAMETERS
+}
+
+/// The parameters of all counts: half floats, eight to a row of five.
+fn parameters() -> Vec<[u16; 8]> {
+    let tables = COUNTS.iter().map(|count| Table::of(*count).expect("a count that there is"));
+    let row =
+        |five: &[f32]| std::array::from_fn(|k| f16::from_f32(five.get(k).copied().unwrap_or(0.0)).to_bits());
+    tables.flat_map(|table| table.values().chunks_exact(BOX_PARAMETERS).map(row)).collect()
+}
+
+/// The weights of orders 1 to 4 as polynomials in t from -1 to 1 over the roughness from [`HARMONICS_FROM`] to 1, by
+/// interpolation at Chebyshev's points. The weights are analytic but at roughness 0, which leaves less than 1e-7.
+fn zonal() -> [[f32; 4]; ZONAL] {
+    let node = |k: usize| ((2 * k + 1) as f64 / (2 * ZONAL) as f64 * std::f64::consts::PI).cos();
+    let mut sums = [[0.0; 4]; ZONAL];
+    for k in 0..ZONAL {
+        let t = node(k);
+        let roughness = HARMONICS_FROM + (1.0 - HARMONICS_FROM) * (t + 1.0) / 2.0;
+        let weights = zonal_weights(Lobe::Ggx, roughness * roughness);
+        // Lagrange's polynomial of this point, lowest power first.
+        let mut own = [0.0; ZONAL];
+        own[0] = 1.0;
+        for other in (0..ZONAL).filter(|other| *other != k).map(node) {
+            for power in (0..ZONAL).rev() {
+                let lower = if power > 0 { own[power - 1] } else { 0.0 };
+                own[power] = (lower - other * own[power]) / (t - other);
+            }
+        }
+        for (sum, own) in sums.iter_mut().zip(own) {
+            for (sum, weight) in sum.iter_mut().zip(&weights[1..]) {
+                *sum += own * weight;
+            }
+        }
+    }
+    sums.map(|sum| sum.map(|value| value as f32))
+}
+
+/// What fitted lobes are read from, as shaders query it.
+///
+/// Filled by the stages of [`blur::Blur`], [`super::harmonics::Harmonics`] and [`super::mirror::Mirror`], to be recorded
+/// whenever the light has changed. [`FittedTables::bind_group_layout`] and [`wgsl`] put it into any shader:
+/// `octagloss_fitted(direction, roughness)` answers there, any roughness a pixel.
+#[derive(Clone, Debug)]
+pub struct FittedTables {
+    inner: u32,
+    octaves: wgpu::Buffer,
+    light: wgpu::Buffer,
+    entries: wgpu::Buffer,
+    parameters: wgpu::Buffer,
+    oem: wgpu::TextureView,
+}
+
+/// The query function, its resources declared in group `group` at bindings 0 to 4; with other queries in one shader, see
+/// [`shader::queries`].
+#[must_use]
+pub fn wgsl(group: u32) -> String {
+    shader::queries(&[Queries::Fitted(group)])
+}
+
+impl FittedTables {
+    /// Tables over an OEM of `inner` texels along an edge, for lobes of `count` boxes (1, 2, 4 or 8).
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a count that there is not and for an OEM that is no power of two from 16 on,
+    /// [`Error::Limit`] where the tables are larger than the device has buffers and textures.
+    pub fn new(context: &Context, inner: u32, count: u32) -> Result<Self> {
+        crate::bake::Filter::Fitted(count).check(Lobe::Ggx, Some(inner))?;
+        Self::check_fits(context, inner)?;
+        let layout = blur::Layout::new(inner);
+        let [boxes, first_parameters, first_wider] = lobes(count);
+        let octaves = Octaves {
+            inner,
+            finest: layout.finest,
+            border: BORDER,
+            boxes,
+            first_parameters,
+            first_wider,
+            sharpest: (KNOTS[0] - f64::from(layout.finest)).exp2() as f32,
+            pad_0: 0,
+            zonal: zonal(),
+            octaves: layout.octaves,
+        };
+        let device = context.device();
+        let light = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("light of fitted lobes"),
+            size: LIGHT,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let oem = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("OEM"),
+            size: wgpu::Extent3d { width: inner, height: inner, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING,
+            view_formats: &[],
+        });
+        Ok(Self {
+            inner,
+            octaves: context.uniform("octaves", &octaves),
+            light,
+            entries: context.storage("blurred tables", 32 * u64::from(layout.entries)),
+            parameters: context.storage_of("parameters of fitted lobes", &parameters()),
+            oem: oem.create_view(&wgpu::TextureViewDescriptor::default()),
+        })
+    }
+
+    /// Whether the tables over an OEM of `inner` texels fit.
+    pub(super) fn check_fits(context: &Context, inner: u32) -> Result<()> {
+        let most = context.device().limits().max_texture_dimension_2d;
+        if inner > most {
+            return Err(Error::Limit {
+                what: format!("an OEM of {inner} x {inner} as a texture"),
+                needed: 16 * u64::from(inner) * u64::from(inner),
+                available: 16 * u64::from(most) * u64::from(most),
+                remedy: format!("choose --oem-size at most {most}"),
+            });
+        }
+        let bytes = |inner| 32 * u64::from(blur::Layout::new(inner).entries);
+        context.fits("tables of blurred octaves", bytes(inner), |available| {
+            let sizes = (4..u32::BITS).map(|log2| 1 << log2).take_while(|smaller| *smaller < inner);
+            let fitting = sizes.filter(|smaller| bytes(*smaller) <= available).last();
+            format!("choose --oem-size at most {}, or --engine cpu", fitting.unwrap_or(0))
+        })
+    }
+
+    /// Asks for lobes of `count` boxes (1, 2, 4 or 8) from the next submission on: no table changes.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a count that there is not.
+    pub fn set_count(&self, context: &Context, count: u32) -> Result<()> {
+        crate::bake::Filter::Fitted(count).check(Lobe::Ggx, None)?;
+        let at = std::mem::offset_of!(Octaves, boxes) as u64;
+        context.queue().write_buffer(&self.octaves, at, bytemuck::bytes_of(&lobes(count)));
+        Ok(())
+    }
+
+    /// Texels along an edge of the OEM's square.
+    #[must_use]
+    pub const fn inner(&self) -> u32 {
+        self.inner
+    }
+
+    pub(super) const fn octaves(&self) -> &wgpu::Buffer {
+        &self.octaves
+    }
+
+    pub(super) const fn light(&self) -> &wgpu::Buffer {
+        &self.light
+    }
+
+    pub(super) const fn entries(&self) -> &wgpu::Buffer {
+        &self.entries
+    }
+
+    pub(super) const fn oem(&self) -> &wgpu::TextureView {
+        &self.oem
+    }
+
+    /// The layout of a group with the resources of [`wgsl`], for the shader stages `visibility`.
+    #[must_use]
+    pub fn bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let uniform = buffer(wgpu::BufferBindingType::Uniform);
+        let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true });
+        let texture = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("octagloss fitted lobes"),
+            entries: &[
+                entry(0, uniform),
+                entry(1, uniform),
+                entry(2, storage),
+                entry(3, storage),
+                entry(4, texture),
+            ],
+        })
+    }
+
+    /// A group of the tables' resources, of `layout`.
+    #[must_use]
+    pub fn bind_group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("octagloss fitted lobes"),
+            layout,
+            entries: &[
+                entry(0, self.octaves.as_entire_binding()),
+                entry(1, self.light.as_entire_binding()),
+                entry(2, self.entries.as_entire_binding()),
+                entry(3, self.parameters.as_entire_binding()),
+                entry(4, wgpu::BindingResource::TextureView(&self.oem)),
+            ],
+        })
+    }
+}
+
+/// The pipeline that answers lists.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl Fitted {
+    /// Compiles the stage.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "fitted.wgsl");
+        Self { pipeline: shader::pipeline(context, &module, "fitted", &[]) }
+    }
+
+    /// Radiance around each of `queries`, directions (of the OEM's space) with their roughness, read back.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the device fails.
+    pub async fn radiance(
+        &self,
+        context: &Context,
+        tables: &FittedTables,
+        queries: &[(DVec3, f64)],
+    ) -> Result<Vec<[f32; 3]>> {
+        let queries: Vec<[f32; 4]> = queries
+            .iter()
+            .map(|(direction, roughness)| direction.as_vec3().extend(*roughness as f32).to_array())
+            .collect();
+        let device = context.device();
+        let group = tables.bind_group(device, &self.pipeline.get_bind_group_layout(0));
+        let mut radiance = Vec::with_capacity(queries.len());
+        for batch in queries.chunks(1 << 22) {
+            let answers = context.storage("answers", 16 * batch.len() as u64);
+            let queries = context.storage_of("queries", batch);
+            let lists = device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("queries"),
+                layout: &self.pipeline.get_bind_group_layout(1),
+                entries: &[
+                    wgpu::BindGroupEntry { binding: 0, resource: queries.as_entire_binding() },
+                    wgpu::BindGroupEntry { binding: 1, resource: answers.as_entire_binding() },
+                ],
+            });
+            let groups = u32::try_from(batch.len()).expect("a batch").div_ceil(GROUP_SIZE);
+            context.submit(|encoder| {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                pass.set_pipeline(&self.pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                pass.set_bind_group(1, &lists, &[]);
+                pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
+            });
+            let found: Vec<[f32; 4]> = readback::read(context, &answers).await?;
+            radiance.extend(found.iter().map(|[r, g, b, _]| [*r, *g, *b]));
+        }
+        Ok(radiance)
+    }
+}

@@ -1,0 +1,72 @@
+//! Harmonics of an OEM to order 4, from its exact table.
+
+use super::fitted::FittedTables;
+use super::stage::Dispatch;
+use super::{Context, SatPlanes, Stage, oem, readback, shader};
+use crate::error::Result;
+use crate::sat::FixedPoint;
+use crate::sh;
+
+/// Texels that a workgroup sums at once.
+pub const GROUP_SIZE: u32 = 128;
+
+/// How many times it does.
+pub const BATCHES: u32 = 4;
+
+/// Texels along an edge of the finest grid.
+pub const FINEST: u32 = 256;
+
+/// Pipelines of the stage.
+#[derive(Clone, Debug)]
+pub struct Harmonics {
+    sums_of_groups: wgpu::ComputePipeline,
+    sum_of_all: wgpu::ComputePipeline,
+}
+
+impl Harmonics {
+    /// Compiles the stage.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "harmonics.wgsl");
+        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
+        Self { sums_of_groups: pipeline("sums_of_groups"), sum_of_all: pipeline("sum_of_all") }
+    }
+
+    /// The harmonics of `sat`, and its units, into `tables`.
+    #[must_use]
+    pub fn stage(&self, context: &Context, sat: &SatPlanes, tables: &FittedTables) -> Stage {
+        let side = sat.size().inner.min(FINEST);
+        let groups = (side * side).div_ceil(GROUP_SIZE * BATCHES);
+        let partials = context.storage("harmonics of groups", 16 * sh::MAX_COUNT as u64 * u64::from(groups));
+        let table = context.uniform("table", &oem::Table::new(sat.size()));
+        let table = (0, table.as_entire_binding());
+        let partials = (6, partials.as_entire_binding());
+        let mut sums = vec![table.clone(), partials.clone()];
+        sums.extend((1..).zip(sat.planes().iter().map(wgpu::Buffer::as_entire_binding)));
+        let exponents = (5, sat.exponents().as_entire_binding());
+        let all = [table, exponents, partials, (7, tables.light().as_entire_binding())];
+        Stage::new(
+            "harmonics",
+            vec![
+                Dispatch::new(context, &self.sums_of_groups, &sums, [groups, 1, 1]),
+                Dispatch::new(context, &self.sum_of_all, &all, [1, 1, 1]),
+            ],
+        )
+    }
+}
+
+impl FittedTables {
+    /// Reads the harmonics back as [`sh::table_harmonics`] has them, `fixed` being the table's scale.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub async fn read_harmonics(
+        &self,
+        context: &Context,
+        fixed: FixedPoint,
+    ) -> Result<[[f64; 4]; sh::MAX_COUNT]> {
+        let light: Vec<[f32; 4]> = readback::read(context, self.light()).await?;
+        let units = fixed.exponents.map(|exponent| f64::from(60 - exponent).exp2());
+        Ok(std::array::from_fn(|k| std::array::from_fn(|c| f64::from(light[3 + k][c]) * units[c])))
+    }
+}

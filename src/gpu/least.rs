@@ -1,0 +1,38 @@
+//! The least radiance of each channel of an OEM: what answers are counted from.
+
+use super::fixed_point::{GROUPS, groups};
+use super::stage::Dispatch;
+use super::{Context, OemPlanes, shader};
+
+/// Pipelines of the reduction.
+#[derive(Clone, Debug)]
+pub(super) struct Least {
+    of_groups: wgpu::ComputePipeline,
+    of_all: wgpu::ComputePipeline,
+}
+
+impl Least {
+    pub(super) fn new(context: &Context) -> Self {
+        let module = shader::module(context, "least.wgsl");
+        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
+        Self { of_groups: pipeline("least_of_groups"), of_all: pipeline("least_of_all") }
+    }
+
+    /// The least radiance of `oem` into `least`, four floats.
+    pub(super) fn dispatches(
+        &self,
+        context: &Context,
+        oem: &OemPlanes,
+        least: wgpu::BindingResource<'_>,
+    ) -> [Dispatch; 2] {
+        let partials = context.storage("least radiance of groups", 16 * u64::from(GROUPS));
+        let table = (0, oem.table_buffer().as_entire_binding());
+        let partials = (5, partials.as_entire_binding());
+        let mut all = vec![table.clone(), partials.clone()];
+        all.extend((1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding())));
+        [
+            Dispatch::new(context, &self.of_groups, &all, [groups(oem.size().inner), 1, 1]),
+            Dispatch::new(context, &self.of_all, &[table, partials, (6, least)], [1, 1, 1]),
+        ]
+    }
+}

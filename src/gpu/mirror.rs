@@ -1,0 +1,45 @@
+//! What mirrors are read from: an OEM's square as one texture, and its least radiance.
+
+use super::fitted::FittedTables;
+use super::least::Least;
+use super::stage::Dispatch;
+use super::{Context, OemPlanes, Stage, shader};
+
+/// Invocations along an edge of a workgroup.
+pub const EDGE: u32 = 16;
+
+/// Pipelines of the stage.
+#[derive(Clone, Debug)]
+pub struct Mirror {
+    mirror: wgpu::ComputePipeline,
+    least: Least,
+}
+
+impl Mirror {
+    /// Compiles the stage.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "mirror.wgsl");
+        Self { mirror: shader::pipeline(context, &module, "mirror", &[]), least: Least::new(context) }
+    }
+
+    /// The square of `oem`, and its least radiance, into `tables`.
+    ///
+    /// # Panics
+    /// Where they were made for another size.
+    #[must_use]
+    pub fn stage(&self, context: &Context, oem: &OemPlanes, tables: &FittedTables) -> Stage {
+        assert_eq!(oem.size().inner, tables.inner(), "tables for this size");
+        let mut resources = vec![
+            (0, oem.table_buffer().as_entire_binding()),
+            (5, wgpu::BindingResource::TextureView(tables.oem())),
+        ];
+        resources.extend((1..).zip(oem.planes().iter().map(wgpu::Buffer::as_entire_binding)));
+        let groups = tables.inner().div_ceil(EDGE);
+        let least =
+            wgpu::BufferBinding { buffer: tables.light(), offset: 0, size: std::num::NonZero::new(16) };
+        let mut dispatches = vec![Dispatch::new(context, &self.mirror, &resources, [groups, groups, 1])];
+        dispatches.extend(self.least.dispatches(context, oem, wgpu::BindingResource::Buffer(least)));
+        Stage::new("mirror", dispatches)
+    }
+}
