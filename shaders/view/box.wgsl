@@ -3,7 +3,7 @@
 @group(1) @binding(1) var octagloss_low: texture_2d<u32>;
 @group(1) @binding(2) var octagloss_high: texture_2d<u32>;
 #include "common/sat.wgsl"
-#include "view/draw.wgsl"
+#include "common/view_draw.wgsl"
 
 fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32> {
     return octagloss_ggx(direction, roughness);

@@ -5,7 +5,7 @@
 @group(1) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
 @group(1) @binding(4) var octagloss_oem: texture_2d<f32>;
 #include "common/fitted.wgsl"
-#include "view/draw.wgsl"
+#include "common/view_draw.wgsl"
 
 fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32> {
     return octagloss_fitted(direction, roughness);

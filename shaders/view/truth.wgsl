@@ -1,5 +1,5 @@
 // The viewer by answers that were found for its own pixels.
-#include "view/draw.wgsl"
+#include "common/view_draw.wgsl"
 
 fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32> {
     return textureLoad(truth, vec2<i32>(pixel), 0).rgb;

@@ -42,6 +42,8 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/sum.wgsl",
     "common/table.wgsl",
     "common/u64.wgsl",
+    "common/view_draw.wgsl",
+    "common/view_scene.wgsl",
     "adaptive.wgsl",
     "blur.wgsl",
     "box_filter.wgsl",
@@ -58,11 +60,9 @@ pub const FILES: &[(&str, &str)] = &files![
     "sat_hensley.wgsl",
     "sat_scan.wgsl",
     "view/box.wgsl",
-    "view/draw.wgsl",
     "view/fitted.wgsl",
     "view/levels.wgsl",
     "view/present.wgsl",
-    "view/scene.wgsl",
     "view/truth.wgsl",
 ];
 

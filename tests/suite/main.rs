@@ -20,6 +20,8 @@ mod io_read;
 mod io_write;
 mod ktx2_write;
 mod maps;
+#[cfg(feature = "view")]
+mod meshes;
 mod mutation;
 mod oem;
 mod oem_file;

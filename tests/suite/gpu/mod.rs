@@ -15,6 +15,8 @@ mod reflection;
 mod sat;
 mod scenes;
 mod stages;
+#[cfg(feature = "view")]
+mod view;
 
 use octagloss::gpu::engine::Engine;
 use octagloss::gpu::{Context, adapters, block_on};
@@ -52,11 +54,13 @@ static ENGINES: LazyLock<Vec<Engine>> = LazyLock::new(|| {
 
 /// Runs `test` on every adapter, with all passes, and says so.
 fn with_passes(name: &str, test: impl Fn(&Context, &Engine)) {
-    let index = |context: &Context| {
-        let own = |other: &Context| other.device() == context.device();
-        CONTEXTS.iter().position(own).expect("a context of the list")
-    };
     on_every_adapter(name, |context| test(context, &ENGINES[index(context)]));
+}
+
+/// Place of one of [`CONTEXTS`].
+fn index(context: &Context) -> usize {
+    let own = |other: &Context| other.device() == context.device();
+    CONTEXTS.iter().position(own).expect("a context of the list")
 }
 
 /// 2^-24: half the distance between 1 and the next float32.

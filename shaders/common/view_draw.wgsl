@@ -1,6 +1,6 @@
 // The viewer's pictures: linear and exposed, or the samples themselves. What includes this gives
 // `fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>`, `direction` being the source's.
-#include "view/scene.wgsl"
+#include "common/view_scene.wgsl"
 
 // Half floats end there.
 const GREATEST = 65504.0;

@@ -1,0 +1,308 @@
+//! The viewer's pictures against the CPU's of the same view, ray by ray.
+
+use super::{CONTEXTS, block_on, index, on_every_adapter, wait};
+use glam::{DMat3, DVec2, DVec3};
+use octagloss::bake;
+use octagloss::dfg;
+use octagloss::gpu::Context;
+use octagloss::lobe::Lobe;
+use octagloss::reflector::{Reflector, ReflectorSettings};
+use octagloss::synth::synth;
+use octagloss::view::{
+    Camera, Filter, Look, Mesh, Object, Renderer, Screenshot, Show, Tone, Truth, screenshot,
+};
+use octagloss::{Environment, Error};
+use rayon::prelude::*;
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+
+const WIDTH: u32 = 96;
+const HEIGHT: u32 = 64;
+const OEM: u32 = 256;
+
+/// A display's byte may be off by its own rounding and by what half floats (2^-11 of the radiance, an eighth of a step where the
+/// display is brightest), float32 directions and the split sum's table leave: two steps.
+const STEPS: i32 = 2;
+
+/// Pixels on a silhouette, where a ray may pass on the other side, and where tone mapping turns a sun's edge within a pixel's
+/// rounding: this share at most.
+const SILHOUETTE: f64 = 0.01;
+
+/// How two pictures differ: the share of pixels off by more than [`STEPS`], and the greatest difference of the others.
+fn difference(found: &[[u8; 3]], expected: &[[u8; 3]]) -> f64 {
+    assert_eq!(found.len(), expected.len(), "pixels");
+    let off = |(a, b): (&[u8; 3], &[u8; 3])| {
+        a.iter().zip(b).any(|(a, b)| (i32::from(*a) - i32::from(*b)).abs() > STEPS)
+    };
+    found.iter().zip(expected).filter(|pair| off(*pair)).count() as f64 / found.len() as f64
+}
+
+/// What one ray meets: where it is mirrored to, by which roughness, and what the metal makes of the answer.
+struct Seen {
+    direction: DVec3,
+    roughness: f64,
+    factor: DVec3,
+}
+
+/// The CPU's picture of `look`, without any of the viewer's code.
+fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<[u8; 3]> {
+    let settings = ReflectorSettings { oem_size: Some(OEM), ..ReflectorSettings::default() };
+    let turned = environment.clone().rotated_y(look.turn);
+    let reflector = Reflector::new(&turned, &settings).expect("an OEM");
+    let filter = match look.filter {
+        Filter::Box => bake::Filter::Box,
+        Filter::Fitted(count) => bake::Filter::Fitted(count),
+        Filter::Adaptive | Filter::Levels => bake::Filter::Adaptive(0.001),
+    };
+    (0..WIDTH * HEIGHT)
+        .into_par_iter()
+        .map(|index| {
+            let at = DVec2::new(f64::from(index % WIDTH) + 0.5, f64::from(index / WIDTH) + 0.5);
+            let seen = look_along(look, at, mesh);
+            let answer = reflector.query(seen.direction, seen.roughness, Lobe::Ggx, filter).expect("a lobe");
+            let light = DVec3::from_array(answer.radiance.map(f64::from));
+            display(look.tone, light * seen.factor * look.exposure.exp2())
+        })
+        .collect()
+}
+
+fn look_along(look: &Look, at: DVec2, mesh: Option<&Mesh>) -> Seen {
+    let Camera { yaw, pitch, distance, angle } = look.camera;
+    let turn = DMat3::from_rotation_y(-yaw) * DMat3::from_rotation_z(-pitch);
+    let [forward, up, right] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis);
+    let half = (angle / 2.0).tan();
+    let (width, height) = (f64::from(WIDTH), f64::from(HEIGHT));
+    let x = (2.0 * at.x / width - 1.0) * half * width / height;
+    let y = (1.0 - 2.0 * at.y / height) * half;
+    let ray = (forward + x * right + y * up).normalize();
+    let eye = -distance * forward;
+    let balls: Vec<(DVec3, f64, f64)> = match look.object {
+        Object::Sphere => vec![(DVec3::ZERO, 1.0, look.roughness)],
+        Object::Row => (0..9)
+            .map(|k| (DVec3::new(0.0, 0.0, (f64::from(k) / 4.0 - 1.0) * 1.9), 0.21, f64::from(k) / 8.0))
+            .collect(),
+        Object::Knot | Object::Mesh => Vec::new(),
+    };
+    let ball_hits = balls.iter().filter_map(|(centre, radius, roughness)| {
+        let from = eye - *centre;
+        let along = from.dot(ray);
+        let discriminant = along * along - from.length_squared() + radius * radius;
+        let reach = -along - discriminant.max(0.0).sqrt();
+        (discriminant > 0.0 && reach > 0.0).then(|| (reach, (from + reach * ray) / *radius, *roughness))
+    });
+    let corners = |mesh: &Mesh| -> Vec<[usize; 3]> {
+        mesh.indices.chunks_exact(3).map(|three| [0, 1, 2].map(|k| three[k] as usize)).collect()
+    };
+    let mesh_hits: Vec<(f64, DVec3, f64)> = mesh
+        .map(|mesh| {
+            let hit = |triangle: [usize; 3]| {
+                let place = |k: usize| DVec3::from_array(mesh.vertices[triangle[k]].position.map(f64::from));
+                let normal = |k: usize| DVec3::from_array(mesh.vertices[triangle[k]].normal.map(f64::from));
+                // Moeller and Trumbore 1997.
+                let (b, c) = (place(1) - place(0), place(2) - place(0));
+                let cross = ray.cross(c);
+                let determinant = b.dot(cross);
+                let from = eye - place(0);
+                let u = from.dot(cross) / determinant;
+                let v = ray.dot(from.cross(b)) / determinant;
+                let reach = c.dot(from.cross(b)) / determinant;
+                let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && reach > 0.0;
+                let normal = (1.0 - u - v) * normal(0) + u * normal(1) + v * normal(2);
+                inside.then(|| (reach, normal.normalize(), look.roughness))
+            };
+            corners(mesh).into_iter().filter_map(hit).collect()
+        })
+        .unwrap_or_default();
+    let nearest = ball_hits.chain(mesh_hits).min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, normal, roughness)) = nearest else {
+        return Seen { direction: ray, roughness: look.backdrop, factor: DVec3::ONE };
+    };
+    let cosine = -ray.dot(normal);
+    let [scale, bias] = dfg::ggx(cosine.clamp(1.0 / 128.0, 1.0), roughness.max(1.0 / 128.0));
+    let metal = DVec3::from_array(look.metal.map(f64::from));
+    let again = DVec3::ONE + metal * (1.0 / (scale + bias) - 1.0);
+    let direction = ray + 2.0 * cosine * normal;
+    Seen { direction, roughness, factor: (metal * scale + bias) * again }
+}
+
+fn display(tone: Tone, colour: DVec3) -> [u8; 3] {
+    let mapped = match tone {
+        Tone::Linear => colour,
+        Tone::Reinhard => colour / (DVec3::ONE + colour),
+        Tone::Aces => {
+            let x = colour;
+            x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
+        }
+        Tone::Neutral => {
+            let least = colour.min_element();
+            let moved = colour - if least < 0.08 { least - 6.25 * least * least } else { 0.04 };
+            let peak = moved.max_element();
+            if peak < 0.76 {
+                moved
+            } else {
+                let compressed = 1.0 - 0.24 * 0.24 / (peak + 0.24 - 0.76);
+                let white = 1.0 - 1.0 / (0.15 * (peak - compressed) + 1.0);
+                (moved * (compressed / peak)).lerp(DVec3::splat(compressed), white)
+            }
+        }
+    };
+    mapped.to_array().map(|x| {
+        let x = x.clamp(0.0, 1.0);
+        let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+        (encoded * 255.0).round() as u8
+    })
+}
+
+/// What draws on every adapter, one test at a time: compiled once, for some drivers take seconds.
+static RENDERERS: LazyLock<Vec<Mutex<Renderer>>> = LazyLock::new(|| {
+    let compiled = |context: &Context| Renderer::new(context.clone()).expect("shaders that compile");
+    CONTEXTS.iter().map(|context| Mutex::new(compiled(context))).collect()
+});
+
+fn renderer(context: &Context) -> MutexGuard<'static, Renderer> {
+    // A test that failed left nothing that matters to others.
+    RENDERERS[index(context)].lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn shot(context: &Context, look: &Look, environment: &Environment) -> Vec<[u8; 3]> {
+    let mut renderer = renderer(context);
+    let light = renderer.light(environment, Some(OEM)).expect("tables that fit");
+    let truth = look.needs_truth().then(|| Truth::new(light.environment()).expect("an OEM"));
+    let size = Screenshot { width: WIDTH, height: HEIGHT, samples: 1 };
+    let picture = wait(context, screenshot(&mut renderer, look, &light, truth.as_ref(), size));
+    picture.pixels().map(|pixel| pixel.0).collect()
+}
+
+fn looks() -> Vec<(&'static str, Look)> {
+    let look = Look { exposure: -1.0, ..Look::default() };
+    let camera = |yaw, pitch| Camera { yaw, pitch, ..Camera::default() };
+    vec![
+        ("box", Look { filter: Filter::Box, roughness: 0.4, ..look.clone() }),
+        ("fitted:1", Look { filter: Filter::Fitted(1), roughness: 0.7, tone: Tone::Aces, ..look.clone() }),
+        ("a row by fitted:4", Look { object: Object::Row, tone: Tone::Reinhard, ..look.clone() }),
+        (
+            "fitted:8 from below",
+            Look {
+                filter: Filter::Fitted(8),
+                camera: camera(2.1, -1.0),
+                turn: 77.0,
+                backdrop: 0.5,
+                tone: Tone::Linear,
+                metal: [1.0, 0.7, 0.3],
+                ..look.clone()
+            },
+        ),
+        ("a knot by fitted:4", Look { object: Object::Knot, camera: camera(0.5, 0.6), ..look.clone() }),
+        ("adaptive", Look { filter: Filter::Adaptive, roughness: 0.25, backdrop: 0.3, ..look }),
+    ]
+}
+
+#[test]
+fn pictures_are_the_cpus() {
+    let environment = synth("studio").expect("a recipe");
+    let knot = Mesh::knot();
+    let looks = looks();
+    let expected: Vec<_> = looks
+        .iter()
+        .map(|(_, look)| expected(look, &environment, (look.object == Object::Knot).then_some(&knot)))
+        .collect();
+    on_every_adapter("view", |context| {
+        for ((name, look), expected) in looks.iter().zip(&expected) {
+            let found = shot(context, look, &environment);
+            let off = difference(&found, expected);
+            assert!(off <= SILHOUETTE, "{name}: {:.2} % of the pixels are off", 100.0 * off);
+        }
+    });
+}
+
+#[test]
+fn another_look_is_another_picture() {
+    let environment = synth("studio").expect("a recipe");
+    let look = Look { filter: Filter::Box, roughness: 0.4, exposure: -1.0, ..Look::default() };
+    let here = expected(&look, &environment, None);
+    let changed = [
+        Look { roughness: 0.43, ..look.clone() },
+        Look { turn: 2.0, ..look.clone() },
+        Look { exposure: -0.95, ..look.clone() },
+        Look { tone: Tone::Aces, ..look.clone() },
+        Look { metal: [0.9, 0.93, 0.88], ..look.clone() },
+    ];
+    for other in changed {
+        let off = difference(&expected(&other, &environment, None), &here);
+        assert!(off > 3.0 * SILHOUETTE, "{other:?} is told apart by {off} only");
+    }
+}
+
+#[test]
+fn pictures_are_the_same_every_time() {
+    let environment = synth("sky").expect("a recipe");
+    on_every_adapter("view twice", |context| {
+        for (_, look) in looks().into_iter().skip(2) {
+            let [first, second] = [(); 2].map(|()| shot(context, &look, &environment));
+            assert_eq!(first, second, "{look:?}");
+        }
+    });
+}
+
+#[test]
+fn a_furnace_is_white() {
+    let environment = synth("furnace").expect("a recipe");
+    on_every_adapter("white furnace", |context| {
+        for filter in [Filter::Box, Filter::Fitted(4), Filter::Levels, Filter::Adaptive] {
+            for object in [Object::Row, Object::Knot] {
+                // A white metal that reflects all light, once or many times, cannot be seen.
+                let look = Look {
+                    object,
+                    filter,
+                    metal: [1.0; 3],
+                    tone: Tone::Linear,
+                    exposure: -1.0,
+                    ..Look::default()
+                };
+                let found = shot(context, &look, &environment);
+                let grey = display(Tone::Linear, DVec3::splat(0.5))[0];
+                let off = |pixel: &[u8; 3]| pixel.iter().any(|c| c.abs_diff(grey) > 1);
+                assert_eq!(found.iter().filter(|pixel| off(pixel)).count(), 0, "{object:?} by {filter:?}");
+            }
+        }
+    });
+}
+
+#[test]
+fn errors_are_black_where_there_are_none() {
+    let environment = synth("furnace").expect("a recipe");
+    on_every_adapter("view errors", |context| {
+        let look = Look { show: Show::Error, filter: Filter::Fitted(4), ..Look::default() };
+        let dark = shot(context, &look, &environment);
+        assert!(dark.iter().flatten().all(|c| *c < 60), "a furnace has no errors above 1e-4");
+        let bright = shot(context, &look, &synth("sky").expect("a recipe"));
+        let off = bright.iter().filter(|pixel| pixel[0] > 100).count();
+        assert!(off > 100, "errors of a sky are seen: {off} pixels");
+    });
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    let environment = synth("furnace").expect("a recipe");
+    let wrong = [
+        Look { roughness: 1.5, ..Look::default() },
+        Look { exposure: f64::NAN, ..Look::default() },
+        Look { filter: Filter::Fitted(3), ..Look::default() },
+        Look { camera: Camera { distance: 0.5, ..Camera::default() }, ..Look::default() },
+    ];
+    on_every_adapter("view refusals", |context| {
+        let mut renderer = renderer(context);
+        let light = renderer.light(&environment, Some(16)).expect("tables that fit");
+        let mut ask = |look: &Look, width| {
+            let size = Screenshot { width, height: 8, samples: 1 };
+            block_on(Some(context), screenshot(&mut renderer, look, &light, None, size)).expect("a device")
+        };
+        for look in &wrong {
+            assert!(matches!(ask(look, 8), Err(Error::Parameter(_))), "{look:?}");
+        }
+        for width in [0, 100_000] {
+            assert!(matches!(ask(&Look::default(), width), Err(Error::Parameter(_))), "{width} columns");
+        }
+        // What follows a refusal is drawn.
+        assert!(ask(&Look::default(), 8).is_ok());
+    });
+}
