@@ -249,7 +249,7 @@ fn radiance_lies_within_its_bound_of_the_cpu_s() {
     with_passes("fitted radiance", |context, passes| {
         let mut random = Random::new(93);
         let (mut beyond, mut all) = (0, 0);
-        for (inner, look) in [(16, Look::Noise), (64, Look::Suns), (128, Look::Smooth)] {
+        for (inner, look) in [(16, Look::Noise), (64, Look::Suns), (256, Look::Smooth)] {
             let judge = Judge::new(&mut random, inner, look);
             let directions = directions(&mut random);
             let reflector = reflector(&judge.environment, inner);
