@@ -9,6 +9,8 @@
 // Texels along an edge of a tile of a grid that is blurred.
 const EDGE = 16u;
 const GROUP_SIZE = 256u;
+// Invocations that a row or a column of a table is summed by.
+const LINE_SIZE = 64u;
 // Corners along an edge that a tile's texels reach: boxes are up to 16 wide.
 const REACH = 31u;
 
@@ -121,12 +123,12 @@ fn texel_before(octave: OctaglossOctave, x: u32, y: u32) -> Sum {
     return texels[octave.first_texel + at.y * octave.coarse + at.x];
 }
 
-var<workgroup> run_sums: array<Sum, GROUP_SIZE>;
+var<workgroup> run_sums: array<Sum, LINE_SIZE>;
 
 // Every invocation's `own` to the sum of those before.
 fn before(own: Sum, lane: u32) -> Sum {
     run_sums[lane] = own;
-    for (var step = 1u; step < GROUP_SIZE; step *= 2u) {
+    for (var step = 1u; step < LINE_SIZE; step *= 2u) {
         workgroupBarrier();
         var left = Sum();
         if lane >= step {
@@ -140,11 +142,11 @@ fn before(own: Sum, lane: u32) -> Sum {
 }
 
 // Sums along the rows of the bordered squares: a workgroup a row.
-@compute @workgroup_size(GROUP_SIZE)
+@compute @workgroup_size(LINE_SIZE)
 fn rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let row = line(group.x);
     let side = row.octave.side;
-    let run = (side + GROUP_SIZE - 1u) / GROUP_SIZE;
+    let run = (side + LINE_SIZE - 1u) / LINE_SIZE;
     let first = min(lane * run, side);
     let last = min(first + run, side);
     var sum = Sum();
@@ -159,11 +161,11 @@ fn rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 }
 
 // Sums down their columns: a workgroup a column.
-@compute @workgroup_size(GROUP_SIZE)
+@compute @workgroup_size(LINE_SIZE)
 fn columns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let column = line(group.x);
     let side = column.octave.side;
-    let run = (side + GROUP_SIZE - 1u) / GROUP_SIZE;
+    let run = (side + LINE_SIZE - 1u) / LINE_SIZE;
     let first = min(lane * run, side);
     let last = min(first + run, side);
     let top = column.octave.first_entry + column.place;

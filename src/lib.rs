@@ -20,7 +20,7 @@
 //! 6. [`fitted`] and [`cpu::blur`], instead of 4 and 5: a GGX lobe by a few soft boxes and harmonics, found by [`fit`].
 //! 7. [`reflector`]: all of these for point queries; [`bake`]: for cube chains ([`chain`]), which [`io`] writes.
 //!
-//! `gpu` (feature `gpu`) runs steps 2 to 5 and 7 as compute passes, held to the CPU's results by the tests.
+//! `gpu` (feature `gpu`) runs steps 2 to 7 as compute passes, held to the CPU's results by the tests.
 //!
 //! [`oracle`] integrates exhaustively in double precision and shares no code with the engine but the maps of [`sphere`];
 //! [`compare`] measures a bake by it.

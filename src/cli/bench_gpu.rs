@@ -5,10 +5,12 @@ use super::bench::{Timing, sky, timing};
 use super::engine::Engine;
 use super::talk::Talk;
 use super::{Outcome, print};
+use glam::DVec3;
 use octagloss::bake::{BakeSettings, Filter, Ladder};
 use octagloss::cpu::tent::Reconstruction;
 use octagloss::gpu::cells::BuildCells;
 use octagloss::gpu::copy::Copy;
+use octagloss::gpu::fitted::FittedTables;
 use octagloss::gpu::fixed_point::FixedPoint;
 use octagloss::gpu::reparameterise::{Reparameterise, upload};
 use octagloss::gpu::sat_f32::SatF32;
@@ -17,6 +19,7 @@ use octagloss::gpu::sat_scan::SatScan;
 use octagloss::gpu::timer::Timer;
 use octagloss::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on, box_filter};
 use octagloss::oem::OemSize;
+use octagloss::sphere::equirect::direction_from_equirect;
 use octagloss::{Environment, Layout};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -30,7 +33,7 @@ struct Bench {
     runs: u32,
     /// 24 bytes in and 24 out a texel: what a scan moves at the least.
     copy: Timing,
-    /// Each pass over an octahedral map of `size` texels.
+    /// Each pass over an octahedral map of `size` texels, and a frame with a roughness a pixel from fitted lobes.
     stages: BTreeMap<String, Timing>,
     /// Cube of 6 x 512^2 to an octahedral map of 1024^2 to its exact table, all dispatches.
     cube_to_sat: Timing,
@@ -104,6 +107,12 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         stages.push(stage);
         names.push("cells_block_2".to_owned());
     }
+    if let Ok(tables) = FittedTables::new(context, size, 4) {
+        let [blur, harmonics, mirror] = engine.fitted_stages(&planes, &sat, &tables);
+        let (frame, _) = engine.fitted.stage(context, &tables, &frame());
+        stages.extend([blur, harmonics, mirror, frame]);
+        names.extend(["blur", "harmonics", "mirror", "fitted_4_1920x1080"].map(str::to_owned));
+    }
     stages.push(Copy::new(context).stage(context, &sat));
     let (mut each, _) = clock.time(&stages.iter().collect::<Vec<_>>())?;
     let copy = each.pop().expect("the copy is the last");
@@ -152,6 +161,17 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         ratios,
     };
     print(&(serde_json::to_string_pretty(&bench).map_err(anyhow::Error::from)? + "\n"))
+}
+
+/// Every pixel of a panorama of 1920x1080, its roughness growing from left to right.
+fn frame() -> Vec<(DVec3, f64)> {
+    let pixels = (0..1080).flat_map(|y| (0..1920).map(move |x| [x, y]));
+    pixels
+        .map(|[x, y]| {
+            let (u, v) = ((f64::from(x) + 0.5) / 1920.0, (f64::from(y) + 0.5) / 1080.0);
+            (direction_from_equirect(u, v), u)
+        })
+        .collect()
 }
 
 /// The bench's sky on a cube with faces of `size`.

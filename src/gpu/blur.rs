@@ -10,8 +10,11 @@ use crate::error::Result;
 /// Texels along an edge of a tile of a grid that is blurred.
 pub const EDGE: u32 = 16;
 
-/// Invocations of a workgroup.
+/// Invocations of a workgroup that blurs.
 pub const GROUP_SIZE: u32 = 256;
+
+/// Invocations that a row or a column of a table is summed by.
+pub const LINE_SIZE: u32 = 64;
 
 /// Corners along an edge that a tile reaches.
 pub const REACH: u32 = 31;
@@ -19,8 +22,8 @@ pub const REACH: u32 = 31;
 /// Octaves that there can be.
 pub const OCTAVES: usize = 6;
 
-/// Texels of border around a blurred square. All but one in fifty of the fitted boxes around places on the square's edge stay
-/// within; the rest are read by the parity of the unfolded plane.
+/// Texels of border around a blurred square. Of the boxes around directions all over the sphere less than one in a hundred
+/// leave it, a few wide ones that hold little of their lobes; those are read by the parity of the unfolded plane.
 pub const BORDER: u32 = 40;
 
 /// Where the table of one octave lies among all.

@@ -8,7 +8,8 @@
 
 use super::blur::{self, BORDER, Octave};
 use super::shader::{self, Queries};
-use super::{Context, readback};
+use super::stage::Dispatch;
+use super::{Context, Stage, readback};
 use crate::error::{Error, Result};
 use crate::fitted::{BOX_PARAMETERS, COUNTS, KNOTS, Table};
 use crate::lobe::{Lobe, zonal_weights};
@@ -290,7 +291,41 @@ impl Fitted {
         Self { pipeline: shader::pipeline(context, &module, "fitted", &[]) }
     }
 
-    /// Radiance around each of `queries`, directions (of the OEM's space) with their roughness, read back.
+    /// Answers to `queries`, directions (of the OEM's space) with their roughness, and the stage that fills them: a vector of
+    /// four floats each.
+    ///
+    /// # Panics
+    /// Where they are more than a buffer holds.
+    #[must_use]
+    pub fn stage(
+        &self,
+        context: &Context,
+        tables: &FittedTables,
+        queries: &[(DVec3, f64)],
+    ) -> (Stage, wgpu::Buffer) {
+        let queries: Vec<[f32; 4]> = queries
+            .iter()
+            .map(|(direction, roughness)| direction.as_vec3().extend(*roughness as f32).to_array())
+            .collect();
+        let groups = u32::try_from(queries.len()).expect("what a buffer holds").div_ceil(GROUP_SIZE);
+        let answers = context.storage("answers", 16 * queries.len() as u64);
+        let queries = context.storage_of("queries", &queries);
+        let device = context.device();
+        let tables = tables.bind_group(device, &self.pipeline.get_bind_group_layout(0));
+        let lists = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("queries"),
+            layout: &self.pipeline.get_bind_group_layout(1),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: queries.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: answers.as_entire_binding() },
+            ],
+        });
+        let workgroups = [groups.min(ROW), groups.div_ceil(ROW), 1];
+        let dispatch = Dispatch::with_groups(&self.pipeline, vec![tables, lists], workgroups);
+        (Stage::new("fitted", vec![dispatch]), answers)
+    }
+
+    /// Radiance around each of `queries`, as [`Fitted::stage`] has them, read back.
     ///
     /// # Errors
     /// [`Error::Gpu`] where the device fails.
@@ -300,32 +335,10 @@ impl Fitted {
         tables: &FittedTables,
         queries: &[(DVec3, f64)],
     ) -> Result<Vec<[f32; 3]>> {
-        let queries: Vec<[f32; 4]> = queries
-            .iter()
-            .map(|(direction, roughness)| direction.as_vec3().extend(*roughness as f32).to_array())
-            .collect();
-        let device = context.device();
-        let group = tables.bind_group(device, &self.pipeline.get_bind_group_layout(0));
         let mut radiance = Vec::with_capacity(queries.len());
         for batch in queries.chunks(1 << 22) {
-            let answers = context.storage("answers", 16 * batch.len() as u64);
-            let queries = context.storage_of("queries", batch);
-            let lists = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("queries"),
-                layout: &self.pipeline.get_bind_group_layout(1),
-                entries: &[
-                    wgpu::BindGroupEntry { binding: 0, resource: queries.as_entire_binding() },
-                    wgpu::BindGroupEntry { binding: 1, resource: answers.as_entire_binding() },
-                ],
-            });
-            let groups = u32::try_from(batch.len()).expect("a batch").div_ceil(GROUP_SIZE);
-            context.submit(|encoder| {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                pass.set_pipeline(&self.pipeline);
-                pass.set_bind_group(0, &group, &[]);
-                pass.set_bind_group(1, &lists, &[]);
-                pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
-            });
+            let (stage, answers) = self.stage(context, tables, batch);
+            context.submit(|encoder| stage.record(encoder));
             let found: Vec<[f32; 4]> = readback::read(context, &answers).await?;
             radiance.extend(found.iter().map(|[r, g, b, _]| [*r, *g, *b]));
         }

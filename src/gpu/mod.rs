@@ -6,7 +6,9 @@
 //!
 //! ```text
 //! texture --reparameterise--> OEM planes --fixed_point--> exponents --sat_scan--> SAT planes --pack--> textures, boxes
-//!                                  |
+//!                                  |                                                   |
+//!                                  |                                                   +--blur, harmonics--+
+//!                                  +--mirror--> texture, least radiance -----------------------------------+--> fitted lobes
 //!                                  +--cells--> quadtree of moments --adaptive--> lobes with bounds
 //! ```
 //!

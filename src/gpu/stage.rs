@@ -6,7 +6,7 @@ use super::Context;
 #[derive(Clone, Debug)]
 pub(super) struct Dispatch {
     pipeline: wgpu::ComputePipeline,
-    bindings: wgpu::BindGroup,
+    bindings: Vec<wgpu::BindGroup>,
     workgroups: [u32; 3],
 }
 
@@ -27,6 +27,15 @@ impl Dispatch {
             layout: &pipeline.get_bind_group_layout(0),
             entries: &entries,
         });
+        Self::with_groups(pipeline, vec![bindings], workgroups)
+    }
+
+    /// The same with groups made elsewhere, from 0 on.
+    pub(super) fn with_groups(
+        pipeline: &wgpu::ComputePipeline,
+        bindings: Vec<wgpu::BindGroup>,
+        workgroups: [u32; 3],
+    ) -> Self {
         Self { pipeline: pipeline.clone(), bindings, workgroups }
     }
 }
@@ -64,7 +73,9 @@ impl Stage {
         let mut pass = encoder.begin_compute_pass(&descriptor);
         for Dispatch { pipeline, bindings, workgroups: [x, y, z] } in &self.dispatches {
             pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, bindings, &[]);
+            for (group, bindings) in (0..).zip(bindings) {
+                pass.set_bind_group(group, bindings, &[]);
+            }
             pass.dispatch_workgroups(*x, *y, *z);
         }
     }

@@ -7,6 +7,7 @@ use octagloss::cpu::tent::Reconstruction;
 use octagloss::gpu::box_filter::SatTextures;
 use octagloss::gpu::cells::BuildCells;
 use octagloss::gpu::engine::{Engine, Reflector};
+use octagloss::gpu::fitted::FittedTables;
 use octagloss::gpu::reparameterise::{Reparameterise, upload};
 use octagloss::gpu::{Context, OemPlanes, SatPlanes, adapters, block_on};
 use octagloss::lobe::Lobe;
@@ -74,6 +75,11 @@ fn limits_name_the_largest_size_that_fits() {
         assert_eq!(largest(SatTextures::new(context, &sat)), 256);
         let sat = SatPlanes::new(context, square(256)).expect("planes that fit");
         assert!(SatTextures::new(context, &sat).is_ok());
+
+        // Two octaves of 97 x 97 entries of 32 bytes fit, a third does not.
+        let fits = largest(FittedTables::new(context, 64, 4));
+        assert_eq!(fits, 16);
+        assert!(FittedTables::new(context, fits, 4).is_ok());
 
         let stage = BuildCells::new(context);
         let cells = |inner| {
@@ -146,6 +152,12 @@ fn parameters_that_cannot_be_served_are_named() {
             let outcome = wait_for(context, reflector.query(&up, Lobe::Ggx, roughness, filter));
             assert!(matches!(outcome, Err(Error::Parameter(_))), "{roughness} {filter:?}");
         }
+        for (inner, count) in [(64, 3), (48, 4), (8, 4)] {
+            let outcome = FittedTables::new(context, inner, count);
+            assert!(matches!(outcome, Err(Error::Parameter(_))), "fitted:{count} over {inner}");
+        }
+        let tables = FittedTables::new(context, 16, 4).expect("small tables");
+        assert!(matches!(tables.set_count(context, 5), Err(Error::Parameter(_))));
         let none = ReflectorSettings { oem_size: Some(0), ..ReflectorSettings::default() };
         assert!(matches!(Reflector::new(&engine, &source, &none), Err(Error::Parameter(_))));
         // No directions, no answers.

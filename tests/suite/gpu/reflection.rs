@@ -5,8 +5,10 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, ImageClass, Literal, Module, Type, TypeInner};
 use octagloss::cpu::adaptive::LANES;
 use octagloss::environment::LUMINANCE;
-use octagloss::gpu::{adaptive, box_filter, cells, copy, fixed_point, oem, reparameterise};
-use octagloss::gpu::{sat_f32, sat_hensley, sat_scan, shader};
+use octagloss::fitted::{KNOTS, OCTAVES, triangle};
+use octagloss::gpu::shader::Queries;
+use octagloss::gpu::{adaptive, blur, box_filter, cells, copy, fitted, fixed_point, harmonics, mirror, oem};
+use octagloss::gpu::{reparameterise, sat_f32, sat_hensley, sat_scan, shader};
 use octagloss::target::READERS;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -21,7 +23,8 @@ impl Shader {
     fn parse(name: &str, source: &str) -> Self {
         let module = naga::front::wgsl::parse_str(source)
             .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
-        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+        // Halves in 32-bit words are of WGSL's core; the compiler counts them apart for older APIs.
+        let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
             .validate(&module)
             .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
         Self { module, info }
@@ -92,7 +95,14 @@ fn structs() -> Vec<Struct> {
         ("cells.wgsl", "Level", cells::Level::MEMBERS, size_of::<cells::Level>()),
         ("cells.wgsl", "Tent", cells::Tent::MEMBERS, size_of::<cells::Tent>()),
         ("cells.wgsl", "Table", table.0, table.1),
+        ("blur.wgsl", "OctaglossOctave", blur::Octave::MEMBERS, size_of::<blur::Octave>()),
+        ("blur.wgsl", "OctaglossOctaves", fitted::Octaves::MEMBERS, size_of::<fitted::Octaves>()),
+        ("blur.wgsl", "Table", table.0, table.1),
+        ("fitted.wgsl", "OctaglossOctaves", fitted::Octaves::MEMBERS, size_of::<fitted::Octaves>()),
         ("fixed_point.wgsl", "Table", table.0, table.1),
+        ("harmonics.wgsl", "Table", table.0, table.1),
+        ("least.wgsl", "Table", table.0, table.1),
+        ("mirror.wgsl", "Table", table.0, table.1),
         ("pack.wgsl", "Table", table.0, table.1),
         (
             "reparameterise.wgsl",
@@ -106,6 +116,14 @@ fn structs() -> Vec<Struct> {
         // patterns and four 64-bit sums.
         ("box_filter.wgsl", "OctaglossTable", &[("exponents", 0), ("inner", 16), ("border", 20)], 32),
         ("box_filter.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
+        // Least radiance, two vectors of units, 25 harmonics.
+        (
+            "harmonics.wgsl",
+            "OctaglossLight",
+            &[("least", 0), ("scale", 16), ("harmonics", 48)],
+            fitted::LIGHT as usize,
+        ),
+        ("blur.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
         ("fixed_point.wgsl", "Partial", &[("greatest", 0), ("sums", 16)], 48),
     ]
 }
@@ -139,15 +157,28 @@ fn constants() -> Vec<(&'static str, &'static str, Vec<f64>)> {
         ("adaptive.wgsl", "QUAD_FIELDS", one(15)),
         ("adaptive.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
         ("box_filter.wgsl", "GROUP_SIZE", one(box_filter::GROUP_SIZE)),
-        ("cells.wgsl", "GROUPS", one(fixed_point::GROUPS)),
-        ("cells.wgsl", "GROUP_SIZE", one(fixed_point::GROUP_SIZE)),
-        ("cells.wgsl", "TEXELS", one(fixed_point::TEXELS)),
+        ("blur.wgsl", "EDGE", one(blur::EDGE)),
+        ("blur.wgsl", "GROUP_SIZE", one(blur::GROUP_SIZE)),
+        ("blur.wgsl", "LINE_SIZE", one(blur::LINE_SIZE)),
+        ("blur.wgsl", "REACH", one(blur::REACH)),
         ("cells.wgsl", "EDGE", one(cells::EDGE)),
         ("cells.wgsl", "QUAD_FIELDS", one(15)),
         ("copy.wgsl", "GROUP_SIZE", one(copy::GROUP_SIZE)),
+        ("fitted.wgsl", "FIRST_OCTAVE", one(*OCTAVES.start())),
+        ("fitted.wgsl", "GROUP_SIZE", one(fitted::GROUP_SIZE)),
+        ("fitted.wgsl", "INTERVALS", one(triangle::INTERVALS as u32)),
+        ("fitted.wgsl", "KNOTS", one(KNOTS.len() as u32)),
+        ("fitted.wgsl", "NODES", one(triangle::NODES as u32)),
         ("fixed_point.wgsl", "GROUPS", one(fixed_point::GROUPS)),
         ("fixed_point.wgsl", "GROUP_SIZE", one(fixed_point::GROUP_SIZE)),
         ("fixed_point.wgsl", "TEXELS", one(fixed_point::TEXELS)),
+        ("harmonics.wgsl", "BATCHES", one(harmonics::BATCHES)),
+        ("harmonics.wgsl", "FINEST", one(harmonics::FINEST)),
+        ("harmonics.wgsl", "GROUP_SIZE", one(harmonics::GROUP_SIZE)),
+        ("least.wgsl", "GROUPS", one(fixed_point::GROUPS)),
+        ("least.wgsl", "GROUP_SIZE", one(fixed_point::GROUP_SIZE)),
+        ("least.wgsl", "TEXELS", one(fixed_point::TEXELS)),
+        ("mirror.wgsl", "EDGE", one(mirror::EDGE)),
         ("pack.wgsl", "EDGE", one(box_filter::EDGE)),
         ("reparameterise.wgsl", "EDGE", one(reparameterise::EDGE)),
         ("reparameterise.wgsl", "GROUP_SIZE", one(reparameterise::GROUP_SIZE)),
@@ -186,6 +217,27 @@ const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
         ],
     ),
     (
+        "blur.wgsl",
+        "blur",
+        [blur::EDGE, blur::EDGE, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (4, "read solid_angle"),
+            (5, "uniform octaves"),
+            (6, "write words"),
+        ],
+    ),
+    ("blur.wgsl", "columns", [blur::LINE_SIZE, 1, 1], &[(5, "uniform octaves"), (8, "write entries")]),
+    (
+        "blur.wgsl",
+        "rows",
+        [blur::LINE_SIZE, 1, 1],
+        &[(5, "uniform octaves"), (7, "read texels"), (8, "write entries")],
+    ),
+    (
         "box_filter.wgsl",
         "box_sums",
         [box_filter::GROUP_SIZE, 1, 1],
@@ -221,20 +273,62 @@ const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
             (2, "read green"),
             (3, "read blue"),
             (4, "read solid_angle"),
-            (6, "write least"),
+            (6, "read least"),
             (7, "read tents"),
             (8, "write quads"),
             (9, "uniform level"),
         ],
     ),
+    ("copy.wgsl", "copy", [copy::GROUP_SIZE, 1, 1], &[(0, "read source"), (1, "write destination")]),
     (
-        "cells.wgsl",
+        "fitted.wgsl",
+        "fitted",
+        [fitted::GROUP_SIZE, 1, 1],
+        &[
+            (0, "uniform octagloss_octaves"),
+            (1, "uniform octagloss_light"),
+            (2, "read octagloss_entries"),
+            (3, "read octagloss_parameters"),
+            (4, "texture octagloss_oem"),
+            (100, "read queries"),
+            (101, "write answers"),
+        ],
+    ),
+    (
+        "fixed_point.wgsl",
+        "finish",
+        [fixed_point::GROUP_SIZE, 1, 1],
+        &[(0, "uniform table"), (5, "write partials"), (6, "write exponents")],
+    ),
+    ("fixed_point.wgsl", "greatest", [fixed_point::GROUP_SIZE, 1, 1], EXPONENT_INPUT),
+    ("fixed_point.wgsl", "totals", [fixed_point::GROUP_SIZE, 1, 1], EXPONENT_INPUT),
+    (
+        "harmonics.wgsl",
+        "sum_of_all",
+        [harmonics::GROUP_SIZE, 1, 1],
+        &[(0, "uniform table"), (5, "read exponents"), (6, "write partials"), (7, "write light")],
+    ),
+    (
+        "harmonics.wgsl",
+        "sums_of_groups",
+        [harmonics::GROUP_SIZE, 1, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (4, "read solid_angle"),
+            (6, "write partials"),
+        ],
+    ),
+    (
+        "least.wgsl",
         "least_of_all",
         [fixed_point::GROUP_SIZE, 1, 1],
         &[(0, "uniform table"), (5, "write partials"), (6, "write least")],
     ),
     (
-        "cells.wgsl",
+        "least.wgsl",
         "least_of_groups",
         [fixed_point::GROUP_SIZE, 1, 1],
         &[
@@ -246,15 +340,19 @@ const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
             (5, "write partials"),
         ],
     ),
-    ("copy.wgsl", "copy", [copy::GROUP_SIZE, 1, 1], &[(0, "read source"), (1, "write destination")]),
     (
-        "fixed_point.wgsl",
-        "finish",
-        [fixed_point::GROUP_SIZE, 1, 1],
-        &[(0, "uniform table"), (5, "write partials"), (6, "write exponents")],
+        "mirror.wgsl",
+        "mirror",
+        [mirror::EDGE, mirror::EDGE, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (4, "read solid_angle"),
+            (5, "store energy"),
+        ],
     ),
-    ("fixed_point.wgsl", "greatest", [fixed_point::GROUP_SIZE, 1, 1], EXPONENT_INPUT),
-    ("fixed_point.wgsl", "totals", [fixed_point::GROUP_SIZE, 1, 1], EXPONENT_INPUT),
     (
         "pack.wgsl",
         "pack",
@@ -558,4 +656,36 @@ fn query_functions_go_into_any_group_of_a_caller_s_shader() {
         expected.sort_unstable();
         assert_eq!(found, expected);
     }
+}
+
+#[test]
+fn boxes_and_fitted_lobes_go_into_one_shader() {
+    let ask = |queries: &[Queries]| {
+        format!(
+            "{}\n@group(1) @binding(0) var<storage, read_write> out: array<vec4<f32>>;\n\
+             @compute @workgroup_size(1) fn f() {{\n\
+             out[0] = vec4<f32>(octagloss_ggx(vec3<f32>(0.0, 1.0, 0.0), 0.5), 1.0);\n\
+             out[1] = vec4<f32>(octagloss_fitted(vec3<f32>(0.0, 1.0, 0.0), 0.5), 1.0); }}",
+            shader::queries(queries)
+        )
+    };
+    let (boxes, fitted) = (Queries::Boxes(0), Queries::Fitted(3));
+    for order in [[boxes, fitted], [fitted, boxes]] {
+        let (_, uses) = Shader::parse("a caller's shader", &ask(&order)).entry_points().swap_remove(0);
+        let found: Vec<(u32, &str)> = uses.bindings.iter().map(|(at, what)| (*at, what.as_str())).collect();
+        let expected = [
+            (0, "uniform octagloss_table"),
+            (1, "texture octagloss_low"),
+            (2, "texture octagloss_high"),
+            (100, "write out"),
+            (300, "uniform octagloss_octaves"),
+            (301, "uniform octagloss_light"),
+            (302, "read octagloss_entries"),
+            (303, "read octagloss_parameters"),
+            (304, "texture octagloss_oem"),
+        ];
+        assert_eq!(found, expected);
+    }
+    assert!(naga::front::wgsl::parse_str(&ask(&[boxes])).is_err(), "what is not asked for is not there");
+    assert_eq!(fitted::wgsl(2), shader::queries(&[Queries::Fitted(2)]));
 }
