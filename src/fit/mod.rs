@@ -273,9 +273,12 @@ fn fit_samples(
     minimise(samples, &ties, &|x| clamp(shape, alpha, x), start, iterations)
 }
 
+/// Widest half-width of a box in alphas: what lies beyond is the harmonics', which a box as wide as the sphere would be at odds with.
+const WIDEST: f64 = 16.0;
+
 /// Keeps boxes within a few of their own widths of the lobe, and within the square's own size.
 fn clamp(shape: &Shape, alpha: f64, x: &mut [f64]) {
-    let widest = (1.0 / alpha).log2();
+    let widest = (1.0 / alpha).min(WIDEST).log2();
     for parameters in x[..shape.boxes() * BOX_PARAMETERS].chunks_exact_mut(BOX_PARAMETERS) {
         let [root, cu, cv, lu, lv] = parameters else { unreachable!("five to a box") };
         *root = root.clamp(0.0, 1.2);

@@ -15,6 +15,10 @@ const FINENESS: f64 = 5.0;
 /// How much a level counts against the next finer one.
 const COARSER: f64 = 2.0;
 
+/// What the square of a relative error counts, as a mean over the sphere: far from the lobe's centre its tail is small against
+/// its peak, and all that most pixels see of a sun.
+const TAIL: f64 = 3.0;
+
 /// What the fourth power of an error, in units of the peak, counts against its square.
 const SHARPNESS: f64 = 100.0;
 
@@ -71,6 +75,8 @@ impl Problem {
         let around = direction_from_oct(wrap_oct(centre));
         let integral = lobe::kernel_integral(Lobe::Ggx, alpha);
         let peak = lobe::kernel(Lobe::Ggx, alpha, 0.0) / integral;
+        // An even kernel, in units of the peak.
+        let even = 1.0 / (4.0 * PI * peak);
         let lobe_at = |point: DVec2| {
             let s = direction_from_oct(wrap_oct(point)).distance_squared(around) / 4.0;
             lobe::kernel(Lobe::Ggx, alpha, s) / integral / peak
@@ -85,7 +91,7 @@ impl Problem {
             for (i, j) in (0..CELLS).flat_map(|j| (0..CELLS).map(move |i| (i, j))) {
                 let at = |x: f64, y: f64| low + DVec2::new(i as f64 + x, j as f64 + y) * cell;
                 let middle = at(0.5, 0.5);
-                level.weights.push(count * solid_angle_density(wrap_oct(middle)));
+                let density = solid_angle_density(wrap_oct(middle));
                 let inner = (CELLS / 4..CELLS - CELLS / 4).contains(&i)
                     && (CELLS / 4..CELLS - CELLS / 4).contains(&j);
                 let target = match levels.last() {
@@ -101,6 +107,13 @@ impl Problem {
                     }
                 };
                 level.target.push(target);
+                // Once for every place: by the finest cells around it. Relative to the lobe, or to an even one where that is more.
+                let tail = if inner && !levels.is_empty() {
+                    0.0
+                } else {
+                    TAIL * cell * cell / (4.0 * PI) / (target + even).powi(2)
+                };
+                level.weights.push((count + tail) * density);
                 let cosine = direction_from_oct(wrap_oct(middle)).dot(around);
                 level.harmonics.push(zonal_kernels(cosine).map(|value| value / peak));
             }

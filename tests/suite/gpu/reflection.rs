@@ -67,9 +67,14 @@ impl Shader {
 }
 
 /// Files with entry points, which stand on their own.
-fn stages() -> impl Iterator<Item = &'static str> {
+fn files() -> impl Iterator<Item = &'static str> {
     // What includes common/sat.wgsl declares the table first; nothing but functions is in common/.
     shader::FILES.iter().map(|(path, _)| *path).filter(|path| !path.starts_with("common/"))
+}
+
+/// Those of the compute stages.
+fn stages() -> impl Iterator<Item = &'static str> {
+    files().filter(|path| !path.starts_with("view/"))
 }
 
 /// The first member that is elsewhere, or the size that is another.
@@ -605,6 +610,20 @@ fn every_entry_point_keeps_to_baseline_limits() {
     assert_eq!(first(&greedy).as_deref(), Some("storage buffers"));
     let large = "var<workgroup> a: array<u32, 4097>; @compute @workgroup_size(257) fn f() { a[0] = 1u; }";
     assert_eq!(first(large).as_deref(), Some("invocations, workgroup memory"));
+}
+
+#[test]
+fn the_viewer_s_shaders_are_baseline_s() {
+    for (file, fragments) in
+        [("box", 8), ("fitted", 6), ("levels", 6), ("truth", 6), ("present", 1)]
+    {
+        let file = format!("view/{file}.wgsl");
+        assert!(files().any(|path| path == file), "{file} is listed");
+        // What is parsed is validated with nothing but what every WebGPU has.
+        let shader = Shader::of_file(&file);
+        let stage = |entry: &&naga::EntryPoint| entry.stage == naga::ShaderStage::Fragment;
+        assert_eq!(shader.module.entry_points.iter().filter(stage).count(), fragments, "{file}");
+    }
 }
 
 #[test]
