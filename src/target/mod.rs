@@ -226,7 +226,7 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "lambertian/diffuse.{ext}", content: Irradiance },
             FileSpec { path: "sh.json", content: ShJson },
         ],
-        verified: None,
+        verified: Some("glTF Sample Renderer 1.1 (npm)"),
         ..GENERIC
     },
     // The border is the program's own convention; the files say it in their metadata.
