@@ -9,7 +9,7 @@
 use std::error::Error;
 use std::io::{BufRead, Write};
 
-use bevy::camera::{CameraMainTextureUsages, Exposure, Hdr, RenderTarget, ScalingMode};
+use bevy::camera::{Exposure, Hdr, RenderTarget, ScalingMode};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::image::Image;
 use bevy::light::{EnvironmentMapLight, GlobalAmbientLight, Skybox};
@@ -94,7 +94,6 @@ fn set_up(
             Hdr,
             Msaa::Off,
             Tonemapping::None,
-            CameraMainTextureUsages::default(),
             // Exposure 1: the camera receives what the maps hold.
             Exposure { ev100: -1.2_f32.log2() },
             RenderTarget::from(picture.clone()),
