@@ -64,7 +64,7 @@ impl Kernel {
             }
             Lobe::Cone => Shape::Cone(Cone { edge: lobe::cone_edge(alpha) as f32 }),
             Lobe::Cosine => Shape::Cosine(Cosine),
-            Lobe::Charlie => Shape::Charlie(Charlie { power: lobe::charlie_power(alpha) as f32 }),
+            Lobe::Charlie => Shape::Charlie(Charlie::new(lobe::charlie_power(alpha) as f32)),
         };
         let width = match lobe {
             Lobe::Cosine => 1.0,
@@ -340,12 +340,28 @@ impl Radial for Cosine {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Charlie {
     power: f32,
+    /// k at its peak.
+    crest: f32,
+    /// x = 2 s where the slope of the bend vanishes, below 0 where it nowhere does, and the bend there.
+    turn: f32,
+    turning: f32,
 }
 
 /// What is lost where x^p is below what [`power`] gives.
 const NOTHING: f32 = 1e-30;
 
 impl Charlie {
+    /// With exponent `power`.
+    fn new(power: f32) -> Self {
+        let turn = (power - 2.0) / (power + 1.0);
+        let mut kernel = Self { power, crest: 0.0, turn, turning: 0.0 };
+        kernel.crest = kernel.value(0.5 * power / (power + 1.0));
+        if turn > 0.0 {
+            kernel.turning = kernel.bend(turn, kernel.rise(turn));
+        }
+        kernel
+    }
+
     /// x^p at x = 2 s.
     #[inline(always)]
     fn rise(self, x: f32) -> f32 {
@@ -405,17 +421,17 @@ impl Radial for Charlie {
         let [rise_a, rise_b, rise_t] = [self.rise(a), self.rise(b), self.rise(t)];
         let [at_a, at_b] = [rise_a * (1.0 - a).max(0.0), rise_b * (1.0 - b).max(0.0)];
         let peak = p / (p + 1.0);
-        let crest = if (a < peak) & (peak < b) { self.value(0.5 * peak) } else { at_a.max(at_b) };
+        let crest = if (a < peak) & (peak < b) { self.crest } else { at_a.max(at_b) };
         let trough = at_a.min(at_b);
 
         let (tangential, radial) = (along.max(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
         let most = 0.25 * (tangential + radial) * (tangential + radial);
         let least = 0.25 * (tangential - radial).max(0.0) * (tangential - radial).max(0.0);
         // The bend is steepest at an end or where its own slope vanishes.
-        let turn = ((p - 2.0) / (p + 1.0)).max(a).min(b);
-        let bends = [self.bend(a, rise_a), self.bend(b, rise_b), self.bend(turn, self.rise(turn))];
-        let steepest = 2.0 * bends[0].max(bends[1]).max(bends[2]);
-        let flattest = 2.0 * bends[0].min(bends[1]).min(bends[2]);
+        let [bend_a, bend_b] = [self.bend(a, rise_a), self.bend(b, rise_b)];
+        let turning = if (a < self.turn) & (self.turn < b) { self.turning } else { bend_a };
+        let steepest = 2.0 * bend_a.max(bend_b).max(turning);
+        let flattest = 2.0 * bend_a.min(bend_b).min(turning);
         let at_mean = rise_t * (1.0 - t);
         let upper = at_mean + if steepest > 0.0 { steepest * most } else { steepest * least };
         let lower = at_mean + if flattest > 0.0 { flattest * least } else { flattest * most };

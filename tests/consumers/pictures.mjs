@@ -56,6 +56,24 @@ export function reflected(cosine, roughness) {
     return sum / count;
 }
 
+// Share of light that a white sheen reflects: Charlie's distribution, Ashikhmin's visibility, by 4096 points.
+export function sheenReflected(cosine, roughness) {
+    const alpha = roughness * roughness;
+    const view = [Math.sqrt(1 - cosine * cosine), 0, cosine];
+    const count = 4096;
+    let sum = 0;
+    for (let k = 0; k < count; k++) {
+        // A lattice of equal solid angles.
+        const [z, phi] = [(k + 0.5) / count, k * Math.PI * (3 - Math.sqrt(5))];
+        const s = Math.sqrt(1 - z * z);
+        const light = [s * Math.cos(phi), s * Math.sin(phi), z];
+        const half = unit(add(view, 1, light));
+        const distribution = (2 + 1 / alpha) * Math.sqrt(1 - half[2] * half[2]) ** (1 / alpha) / (2 * Math.PI);
+        sum += distribution * z / (4 * (z + cosine - z * cosine));
+    }
+    return 2 * Math.PI * sum / count;
+}
+
 const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
 // Relative RMS error of the luminance of `shown` against `expected`, lists of colours.

@@ -158,7 +158,7 @@ fn a_dry_run_tells_what_would_be_written_and_writes_nothing() {
     assert_eq!(
         told.lines().collect::<Vec<_>>(),
         [
-            "out/a_specular.ktx2\trgb9e5 cube 64, 7 levels",
+            "out/a_specular.ktx2\trgb9e5 cube 64, 5 levels",
             "out/a_diffuse.ktx2\trgb9e5 irradiance cube 32",
             "out/report.json\treport"
         ]

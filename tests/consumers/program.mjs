@@ -1,0 +1,42 @@
+// The program: its bakes of one environment, its own answers about it; and what the checks found.
+import { execFileSync } from 'node:child_process';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+export const root = fileURLToPath(new URL('../..', import.meta.url));
+export const environment = join(root, 'hdr', 'labelled.exr');
+
+// `program` and the folder `work` for its outputs.
+export function programAt(program, work) {
+    const octagloss = (args, input) =>
+        execFileSync(program, args, { input, encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['pipe', 'pipe', 'inherit'] });
+    const ask = (directions, args) => {
+        const csv = 'x,y,z\n' + directions.map((d) => d.join(',')).join('\n') + '\n';
+        const rows = octagloss(['query', environment, '--directions', '-', '--quiet', ...args], csv);
+        return rows.trim().split('\n').slice(1).map((row) => row.split(',').slice(3).map(Number));
+    };
+    return {
+        work,
+        octagloss: (args) => octagloss(args),
+        bake: (folder, args) =>
+            octagloss(['bake', environment, '--quiet', '--name', 'world', '-o', join(work, folder), ...args]),
+        // Radiance of a lobe around each of `directions`.
+        query: (directions, roughness, lobe = 'ggx') => ask(directions, ['--roughness', String(roughness), '--lobe', lobe]),
+        // Irradiance over pi for each of `normals`.
+        diffuse: (normals) => ask(normals, ['--lobe', 'cosine']),
+    };
+}
+
+let failures = 0;
+
+// Tells a check; `ok` false fails the run.
+export function tell(what, ok, detail) {
+    console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}: ${detail}`);
+    failures += ok ? 0 : 1;
+}
+
+// Tells the sum and ends with exit status 0 when every check passed, 1 otherwise.
+export function finish(who) {
+    console.log(failures === 0 ? `${who} agree` : `${failures} checks failed`);
+    process.exit(failures === 0 ? 0 : 1);
+}
