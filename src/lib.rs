@@ -22,6 +22,8 @@
 //!
 //! `gpu` (feature `gpu`) runs steps 2 to 7 as compute passes, held to the CPU's results by the tests.
 //!
+//! `view` (feature `view`) shows objects under an environment by all of these, in a window or as pictures.
+//!
 //! [`oracle`] integrates exhaustively in double precision and shares no code with the engine but the maps of [`sphere`];
 //! [`compare`] measures a bake by it.
 //!

@@ -8,6 +8,8 @@ mod cli_layouts;
 mod cli_sun;
 mod cli_targets;
 mod cli_unchanged;
+#[cfg(feature = "view")]
+mod cli_view;
 mod common;
 mod containers;
 mod dfg;

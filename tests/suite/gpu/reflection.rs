@@ -614,9 +614,7 @@ fn every_entry_point_keeps_to_baseline_limits() {
 
 #[test]
 fn the_viewer_s_shaders_are_baseline_s() {
-    for (file, fragments) in
-        [("box", 8), ("fitted", 6), ("levels", 6), ("truth", 6), ("present", 1)]
-    {
+    for (file, fragments) in [("box", 8), ("fitted", 6), ("levels", 6), ("truth", 6), ("present", 1)] {
         let file = format!("view/{file}.wgsl");
         assert!(files().any(|path| path == file), "{file} is listed");
         // What is parsed is validated with nothing but what every WebGPU has.

@@ -236,7 +236,7 @@ fn another_look_is_another_picture() {
 fn pictures_are_the_same_every_time() {
     let environment = synth("sky").expect("a recipe");
     on_every_adapter("view twice", |context| {
-        for (_, look) in looks().into_iter().skip(2) {
+        for (_, look) in looks().into_iter().skip(2).step_by(2) {
             let [first, second] = [(); 2].map(|()| shot(context, &look, &environment));
             assert_eq!(first, second, "{look:?}");
         }
@@ -247,22 +247,21 @@ fn pictures_are_the_same_every_time() {
 fn a_furnace_is_white() {
     let environment = synth("furnace").expect("a recipe");
     on_every_adapter("white furnace", |context| {
-        for filter in [Filter::Box, Filter::Fitted(4), Filter::Levels, Filter::Adaptive] {
-            for object in [Object::Row, Object::Knot] {
-                // A white metal that reflects all light, once or many times, cannot be seen.
-                let look = Look {
-                    object,
-                    filter,
-                    metal: [1.0; 3],
-                    tone: Tone::Linear,
-                    exposure: -1.0,
-                    ..Look::default()
-                };
-                let found = shot(context, &look, &environment);
-                let grey = display(Tone::Linear, DVec3::splat(0.5))[0];
-                let off = |pixel: &[u8; 3]| pixel.iter().any(|c| c.abs_diff(grey) > 1);
-                assert_eq!(found.iter().filter(|pixel| off(pixel)).count(), 0, "{object:?} by {filter:?}");
-            }
+        // A white metal that reflects all light, once or many times, cannot be seen.
+        let white = Look { metal: [1.0; 3], tone: Tone::Linear, exposure: -1.0, ..Look::default() };
+        let looks = [
+            (Object::Row, Filter::Box),
+            (Object::Row, Filter::Levels),
+            (Object::Row, Filter::Fitted(4)),
+            (Object::Knot, Filter::Fitted(4)),
+            (Object::Row, Filter::Adaptive),
+        ];
+        for (object, filter) in looks {
+            let look = Look { object, filter, ..white.clone() };
+            let found = shot(context, &look, &environment);
+            let grey = display(Tone::Linear, DVec3::splat(0.5))[0];
+            let off = |pixel: &[u8; 3]| pixel.iter().any(|c| c.abs_diff(grey) > 1);
+            assert_eq!(found.iter().filter(|pixel| off(pixel)).count(), 0, "{object:?} by {filter:?}");
         }
     });
 }
