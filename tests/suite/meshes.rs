@@ -39,7 +39,7 @@ fn triangle(positions: &[f32], count: usize) -> Vec<u8> {
         bytes.len()
     );
     let pad = |mut chunk: Vec<u8>, with: u8| {
-        while chunk.len() % 4 != 0 {
+        while !chunk.len().is_multiple_of(4) {
             chunk.push(with);
         }
         chunk
