@@ -93,7 +93,8 @@ function expected(name, file, { roughness = 0.3, filter = 'fitted:4', size = [wi
     const path = join(pictures, `${name}-program.png`);
     const degrees = (radians) => String((radians * 180) / Math.PI);
     execFileSync(program, ['view', file, '--screenshot', path, '--force', '--quiet', '--size', size.join('x'), '--samples', '1',
-        '--roughness', String(roughness), '--filter', filter, '--pitch', degrees(0.12), '--angle', degrees(0.6)]);
+        '--roughness', String(roughness), '--filter', filter, '--pitch', degrees(0.12), '--angle', degrees(0.6)],
+    { stdio: ['ignore', 'inherit', 'ignore'] });
     return readFileSync(path).toString('base64');
 }
 
@@ -225,7 +226,9 @@ async function checkBroken(page, name, bytes, why) {
 
 let browser;
 try {
-    browser = await launch(['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader']);
+    browser = await launch(['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
+        // Without Vulkan the canvas is black where there is no GPU.
+        '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan']);
     console.log(await browser.version());
     let from = performance.now();
     const since = () => {

@@ -373,7 +373,8 @@ impl ApplicationHandler<Ready> for Application {
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(shown) = &mut self.shown else { return };
         let response = shown.egui.on_window_event(&shown.window, &event);
-        if response.repaint {
+        // It asks for another frame with every frame.
+        if response.repaint && event != WindowEvent::RedrawRequested {
             shown.window.request_redraw();
         }
         match event {
