@@ -181,8 +181,12 @@ impl Viewer {
     }
 
     /// Shows the panel, or hides it.
-    pub const fn set_panel(&mut self, shown: bool) {
-        self.panel_hidden = !shown;
+    pub fn set_panel(&mut self, shown: bool) {
+        if shown == self.panel_hidden {
+            self.panel_hidden = !shown;
+            // The picture has another size now.
+            self.drawn = None;
+        }
     }
 
     /// Where the panel has the slider of the roughness: left, top, right and bottom in points.
