@@ -115,8 +115,6 @@ pub mod synth;
 pub mod target;
 #[cfg(feature = "view")]
 pub mod view;
-#[cfg(all(target_arch = "wasm32", feature = "gpu"))]
-pub mod web;
 
 pub use environment::{Environment, Layout, Map, Rgb};
 pub use error::{Error, Result};

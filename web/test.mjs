@@ -1,10 +1,10 @@
-// Drives web/dist in headless Chromium over WebGPU (SwiftShader), and compares with `octagloss query`.
+// Drives web/dist in headless Chromium over WebGPU (SwiftShader), and compares its pictures with `octagloss view`.
 //
 //   node web/test.mjs PROGRAM [CHROMIUM]
 //
-// Exit status 0 when everything agrees, 1 otherwise.
+// PICTURES=DIRECTORY keeps the pictures there. Exit status 0 when everything agrees, 1 otherwise.
 import { execFileSync, spawn } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { basename, join } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -19,6 +19,12 @@ if (!program) {
     process.exit(2);
 }
 
+// Small: every pixel is drawn by the CPU.
+const width = 320;
+const height = 240;
+const sky = join(root, 'hdr/sky.exr');
+const studio = join(root, 'hdr/studio.hdr');
+
 let failures = 0;
 // Tells a check; `ok` false fails the run.
 function tell(what, ok, detail) {
@@ -26,45 +32,22 @@ function tell(what, ok, detail) {
     failures += ok ? 0 : 1;
 }
 
-const octagloss = (args, input) =>
-    execFileSync(program, args, { input, encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['pipe', 'pipe', 'inherit'] });
-
-// The program's own radiance for each of `directions`, one number after the other.
-function query(file, directions, roughness, filter) {
-    const csv = 'x,y,z\n' + directions.map((d) => d.join(',')).join('\n') + '\n';
-    const args = ['query', file, '--directions', '-', '--roughness', String(roughness), '--filter', filter,
-        '--oem-size', '256', '--quiet'];
-    const rows = octagloss([...args, '--engine', 'cpu'], csv).trim().split('\n');
-    const first = rows[0].split(',').indexOf('r');
-    return rows.slice(1).flatMap((row) => row.split(',').slice(first, first + 3).map(Number));
-}
-
-// Directions all over the sphere, none on an axis or a fold: a spiral.
-const spiral = Array.from({ length: 100 }, (_, i) => {
-    const y = 1 - (2 * i + 1) / 100;
-    const turn = i * Math.PI * (3 - Math.sqrt(5)) + 0.1;
-    return [Math.sqrt(1 - y * y) * Math.cos(turn), y, Math.sqrt(1 - y * y) * Math.sin(turn)];
-});
-
-// The largest difference, as a share of the largest value.
-function difference(found, expected) {
-    const largest = Math.max(...expected);
-    return found.length === expected.length && largest > 0
-        ? Math.max(...found.map((value, i) => (Number.isFinite(value) ? Math.abs(value - expected[i]) / largest : Infinity)))
-        : Infinity;
-}
+const work = mkdtempSync(join(tmpdir(), 'octagloss-web-'));
+const pictures = process.env.PICTURES ?? work;
+mkdirSync(pictures, { recursive: true });
 
 const server = spawn(join(here, 'serve'), ['0'], { stdio: ['ignore', 'pipe', 'ignore'] });
 const origin = await new Promise((resolve, reject) => {
     createInterface(server.stdout).once('line', resolve);
     server.once('exit', (status) => reject(new Error(`web/serve ended with status ${status}`)));
 });
-const work = mkdtempSync(join(tmpdir(), 'octagloss-web-'));
 
 const common = ['--no-sandbox', '--no-first-run', '--disable-quic', '--disable-background-networking',
-    '--disable-component-update', '--disable-sync'];
-const launch = (args) =>
-    puppeteer.launch({ executablePath: chromium, headless: true, protocolTimeout: 600_000, args: [...common, ...args] });
+    '--disable-component-update', '--disable-sync', '--force-color-profile=srgb'];
+const launch = (args) => puppeteer.launch({
+    executablePath: chromium, headless: true, protocolTimeout: 600_000,
+    defaultViewport: { width, height, deviceScaleFactor: 1 }, args: [...common, ...args],
+});
 
 // The page, any error or warning of which is a failure.
 async function open(name) {
@@ -73,14 +56,84 @@ async function open(name) {
     page.on('console', (message) => {
         if (['error', 'warn'].includes(message.type())) tell(name, false, message.text());
     });
+    await page.evaluateOnNewDocument(() => {
+        window.frames_asked = 0;
+        const ask = window.requestAnimationFrame.bind(window);
+        window.requestAnimationFrame = (then) => {
+            window.frames_asked += 1;
+            return ask(then);
+        };
+    });
     await page.goto(origin);
     await page.waitForFunction('window.ready === true', { timeout: 300_000 });
     return page;
 }
 
-const text = (page, id) => page.$eval(`#${id}`, (element) => element.textContent);
+const state = (page) => page.evaluate(() => window.octagloss.state());
+const settled = (page) =>
+    page.waitForFunction(() => window.octagloss.state()?.settled, { timeout: 300_000, polling: 200 });
 
-// Every entry point of every shader, through the browser's own compiler; and broken ones, which must not pass.
+// Changes what is shown, and waits for the picture.
+async function set(page, change) {
+    await page.evaluate((change) => window.octagloss.set(change), change);
+    await settled(page);
+}
+
+// What is on the screen, as PNG; buttons away.
+async function shot(page, name) {
+    await settled(page);
+    const shown = await state(page);
+    await page.evaluate((hidden) => { document.getElementById('buttons').hidden = hidden; }, !shown.panel);
+    const png = await page.screenshot({ path: join(pictures, `${name}.png`) });
+    return Buffer.from(png).toString('base64');
+}
+
+// The program's picture of the page's default look, but for `change`.
+function expected(name, file, { roughness = 0.3, filter = 'fitted:4', size = [width, height] }) {
+    const path = join(pictures, `${name}-program.png`);
+    const degrees = (radians) => String((radians * 180) / Math.PI);
+    execFileSync(program, ['view', file, '--screenshot', path, '--force', '--quiet', '--size', size.join('x'), '--samples', '1',
+        '--roughness', String(roughness), '--filter', filter, '--pitch', degrees(0.12), '--angle', degrees(0.6)],
+    { stdio: ['ignore', 'inherit', 'ignore'] });
+    return readFileSync(path).toString('base64');
+}
+
+// Mean absolute difference of two pictures in steps of 255, and the share of pixels any channel of which is off by more
+// than 2.
+const difference = (page, a, b) => page.evaluate(async (a, b) => {
+    const pixels = async (png) => {
+        const bytes = Uint8Array.from(atob(png), (c) => c.charCodeAt(0));
+        const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }), { colorSpaceConversion: 'none' });
+        const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+        context.drawImage(image, 0, 0);
+        return context.getImageData(0, 0, image.width, image.height);
+    };
+    const [found, wanted] = [await pixels(a), await pixels(b)];
+    if (found.width !== wanted.width || found.height !== wanted.height) return { mean: Infinity, share: 1 };
+    let [sum, off] = [0, 0];
+    for (let i = 0; i < found.data.length; i += 4) {
+        const by = [0, 1, 2].map((c) => Math.abs(found.data[i + c] - wanted.data[i + c]));
+        sum += by[0] + by[1] + by[2];
+        off += Math.max(...by) > 2 ? 1 : 0;
+    }
+    const count = found.data.length / 4;
+    return { mean: sum / (3 * count), share: off / count };
+}, a, b);
+
+// Two drivers' roundings, and pixels on edges that fall to either side.
+const most = { mean: 0.1, share: 0.005 };
+const agrees = ({ mean, share }) => mean <= most.mean && share <= most.share;
+const said = ({ mean, share }) =>
+    `${mean.toFixed(4)} of 255 off in the mean, ${(100 * share).toFixed(3)} % of the pixels by more than 2`;
+
+// A picture of the page against the program's.
+async function check(page, name, file, change = {}) {
+    await set(page, { panel: false, ...change });
+    const found = await difference(page, await shot(page, name), expected(name, file, change));
+    tell(name, agrees(found), `${said(found)} (at most ${most.mean} and ${100 * most.share} %)`);
+}
+
+// Every shader, through the browser's own compiler; and broken ones, which must not pass.
 async function checkShaders(page) {
     const compiled = await page.evaluate(async () => {
         const { shader_paths, shader_source } = window.octagloss;
@@ -90,14 +143,15 @@ async function checkShaders(page) {
             const module = device.createShaderModule({ code });
             const told = (await module.getCompilationInfo()).messages;
             const messages = told.map(({ type, lineNum, message }) => `${type}, line ${lineNum}: ${message}`);
-            const entries = [...code.matchAll(/@compute[^{]*?\bfn\s+(\w+)/g)].map(([, name]) => name);
-            for (const entryPoint of entries) {
+            const entries = [...code.matchAll(/@(compute|vertex|fragment)[^{]*?\bfn\s+(\w+)/g)];
+            // Pipelines of what draws are those of the pictures.
+            for (const [, , entryPoint] of entries.filter(([, stage]) => stage === 'compute')) {
                 await device.createComputePipelineAsync({ layout: 'auto', compute: { module, entryPoint } })
                     .catch((error) => messages.push(`${entryPoint}: ${error.message}`));
             }
             const error = await device.popErrorScope();
             if (error && !messages.length) messages.push(error.message);
-            return { entries, messages };
+            return { entries: entries.map(([, , name]) => name), messages };
         };
         const all = [];
         for (const path of shader_paths()) all.push({ path, ...(await compile(shader_source(path))) });
@@ -107,6 +161,7 @@ async function checkShaders(page) {
             { path: 'group too large', code: copy.replace(/@workgroup_size\([^)]*\)/, '@workgroup_size(1024)') },
         ];
         for (const { path, code } of broken) all.push({ path, broken: true, ...(await compile(code)) });
+        device.destroy();
         return all;
     });
     for (const { path, broken, entries, messages } of compiled) {
@@ -115,58 +170,116 @@ async function checkShaders(page) {
     }
 }
 
-// A file as the page reads it, over WebGPU, against the program.
-async function checkFile(page, file, roughness, filter, most) {
-    const bytes = readFileSync(file).toString('base64');
-    const { found, seconds, reading } = await page.evaluate(
-        async (name, bytes, directions, roughness, filter) => {
-            const { Environment, gpu } = window.octagloss;
-            const data = Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0));
-            const start = performance.now();
-            const environment = Environment.read(name, data);
-            const read = performance.now();
-            const found = await gpu.query(environment, Float64Array.from(directions.flat()), roughness, filter, 256);
-            return { found: [...found], reading: (read - start) / 1000, seconds: (performance.now() - read) / 1000 };
-        },
-        basename(file), bytes, spiral, roughness, filter,
-    );
-    const expected = query(file, spiral, roughness, filter);
-    const [own, other] = [difference(found, expected), difference(query(file, spiral, roughness + 0.05, filter), expected)];
-    tell(`${filter} at ${roughness}: ${basename(file)}`, own <= most,
-        `${own.toExponential(1)} of the peak off (at most ${most}); ${reading.toFixed(2)} s to read, ${seconds.toFixed(2)} s to answer`);
-    tell(`${filter} at ${roughness + 0.05} differs: ${basename(file)}`, other > most, `${other.toExponential(1)} of the peak`);
+// Drags the roughness slider with the mouse.
+async function checkSlider(page) {
+    await set(page, { panel: true, roughness: 0.3 });
+    const [before, picture] = [await state(page), await shot(page, 'panel')];
+    const [left, top, right, bottom] = before.roughness_slider;
+    const x = (roughness) => left + roughness * (right - left);
+    await page.mouse.move(x(before.roughness), (top + bottom) / 2);
+    await page.mouse.down();
+    await page.mouse.move(x(0.5), (top + bottom) / 2, { steps: 4 });
+    await page.mouse.move(x(0.7), (top + bottom) / 2, { steps: 4 });
+    await page.waitForFunction((was) => window.octagloss.state().roughness !== was, {}, before.roughness);
+    await page.mouse.up();
+    const after = await shot(page, 'panel-dragged');
+    const { roughness } = await state(page);
+    // The handle keeps clear of both ends.
+    tell('the slider is dragged', Math.abs(roughness - 0.7) < 0.05, `${before.roughness} to ${roughness}`);
+    const changed = await difference(page, after, picture);
+    tell('and the picture follows', !agrees(changed), said(changed));
+    await page.keyboard.press('h');
+    await page.waitForFunction(() => !window.octagloss.state().panel);
+    await check(page, 'dragged', sky, { roughness });
+}
+
+// Gives the page a file by its file chooser, and waits for `then` of its state.
+async function choose(page, path, then) {
+    const [chooser] = await Promise.all([
+        page.waitForFileChooser(),
+        page.evaluate(() => document.getElementById('choose').click()),
+    ]);
+    await chooser.accept([path]);
+    await page.waitForFunction(then, { timeout: 120_000, polling: 200 }, basename(path));
+    await settled(page);
+}
+
+// Drops a file onto the page.
+async function drop(page, name, bytes, then) {
+    await page.evaluate((name, bytes) => {
+        const files = new DataTransfer();
+        files.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
+        dispatchEvent(new DragEvent('drop', { dataTransfer: files, cancelable: true }));
+    }, name, bytes.toString('base64'));
+    await page.waitForFunction(then, { timeout: 120_000, polling: 200 }, name);
+    await settled(page);
+}
+
+async function checkBroken(page, name, bytes, why) {
+    const before = await shot(page, `before-${name}`);
+    await drop(page, name, bytes, (name) => window.octagloss.state().message?.startsWith(name));
+    const { environment, message } = await state(page);
+    tell(`${name} is refused`, message.includes(why), message);
+    const kept = await difference(page, await shot(page, `after-${name}`), before);
+    tell(`${name}: the picture stays`, environment === 'studio.hdr' && kept.mean === 0, `${environment}; ${said(kept)}`);
 }
 
 let browser;
 try {
-    browser = await launch(['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader']);
+    browser = await launch(['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
+        // Without Vulkan the canvas is black where there is no GPU.
+        '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan']);
     console.log(await browser.version());
+    let from = performance.now();
+    const since = () => {
+        const seconds = ((performance.now() - from) / 1000).toFixed(1);
+        from = performance.now();
+        return `${seconds} s`;
+    };
     const page = await open('page');
-    const message = await text(page, 'message');
-    tell('sky.exr is shown', message.startsWith('sky.exr on '), message);
-    const shown = (await text(page, 'answers')).split('\n').map((line) => line.split(': '));
-    const axes = shown.map(([direction]) => direction.split(',').map(Number));
-    const own = difference(shown.flatMap(([, radiance]) => radiance.split(',').map(Number)),
-        query(join(root, 'hdr/sky.exr'), axes, 0.5, 'box'));
-    tell('what is shown', axes.length === 6 && own <= 1e-5, `${own.toExponential(1)} of the peak off`);
+    await settled(page);
+    const { environment, adapter, message } = await state(page);
+    tell('the sky is shown', environment === 'sky.exr' && message === null, `on ${adapter}, after ${since()}`);
 
-    await checkShaders(page);
-    octagloss(['bake', join(root, 'hdr/studio.hdr'), '--size', '64', '--quiet', '-o', join(work, 'studio.ktx2')]);
-    const files = ['sky.exr', 'studio.hdr', 'labelled-cube.exr', 'labelled.exr'].map((name) => join(root, 'hdr', name));
-    for (const file of [...files, join(work, 'studio.ktx2')]) {
-        await checkFile(page, file, 0.5, 'box', 1e-5);
-    }
-    await checkFile(page, join(root, 'hdr/sky.exr'), 0.3, 'adaptive', 1e-5);
+    await check(page, 'roughness-0.3', sky);
+    const differs = await difference(page, await shot(page, 'roughness-0.3'), expected('roughness-0.35', sky, { roughness: 0.35 }));
+    tell('another roughness differs', !agrees(differs), said(differs));
+    await check(page, 'roughness-0.6', sky, { roughness: 0.6 });
+    await check(page, 'box', sky, { roughness: 0.3, filter: 'box' });
+    await set(page, { filter: 'fitted:4' });
+
+    const asked = await page.evaluate('window.frames_asked');
+    await new Promise((resolve) => setTimeout(resolve, 1500));
+    const idle = (await page.evaluate('window.frames_asked')) - asked;
+    tell('nothing is drawn while nothing changes', asked > 0 && idle === 0, `${idle} of ${asked} frames`);
+
+    await checkSlider(page);
+
+    await choose(page, studio, (name) => window.octagloss.state().environment === name);
+    await check(page, 'studio', studio, { roughness: 0.3 });
+    const exr = readFileSync(sky);
+    await checkBroken(page, 'half.exr', exr.subarray(0, exr.length / 2), 'half.exr: ');
+    await checkBroken(page, 'text.hdr', Buffer.from('no image'), 'not an image');
+    await drop(page, 'sky.exr', exr, (name) => window.octagloss.state().environment === name);
+    tell('a good file takes the message away', (await state(page)).message === null, 'sky.exr');
+
+    await page.setViewport({ width: 240, height: 300, deviceScaleFactor: 1 });
+    await page.waitForFunction(() => String(window.octagloss.state().size) === '240,300', { timeout: 60_000, polling: 200 });
+    const resized = await difference(page, await shot(page, 'resized'), expected('resized', sky, { size: [240, 300] }));
+    tell('resized', agrees(resized), said(resized));
 
     const refused = await page.evaluate(() => {
         try {
-            window.octagloss.Environment.read('note.txt', new TextEncoder().encode('no image'));
-            return 'it was read';
+            window.octagloss.set({ roughness: 2 });
+            return 'it was taken';
         } catch (error) {
             return error.message;
         }
     });
-    tell('what is no image is refused', refused.startsWith('note.txt: not an image'), refused);
+    tell('a roughness of 2 is refused', refused.includes('roughness 2 is outside'), refused);
+    from = performance.now();
+    await checkShaders(page);
+    console.log(`       shaders: ${since()}`);
     await browser.close();
 
     // Without an adapter, and without the interface.
@@ -176,8 +289,9 @@ try {
         await page.evaluateOnNewDocument(before);
         await page.goto(origin);
         await page.waitForFunction('window.ready === true', { timeout: 60_000 });
-        const message = await text(page, 'message');
-        tell(`no ${what} is told`, message.startsWith('No WebGPU here.'), message);
+        const told = await page.$eval('#message', (element) => element.checkVisibility() && element.textContent);
+        tell(`no ${what} is told`, told && told.startsWith('No WebGPU here.'), told);
+        await page.screenshot({ path: join(pictures, `no-${what}.png`) });
     }
 } catch (error) {
     tell('run', false, error.stack);

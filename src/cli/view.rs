@@ -5,7 +5,6 @@ use super::talk::Talk;
 use super::values::{finite, roughness};
 use super::{Outcome, engine, input, usage};
 use clap::{Args as ClapArgs, ValueEnum};
-use octagloss::fitted::COUNTS;
 use octagloss::gpu::{Context, block_on};
 use octagloss::io::output::{Existing, check_file};
 use octagloss::io::png_write::write_png;
@@ -92,7 +91,7 @@ struct LookArgs {
     ///
     /// fitted:K is the real-time tier, K 1, 2, 4 or 8. levels is a prefiltered cube as engines have it. adaptive is the
     /// certified tier, by the CPU for the pixels that are seen.
-    #[arg(long, value_name = "F", default_value = "fitted:4", value_parser = filter)]
+    #[arg(long, value_name = "F", default_value_t = Filter::Fitted(4))]
     filter: Filter,
     /// scene, oem, sat or error
     ///
@@ -149,20 +148,6 @@ fn metal(text: &str) -> Result<Rgb, String> {
     match <Rgb>::try_from(channels) {
         Ok(rgb) if rgb.iter().all(|c| (0.0..=1.0).contains(c)) && text.matches(',').count() == 2 => Ok(rgb),
         _ => Err("must be three numbers between 0 and 1, as 0.95,0.93,0.88".to_owned()),
-    }
-}
-
-fn filter(text: &str) -> Result<Filter, String> {
-    match text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value))) {
-        ("box", None) => Ok(Filter::Box),
-        ("levels", None) => Ok(Filter::Levels),
-        ("adaptive", None) => Ok(Filter::Adaptive),
-        ("fitted", None) => Ok(Filter::Fitted(4)),
-        ("fitted", Some(count)) => match count.parse() {
-            Ok(count) if COUNTS.contains(&count) => Ok(Filter::Fitted(count)),
-            _ => Err("the boxes of fitted:K must be 1, 2, 4 or 8".to_owned()),
-        },
-        _ => Err("must be box, fitted:K, levels or adaptive".to_owned()),
     }
 }
 

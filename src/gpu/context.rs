@@ -36,11 +36,16 @@ pub fn is_hardware(info: &wgpu::AdapterInfo) -> bool {
     )
 }
 
-/// One line that tells an adapter from others: name, kind, backend, driver.
+/// One line that tells an adapter from others: name, kind, backend, driver; without those that are unknown, as name and
+/// driver are in browsers.
 #[must_use]
 pub fn describe(info: &wgpu::AdapterInfo) -> String {
     let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
-    format!("{} ({:?}, {}, {})", info.name, info.device_type, info.backend, driver.trim())
+    let mut further = format!("{:?}, {}", info.device_type, info.backend);
+    if !driver.trim().is_empty() {
+        further = format!("{further}, {}", driver.trim());
+    }
+    if info.name.is_empty() { further } else { format!("{} ({further})", info.name) }
 }
 
 impl Context {
@@ -175,4 +180,20 @@ impl Context {
 fn note(failure: &Mutex<Option<String>>, message: &str) {
     let one_line = message.split_whitespace().collect::<Vec<_>>().join(" ");
     failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(one_line);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::describe;
+    use wgpu::{AdapterInfo, Backend, DeviceType};
+
+    #[test]
+    fn what_an_adapter_keeps_to_itself_is_left_out() {
+        let mut info = AdapterInfo::new(DeviceType::Cpu, Backend::BrowserWebGpu);
+        assert_eq!(describe(&info), "Cpu, webgpu");
+        info.name = "llvmpipe".to_owned();
+        assert_eq!(describe(&info), "llvmpipe (Cpu, webgpu)");
+        info.driver_info = "Mesa".to_owned();
+        assert_eq!(describe(&info), "llvmpipe (Cpu, webgpu, Mesa)");
+    }
 }

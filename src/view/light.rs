@@ -156,13 +156,14 @@ impl Light {
     /// Puts a lamp where it is after `seconds` of its circling, or nowhere, and makes the tables anew.
     pub(super) fn move_lamp(&self, context: &Context, seconds: Option<f64>) {
         let lamp = seconds.map(|seconds| Lamp::after(seconds, self.mean_luminance));
-        let [width, height, layers] = texture_size(self.environment.layout());
+        let environment = &self.environment;
+        let [width, height, layers] = texture_size(environment.layout());
         let row = |layer: u32, y: u32| {
             let first = (layer * height + y) as usize * width as usize;
-            let texels = &self.environment.texels()[first..first + width as usize];
+            let texels = &environment.texels()[first..first + width as usize];
             let lit = |(x, texel): (u32, &Rgb)| {
                 let added = lamp.as_ref().map_or(0.0, |lamp| {
-                    lamp.radiance_towards(self.environment.layout().direction_from_texel(layer, x, y))
+                    lamp.radiance_towards(environment.layout().direction_from_texel(layer, x, y))
                 });
                 let [r, g, b] = texel.map(|channel| channel + added);
                 [r, g, b, 1.0]

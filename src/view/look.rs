@@ -4,6 +4,8 @@ use super::Camera;
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::fitted::COUNTS;
+use std::fmt::{self, Display, Formatter};
+use std::str::FromStr;
 
 /// What stands under the environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,6 +32,36 @@ pub enum Filter {
     Levels,
     /// The certified tier, by the CPU for the pixels that are seen.
     Adaptive,
+}
+
+impl Display for Filter {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Box => f.write_str("box"),
+            Self::Fitted(count) => write!(f, "fitted:{count}"),
+            Self::Levels => f.write_str("levels"),
+            Self::Adaptive => f.write_str("adaptive"),
+        }
+    }
+}
+
+/// From what [`Display`] writes; `fitted` alone is `fitted:4`.
+impl FromStr for Filter {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value))) {
+            ("box", None) => Ok(Self::Box),
+            ("levels", None) => Ok(Self::Levels),
+            ("adaptive", None) => Ok(Self::Adaptive),
+            ("fitted", None) => Ok(Self::Fitted(4)),
+            ("fitted", Some(count)) => match count.parse() {
+                Ok(count) if COUNTS.contains(&count) => Ok(Self::Fitted(count)),
+                _ => Err("the boxes of fitted:K must be 1, 2, 4 or 8".to_owned()),
+            },
+            _ => Err("must be box, fitted:K, levels or adaptive".to_owned()),
+        }
+    }
 }
 
 /// What the picture shows.

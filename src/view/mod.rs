@@ -21,6 +21,8 @@ mod roughness_map;
 mod screenshot;
 mod truth;
 mod viewer;
+#[cfg(target_arch = "wasm32")]
+pub mod web;
 mod window;
 
 pub use camera::Camera;
@@ -31,4 +33,6 @@ pub use renderer::{Renderer, Viewport};
 pub use screenshot::{Screenshot, screenshot};
 pub use truth::Truth;
 pub use viewer::Viewer;
-pub use window::{Start, run};
+pub use window::Start;
+#[cfg(not(target_arch = "wasm32"))]
+pub use window::run;

@@ -2,7 +2,7 @@
 
 use super::camera::MAX_PITCH;
 use super::look::{Filter, Look, Object, Show, Tone};
-use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Slider, Ui};
+use egui::{ComboBox, DragValue, Grid, Rect, RichText, ScrollArea, Slider, Ui};
 
 /// What the panel changes besides the look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,9 +32,12 @@ pub(super) struct Status<'a> {
 /// Width in points.
 pub(super) const WIDTH: f32 = 250.0;
 
-/// Shows the panel's contents.
-pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &Status<'_>) {
-    ScrollArea::vertical().show(ui, |ui| {
+/// Length of a slider in points.
+const SLIDER: f32 = 130.0;
+
+/// Shows the panel's contents; where the roughness slider lies.
+pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &Status<'_>) -> Rect {
+    let scrolled = ScrollArea::vertical().show(ui, |ui| {
         ui.add_space(6.0);
         ui.label(RichText::new("octagloss").heading());
         ui.label(status.environment);
@@ -42,9 +45,10 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
             ui.label(RichText::new(message).color(egui::Color32::from_rgb(255, 140, 120)));
         }
         ui.separator();
-        ui.spacing_mut().slider_width = 130.0;
+        ui.spacing_mut().slider_width = SLIDER;
         ui.label("Roughness");
-        ui.add_enabled(look.object != Object::Row, Slider::new(&mut look.roughness, 0.0..=1.0).max_decimals(3));
+        let roughness = Slider::new(&mut look.roughness, 0.0..=1.0).max_decimals(3);
+        let roughness = ui.add_enabled(look.object != Object::Row, roughness).rect;
         ui.checkbox(&mut look.textured, "varies over the surface");
         ui.separator();
         Grid::new("look").num_columns(2).show(ui, |ui| {
@@ -119,8 +123,11 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
             ui.label(RichText::new(format!("adaptive: {:.0} %", 100.0 * progress)).weak());
         }
         ui.label(RichText::new(status.adapter).weak());
-        ui.label(RichText::new("Drag to turn, scroll to come nearer; drop an environment or a mesh. H hides this.").weak());
+        ui.label(RichText::new("Drag to turn, scroll or spread to come nearer; drop an environment or a mesh. H hides this.").weak());
+        // Without the number beside it.
+        roughness.with_max_x(roughness.left() + SLIDER)
     });
+    scrolled.inner
 }
 
 fn choice<T: Copy + PartialEq>(

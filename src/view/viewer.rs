@@ -66,6 +66,8 @@ pub struct Viewer {
     message: Option<String>,
     has_mesh: bool,
     panel_hidden: bool,
+    /// Where the roughness slider lies in the panel.
+    slider: Option<egui::Rect>,
     /// Look and samples of the picture that is there.
     drawn: Option<(Look, (u32, u32))>,
     /// Pixels that there are for it.
@@ -128,6 +130,7 @@ impl Viewer {
             name,
             message: None,
             panel_hidden: false,
+            slider: None,
             drawn: None,
             full: (1, 1),
             lamp_lit: false,
@@ -165,9 +168,42 @@ impl Viewer {
         self.message.as_deref()
     }
 
+    /// What the environment is called.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether the panel is shown.
+    #[must_use]
+    pub const fn panel(&self) -> bool {
+        !self.panel_hidden
+    }
+
     /// Shows the panel, or hides it.
-    pub const fn toggle_panel(&mut self) {
-        self.panel_hidden = !self.panel_hidden;
+    pub fn set_panel(&mut self, shown: bool) {
+        if shown == self.panel_hidden {
+            self.panel_hidden = !shown;
+            // The picture has another size now.
+            self.drawn = None;
+        }
+    }
+
+    /// Where the panel has the slider of the roughness: left, top, right and bottom in points.
+    #[must_use]
+    pub fn roughness_slider(&self) -> Option<[f32; 4]> {
+        self.slider.map(|slider| [slider.left(), slider.top(), slider.right(), slider.bottom()])
+    }
+
+    /// Samples of the picture that is there, columns and rows.
+    #[must_use]
+    pub fn picture_size(&self) -> (u32, u32) {
+        self.drawn.as_ref().map_or((0, 0), |(_, size)| *size)
+    }
+
+    /// Tells the user something.
+    pub fn tell(&mut self, message: String) {
+        self.message = Some(message);
     }
 
     /// Takes an environment or a mesh, `bytes` of a file called `path`; where it is neither, says so and goes on with what
@@ -176,7 +212,7 @@ impl Viewer {
         let outcome = if is_mesh(path) {
             Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
         } else {
-            io::read_from_memory(path, bytes, &ReadOptions::default())
+            io::read_from_memory(path, bytes, &options())
                 .and_then(|loaded| self.take_environment(&loaded.environment, path))
         };
         self.message = outcome.err().map(|error| error.to_string());
@@ -187,8 +223,7 @@ impl Viewer {
         let outcome = if is_mesh(path) {
             Mesh::read(path).and_then(|mesh| self.take_mesh(&mesh))
         } else {
-            io::read(path, &ReadOptions::default())
-                .and_then(|loaded| self.take_environment(&loaded.environment, path))
+            io::read(path, &options()).and_then(|loaded| self.take_environment(&loaded.environment, path))
         };
         self.message = outcome.err().map(|error| error.to_string());
     }
@@ -370,6 +405,7 @@ impl Viewer {
     pub fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
         let (width, height) = size;
         if self.panel_hidden {
+            self.slider = None;
             return Viewport { x: 0, y: 0, width, height };
         }
         let progress = self.work.as_ref().map(|work| {
@@ -377,13 +413,14 @@ impl Viewer {
             let count = asked.as_ref().and_then(|asked| asked.as_ref().ok()).map_or(1, Vec::len);
             work.answers.len() as f64 / count.max(1) as f64
         });
-        let Self { look, motion, name, adapter, message, has_mesh, times, drawn, .. } = self;
+        let size = self.picture_size();
+        let Self { look, motion, name, adapter, message, has_mesh, times, .. } = self;
         let status = Status {
             environment: name,
             adapter,
             message: message.as_deref(),
             has_mesh: *has_mesh,
-            size: drawn.as_ref().map_or((0, 0), |(_, size)| *size),
+            size,
             progress,
             times,
         };
@@ -391,10 +428,17 @@ impl Viewer {
             .exact_size(super::panel::WIDTH)
             .resizable(false)
             .show(ui, |ui| panel(ui, look, motion, &status));
+        self.slider = Some(shown.inner);
         let edge = (shown.response.rect.right() * ui.ctx().pixels_per_point()).round() as u32;
         let x = edge.min(width.saturating_sub(1));
         Viewport { x, y: 0, width: width - x, height }
     }
+}
+
+/// How files are read: a browser's tab can well give 1 GiB of the 4 that WebAssembly addresses.
+pub(super) fn options() -> ReadOptions {
+    let options = ReadOptions::default();
+    if cfg!(target_arch = "wasm32") { ReadOptions { memory_limit: 1 << 30, ..options } } else { options }
 }
 
 /// `full` pixels with a sample for `coarseness` of them along an edge.
@@ -403,7 +447,7 @@ fn coarser((width, height): (u32, u32), coarseness: f64) -> (u32, u32) {
     (side(width), side(height))
 }
 
-fn is_mesh(path: &Path) -> bool {
+pub(super) fn is_mesh(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     ["gltf", "glb", "obj"].iter().any(|mesh| extension.eq_ignore_ascii_case(mesh))
 }

@@ -7,12 +7,12 @@ use super::viewer::Viewer;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
-use std::path::PathBuf;
+use glam::DVec2;
 use std::sync::Arc;
 use winit::application::ApplicationHandler;
-use winit::dpi::{LogicalSize, PhysicalSize};
-use winit::event::{ElementState, MouseButton, MouseScrollDelta, TouchPhase, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::dpi::PhysicalSize;
+use winit::event::{ElementState, MouseButton, MouseScrollDelta, Touch, TouchPhase, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::keyboard::{Key, NamedKey};
 use winit::window::{Window, WindowAttributes, WindowId};
 
@@ -35,17 +35,8 @@ pub struct Start {
     pub size: (u32, u32),
 }
 
-/// What reaches the window from outside of it.
-pub(super) enum Message {
-    /// The device is there.
-    Ready(Box<Result<Shown>>),
-    /// A file was given to the page.
-    #[cfg_attr(
-        not(target_arch = "wasm32"),
-        expect(dead_code, reason = "files come with events of the window")
-    )]
-    File(PathBuf, Vec<u8>),
-}
+/// What reaches the event loop once the device is there, or is not to be had.
+pub(super) struct Ready(Box<Result<Shown>>);
 
 /// Opens a window and serves it until it is closed.
 ///
@@ -56,52 +47,54 @@ pub fn run(start: Start) -> Result<()> {
     let refused = |error: winit::error::EventLoopError| {
         Error::Gpu(format!("no window can be opened: {error}; --screenshot FILE.png needs none"))
     };
-    let events = EventLoop::<Message>::with_user_event().build().map_err(refused)?;
-    let mut application = Application::new(start, events.create_proxy());
+    let (width, height) = start.size;
+    let attributes = Window::default_attributes()
+        .with_title(format!("{} - octagloss", start.name))
+        .with_inner_size(winit::dpi::LogicalSize::new(width, height));
+    let events = winit::event_loop::EventLoop::with_user_event().build().map_err(refused)?;
+    let mut application = Application::new(start, attributes, events.create_proxy());
     events.run_app(&mut application).map_err(refused)?;
     application.failure.map_or(Ok(()), Err)
 }
 
 /// A window that has its device.
 pub(super) struct Shown {
-    window: Arc<Window>,
+    pub(super) window: Arc<Window>,
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
-    viewer: Viewer,
+    pub(super) viewer: Viewer,
     egui: egui_winit::State,
     painter: egui_wgpu::Renderer,
     /// Where the pointer is, and whether it turns the camera.
     pointer: (f64, f64),
     dragging: bool,
+    /// Fingers on the picture, and where they are.
+    fingers: Vec<(u64, DVec2)>,
 }
 
 /// The window's side of the event loop.
 pub(super) struct Application {
-    start: Option<Start>,
-    messages: EventLoopProxy<Message>,
-    shown: Option<Shown>,
+    start: Option<(Start, WindowAttributes)>,
+    messages: EventLoopProxy<Ready>,
+    /// Once the device is there.
+    pub(super) shown: Option<Shown>,
     /// Why it stopped.
     pub(super) failure: Option<Error>,
 }
 
 impl Application {
-    pub(super) const fn new(start: Start, messages: EventLoopProxy<Message>) -> Self {
-        Self { start: Some(start), messages, shown: None, failure: None }
+    pub(super) const fn new(
+        start: Start,
+        attributes: WindowAttributes,
+        messages: EventLoopProxy<Ready>,
+    ) -> Self {
+        Self { start: Some((start, attributes)), messages, shown: None, failure: None }
     }
 
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: Error) {
         self.failure = Some(error);
         event_loop.exit();
     }
-}
-
-/// Attributes of the window that shows `start`.
-#[cfg(not(target_arch = "wasm32"))]
-fn attributes(start: &Start) -> WindowAttributes {
-    let (width, height) = start.size;
-    Window::default_attributes()
-        .with_title(format!("{} - octagloss", start.name))
-        .with_inner_size(LogicalSize::new(width, height))
 }
 
 impl Shown {
@@ -158,6 +151,7 @@ impl Shown {
             painter,
             pointer: (0.0, 0.0),
             dragging: false,
+            fingers: Vec::new(),
         })
     }
 
@@ -252,30 +246,55 @@ impl Shown {
                     self.orbit(position.x - x, position.y - y);
                 }
             }
-            WindowEvent::Touch(touch) => {
-                let (x, y) = self.pointer;
-                self.pointer = (touch.location.x, touch.location.y);
-                if touch.phase == TouchPhase::Moved {
-                    self.orbit(touch.location.x - x, touch.location.y - y);
-                }
-            }
+            WindowEvent::Touch(touch) => self.on_touch(touch),
             WindowEvent::MouseWheel { delta, .. } => {
                 let lines = match delta {
                     MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / 50.0,
                 };
-                let camera = &mut self.viewer.look_mut().camera;
-                camera.distance = (camera.distance * (-0.1 * lines).exp()).clamp(1.05, 100.0);
+                self.approach((0.1 * lines).exp());
             }
             WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
                 match &event.logical_key {
-                    Key::Character(text) if text.eq_ignore_ascii_case("h") => self.viewer.toggle_panel(),
+                    Key::Character(text) if text.eq_ignore_ascii_case("h") => {
+                        self.viewer.set_panel(!self.viewer.panel());
+                    }
                     Key::Named(NamedKey::Home) => self.viewer.look_mut().camera = super::Camera::default(),
                     _ => {}
                 }
             }
             _ => {}
         }
+    }
+
+    /// One finger turns the camera, two spread to come nearer.
+    fn on_touch(&mut self, touch: &Touch) {
+        let here = DVec2::new(touch.location.x, touch.location.y);
+        let known = self.fingers.iter().position(|(id, _)| *id == touch.id);
+        match (touch.phase, known) {
+            (TouchPhase::Started, None) => self.fingers.push((touch.id, here)),
+            (TouchPhase::Moved, Some(finger)) => {
+                let before = std::mem::replace(&mut self.fingers[finger].1, here);
+                match self.fingers[..] {
+                    [_] => self.orbit(here.x - before.x, here.y - before.y),
+                    [(_, a), (_, b)] => {
+                        let other = if finger == 0 { b } else { a };
+                        self.approach(here.distance(other).max(1.0) / before.distance(other).max(1.0));
+                    }
+                    _ => {}
+                }
+            }
+            (TouchPhase::Ended | TouchPhase::Cancelled, Some(finger)) => {
+                self.fingers.swap_remove(finger);
+            }
+            _ => {}
+        }
+    }
+
+    /// Comes `times` as near.
+    fn approach(&mut self, times: f64) {
+        let camera = &mut self.viewer.look_mut().camera;
+        camera.distance = (camera.distance / times).clamp(1.05, 100.0);
     }
 
     /// Turns the camera by a drag of so many pixels: half a turn for the window's height.
@@ -315,11 +334,11 @@ async fn adapter(
     })
 }
 
-impl ApplicationHandler<Message> for Application {
+impl ApplicationHandler<Ready> for Application {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         event_loop.set_control_flow(ControlFlow::Wait);
-        let Some(start) = self.start.take() else { return };
-        let window = match event_loop.create_window(attributes(&start)) {
+        let Some((start, attributes)) = self.start.take() else { return };
+        let window = match event_loop.create_window(attributes) {
             Ok(window) => Arc::new(window),
             Err(error) => {
                 return self.fail(event_loop, Error::Gpu(format!("no window can be opened: {error}")));
@@ -332,37 +351,30 @@ impl ApplicationHandler<Message> for Application {
         {
             let shown = crate::gpu::block_on(None, shown).and_then(|shown| shown);
             // Nobody listens once the loop has ended.
-            messages.send_event(Message::Ready(Box::new(shown))).ok();
+            messages.send_event(Ready(Box::new(shown))).ok();
         }
         #[cfg(target_arch = "wasm32")]
         wasm_bindgen_futures::spawn_local(async move {
-            messages.send_event(Message::Ready(Box::new(shown.await))).ok();
+            messages.send_event(Ready(Box::new(shown.await))).ok();
         });
     }
 
-    fn user_event(&mut self, event_loop: &ActiveEventLoop, message: Message) {
-        match message {
-            Message::Ready(shown) => match *shown {
-                Ok(mut shown) => {
-                    shown.resize(shown.window.inner_size());
-                    shown.window.request_redraw();
-                    self.shown = Some(shown);
-                }
-                Err(error) => self.fail(event_loop, error),
-            },
-            Message::File(path, bytes) => {
-                if let Some(shown) = &mut self.shown {
-                    shown.viewer.open(&path, &bytes);
-                    shown.window.request_redraw();
-                }
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, Ready(shown): Ready) {
+        match *shown {
+            Ok(mut shown) => {
+                shown.resize(shown.window.inner_size());
+                shown.window.request_redraw();
+                self.shown = Some(shown);
             }
+            Err(error) => self.fail(event_loop, error),
         }
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(shown) = &mut self.shown else { return };
         let response = shown.egui.on_window_event(&shown.window, &event);
-        if response.repaint {
+        // It asks for another frame with every frame.
+        if response.repaint && event != WindowEvent::RedrawRequested {
             shown.window.request_redraw();
         }
         match event {
@@ -375,7 +387,13 @@ impl ApplicationHandler<Message> for Application {
             }
             _ => {
                 // A drag that began on the picture ends anywhere.
-                let released = matches!(event, WindowEvent::MouseInput { state: ElementState::Released, .. });
+                let released = match &event {
+                    WindowEvent::MouseInput { state, .. } => *state == ElementState::Released,
+                    WindowEvent::Touch(touch) => {
+                        matches!(touch.phase, TouchPhase::Ended | TouchPhase::Cancelled)
+                    }
+                    _ => false,
+                };
                 if !response.consumed || released {
                     shown.on_event(&event);
                 }

@@ -1,0 +1,236 @@
+//! The window in a page: what the page calls.
+
+use super::look::{Filter, Look};
+use super::mesh::Mesh;
+use super::viewer::{Viewer, is_mesh, options};
+use super::window::{Application, Ready, Shown, Start};
+use crate::gpu::shader;
+use crate::io;
+use js_sys::Function;
+use serde::{Deserialize, Serialize};
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use wasm_bindgen::prelude::wasm_bindgen;
+use wasm_bindgen::{JsError, JsValue};
+use web_sys::HtmlCanvasElement;
+use winit::application::ApplicationHandler;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, EventLoop};
+use winit::platform::web::{EventLoopExtWebSys, WindowAttributesExtWebSys};
+use winit::window::{Window, WindowId};
+
+/// Panics go to the console.
+#[wasm_bindgen(start)]
+fn start() {
+    console_error_panic_hook::set_once();
+}
+
+/// A viewer on a canvas.
+#[wasm_bindgen]
+#[derive(Clone)]
+pub struct Page {
+    application: Rc<RefCell<Application>>,
+    told: Function,
+}
+
+/// What a page changes of a look; what is absent stays.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Change {
+    roughness: Option<f64>,
+    backdrop: Option<f64>,
+    exposure: Option<f64>,
+    turn: Option<f64>,
+    filter: Option<String>,
+    panel: Option<bool>,
+}
+
+/// What a page is told.
+#[derive(Debug, Serialize)]
+struct State<'a> {
+    environment: &'a str,
+    message: Option<&'a str>,
+    adapter: String,
+    roughness: f64,
+    filter: String,
+    /// Samples of the picture.
+    size: (u32, u32),
+    /// Whether nothing changes any more.
+    settled: bool,
+    panel: bool,
+    /// Left, top, right and bottom in CSS pixels.
+    roughness_slider: Option<[f32; 4]>,
+}
+
+#[wasm_bindgen]
+impl Page {
+    /// Shows the environment `bytes`, the file called `name`, on `canvas`, and serves its events from then on. Calls `told`
+    /// without an argument once the device is there, and with a message where the viewer cannot go on.
+    ///
+    /// # Errors
+    /// Where the environment cannot be read, or there is a viewer already.
+    #[wasm_bindgen(constructor)]
+    pub fn new(canvas: HtmlCanvasElement, name: &str, bytes: &[u8], told: Function) -> Result<Self, JsError> {
+        let environment = io::read_from_memory(Path::new(name), bytes, &options())?.environment;
+        let size = (canvas.width(), canvas.height());
+        let start = Start {
+            environment,
+            name: name.to_owned(),
+            mesh: None,
+            look: Look::default(),
+            oem_size: None,
+            adapter: None,
+            size,
+        };
+        let attributes = Window::default_attributes().with_canvas(Some(canvas));
+        let events = EventLoop::with_user_event().build()?;
+        let application = Application::new(start, attributes, events.create_proxy());
+        let page = Self { application: Rc::new(RefCell::new(application)), told };
+        events.spawn_app(page.clone());
+        Ok(page)
+    }
+
+    /// Takes an environment or a mesh, `bytes` of the file called `name`; where it is neither, the panel says so and the
+    /// picture stays.
+    pub fn open(&self, name: &str, bytes: &[u8]) {
+        self.act(|viewer| viewer.open(Path::new(name), bytes));
+    }
+
+    /// Tells the user something in the panel.
+    pub fn tell(&self, message: String) {
+        self.act(|viewer| viewer.tell(message));
+    }
+
+    /// The state as JSON; `null` before the device is there.
+    ///
+    /// # Errors
+    /// None: the state has a form in JSON.
+    pub fn state(&self) -> Result<String, JsError> {
+        let application = self.application.borrow();
+        let state = application.shown.as_ref().map(|Shown { viewer, .. }| State {
+            environment: viewer.name(),
+            message: viewer.message(),
+            adapter: viewer.context().describe(),
+            roughness: viewer.look().roughness,
+            filter: viewer.look().filter.to_string(),
+            size: viewer.picture_size(),
+            settled: !viewer.is_busy(),
+            panel: viewer.panel(),
+            roughness_slider: viewer.roughness_slider(),
+        });
+        Ok(serde_json::to_string(&state)?)
+    }
+
+    /// Changes what is shown by `change`, an object in JSON of any of roughness, backdrop, exposure, turn, filter (as
+    /// [`Filter`] is written) and panel.
+    ///
+    /// # Errors
+    /// Where a field is unknown or its value out of range; nothing is changed then.
+    pub fn set(&self, change: &str) -> Result<(), JsError> {
+        let change: Change = serde_json::from_str(change)?;
+        let filter: Option<Filter> = change
+            .filter
+            .map(|filter| filter.parse())
+            .transpose()
+            .map_err(|error: String| JsError::new(&error))?;
+        let set = self.act(|viewer| {
+            let was = viewer.look().clone();
+            let look = Look {
+                roughness: change.roughness.unwrap_or(was.roughness),
+                backdrop: change.backdrop.unwrap_or(was.backdrop),
+                exposure: change.exposure.unwrap_or(was.exposure),
+                turn: change.turn.unwrap_or(was.turn),
+                filter: filter.unwrap_or(was.filter),
+                ..was
+            };
+            look.check()?;
+            *viewer.look_mut() = look;
+            if let Some(shown) = change.panel {
+                viewer.set_panel(shown);
+            }
+            Ok::<_, crate::Error>(())
+        });
+        Ok(set.unwrap_or(Ok(()))?)
+    }
+}
+
+impl Page {
+    /// What `act` finds where there is a device; what it changes is drawn.
+    fn act<T>(&self, act: impl FnOnce(&mut Viewer) -> T) -> Option<T> {
+        let mut application = self.application.borrow_mut();
+        let Shown { viewer, window, .. } = application.shown.as_mut()?;
+        let found = act(viewer);
+        window.request_redraw();
+        Some(found)
+    }
+
+    /// Hands an event on, and tells the page if it was the last.
+    fn hand_on(&self, event: impl FnOnce(&mut Application)) {
+        let failure = {
+            let mut application = self.application.borrow_mut();
+            event(&mut application);
+            application.failure.take()
+        };
+        if let Some(failure) = failure {
+            self.call(&JsValue::from_str(&failure.to_string()));
+        }
+    }
+
+    /// What the page throws is the page's.
+    fn call(&self, message: &JsValue) {
+        self.told.call1(&JsValue::UNDEFINED, message).ok();
+    }
+}
+
+impl ApplicationHandler<Ready> for Page {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        self.hand_on(|application| application.resumed(event_loop));
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, ready: Ready) {
+        self.hand_on(|application| application.user_event(event_loop, ready));
+        if self.application.borrow().shown.is_some() {
+            self.call(&JsValue::UNDEFINED);
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
+        self.hand_on(|application| application.window_event(event_loop, window, event));
+    }
+}
+
+/// Reads `bytes`, the file called `name`, and forgets them. WebAssembly ends at a panic, and at memory that is not to be had:
+/// a page has a file read by a worker, with an instance of its own, before [`Page::open`] takes it.
+///
+/// # Errors
+/// Where it is neither an environment nor a mesh.
+#[wasm_bindgen]
+pub fn read(name: &str, bytes: &[u8]) -> Result<(), JsError> {
+    let path = Path::new(name);
+    if is_mesh(path) {
+        Mesh::read_from_memory(path, bytes)?;
+    } else {
+        io::read_from_memory(path, bytes, &options())?;
+    }
+    Ok(())
+}
+
+/// The paths of all shaders that are whole: none that are for others to include.
+#[wasm_bindgen]
+#[must_use]
+pub fn shader_paths() -> Vec<String> {
+    let included = |path: &str| {
+        let line = format!("#include \"{path}\"");
+        path.starts_with("common/") || shader::FILES.iter().any(|(_, text)| text.lines().any(|l| l == line))
+    };
+    let paths = shader::FILES.iter().map(|(path, _)| *path);
+    paths.filter(|path| !included(path)).map(str::to_owned).collect()
+}
+
+/// The text of the shader `path`, its includes in place.
+#[wasm_bindgen]
+#[must_use]
+pub fn shader_source(path: &str) -> String {
+    shader::source(path)
+}
