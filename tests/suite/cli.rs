@@ -115,7 +115,7 @@ fn help_is_data_and_a_missing_subcommand_is_a_usage_error() {
         assert!(ran.out.contains("octagloss") && ran.err.is_empty(), "{args:?}: {}", ran.err);
     }
     fails(folder.path(), &[], 2, "subcommand");
-    fails(folder.path(), &["view"], 2, "view");
+    fails(folder.path(), &["analyze"], 2, "analyze");
 }
 
 #[test]
