@@ -44,8 +44,11 @@ pub(super) struct Ready(Box<Result<Shown>>);
 /// [`Error::Gpu`] where no window or no device can be had.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn run(start: Start) -> Result<()> {
+    // What the system said stands behind the place in winit's source.
     let refused = |error: winit::error::EventLoopError| {
-        Error::Gpu(format!("no window can be opened: {error}; --screenshot FILE.png needs none"))
+        let said = error.to_string();
+        let said = said.rsplit(": ").next().unwrap_or(&said).trim_end_matches('.');
+        Error::Gpu(format!("no window can be opened: {said}; --screenshot FILE.png needs none"))
     };
     let (width, height) = start.size;
     let attributes = Window::default_attributes()
