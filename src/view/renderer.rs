@@ -207,7 +207,7 @@ impl Renderer {
                 [SPLIT_SUM; 2],
                 bytemuck::cast_slice(&split_sum),
             ),
-            roughness: roughness_texture(&context, &RoughnessMap::own()),
+            roughness: roughness_texture(&context, &RoughnessMap::own())?,
             trilinear: device.create_sampler(&wgpu::SamplerDescriptor {
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
@@ -674,14 +674,23 @@ impl Buffers {
             vertices: buffer("corners", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&mesh.vertices))?,
             indices: buffer("triangles", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&mesh.indices))?,
             count: mesh.indices.len() as u32,
-            roughness: mesh.roughness.as_ref().map(|map| roughness_texture(context, map)),
+            roughness: mesh.roughness.as_ref().map(|map| roughness_texture(context, map)).transpose()?,
         })
     }
 }
 
-fn roughness_texture(context: &Context, map: &RoughnessMap) -> wgpu::TextureView {
+fn roughness_texture(context: &Context, map: &RoughnessMap) -> Result<wgpu::TextureView> {
     let size = [map.width, map.height];
-    texture_of(context, "roughness map", wgpu::TextureFormat::R8Unorm, size, &map.texels)
+    let most = context.device().limits().max_texture_dimension_2d;
+    if size.iter().any(|side| *side > most) {
+        return Err(Error::Limit {
+            what: format!("a roughness map of {} x {}", map.width, map.height),
+            needed: u64::from(map.width) * u64::from(map.height),
+            available: u64::from(most) * u64::from(most),
+            remedy: format!("use one of at most {most} texels a side"),
+        });
+    }
+    Ok(texture_of(context, "roughness map", wgpu::TextureFormat::R8Unorm, size, &map.texels))
 }
 
 /// A texture that is drawn into, and read.
