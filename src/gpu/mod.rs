@@ -31,6 +31,7 @@ pub mod engine;
 pub mod fitted;
 pub mod fixed_point;
 pub mod harmonics;
+pub mod lamp;
 mod least;
 pub mod mirror;
 pub mod oem;

@@ -52,6 +52,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "fitted.wgsl",
     "fixed_point.wgsl",
     "harmonics.wgsl",
+    "lamp.wgsl",
     "least.wgsl",
     "mirror.wgsl",
     "pack.wgsl",

@@ -1,27 +1,28 @@
 //! An environment on the GPU: its tables, and what rebuilds them every frame.
 
 use crate::bake::{self, BakeSettings, bake};
-use crate::environment::{Environment, Rgb, luminance};
+use crate::environment::{Environment, luminance};
 use crate::error::Result;
 use crate::gpu::blur::Blur;
 use crate::gpu::box_filter::{BoxFilter, SatTextures};
 use crate::gpu::fitted::FittedTables;
 use crate::gpu::fixed_point::FixedPoint;
 use crate::gpu::harmonics::Harmonics;
+use crate::gpu::lamp::{Lamp, LampPass};
 use crate::gpu::mirror::Mirror;
-use crate::gpu::reparameterise::{Reparameterise, texture_size, upload};
+use crate::gpu::reparameterise::{Reparameterise, upload};
 use crate::gpu::sat_scan::SatScan;
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
 use crate::reflector::ReflectorSettings;
 use glam::{DMat3, DVec3};
 use half::f16;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Pipelines that make tables.
 #[derive(Debug)]
 pub(super) struct Passes {
     reparameterise: Reparameterise,
+    lamp: LampPass,
     fixed_point: FixedPoint,
     sat_scan: SatScan,
     box_filter: BoxFilter,
@@ -34,6 +35,7 @@ impl Passes {
     pub(super) fn new(context: &Context) -> Self {
         Self {
             reparameterise: Reparameterise::new(context),
+            lamp: LampPass::new(context),
             fixed_point: FixedPoint::new(context),
             sat_scan: SatScan::new(context),
             box_filter: BoxFilter::new(context),
@@ -50,7 +52,7 @@ pub struct Light {
     /// In its own space: directions are turned into it by `source_from_world`.
     environment: Environment,
     source_from_world: DMat3,
-    texture: wgpu::Texture,
+    lamp: wgpu::Buffer,
     mean_luminance: f64,
     boxes: SatTextures,
     fitted: FittedTables,
@@ -64,33 +66,16 @@ const LEVELS_SIZE: u32 = 256;
 /// Texels of the largest OEM that a viewer makes by itself.
 const LARGEST: u32 = 2048;
 
-/// A disc with a soft edge that circles at half height.
-#[derive(Debug)]
-struct Lamp {
-    towards: DVec3,
-    radiance: f32,
-}
-
-impl Lamp {
-    /// Cosine of its angular radius, 3.5 degrees, and of what is evenly bright of it.
-    const EDGE: f64 = 0.998_13;
-    const DISC: f64 = 0.998_63;
-
+/// The lamp after `seconds` of circling at half height, seven degrees wide: it gives half as much light as an environment of
+/// `mean` luminance does.
+fn lamp_after(seconds: f64, mean: f64) -> Lamp {
+    const DISC: f64 = 0.0523;
+    const EDGE: f64 = 0.0611;
     /// Radians a second.
     const SPEED: f64 = 0.8;
-
-    /// It gives half as much light as an environment of `mean` luminance does.
-    fn after(seconds: f64, mean: f64) -> Self {
-        let (sin, cos) = (Self::SPEED * seconds).sin_cos();
-        let radiance = mean / (1.0 - Self::EDGE);
-        Self { towards: DVec3::new(cos, 0.7, sin).normalize(), radiance: radiance as f32 }
-    }
-
-    fn radiance_towards(&self, direction: DVec3) -> f32 {
-        let cosine = direction.dot(self.towards);
-        let share = ((cosine - Self::EDGE) / (Self::DISC - Self::EDGE)).clamp(0.0, 1.0);
-        self.radiance * share as f32
-    }
+    let (sin, cos) = (SPEED * seconds).sin_cos();
+    let radiance = mean / (1.0 - EDGE.cos());
+    Lamp::new(DVec3::new(cos, 0.7, sin), radiance as f32, DISC, EDGE)
 }
 
 impl Light {
@@ -112,12 +97,14 @@ impl Light {
             size.inner = size.inner.min(LARGEST);
         }
         let texture = upload(context, &environment)?;
+        let lamp = Lamp::default().buffer(context);
         let planes = OemPlanes::new(context, size)?;
         let sat = SatPlanes::new(context, size)?;
         let boxes = SatTextures::new(context, &sat)?;
         let fitted = FittedTables::new(context, size.inner, 4)?;
         let stages = vec![
             passes.reparameterise.stage(context, environment.layout(), &texture, &planes)?,
+            passes.lamp.stage(context, &lamp, &planes),
             passes.fixed_point.stage(context, &planes, &sat),
             passes.sat_scan.stage(context, &planes, &sat),
             passes.box_filter.pack(context, &sat, &boxes),
@@ -130,7 +117,7 @@ impl Light {
         let mut sum = 0.0;
         environment.for_each_texel(|_, solid_angle, rgb| sum += solid_angle * f64::from(luminance(rgb)));
         let mean_luminance = sum / (4.0 * PI);
-        Ok(Self { environment, source_from_world, texture, mean_luminance, boxes, fitted, stages })
+        Ok(Self { environment, source_from_world, lamp, mean_luminance, boxes, fitted, stages })
     }
 
     /// The environment, in its own space.
@@ -155,36 +142,12 @@ impl Light {
 
     /// Puts a lamp where it is after `seconds` of its circling, or nowhere, and makes the tables anew.
     pub(super) fn move_lamp(&self, context: &Context, seconds: Option<f64>) {
-        let lamp = seconds.map(|seconds| Lamp::after(seconds, self.mean_luminance));
-        let environment = &self.environment;
-        let [width, height, layers] = texture_size(environment.layout());
-        let row = |layer: u32, y: u32| {
-            let first = (layer * height + y) as usize * width as usize;
-            let texels = &environment.texels()[first..first + width as usize];
-            let lit = |(x, texel): (u32, &Rgb)| {
-                let added = lamp.as_ref().map_or(0.0, |lamp| {
-                    lamp.radiance_towards(environment.layout().direction_from_texel(layer, x, y))
-                });
-                let [r, g, b] = texel.map(|channel| channel + added);
-                [r, g, b, 1.0]
-            };
-            (0..).zip(texels).map(lit).collect::<Vec<[f32; 4]>>()
-        };
-        let rows: Vec<(u32, u32)> =
-            (0..layers).flat_map(|layer| (0..height).map(move |y| (layer, y))).collect();
-        let texels: Vec<[f32; 4]> = rows.par_iter().flat_map_iter(|(layer, y)| row(*layer, *y)).collect();
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(16 * width),
-            rows_per_image: Some(height),
-        };
-        let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
-        context.queue().write_texture(
-            self.texture.as_image_copy(),
-            bytemuck::cast_slice(&texels),
-            layout,
-            size,
-        );
+        self.set_lamp(context, seconds.map(|seconds| lamp_after(seconds, self.mean_luminance)));
+    }
+
+    /// Makes the tables anew with `lamp` added to the environment, or nothing.
+    pub fn set_lamp(&self, context: &Context, lamp: Option<Lamp>) {
+        context.queue().write_buffer(&self.lamp, 0, bytemuck::bytes_of(&lamp.unwrap_or_default()));
         context.submit(|encoder| self.stages.iter().for_each(|stage| stage.record(encoder)));
     }
 

@@ -9,6 +9,7 @@ mod boxes;
 mod cells;
 mod errors;
 mod fitted;
+mod lamp;
 mod oem;
 mod oem_reader;
 mod reflection;

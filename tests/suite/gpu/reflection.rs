@@ -7,8 +7,8 @@ use octagloss::cpu::adaptive::LANES;
 use octagloss::environment::LUMINANCE;
 use octagloss::fitted::{KNOTS, OCTAVES, triangle};
 use octagloss::gpu::shader::Queries;
-use octagloss::gpu::{adaptive, blur, box_filter, cells, copy, fitted, fixed_point, harmonics, mirror, oem};
-use octagloss::gpu::{reparameterise, sat_f32, sat_hensley, sat_scan, shader};
+use octagloss::gpu::{adaptive, blur, box_filter, cells, copy, fitted, fixed_point, harmonics, lamp};
+use octagloss::gpu::{mirror, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shader};
 use octagloss::target::READERS;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -106,6 +106,8 @@ fn structs() -> Vec<Struct> {
         ("fitted.wgsl", "OctaglossOctaves", fitted::Octaves::MEMBERS, size_of::<fitted::Octaves>()),
         ("fixed_point.wgsl", "Table", table.0, table.1),
         ("harmonics.wgsl", "Table", table.0, table.1),
+        ("lamp.wgsl", "Lamp", lamp::Lamp::MEMBERS, size_of::<lamp::Lamp>()),
+        ("lamp.wgsl", "Table", table.0, table.1),
         ("least.wgsl", "Table", table.0, table.1),
         ("mirror.wgsl", "Table", table.0, table.1),
         ("pack.wgsl", "Table", table.0, table.1),
@@ -180,6 +182,8 @@ fn constants() -> Vec<(&'static str, &'static str, Vec<f64>)> {
         ("harmonics.wgsl", "BATCHES", one(harmonics::BATCHES)),
         ("harmonics.wgsl", "FINEST", one(harmonics::FINEST)),
         ("harmonics.wgsl", "GROUP_SIZE", one(harmonics::GROUP_SIZE)),
+        ("lamp.wgsl", "EDGE", one(lamp::EDGE)),
+        ("lamp.wgsl", "PLACES", one(lamp::PLACES)),
         ("least.wgsl", "GROUPS", one(fixed_point::GROUPS)),
         ("least.wgsl", "GROUP_SIZE", one(fixed_point::GROUP_SIZE)),
         ("least.wgsl", "TEXELS", one(fixed_point::TEXELS)),
@@ -324,6 +328,19 @@ const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
             (3, "read blue"),
             (4, "read solid_angle"),
             (6, "write partials"),
+        ],
+    ),
+    (
+        "lamp.wgsl",
+        "lamp",
+        [lamp::EDGE, lamp::EDGE, 1],
+        &[
+            (0, "uniform table"),
+            (1, "write red"),
+            (2, "write green"),
+            (3, "write blue"),
+            (4, "read solid_angle"),
+            (5, "uniform light"),
         ],
     ),
     (

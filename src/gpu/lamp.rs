@@ -1,0 +1,83 @@
+//! A lamp added to an OEM: what moves while the rest of the light stays.
+
+use super::stage::Dispatch;
+use super::{Context, OemPlanes, Stage, shader};
+use glam::DVec3;
+
+/// Invocations along an edge of a workgroup.
+pub const EDGE: u32 = 16;
+
+/// Places along an edge of a texel that the lamp is sampled at.
+pub const PLACES: u32 = 4;
+
+/// A disc of even white light with a soft edge, infinitely far away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Lamp {
+    /// Where it is, a unit vector of the OEM's space.
+    towards: [f32; 3],
+    /// Radiance of the disc; the default has none.
+    radiance: f32,
+    /// Squared distance on the unit sphere up to which it is evenly bright,
+    disc: f32,
+    /// and from which it is dark.
+    edge: f32,
+    pad: [f32; 2],
+}
+
+shader::members!(Lamp { towards, radiance, disc, edge, pad });
+
+impl Lamp {
+    /// A lamp `towards` a direction (of any length but zero), evenly bright up to `disc` radians from it, and dark from `edge`
+    /// radians on, which is more.
+    #[must_use]
+    pub fn new(towards: DVec3, radiance: f32, disc: f64, edge: f64) -> Self {
+        let squared_chord = |angle: f64| (2.0 * (angle / 2.0).sin()).powi(2) as f32;
+        Self {
+            towards: towards.normalize().as_vec3().to_array(),
+            radiance,
+            disc: squared_chord(disc),
+            edge: squared_chord(edge),
+            pad: [0.0; 2],
+        }
+    }
+
+    /// A uniform buffer that holds it, to be written anew when it moves.
+    #[must_use]
+    pub fn buffer(&self, context: &Context) -> wgpu::Buffer {
+        context.uniform("lamp", self)
+    }
+
+    /// Its radiance in `direction`, a unit vector.
+    #[must_use]
+    pub fn radiance_towards(&self, direction: DVec3) -> f64 {
+        let towards = DVec3::from_array(self.towards.map(f64::from));
+        let [radiance, disc, edge] = [self.radiance, self.disc, self.edge].map(f64::from);
+        if radiance == 0.0 {
+            return 0.0;
+        }
+        radiance * ((edge - direction.distance_squared(towards)) / (edge - disc)).clamp(0.0, 1.0)
+    }
+}
+
+/// Pipeline of the stage.
+#[derive(Clone, Debug)]
+pub struct LampPass(wgpu::ComputePipeline);
+
+impl LampPass {
+    /// Compiles the stage.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "lamp.wgsl");
+        Self(shader::pipeline(context, &module, "lamp", &[]))
+    }
+
+    /// Adds to `oem` the [`Lamp`] that the uniform buffer `lamp` holds when the stage runs.
+    #[must_use]
+    pub fn stage(&self, context: &Context, lamp: &wgpu::Buffer, oem: &OemPlanes) -> Stage {
+        let mut resources = vec![(0, oem.table_buffer().as_entire_binding()), (5, lamp.as_entire_binding())];
+        resources.extend((1..).zip(oem.planes().iter().map(wgpu::Buffer::as_entire_binding)));
+        let groups = oem.table().side.div_ceil(EDGE);
+        Stage::new("lamp", vec![Dispatch::new(context, &self.0, &resources, [groups, groups, 1])])
+    }
+}

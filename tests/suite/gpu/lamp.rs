@@ -1,0 +1,97 @@
+//! A lamp added to an OEM against the CPU's, within a derived bound.
+
+use super::{UNIT, exceeds, on_every_adapter, wait};
+use crate::common::{Look, Random, landmarks, oem, texels};
+use glam::{DVec2, DVec3};
+use octagloss::Layout;
+use octagloss::gpu::lamp::{Lamp, LampPass, PLACES};
+use octagloss::gpu::{Context, OemPlanes};
+use octagloss::oem::{Oem, OemSize};
+use octagloss::sphere::octahedral::{direction_from_oct, wrap_texel};
+
+const DISC: f64 = 0.06;
+const EDGE: f64 = 0.08;
+
+/// Mean radiance of `lamp` over texel (`x`, `y`) of a square of `inner`, and a little of the light around it.
+fn mean(lamp: &Lamp, inner: u32, x: u32, y: u32) -> f64 {
+    let places = f64::from(PLACES);
+    let at = |k: u32| {
+        let part = DVec2::new(f64::from(k % PLACES), f64::from(k / PLACES)) + 0.5;
+        let texel = DVec2::new(f64::from(x), f64::from(y)) + part / places;
+        lamp.radiance_towards(direction_from_oct(texel * 2.0 / f64::from(inner) - 1.0))
+    };
+    (0..PLACES * PLACES).map(at).sum::<f64>() / (places * places)
+}
+
+/// A direction's components are off by 8 units (two roundings of (u, v), two of the octahedron's point, its length and the
+/// quotient), so a squared distance d^2 at the lamp's edge by 2 sqrt(3) d times that, which counts 1 over the squared distances
+/// of edge and disc; 16 terms, the product and the sum round once each.
+fn bound(radiance: f64) -> f64 {
+    let [disc, edge] = [DISC, EDGE].map(|angle| 2.0 * (angle / 2.0).sin());
+    let share = 2.0 * 3.0_f64.sqrt() * edge * 8.0 * UNIT / (edge * edge - disc * disc);
+    radiance * (share + 20.0 * UNIT)
+}
+
+/// The first texel of `found` that is not `before` and `lamp`.
+fn difference(found: &Oem, before: &Oem, lamp: &Lamp, radiance: f64) -> Option<String> {
+    let OemSize { inner, border } = before.size();
+    let side = before.size().bordered();
+    (0..side * side).find_map(|k| {
+        let [x, y] = [k % side, k / side].map(|place| i64::from(place) - i64::from(border));
+        let (x, y) = wrap_texel(inner, x, y);
+        let added = mean(lamp, inner, x, y);
+        let (was, is) = (before.texels()[k as usize], found.texels()[k as usize]);
+        let w = f64::from(was[3]);
+        let far = (0..4).any(|c| {
+            let expected = f64::from(was[c]) + if c < 3 { added * w } else { 0.0 };
+            exceeds((f64::from(is[c]) - expected).abs(), bound(radiance) * w + UNIT * expected)
+        });
+        far.then(|| format!("texel {k} is {is:?}, was {was:?}, the lamp's radiance there {added}"))
+    })
+}
+
+fn lit(context: &Context, pass: &LampPass, before: &Oem, lamp: &Lamp) -> Oem {
+    let planes = OemPlanes::upload(context, before).expect("small planes");
+    let stage = pass.stage(context, &lamp.buffer(context), &planes);
+    context.submit(|encoder| stage.record(encoder));
+    wait(context, planes.read(context))
+}
+
+#[test]
+fn a_lamp_is_added_where_it_is() {
+    let mut random = Random::new(120);
+    let places: Vec<DVec3> = landmarks().into_iter().chain((0..10).map(|_| random.direction())).collect();
+    on_every_adapter("lamp", |context| {
+        let pass = LampPass::new(context);
+        for (inner, border) in [(64, 0), (33, 5), (8, 8), (1, 0)] {
+            let radiance = texels(&mut Random::new(121), Look::Smooth, Layout::Octahedral { size: inner });
+            let before = oem(OemSize { inner, border }, &radiance);
+            for towards in &places {
+                let lamp = Lamp::new(*towards, 100.0, DISC, EDGE);
+                let after = lit(context, &pass, &before, &lamp);
+                assert_eq!(difference(&after, &before, &lamp, 100.0), None, "{inner} + {border}, {towards}");
+            }
+            let none = lit(context, &pass, &before, &Lamp::default());
+            assert_eq!(none.texels(), before.texels(), "{inner} + {border}: no lamp");
+        }
+    });
+}
+
+#[test]
+fn a_lamp_elsewhere_or_brighter_shows() {
+    on_every_adapter("lamp faults", |context| {
+        let pass = LampPass::new(context);
+        let radiance = texels(&mut Random::new(122), Look::Smooth, Layout::Octahedral { size: 64 });
+        let before = oem(OemSize { inner: 64, border: 0 }, &radiance);
+        let lamp = Lamp::new(DVec3::new(0.6, 0.3, -0.5), 100.0, DISC, EDGE);
+        let wrong = [
+            Lamp::new(DVec3::new(0.6, 0.3, -0.501), 100.0, DISC, EDGE),
+            Lamp::new(DVec3::new(0.6, 0.3, -0.5), 100.1, DISC, EDGE),
+            Lamp::new(DVec3::new(0.6, 0.3, -0.5), 100.0, DISC, 1.01 * EDGE),
+        ];
+        for other in wrong {
+            let after = lit(context, &pass, &before, &other);
+            assert!(difference(&after, &before, &lamp, 100.0).is_some(), "{other:?}");
+        }
+    });
+}
