@@ -15,6 +15,7 @@ use crate::gpu::timer::Timer;
 use crate::gpu::{Context, readback, shader};
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Texels along an edge of the split sum's table.
 const SPLIT_SUM: u32 = 64;
@@ -108,6 +109,15 @@ enum Output {
     Sat,
 }
 
+impl Output {
+    const fn format(self) -> wgpu::TextureFormat {
+        match self {
+            Self::Samples => SAMPLES,
+            Self::Picture | Self::Error | Self::Oem | Self::Sat => PICTURE,
+        }
+    }
+}
+
 /// A mesh on the GPU.
 #[derive(Debug)]
 struct Buffers {
@@ -145,7 +155,9 @@ pub struct Renderer {
     truth: wgpu::TextureView,
     /// The prefiltered cube of the light that was drawn last, and its levels.
     levels: Option<(wgpu::TextureView, u32)>,
-    targets: Option<Targets>,
+    /// The picture that is there, and the one that is being drawn.
+    shown: Option<Targets>,
+    next: Option<Targets>,
     /// What takes the next picture's time, and where in it.
     timer: Option<(Timer, u32)>,
     present: wgpu::Buffer,
@@ -218,7 +230,8 @@ impl Renderer {
             mesh: None,
             truth: texture_of(&context, "truth", SAMPLES, [1; 2], bytemuck::cast_slice(&[0.0_f32; 4])),
             levels: None,
-            targets: None,
+            shown: None,
+            next: None,
             timer: None,
             present: uniform("present", size_of::<Present>() as u64),
             present_pipelines: HashMap::new(),
@@ -258,8 +271,23 @@ impl Renderer {
     /// # Errors
     /// [`Error::Parameter`] for a look that cannot be shown, [`Error::Gpu`] where the device fails.
     pub fn draw(&mut self, look: &Look, light: &Light, width: u32, height: u32) -> Result<()> {
+        self.draw_rows(look, light, (width, height), 0..height)
+    }
+
+    /// Draws some rows of a picture of `size`: the first begin another, and with the last it takes the place of the one that was
+    /// there. What takes long is drawn in bands, of one look and one size.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::draw`].
+    pub fn draw_rows(
+        &mut self,
+        look: &Look,
+        light: &Light,
+        size: (u32, u32),
+        rows: Range<u32>,
+    ) -> Result<()> {
         look.check()?;
-        self.make_targets(width, height)?;
+        self.make_next(size)?;
         let (source, output) = match (look.show, look.filter) {
             (Show::Oem, _) => (Source::Box, Output::Oem),
             (Show::Sat, _) => (Source::Box, Output::Sat),
@@ -272,8 +300,12 @@ impl Renderer {
         if source == Source::Levels && self.levels.is_none() {
             self.levels = Some(light.prefiltered(&self.context)?);
         }
-        let picture = self.targets.as_ref().expect("made").picture.clone();
-        self.draw_into(&picture, PICTURE, source, output, look, light);
+        let picture = self.next.as_ref().expect("made").picture.clone();
+        let done = rows.end >= size.1;
+        self.draw_into(&picture, source, output, look, light, rows);
+        if done {
+            std::mem::swap(&mut self.shown, &mut self.next);
+        }
         self.context.check()
     }
 
@@ -289,10 +321,10 @@ impl Renderer {
         height: u32,
     ) -> Result<impl Future<Output = Result<Vec<Asked>>> + use<>> {
         look.check()?;
-        self.make_targets(width, height)?;
-        let texture = target(&self.context, "samples", SAMPLES, [width, height]);
+        self.make_next((width, height))?;
+        let texture = target(&self.context, "samples", Output::Samples.format(), [width, height]);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        self.draw_into(&view, SAMPLES, Source::Truth, Output::Samples, look, light);
+        self.draw_into(&view, Source::Truth, Output::Samples, look, light, 0..height);
         let context = self.context.clone();
         Ok(async move { readback::read_texture(&context, &texture).await })
     }
@@ -333,20 +365,20 @@ impl Renderer {
         self.truth = texture_of(&self.context, "truth", SAMPLES, size, bytemuck::cast_slice(answers));
     }
 
-    fn make_targets(&mut self, width: u32, height: u32) -> Result<()> {
+    fn make_next(&mut self, (width, height): (u32, u32)) -> Result<()> {
         let most = self.context.device().limits().max_texture_dimension_2d;
         if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
             return Err(Error::Parameter(format!(
                 "a picture of {width} x {height} pixels; each side must be 1 to {most}"
             )));
         }
-        if self.targets.as_ref().is_none_or(|had| (had.width, had.height) != (width, height)) {
+        if self.next.as_ref().is_none_or(|had| (had.width, had.height) != (width, height)) {
             let view = |label, format| {
                 target(&self.context, label, format, [width, height])
                     .create_view(&wgpu::TextureViewDescriptor::default())
             };
             let (picture, depth) = (view("picture", PICTURE), view("depth", DEPTH));
-            self.targets = Some(Targets { width, height, picture, depth });
+            self.next = Some(Targets { width, height, picture, depth });
         }
         Ok(())
     }
@@ -354,19 +386,19 @@ impl Renderer {
     fn draw_into(
         &mut self,
         view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
         source: Source,
         output: Output,
         look: &Look,
         light: &Light,
+        rows: Range<u32>,
     ) {
         let has_mesh = matches!(output, Output::Picture | Output::Error | Output::Samples)
             && matches!(look.object, Object::Knot | Object::Mesh);
-        self.pipeline(source, output, false, format);
+        self.pipeline(source, output, false);
         if has_mesh {
-            self.pipeline(source, output, true, format);
+            self.pipeline(source, output, true);
         }
-        let Targets { width, height, depth, .. } = self.targets.as_ref().expect("made before");
+        let Targets { width, height, depth, .. } = self.next.as_ref().expect("made before");
         let frame = look.camera.frame(f64::from(*width) / f64::from(*height));
         let levels = self.levels.as_ref().map_or(1, |(_, count)| *count);
         let uniform =
@@ -415,6 +447,7 @@ impl Renderer {
             }
             Source::Truth => None,
         };
+        let (first, last) = (rows.start == 0, rows.end >= *height);
         self.context.submit(|encoder| {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("picture"),
@@ -423,21 +456,26 @@ impl Renderer {
                     depth_slice: None,
                     resolve_target: None,
                     ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        load: if first {
+                            wgpu::LoadOp::Clear(wgpu::Color::BLACK)
+                        } else {
+                            wgpu::LoadOp::Load
+                        },
                         store: wgpu::StoreOp::Store,
                     },
                 })],
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                     view: depth,
                     depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(1.0),
-                        store: wgpu::StoreOp::Discard,
+                        load: if first { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load },
+                        store: if last { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store },
                     }),
                     stencil_ops: None,
                 }),
                 timestamp_writes: self.timer.as_ref().map(|(timer, place)| timer.render_writes(*place)),
                 ..Default::default()
             });
+            pass.set_scissor_rect(0, rows.start, *width, rows.end.min(*height) - rows.start);
             pass.set_bind_group(0, &frame, &[]);
             if let Some(answers) = &answers {
                 pass.set_bind_group(1, answers, &[]);
@@ -453,8 +491,8 @@ impl Renderer {
         });
     }
 
-    /// Compiles what leaves `output` in textures of `format`, for what covers the picture or for meshes.
-    fn pipeline(&mut self, source: Source, output: Output, of_mesh: bool, format: wgpu::TextureFormat) {
+    /// Compiles what leaves `output`, for what covers the picture or for meshes.
+    fn pipeline(&mut self, source: Source, output: Output, of_mesh: bool) {
         if self.pipelines.contains_key(&(source, output, of_mesh)) {
             return;
         }
@@ -512,7 +550,7 @@ impl Renderer {
                 module: &module,
                 entry_point: Some(fragment),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(format.into())],
+                targets: &[Some(output.format().into())],
             }),
             multiview_mask: None,
             cache: None,
@@ -557,7 +595,7 @@ impl Renderer {
                 cache: None,
             })
         });
-        let Targets { width, height, picture, .. } = self.targets.as_ref().expect("a picture was drawn");
+        let Targets { width, height, picture, .. } = self.shown.as_ref().expect("a picture was drawn");
         let tone = match (look.show, look.tone) {
             // False colours are meant for the display as they are.
             (Show::Error, _) | (_, Tone::Linear) => 3,

@@ -53,6 +53,17 @@ struct Work {
     answers: Vec<[f32; 4]>,
 }
 
+/// A picture of all pixels on its way, in bands that a frame has time for.
+#[derive(Debug)]
+struct Bands {
+    look: Look,
+    size: (u32, u32),
+    /// Rows that are done,
+    done: u32,
+    /// and those of the next band.
+    rows: f64,
+}
+
 /// The state of a window.
 #[derive(Debug)]
 pub struct Viewer {
@@ -72,6 +83,8 @@ pub struct Viewer {
     drawn: Option<(Look, (u32, u32))>,
     /// Pixels that there are for it.
     full: (u32, u32),
+    /// The whole picture, band after band.
+    bands: Option<Bands>,
     /// The lamp is in the tables.
     lamp_lit: bool,
     started: Instant,
@@ -133,6 +146,7 @@ impl Viewer {
             slider: None,
             drawn: None,
             full: (1, 1),
+            bands: None,
             lamp_lit: false,
             started: now,
             changed: now,
@@ -298,9 +312,42 @@ impl Viewer {
         self.work = None;
         let settled = now - self.changed >= IDLE;
         let size = if settled { full } else { coarser(full, self.coarseness) };
-        if self.drawn.as_ref().is_none_or(|(look, drawn)| *look != self.look || (settled && *drawn != size)) {
-            self.renderer.draw(&self.look, &self.light, size.0, size.1)?;
-            self.drawn = Some((self.look.clone(), size));
+        if self.drawn.as_ref().is_some_and(|(look, drawn)| *look == self.look && (!settled || *drawn == size))
+        {
+            return Ok(());
+        }
+        if settled {
+            return self.draw_band(size, passed);
+        }
+        self.bands = None;
+        self.renderer.draw(&self.look, &self.light, size.0, size.1)?;
+        self.drawn = Some((self.look.clone(), size));
+        Ok(())
+    }
+
+    /// Draws what there is time for of the picture of `size`, the last frame having taken `passed`.
+    fn draw_band(&mut self, size: (u32, u32), passed: Duration) -> Result<()> {
+        let (_, height) = size;
+        let under_way = self.bands.take().filter(|bands| bands.look == self.look && bands.size == size);
+        let mut bands = under_way.map_or_else(
+            || Bands {
+                look: self.look.clone(),
+                size,
+                done: 0,
+                rows: f64::from(height) / self.coarseness.powi(2),
+            },
+            |bands| {
+                let pace = FRAME.as_secs_f64() / passed.as_secs_f64().max(1e-3);
+                Bands { rows: bands.rows * pace.clamp(0.5, 2.0), ..bands }
+            },
+        );
+        let end = bands.done.saturating_add(bands.rows.ceil() as u32).clamp(1, height);
+        self.renderer.draw_rows(&self.look, &self.light, size, bands.done..end)?;
+        bands.done = end;
+        if end < height {
+            self.bands = Some(bands);
+        } else {
+            self.drawn = Some((bands.look, size));
         }
         Ok(())
     }
@@ -378,7 +425,12 @@ impl Viewer {
             self.timed = now;
             let (width, height) = self.full;
             match self.renderer.times(&self.look, &self.light, width, height) {
-                Ok(times) => self.pending_times = Some(later(self.renderer.context(), times)),
+                Ok(times) => {
+                    self.pending_times = Some(later(self.renderer.context(), times));
+                    // That was a whole picture.
+                    self.drawn = Some((self.look.clone(), self.full));
+                    self.bands = None;
+                }
                 Err(error) => {
                     self.motion.timing = false;
                     return Err(error);

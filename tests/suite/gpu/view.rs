@@ -4,14 +4,15 @@ use super::{CONTEXTS, block_on, index, on_every_adapter, wait};
 use glam::{DMat3, DVec2, DVec3};
 use octagloss::bake;
 use octagloss::dfg;
-use octagloss::gpu::Context;
+use octagloss::gpu::lamp::Lamp;
+use octagloss::gpu::{Context, readback};
 use octagloss::lobe::Lobe;
 use octagloss::reflector::{Reflector, ReflectorSettings};
 use octagloss::synth::synth;
 use octagloss::view::{
-    Camera, Filter, Look, Mesh, Object, Renderer, Screenshot, Show, Tone, Truth, screenshot,
+    Camera, Filter, Look, Mesh, Object, Renderer, Screenshot, Show, Tone, Truth, Viewport, screenshot,
 };
-use octagloss::{Environment, Error};
+use octagloss::{Environment, Error, Layout, wgpu};
 use rayon::prelude::*;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
@@ -82,7 +83,7 @@ fn look_along(look: &Look, at: DVec2, mesh: Option<&Mesh>) -> Seen {
     let balls: Vec<(DVec3, f64, f64)> = match look.object {
         Object::Sphere => vec![(DVec3::ZERO, 1.0, look.roughness)],
         Object::Row => (0..9)
-            .map(|k| (DVec3::new(0.0, 0.0, (f64::from(k) / 4.0 - 1.0) * 1.9), 0.21, f64::from(k) / 8.0))
+            .map(|k| (DVec3::new(0.0, 0.0, (f64::from(k) / 4.0 - 1.0) * 1.7), 0.2, f64::from(k) / 8.0))
             .collect(),
         Object::Knot | Object::Mesh => Vec::new(),
     };
@@ -249,6 +250,46 @@ fn pictures_are_the_same_every_time() {
 }
 
 #[test]
+fn bands_make_the_same_picture() {
+    let environment = synth("sky").expect("a recipe");
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    on_every_adapter("view in bands", |context| {
+        let mut renderer = renderer(context);
+        let light = renderer.light(&environment, Some(OEM)).expect("tables that fit");
+        let shown = |renderer: &mut Renderer, look: &Look| {
+            let texture = context.device().create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            let viewport = Viewport { x: 0, y: 0, width: WIDTH, height: HEIGHT };
+            context.submit(|encoder| renderer.present(encoder, &view, format, viewport, look));
+            wait(context, readback::read_texture::<[u8; 4]>(context, &texture))
+        };
+        for object in [Object::Row, Object::Knot] {
+            let look = Look { object, ..Look::default() };
+            renderer.draw(&look, &light, WIDTH, HEIGHT).expect("a picture");
+            let whole = shown(&mut renderer, &look);
+            let other = Look { exposure: 2.0, ..look.clone() };
+            renderer.draw(&other, &light, WIDTH, HEIGHT).expect("another picture");
+            let before = shown(&mut renderer, &other);
+            assert_ne!(before, whole, "{object:?}: another picture");
+            for rows in [0..1, 1..23, 23..63, 63..64] {
+                assert_eq!(shown(&mut renderer, &other), before, "{object:?} before rows {rows:?}");
+                renderer.draw_rows(&look, &light, (WIDTH, HEIGHT), rows).expect("a band");
+            }
+            assert_eq!(shown(&mut renderer, &look), whole, "{object:?}: in bands");
+        }
+    });
+}
+
+#[test]
 fn a_furnace_is_white() {
     let environment = synth("furnace").expect("a recipe");
     on_every_adapter("white furnace", |context| {
@@ -281,6 +322,33 @@ fn errors_are_black_where_there_are_none() {
         let bright = shot(context, &look, &synth("sky").expect("a recipe"));
         let off = bright.iter().filter(|pixel| pixel[0] > 100).count();
         assert!(off > 100, "errors of a sky are seen: {off} pixels");
+    });
+}
+
+#[test]
+fn a_lamp_lights_what_is_seen() {
+    let layout = Layout::Octahedral { size: OEM };
+    let dark = Environment::new(layout, vec![[0.2; 3]; layout.texel_count()]).expect("an environment");
+    let lamp = Lamp::new(DVec3::new(-0.5, 0.6, 0.3), 40.0, 0.1, 0.13);
+    let lit = (0..layout.texel_count() as u32).map(|k| {
+        let radiance = lamp.radiance_towards(layout.direction_from_texel(0, k % OEM, k / OEM));
+        [(0.2 + radiance) as f32; 3]
+    });
+    let lit = Environment::new(layout, lit.collect()).expect("an environment");
+    let look = Look { roughness: 0.4, ..Look::default() };
+    let [without, with] = [&dark, &lit].map(|environment| expected(&look, environment, None));
+    assert!(difference(&without, &with) > 0.05, "a lamp that cannot be seen");
+    on_every_adapter("view of a lamp", |context| {
+        let mut renderer = renderer(context);
+        let light = renderer.light(&dark, Some(OEM)).expect("tables that fit");
+        for (lamp, expected) in [(Some(lamp), &with), (None, &without)] {
+            light.set_lamp(context, lamp);
+            let size = Screenshot { width: WIDTH, height: HEIGHT, samples: 1 };
+            let picture = wait(context, screenshot(&mut renderer, &look, &light, None, size));
+            let found: Vec<[u8; 3]> = picture.pixels().map(|pixel| pixel.0).collect();
+            let off = difference(&found, expected);
+            assert!(off <= SILHOUETTE, "{lamp:?}: {:.2} % of the pixels are off", 100.0 * off);
+        }
     });
 }
 
