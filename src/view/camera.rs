@@ -11,9 +11,12 @@ pub struct Camera {
     pub pitch: f64,
     /// From the origin, in units of an object's radius.
     pub distance: f64,
-    /// Vertical angle of view in radians.
+    /// Vertical angle of view in radians of pictures at least 3:2; narrower ones keep the horizontal one of those.
     pub angle: f64,
 }
+
+/// Width over height of the narrowest pictures that show as much upwards as others.
+pub(crate) const WIDE: f64 = 1.5;
 
 /// Steepest view: straight down there is no up.
 pub(crate) const MAX_PITCH: f64 = 1.55;
@@ -49,7 +52,7 @@ impl Camera {
         let eye = -self.distance * forward;
         let right = forward.cross(DVec3::Y).normalize();
         let up = right.cross(forward);
-        let tangent = (0.5 * self.angle).tan();
+        let tangent = (0.5 * self.angle).tan() * (WIDE / aspect).max(1.0);
         let (right, up) = (right * tangent * aspect, up * tangent);
         // Clip space is as wide and high as the picture at w = distance along the view.
         let (near, far) = (0.02 * self.distance, 100.0 * self.distance);
@@ -63,5 +66,26 @@ impl Camera {
         ];
         let clip_from_world = DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
         Frame { eye, forward, right, up, clip_from_world }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_fits_pictures_of_every_shape() {
+        let look = crate::view::Look { object: crate::view::Object::Row, ..Default::default() };
+        for aspect in [0.3, 0.5, 1.0, 1.5, 1.8, 3.0] {
+            let Frame { clip_from_world, .. } = Camera::default().frame(aspect);
+            for ball in look.balls() {
+                let centre = DVec3::from_array(ball.centre);
+                for side in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
+                    let seen = clip_from_world.project_point3(centre + ball.radius * side);
+                    let inside = seen.x.abs() < 1.0 && seen.y.abs() < 1.0;
+                    assert!(inside, "{ball:?} is cut off at {aspect}: {seen}");
+                }
+            }
+        }
     }
 }

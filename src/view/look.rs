@@ -208,7 +208,7 @@ impl Look {
                 .map(|k| {
                     let along = f64::from(k) / f64::from(ROW - 1);
                     // To the right of the default camera.
-                    Ball { centre: [0.0, 0.0, (2.0 * along - 1.0) * 1.9], radius: 0.21, roughness: along }
+                    Ball { centre: [0.0, 0.0, (2.0 * along - 1.0) * 1.7], radius: 0.2, roughness: along }
                 })
                 .collect(),
             Object::Knot | Object::Mesh => Vec::new(),
