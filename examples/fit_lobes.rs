@@ -1,5 +1,5 @@
 //! Fits the parameters of the real-time tier: `cargo run --release --example fit_lobes K [FILE]` for K = 1, 2, 4 or 8 boxes
-//! writes the file in `src/fitted` that the library holds, or FILE. Takes one to ten minutes of two cores.
+//! writes the file in `src/fitted` that the library holds, or FILE. Takes two to fifteen minutes of two cores.
 
 use octagloss::fit::fit;
 use octagloss::fitted::Shape;

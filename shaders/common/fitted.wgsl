@@ -284,9 +284,10 @@ fn mirror_radiance(uv: vec2<f32>) -> vec3<f32> {
     return least + above * (scale * scale / solid_angle_density(uv));
 }
 
-// Harmonics ring: behind a sun they are negative.
+// Harmonics ring: behind a sun they are negative. No lobe is darker than the darkest texel.
 fn radiance_of(energy: vec4<f32>) -> vec3<f32> {
-    return max(energy.rgb / energy.a, vec3<f32>(0.0)) * octagloss_light.scale[0].rgb * octagloss_light.scale[1].rgb;
+    let radiance = energy.rgb / energy.a * octagloss_light.scale[0].rgb * octagloss_light.scale[1].rgb;
+    return max(radiance, octagloss_light.least.rgb);
 }
 
 // Radiance of a GGX reflection around `direction` (any length but zero) at `roughness` in [0, 1].

@@ -121,9 +121,9 @@ impl<'a> Fitted<'a> {
     pub(crate) fn radiance(&self, direction: DVec3) -> Rgb {
         let mut sum = [0.0; 3];
         let mut add = |share: f64, [r, g, b, w]: [f64; 4]| {
-            for (sum, value) in sum.iter_mut().zip([r, g, b]) {
-                // Harmonics ring: behind a sun they are negative.
-                *sum += share * (value / w).max(0.0);
+            for (sum, (value, least)) in sum.iter_mut().zip([r, g, b].into_iter().zip(self.least)) {
+                // Harmonics ring: behind a sun they are negative. No lobe is darker than the darkest texel.
+                *sum += share * (value / w).max(f64::from(least));
             }
         };
         if self.mirror < 1.0 {

@@ -12,10 +12,11 @@
 //! or to an even one where that is more, count too: the mean of their squares over the sphere, threefold. Without that, harmonics
 //! of sharp lobes were nearly free, and differed from node to node by what shows as specks under a sun.
 //!
-//! **Of which parameters.** Those of a node of the grid have a share in the lobes around it. Hence a node is fitted to nine of them
-//! at most: its own, those in the middle of the six cells around it, and those half-way to the next knots of roughness,
-//! with the other nodes' parameters as they are: interpolation costs no more than a tenth of the error, where nodes
-//! fitted each on its own interpolate to three times the error and more.
+//! **Of which parameters.** Those of a node of the grid have a share in the lobes around it. Hence a node is fitted to fifteen of
+//! them at most: its own, those in the middle of the six cells and of the six edges around it, and those half-way to the next
+//! knots of roughness, with the other nodes' parameters as they are: interpolation costs no more than a tenth of the error, where
+//! nodes fitted each on its own interpolate to three times the error and more. Cone points have one cell and two edges only, and
+//! boxes unlike those beside them: without the edges' middles, four boxes are off three times as much around them as elsewhere.
 //! Nodes on the triangle's sides are tied: there mirrors exchange boxes, or leave them where they are, so that the kernel is
 //! the same from both sides of a fold.
 //!
@@ -23,8 +24,8 @@
 //!
 //! | roughness | 1 | 2 | 4 | 8 |
 //! |---|---|---|---|---|
-//! | 0.3 | 0.146 / 0.99 | 0.076 / 0.52 | 0.028 / 0.15 | 0.020 / 0.11 |
-//! | 0.5 | 0.055 / 0.25 | 0.027 / 0.14 | 0.016 / 0.08 | 0.013 / 0.10 |
+//! | 0.3 | 0.146 / 0.98 | 0.075 / 0.53 | 0.027 / 0.15 | 0.018 / 0.10 |
+//! | 0.5 | 0.055 / 0.24 | 0.026 / 0.13 | 0.015 / 0.09 | 0.013 / 0.09 |
 //!
 //! Nothing keeps the kernel positive: few boxes leave the harmonics much to do, and those ring. Where nearly all light comes
 //! from a small sun, one box shows rings about the far side, four and eight none that would be seen.
@@ -48,7 +49,7 @@ use rayon::prelude::*;
 use solve::{Sample, Ties, minimise, total};
 
 /// How often every node is fitted to the lobes around it.
-pub const SWEEPS: u32 = 4;
+pub const SWEEPS: u32 = 6;
 
 /// Iterations of a node's first fit, for the start, along the first layer, and from layer to layer;
 const START_ITERATIONS: u32 = 100;
@@ -217,8 +218,8 @@ fn sweep(shape: &'static Shape, layers: &mut Layers) {
     }
 }
 
-/// The lobes that a node's parameters have part in: its own, those in the middle of the cells around it, and those half-way to
-/// the knots beside it.
+/// The lobes that a node's parameters have part in: its own, those in the middle of the cells and edges around it, and those
+/// half-way to the knots beside it.
 fn samples_around(
     shape: &'static Shape,
     layers: &Layers,
@@ -240,6 +241,10 @@ fn samples_around(
         let middle = (own + node_point(a.0, a.1) + node_point(b.0, b.1)) / 3.0;
         let others = [a, b].map(|(i, j)| &layer[node(i, j)]);
         samples.push(sample(here, middle, 1.0 / 3.0, &others));
+    }
+    for (a, b) in triangle::neighbours(i, j) {
+        let middle = (own + node_point(a, b)) / 2.0;
+        samples.push(sample(here, middle, 0.5, &[&layer[node(a, b)]]));
     }
     for beside in [knot.wrapping_sub(1), knot + 1].into_iter().filter(|beside| *beside < KNOTS.len()) {
         let other = &layers[index(octave)][beside][node(i, j)];

@@ -17,7 +17,7 @@
 //! ```
 //!
 //! with rho the solid angle of a unit of (u, v) at R. It is applied to L and to 1, and the quotient is the answer: a constant
-//! stays one. Negative answers (harmonics ring behind a sun) become 0.
+//! stays one. Harmonics ring behind a sun: answers below the OEM's least radiance, which no lobe has, become that.
 //!
 //! Parameters are linear between nodes: 78 in the triangle of directions to which the map's sixteen symmetries bring every
 //! other ([`triangle`]), 4 in each of six octaves of alpha. Octaves overlap by a quarter, in which one fades into the
