@@ -4,7 +4,7 @@
 //
 // PICTURES=DIRECTORY keeps the pictures there. Exit status 0 when everything agrees, 1 otherwise.
 import { execFileSync, spawn } from 'node:child_process';
-import { mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { basename, join } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -44,10 +44,12 @@ const origin = await new Promise((resolve, reject) => {
 
 const common = ['--no-sandbox', '--no-first-run', '--disable-quic', '--disable-background-networking',
     '--disable-component-update', '--disable-sync', '--force-color-profile=srgb'];
-const launch = (args) => puppeteer.launch({
-    executablePath: chromium, headless: true, protocolTimeout: 600_000,
-    defaultViewport: { width, height, deviceScaleFactor: 1 }, args: [...common, ...args],
+const launch = (args, defaultViewport = { width, height, deviceScaleFactor: 1 }) => puppeteer.launch({
+    executablePath: chromium, headless: true, protocolTimeout: 600_000, defaultViewport, args: [...common, ...args],
 });
+const webgpu = ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
+    // Without Vulkan the canvas is black where there is no GPU.
+    '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan'];
 
 // The page, any error or warning of which is a failure.
 async function open(name) {
@@ -89,11 +91,12 @@ async function shot(page, name) {
 }
 
 // The program's picture of the page's default look, but for `change`.
-function expected(name, file, { roughness = 0.3, filter = 'fitted:4', size = [width, height] }) {
+function expected(name, file, { roughness = 0.3, filter = 'fitted:4', size = [width, height], yaw = 0, mesh }) {
     const path = join(pictures, `${name}-program.png`);
     const degrees = (radians) => String((radians * 180) / Math.PI);
     execFileSync(program, ['view', file, '--screenshot', path, '--force', '--quiet', '--size', size.join('x'), '--samples', '1',
-        '--roughness', String(roughness), '--filter', filter, '--pitch', degrees(0.12), '--angle', degrees(0.6)],
+        '--roughness', String(roughness), '--filter', filter, '--yaw', degrees(yaw), '--pitch', degrees(0.12), '--angle', degrees(0.6),
+        ...(mesh ? ['--mesh', mesh] : [])],
     { stdio: ['ignore', 'inherit', 'ignore'] });
     return readFileSync(path).toString('base64');
 }
@@ -126,10 +129,10 @@ const agrees = ({ mean, share }) => mean <= most.mean && share <= most.share;
 const said = ({ mean, share }) =>
     `${mean.toFixed(4)} of 255 off in the mean, ${(100 * share).toFixed(3)} % of the pixels by more than 2`;
 
-// A picture of the page against the program's.
-async function check(page, name, file, change = {}) {
+// A picture of the page against the program's; `view` is what the program is told besides what the page is.
+async function check(page, name, file, change = {}, view = {}) {
     await set(page, { panel: false, ...change });
-    const found = await difference(page, await shot(page, name), expected(name, file, change));
+    const found = await difference(page, await shot(page, name), expected(name, file, { ...change, ...view }));
     tell(name, agrees(found), `${said(found)} (at most ${most.mean} and ${100 * most.share} %)`);
 }
 
@@ -193,6 +196,38 @@ async function checkSlider(page) {
     await check(page, 'dragged', sky, { roughness });
 }
 
+// Turns the camera by a finger, then by the mouse.
+async function checkTurning(page) {
+    const radians = (pixels) => (pixels * Math.PI) / height;
+    const [x, y] = [width / 2, height / 2];
+    await page.touchscreen.touchStart(x, y);
+    await page.touchscreen.touchMove(x + 30, y);
+    await page.touchscreen.touchMove(x + 60, y);
+    await page.touchscreen.touchEnd();
+    await check(page, 'turned-by-a-finger', sky, {}, { yaw: -radians(60) });
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x - 60, y, { steps: 3 });
+    await page.mouse.up();
+    await check(page, 'turned-back-by-the-mouse', sky);
+}
+
+// A mesh, dropped.
+async function checkMesh(page) {
+    // A pyramid on a square, its normals those of its faces.
+    const corners = ['1 -0.6 1', '1 -0.6 -1', '-1 -0.6 -1', '-1 -0.6 1', '0 1 0'];
+    const faces = ['1 2 5', '2 3 5', '3 4 5', '4 1 5', '4 3 2 1'];
+    const text = [...corners.map((corner) => `v ${corner}`), ...faces.map((face) => `f ${face}`), ''].join('\n');
+    const mesh = join(work, 'pyramid.obj');
+    writeFileSync(mesh, text);
+    const before = await shot(page, 'before-a-mesh');
+    await drop(page, 'pyramid.obj', Buffer.from(text), () => window.octagloss.state().object === 'mesh');
+    tell('a mesh is another picture', !agrees(await difference(page, await shot(page, 'mesh'), before)), 'pyramid.obj');
+    await check(page, 'mesh', sky, {}, { mesh });
+    await checkBroken(page, 'broken.obj', Buffer.from('f 1 2 3'), 'broken.obj', 'sky.exr');
+    await set(page, { object: 'sphere' });
+}
+
 // Gives the page a file by its file chooser, and waits for `then` of its state.
 async function choose(page, path, then) {
     const [chooser] = await Promise.all([
@@ -215,20 +250,18 @@ async function drop(page, name, bytes, then) {
     await settled(page);
 }
 
-async function checkBroken(page, name, bytes, why) {
+async function checkBroken(page, name, bytes, why, shown = 'studio.hdr') {
     const before = await shot(page, `before-${name}`);
     await drop(page, name, bytes, (name) => window.octagloss.state().message?.startsWith(name));
     const { environment, message } = await state(page);
     tell(`${name} is refused`, message.includes(why), message);
     const kept = await difference(page, await shot(page, `after-${name}`), before);
-    tell(`${name}: the picture stays`, environment === 'studio.hdr' && kept.mean === 0, `${environment}; ${said(kept)}`);
+    tell(`${name}: the picture stays`, environment === shown && kept.mean === 0, `${environment}; ${said(kept)}`);
 }
 
 let browser;
 try {
-    browser = await launch(['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
-        // Without Vulkan the canvas is black where there is no GPU.
-        '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan']);
+    browser = await launch(webgpu);
     console.log(await browser.version());
     let from = performance.now();
     const since = () => {
@@ -246,6 +279,9 @@ try {
     tell('another roughness differs', !agrees(differs), said(differs));
     await check(page, 'roughness-0.6', sky, { roughness: 0.6 });
     await check(page, 'box', sky, { roughness: 0.3, filter: 'box' });
+    await check(page, 'levels', sky, { filter: 'levels' });
+    await check(page, 'adaptive', sky, { filter: 'adaptive' });
+    console.log(`       other filters: ${since()}`);
     await set(page, { filter: 'fitted:4' });
 
     const asked = await page.evaluate('window.frames_asked');
@@ -254,6 +290,8 @@ try {
     tell('nothing is drawn while nothing changes', asked > 0 && idle === 0, `${idle} of ${asked} frames`);
 
     await checkSlider(page);
+    await set(page, { roughness: 0.3 });
+    await checkTurning(page);
 
     await choose(page, studio, (name) => window.octagloss.state().environment === name);
     await check(page, 'studio', studio, { roughness: 0.3 });
@@ -262,6 +300,8 @@ try {
     await checkBroken(page, 'text.hdr', Buffer.from('no image'), 'not an image');
     await drop(page, 'sky.exr', exr, (name) => window.octagloss.state().environment === name);
     tell('a good file takes the message away', (await state(page)).message === null, 'sky.exr');
+
+    await checkMesh(page);
 
     await page.setViewport({ width: 240, height: 300, deviceScaleFactor: 1 });
     await page.waitForFunction(() => String(window.octagloss.state().size) === '240,300', { timeout: 60_000, polling: 200 });
@@ -280,6 +320,17 @@ try {
     from = performance.now();
     await checkShaders(page);
     console.log(`       shaders: ${since()}`);
+    await browser.close();
+
+    // A display of two pixels a point: a browser's own, for emulated ones tell the page one.
+    browser = await launch([...webgpu, '--force-device-scale-factor=2', '--window-size=500,290'], null);
+    {
+        const page = await open('two pixels a point');
+        await set(page, { panel: false });
+        const [size, points] = [(await state(page)).size, await page.evaluate('[innerWidth, innerHeight]')];
+        tell('two pixels a point', String(size) === String(points.map((side) => 2 * side)), `${size} on ${points}`);
+        await check(page, 'two-pixels-a-point', sky, {}, { size });
+    }
     await browser.close();
 
     // Without an adapter, and without the interface.

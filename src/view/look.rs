@@ -21,6 +21,28 @@ pub enum Object {
     Mesh,
 }
 
+impl Object {
+    const NAMES: [(Self, &'static str); 4] =
+        [(Self::Sphere, "sphere"), (Self::Row, "row"), (Self::Knot, "knot"), (Self::Mesh, "mesh")];
+}
+
+impl Display for Object {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let name = Self::NAMES.iter().find(|(object, _)| object == self).map_or("", |(_, name)| name);
+        f.write_str(name)
+    }
+}
+
+/// From what [`Display`] writes.
+impl FromStr for Object {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let found = Self::NAMES.iter().find(|(_, name)| *name == text);
+        found.map(|(object, _)| *object).ok_or_else(|| "must be sphere, row, knot or mesh".to_owned())
+    }
+}
+
 /// How lobes are answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {

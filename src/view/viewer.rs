@@ -182,6 +182,12 @@ impl Viewer {
         self.message.as_deref()
     }
 
+    /// Whether there is a mesh to show.
+    #[must_use]
+    pub const fn has_mesh(&self) -> bool {
+        self.has_mesh
+    }
+
     /// What the environment is called.
     #[must_use]
     pub fn name(&self) -> &str {

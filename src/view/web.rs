@@ -1,6 +1,6 @@
 //! The window in a page: what the page calls.
 
-use super::look::{Filter, Look};
+use super::look::{Filter, Look, Object};
 use super::mesh::Mesh;
 use super::viewer::{Viewer, is_mesh, options};
 use super::window::{Application, Ready, Shown, Start};
@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
+use std::str::FromStr;
 use wasm_bindgen::prelude::wasm_bindgen;
 use wasm_bindgen::{JsError, JsValue};
 use web_sys::HtmlCanvasElement;
@@ -43,6 +44,7 @@ struct Change {
     exposure: Option<f64>,
     turn: Option<f64>,
     filter: Option<String>,
+    object: Option<String>,
     panel: Option<bool>,
 }
 
@@ -54,6 +56,7 @@ struct State<'a> {
     adapter: String,
     roughness: f64,
     filter: String,
+    object: String,
     /// Samples of the picture.
     size: (u32, u32),
     /// Whether nothing changes any more.
@@ -114,6 +117,7 @@ impl Page {
             adapter: viewer.context().describe(),
             roughness: viewer.look().roughness,
             filter: viewer.look().filter.to_string(),
+            object: viewer.look().object.to_string(),
             size: viewer.picture_size(),
             settled: !viewer.is_busy(),
             panel: viewer.panel(),
@@ -122,18 +126,15 @@ impl Page {
         Ok(serde_json::to_string(&state)?)
     }
 
-    /// Changes what is shown by `change`, an object in JSON of any of roughness, backdrop, exposure, turn, filter (as
-    /// [`Filter`] is written) and panel.
+    /// Changes what is shown by `change`, an object in JSON of any of roughness, backdrop, exposure, turn, filter and
+    /// object (as [`Filter`] and [`Object`] are written) and panel.
     ///
     /// # Errors
     /// Where a field is unknown or its value out of range; nothing is changed then.
     pub fn set(&self, change: &str) -> Result<(), JsError> {
         let change: Change = serde_json::from_str(change)?;
-        let filter: Option<Filter> = change
-            .filter
-            .map(|filter| filter.parse())
-            .transpose()
-            .map_err(|error: String| JsError::new(&error))?;
+        let filter: Option<Filter> = parsed("filter", change.filter)?;
+        let object: Option<Object> = parsed("object", change.object)?;
         let set = self.act(|viewer| {
             let was = viewer.look().clone();
             let look = Look {
@@ -142,9 +143,13 @@ impl Page {
                 exposure: change.exposure.unwrap_or(was.exposure),
                 turn: change.turn.unwrap_or(was.turn),
                 filter: filter.unwrap_or(was.filter),
+                object: object.unwrap_or(was.object),
                 ..was
             };
             look.check()?;
+            if look.object == Object::Mesh && !viewer.has_mesh() {
+                return Err(crate::Error::Parameter("there is no mesh: open one first".to_owned()));
+            }
             *viewer.look_mut() = look;
             if let Some(shown) = change.panel {
                 viewer.set_panel(shown);
@@ -153,6 +158,12 @@ impl Page {
         });
         Ok(set.unwrap_or(Ok(()))?)
     }
+}
+
+/// What `text` says, where there is any.
+fn parsed<T: FromStr<Err = String>>(what: &str, text: Option<String>) -> Result<Option<T>, JsError> {
+    let value = text.map(|text| text.parse()).transpose();
+    value.map_err(|error| JsError::new(&format!("{what} {error}")))
 }
 
 impl Page {
