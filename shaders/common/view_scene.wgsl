@@ -1,4 +1,7 @@
-// What every pixel of the viewer looks at: `ViewFrame` of src/view/renderer.rs and the pictures beside it.
+// What every pixel of the viewer looks at: `ViewFrame` of src/view/renderer.rs and the pictures beside it. No branch depends on
+// the uniform alone: Mesa's lavapipe puts what such branches read into the code, and compiles it anew while the camera moves.
+
+const BALLS = 9u;
 
 struct Ball {
     centre: vec3<f32>,
@@ -17,23 +20,22 @@ struct ViewFrame {
     // Roughness of the lobe that the backdrop is seen by.
     backdrop: f32,
     forward: vec3<f32>,
-    // Whether the roughness is multiplied by a map's.
-    textured: u32,
-    // Reflectance at normal incidence.
-    metal: vec3<f32>,
-    balls: u32,
-    // Pixels of the picture.
-    size: vec2<f32>,
     // Levels of the prefiltered cube.
     levels: f32,
+    // Reflectance at normal incidence.
+    metal: vec3<f32>,
+    // Pixels of the picture.
+    size: vec2<f32>,
     source_from_world: mat3x3<f32>,
     clip_from_world: mat4x4<f32>,
-    ball: array<Ball, 9>,
+    // Those that are not there have no radius.
+    ball: array<Ball, BALLS>,
 }
 
 @group(0) @binding(0) var<uniform> frame: ViewFrame;
 // Columns by the view's cosine, rows by roughness: scale and bias of the reflectance at normal incidence.
 @group(0) @binding(1) var split_sum: texture_2d<f32>;
+// White where the roughness is even.
 @group(0) @binding(2) var roughness_map: texture_2d<f32>;
 // Radiance of the certified tier, a texel a pixel.
 @group(0) @binding(3) var truth: texture_2d<f32>;
@@ -81,10 +83,7 @@ fn view_direction(pixel: vec2<f32>) -> vec3<f32> {
 
 // A metal's surface with unit `normal`, seen along `view`.
 fn surface_sample(view: vec3<f32>, normal: vec3<f32>, base_roughness: f32, uv: vec2<f32>) -> Sample {
-    var roughness = base_roughness;
-    if frame.textured != 0u {
-        roughness *= roughness_at(uv);
-    }
+    let roughness = base_roughness * roughness_at(uv);
     let cosine = clamp(-dot(view, normal), 0.0, 1.0);
     let terms = split_sum_at(cosine, roughness);
     let once = terms.x + terms.y;
@@ -99,7 +98,7 @@ fn ball_sample(pixel: vec2<f32>) -> Sample {
     let view = view_direction(pixel);
     var nearest = 1e30;
     var found = Sample(view, frame.backdrop, vec3<f32>(1.0));
-    for (var k = 0u; k < frame.balls; k++) {
+    for (var k = 0u; k < BALLS; k++) {
         let ball = frame.ball[k];
         let from_centre = frame.eye - ball.centre;
         let along = dot(from_centre, view);

@@ -44,12 +44,11 @@ pub(super) struct ViewFrame {
     up: [f32; 3],
     backdrop: f32,
     forward: [f32; 3],
-    textured: u32,
-    metal: [f32; 3],
-    balls: u32,
-    size: [f32; 2],
     levels: f32,
+    metal: [f32; 3],
     pad: f32,
+    size: [f32; 2],
+    pad_size: [f32; 2],
     source_from_world: [[f32; 4]; 3],
     clip_from_world: [[f32; 4]; 4],
     ball: [BallUniform; ROW as usize],
@@ -149,6 +148,8 @@ pub struct Renderer {
     pipelines: HashMap<(Source, Output, bool), wgpu::RenderPipeline>,
     split_sum: wgpu::TextureView,
     roughness: wgpu::TextureView,
+    /// A roughness map that changes nothing.
+    even: wgpu::TextureView,
     trilinear: wgpu::Sampler,
     knot: Buffers,
     mesh: Option<Buffers>,
@@ -220,6 +221,7 @@ impl Renderer {
                 bytemuck::cast_slice(&split_sum),
             ),
             roughness: roughness_texture(&context, &RoughnessMap::own())?,
+            even: roughness_texture(&context, &RoughnessMap::even())?,
             trilinear: device.create_sampler(&wgpu::SamplerDescriptor {
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
@@ -412,7 +414,11 @@ impl Renderer {
         }
         .filter(|_| has_mesh);
         let device = self.context.device();
-        let roughness = mesh.and_then(|mesh| mesh.roughness.as_ref()).unwrap_or(&self.roughness);
+        let roughness = match mesh.and_then(|mesh| mesh.roughness.as_ref()) {
+            _ if !look.textured => &self.even,
+            Some(own) => own,
+            None => &self.roughness,
+        };
         let textures = [&self.split_sum, roughness, &self.truth];
         let textures = (1..).zip(textures).map(|(binding, view)| wgpu::BindGroupEntry {
             binding,
@@ -654,12 +660,11 @@ impl ViewFrame {
     fn new(look: &Look, frame: &Frame, source_from_world: DMat3, size: [u32; 2], levels: u32) -> Self {
         let three = |v: DVec3| v.as_vec3().to_array();
         let mut ball = [BallUniform::default(); ROW as usize];
-        let balls = look.balls();
-        for (uniform, Ball { centre, radius, roughness }) in ball.iter_mut().zip(&balls) {
+        for (uniform, Ball { centre, radius, roughness }) in ball.iter_mut().zip(look.balls()) {
             *uniform = BallUniform {
                 centre: centre.map(|c| c as f32),
-                radius: *radius as f32,
-                roughness: *roughness as f32,
+                radius: radius as f32,
+                roughness: roughness as f32,
                 pad: [0.0; 3],
             };
         }
@@ -671,12 +676,11 @@ impl ViewFrame {
             up: three(frame.up),
             backdrop: look.backdrop as f32,
             forward: three(frame.forward),
-            textured: u32::from(look.textured),
-            metal: look.metal,
-            balls: balls.len() as u32,
-            size: size.map(|side| side as f32),
             levels: levels as f32,
+            metal: look.metal,
             pad: 0.0,
+            size: size.map(|side| side as f32),
+            pad_size: [0.0; 2],
             source_from_world: [0, 1, 2].map(|c| {
                 let [x, y, z] = three(source_from_world.col(c));
                 [x, y, z, 0.0]

@@ -15,6 +15,12 @@ pub struct RoughnessMap {
 }
 
 impl RoughnessMap {
+    /// White: roughness stays as it is.
+    #[must_use]
+    pub fn even() -> Self {
+        Self { width: 1, height: 1, texels: vec![255] }
+    }
+
     /// Bands and discs between polished and rough, their edges soft.
     #[must_use]
     pub fn own() -> Self {

@@ -1,5 +1,6 @@
 //! Pictures without a window.
 
+use super::truth::tolerance;
 use super::{Light, Look, Renderer, Truth, Viewport};
 use crate::error::Result;
 use crate::gpu::readback;
@@ -34,7 +35,8 @@ pub async fn screenshot(
     if look.needs_truth() {
         let asked = renderer.samples(look, light, columns, rows)?.await?;
         let truth = truth.expect("the caller gives what the look asks for");
-        let answers = truth.answers(&asked, columns as usize, light.source_from_world(look.turn))?;
+        let source_from_world = light.source_from_world(look.turn);
+        let answers = truth.answers(&asked, columns as usize, source_from_world, tolerance(look.show))?;
         renderer.set_truth(&answers, columns);
     }
     renderer.draw(look, light, columns, rows)?;

@@ -1,5 +1,6 @@
 //! The certified tier for the pixels of a picture: what the adaptive filter shows, and what others are measured by.
 
+use super::look::Show;
 use crate::bake::Filter;
 use crate::environment::Environment;
 use crate::error::Result;
@@ -21,11 +22,17 @@ pub struct Truth {
     reflector: Reflector<'static>,
 }
 
-/// The relRMSE that is asked for: a fifth of what a bake asks for, well below what an eye or the other filters tell apart.
-const ERROR: f64 = 0.001;
+/// The relRMSE that `show` asks for: of pictures a fifth of what a bake asks for, well below what an eye tells apart; where errors
+/// are shown, the least that has a colour of its own.
+pub(super) const fn tolerance(show: Show) -> f64 {
+    match show {
+        Show::Error => 1e-4,
+        Show::Scene | Show::Oem | Show::Sat => 1e-3,
+    }
+}
 
 impl Truth {
-    /// Lobes over `environment` (its own space) to a relRMSE of 0.001.
+    /// Lobes over `environment`, in its own space.
     ///
     /// # Errors
     /// Those of [`Reflector::new`].
@@ -35,7 +42,7 @@ impl Truth {
     }
 
     /// The radiance that each of a picture's pixels asks for, rows of `width` one after the other; directions are turned by
-    /// `source_from_world`.
+    /// `source_from_world`. To a relRMSE of `error`.
     ///
     /// # Errors
     /// Those of [`Reflector::lobes`].
@@ -44,6 +51,7 @@ impl Truth {
         asked: &[Asked],
         width: usize,
         source_from_world: DMat3,
+        error: f64,
     ) -> Result<Vec<[f32; 4]>> {
         // Those of one roughness together, neighbours next to one another.
         let mut alike: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
@@ -57,7 +65,7 @@ impl Truth {
                 (y / TILE, x / TILE, y % TILE, x % TILE)
             });
             let roughness = f64::from(f32::from_bits(roughness)).clamp(0.0, 1.0);
-            let lobes = self.reflector.lobes(Lobe::Ggx, roughness, Filter::Adaptive(ERROR))?;
+            let lobes = self.reflector.lobes(Lobe::Ggx, roughness, Filter::Adaptive(error))?;
             let found: Vec<_> = pixels
                 .par_chunks(64 * TILE * TILE)
                 .map(|chunk| {

@@ -5,7 +5,7 @@ use super::look::{Look, Object};
 use super::mesh::Mesh;
 use super::panel::{Motion, Status, panel};
 use super::renderer::{Renderer, Viewport};
-use super::truth::{Asked, Truth};
+use super::truth::{Asked, Truth, tolerance};
 use crate::environment::Environment;
 use crate::error::Result;
 use crate::gpu::Context;
@@ -27,6 +27,9 @@ const SLICE: Duration = Duration::from_millis(60);
 
 /// Coarsest picture: a sample for so many pixels along an edge.
 const COARSEST: f64 = 10.0;
+
+/// Bands at most that a whole picture is drawn in.
+const MOST_BANDS: f64 = 16.0;
 
 /// Steps of refinement of the certified tier: pixels to a sample along an edge.
 const STEPS: [u32; 4] = [8, 4, 2, 1];
@@ -51,6 +54,18 @@ struct Work {
     size: (u32, u32),
     asked: Later<Vec<Asked>>,
     answers: Vec<[f32; 4]>,
+}
+
+/// What a frame drew, where another followed it at once.
+#[derive(Clone, Copy, Debug, Default)]
+enum Before {
+    /// Anything, or none followed.
+    #[default]
+    Other,
+    /// The picture that there was.
+    Bare,
+    /// A coarse picture.
+    Coarse,
 }
 
 /// A picture of all pixels on its way, in bands that a frame has time for.
@@ -92,6 +107,12 @@ pub struct Viewer {
     last_frame: Instant,
     /// Pixels to a sample along an edge while something changes.
     coarseness: f64,
+    /// The size that the panel tells.
+    told: (u32, u32),
+    /// What the last frame drew,
+    before: Before,
+    /// and how long one takes that draws no picture.
+    bare: Option<Duration>,
     work: Option<Work>,
     times: Vec<(&'static str, f64)>,
     pending_times: Option<Later<Vec<(&'static str, f64)>>>,
@@ -152,6 +173,9 @@ impl Viewer {
             changed: now,
             last_frame: now,
             coarseness: 2.0,
+            told: (0, 0),
+            before: Before::Other,
+            bare: None,
             work: None,
             times: Vec::new(),
             pending_times: None,
@@ -270,7 +294,9 @@ impl Viewer {
     pub fn is_busy(&self) -> bool {
         let settled = self.drawn.as_ref().is_some_and(|(look, _)| *look == self.look);
         let Motion { turning, lamp, timing } = self.motion;
-        !settled || turning || lamp || timing || self.work.is_some() || self.coarse()
+        // The panel tells the picture's size.
+        let told = self.panel_hidden || self.told == self.picture_size();
+        !settled || !told || turning || lamp || timing || self.work.is_some() || self.coarse()
     }
 
     /// Whether the picture that is there is coarser than it might be.
@@ -303,12 +329,16 @@ impl Viewer {
             self.lamp_lit = lamp;
             self.drawn = None;
         }
-        if self.drawn.as_ref().is_none_or(|(look, _)| *look != self.look) {
-            // Frames that follow one another tell what there is time for.
-            if now - self.changed < IDLE && passed < IDLE {
-                let pace = passed.as_secs_f64() / FRAME.as_secs_f64();
-                self.coarseness = (self.coarseness * pace.sqrt().clamp(0.9, 2.0)).clamp(1.0, COARSEST);
+        // A frame that follows another at once tells how long that took.
+        match std::mem::take(&mut self.before) {
+            Before::Other => {}
+            Before::Bare => self.bare = Some(self.bare.map_or(passed, |bare| bare.min(passed))),
+            Before::Coarse => {
+                self.coarseness =
+                    (self.coarseness * self.pace(passed).sqrt().clamp(0.9, 2.0)).clamp(1.0, COARSEST);
             }
+        }
+        if self.drawn.as_ref().is_none_or(|(look, _)| *look != self.look) {
             self.changed = now;
         }
         self.take_times(now)?;
@@ -320,6 +350,7 @@ impl Viewer {
         let size = if settled { full } else { coarser(full, self.coarseness) };
         if self.drawn.as_ref().is_some_and(|(look, drawn)| *look == self.look && (!settled || *drawn == size))
         {
+            self.before = if self.is_busy() { Before::Bare } else { Before::Other };
             return Ok(());
         }
         if settled {
@@ -328,7 +359,13 @@ impl Viewer {
         self.bands = None;
         self.renderer.draw(&self.look, &self.light, size.0, size.1)?;
         self.drawn = Some((self.look.clone(), size));
+        self.before = if self.is_busy() { Before::Coarse } else { Before::Other };
         Ok(())
+    }
+
+    /// What a picture took against what it may take, in a frame of `passed`.
+    fn pace(&self, passed: Duration) -> f64 {
+        passed.saturating_sub(self.bare.unwrap_or_default()).as_secs_f64() / FRAME.as_secs_f64()
     }
 
     /// Draws what there is time for of the picture of `size`, the last frame having taken `passed`.
@@ -343,8 +380,8 @@ impl Viewer {
                 rows: f64::from(height) / self.coarseness.powi(2),
             },
             |bands| {
-                let pace = FRAME.as_secs_f64() / passed.as_secs_f64().max(1e-3);
-                Bands { rows: bands.rows * pace.clamp(0.5, 2.0), ..bands }
+                let least = f64::from(height) / MOST_BANDS;
+                Bands { rows: (bands.rows / self.pace(passed).clamp(0.5, 2.0)).max(least), ..bands }
             },
         );
         let end = bands.done.saturating_add(bands.rows.ceil() as u32).clamp(1, height);
@@ -387,7 +424,7 @@ impl Viewer {
             // Bands of rows that tiles fill.
             let end = (work.answers.len() + 16 * width).min(asked.len());
             let band = &asked[work.answers.len()..end];
-            work.answers.extend(truth.answers(band, width, source_from_world)?);
+            work.answers.extend(truth.answers(band, width, source_from_world, tolerance(work.look.show))?);
             if start.elapsed() > SLICE {
                 break;
             }
@@ -472,6 +509,7 @@ impl Viewer {
             work.answers.len() as f64 / count.max(1) as f64
         });
         let size = self.picture_size();
+        self.told = size;
         let Self { look, motion, name, adapter, message, has_mesh, times, .. } = self;
         let status = Status {
             environment: name,
