@@ -16,8 +16,10 @@ const FINENESS: f64 = 5.0;
 const COARSER: f64 = 2.0;
 
 /// What the square of a relative error counts, as a mean over the sphere: far from the lobe's centre its tail is small against
-/// its peak, and all that most pixels see of a sun.
-const TAIL: f64 = 3.0;
+/// its peak, and all that most pixels see of a sun. One or two boxes that count it as much as four lose the peak over it.
+const fn tail(shape: &Shape) -> f64 {
+    if shape.boxes() < 4 { 3.0 } else { 30.0 }
+}
 
 /// What the fourth power of an error, in units of the peak, counts against its square.
 const SHARPNESS: f64 = 100.0;
@@ -111,7 +113,7 @@ impl Problem {
                 let tail = if inner && !levels.is_empty() {
                     0.0
                 } else {
-                    TAIL * cell * cell / (4.0 * PI) / (target + even).powi(2)
+                    tail(shape) * cell * cell / (4.0 * PI) / (target + even).powi(2)
                 };
                 level.weights.push((count + tail) * density);
                 let cosine = direction_from_oct(wrap_oct(middle)).dot(around);
