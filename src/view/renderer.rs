@@ -1,10 +1,12 @@
-//! Draws a [`Look`] at a [`Light`]: a linear picture first, then what a display shows of it.
+//! Draws a [`Look`] at a [`Light`]: a linear picture first, then, by [`super::present`], what a display shows of it.
 
 use super::camera::Frame;
 use super::light::{Light, Passes};
-use super::look::{Ball, Filter, Look, Object, ROW, Show, Tone};
+use super::look::{Ball, Filter, Look, Object, ROW, Show};
 use super::mesh::{Mesh, Vertex};
+use super::present::{Presenter, Viewport};
 use super::roughness_map::RoughnessMap;
+use super::textures::{roughness_texture, target, texture_of};
 use super::truth::Asked;
 use crate::dfg::{DfgForm, dfg_table};
 use crate::environment::Environment;
@@ -52,30 +54,6 @@ pub(super) struct ViewFrame {
     source_from_world: [[f32; 4]; 3],
     clip_from_world: [[f32; 4]; 4],
     ball: [BallUniform; ROW as usize],
-}
-
-/// The uniform of what a display shows.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub(super) struct Present {
-    origin: [f32; 2],
-    size: [f32; 2],
-    source: [f32; 2],
-    tone: u32,
-    pad: u32,
-}
-
-/// Where a picture goes in its target, in pixels from the upper left corner.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Viewport {
-    /// Left edge.
-    pub x: u32,
-    /// Upper edge.
-    pub y: u32,
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
 }
 
 /// What answers a pixel's question: a shader file, and what it is bound to.
@@ -161,8 +139,7 @@ pub struct Renderer {
     next: Option<Targets>,
     /// What takes the next picture's time, and where in it.
     timer: Option<(Timer, u32)>,
-    present: wgpu::Buffer,
-    present_pipelines: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
+    presenter: Presenter,
 }
 
 impl Renderer {
@@ -235,8 +212,7 @@ impl Renderer {
             shown: None,
             next: None,
             timer: None,
-            present: uniform("present", size_of::<Present>() as u64),
-            present_pipelines: HashMap::new(),
+            presenter: Presenter::new(&context),
             context,
         };
         renderer.context.check()?;
@@ -576,73 +552,8 @@ impl Renderer {
         viewport: Viewport,
         look: &Look,
     ) {
-        let device = self.context.device();
-        let pipeline = self.present_pipelines.entry(format).or_insert_with(|| {
-            let module = shader::module(&self.context, "view/present.wgsl");
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("present"),
-                layout: None,
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("cover"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("show"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(format.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        });
-        let Targets { width, height, picture, .. } = self.shown.as_ref().expect("a picture was drawn");
-        let tone = match (look.show, look.tone) {
-            // False colours are meant for the display as they are.
-            (Show::Error, _) | (_, Tone::Linear) => 3,
-            (_, Tone::Neutral) => 0,
-            (_, Tone::Aces) => 1,
-            (_, Tone::Reinhard) => 2,
-        };
-        let uniform = Present {
-            origin: [viewport.x as f32, viewport.y as f32],
-            size: [viewport.width as f32, viewport.height as f32],
-            source: [*width as f32, *height as f32],
-            tone,
-            pad: 0,
-        };
-        self.context.queue().write_buffer(&self.present, 0, bytemuck::bytes_of(&uniform));
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("present"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: self.present.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
-            ],
-        });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("present"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        let Viewport { x, y, width, height } = viewport;
-        pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
+        let picture = &self.shown.as_ref().expect("a picture was drawn").picture;
+        self.presenter.present(picture, encoder, view, format, viewport, look);
     }
 }
 
@@ -719,67 +630,4 @@ impl Buffers {
             roughness: mesh.roughness.as_ref().map(|map| roughness_texture(context, map)).transpose()?,
         })
     }
-}
-
-fn roughness_texture(context: &Context, map: &RoughnessMap) -> Result<wgpu::TextureView> {
-    let size = [map.width, map.height];
-    let most = context.device().limits().max_texture_dimension_2d;
-    if size.iter().any(|side| *side > most) {
-        return Err(Error::Limit {
-            what: format!("a roughness map of {} x {}", map.width, map.height),
-            needed: u64::from(map.width) * u64::from(map.height),
-            available: u64::from(most) * u64::from(most),
-            remedy: format!("use one of at most {most} texels a side"),
-        });
-    }
-    Ok(texture_of(context, "roughness map", wgpu::TextureFormat::R8Unorm, size, &map.texels))
-}
-
-/// A texture that is drawn into, and read.
-pub(super) fn target(
-    context: &Context,
-    label: &str,
-    format: wgpu::TextureFormat,
-    [width, height]: [u32; 2],
-) -> wgpu::Texture {
-    context.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
-}
-
-/// A texture of `bytes`, rows one after the other.
-fn texture_of(
-    context: &Context,
-    label: &str,
-    format: wgpu::TextureFormat,
-    [width, height]: [u32; 2],
-    bytes: &[u8],
-) -> wgpu::TextureView {
-    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(bytes.len() as u32 / height),
-        rows_per_image: None,
-    };
-    context.queue().write_texture(texture.as_image_copy(), bytes, layout, size);
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }

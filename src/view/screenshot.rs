@@ -42,7 +42,7 @@ pub async fn screenshot(
     renderer.draw(look, light, columns, rows)?;
     let context = renderer.context().clone();
     let format = wgpu::TextureFormat::Rgba8Unorm;
-    let texture = super::renderer::target(&context, "screenshot", format, [width, height]);
+    let texture = super::textures::target(&context, "screenshot", format, [width, height]);
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
     let viewport = Viewport { x: 0, y: 0, width, height };
     context.submit(|encoder| renderer.present(encoder, &view, format, viewport, look));

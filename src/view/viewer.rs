@@ -4,7 +4,8 @@ use super::light::Light;
 use super::look::{Look, Object};
 use super::mesh::Mesh;
 use super::panel::{Motion, Status, panel};
-use super::renderer::{Renderer, Viewport};
+use super::present::Viewport;
+use super::renderer::Renderer;
 use super::truth::{Asked, Truth, tolerance};
 use crate::environment::Environment;
 use crate::error::Result;
@@ -312,6 +313,10 @@ impl Viewer {
             self.work = None;
             self.message = Some(error.to_string());
         }
+        // Only of a frame that follows at once.
+        if !self.is_busy() {
+            self.before = Before::Other;
+        }
     }
 
     fn try_draw(&mut self, full: (u32, u32)) -> Result<()> {
@@ -350,7 +355,7 @@ impl Viewer {
         let size = if settled { full } else { coarser(full, self.coarseness) };
         if self.drawn.as_ref().is_some_and(|(look, drawn)| *look == self.look && (!settled || *drawn == size))
         {
-            self.before = if self.is_busy() { Before::Bare } else { Before::Other };
+            self.before = Before::Bare;
             return Ok(());
         }
         if settled {
@@ -359,7 +364,7 @@ impl Viewer {
         self.bands = None;
         self.renderer.draw(&self.look, &self.light, size.0, size.1)?;
         self.drawn = Some((self.look.clone(), size));
-        self.before = if self.is_busy() { Before::Coarse } else { Before::Other };
+        self.before = Before::Coarse;
         Ok(())
     }
 
