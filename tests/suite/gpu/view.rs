@@ -10,7 +10,7 @@ use octagloss::lobe::Lobe;
 use octagloss::reflector::{Reflector, ReflectorSettings};
 use octagloss::synth::synth;
 use octagloss::view::{
-    Camera, Filter, Look, Mesh, Object, Renderer, Screenshot, Show, Tone, Truth, Viewport, screenshot,
+    Camera, Filter, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Tone, Truth, Viewport, screenshot,
 };
 use octagloss::{Environment, Error, Layout, wgpu};
 use rayon::prelude::*;
@@ -171,9 +171,13 @@ fn renderer(context: &Context) -> MutexGuard<'static, Renderer> {
 fn shot(context: &Context, look: &Look, environment: &Environment) -> Vec<[u8; 3]> {
     let mut renderer = renderer(context);
     let light = renderer.light(environment, Some(OEM)).expect("tables that fit");
+    shot_by(context, &mut renderer, look, &light)
+}
+
+fn shot_by(context: &Context, renderer: &mut Renderer, look: &Look, light: &Light) -> Vec<[u8; 3]> {
     let truth = look.needs_truth().then(|| Truth::new(light.environment()).expect("an OEM"));
     let size = Screenshot { width: WIDTH, height: HEIGHT, samples: 1 };
-    let picture = wait(context, screenshot(&mut renderer, look, &light, truth.as_ref(), size));
+    let picture = wait(context, screenshot(renderer, look, light, truth.as_ref(), size));
     picture.pixels().map(|pixel| pixel.0).collect()
 }
 
@@ -343,10 +347,7 @@ fn a_lamp_lights_what_is_seen() {
         let light = renderer.light(&dark, Some(OEM)).expect("tables that fit");
         for (lamp, expected) in [(Some(lamp), &with), (None, &without)] {
             light.set_lamp(context, lamp);
-            let size = Screenshot { width: WIDTH, height: HEIGHT, samples: 1 };
-            let picture = wait(context, screenshot(&mut renderer, &look, &light, None, size));
-            let found: Vec<[u8; 3]> = picture.pixels().map(|pixel| pixel.0).collect();
-            let off = difference(&found, expected);
+            let off = difference(&shot_by(context, &mut renderer, &look, &light), expected);
             assert!(off <= SILHOUETTE, "{lamp:?}: {:.2} % of the pixels are off", 100.0 * off);
         }
     });
