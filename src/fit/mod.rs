@@ -30,7 +30,7 @@
 //! | 0.5 | 0.055 / 0.24 | 0.026 / 0.13 | 0.016 / 0.07 | 0.010 / 0.05 |
 //!
 //! Nothing keeps the kernel positive: few boxes leave the harmonics much to do, and those ring. Where nearly all light comes
-//! from a small sun, one box shows rings about the far side, four and eight none that would be seen.
+//! from a small sun, one box shows rings about the far side, four and eight a soft patch.
 //!
 //! **How.** Levenberg and Marquardt's method. One node of one layer is fitted from 24 starts, its layer from there ring after
 //! ring, every other layer from one beside it; then all nodes in turn, in six colours of which no two
