@@ -105,16 +105,18 @@ pub fn kernel(lobe: Lobe, alpha: f64, s: f64) -> f64 {
         return 0.0;
     }
     match lobe {
-        Lobe::Ggx => {
-            let a2 = alpha * alpha;
-            let denominator = s + a2 * (1.0 - s);
-            a2 / (PI * denominator * denominator) * cos_theta
-        }
+        Lobe::Ggx => ggx(alpha * alpha, s),
         Lobe::Phong => (phong_exponent(alpha) * (-2.0 * s).ln_1p()).exp(),
         Lobe::Cone => f64::from(u8::from(s <= cone_edge(alpha))),
         Lobe::Cosine => cos_theta,
         Lobe::Charlie => (2.0 * s).powf(charlie_power(alpha)) * cos_theta,
     }
+}
+
+/// GGX at `s` below 1/2, for the square of alpha, `a2`.
+pub(crate) fn ggx(a2: f64, s: f64) -> f64 {
+    let denominator = s + a2 * (1.0 - s);
+    a2 / (PI * denominator * denominator) * (1.0 - 2.0 * s)
 }
 
 /// sin^2 of half the cone's half-angle, roughness * pi/2 with roughness = sqrt(alpha).

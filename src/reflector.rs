@@ -4,6 +4,7 @@ use crate::bake::Filter;
 use crate::cpu::adaptive::{Adaptive, LANES, Packet, Scratch};
 use crate::cpu::box_filter::BoxFilter;
 use crate::cpu::cells::Cells;
+use crate::cpu::emitters::{self, Emitter};
 use crate::cpu::fitted::{Fitted, finest_octave};
 use crate::cpu::kernel::Kernel;
 use crate::cpu::tent::Reconstruction;
@@ -204,12 +205,18 @@ impl<'a> Reflector<'a> {
         cells.get_or_init(|| Cells::new(&self.oem, self.block, reconstruction))
     }
 
-    /// Blurred tables and harmonics, over an OEM that is a power of two wide.
+    /// Emitters, and blurred tables and harmonics of the rest, over an OEM that is a power of two wide.
     fn soft(&self) -> &SoftTables {
-        self.soft.get_or_init(|| SoftTables {
-            blurred: (0..=finest_octave(self.oem.size().inner)).map(|_| OnceLock::new()).collect(),
-            harmonics: sh::table_harmonics(self.sat()),
-            least: self.oem.least_radiance(),
+        self.soft.get_or_init(|| {
+            let (emitters, rest) = emitters::taken_out(&self.oem);
+            let sat = Sat::new(&rest, Scan::default());
+            SoftTables {
+                emitters,
+                blurred: (0..=finest_octave(self.oem.size().inner)).map(|_| OnceLock::new()).collect(),
+                harmonics: sh::table_harmonics(&sat),
+                least: rest.least_radiance(),
+                sat,
+            }
         })
     }
 
@@ -231,10 +238,9 @@ impl<'a> Reflector<'a> {
             Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),
             Filter::Fitted(count) => {
                 let table = Table::of(count).expect("checked");
-                let SoftTables { blurred, harmonics, least } = self.soft();
-                let blurred =
-                    |octave| blurred[octave as usize].get_or_init(|| blur::blurred(self.sat(), octave));
-                Method::Fitted(Fitted::new(table, alpha, &self.oem, *least, &blurred, harmonics))
+                let SoftTables { emitters, sat, blurred, harmonics, least } = self.soft();
+                let blurred = |octave| blurred[octave as usize].get_or_init(|| blur::blurred(sat, octave));
+                Method::Fitted(Fitted::new(table, alpha, &self.oem, emitters, *least, &blurred, harmonics))
             }
             Filter::Adaptive(_) if mirror => Method::Mirror(&self.oem, self.oem.least_radiance()),
             Filter::Adaptive(error) => {
@@ -266,9 +272,12 @@ impl<'a> Reflector<'a> {
     }
 }
 
-/// What soft boxes are read from; blurred tables are made when first asked for.
+/// What fitted lobes are read from; blurred tables are made when first asked for.
 #[derive(Debug)]
 struct SoftTables {
+    emitters: Vec<Emitter>,
+    /// Of the OEM without them, as all that follows.
+    sat: Sat,
     /// By octave.
     blurred: Vec<OnceLock<Sat>>,
     harmonics: [[f64; 4]; 25],

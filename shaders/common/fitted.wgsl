@@ -22,6 +22,9 @@ const FIRST_OCTAVE = 2u;
 // Roughness from which on harmonics join the boxes, and from which on they are alone.
 const HARMONICS_FROM = 0.65;
 const HARMONICS_ALONE = 0.75;
+// Roughness from which on the polynomial of peaks holds.
+const PEAK_FROM = 0.13;
+const EMITTERS = 63u;
 // 2^-60: entries to the harmonics' units.
 const UNIT = 8.6736174e-19;
 
@@ -265,6 +268,26 @@ fn zonal_weights(roughness: f32) -> vec4<f32> {
     return sum;
 }
 
+// What emitters add to a lobe around the unit vector `direction`: `radiance` of src/cpu/emitters.rs.
+fn emitters_radiance(direction: vec3<f32>, alpha: f32, roughness: f32) -> vec3<f32> {
+    var sum = vec3<f32>();
+    for (var k = 0u; k < EMITTERS; k++) {
+        let emitter = octagloss_light.emitters[k];
+        let apart = direction - emitter.direction;
+        let s = 0.25 * dot(apart, apart);
+        let widened = min(alpha * alpha + 0.5 * emitter.spread, 1.0);
+        let denominator = s + widened * (1.0 - s);
+        sum += emitter.energy * (widened * max(1.0 - 2.0 * s, 0.0) / (denominator * denominator));
+    }
+    let t = (2.0 * roughness - (1.0 + PEAK_FROM)) / (1.0 - PEAK_FROM);
+    var peak = 0.0;
+    for (var k = 2; k >= 0; k--) {
+        let four = octagloss_octaves.peak[k];
+        peak = (((peak * t + four.w) * t + four.z) * t + four.y) * t + four.x;
+    }
+    return sum * peak;
+}
+
 // Radiance of the OEM, bilinear between texel centres.
 fn mirror_radiance(uv: vec2<f32>) -> vec3<f32> {
     let n = octagloss_octaves.inner;
@@ -303,7 +326,8 @@ fn octagloss_fitted(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
     let alone = smoothstep(HARMONICS_FROM, HARMONICS_ALONE, rough);
     var radiance = vec3<f32>();
     if share > 0.0 {
-        let orders = orders_around(normalize(direction));
+        let towards = normalize(direction);
+        let orders = orders_around(towards);
         if alone < 1.0 {
             let log_alpha = log2(alpha);
             let own = u32(clamp(i32(ceil(FIRST_KNOT - log_alpha)), i32(FIRST_OCTAVE), i32(finest)));
@@ -322,6 +346,7 @@ fn octagloss_fitted(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
             let energy = orders.first + orders.others * zonal_weights(rough);
             radiance += alone * radiance_of(energy);
         }
+        radiance += emitters_radiance(towards, alpha, rough);
         radiance *= share;
     }
     if share < 1.0 {

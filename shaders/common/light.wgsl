@@ -1,5 +1,15 @@
 // What of the light is the same for every lobe: `LIGHT` of src/gpu/fitted.rs.
 
+// Light from one place: `Emitter` of src/cpu/emitters.rs.
+struct OctaglossEmitter {
+    direction: vec3<f32>,
+    // Mean squared distance from there.
+    spread: f32,
+    // Radiance times solid angle; none of it where there is no emitter.
+    energy: vec3<f32>,
+    pad: f32,
+}
+
 struct OctaglossLight {
     // The least radiance of each channel.
     least: vec4<f32>,
@@ -7,4 +17,5 @@ struct OctaglossLight {
     scale: array<vec4<f32>, 2>,
     // Of radiance and of 1, to order 4, in units of 2^60 of the table's.
     harmonics: array<vec4<f32>, 25>,
+    emitters: array<OctaglossEmitter, 63>,
 }

@@ -28,6 +28,9 @@ struct OctaglossOctaves {
     first_wider: u32,
     // The least alpha that the tables resolve.
     sharpest: f32,
+    pad_0: u32,
+    // 1 over pi times a lobe's integral as a polynomial over roughness 0.13 to 1, lowest power first, four to a vector.
+    peak: array<vec4<f32>, 3>,
     // What convolution leaves of harmonics of order 1 to 4, as polynomials over roughness 0.65 to 1, lowest power first.
     zonal: array<vec4<f32>, 8>,
     // By octave, from 1 on.

@@ -108,10 +108,11 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         names.push("cells_block_2".to_owned());
     }
     if let Ok(tables) = FittedTables::new(context, size, 4) {
-        let [blur, harmonics, mirror] = engine.fitted_stages(&planes, &sat, &tables);
-        let (frame, _) = engine.fitted.stage(context, &tables, &frame());
-        stages.extend([blur, harmonics, mirror, frame]);
-        names.extend(["blur", "harmonics", "mirror", "fitted_4_1920x1080"].map(str::to_owned));
+        let rebuild = engine.build_fitted.stages(context, &planes, &tables)?;
+        names.extend(rebuild.iter().map(|stage| stage.label().replace(' ', "_")));
+        stages.extend(rebuild);
+        stages.push(engine.fitted.stage(context, &tables, &frame()).0);
+        names.push("fitted_4_1920x1080".to_owned());
     }
     stages.push(Copy::new(context).stage(context, &sat));
     let (mut each, _) = clock.time(&stages.iter().collect::<Vec<_>>())?;

@@ -1,5 +1,6 @@
 //! The real-time tier: GGX lobes as a few soft boxes and a zonal harmonic term, see [`crate::fitted`].
 
+use super::emitters::Emitter;
 use super::mirror;
 use crate::environment::Rgb;
 use crate::fitted::triangle::triangle_from_oct;
@@ -56,12 +57,15 @@ fn smooth(t: f64) -> f64 {
 #[derive(Debug)]
 pub(crate) struct Fitted<'a> {
     oem: &'a Oem,
+    emitters: &'a [Emitter],
     least: Rgb,
     /// The share of the mirror.
     mirror: f64,
     table: &'static Table,
     /// The sharpest alpha that the tables resolve, or the lobe's own.
     alpha: f64,
+    /// The lobe's integral over the sphere.
+    integral: f64,
     /// Octaves and their shares; none where harmonics are alone.
     parts: Vec<(u32, f64)>,
     /// Blurred tables, by octave; those that are read.
@@ -72,12 +76,13 @@ pub(crate) struct Fitted<'a> {
 }
 
 impl<'a> Fitted<'a> {
-    /// Lobes of `alpha` in [0, 1] over `oem`, a power of two and at least 16 texels wide; `blurred` is its table, blurred by a
-    /// tent of half-width 2^-octave.
+    /// Lobes of `alpha` in [0, 1] over `oem`, a power of two and at least 16 texels wide. Of what its `emitters` leave of it are
+    /// `least`, its least radiance, `blurred`, its table blurred by a tent of half-width 2^-octave, and `harmonics`.
     pub(crate) fn new(
         table: &'static Table,
         alpha: f64,
         oem: &'a Oem,
+        emitters: &'a [Emitter],
         least: Rgb,
         blurred: &dyn Fn(u32) -> &'a Sat,
         harmonics: &'a [[f64; 4]; 25],
@@ -106,10 +111,12 @@ impl<'a> Fitted<'a> {
         let weights = lobe::zonal_weights(Lobe::Ggx, alpha).map(|weight| alone * weight);
         Self {
             oem,
+            emitters,
             least,
             mirror: 1.0 - share,
             table,
             alpha,
+            integral: lobe::kernel_integral(Lobe::Ggx, alpha),
             parts,
             blurred: read,
             harmonics,
@@ -141,6 +148,12 @@ impl<'a> Fitted<'a> {
             // The first weight is the share itself.
             if self.alone[0] > 0.0 {
                 add((1.0 - self.mirror) * self.alone[0], weighted(&self.alone, &orders));
+            }
+            for emitter in self.emitters {
+                for (sum, value) in sum.iter_mut().zip(emitter.radiance(self.alpha, self.integral, direction))
+                {
+                    *sum += (1.0 - self.mirror) * value;
+                }
             }
         }
         if self.mirror > 0.0 {

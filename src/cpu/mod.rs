@@ -9,6 +9,7 @@ pub(crate) mod bake_level;
 pub mod blur;
 pub mod box_filter;
 pub mod cells;
+pub mod emitters;
 pub(crate) mod fitted;
 pub mod kernel;
 pub mod mirror;

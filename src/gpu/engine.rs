@@ -1,13 +1,11 @@
 //! All passes together: environments made ready on the GPU, queried and baked.
 
 use super::adaptive::{Adaptive, Answers, Packet, Packets, Part};
-use super::blur::Blur;
 use super::box_filter::{BoxFilter, SatTextures};
+use super::build_fitted::BuildFitted;
 use super::cells::{BuildCells, CellTree};
 use super::fitted::{Fitted, FittedTables};
 use super::fixed_point::FixedPoint;
-use super::harmonics::Harmonics;
-use super::mirror::Mirror;
 use super::reparameterise::{self, Reparameterise};
 use super::sat_scan::SatScan;
 use super::{Context, OemPlanes, SatPlanes, Stage, readback};
@@ -44,13 +42,9 @@ pub struct Engine {
     pub sat_scan: SatScan,
     /// Table to textures, and boxes over them.
     pub box_filter: BoxFilter,
-    /// Table to blurred tables.
-    pub blur: Blur,
-    /// Table to harmonics.
-    pub harmonics: Harmonics,
-    /// OEM to what mirrors are read from.
-    pub mirror: Mirror,
-    /// Fitted lobes over those three.
+    /// OEM to what fitted lobes are read from.
+    pub build_fitted: BuildFitted,
+    /// Fitted lobes over that.
     pub fitted: Fitted,
     /// OEM to quadtree.
     pub cells: BuildCells,
@@ -64,14 +58,13 @@ impl Engine {
     /// # Errors
     /// [`Error::Gpu`] where a shader fails.
     pub fn new(context: Context) -> Result<Self> {
+        let (fixed_point, sat_scan) = (FixedPoint::new(&context), SatScan::new(&context));
         let engine = Self {
             reparameterise: Reparameterise::new(&context),
-            fixed_point: FixedPoint::new(&context),
-            sat_scan: SatScan::new(&context),
+            build_fitted: BuildFitted::new(&context, &fixed_point, &sat_scan),
+            fixed_point,
+            sat_scan,
             box_filter: BoxFilter::new(&context),
-            blur: Blur::new(&context),
-            harmonics: Harmonics::new(&context),
-            mirror: Mirror::new(&context),
             fitted: Fitted::new(&context),
             cells: BuildCells::new(&context),
             adaptive: Adaptive::new(&context),
@@ -148,20 +141,6 @@ impl Engine {
                 .and_then(|()| FittedTables::check_fits(&self.context, size.inner)),
             Filter::Reference => Ok(()),
         }
-    }
-
-    /// The stages that fill `tables` from an OEM and its table, to be recorded after theirs.
-    ///
-    /// # Panics
-    /// Where they are of several sizes.
-    #[must_use]
-    pub fn fitted_stages(&self, oem: &OemPlanes, sat: &SatPlanes, tables: &FittedTables) -> [Stage; 3] {
-        let Self { context, blur, harmonics, mirror, .. } = self;
-        [
-            blur.stage(context, sat, tables),
-            harmonics.stage(context, sat, tables),
-            mirror.stage(context, oem, tables),
-        ]
     }
 
     /// The stages of a bake with [`Filter::Adaptive`], from the source's texture to every level's answers, to be recorded
@@ -274,31 +253,28 @@ impl<'a> Reflector<'a> {
         if let Some(textures) = self.sat.get() {
             return Ok(textures);
         }
-        let Engine { context, box_filter, .. } = self.engine;
+        let Engine { context, fixed_point, sat_scan, box_filter, .. } = self.engine;
         let sat = SatPlanes::new(context, self.planes.size())?;
         let textures = SatTextures::new(context, &sat)?;
-        self.fill(&sat, &[box_filter.pack(context, &sat, &textures)]);
+        let stages = [
+            fixed_point.stage(context, &self.planes, &sat),
+            sat_scan.stage(context, &self.planes, &sat),
+            box_filter.pack(context, &sat, &textures),
+        ];
+        context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         Ok(self.sat.get_or_init(|| textures))
     }
 
     fn fitted(&self, count: u32) -> Result<&FittedTables> {
-        let Engine { context, .. } = self.engine;
+        let Engine { context, build_fitted, .. } = self.engine;
         if let Some(tables) = self.fitted.get() {
             tables.set_count(context, count)?;
             return Ok(tables);
         }
         let tables = FittedTables::new(context, self.planes.size().inner, count)?;
-        let sat = SatPlanes::new(context, self.planes.size())?;
-        self.fill(&sat, &self.engine.fitted_stages(&self.planes, &sat, &tables));
+        let stages = build_fitted.stages(context, &self.planes, &tables)?;
+        context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         Ok(self.fitted.get_or_init(|| tables))
-    }
-
-    /// Makes the exact table, and runs the stages after it.
-    fn fill(&self, sat: &SatPlanes, after: &[Stage]) {
-        let Engine { context, fixed_point, sat_scan, .. } = self.engine;
-        let stages =
-            [fixed_point.stage(context, &self.planes, sat), sat_scan.stage(context, &self.planes, sat)];
-        context.submit(|encoder| stages.iter().chain(after).for_each(|stage| stage.record(encoder)));
     }
 
     /// Answers to `directions` (unit vectors of the world), each on its own.

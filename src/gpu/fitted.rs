@@ -1,20 +1,23 @@
 //! The real-time tier over tables on the GPU: for lists of directions here, and for any shader of the caller's.
 //!
 //! ```text
-//! OEM planes --mirror--> texture, least radiance --+
-//! SAT planes --blur----> blurred tables -----------+--> octagloss_fitted(direction, roughness)
-//!            --harmonics--> orders 0 to 4 ---------+
+//! OEM planes --build_fitted--> emitters; blurred tables, harmonics and least radiance of the rest; texture
+//!                                                      |
+//!                                                      +--> octagloss_fitted(direction, roughness)
 //! ```
 
 use super::blur::{self, BORDER, Octave};
+use super::emitters::EmitterWords;
 use super::shader::{self, Queries};
 use super::stage::Dispatch;
 use super::{Context, Stage, readback};
+use crate::cpu::emitters;
 use crate::error::{Error, Result};
 use crate::fitted::{BOX_PARAMETERS, COUNTS, KNOTS, Table};
-use crate::lobe::{Lobe, zonal_weights};
+use crate::lobe::{Lobe, kernel_integral, zonal_weights};
 use glam::DVec3;
 use half::f16;
+use std::f64::consts::PI;
 
 /// Invocations of a workgroup.
 pub const GROUP_SIZE: u32 = 64;
@@ -28,8 +31,17 @@ const ZONAL: usize = 8;
 /// The roughness that they begin at.
 const HARMONICS_FROM: f64 = 0.65;
 
-/// Bytes of what of the light every lobe shares: least radiance, units, harmonics; vectors of four floats.
-pub const LIGHT: u64 = 16 * (1 + 2 + 25);
+/// Coefficients of a polynomial, four to a vector, over the roughness that boxes and emitters are asked for.
+const PEAK: usize = 12;
+
+/// The roughness that it begins at, a little below that of the finest octave's sharpest lobe.
+const PEAK_FROM: f64 = 0.13;
+
+/// Where in what of the light every lobe shares, after least radiance, units and harmonics, vectors of four floats, emitters are.
+pub(super) const EMITTERS_OFFSET: u64 = 16 * (1 + 2 + 25);
+
+/// Bytes of what of the light every lobe shares.
+pub const LIGHT: u64 = EMITTERS_OFFSET + (size_of::<EmitterWords>() * emitters::COUNT) as u64;
 
 /// The uniform that says where tables lie and which lobes are asked for.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -43,6 +55,7 @@ pub struct Octaves {
     first_wider: u32,
     sharpest: f32,
     pad_0: u32,
+    peak: [[f32; 4]; PEAK / 4],
     zonal: [[f32; 4]; ZONAL],
     octaves: [Octave; blur::OCTAVES],
 }
@@ -56,6 +69,7 @@ shader::members!(Octaves {
     first_wider,
     sharpest,
     pad_0,
+    peak,
     zonal,
     octaves,
 });
@@ -84,37 +98,55 @@ fn parameters() -> Vec<[u16; 8]> {
     tables.flat_map(|table| table.values().chunks_exact(BOX_PARAMETERS).map(row)).collect()
 }
 
-/// The weights of orders 1 to 4 as polynomials in t from -1 to 1 over the roughness from [`HARMONICS_FROM`] to 1, by
-/// interpolation at Chebyshev's points. The weights are analytic but at roughness 0, which leaves less than 1e-7.
+/// The weights of orders 1 to 4 as polynomials over the roughness from [`HARMONICS_FROM`] to 1; the weights are analytic but at
+/// roughness 0, which leaves less than 1e-7.
 fn zonal() -> [[f32; 4]; ZONAL] {
-    let node = |k: usize| ((2 * k + 1) as f64 / (2 * ZONAL) as f64 * std::f64::consts::PI).cos();
-    let mut sums = [[0.0; 4]; ZONAL];
-    for k in 0..ZONAL {
+    let weights = |roughness: f64| {
+        let [_, others @ ..] = zonal_weights(Lobe::Ggx, roughness * roughness);
+        others
+    };
+    polynomials(HARMONICS_FROM, weights).map(|row| row.map(|value| value as f32))
+}
+
+/// 1 over pi times the lobe's integral as a polynomial over the roughness from [`PEAK_FROM`] to 1, to 5e-8 of it.
+fn peak() -> [[f32; 4]; PEAK / 4] {
+    let reciprocal = |roughness: f64| [1.0 / (PI * kernel_integral(Lobe::Ggx, roughness * roughness))];
+    let powers: [[f64; 1]; PEAK] = polynomials(PEAK_FROM, reciprocal);
+    std::array::from_fn(|row| std::array::from_fn(|k| powers[4 * row + k][0] as f32))
+}
+
+/// `functions` of the roughness from `from` to 1 as polynomials in t from -1 to 1, lowest power first, by interpolation at
+/// Chebyshev's points.
+fn polynomials<const POWERS: usize, const COUNT: usize>(
+    from: f64,
+    functions: impl Fn(f64) -> [f64; COUNT],
+) -> [[f64; COUNT]; POWERS] {
+    let node = |k: usize| ((2 * k + 1) as f64 / (2 * POWERS) as f64 * PI).cos();
+    let mut sums = [[0.0; COUNT]; POWERS];
+    for k in 0..POWERS {
         let t = node(k);
-        let roughness = HARMONICS_FROM + (1.0 - HARMONICS_FROM) * (t + 1.0) / 2.0;
-        let weights = zonal_weights(Lobe::Ggx, roughness * roughness);
-        // Lagrange's polynomial of this point, lowest power first.
-        let mut own = [0.0; ZONAL];
+        let values = functions(from + (1.0 - from) * (t + 1.0) / 2.0);
+        // Lagrange's polynomial of this point.
+        let mut own = [0.0; POWERS];
         own[0] = 1.0;
-        for other in (0..ZONAL).filter(|other| *other != k).map(node) {
-            for power in (0..ZONAL).rev() {
+        for other in (0..POWERS).filter(|other| *other != k).map(node) {
+            for power in (0..POWERS).rev() {
                 let lower = if power > 0 { own[power - 1] } else { 0.0 };
                 own[power] = (lower - other * own[power]) / (t - other);
             }
         }
         for (sum, own) in sums.iter_mut().zip(own) {
-            for (sum, weight) in sum.iter_mut().zip(&weights[1..]) {
-                *sum += own * weight;
+            for (sum, value) in sum.iter_mut().zip(values) {
+                *sum += own * value;
             }
         }
     }
-    sums.map(|sum| sum.map(|value| value as f32))
+    sums
 }
 
 /// What fitted lobes are read from, as shaders query it.
 ///
-/// Filled by the stages of [`blur::Blur`], [`super::harmonics::Harmonics`] and [`super::mirror::Mirror`], to be recorded
-/// whenever the light has changed. [`FittedTables::bind_group_layout`] and [`wgsl`] put it into any shader:
+/// Filled by the stages of [`super::build_fitted::BuildFitted`], to be recorded whenever the light has changed. [`FittedTables::bind_group_layout`] and [`wgsl`] put it into any shader:
 /// `octagloss_fitted(direction, roughness)` answers there, any roughness a pixel.
 #[derive(Clone, Debug)]
 pub struct FittedTables {
@@ -153,6 +185,7 @@ impl FittedTables {
             first_wider,
             sharpest: (KNOTS[0] - f64::from(layout.finest)).exp2() as f32,
             pad_0: 0,
+            peak: peak(),
             zonal: zonal(),
             octaves: layout.octaves,
         };

@@ -1,4 +1,4 @@
-//! What mirrors are read from: an OEM's square as one texture, and its least radiance.
+//! What mirrors are read from: an OEM's square as one texture, and the least radiance of it without its emitters.
 
 use super::fitted::FittedTables;
 use super::least::Least;
@@ -23,12 +23,18 @@ impl Mirror {
         Self { mirror: shader::pipeline(context, &module, "mirror", &[]), least: Least::new(context) }
     }
 
-    /// The square of `oem`, and its least radiance, into `tables`.
+    /// The square of `oem`, and the least radiance of `rest`, what its emitters leave of it, into `tables`.
     ///
     /// # Panics
     /// Where they were made for another size.
     #[must_use]
-    pub fn stage(&self, context: &Context, oem: &OemPlanes, tables: &FittedTables) -> Stage {
+    pub fn stage(
+        &self,
+        context: &Context,
+        oem: &OemPlanes,
+        rest: &OemPlanes,
+        tables: &FittedTables,
+    ) -> Stage {
         assert_eq!(oem.size().inner, tables.inner(), "tables for this size");
         let mut resources = vec![
             (0, oem.table_buffer().as_entire_binding()),
@@ -39,7 +45,7 @@ impl Mirror {
         let least =
             wgpu::BufferBinding { buffer: tables.light(), offset: 0, size: std::num::NonZero::new(16) };
         let mut dispatches = vec![Dispatch::new(context, &self.mirror, &resources, [groups, groups, 1])];
-        dispatches.extend(self.least.dispatches(context, oem, wgpu::BindingResource::Buffer(least)));
+        dispatches.extend(self.least.dispatches(context, rest, wgpu::BindingResource::Buffer(least)));
         Stage::new("mirror", dispatches)
     }
 }

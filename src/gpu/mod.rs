@@ -6,9 +6,8 @@
 //!
 //! ```text
 //! texture --reparameterise--> OEM planes --fixed_point--> exponents --sat_scan--> SAT planes --pack--> textures, boxes
-//!                                  |                                                   |
-//!                                  |                                                   +--blur, harmonics--+
-//!                                  +--mirror--> texture, least radiance -----------------------------------+--> fitted lobes
+//!                                  +--emitters--> emitters, and the rest's SAT planes --blur, harmonics--+
+//!                                  +--mirror--> texture, least radiance --------------------------------+--> fitted lobes
 //!                                  +--cells--> quadtree of moments --adaptive--> lobes with bounds
 //! ```
 //!
@@ -24,9 +23,11 @@ pub mod adaptive;
 mod block_on;
 pub mod blur;
 pub mod box_filter;
+pub mod build_fitted;
 pub mod cells;
 pub mod context;
 pub mod copy;
+pub mod emitters;
 pub mod engine;
 pub mod fitted;
 pub mod fixed_point;

@@ -107,6 +107,16 @@ impl OemPlanes {
         Ok(Self { size, planes, table: context.uniform("OEM table", &table) })
     }
 
+    /// Planes of energies, all zero, beside this OEM's solid angles.
+    ///
+    /// # Errors
+    /// Those of [`OemPlanes::new`].
+    pub(super) fn of_the_same_solid_angles(&self, context: &Context) -> Result<Self> {
+        let mut other = Self::new(context, self.size)?;
+        other.planes[3] = self.planes[3].clone();
+        Ok(other)
+    }
+
     /// Planes holding `oem`.
     ///
     /// # Errors

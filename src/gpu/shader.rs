@@ -49,6 +49,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "box_filter.wgsl",
     "cells.wgsl",
     "copy.wgsl",
+    "emitters.wgsl",
     "fitted.wgsl",
     "fixed_point.wgsl",
     "harmonics.wgsl",

@@ -52,6 +52,11 @@ impl Stage {
         Self { label, dispatches }
     }
 
+    /// The same under another label.
+    pub(super) fn labelled(self, label: &'static str) -> Self {
+        Self { label, ..self }
+    }
+
     /// What it is called, as in `shaders/`.
     #[must_use]
     pub const fn label(&self) -> &'static str {

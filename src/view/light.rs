@@ -3,13 +3,11 @@
 use crate::bake::{self, BakeSettings, bake};
 use crate::environment::{Environment, luminance};
 use crate::error::Result;
-use crate::gpu::blur::Blur;
 use crate::gpu::box_filter::{BoxFilter, SatTextures};
+use crate::gpu::build_fitted::BuildFitted;
 use crate::gpu::fitted::FittedTables;
 use crate::gpu::fixed_point::FixedPoint;
-use crate::gpu::harmonics::Harmonics;
 use crate::gpu::lamp::{Lamp, LampPass};
-use crate::gpu::mirror::Mirror;
 use crate::gpu::reparameterise::{Reparameterise, upload};
 use crate::gpu::sat_scan::SatScan;
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
@@ -26,22 +24,19 @@ pub(super) struct Passes {
     fixed_point: FixedPoint,
     sat_scan: SatScan,
     box_filter: BoxFilter,
-    blur: Blur,
-    harmonics: Harmonics,
-    mirror: Mirror,
+    build_fitted: BuildFitted,
 }
 
 impl Passes {
     pub(super) fn new(context: &Context) -> Self {
+        let (fixed_point, sat_scan) = (FixedPoint::new(context), SatScan::new(context));
         Self {
             reparameterise: Reparameterise::new(context),
             lamp: LampPass::new(context),
-            fixed_point: FixedPoint::new(context),
-            sat_scan: SatScan::new(context),
+            build_fitted: BuildFitted::new(context, &fixed_point, &sat_scan),
+            fixed_point,
+            sat_scan,
             box_filter: BoxFilter::new(context),
-            blur: Blur::new(context),
-            harmonics: Harmonics::new(context),
-            mirror: Mirror::new(context),
         }
     }
 }
@@ -102,16 +97,14 @@ impl Light {
         let sat = SatPlanes::new(context, size)?;
         let boxes = SatTextures::new(context, &sat)?;
         let fitted = FittedTables::new(context, size.inner, 4)?;
-        let stages = vec![
+        let mut stages = vec![
             passes.reparameterise.stage(context, environment.layout(), &texture, &planes)?,
             passes.lamp.stage(context, &lamp, &planes),
             passes.fixed_point.stage(context, &planes, &sat),
             passes.sat_scan.stage(context, &planes, &sat),
             passes.box_filter.pack(context, &sat, &boxes),
-            passes.blur.stage(context, &sat, &fitted),
-            passes.harmonics.stage(context, &sat, &fitted),
-            passes.mirror.stage(context, &planes, &fitted),
         ];
+        stages.extend(passes.build_fitted.stages(context, &planes, &fitted)?);
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         context.check()?;
         let mut sum = 0.0;

@@ -13,6 +13,7 @@ mod cli_view;
 mod common;
 mod containers;
 mod dfg;
+mod emitters;
 mod fitted;
 mod fuzz;
 #[cfg(feature = "gpu")]

@@ -1,8 +1,8 @@
 //! The entry points of `shaders/`, and what `src/gpu` binds to each.
 
 use octagloss::gpu::{
-    adaptive, blur, box_filter, cells, copy, fitted, fixed_point, harmonics, lamp, mirror, reparameterise,
-    sat_f32, sat_hensley, sat_scan,
+    adaptive, blur, box_filter, cells, copy, emitters, fitted, fixed_point, harmonics, lamp, mirror,
+    reparameterise, sat_f32, sat_hensley, sat_scan,
 };
 
 /// What stands at a binding of group 0 (of group 1 from 100 on), as `src/gpu` binds it.
@@ -87,6 +87,55 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
         ],
     ),
     ("copy.wgsl", "copy", [copy::GROUP_SIZE, 1, 1], &[(0, "read source"), (1, "write destination")]),
+    (
+        "emitters.wgsl",
+        "brightest_cells",
+        [emitters::GROUP_SIZE, 1, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (4, "read solid_angle"),
+            (5, "write brightness"),
+            (7, "write brightest"),
+        ],
+    ),
+    (
+        "emitters.wgsl",
+        "brightest_of_lists",
+        [emitters::GROUP_SIZE, 1, 1],
+        &[(6, "read listed"), (7, "write brightest")],
+    ),
+    (
+        "emitters.wgsl",
+        "emitters",
+        [emitters::KEPT, 1, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (6, "read listed"),
+            (11, "write light"),
+        ],
+    ),
+    (
+        "emitters.wgsl",
+        "rest",
+        [emitters::EDGE, emitters::EDGE, 1],
+        &[
+            (0, "uniform table"),
+            (1, "read red"),
+            (2, "read green"),
+            (3, "read blue"),
+            (5, "write brightness"),
+            (6, "read listed"),
+            (8, "write rest_red"),
+            (9, "write rest_green"),
+            (10, "write rest_blue"),
+        ],
+    ),
     (
         "fitted.wgsl",
         "fitted",

@@ -1,11 +1,13 @@
 //! The real-time tier: blurred tables equal the CPU's to the last bit, harmonics and radiance within what float32 allows.
 
+use super::emitters::Open;
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::adaptive::{ask, reflector};
 use crate::common::{Look, Random, environment, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
 use octagloss::bake::{BakeSettings, Filter, bake};
 use octagloss::cpu::blur::blurred;
+use octagloss::cpu::emitters::{Emitter, taken_out};
 use octagloss::fitted::triangle::triangle_from_oct;
 use octagloss::fitted::{COUNTS, KNOTS, SoftBox, Table};
 use octagloss::gpu::blur::BORDER;
@@ -29,12 +31,11 @@ fn random_oem(random: &mut Random, size: OemSize, look: Look) -> Oem {
     oem(size, &texels(random, look, Layout::Octahedral { size: size.inner }))
 }
 
-/// Tables over `oem`, from the CPU's exact table.
+/// Tables over `oem`.
 fn tables(context: &Context, passes: &Engine, oem: &Oem, count: u32) -> FittedTables {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
-    let sat = SatPlanes::upload(context, &Sat::new(oem, Scan::default())).expect("small planes");
     let tables = FittedTables::new(context, oem.size().inner, count).expect("small tables");
-    let stages = passes.fitted_stages(&planes, &sat, &tables);
+    let stages = passes.build_fitted.stages(context, &planes, &tables).expect("small planes");
     context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
     tables
 }
@@ -61,8 +62,15 @@ fn blurred_tables_are_the_cpu_s_to_the_last_bit() {
             [(16, 0, Look::Noise), (32, 3, Look::Suns), (128, 0, Look::Suns), (256, 0, Look::Noise)]
         {
             let oem = random_oem(&mut random, OemSize { inner, border }, look);
-            let sat = Sat::new(&oem, Scan::default());
             let tables = tables(context, passes, &oem, 4);
+            // Of what emitters leave, which is of floats, by the GPU's own word.
+            let planes = OemPlanes::upload(context, &oem).expect("small planes");
+            let emitters = &passes.build_fitted.emitters;
+            let (stage, rest) = emitters.stage(context, &planes, &tables).expect("small planes");
+            context.submit(|encoder| stage.record(encoder));
+            let rest = wait(context, rest.read(context));
+            assert_ne!(rest, oem, "emitters are taken out");
+            let sat = Sat::new(&rest, Scan::default());
             for octave in octaves(inner) {
                 let expected = blurred(&sat, octave);
                 let (mut entries, size) = wait(context, tables.read_blurred(context, octave));
@@ -102,7 +110,7 @@ fn harmonics_are_the_cpu_s() {
             let sat = Sat::new(&oem, Scan::default());
             let planes = SatPlanes::upload(context, &sat).expect("small planes");
             let tables = FittedTables::new(context, inner, 1).expect("small tables");
-            let stage = passes.harmonics.stage(context, &planes, &tables);
+            let stage = passes.build_fitted.harmonics.stage(context, &planes, &tables);
             context.submit(|encoder| stage.record(encoder));
             let expected = sh::table_harmonics(&sat);
             let mut found = wait(context, tables.read_harmonics(context, sat.fixed_point()));
@@ -138,6 +146,8 @@ struct Judge {
     name: String,
     environment: Environment,
     inner: u32,
+    emitters: Vec<Emitter>,
+    open: Open,
     /// The greatest radiance of each channel, by octave, of the blurred tables.
     peaks: Vec<[f64; 3]>,
     mean: [f64; 3],
@@ -147,8 +157,8 @@ impl Judge {
     fn new(random: &mut Random, inner: u32, look: Look) -> Self {
         let layout = Layout::Octahedral { size: inner };
         let environment = environment(layout, texels(random, look, layout));
-        let oem = reflector(&environment, inner).oem().clone();
-        let sat = Sat::new(&oem, Scan::default());
+        let (emitters, rest) = taken_out(reflector(&environment, inner).oem());
+        let sat = Sat::new(&rest, Scan::default());
         let fixed = sat.fixed_point();
         let peak = |octave| {
             let table = blurred(&sat, octave);
@@ -161,9 +171,10 @@ impl Judge {
             most
         };
         let peaks = std::iter::once([0.0; 3]).chain(octaves(inner).map(peak)).collect();
-        let totals = oem.totals();
+        let totals = rest.totals();
         let mean = std::array::from_fn(|c| totals[c] / totals[3]);
-        Self { name: format!("{look:?} {inner}"), environment, inner, peaks, mean }
+        let name = format!("{look:?} {inner}");
+        Self { name, environment, inner, emitters, open: Open::new(inner), peaks, mean }
     }
 
     /// How far an answer may be from the CPU's `value`, a channel each.
@@ -174,7 +185,7 @@ impl Judge {
     /// heights. An edge moved by e trades e over the half-width of the box's mass for texels as bright as the blurred
     /// table's brightest, whose density is up to 5.2 times that at the lobe; in energy and in solid angle. Orders of the
     /// harmonics are off by 284 units of (2n + 1) means (as their own test derives it), in both again.
-    /// Mirrors: places move by 2^-22 n of a texel, which trades that share of four texels.
+    /// Mirrors: places move by 2^-22 n of a texel, which trades that share of four texels. Emitters have a bound of their own.
     fn bound(&self, table: &Table, direction: DVec3, roughness: f64, oem: &Oem, value: [f64; 3]) -> [f64; 3] {
         let uv = oct_from_direction(direction);
         let (octaves, alpha) = served(self.inner, roughness * roughness);
@@ -197,6 +208,9 @@ impl Judge {
                 let moved = edge / half.x + edge / half.y + 600.0 * UNIT;
                 add(self.peaks[octave as usize], 2.0 * 5.2 * mass * moved);
             }
+        }
+        for emitter in &self.emitters {
+            add(self.open.of_radiance(oem, emitter, alpha, direction), 1.0);
         }
         let corner = ((uv + 1.0) * (f64::from(self.inner) / 2.0) - 0.5).floor();
         let mut brightest = [0.0_f64; 3];

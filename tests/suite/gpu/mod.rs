@@ -7,6 +7,7 @@ mod adaptive;
 mod bake;
 mod boxes;
 mod cells;
+mod emitters;
 mod entry_points;
 mod errors;
 mod fitted;

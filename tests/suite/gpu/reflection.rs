@@ -5,10 +5,13 @@ use super::entry_points::ENTRY_POINTS;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, ImageClass, Literal, Module, Type, TypeInner};
 use octagloss::cpu::adaptive::LANES;
+use octagloss::cpu::emitters::{COUNT, GRID};
 use octagloss::environment::LUMINANCE;
 use octagloss::fitted::{KNOTS, OCTAVES, triangle};
 use octagloss::gpu::shader::Queries;
-use octagloss::gpu::{adaptive, blur, box_filter, cells, copy, fitted, fixed_point, harmonics, lamp};
+use octagloss::gpu::{
+    adaptive, blur, box_filter, cells, copy, emitters, fitted, fixed_point, harmonics, lamp,
+};
 use octagloss::gpu::{mirror, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shader};
 use octagloss::target::READERS;
 use std::collections::BTreeMap;
@@ -124,11 +127,18 @@ fn structs() -> Vec<Struct> {
         // patterns and four 64-bit sums.
         ("box_filter.wgsl", "OctaglossTable", &[("exponents", 0), ("inner", 16), ("border", 20)], 32),
         ("box_filter.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
-        // Least radiance, two vectors of units, 25 harmonics.
+        ("emitters.wgsl", "Table", table.0, table.1),
+        (
+            "fitted.wgsl",
+            "OctaglossEmitter",
+            emitters::EmitterWords::MEMBERS,
+            size_of::<emitters::EmitterWords>(),
+        ),
+        // Least radiance, two vectors of units, 25 harmonics, emitters.
         (
             "harmonics.wgsl",
             "OctaglossLight",
-            &[("least", 0), ("scale", 16), ("harmonics", 48)],
+            &[("least", 0), ("scale", 16), ("harmonics", 48), ("emitters", 448)],
             fitted::LIGHT as usize,
         ),
         ("blur.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
@@ -172,6 +182,12 @@ fn constants() -> Vec<(&'static str, &'static str, Vec<f64>)> {
         ("cells.wgsl", "EDGE", one(cells::EDGE)),
         ("cells.wgsl", "QUAD_FIELDS", one(15)),
         ("copy.wgsl", "GROUP_SIZE", one(copy::GROUP_SIZE)),
+        ("emitters.wgsl", "BATCH", one(emitters::BATCH)),
+        ("emitters.wgsl", "EDGE", one(emitters::EDGE)),
+        ("emitters.wgsl", "GRID", one(GRID)),
+        ("emitters.wgsl", "GROUP_SIZE", one(emitters::GROUP_SIZE)),
+        ("emitters.wgsl", "KEPT", one(emitters::KEPT)),
+        ("fitted.wgsl", "EMITTERS", one(COUNT as u32)),
         ("fitted.wgsl", "FIRST_OCTAVE", one(*OCTAVES.start())),
         ("fitted.wgsl", "GROUP_SIZE", one(fitted::GROUP_SIZE)),
         ("fitted.wgsl", "INTERVALS", one(triangle::INTERVALS as u32)),

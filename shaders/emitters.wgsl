@@ -1,0 +1,178 @@
+// The brightest cells of an OEM, taken out of it: src/cpu/emitters.rs, which says what for.
+//
+// cells: the brightest of every batch, then of all -> what the others have -> rest, emitters
+#include "common/light.wgsl"
+#include "common/octahedral.wgsl"
+#include "common/table.wgsl"
+
+const GROUP_SIZE = 256u;
+const EDGE = 16u;
+// Cells along an edge of the grid, at most.
+const GRID = 256u;
+// Cells that a workgroup puts in order, and how many of them stay: the emitters' and the brightest of the others.
+const BATCH = 1024u;
+const KEPT = 64u;
+
+// Channels' bit patterns, for what is only copied: drivers flush subnormals.
+@group(0) @binding(1) var<storage, read> red: array<u32>;
+@group(0) @binding(2) var<storage, read> green: array<u32>;
+@group(0) @binding(3) var<storage, read> blue: array<u32>;
+@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
+@group(0) @binding(5) var<storage, read_write> brightness: array<f32>;
+// Brightness, as bits, and number of cells, brightest first.
+@group(0) @binding(6) var<storage, read> listed: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read_write> brightest: array<vec2<u32>>;
+@group(0) @binding(8) var<storage, read_write> rest_red: array<u32>;
+@group(0) @binding(9) var<storage, read_write> rest_green: array<u32>;
+@group(0) @binding(10) var<storage, read_write> rest_blue: array<u32>;
+@group(0) @binding(11) var<storage, read_write> light: OctaglossLight;
+
+// Texels along an edge of a cell.
+fn block() -> u32 {
+    return max(table.inner / GRID, 1u);
+}
+
+// Cells along an edge of the grid.
+fn side() -> u32 {
+    return table.inner / block();
+}
+
+// Where texel `k` of a cell lies in the square,
+fn texel_of(cell: u32, k: u32) -> vec2<u32> {
+    let n = block();
+    return vec2<u32>(cell % side(), cell / side()) * n + vec2<u32>(k % n, k / n);
+}
+
+// and in a plane.
+fn place(texel: vec2<u32>) -> u32 {
+    return (texel.y + table.border) * table.pitch + texel.x + table.border;
+}
+
+fn energy(at: u32) -> vec3<f32> {
+    return vec3<f32>(bitcast<f32>(red[at]), bitcast<f32>(green[at]), bitcast<f32>(blue[at]));
+}
+
+var<workgroup> batch: array<vec2<u32>, BATCH>;
+
+// Patterns of numbers that are not negative are in the numbers' order.
+fn precedes(a: vec2<u32>, b: vec2<u32>) -> bool {
+    return a.x > b.x || (a.x == b.x && a.y < b.y);
+}
+
+// Batcher's bitonic sort of the batch, and its first entries.
+fn keep_brightest(group: u32, lane: u32) {
+    for (var size = 2u; size <= BATCH; size *= 2u) {
+        for (var stride = size / 2u; stride > 0u; stride /= 2u) {
+            workgroupBarrier();
+            for (var pair = lane; pair < BATCH / 2u; pair += GROUP_SIZE) {
+                let i = 2u * pair - (pair & (stride - 1u));
+                let a = batch[i];
+                let b = batch[i + stride];
+                if precedes(b, a) == ((i & size) == 0u) {
+                    batch[i] = b;
+                    batch[i + stride] = a;
+                }
+            }
+        }
+    }
+    workgroupBarrier();
+    if lane < KEPT {
+        brightest[group * KEPT + lane] = batch[lane];
+    }
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn brightest_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    for (var k = lane; k < BATCH; k += GROUP_SIZE) {
+        let cell = group.x * BATCH + k;
+        batch[k] = vec2<u32>(0u, cell);
+        if cell < side() * side() {
+            var sum = vec2<f32>();
+            for (var texel = 0u; texel < block() * block(); texel++) {
+                let at = place(texel_of(cell, texel));
+                let own = energy(at);
+                sum += vec2<f32>(own.x + own.y + own.z, solid_angle[at]);
+            }
+            // A quarter, lest the sum of three radiances overflow.
+            let own = 0.25 * sum.x / sum.y;
+            brightness[cell] = own;
+            batch[k].x = bitcast<u32>(own);
+        }
+    }
+    keep_brightest(group.x, lane);
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn brightest_of_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    for (var k = lane; k < BATCH; k += GROUP_SIZE) {
+        let at = group.x * BATCH + k;
+        batch[k] = vec2<u32>(0u, 0xffffffffu);
+        if at < arrayLength(&listed) {
+            batch[k] = listed[at];
+        }
+    }
+    keep_brightest(group.x, lane);
+}
+
+// What a cell of brightness `own` keeps: as much as the brightest cell without an emitter has.
+fn share_kept(own: f32) -> f32 {
+    let most = bitcast<f32>(listed[KEPT - 1u].x);
+    return select(1.0, most / own, own > most);
+}
+
+@compute @workgroup_size(EDGE, EDGE)
+fn rest(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= table.side || id.y >= table.side {
+        return;
+    }
+    let texel = wrap_texel(table.inner, vec2<i32>(id.xy) - i32(table.border));
+    let cell = texel / block();
+    let kept = share_kept(brightness[cell.y * side() + cell.x]);
+    let at = id.y * table.pitch + id.x;
+    var bits = vec3<u32>(red[at], green[at], blue[at]);
+    if kept < 1.0 {
+        bits = bitcast<vec3<u32>>(kept * bitcast<vec3<f32>>(bits));
+    }
+    rest_red[at] = bits.x;
+    rest_green[at] = bits.y;
+    rest_blue[at] = bits.z;
+}
+
+// Mean squared distance on the sphere from the middle of a texel of width 1 at `uv`.
+fn texel_spread(uv: vec2<f32>) -> f32 {
+    let p = abs(octahedron_from_oct(uv));
+    let squared = dot(p, p);
+    let apart = p.xz - p.y;
+    return (4.0 * squared - dot(apart, apart)) / (12.0 * squared * squared);
+}
+
+@compute @workgroup_size(KEPT)
+fn emitters(@builtin(local_invocation_index) lane: u32) {
+    if lane == KEPT - 1u {
+        return;
+    }
+    let given = 1.0 - share_kept(bitcast<f32>(listed[lane].x));
+    var emitter = OctaglossEmitter(vec3<f32>(0.0, 1.0, 0.0), 0.0, vec3<f32>(), 0.0);
+    if given > 0.0 {
+        let width = 2.0 / f32(table.inner);
+        var mean = vec3<f32>();
+        for (var k = 0u; k < block() * block(); k++) {
+            let texel = texel_of(listed[lane].y, k);
+            let own = energy(place(texel));
+            emitter.energy += own;
+            mean += (own.x + own.y + own.z) * direction_from_oct((vec2<f32>(texel) + 0.5) * width - 1.0);
+        }
+        emitter.direction = normalize(mean);
+        var spread = 0.0;
+        for (var k = 0u; k < block() * block(); k++) {
+            let texel = texel_of(listed[lane].y, k);
+            let own = energy(place(texel));
+            let uv = (vec2<f32>(texel) + 0.5) * width - 1.0;
+            let apart = direction_from_oct(uv) - emitter.direction;
+            spread += (own.x + own.y + own.z) * (dot(apart, apart) + width * width * texel_spread(uv));
+        }
+        emitter.spread = spread / (emitter.energy.x + emitter.energy.y + emitter.energy.z);
+        emitter.energy *= given;
+    }
+    light.emitters[lane] = emitter;
+}

@@ -1,0 +1,70 @@
+//! From an OEM to all that fitted lobes are read from.
+//!
+//! ```text
+//! OEM --emitters--> emitters
+//!  |      +-> rest --fixed_point, sat_scan--> exact table --blur--> blurred tables
+//!  |           +--least radiance                   +------harmonics--> orders 0 to 4
+//!  +--mirror--> texture
+//! ```
+
+use super::blur::Blur;
+use super::emitters::Emitters;
+use super::fitted::FittedTables;
+use super::fixed_point::FixedPoint;
+use super::harmonics::Harmonics;
+use super::mirror::Mirror;
+use super::sat_scan::SatScan;
+use super::{Context, OemPlanes, SatPlanes, Stage};
+use crate::error::Result;
+
+/// The passes that fill [`FittedTables`].
+#[derive(Clone, Debug)]
+pub struct BuildFitted {
+    /// OEM to emitters and the rest.
+    pub emitters: Emitters,
+    /// The rest to its exact table.
+    pub fixed_point: FixedPoint,
+    /// The same.
+    pub sat_scan: SatScan,
+    /// Table to blurred tables.
+    pub blur: Blur,
+    /// Table to harmonics.
+    pub harmonics: Harmonics,
+    /// OEM to what mirrors are read from.
+    pub mirror: Mirror,
+}
+
+impl BuildFitted {
+    /// Compiles the passes, but for those of exact tables, which are there.
+    #[must_use]
+    pub fn new(context: &Context, fixed_point: &FixedPoint, sat_scan: &SatScan) -> Self {
+        Self {
+            emitters: Emitters::new(context),
+            fixed_point: fixed_point.clone(),
+            sat_scan: sat_scan.clone(),
+            blur: Blur::new(context),
+            harmonics: Harmonics::new(context),
+            mirror: Mirror::new(context),
+        }
+    }
+
+    /// The stages that fill `tables` from `oem`, in order: to be recorded whenever it has changed.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where planes are larger than the device can bind.
+    ///
+    /// # Panics
+    /// Where the tables were made for another size.
+    pub fn stages(&self, context: &Context, oem: &OemPlanes, tables: &FittedTables) -> Result<Vec<Stage>> {
+        let (emitters, rest) = self.emitters.stage(context, oem, tables)?;
+        let sat = SatPlanes::new(context, oem.size())?;
+        Ok(vec![
+            emitters,
+            self.fixed_point.stage(context, &rest, &sat).labelled("fixed_point of the rest"),
+            self.sat_scan.stage(context, &rest, &sat).labelled("sat_scan of the rest"),
+            self.blur.stage(context, &sat, tables),
+            self.harmonics.stage(context, &sat, tables),
+            self.mirror.stage(context, oem, &rest, tables),
+        ])
+    }
+}

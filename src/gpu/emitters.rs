@@ -1,0 +1,125 @@
+//! The brightest cells of an OEM, taken out of it: [`crate::cpu::emitters`].
+
+use super::fitted::{EMITTERS_OFFSET, FittedTables};
+use super::stage::Dispatch;
+use super::{Context, OemPlanes, Stage, readback, shader};
+use crate::cpu::emitters::{COUNT, Emitter, GRID, block};
+use crate::error::Result;
+use glam::{DVec3, Vec3};
+
+/// Invocations of a workgroup that looks for the brightest cells.
+pub const GROUP_SIZE: u32 = 256;
+
+/// Invocations along an edge of a workgroup that makes the rest.
+pub const EDGE: u32 = 16;
+
+/// Cells that a workgroup puts in order.
+pub const BATCH: u32 = 1024;
+
+/// How many of them stay: those of emitters, and the brightest of the others.
+pub const KEPT: u32 = COUNT as u32 + 1;
+
+/// An emitter as shaders see it.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct EmitterWords {
+    direction: [f32; 3],
+    spread: f32,
+    energy: [f32; 3],
+    pad: f32,
+}
+
+shader::members!(EmitterWords { direction, spread, energy, pad });
+
+/// Pipelines of the stage.
+#[derive(Clone, Debug)]
+pub struct Emitters {
+    brightest_cells: wgpu::ComputePipeline,
+    brightest_of_lists: wgpu::ComputePipeline,
+    rest: wgpu::ComputePipeline,
+    emitters: wgpu::ComputePipeline,
+}
+
+impl Emitters {
+    /// Compiles the stage.
+    #[must_use]
+    pub fn new(context: &Context) -> Self {
+        let module = shader::module(context, "emitters.wgsl");
+        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
+        Self {
+            brightest_cells: pipeline("brightest_cells"),
+            brightest_of_lists: pipeline("brightest_of_lists"),
+            rest: pipeline("rest"),
+            emitters: pipeline("emitters"),
+        }
+    }
+
+    /// The emitters of `oem` into `tables`, and the planes that what they leave of it is in when the stage has run.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where a plane is larger than the device can bind.
+    ///
+    /// # Panics
+    /// Where the tables were made for another size.
+    pub fn stage(
+        &self,
+        context: &Context,
+        oem: &OemPlanes,
+        tables: &FittedTables,
+    ) -> Result<(Stage, OemPlanes)> {
+        let inner = oem.size().inner;
+        assert_eq!(inner, tables.inner(), "tables for this size");
+        let rest = oem.of_the_same_solid_angles(context)?;
+        let cells = (inner / block(inner)).pow(2);
+        debug_assert!(cells <= GRID * GRID, "the grid is no finer");
+        let brightness = context.storage("brightness of cells", 4 * u64::from(cells));
+        let list = |groups: u32| context.storage("brightest cells", 8 * u64::from(groups * KEPT));
+        let mut energies = vec![(0, oem.table_buffer().as_entire_binding())];
+        energies.extend((1..4).zip(oem.planes().iter().map(wgpu::Buffer::as_entire_binding)));
+
+        let mut groups = cells.div_ceil(BATCH);
+        let mut brightest = list(groups);
+        let mut cells = energies.clone();
+        cells.extend([
+            (4, oem.planes()[3].as_entire_binding()),
+            (5, brightness.as_entire_binding()),
+            (7, brightest.as_entire_binding()),
+        ]);
+        let mut dispatches = vec![Dispatch::new(context, &self.brightest_cells, &cells, [groups, 1, 1])];
+        while groups > 1 {
+            groups = (groups * KEPT).div_ceil(BATCH);
+            let fewer = list(groups);
+            let lists = [(6, brightest.as_entire_binding()), (7, fewer.as_entire_binding())];
+            dispatches.push(Dispatch::new(context, &self.brightest_of_lists, &lists, [groups, 1, 1]));
+            brightest = fewer;
+        }
+        let listed = (6, brightest.as_entire_binding());
+        let mut kept = energies.clone();
+        kept.extend([listed.clone(), (5, brightness.as_entire_binding())]);
+        kept.extend((8..).zip(rest.planes()[..3].iter().map(wgpu::Buffer::as_entire_binding)));
+        let groups = oem.table().side.div_ceil(EDGE);
+        dispatches.push(Dispatch::new(context, &self.rest, &kept, [groups, groups, 1]));
+        let mut given = energies.clone();
+        given.extend([listed, (11, tables.light().as_entire_binding())]);
+        dispatches.push(Dispatch::new(context, &self.emitters, &given, [1, 1, 1]));
+        Ok((Stage::new("emitters", dispatches), rest))
+    }
+}
+
+impl FittedTables {
+    /// Reads the emitters back, brightest first.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub async fn read_emitters(&self, context: &Context) -> Result<Vec<Emitter>> {
+        let light: Vec<[f32; 4]> = readback::read(context, self.light()).await?;
+        let words: &[EmitterWords] = bytemuck::cast_slice(&light[EMITTERS_OFFSET as usize / 16..]);
+        let lit = words.iter().filter(|words| words.energy != [0.0; 3]);
+        let emitter = |words: &EmitterWords| Emitter {
+            direction: DVec3::from(Vec3::from_array(words.direction)),
+            spread: f64::from(words.spread),
+            energy: words.energy.map(f64::from),
+        };
+        Ok(lit.map(emitter).collect())
+    }
+}
