@@ -1,11 +1,10 @@
 //! Renders a glossy sphere in any roughness with the library's WGSL: `cargo run --release --example render -- 0.3`
 //! writes sphere.png. The device and the command encoder are the caller's own.
 
-use octagloss::gpu::box_filter::{BoxFilter, SatTextures, wgsl};
-use octagloss::gpu::fixed_point::FixedPoint;
+use octagloss::gpu::build_fitted::BuildFitted;
+use octagloss::gpu::fitted::{FittedTables, wgsl};
 use octagloss::gpu::reparameterise::{Reparameterise, upload};
-use octagloss::gpu::sat_scan::SatScan;
-use octagloss::gpu::{Context, OemPlanes, SatPlanes, adapters, block_on, readback};
+use octagloss::gpu::{Context, OemPlanes, adapters, block_on, readback};
 use octagloss::oem::OemSize;
 use octagloss::{io, wgpu};
 
@@ -20,7 +19,7 @@ fn render(@builtin(global_invocation_id) at: vec3<u32>) {
     let view = vec3<f32>(0.0, 0.0, -1.0);
     let inside = dot(p, p) < 1.0;
     let normal = vec3<f32>(p, sqrt(max(1.0 - dot(p, p), 0.0)));
-    let radiance = octagloss_ggx(select(view, reflect(view, normal), inside), select(0.0, ROUGHNESS, inside));
+    let radiance = octagloss_fitted(select(view, reflect(view, normal), inside), select(0.0, ROUGHNESS, inside));
     let display = pow(radiance / (1.0 + radiance), vec3<f32>(1.0 / 2.2));
     pixels[at.y * 512u + at.x] = pack4x8unorm(vec4<f32>(display, 1.0));
 }
@@ -39,14 +38,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Stages are made once and recorded whenever the light changes.
     let planes = OemPlanes::new(&context, OemSize { inner: 512, border: 0 })?;
-    let sat = SatPlanes::new(&context, planes.size())?;
-    let textures = SatTextures::new(&context, &sat)?;
-    let stages = [
-        Reparameterise::new(&context).stage(&context, environment.layout(), &texture, &planes)?,
-        FixedPoint::new(&context).stage(&context, &planes, &sat),
-        SatScan::new(&context).stage(&context, &planes, &sat),
-        BoxFilter::new(&context).pack(&context, &sat, &textures),
-    ];
+    let tables = FittedTables::new(&context, 512, 4)?;
+    let reparameterise = Reparameterise::new(&context);
+    let mut stages = vec![reparameterise.stage(&context, environment.layout(), &texture, &planes)?];
+    stages.extend(BuildFitted::new(&context).stages(&context, &planes, &tables)?);
 
     let source = wgsl(0) + &format!("const ROUGHNESS = {roughness:?};") + SPHERE;
     let source = wgpu::ShaderSource::Wgsl(source.into());
@@ -65,7 +60,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     });
-    let table = textures.bind_group(&device, &pipeline.get_bind_group_layout(0));
+    let light = tables.bind_group(&device, &pipeline.get_bind_group_layout(0));
     let image = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("image"),
         layout: &pipeline.get_bind_group_layout(1),
@@ -77,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     stages.iter().for_each(|stage| stage.record(&mut encoder));
     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
     pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &table, &[]);
+    pass.set_bind_group(0, &light, &[]);
     pass.set_bind_group(1, &image, &[]);
     pass.dispatch_workgroups(SIZE / 8, SIZE / 8, 1);
     drop(pass);

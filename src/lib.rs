@@ -17,7 +17,8 @@
 //! 3. [`sat`] and [`cpu::sat_scan`]: its summed-area table (SAT) in 64-bit fixed point, for boxes.
 //! 4. [`cpu::cells`]: a quadtree whose nodes know the first three moments of their energy.
 //! 5. [`cpu::adaptive`]: a [`lobe`] by the coarsest cells that are fine enough, with bounds from two-point distributions.
-//! 6. [`fitted`] and [`cpu::blur`], instead of 4 and 5: a GGX lobe by a few soft boxes and harmonics, found by [`fit`].
+//! 6. [`cpu::emitters`], [`cpu::blur`] and [`fitted`], instead of 4 and 5: a GGX lobe by its own values where light is
+//!    brightest, and a few soft boxes and harmonics, found by [`fit`], for the rest.
 //! 7. [`reflector`]: all of these for point queries; [`bake`]: for cube chains ([`chain`]), which [`io`] writes.
 //!
 //! `gpu` (feature `gpu`) runs steps 2 to 7 as compute passes, held to the CPU's results by the tests.

@@ -5,8 +5,11 @@
 //!                (16-fold)     of 3 nodes                            |
 //! roughness ---> octave ------ x 2 knots ----> 5 weights ----> orders 0 to 4 of the harmonics
 //!                                                                    |
-//!                                                     sum of energies / sum of w
+//!                                                     sum of energies / sum of w  +  emitters
 //! ```
+//!
+//! No few boxes have the shape of a lobe, and where a sun shines that shape is what is seen. So the brightest cells of the OEM are
+//! taken out of it first ([`crate::cpu::emitters`]); there the lobe itself is evaluated, and all that follows is of the rest.
 //!
 //! A soft box is a box read from the table of the OEM blurred by a tent ([`crate::cpu::blur`]), one table an octave of alpha:
 //! four entries at integer edges, as any box, and none of a box's hard edges. Harmonics to order 4 carry GGX's long tail.
@@ -17,7 +20,7 @@
 //! ```
 //!
 //! with rho the solid angle of a unit of (u, v) at R. It is applied to L and to 1, and the quotient is the answer: a constant
-//! stays one. Harmonics ring behind a sun: answers below the OEM's least radiance, which no lobe has, become that.
+//! stays one. Harmonics ring behind what is bright: answers below the least radiance, which no lobe has, become that.
 //!
 //! Parameters are linear between nodes: 78 in the triangle of directions to which the map's sixteen symmetries bring every
 //! other ([`triangle`]), 4 in each of six octaves of alpha. Octaves overlap by a quarter, in which one fades into the

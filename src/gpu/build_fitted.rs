@@ -35,13 +35,13 @@ pub struct BuildFitted {
 }
 
 impl BuildFitted {
-    /// Compiles the passes, but for those of exact tables, which are there.
+    /// Compiles the passes.
     #[must_use]
-    pub fn new(context: &Context, fixed_point: &FixedPoint, sat_scan: &SatScan) -> Self {
+    pub fn new(context: &Context) -> Self {
         Self {
             emitters: Emitters::new(context),
-            fixed_point: fixed_point.clone(),
-            sat_scan: sat_scan.clone(),
+            fixed_point: FixedPoint::new(context),
+            sat_scan: SatScan::new(context),
             blur: Blur::new(context),
             harmonics: Harmonics::new(context),
             mirror: Mirror::new(context),

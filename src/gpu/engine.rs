@@ -58,12 +58,12 @@ impl Engine {
     /// # Errors
     /// [`Error::Gpu`] where a shader fails.
     pub fn new(context: Context) -> Result<Self> {
-        let (fixed_point, sat_scan) = (FixedPoint::new(&context), SatScan::new(&context));
+        let build_fitted = BuildFitted::new(&context);
         let engine = Self {
             reparameterise: Reparameterise::new(&context),
-            build_fitted: BuildFitted::new(&context, &fixed_point, &sat_scan),
-            fixed_point,
-            sat_scan,
+            fixed_point: build_fitted.fixed_point.clone(),
+            sat_scan: build_fitted.sat_scan.clone(),
+            build_fitted,
             box_filter: BoxFilter::new(&context),
             fitted: Fitted::new(&context),
             cells: BuildCells::new(&context),

@@ -29,13 +29,13 @@ pub(super) struct Passes {
 
 impl Passes {
     pub(super) fn new(context: &Context) -> Self {
-        let (fixed_point, sat_scan) = (FixedPoint::new(context), SatScan::new(context));
+        let build_fitted = BuildFitted::new(context);
         Self {
             reparameterise: Reparameterise::new(context),
             lamp: LampPass::new(context),
-            build_fitted: BuildFitted::new(context, &fixed_point, &sat_scan),
-            fixed_point,
-            sat_scan,
+            fixed_point: build_fitted.fixed_point.clone(),
+            sat_scan: build_fitted.sat_scan.clone(),
+            build_fitted,
             box_filter: BoxFilter::new(context),
         }
     }
