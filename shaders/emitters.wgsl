@@ -93,7 +93,7 @@ fn brightest_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
                 let own = energy(at);
                 sum += vec2<f32>(own.x + own.y + own.z, solid_angle[at]);
             }
-            // A quarter, lest the sum of three radiances overflow.
+            // A quarter, lest three radiances overflow.
             let own = 0.25 * sum.x / sum.y;
             brightness[cell] = own;
             batch[k].x = bitcast<u32>(own);
@@ -155,23 +155,26 @@ fn emitters(@builtin(local_invocation_index) lane: u32) {
     var emitter = OctaglossEmitter(vec3<f32>(0.0, 1.0, 0.0), 0.0, vec3<f32>(), 0.0);
     if given > 0.0 {
         let width = 2.0 / f32(table.inner);
+        for (var k = 0u; k < block() * block(); k++) {
+            emitter.energy += energy(place(texel_of(listed[lane].y, k)));
+        }
+        let whole = emitter.energy.x + emitter.energy.y + emitter.energy.z;
         var mean = vec3<f32>();
         for (var k = 0u; k < block() * block(); k++) {
             let texel = texel_of(listed[lane].y, k);
             let own = energy(place(texel));
-            emitter.energy += own;
-            mean += (own.x + own.y + own.z) * direction_from_oct((vec2<f32>(texel) + 0.5) * width - 1.0);
+            let share = (own.x + own.y + own.z) / whole;
+            mean += share * direction_from_oct((vec2<f32>(texel) + 0.5) * width - 1.0);
         }
         emitter.direction = normalize(mean);
-        var spread = 0.0;
         for (var k = 0u; k < block() * block(); k++) {
             let texel = texel_of(listed[lane].y, k);
             let own = energy(place(texel));
+            let share = (own.x + own.y + own.z) / whole;
             let uv = (vec2<f32>(texel) + 0.5) * width - 1.0;
             let apart = direction_from_oct(uv) - emitter.direction;
-            spread += (own.x + own.y + own.z) * (dot(apart, apart) + width * width * texel_spread(uv));
+            emitter.spread += share * (dot(apart, apart) + width * width * texel_spread(uv));
         }
-        emitter.spread = spread / (emitter.energy.x + emitter.energy.y + emitter.energy.z);
         emitter.energy *= given;
     }
     light.emitters[lane] = emitter;

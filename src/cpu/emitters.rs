@@ -50,13 +50,13 @@ pub fn taken_out(oem: &Oem) -> (Vec<Emitter>, Oem) {
         let corner = (cell % side * block, cell / side * block);
         (0..block * block).map(move |k| (corner.0 + k % block, corner.1 + k / block))
     };
-    // The channels' sum, as radiance.
+    // The channels' sum, as radiance: a quarter of it, lest three overflow.
     let brightness = |cell: u32| {
         let [energy, solid_angle] = texels_of(cell).fold([0.0_f32; 2], |[energy, solid_angle], (x, y)| {
             let [r, g, b, w] = oem.texel(x, y);
             [energy + (r + g + b), solid_angle + w]
         });
-        energy / solid_angle
+        0.25 * energy / solid_angle
     };
     let mut cells: Vec<(f32, u32)> =
         (0..side * side).into_par_iter().map(|cell| (brightness(cell), cell)).collect();
@@ -103,8 +103,8 @@ fn emitter(inner: u32, texels: impl Iterator<Item = (u32, u32, [f32; 4])> + Clon
     Emitter { direction, spread: apart / energy.iter().sum::<f64>(), energy }
 }
 
-/// Mean squared distance on the sphere from the middle of a texel of width 1 at `uv`, by the map's derivative there: p being the
-/// point of the octahedron, |p|^4 of it is (4 |p|^2 - (|x| - |y|)^2 - (|z| - |y|)^2) / 12.
+/// Mean squared distance on the sphere from the middle of a texel of width 1 at `uv`, by the map's derivative there: (4 |p|^2 -
+/// (|x| - |y|)^2 - (|z| - |y|)^2) / (12 |p|^4), p being the point of the octahedron.
 fn texel_spread(uv: DVec2) -> f64 {
     let p = octahedron_from_oct(uv);
     let [x, y, z] = p.abs().to_array();

@@ -19,7 +19,7 @@ use octagloss::sphere::octahedral::oct_from_direction;
 /// units, relatively, and so, with a product, are the texels of the rest; what it gives, by 19 units of all it had.
 pub(super) struct Open {
     block: u32,
-    /// Of directions: 8 units of a component of each texel's, sums of `block`^2 of them, and a quotient.
+    /// Of directions: 8 units of a component of each texel's, 8 of its share, sums of `block`^2 of them, and a quotient.
     direction: f64,
     /// Of the mean squared distance: twice the cell's reach times what directions are off by, twice.
     spread: f64,
@@ -116,6 +116,27 @@ fn difference(oem: &Oem, (emitters, rest): &(Vec<Emitter>, Oem)) -> Option<Strin
     left.into_iter()
         .find(|other| (0..3).any(|c| exceeds(other.energy[c], KEPT * open.energy(oem, other)[c])))
         .map(|other| format!("{other:?} is missing"))
+}
+
+/// Radiances at which sums of three overflow float32, and at which energies are hardly above its subnormals.
+#[test]
+fn the_brightest_and_the_faintest_light_make_emitters_too() {
+    with_passes("extreme emitters", |context, passes| {
+        for power in [3e38_f32, 2e-33] {
+            let mut radiance = vec![[0.0; 3]; 64 * 64];
+            radiance[20 * 64 + 9] = [power; 3];
+            let oem = oem(OemSize { inner: 64, border: 0 }, &radiance);
+            let (found, rest) = taken_out_by_gpu(context, passes, &oem);
+            let (expected, _) = taken_out(&oem);
+            let name = format!("{power:e} on {}", context.describe());
+            assert!(rest.totals()[..3].iter().all(|total| *total == 0.0), "nothing is left of {name}");
+            assert_eq!((found.len(), expected.len()), (1, 1), "{name}");
+            let apart = found[0].direction.distance(expected[0].direction);
+            assert!(!exceeds(apart, Open::new(64).direction), "{name}: {apart:e} aside");
+            let ratio = found[0].energy[1] / expected[0].energy[1];
+            assert!(!exceeds((ratio - 1.0).abs(), KEPT), "{name}: {ratio} times the energy");
+        }
+    });
 }
 
 #[test]
