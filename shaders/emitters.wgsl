@@ -11,7 +11,7 @@ const EDGE = 16u;
 const GRID = 256u;
 // Cells that a workgroup puts in order, and how many of them stay: the emitters' and the brightest of the others.
 const BATCH = 1024u;
-const KEPT = 64u;
+const KEPT = 128u;
 
 // Channels' bit patterns, for what is only copied: drivers flush subnormals.
 @group(0) @binding(1) var<storage, read> red: array<u32>;

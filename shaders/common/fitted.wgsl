@@ -24,7 +24,7 @@ const HARMONICS_FROM = 0.65;
 const HARMONICS_ALONE = 0.75;
 // Roughness from which on the polynomial of peaks holds.
 const PEAK_FROM = 0.13;
-const EMITTERS = 63u;
+const EMITTERS = 127u;
 // 2^-60: entries to the harmonics' units.
 const UNIT = 8.6736174e-19;
 

@@ -17,5 +17,5 @@ struct OctaglossLight {
     scale: array<vec4<f32>, 2>,
     // Of radiance and of 1, to order 4, in units of 2^60 of the table's.
     harmonics: array<vec4<f32>, 25>,
-    emitters: array<OctaglossEmitter, 63>,
+    emitters: array<OctaglossEmitter, 127>,
 }
