@@ -1,8 +1,9 @@
-//! Fits the parameters of the real-time tier: `cargo run --release --example fit_lobes K [FILE]` for K = 1, 2, 4 or 8 boxes
-//! writes the file in `src/fitted` that the library holds, or FILE. Takes two to fifteen minutes of two cores.
+//! Fits the parameters of the real-time tier: `cargo run --release --example fit_lobes K [FILE]` for K = 1,
+//! 2, 4 or 8 boxes writes the file in `src/realtime/tables` that the library holds, or FILE. Takes two to
+//! fifteen minutes of two cores.
 
-use octagloss::fit::fit;
-use octagloss::fitted::Shape;
+use octagloss::realtime::fit::fit;
+use octagloss::realtime::tables::Shape;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -18,7 +19,7 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let path = arguments.get(1).cloned().unwrap_or_else(|| format!("src/fitted/{name}.bin"));
+    let path = arguments.get(1).cloned().unwrap_or_else(|| format!("src/realtime/tables/{name}.bin"));
     let shape = arguments[0].parse().ok().and_then(Shape::of).expect("one of them");
     let start = Instant::now();
     let tell = |done: &str| println!("{done} after {:.0} s", start.elapsed().as_secs_f64());

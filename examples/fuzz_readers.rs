@@ -1,9 +1,10 @@
-//! Tries every reader on mutated inputs: `cargo run --release --example fuzz_readers [COUNT] [READER]`, a reader named
-//! as in the output; 100,000 inputs and all readers by default. Fails where a reader panics, hangs or swells.
+//! Tries every reader on mutated inputs: `cargo run --release --example fuzz_readers [COUNT] [READER]`, a
+//! reader named as in the output; 100,000 inputs and all readers by default. Fails where a reader panics,
+//! hangs or swells.
 
-#[path = "../tests/suite/inputs.rs"]
+#[path = "../tests/suite/support/inputs.rs"]
 mod inputs;
-#[path = "../tests/suite/mutation.rs"]
+#[path = "../tests/suite/support/mutation.rs"]
 mod mutation;
 
 use std::process::ExitCode;

@@ -1,10 +1,11 @@
-//! Renders a glossy sphere in any roughness with the library's WGSL: `cargo run --release --example render -- 0.3`
-//! writes sphere.png. The device and the command encoder are the caller's own.
+//! Renders a glossy sphere in any roughness with the library's WGSL: `cargo run --release --example render --
+//! 0.3` writes sphere.png. The device and the command encoder are the caller's own.
 
 use octagloss::gpu::build_fitted::BuildFitted;
+use octagloss::gpu::device::readback;
 use octagloss::gpu::fitted::{FittedTables, wgsl};
 use octagloss::gpu::reparameterise::{Reparameterise, upload};
-use octagloss::gpu::{Context, OemPlanes, adapters, block_on, readback};
+use octagloss::gpu::{Context, OemPlanes, adapters, block_on};
 use octagloss::oem::OemSize;
 use octagloss::{io, wgpu};
 

@@ -1,9 +1,10 @@
-// Lobes by adaptive quadrature over the cells: src/cpu/adaptive.rs and src/cpu/subtexel.rs, whose modules derive it.
+// Lobes by adaptive quadrature over the cells: src/cpu/adaptive.rs and src/cpu/subtexel.rs, whose modules
+// derive it.
 //
-// A workgroup serves a packet of LANES directions. It walks the tree by a stack, sixteen quads at a time, an invocation a
-// sibling; what is fine enough becomes a leaf, and leaves are summed as soon as there are enough for all invocations, each
-// with one direction and every fourth leaf. Places on the stack and in the list follow from counting, not from who comes
-// first, so that the same input gives the same bits.
+// A workgroup serves a packet of LANES directions. It walks the tree by a stack, sixteen quads at a time, an
+// invocation a sibling; what is fine enough becomes a leaf, and leaves are summed as soon as there are enough
+// for all invocations, each with one direction and every fourth leaf. Places on the stack and in the list
+// follow from counting, not from who comes first, so that the same input gives the same bits.
 #include "common/kernel.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/quad.wgsl"
@@ -45,6 +46,9 @@ struct Lobe {
     add: u32,
     // Packets.
     count: u32,
+    // What faint energies that the cells leave out may add, and what a unit of energy loses to underflow.
+    omitted: f32,
+    underflow: f32,
     // First quad and quads along an edge of every level.
     levels: array<vec4<u32>, LEVELS>,
 }
@@ -70,8 +74,9 @@ struct Packet {
 
 const INCOMPLETE = 0x80000000u;
 
-// A cell, or a piece of a texel: `place` is level | j | i by 4, 14 and 14 bits, with level PIECES for the pieces of texel
-// (i, j), and `piece` quadrant | depth | iy | ix by 2, 4, 13 and 13 bits; at depth 0 the pieces are the quadrants.
+// A cell, or a piece of a texel: `place` is level | j | i by 4, 14 and 14 bits, with level PIECES for the
+// pieces of texel (i, j), and `piece` quadrant | depth | iy | ix by 2, 4, 13 and 13 bits; at depth 0 the
+// pieces are the quadrants.
 struct Node {
     place: u32,
     piece: u32,
@@ -82,7 +87,8 @@ const PIECES = 15u;
 var<workgroup> stack: array<Node, STACK>;
 var<workgroup> stack_size: u32;
 
-// Leaves: offset from the packet's axis, covariance, radius, energy, and certified width of what has no exact centroid.
+// Leaves: offset from the packet's axis, covariance, radius, energy, and certified width of what has no exact
+// centroid.
 const LEAF_FIELDS = 14u;
 var<workgroup> leaves: array<f32, LEAF_FIELDS * LEAVES>;
 var<workgroup> leaf_size: u32;
@@ -187,7 +193,8 @@ fn between(low: f32, high: f32, at: f32) -> bool {
     return low < at - tiny && high > at + tiny;
 }
 
-// Whether an axis, an edge of the square or a fold diagonal runs through the inside of the box from `a` to `b`.
+// Whether an axis, an edge of the square or a fold diagonal runs through the inside of the box from `a` to
+// `b`.
 fn crosses_kink(a: vec2<f32>, b: vec2<f32>) -> bool {
     let low = min(a, b);
     let high = max(a, b);
@@ -423,9 +430,12 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     }
     radiance *= lobe.per_integral;
     let rounding = lobe.rounding + lobe.rounding_per_leaf * f32(leaf_total);
-    // The least radiance and every E - c w are float32 differences, 2^-21 of the whole, and up to as much is left out.
+    // The least radiance and every E - c w are float32 differences, 2^-21 of the whole, and up to as much is
+    // left out.
     let bound = max(above, below) * lobe.per_integral + rounding * dot(radiance, LUMINANCE)
-        + 9.6e-7 * base * lobe.share;
+        + 9.6e-7 * base * lobe.share
+        + select(0.0, lobe.omitted + lobe.underflow * 12.566371 * mean_luminance,
+            mean_luminance > 0.0);
     var result = vec4<f32>(lobe.share * least[0].rgb + radiance, bound);
     let at = index * LANES + lane;
     if lobe.add != 0u {

@@ -1,6 +1,6 @@
-// The table of an OEM blurred by a tent, one an octave: `blurred` of src/cpu/blur.rs, to the last bit. Tents are boxes
-// applied twice, in integers; the tables get a border, so that soft boxes near the square's edge need four reads a corner
-// as elsewhere.
+// The table of an OEM blurred by a tent, one an octave: `blurred` of src/cpu/blur.rs, to the last bit. Tents
+// are boxes applied twice, in integers; the tables get a border, so that soft boxes near the square's edge
+// need four reads a corner as elsewhere.
 #include "common/octahedral.wgsl"
 #include "common/octaves.wgsl"
 #include "common/planes.wgsl"
@@ -20,8 +20,8 @@ const REACH = 31u;
 @group(0) @binding(7) var<storage, read> texels: array<Sum>;
 @group(0) @binding(8) var<storage, read_write> entries: array<Sum>;
 
-// Sum of the texels of the box of `side` from `low` on of the unfolded plane, in texels of a grid of `n`; no corner further
-// out than the squares beside ours.
+// Sum of the texels of the box of `side` from `low` on of the unfolded plane, in texels of a grid of `n`; no
+// corner further out than the squares beside ours.
 fn grid_box(channel: u32, n: u32, low: vec2<i32>, side: i32) -> vec2<u32> {
     let factor = table.inner / n;
     let width = i32(n);

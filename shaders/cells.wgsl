@@ -52,7 +52,8 @@ struct Union {
     offset: vec3<f32>,
 }
 
-// First visit of a member: energies, and the centroid as differences from the first member's, which float32 keeps.
+// First visit of a member: energies, and the centroid as differences from the first member's, which float32
+// keeps.
 fn gather(all: ptr<function, Union>, member: Cell) {
     if member.luminance <= 0.0 {
         return;
@@ -84,9 +85,12 @@ fn absorb(all: ptr<function, Union>, member: Cell) {
     (*all).cell.radius = max((*all).cell.radius, (length(apart) + member.radius) * (1.0 + 2e-6));
 }
 
-// What is less than this share of a texel's energy above the least radiance is rounding: left in, black texels would count
-// for how far their cells reach.
+// What is less than this share of a texel's energy above the least radiance is rounding: left in, black
+// texels would count for how far their cells reach.
 const RESIDUE = 1.0 / 2097152.0;
+
+// Energy of a channel of a texel that counts as none, 2^-94: `FAINT` of src/cpu/cells.rs.
+const FAINT = 5.0487097934144756e-29;
 
 fn texel_cell(x: u32, y: u32) -> Cell {
     let n = table.inner;
@@ -96,10 +100,10 @@ fn texel_cell(x: u32, y: u32) -> Cell {
     let fold_y = select(n - 1u - y - first, y - first, y >= first);
     let signs = vec3<f32>(select(-1.0, 1.0, x >= first), 1.0, select(-1.0, 1.0, y >= first));
     let tent = tents[fold_y * half + fold_x];
-    let at = (y + table.border) * table.pitch + x + table.border;
+    let at = place_in_plane(vec2<u32>(x, y));
     let all = vec3<f32>(red[at], green[at], blue[at]);
     let above = all - least[0].rgb * solid_angle[at];
-    let energy = select(vec3<f32>(), above, above > all * RESIDUE);
+    let energy = select(vec3<f32>(), above, above > max(all * RESIDUE, vec3<f32>(FAINT)));
     return Cell(
         tent.centroid * signs, tent.radius, tent.diagonal, dot(energy, LUMINANCE), tent.mixed * signs.yzx * signs.zxy,
         energy);

@@ -1,4 +1,4 @@
-// The brightest cells of an OEM, taken out of it: src/cpu/emitters.rs, which says what for.
+// The brightest cells of an OEM, taken out of it: src/realtime/emitters.rs, which says what for.
 //
 // cells: the brightest of every batch, then of all -> what the others have -> rest, emitters
 #include "common/light.wgsl"
@@ -9,9 +9,10 @@ const GROUP_SIZE = 256u;
 const EDGE = 16u;
 // Cells along an edge of the grid, at most.
 const GRID = 256u;
-// Cells that a workgroup puts in order, and how many of them stay: the emitters' and the brightest of the others.
+// Cells that a workgroup puts in order, and how many of them stay: the emitters' and the brightest of the
+// others.
 const BATCH = 1024u;
-const KEPT = 128u;
+const KEPT = EMITTERS + 1u;
 
 // Channels' bit patterns, for what is only copied: drivers flush subnormals.
 @group(0) @binding(1) var<storage, read> red: array<u32>;
@@ -37,15 +38,10 @@ fn side() -> u32 {
     return table.inner / block();
 }
 
-// Where texel `k` of a cell lies in the square,
+// Texel `k` of a cell.
 fn texel_of(cell: u32, k: u32) -> vec2<u32> {
     let n = block();
     return vec2<u32>(cell % side(), cell / side()) * n + vec2<u32>(k % n, k / n);
-}
-
-// and in a plane.
-fn place(texel: vec2<u32>) -> u32 {
-    return (texel.y + table.border) * table.pitch + texel.x + table.border;
 }
 
 fn energy(at: u32) -> vec3<f32> {
@@ -89,7 +85,7 @@ fn brightest_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
         if cell < side() * side() {
             var sum = vec2<f32>();
             for (var texel = 0u; texel < block() * block(); texel++) {
-                let at = place(texel_of(cell, texel));
+                let at = place_in_plane(texel_of(cell, texel));
                 let own = energy(at);
                 sum += vec2<f32>(own.x + own.y + own.z, solid_angle[at]);
             }
@@ -156,20 +152,20 @@ fn emitters(@builtin(local_invocation_index) lane: u32) {
     if given > 0.0 {
         let width = 2.0 / f32(table.inner);
         for (var k = 0u; k < block() * block(); k++) {
-            emitter.energy += energy(place(texel_of(listed[lane].y, k)));
+            emitter.energy += energy(place_in_plane(texel_of(listed[lane].y, k)));
         }
         let whole = emitter.energy.x + emitter.energy.y + emitter.energy.z;
         var mean = vec3<f32>();
         for (var k = 0u; k < block() * block(); k++) {
             let texel = texel_of(listed[lane].y, k);
-            let own = energy(place(texel));
+            let own = energy(place_in_plane(texel));
             let share = (own.x + own.y + own.z) / whole;
             mean += share * direction_from_oct((vec2<f32>(texel) + 0.5) * width - 1.0);
         }
         emitter.direction = normalize(mean);
         for (var k = 0u; k < block() * block(); k++) {
             let texel = texel_of(listed[lane].y, k);
-            let own = energy(place(texel));
+            let own = energy(place_in_plane(texel));
             let share = (own.x + own.y + own.z) / whole;
             let uv = (vec2<f32>(texel) + 0.5) * width - 1.0;
             let apart = direction_from_oct(uv) - emitter.direction;

@@ -1,5 +1,5 @@
-// The fixed-point exponent of each channel: `FixedPoint::of_square` in src/sat.rs. Order-free: the greatest bit pattern,
-// then a 64-bit integer sum at the scale that it sets.
+// The fixed-point exponent of each channel: `FixedPoint::of_square` in src/sat.rs. Order-free: the greatest
+// bit pattern, then a 64-bit integer sum at the scale that it sets.
 #include "common/fixed_point.wgsl"
 #include "common/reduction.wgsl"
 

@@ -1,5 +1,5 @@
-// Harmonics of an OEM to order 4 from its exact table: `table_harmonics` of src/sh.rs. Sums in a fixed order: texels to
-// workgroups, then all of those.
+// Harmonics of an OEM to order 4 from its exact table: `table_harmonics` of src/sh/coefficients.rs. Sums in a
+// fixed order: texels to workgroups, then all of those.
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 #include "common/octahedral.wgsl"

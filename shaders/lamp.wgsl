@@ -33,8 +33,8 @@ fn lamp(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let texel = vec2<f32>(wrap_texel(table.inner, vec2<i32>(id.xy) - i32(table.border)));
     let width = 2.0 / f32(table.inner);
-    // A texel reaches no further from its centre: on the octahedron by sqrt(6)/inner, a third of whose squared distance from
-    // the sphere's centre is 1 at the least.
+    // A texel reaches no further from its centre: on the octahedron by sqrt(6)/inner, a third of whose
+    // squared distance from the sphere's centre is 1 at the least.
     let reach = sqrt(light.edge) + 4.25 / f32(table.inner);
     if distance_squared((texel + 0.5) * width - 1.0) > reach * reach {
         return;

@@ -12,7 +12,7 @@ const EDGE = 16u;
 @compute @workgroup_size(EDGE, EDGE)
 fn mirror(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x < table.inner && id.y < table.inner {
-        let at = (id.y + table.border) * table.pitch + id.x + table.border;
+        let at = place_in_plane(id.xy);
         textureStore(energy, id.xy, vec4<f32>(red[at], green[at], blue[at], solid_angle[at]));
     }
 }

@@ -1,4 +1,5 @@
-// The planes of a table as two textures, low words and high words: two loads an entry, near one another in 2D.
+// The planes of a table as two textures, low words and high words: two loads an entry, near one another in
+// 2D.
 #include "common/table.wgsl"
 
 const EDGE = 16u;

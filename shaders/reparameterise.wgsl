@@ -1,5 +1,6 @@
-// Environment to OEM, and to the cube of footprints: every target texel gathers its sources by the solid angles that
-// they share. The matrix is `Overlaps` of src/cpu/overlap.rs, which says how octants are mirrored.
+// Environment to OEM, and to the cube of footprints: every target texel gathers its sources by the solid
+// angles that they share. The matrix is `Overlaps` of src/geometry/overlap.rs, which says how octants are
+// mirrored.
 #include "common/octahedral.wgsl"
 
 const EDGE = 16u;
@@ -118,8 +119,8 @@ fn radiance_at(octant: u32, packed: u32) -> vec3<f32> {
 // Sources summed before their sum joins the others', so that rounding does not grow with their number.
 const CHUNK = 64u;
 
-// The least radiance of a part of a texel's sources. Sums are of what lies above it, so that a constant stays one to the
-// last bit; nothing cancels. Every `lanes`-th source from source `lane` on.
+// The least radiance of a part of a texel's sources. Sums are of what lies above it, so that a constant stays
+// one to the last bit; nothing cancels. Every `lanes`-th source from source `lane` on.
 fn darkest(rows: Rows, lane: u32, lanes: u32) -> vec3<f32> {
     var least = vec3<f32>(3.4e38);
     for (var r = 0u; r < rows.count; r++) {
@@ -131,8 +132,9 @@ fn darkest(rows: Rows, lane: u32, lanes: u32) -> vec3<f32> {
     return least;
 }
 
-// A part of a texel's sources: the sum of their radiance above `least` times the solid angle that they share, and of that solid angle,
-// in units of about the texel's own, so that no sum overflows. Every `lanes`-th chunk from chunk `lane` on.
+// A part of a texel's sources: the sum of their radiance above `least` times the solid angle that they share,
+// and of that solid angle, in units of about the texel's own, so that no sum overflows. Every `lanes`-th
+// chunk from chunk `lane` on.
 fn shares(rows: Rows, least: vec3<f32>, per_unit: f32, lane: u32, lanes: u32) -> vec4<f32> {
     var sum = vec4<f32>();
     for (var r = 0u; r < rows.count; r++) {

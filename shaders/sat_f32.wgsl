@@ -1,5 +1,5 @@
-// The float32 table of the 2005 paper with its mean bias, radix 2: src/sat_f32.rs. For comparison; see src/sat.rs for what
-// it gets wrong.
+// The float32 table of the 2005 paper with its mean bias, radix 2: src/analysis/sat_f32.rs. For comparison;
+// see src/sat.rs for what it gets wrong.
 #include "common/table.wgsl"
 
 const GROUPS = 64u;

@@ -1,9 +1,11 @@
-// The production scan of two channels into exact tables: input read twice, output written once, four dispatches, no
-// waiting between workgroups. Blocks after Nehab et al. 2011, section 6 (overlapped summed-area tables).
+// The production scan of two channels into exact tables: input read twice, output written once, four
+// dispatches, no waiting between workgroups. Blocks after Nehab et al. 2011, section 6 (overlapped
+// summed-area tables).
 //
-// The table is cut into tiles of 64 x 64. With rows_left(y, I) the sum of row y left of tile column I, and above(x, J)
-// the sum of all texels above tile row J in columns up to x, an entry of tile (I, J) is
-//   S(x, y) = above(x, J) + sum over the tile's rows y' <= y of (rows_left(y', I) + texels of row y' in the tile up to x).
+// The table is cut into tiles of 64 x 64. With rows_left(y, I) the sum of row y left of tile column I, and
+// above(x, J) the sum of all texels above tile row J in columns up to x, an entry of tile (I, J) is S(x, y) =
+// above(x, J) + sum over the tile's rows y' <= y of (rows_left(y', I) + texels of row y' in the tile up to
+// x).
 #include "common/fixed_point.wgsl"
 
 const TILE = 64u;

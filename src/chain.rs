@@ -12,7 +12,8 @@ pub struct CubeLevel {
     pub roughness: f64,
     /// Linear radiance, row-major, the faces one after the other in the order of [`Face::ALL`].
     pub texels: Vec<Rgb>,
-    /// The certified error bound of each texel in absolute luminance, same order; `None` where the filter has none.
+    /// The certified error bound of each texel in absolute luminance, same order; `None` where the filter has
+    /// none.
     pub bounds: Option<Vec<f32>>,
 }
 
@@ -41,4 +42,13 @@ pub struct ImageLevel {
 pub struct CubeChain {
     /// At least one; level l has max(1, size >> l) texels along an edge.
     pub levels: Vec<CubeLevel>,
+}
+
+/// A level to be baked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rung {
+    /// Its texels.
+    pub layout: Layout,
+    /// Perceptual roughness in [0, 1].
+    pub roughness: f64,
 }

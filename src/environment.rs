@@ -10,10 +10,17 @@ pub type Rgb = [f32; 3];
 /// The weights of luminance (Rec. 709 primaries).
 pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// Luminance of `rgb`.
+/// Luminance of `rgb`; finite where that is.
 #[must_use]
 pub fn luminance(rgb: Rgb) -> f32 {
-    LUMINANCE[0] * rgb[0] + LUMINANCE[1] * rgb[1] + LUMINANCE[2] * rgb[2]
+    // The weights' sum is rounded up.
+    (LUMINANCE[0] * rgb[0] + LUMINANCE[1] * rgb[1] + LUMINANCE[2] * rgb[2]).min(f32::MAX)
+}
+
+/// Luminance of `rgb` in double precision, which holds that of the faintest radiance.
+#[must_use]
+pub(crate) fn exact_luminance(rgb: Rgb) -> f64 {
+    (0..3).map(|c| f64::from(LUMINANCE[c]) * f64::from(rgb[c])).sum()
 }
 
 /// How an environment's texels cover the sphere.
@@ -91,7 +98,18 @@ impl Layout {
         }
     }
 
-    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image`: a cube's face, else 0.
+    /// Solid angle of the texel in column `i`, row `j` of its image.
+    #[must_use]
+    pub fn texel_solid_angle(self, i: u32, j: u32) -> f64 {
+        match self {
+            Self::Panorama { width, height } => equirect::texel_solid_angle(width, height, j),
+            Self::Cube { size } => cube::texel_solid_angle(size, i, j),
+            Self::Octahedral { size } => octahedral::texel_solid_angle(size, i, j),
+        }
+    }
+
+    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image`: a cube's face, else
+    /// 0.
     ///
     /// # Panics
     /// Where a cube has no such face.
@@ -110,8 +128,9 @@ impl Layout {
 
 /// Radiance from every direction.
 ///
-/// Texels are row-major, a cube's faces one after the other; each is finite, not negative, and constant over its own
-/// solid angle. Directions of the world are turned into the source's own by [`Environment::source_from_world`].
+/// Texels are row-major, a cube's faces one after the other; each is finite, not negative, and constant over
+/// its own solid angle. Directions of the world are turned into the source's own by
+/// [`Environment::source_from_world`].
 #[derive(Clone, Debug)]
 pub struct Environment {
     layout: Layout,
@@ -123,7 +142,8 @@ impl Environment {
     /// An environment of `texels` in `layout`, not turned.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where the count is not the layout's, a side is zero, or a texel is not finite or negative.
+    /// [`Error::Parameter`] where the count is not the layout's, a side is zero, or a texel is not finite or
+    /// negative.
     pub fn new(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
         let environment = Self::of_sound(layout, texels)?;
         let texels = &environment.texels;
@@ -174,8 +194,9 @@ impl Environment {
         self
     }
 
-    /// The same environment with its picture flipped left to right: a panorama about its centre (z becomes -z), cube
-    /// faces and octahedral squares by x becoming -x, which is what photographs taken from inside need.
+    /// The same environment with its picture flipped left to right: a panorama about its centre (z becomes
+    /// -z), cube faces and octahedral squares by x becoming -x, which is what photographs taken from inside
+    /// need.
     #[must_use]
     pub fn mirrored(mut self) -> Self {
         let flip = match self.layout {
@@ -204,7 +225,8 @@ impl Environment {
         self.source_from_world
     }
 
-    /// Calls `visit` with every texel's unit direction in the world at its centre, its solid angle and its radiance.
+    /// Calls `visit` with every texel's unit direction in the world at its centre, its solid angle and its
+    /// radiance.
     pub fn for_each_texel(&self, mut visit: impl FnMut(DVec3, f64, Rgb)) {
         let world_from_source = self.source_from_world.transpose();
         let mut texels = self.texels.iter();

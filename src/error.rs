@@ -1,4 +1,4 @@
-//! What can go wrong, told by whose fault it is.
+//! Error types, grouped by cause.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,8 @@ pub enum Error {
     Io {
         /// The file or folder asked for.
         path: PathBuf,
-        /// What the system said. The message says it too, so it is not a `source()`, which would tell it twice.
+        /// The system's error. The message includes it, so it is not a `source()`, which would print it
+        /// twice.
         error: std::io::Error,
     },
     /// A file that is not what it should be: truncated, not an image, wrong shape.
@@ -36,6 +37,17 @@ pub enum Error {
         /// What stands there.
         value: f32,
     },
+    /// A result that is NaN, infinite or negative: a fault of this library, which is told rather than
+    /// written.
+    #[error(
+        "{place}: the result is {value}, a fault of octagloss; --filter reference avoids it, please report it"
+    )]
+    NonFiniteResult {
+        /// Level, face and texel, or direction, or the report's field.
+        place: String,
+        /// What came out.
+        value: f64,
+    },
     /// Something asked of the library that it cannot do.
     #[error("{0}")]
     Parameter(String),
@@ -56,6 +68,16 @@ pub enum Error {
     },
 }
 
+/// `text` out of a file, fit for a message: in quotes, control characters escaped, and shortened to 60
+/// characters.
+#[must_use]
+pub fn quoted(text: &str) -> String {
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{:?}... ({} bytes)", &text[..end], text.len()),
+        None => format!("{text:?}"),
+    }
+}
+
 /// The library's results.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -67,6 +89,40 @@ impl Error {
 
     /// An [`Error::Input`] about `path`.
     pub fn input(path: &Path, message: impl Into<String>) -> Self {
-        Self::Input { path: path.to_owned(), message: message.into() }
+        Self::Input { path: path.to_owned(), message: printable(&message.into()) }
+    }
+}
+
+/// Bytes of a message that quotes a file: more of it says no more.
+const MOST_MESSAGE: usize = 1000;
+
+/// `text` as a terminal may show it: control characters are escaped, and what is long is cut.
+pub(crate) fn printable(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for character in text.chars() {
+        if plain.len() > MOST_MESSAGE {
+            plain += "...";
+            break;
+        }
+        if character.is_control() {
+            plain.extend(character.escape_default());
+        } else {
+            plain.push(character);
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Error, printable};
+    use std::path::Path;
+
+    #[test]
+    fn what_messages_quote_of_a_file_is_escaped_and_cut() {
+        let error = Error::input(Path::new("a.exr"), "no channels among \u{1b}[2J\u{2}, \u{e9}").to_string();
+        assert_eq!(error, r"a.exr: no channels among \u{1b}[2J\u{2}, \u{e9}".replace(r"\u{e9}", "\u{e9}"));
+        let long = printable(&"layer ".repeat(1_000_000));
+        assert!(long.len() < 1100 && long.ends_with("..."), "{} bytes", long.len());
     }
 }

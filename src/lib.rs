@@ -1,5 +1,5 @@
-//! Glossy reflections of any roughness from one table over the sphere: HDR environments into prefiltered cube chains,
-//! or into the answer to a single query, without sampling noise and with a certified error bound.
+//! Glossy reflections of any roughness from one table over the sphere: HDR environments into prefiltered cube
+//! chains, or into the answer to a single query, without sampling noise and with a certified error bound.
 //!
 //! ```text
 //! environment            OEM, bordered            cells                      lobes
@@ -12,21 +12,25 @@
 //!
 //! In the order in which they run:
 //! 1. [`environment`]: radiance on a panorama, a cube or an octahedral square; [`io`] reads it from files.
-//! 2. [`oem`] and [`cpu::reparameterise`]: the octahedral environment map (OEM), filled by exact overlap areas, so that
-//!    every texel's energy arrives and a constant stays one.
+//! 2. [`oem`] and [`cpu::reparameterise`]: the octahedral environment map (OEM), filled by exact overlap
+//!    areas, so that every texel's energy arrives and a constant stays one.
 //! 3. [`sat`] and [`cpu::sat_scan`]: its summed-area table (SAT) in 64-bit fixed point, for boxes.
 //! 4. [`cpu::cells`]: a quadtree whose nodes know the first three moments of their energy.
-//! 5. [`cpu::adaptive`]: a [`lobe`] by the coarsest cells that are fine enough, with bounds from two-point distributions.
-//! 6. [`cpu::emitters`], [`cpu::blur`] and [`fitted`], instead of 4 and 5: a GGX lobe by its own values where light is
-//!    brightest, and a few soft boxes and harmonics, found by [`fit`], for the rest.
-//! 7. [`reflector`]: all of these for point queries; [`bake`]: for cube chains ([`chain`]), which [`io`] writes.
+//! 5. [`cpu::adaptive`]: a [`lobe`] by the coarsest cells that are fine enough, with bounds from two-point
+//!    distributions.
+//! 6. [`realtime::emitters`], [`cpu::blur`] and [`realtime::tables`], instead of 4 and 5: a GGX lobe by its own
+//!    values where light is brightest, and a few soft boxes and harmonics, found by [`realtime::fit`], for
+//!    the rest.
+//! 7. [`reflector`]: all of these for point queries; [`bake`]: for cube chains ([`chain`]), which [`io`]
+//!    writes.
 //!
 //! `gpu` (feature `gpu`) runs steps 2 to 7 as compute passes, held to the CPU's results by the tests.
 //!
-//! `view` (feature `view`) shows objects under an environment by all of these, in a window or as pictures.
+//! `view` (feature `view`, not in the defaults) shows objects under an environment by all of these, in a
+//! window or as pictures.
 //!
-//! [`oracle`] integrates exhaustively in double precision and shares no code with the engine but the maps of [`sphere`];
-//! [`compare`] measures a bake by it.
+//! [`analysis::oracle`] integrates exhaustively in double precision and shares no code with the engine but
+//! the maps of [`sphere`]; [`analysis::compare`] measures a bake by it.
 //!
 //! # Conventions
 //!
@@ -48,11 +52,13 @@
 //!
 //! ```
 //! use glam::DVec3;
-//! use octagloss::bake::{BakeSettings, Filter, bake};
+//! use octagloss::analysis::oracle;
+//! use octagloss::bake::{BakeSettings, bake};
+//! use octagloss::filter::Filter;
 //! use octagloss::lobe::Lobe;
 //! use octagloss::reflector::{Reflector, ReflectorSettings};
 //! use octagloss::sphere::cube::{Face, direction_from_texel};
-//! use octagloss::{Environment, Layout, oracle};
+//! use octagloss::{Environment, Layout};
 //!
 //! // A dim panorama with one lamp where it looks along +X.
 //! let mut texels = vec![[0.1; 3]; 32 * 16];
@@ -83,35 +89,31 @@
 //! # Ok::<(), octagloss::Error>(())
 //! ```
 
+pub mod analysis;
 pub mod bake;
 pub mod chain;
-pub mod compare;
 pub mod cpu;
-pub mod dfg;
 pub mod environment;
 pub mod error;
-pub mod fit;
-pub mod fitted;
-mod font;
+pub mod export;
+pub mod filter;
+mod finite;
+pub mod format;
+pub mod geometry;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod image;
 pub mod io;
+pub mod ladder;
+mod light_scale;
 pub mod lobe;
+pub mod memory;
 pub mod oem;
-pub mod oracle;
-pub mod overflow;
-pub mod preview;
+pub mod realtime;
 pub mod reflector;
-pub mod report;
 pub mod sat;
-pub mod sat_f32;
-pub mod seamless;
 pub mod sh;
-pub mod sh_scale;
-pub mod sh_window;
 pub mod sphere;
-pub mod sun;
-pub mod survey;
 pub mod synth;
 pub mod target;
 #[cfg(feature = "view")]

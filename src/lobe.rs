@@ -1,9 +1,11 @@
 //! Reflection lobes: radially symmetric kernels K over the sphere, all functions of
 //! s = sin^2(theta/2) = |l - R|^2 / 4, which float32 resolves near the peak where cos(theta) does not.
 
+pub mod kernel;
+
 use std::f64::consts::PI;
 
-/// A family of lobes; a roughness picks one of it.
+/// A family of lobes; the roughness selects one member.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Lobe {
     /// GGX with N = V = R (the split sum): D(theta/2) * cos(theta), alpha = roughness^2.
@@ -15,9 +17,10 @@ pub enum Lobe {
     Cone,
     /// cos theta: irradiance over pi. Has no roughness.
     Cosine,
-    /// Charlie, the sheen of Estevez and Kulla 2017, with N = V = R: D(theta/2) * cos(theta), D = sin^(1/alpha), a band
-    /// towards the horizon. Khronos's sampler draws half vectors by D cos, which makes D/4 of directions, and weighs
-    /// them by cos(theta) (lib/shaders/filter.frag): this kernel. Below [`LEAST_CHARLIE_ROUGHNESS`] it is that one's.
+    /// Charlie, the sheen of Estevez and Kulla 2017, with N = V = R: D(theta/2) * cos(theta), D =
+    /// sin^(1/alpha), a band towards the horizon. Khronos's sampler draws half vectors by D cos, which makes
+    /// D/4 of directions, and weighs them by cos(theta) (lib/shaders/filter.frag): this kernel. Below
+    /// [`LEAST_CHARLIE_ROUGHNESS`] it is that one's.
     Charlie,
 }
 
@@ -27,8 +30,9 @@ pub const LOBES: [Lobe; 5] = [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine, 
 /// The key under which outputs name their lobe.
 pub const LOBE_KEY: &str = "octaglossLobe";
 
-/// The least roughness of a Charlie lobe, four degrees across: level 1 of nine. At 0 it would be the horizon's circle, which no texel
-/// resolves; the sampler's level 0 is black, no half vector of its having its light above the horizon.
+/// The least roughness of a Charlie lobe, four degrees across: level 1 of nine. At 0 it would be the
+/// horizon's circle, which no texel resolves; the sampler's level 0 is black, no half vector of its having
+/// its light above the horizon.
 pub const LEAST_CHARLIE_ROUGHNESS: f64 = 0.125;
 
 impl Lobe {
@@ -56,7 +60,7 @@ impl Lobe {
         matches!(self, Self::Ggx | Self::Phong | Self::Cone)
     }
 
-    /// The roughness that is served where `roughness` is asked for.
+    /// The effective roughness for a requested `roughness`.
     #[must_use]
     pub const fn served_roughness(self, roughness: f64) -> f64 {
         match self {
@@ -91,7 +95,8 @@ pub fn phong_exponent(alpha: f64) -> f64 {
     2.0 / (alpha * alpha) - 2.0
 }
 
-/// p of the Charlie lobe of `alpha` in [0, 1], s^p (1 - 2s): 1/(2 alpha), its sine being that of half the angle.
+/// p of the Charlie lobe of `alpha` in [0, 1], s^p (1 - 2s): 1/(2 alpha), its sine being that of half the
+/// angle.
 #[must_use]
 pub fn charlie_power(alpha: f64) -> f64 {
     0.5 / alpha.max(LEAST_CHARLIE_ROUGHNESS * LEAST_CHARLIE_ROUGHNESS)
@@ -141,8 +146,9 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
     }
 }
 
-/// What convolution with the lobe, whose integral is made 1, leaves of harmonics of order 0 to 4: 2 pi times the integral
-/// over cos(theta) of the kernel times Legendre's polynomials. `alpha` in (0, 1]; exact to 1e-6 from 0.1 on.
+/// Factors of the harmonics of order 0 to 4 under convolution with the normalised lobe: 2 pi times the
+/// integral over cos(theta) of the kernel times Legendre's polynomials. `alpha` in (0, 1]; exact to 1e-6 from
+/// 0.1 on.
 #[must_use]
 pub fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
     // Midpoints in the logarithm of s + alpha^2, which GGX is flat in.
@@ -167,8 +173,8 @@ pub fn legendre(x: f64) -> [f64; 5] {
     [1.0, x, (3.0 * x2 - 1.0) / 2.0, (5.0 * x2 - 3.0) * x / 2.0, ((35.0 * x2 - 30.0) * x2 + 3.0) / 8.0]
 }
 
-/// Angle across the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX. Of a Charlie
-/// lobe, whose peak is a band, the angle across that.
+/// Angle across the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX.
+/// Of a Charlie lobe, whose peak is a band, the angle across that.
 #[must_use]
 pub fn full_width_at_half_maximum(lobe: Lobe, alpha: f64) -> f64 {
     if alpha <= 0.0 && lobe.has_mirror() {

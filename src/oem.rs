@@ -1,14 +1,16 @@
-//! The bordered octahedral environment map (OEM): per texel the energy L*w (red, green, blue) and the solid angle w.
+//! The bordered octahedral environment map (OEM): per texel the energy L*w (red, green, blue) and the solid
+//! angle w.
 
 use crate::environment::Rgb;
+use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::sphere::octahedral::wrap_texel;
 
 /// The share of bilinear reconstruction in a lobe of `alpha` over `inner` x `inner` texels: what is served.
 ///
-/// Inside a texel energy is constant in (u, v). A lobe up to two texels of alpha (a texel is at least 2/inner wide) is
-/// convolved with a one-texel box besides, which makes roughness 0 bilinear interpolation; from four texels on the box
-/// would only widen it, and is left out; between, the two are mixed.
+/// Inside a texel energy is constant in (u, v). A lobe up to two texels of alpha (a texel is at least 2/inner
+/// wide) is convolved with a one-texel box besides, which makes roughness 0 bilinear interpolation; from four
+/// texels on the box would only widen it, and is left out; between, the two are mixed.
 #[must_use]
 pub fn bilinear_share(lobe: Lobe, alpha: f64, inner: u32) -> f64 {
     if lobe == Lobe::Cosine {
@@ -105,11 +107,16 @@ impl Oem {
         &self.texels[start..start + self.size.inner as usize]
     }
 
+    /// The texels of the square, row by row, without the border.
+    pub fn square(&self) -> impl Iterator<Item = &[f32; 4]> {
+        (0..self.size.inner).flat_map(|y| self.row(y))
+    }
+
     /// The least radiance of each channel over the square.
     #[must_use]
     pub fn least_radiance(&self) -> Rgb {
         let mut least = [f32::INFINITY; 3];
-        for [r, g, b, w] in (0..self.size.inner).flat_map(|y| self.row(y)) {
+        for [r, g, b, w] in self.square() {
             for (least, energy) in least.iter_mut().zip([r, g, b]) {
                 *least = least.min(energy / w);
             }
@@ -121,7 +128,7 @@ impl Oem {
     #[must_use]
     pub fn totals(&self) -> [f64; 4] {
         let mut totals = [0.0; 4];
-        for texel in (0..self.size.inner).flat_map(|y| self.row(y)) {
+        for texel in self.square() {
             for (total, value) in totals.iter_mut().zip(texel) {
                 *total += f64::from(*value);
             }
@@ -135,4 +142,20 @@ impl Oem {
         let [r, g, b, w] = self.texel(x, y);
         [r / w, g / w, b / w]
     }
+}
+
+/// Sizes of the levels of a map of `size` x `size` texels, the sharpest first.
+///
+/// # Errors
+/// [`Error::Parameter`] where there are no levels, or the size does not halve so often without a rest.
+pub fn level_sizes(size: u32, levels: u32) -> Result<Vec<OemSize>> {
+    let halvings = levels.saturating_sub(1);
+    if levels == 0 || halvings > 14 || size == 0 || !size.is_multiple_of(1 << halvings) {
+        return Err(Error::Parameter(format!(
+            "an octahedral map of --size {size} does not halve {halvings} times; choose a multiple of {}, or fewer \
+             --levels",
+            1_u32 << halvings.min(14)
+        )));
+    }
+    Ok((0..levels).map(|l| OemSize { inner: size >> l, border: 1 << (halvings - l) }).collect())
 }

@@ -1,28 +1,30 @@
 //! Point queries: an environment made ready once, then asked for any direction and roughness.
 
-use crate::bake::Filter;
-use crate::cpu::adaptive::{Adaptive, LANES, Packet, Scratch};
+use crate::analysis::oracle::Oracle;
+use crate::cpu::adaptive::Adaptive;
 use crate::cpu::box_filter::BoxFilter;
 use crate::cpu::cells::Cells;
-use crate::cpu::emitters::{self, Emitter};
 use crate::cpu::fitted::{Fitted, finest_octave};
-use crate::cpu::kernel::Kernel;
-use crate::cpu::tent::Reconstruction;
+use crate::cpu::leaves::{LANES, Packet, Scratch};
 use crate::cpu::{blur, mirror, reparameterise};
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
-use crate::fitted::Table;
-use crate::lobe::Lobe;
+use crate::filter::{Answer, Filter};
+use crate::geometry::tent::Reconstruction;
+use crate::light_scale::LightScale;
+use crate::lobe::kernel::Kernel;
+use crate::lobe::{self, Lobe};
 use crate::oem::{Oem, OemSize, bilinear_share};
-use crate::oracle::Oracle;
+use crate::realtime::emitters::{self, Emitter};
+use crate::realtime::tables::Table;
 use crate::sat::{Sat, Scan};
 use crate::sh;
 use glam::{DMat3, DVec3};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-/// Lobes of a smaller alpha than this are served as mirrors: float32 resolves no sharper one, and beyond a texel even of
-/// a 4096^2 OEM their tails hold less than 1e-5 of their energy.
+/// Lobes of a smaller alpha than this are served as mirrors: float32 resolves no sharper one, and beyond a
+/// texel even of a 4096^2 OEM their tails hold less than 1e-5 of their energy.
 const MIRROR_ALPHA: f64 = 5e-7;
 
 /// How a reflector is laid out. `Default` serves every query.
@@ -32,8 +34,8 @@ pub struct ReflectorSettings {
     pub oem_size: Option<u32>,
     /// Border of the OEM in texels; `None` for none.
     pub border: Option<u32>,
-    /// The least roughness above 0 that will be asked of [`Filter::Adaptive`]: cells much finer than its lobe are
-    /// not kept.
+    /// The least roughness above 0 that will be asked of [`Filter::Adaptive`]: cells much finer than its lobe
+    /// are not kept.
     pub sharpest: f64,
     /// Whether [`Filter::Fitted`] will be asked for: the default size is rounded up to a power of two.
     pub fitted: bool,
@@ -75,23 +77,23 @@ impl ReflectorSettings {
     }
 }
 
-/// However wide a lobe is, its edges, its kink at the horizon and a Charlie lobe's point around R are sharp: cells are kept
-/// as for a peak of this roughness. Measured, with hdr/sky.exr's sun beside the horizon of a lobe of roughness 1: 0.4 % off,
-/// where cells for that alone leave 2.3 %.
+/// However wide a lobe is, its edges, its kink at the horizon and a Charlie lobe's point around R are sharp:
+/// cells are kept as for a peak of this roughness. Measured, with hdr/sky.exr's sun beside the horizon of a
+/// lobe of roughness 1: 0.4 % off, where cells for that alone leave 2.3 %.
 const KINKED: f64 = 0.2;
 
 /// An OEM resolves a lobe whose alpha is this many of its texels (2/n wide where they are narrowest).
 const TEXELS_PER_ALPHA: f64 = 8.5;
 
-/// A sun of one texel, spread over one of an OEM of this many, is small to the lobes that ask for a coarser one: measured,
-/// 0.0025 of relRMSE at roughness 0.3 where 128 leaves 0.035.
+/// A sun of one texel, spread over one of an OEM of this many, is small to the lobes that ask for a coarser
+/// one: measured, 0.0025 of relRMSE at roughness 0.3 where 128 leaves 0.035.
 const ENOUGH_FOR_SUNS: u32 = 512;
 
 /// Default OEMs have at most this many texels along an edge, border included.
 const LARGEST_DEFAULT: u32 = 4096;
 
-/// Texels along an edge of an OEM as fine as the source: a panorama's width, twice a cube's face, an octahedral
-/// square's own edge.
+/// Texels along an edge of an OEM as fine as the source: a panorama's width, twice a cube's face, an
+/// octahedral square's own edge.
 #[must_use]
 pub const fn source_oem_size(layout: Layout) -> u32 {
     match layout {
@@ -101,11 +103,12 @@ pub const fn source_oem_size(layout: Layout) -> u32 {
     }
 }
 
-/// The OEM's default size for lobes of roughness `sharpest` (0 for any) and above: as many texels as resolve that lobe,
-/// at most twice the source's own, and at least the source's own up to 512, for suns that are smaller than any lobe;
-/// rounded up to a multiple of 64, at most 4096 with its border.
+/// The OEM's default size for lobes of roughness `sharpest` (0 for any) and above: as many texels as resolve
+/// that lobe, at most twice the source's own, and at least the source's own up to 512, for suns that are
+/// smaller than any lobe; rounded up to a multiple of 64, at most 4096 with its border.
 ///
-/// Finer texels than that cost time and show nothing, coarser ones would widen the lobe; energy arrives at any size.
+/// Finer texels than that cost time and show nothing, coarser ones would widen the lobe; energy arrives at
+/// any size.
 #[must_use]
 pub fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
     let own = source_oem_size(layout);
@@ -123,6 +126,8 @@ pub fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
 #[derive(Debug)]
 pub struct Reflector<'a> {
     environment: Cow<'a, Environment>,
+    /// What the OEM's light is scaled by.
+    scale: LightScale,
     oem: Oem,
     /// Texels along an edge of the finest cells.
     block: u32,
@@ -132,16 +137,6 @@ pub struct Reflector<'a> {
     soft: OnceLock<SoftTables>,
 }
 
-/// The answer to a query.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
-    /// Radiance of the lobe.
-    pub radiance: Rgb,
-    /// Certified bound of its luminance's distance from exhaustive integration over the OEM; `None` where the filter
-    /// has none.
-    pub bound: Option<f32>,
-}
-
 impl<'a> Reflector<'a> {
     /// Makes `environment` ready.
     ///
@@ -149,7 +144,8 @@ impl<'a> Reflector<'a> {
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
         let (size, block) = settings.plan(environment.layout())?;
-        Ok(Self::over(environment, reparameterise::oem_from_environment(environment, size)?, block))
+        let (scale, oem) = scaled_oem(environment, size)?;
+        Ok(Self::of(Cow::Borrowed(environment), scale, oem, block))
     }
 
     /// [`Reflector::new`] for an environment that the reflector keeps.
@@ -158,18 +154,21 @@ impl<'a> Reflector<'a> {
     /// Those of [`Reflector::new`].
     pub fn owning(environment: Environment, settings: &ReflectorSettings) -> Result<Reflector<'static>> {
         let (size, block) = settings.plan(environment.layout())?;
-        let oem = reparameterise::oem_from_environment(&environment, size)?;
-        Ok(Reflector::of(Cow::Owned(environment), oem, block))
+        let (scale, oem) = scaled_oem(&environment, size)?;
+        Ok(Reflector::of(Cow::Owned(environment), scale, oem, block))
     }
 
-    /// A reflector over an OEM that is there already, with cells down to `block` texels.
-    pub(crate) const fn over(environment: &'a Environment, oem: Oem, block: u32) -> Self {
-        Self::of(Cow::Borrowed(environment), oem, block)
+    /// A reflector over an OEM that is there already, with cells down to `block` texels. Answers are in the
+    /// OEM's units.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn over(environment: &'a Environment, oem: Oem, block: u32) -> Self {
+        Self::of(Cow::Borrowed(environment), LightScale::default(), oem, block)
     }
 
-    const fn of(environment: Cow<'a, Environment>, oem: Oem, block: u32) -> Self {
+    const fn of(environment: Cow<'a, Environment>, scale: LightScale, oem: Oem, block: u32) -> Self {
         Self {
             environment,
+            scale,
             oem,
             block,
             constant: OnceLock::new(),
@@ -185,10 +184,25 @@ impl<'a> Reflector<'a> {
         &self.environment
     }
 
-    /// The OEM, in the source's own space.
+    /// The OEM, in the source's own space. Its light is that of the source times
+    /// 2^[`Reflector::light_exponent`].
     #[must_use]
     pub const fn oem(&self) -> &Oem {
         &self.oem
+    }
+
+    /// k, where the OEM holds the source's light times 2^k: 0 for light from 2^-60 to 2^60. Light outside of
+    /// that range is scaled, so that float32 holds energies and their sums; answers are in the source's own
+    /// units.
+    #[must_use]
+    pub const fn light_exponent(&self) -> i32 {
+        self.scale.exponent()
+    }
+
+    /// Total energy of the OEM, red, green and blue, in the source's own units.
+    pub(crate) fn energy(&self) -> [f64; 3] {
+        let [red, green, blue, _] = self.oem.totals();
+        self.scale.energies([red, green, blue])
     }
 
     /// The OEM's exact table.
@@ -223,9 +237,9 @@ impl<'a> Reflector<'a> {
     /// Lobes of one family and roughness by one filter.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a roughness outside [0, 1] or an adaptive error outside (0, 1), for a filter that the lobe
-    /// does not have, and for fitted lobes of a count of boxes that there is not or over an OEM that is no power of two
-    /// from 16 on.
+    /// [`Error::Parameter`] for a roughness outside [0, 1] or an adaptive error outside (0, 1), for a filter
+    /// that the lobe does not have, and for fitted lobes of a count of boxes that there is not or over an OEM
+    /// that is no power of two from 16 on.
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
@@ -251,10 +265,13 @@ impl<'a> Reflector<'a> {
                 Method::Adaptive {
                     constant: (share < 1.0).then(|| over(Reconstruction::Constant, 1.0 - share)),
                     bilinear: (share > 0.0).then(|| over(Reconstruction::Bilinear, share)),
+                    widest: WIDEST_PACKET * lobe::full_width_at_half_maximum(lobe, alpha),
                 }
             }
         };
-        Ok(Lobes { source_from_world: self.environment.source_from_world(), method })
+        // The oracle integrates the source itself.
+        let scale = if filter == Filter::Reference { LightScale::default() } else { self.scale };
+        Ok(Lobes { source_from_world: self.environment.source_from_world(), scale, method })
     }
 
     /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (of the world, any length but zero).
@@ -262,14 +279,35 @@ impl<'a> Reflector<'a> {
     /// # Errors
     /// Those of [`Reflector::lobes`].
     pub fn query(&self, direction: DVec3, roughness: f64, lobe: Lobe, filter: Filter) -> Result<Answer> {
+        let directions = [direction.normalize()];
         let mut answers = Vec::with_capacity(1);
-        self.lobes(lobe, roughness, filter)?.evaluate(
-            &[direction.normalize()],
-            &mut Workspace::default(),
-            &mut answers,
-        );
+        self.lobes(lobe, roughness, filter)?.evaluate(&directions, &mut Workspace::default(), &mut answers);
+        check_answers(&directions, &answers)?;
         Ok(answers[0])
     }
+}
+
+/// The OEM of `environment` under the scale that its light needs.
+fn scaled_oem(environment: &Environment, size: OemSize) -> Result<(LightScale, Oem)> {
+    let scale = LightScale::of(environment);
+    Ok((scale, reparameterise::oem_from_environment(&scale.scaled(environment), size)?))
+}
+
+/// Checks that the answers to a query are numbers that may leave the program.
+///
+/// # Errors
+/// [`Error::NonFiniteResult`] naming the direction of the first radiance or bound that is NaN, infinite or
+/// negative.
+pub fn check_answers(directions: &[DVec3], answers: &[Answer]) -> Result<()> {
+    for (direction, answer) in directions.iter().zip(answers) {
+        if let Some(value) = answer.wrong_value() {
+            return Err(Error::NonFiniteResult {
+                place: format!("direction {}, {}, {}", direction.x, direction.y, direction.z),
+                value: f64::from(value),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// What fitted lobes are read from; blurred tables are made when first asked for.
@@ -286,17 +324,27 @@ struct SoftTables {
 
 #[derive(Debug)]
 enum Method<'r> {
-    Adaptive { constant: Option<Adaptive<'r>>, bilinear: Option<Adaptive<'r>> },
+    Adaptive {
+        constant: Option<Adaptive<'r>>,
+        bilinear: Option<Adaptive<'r>>,
+        /// Greatest distance of directions that share a walk.
+        widest: f64,
+    },
     Box(BoxFilter<'r>),
     Fitted(Fitted<'r>),
     Mirror(&'r Oem, Rgb),
     Reference(Oracle<'r>, Lobe, f64),
 }
 
+/// Directions share a walk up to this many widths of their lobe apart.
+const WIDEST_PACKET: f64 = 64.0;
+
 /// Lobes of one family, roughness and filter over a reflector.
 #[derive(Debug)]
 pub struct Lobes<'r> {
     source_from_world: DMat3,
+    /// What the light that `method` reads is scaled by.
+    scale: LightScale,
     method: Method<'r>,
 }
 
@@ -311,15 +359,20 @@ pub struct Workspace {
 }
 
 impl Lobes<'_> {
-    /// Appends the answer for each of `directions` (unit vectors of the world). Directions near one another go
-    /// together, up to [`LANES`] share one walk.
+    /// Appends the answer for each of `directions` (unit vectors of the world). Up to [`LANES`] consecutive
+    /// directions share one walk if they are near one another.
     pub fn evaluate(&self, directions: &[DVec3], workspace: &mut Workspace, answers: &mut Vec<Answer>) {
         let source_from_world = self.source_from_world;
+        let first_answer = answers.len();
         let unbounded = |radiance: Rgb| Answer { radiance, bound: None };
         match &self.method {
-            Method::Adaptive { constant, bilinear } => {
+            Method::Adaptive { constant, bilinear, widest } => {
                 let mut turned = [DVec3::ZERO; LANES];
-                for group in directions.chunks(LANES) {
+                // Directions many lobes apart share no leaves: a cut for all of them would resolve the whole
+                // area between them.
+                let spread = |group: &[DVec3]| group.iter().map(|d| d.distance(group[0])).fold(0.0, f64::max);
+                let together = |group: &[DVec3]| if spread(group) <= *widest { LANES } else { 1 };
+                for group in directions.chunks(LANES).flat_map(|group| group.chunks(together(group))) {
                     for (turned, direction) in turned.iter_mut().zip(group) {
                         *turned = source_from_world * *direction;
                     }
@@ -351,6 +404,9 @@ impl Lobes<'_> {
             Method::Reference(oracle, lobe, roughness) => answers.extend(
                 directions.iter().map(|d| unbounded(oracle.reflect(*lobe, *roughness, *d).map(|c| c as f32))),
             ),
+        }
+        for answer in &mut answers[first_answer..] {
+            *answer = self.scale.answer(*answer);
         }
     }
 }

@@ -1,10 +1,10 @@
 //! The summed-area table (SAT; Crow 1984) of an OEM, exact: 64-bit fixed point, sums modulo 2^64.
 //!
-//! Float32 tables over HDR environments are broken (a sun of 1e6 leaves single-texel boxes of a 2048^2 table wrong by
-//! more than the sky's radiance). Integers are exact: intermediate entries may wrap, a box is right as long as the box
-//! itself fits, and since addition modulo 2^64 is associative and commutative every scan gives the same bits.
+//! Float32 tables over HDR environments are broken (a sun of 1e6 leaves single-texel boxes of a 2048^2 table
+//! wrong by more than the sky's radiance). Integers are exact: intermediate entries may wrap, a box is right
+//! as long as the box itself fits, and since addition modulo 2^64 is associative and commutative every scan
+//! gives the same bits.
 
-use crate::cpu::sat_scan;
 use crate::oem::{Oem, OemSize};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -12,7 +12,8 @@ use rayon::prelude::*;
 /// How a table is scanned; every choice gives the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scan {
-    /// Strips of columns, one a thread, each a few rows behind the one to its left: reads once and writes once.
+    /// Strips of columns, one a thread, each a few rows behind the one to its left: reads once and writes
+    /// once.
     #[default]
     Strips,
     /// One entry after the other.
@@ -33,17 +34,17 @@ pub struct FixedPoint {
 }
 
 impl FixedPoint {
-    /// The largest F of each channel with T * 2^F < 2^62 - N, where T is the channel's total over the `inner` x
-    /// `inner` square and N its texels: any box of side up to 2 * `inner` on the unfolded plane, which counts a texel
-    /// at most four times, fits 64 bits. A channel of zeros gets 0.
+    /// The largest F of each channel with T * 2^F < 2^62 - N, where T is the channel's total over the `inner`
+    /// x `inner` square and N its texels: any box of side up to 2 * `inner` on the unfolded plane, which
+    /// counts a texel at most four times, fits 64 bits. A channel of zeros gets 0.
     ///
-    /// Found without floating-point arithmetic and without order: the greatest bit pattern, then an integer sum.
+    /// Found without floating-point arithmetic and without order: the greatest bit pattern, then an integer
+    /// sum.
     #[must_use]
     pub fn of_square(oem: &Oem) -> Self {
         let inner = oem.size().inner;
-        let rows = || (0..inner).map(|y| oem.row(y));
         let mut greatest = [0_u32; 4];
-        for texel in rows().flatten() {
+        for texel in oem.square() {
             for (greatest, value) in greatest.iter_mut().zip(texel) {
                 *greatest = (*greatest).max(value.to_bits());
             }
@@ -58,7 +59,7 @@ impl FixedPoint {
             }),
         };
         let mut sums = [0_u64; 4];
-        for texel in rows().flatten() {
+        for texel in oem.square() {
             for (sum, value) in sums.iter_mut().zip(provisional.quantise(*texel)) {
                 *sum += value;
             }
@@ -80,7 +81,8 @@ impl FixedPoint {
         Self { exponents }
     }
 
-    /// Four non-negative finite values as integers, truncated: shifts of their bit patterns, no float arithmetic.
+    /// Four non-negative finite values as integers, truncated: shifts of their bit patterns, no float
+    /// arithmetic.
     #[inline(always)]
     #[must_use]
     pub fn quantise(self, values: [f32; 4]) -> [u64; 4] {
@@ -89,8 +91,9 @@ impl FixedPoint {
             let bits = u64::from(values[channel].to_bits());
             let exponent = bits >> 23;
             let mantissa = if exponent > 0 { bits & 0x007f_ffff | 1 << 23 } else { bits };
-            // value = mantissa * 2^(max(exponent, 1) - 150). One of the shifts is 64 or more, as if negative, and leaves
-            // nothing, which is what the vector units' own shifts do; both are 0 where nothing is shifted.
+            // value = mantissa * 2^(max(exponent, 1) - 150). One of the shifts is 64 or more, as if negative,
+            // and leaves nothing, which is what the vector units' own shifts do; both are 0 where nothing is
+            // shifted.
             let bias = i64::from(150 - self.exponents[channel]) as u64;
             let left = exponent.max(1).wrapping_sub(bias);
             let right = bias.wrapping_sub(exponent.max(1));
@@ -115,7 +118,8 @@ impl FixedPoint {
     }
 }
 
-/// The exact table of an OEM, border included; inclusive, entry (x, y) being the sum of texels up to and with (x, y).
+/// The exact table of an OEM, border included; inclusive, entry (x, y) being the sum of texels up to and with
+/// (x, y).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sat {
     size: OemSize,
@@ -124,32 +128,13 @@ pub struct Sat {
 }
 
 impl Sat {
-    /// The table of `oem`.
-    ///
-    /// # Panics
-    /// Where a Hensley radix is below 2.
-    #[must_use]
-    pub fn new(oem: &Oem, scan: Scan) -> Self {
-        let fixed = FixedPoint::of_square(oem);
-        let side = oem.size().bordered() as usize;
-        let mut entries = vec![[0; 4]; side * side];
-        sat_scan::scan(scan, fixed, oem.texels(), side, &mut entries);
-        Self { size: oem.size(), fixed, entries }
+    /// The table of `entries`, row-major, already summed up.
+    pub(crate) const fn from_entries(size: OemSize, fixed: FixedPoint, entries: Vec<[u64; 4]>) -> Self {
+        Self { size, fixed, entries }
     }
 
-    /// The table of `values`, row-major, one a texel of a square without a border, in units of `fixed`.
-    ///
-    /// # Panics
-    /// Where they are no square.
-    pub(crate) fn from_values(fixed: FixedPoint, values: Vec<[u64; 4]>) -> Self {
-        let inner = values.len().isqrt();
-        assert!(inner > 0 && inner * inner == values.len(), "texels of a square");
-        let mut entries = values;
-        sat_scan::sum_up(&mut entries, inner);
-        Self { size: OemSize { inner: inner as u32, border: 0 }, fixed, entries }
-    }
-
-    /// The table of the square without its border, `factor` x `factor` texels in one: every so many entries of this one.
+    /// The table of the square without its border, `factor` x `factor` texels in one: every so many entries
+    /// of this one.
     ///
     /// # Panics
     /// Where `factor` does not divide the square's side.
@@ -189,8 +174,8 @@ impl Sat {
         if x == 0 || y == 0 { [0; 4] } else { self.entries[(y - 1) * self.size.bordered() as usize + x - 1] }
     }
 
-    /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1`; the square's first texel is (0, 0), the border's are negative
-    /// or from `inner` on. Four reads.
+    /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1`; the square's first texel is (0, 0), the border's are
+    /// negative or from `inner` on. Four reads.
     ///
     /// # Panics
     /// Where the box leaves the border or is turned inside out.
@@ -208,8 +193,8 @@ impl Sat {
         difference(at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1))
     }
 
-    /// Sum of the texels 0 <= x < `x`, 0 <= y < `y` of the unfolded plane, for any integers (negative ones count
-    /// backwards), from the square's own table: wallpaper group p2 by parity.
+    /// Sum of the texels 0 <= x < `x`, 0 <= y < `y` of the unfolded plane, for any integers (negative ones
+    /// count backwards), from the square's own table: wallpaper group p2 by parity.
     #[must_use]
     pub fn plane_prefix(&self, x: i64, y: i64) -> [u64; 4] {
         let n = i64::from(self.size.inner);
@@ -243,15 +228,17 @@ impl Sat {
         })
     }
 
-    /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1` of the unfolded plane; exact for sides up to 2 * `inner`.
+    /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1` of the unfolded plane; exact for sides up to 2 *
+    /// `inner`.
     #[must_use]
     pub fn plane_box(&self, x0: i64, y0: i64, x1: i64, y1: i64) -> [u64; 4] {
         let at = |x: i64, y: i64| self.plane_prefix(x, y);
         difference(at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1))
     }
 
-    /// Energy (red, green, blue) and solid angle of a box with fractional edges on the unfolded plane, in texels of
-    /// the square: nine integer boxes, each non-negative and exact, weighted by the share of their texels inside.
+    /// Energy (red, green, blue) and solid angle of a box with fractional edges on the unfolded plane, in
+    /// texels of the square: nine integer boxes, each non-negative and exact, weighted by the share of their
+    /// texels inside.
     ///
     /// Sides must be at most 2 * `inner`.
     #[must_use]

@@ -4,7 +4,7 @@
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
-use crate::font;
+use crate::image::font;
 use crate::sphere::cube::{self, Face};
 use crate::sphere::equirect;
 use glam::DVec3;
@@ -149,8 +149,8 @@ fn lerp(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
     [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * t)
 }
 
-/// A clear sky after Preetham, Shirley and Smits 1999 (turbidity 3), its luminance in units of 10 kcd/m^2; a sun disc;
-/// ground of dry grass that fades into the haze.
+/// A clear sky after Preetham, Shirley and Smits 1999 (turbidity 3), its luminance in units of 10 kcd/m^2; a
+/// sun disc; ground of dry grass that fades into the haze.
 fn sky(direction: DVec3) -> Rgb {
     if direction.angle_between(sun_direction()) < SUN_RADIUS {
         return SUN_RADIANCE;

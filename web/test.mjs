@@ -123,8 +123,9 @@ const difference = (page, a, b) => page.evaluate(async (a, b) => {
     return { mean: sum / (3 * count), share: off / count };
 }, a, b);
 
-// Two drivers' roundings, and pixels on edges that fall to either side.
-const most = { mean: 0.1, share: 0.005 };
+// Two drivers' roundings, and pixels on edges that fall to either side. The sky's ground has one colour over up to half of
+// a picture: where a channel of it lies between two levels, drivers round it apart, which is 1/2 * 1/3 in the mean.
+const most = { mean: 0.2, share: 0.005 };
 const agrees = ({ mean, share }) => mean <= most.mean && share <= most.share;
 const said = ({ mean, share }) =>
     `${mean.toFixed(4)} of 255 off in the mean, ${(100 * share).toFixed(3)} % of the pixels by more than 2`;
@@ -223,7 +224,8 @@ async function checkMesh(page) {
     const before = await shot(page, 'before-a-mesh');
     await drop(page, 'pyramid.obj', Buffer.from(text), () => window.octagloss.state().object === 'mesh');
     tell('a mesh is another picture', !agrees(await difference(page, await shot(page, 'mesh'), before)), 'pyramid.obj');
-    await check(page, 'mesh', sky, {}, { mesh });
+    // The camera stands before its front.
+    await check(page, 'mesh', sky, {}, { mesh, yaw: -Math.PI / 2 });
     await checkBroken(page, 'broken.obj', Buffer.from('f 1 2 3'), 'broken.obj', 'sky.exr');
     await set(page, { object: 'sphere' });
 }
@@ -305,7 +307,7 @@ try {
 
     await page.setViewport({ width: 240, height: 300, deviceScaleFactor: 1 });
     await page.waitForFunction(() => String(window.octagloss.state().size) === '240,300', { timeout: 60_000, polling: 200 });
-    const resized = await difference(page, await shot(page, 'resized'), expected('resized', sky, { size: [240, 300] }));
+    const resized = await difference(page, await shot(page, 'resized'), expected('resized', sky, { size: [240, 300], yaw: -Math.PI / 2 }));
     tell('resized', agrees(resized), said(resized));
 
     const refused = await page.evaluate(() => {

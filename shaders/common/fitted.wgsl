@@ -1,7 +1,7 @@
-// The real-time tier: lobes as soft boxes and harmonics, `Fitted` of src/cpu/fitted.rs; src/fitted says how.
-// What includes this declares, in any group,
-//   octagloss_octaves: OctaglossOctaves, octagloss_light: OctaglossLight (uniform),
-//   octagloss_entries: array<Sum>, octagloss_parameters: array<vec4<u32>> (storage, read), octagloss_oem: texture_2d<f32>.
+// The real-time tier: lobes as soft boxes and harmonics, `Fitted` of src/cpu/fitted.rs; src/realtime/tables
+// says how. What includes this declares, in any group, octagloss_octaves: OctaglossOctaves, octagloss_light:
+// OctaglossLight (uniform), octagloss_entries: array<Sum>, octagloss_parameters: array<vec4<u32>> (storage,
+// read), octagloss_oem: texture_2d<f32>.
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 #include "common/octahedral.wgsl"
@@ -11,7 +11,8 @@
 // Intervals of the triangle's grid along a side, and its nodes.
 const INTERVALS = 11u;
 const NODES = 78u;
-// Knots of an octave, the first and last of them and how far apart they are, in octaves of alpha over the blur.
+// Knots of an octave, the first and last of them and how far apart they are, in octaves of alpha over the
+// blur.
 const KNOTS = 4u;
 const FIRST_KNOT = 0.25;
 const KNOT_STEP = 0.41666667;
@@ -24,7 +25,6 @@ const HARMONICS_FROM = 0.65;
 const HARMONICS_ALONE = 0.75;
 // Roughness from which on the polynomial of peaks holds.
 const PEAK_FROM = 0.13;
-const EMITTERS = 127u;
 // 2^-60: entries to the harmonics' units.
 const UNIT = 8.6736174e-19;
 
@@ -65,7 +65,8 @@ fn orders_around(direction: vec3<f32>) -> Orders {
     return orders;
 }
 
-// The triangle's point that a place is equivalent to, and how: `triangle_from_oct` of src/fitted/triangle.rs.
+// The triangle's point that a place is equivalent to, and how: `triangle_from_oct` of
+// src/realtime/tables/triangle.rs.
 struct Folded {
     point: vec2<f32>,
     signs: vec2<f32>,
@@ -205,8 +206,9 @@ fn unfolded_strip(octave: OctaglossOctave, y: i32, edges: vec4<i32>) -> Strip {
         subtract_sums(entries[3], entries[2]));
 }
 
-// Energies and solid angle of a box over the blurred square of `octave`, in its texels: sixteen entries around the corners
-// make nine boxes, each non-negative and exact, weighted by the share of their texels inside.
+// Energies and solid angle of a box over the blurred square of `octave`, in its texels: sixteen entries
+// around the corners make nine boxes, each non-negative and exact, weighted by the share of their texels
+// inside.
 fn soft_box(octave: OctaglossOctave, low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
     let columns = fractional_spans(low.x, high.x);
     var rows = fractional_spans(low.y, high.y);
@@ -268,7 +270,7 @@ fn zonal_weights(roughness: f32) -> vec4<f32> {
     return sum;
 }
 
-// What emitters add to a lobe around the unit vector `direction`: `radiance` of src/cpu/emitters.rs.
+// What emitters add to a lobe around the unit vector `direction`: `radiance` of src/realtime/emitters.rs.
 fn emitters_radiance(direction: vec3<f32>, alpha: f32, roughness: f32) -> vec3<f32> {
     var sum = vec3<f32>();
     for (var k = 0u; k < EMITTERS; k++) {

@@ -1,5 +1,6 @@
-// Non-negative float32 values as 64-bit fixed point, by their bit patterns: no float arithmetic, so that no driver's
-// flushing of subnormals and no rounding can come between CPU and GPU. `FixedPoint::quantise` in src/sat.rs.
+// Non-negative float32 values as 64-bit fixed point, by their bit patterns: no float arithmetic, so that no
+// driver's flushing of subnormals and no rounding can come between CPU and GPU. `FixedPoint::quantise` in
+// src/sat.rs.
 #include "common/u64.wgsl"
 
 // floor(value * 2^exponent), `bits` being the value's pattern.

@@ -1,4 +1,4 @@
-// Real spherical harmonics to order 4: `basis` of src/sh.rs.
+// Real spherical harmonics to order 4: `basis` of src/sh/coefficients.rs.
 
 // At `d` of unit length.
 fn harmonic_basis(d: vec3<f32>) -> array<f32, 25> {

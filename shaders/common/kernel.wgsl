@@ -1,5 +1,5 @@
-// Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy: src/cpu/kernel.rs, whose module and
-// src/cpu/adaptive.rs derive them.
+// Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy: src/lobe/kernel.rs, whose module
+// and src/cpu/adaptive.rs derive them.
 
 const SHAPE_GGX = 0u;
 const SHAPE_PHONG = 1u;
@@ -175,8 +175,34 @@ fn hinge(bend: f32, s: f32) -> f32 {
     return bend * max(0.5 - s, 0.0);
 }
 
+// How far k spreads over `radius` either way of `distance`.
+fn spread_around(kernel: Kernel, distance: f32, radius: f32) -> f32 {
+    let low = max(distance - radius, 0.0);
+    let high = distance + radius;
+    return value(kernel, 0.25 * low * low) - value(kernel, min(0.25 * high * high, 1.0));
+}
+
+// The greatest such spread of a lobe that is not smooth, at distances from `near` to `far`: that of a cone
+// has one jump, that of a wide Phong lobe is steepest at one end, at the horizon, or where d (1 -
+// d^2/2)^(n-1) is greatest.
+fn widest_spread(kernel: Kernel, near: f32, far: f32, radius: f32) -> f32 {
+    if kernel.shape == SHAPE_CONE {
+        return first_order_width(kernel, 0.5 * (near + far), radius, 0.5 * (far - near));
+    }
+    let horizon = clamp(1.4142135, near, far);
+    var steepest = horizon;
+    if kernel.first > 1.0 {
+        steepest = clamp(inverseSqrt(kernel.first - 0.5), near, far);
+    }
+    let ends = max(spread_around(kernel, near, radius), spread_around(kernel, far, radius));
+    return max(ends, max(spread_around(kernel, horizon, radius), spread_around(kernel, steepest, radius)));
+}
+
 // The error to expect of the estimate, for choosing which cells to split.
 fn expected_error(kernel: Kernel, distance: f32, radius: f32, packet: f32, trace: f32) -> f32 {
+    if !is_smooth(kernel) {
+        return 0.25 * widest_spread(kernel, max(distance - packet, 0.0), distance + packet, radius);
+    }
     let worst = worst_distance(kernel, max(distance - packet, 0.0), distance + packet);
     let along = 0.6 * trace * worst * worst;
     let here = interval(kernel, worst * worst, trace, along, radius);

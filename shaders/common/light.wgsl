@@ -1,6 +1,8 @@
 // What of the light is the same for every lobe: `LIGHT` of src/gpu/fitted.rs.
 
-// Light from one place: `Emitter` of src/cpu/emitters.rs.
+const EMITTERS = 127u;
+
+// Light from one place: `Emitter` of src/realtime/emitters.rs.
 struct OctaglossEmitter {
     direction: vec3<f32>,
     // Mean squared distance from there.
@@ -17,5 +19,5 @@ struct OctaglossLight {
     scale: array<vec4<f32>, 2>,
     // Of radiance and of 1, to order 4, in units of 2^60 of the table's.
     harmonics: array<vec4<f32>, 25>,
-    emitters: array<OctaglossEmitter, 127>,
+    emitters: array<OctaglossEmitter, EMITTERS>,
 }

@@ -30,8 +30,8 @@ fn solid_angle_density(uv: vec2<f32>) -> f32 {
     return 1.0 / (squared * sqrt(squared));
 }
 
-// Quotient and remainder with the remainder in 0 .. n - 1. Not by `/` and `%` of negative numbers, which drivers get
-// wrong.
+// Quotient and remainder with the remainder in 0 .. n - 1. Not by `/` and `%` of negative numbers, which
+// drivers get wrong.
 fn divide_floor(n: u32, x: i32) -> vec2<i32> {
     if x >= 0 {
         return vec2<i32>(i32(u32(x) / n), i32(u32(x) % n));

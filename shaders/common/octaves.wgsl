@@ -8,7 +8,8 @@ struct OctaglossOctave {
     coarse: u32,
     // Entries along an edge of its table: those of the bordered square and a first row and column of zeros.
     side: u32,
-    // The first of its texels, of its entries, of the tiles that it is blurred in, and of its rows among all octaves'.
+    // The first of its texels, of its entries, of the tiles that it is blurred in, and of its rows among all
+    // octaves'.
     first_texel: u32,
     first_entry: u32,
     first_tile: u32,
@@ -29,9 +30,11 @@ struct OctaglossOctaves {
     // The least alpha that the tables resolve.
     sharpest: f32,
     pad_0: u32,
-    // 1 over pi times a lobe's integral as a polynomial over roughness 0.13 to 1, lowest power first, four to a vector.
+    // 1 over pi times a lobe's integral as a polynomial over roughness 0.13 to 1, lowest power first, four to
+    // a vector.
     peak: array<vec4<f32>, 3>,
-    // What convolution leaves of harmonics of order 1 to 4, as polynomials over roughness 0.65 to 1, lowest power first.
+    // What convolution leaves of harmonics of order 1 to 4, as polynomials over roughness 0.65 to 1, lowest
+    // power first.
     zonal: array<vec4<f32>, 8>,
     // By octave, from 1 on.
     octaves: array<OctaglossOctave, 6>,

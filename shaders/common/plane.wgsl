@@ -2,8 +2,8 @@
 #include "common/octahedral.wgsl"
 #include "common/sum.wgsl"
 
-// Wallpaper group p2 by parity: the ends of the six sums from the square's corner that make up the sum of the texels below
-// `at` of the plane, for any integers.
+// Wallpaper group p2 by parity: the ends of the six sums from the square's corner that make up the sum of the
+// texels below `at` of the plane, for any integers.
 fn prefix_ends(inner: u32, at: vec2<i32>) -> array<vec2<i32>, 6> {
     let n = i32(inner);
     let column = divide_floor(inner, at.x);

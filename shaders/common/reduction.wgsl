@@ -19,5 +19,5 @@ fn groups() -> u32 {
 
 // Where texel `k` of the square lies in a plane.
 fn place(k: u32) -> u32 {
-    return (k / table.inner + table.border) * table.pitch + k % table.inner + table.border;
+    return place_in_plane(vec2<u32>(k % table.inner, k / table.inner));
 }

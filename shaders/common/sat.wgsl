@@ -40,7 +40,8 @@ fn plane_prefix(at: vec2<i32>) -> Sum {
     return unfolded_prefix(n, at, prefixes);
 }
 
-// Texels low <= p < high of the unfolded plane, sides up to twice the square's: four reads where the border holds them.
+// Texels low <= p < high of the unfolded plane, sides up to twice the square's: four reads where the border
+// holds them.
 fn plane_box(low: vec2<i32>, high: vec2<i32>) -> Sum {
     let b = i32(octagloss_table.border);
     let most = i32(octagloss_table.inner) + b;
@@ -63,8 +64,8 @@ fn plane_box(low: vec2<i32>, high: vec2<i32>) -> Sum {
     return sum;
 }
 
-// Energy and solid angle of a box of the unfolded plane with fractional edges, in texels of the square; in units in which
-// their quotient is radiance.
+// Energy and solid angle of a box of the unfolded plane with fractional edges, in texels of the square; in
+// units in which their quotient is radiance.
 fn box_energy(low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
     var columns = fractional_spans(low.x, high.x);
     var rows = fractional_spans(low.y, high.y);
@@ -84,8 +85,9 @@ fn box_energy(low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
         scale_by_power(sum.r, up.r), scale_by_power(sum.g, up.g), scale_by_power(sum.b, up.b), sum.a);
 }
 
-// Energy and solid angle of the box of `solid_angle` around `direction` (any length but zero), a one-texel box added in
-// quadrature: 0 is bilinear interpolation. Several, weighted and summed, make a stack; `rgb / a` is its radiance.
+// Energy and solid angle of the box of `solid_angle` around `direction` (any length but zero), a one-texel
+// box added in quadrature: 0 is bilinear interpolation. Several, weighted and summed, make a stack; `rgb / a`
+// is its radiance.
 fn octagloss_box_energy(direction: vec3<f32>, solid_angle: f32) -> vec4<f32> {
     let n = f32(octagloss_table.inner);
     let uv = oct_from_direction(direction);
@@ -101,7 +103,8 @@ fn octagloss_box(direction: vec3<f32>, solid_angle: f32) -> vec3<f32> {
     return energy.rgb / energy.a;
 }
 
-// Solid angle of the box for GGX of `roughness` in [0, 1]: the cap that holds the lobe's weight at its peak value.
+// Solid angle of the box for GGX of `roughness` in [0, 1]: the cap that holds the lobe's weight at its peak
+// value.
 fn octagloss_ggx_solid_angle(roughness: f32) -> f32 {
     let squared = roughness * roughness * roughness * roughness;
     if squared == 0.0 {

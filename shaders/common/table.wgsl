@@ -8,3 +8,8 @@ struct Table {
 }
 
 @group(0) @binding(0) var<uniform> table: Table;
+
+// Where a texel of the square lies in a plane.
+fn place_in_plane(texel: vec2<u32>) -> u32 {
+    return (texel.y + table.border) * table.pitch + texel.x + table.border;
+}

@@ -1,5 +1,6 @@
-// The viewer's pictures: linear and exposed, or the samples themselves. What includes this gives
-// `fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>`, `direction` being the source's.
+// The viewer's pictures: linear and exposed, or the samples themselves. What includes this gives `fn
+// radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>`, `direction` being the
+// source's.
 #include "common/view_scene.wgsl"
 
 // Half floats end there.
@@ -8,14 +9,18 @@ const GREATEST = 65504.0;
 struct Corner {
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
-    @location(2) uv: vec2<f32>,
+    @location(2) colour: vec4<f32>,
+    @location(3) uv: vec2<f32>,
+    @location(4) surface_uv: vec2<f32>,
 }
 
 struct Surface {
     @builtin(position) clip: vec4<f32>,
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
-    @location(2) uv: vec2<f32>,
+    @location(2) colour: vec4<f32>,
+    @location(3) uv: vec2<f32>,
+    @location(4) surface_uv: vec2<f32>,
 }
 
 // One triangle over everything.
@@ -28,17 +33,30 @@ fn cover(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
 @vertex
 fn transform(corner: Corner) -> Surface {
     let clip = frame.clip_from_world * vec4<f32>(corner.position, 1.0);
-    return Surface(clip, corner.position, corner.normal, corner.uv);
+    return Surface(clip, corner.position, corner.normal, corner.colour, corner.uv, corner.surface_uv);
 }
 
 fn mesh_sample(surface: Surface) -> Sample {
+    let painted = material.base * surface.colour * textureSample(base_texture, base_sampler, surface.uv);
+    let texel = textureSample(surface_texture, surface_sampler, surface.surface_uv);
+    // The side of the triangle that is seen, whatever its corners' order.
+    let across = cross(dpdx(surface.position), dpdy(surface.position));
+    let seen = across * -sign(dot(across, surface.position - frame.eye));
+    let normal = normalize(surface.normal) * select(1.0, -1.0, dot(seen, surface.normal) < 0.0);
+    if painted.a < material.cutoff {
+        discard;
+    }
     let view = normalize(surface.position - frame.eye);
-    return surface_sample(view, normalize(surface.normal), frame.roughness, surface.uv);
+    let base = painted.rgb * mix(frame.metal, frame.tint, material.own);
+    let plain = frame.roughness * roughness_at(surface.uv);
+    let roughness = material.roughness * texel.g * mix(plain, frame.roughness_factor, material.own);
+    return surface_sample(view, normal, base, material.metallic * texel.b, roughness);
 }
 
 fn lit(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
     let light = radiance(frame.source_from_world * found.direction, found.roughness, pixel);
-    return vec4<f32>(min(light * found.factor * frame.exposure, vec3<f32>(GREATEST)), 1.0);
+    let diffuse = found.albedo * irradiance(frame.source_from_world * found.normal);
+    return vec4<f32>(min((light * found.factor + diffuse) * frame.exposure, vec3<f32>(GREATEST)), 1.0);
 }
 
 @fragment
@@ -51,8 +69,8 @@ fn mesh_picture(surface: Surface) -> @location(0) vec4<f32> {
     return lit(mesh_sample(surface), surface.clip.xy);
 }
 
-// Relative error of luminance, from black through blue and red to pale yellow, evenly lighter to the eye with its logarithm
-// from 1e-4 to 1: `error_colour` of src/preview.rs, linear.
+// Relative error of luminance, from black through blue and red to pale yellow, evenly lighter to the eye with
+// its logarithm from 1e-4 to 1: `error_colour` of src/image/preview.rs, linear.
 fn error_colour(error: f32) -> vec3<f32> {
     if error <= 0.0 {
         return vec3<f32>();

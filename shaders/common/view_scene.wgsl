@@ -1,7 +1,11 @@
-// What every pixel of the viewer looks at: `ViewFrame` of src/view/renderer.rs and the pictures beside it. No branch depends on
-// the uniform alone: Mesa's lavapipe puts what such branches read into the code, and compiles it anew while the camera moves.
+// What every pixel of the viewer looks at: the uniforms of src/view/frame.rs and the pictures beside them. No
+// branch depends on the uniform alone: Mesa's lavapipe puts what such branches read into the code, and
+// compiles it anew while the camera moves.
+
+#include "common/harmonics.wgsl"
 
 const BALLS = 9u;
+const MOST_LEVELS = 16u;
 
 struct Ball {
     centre: vec3<f32>,
@@ -22,14 +26,42 @@ struct ViewFrame {
     forward: vec3<f32>,
     // Levels of the prefiltered cube.
     levels: f32,
-    // Reflectance at normal incidence.
+    // Reflectance of plain metals at normal incidence.
     metal: vec3<f32>,
+    // What the prefiltered cube's texels are multiplied by.
+    levels_scale: f32,
+    // Factors of the base colours and of the roughness of a mesh's own materials.
+    tint: vec3<f32>,
+    roughness_factor: f32,
     // Pixels of the picture.
     size: vec2<f32>,
     source_from_world: mat3x3<f32>,
+    levels_from_source: mat3x3<f32>,
     clip_from_world: mat4x4<f32>,
+    // Roughness of the levels, four to a vector, ascending.
+    ladder: array<vec4<f32>, MOST_LEVELS / 4u>,
     // Those that are not there have no radius.
     ball: array<Ball, BALLS>,
+}
+
+// `Diffuse` of src/view/frame.rs, in the source's space.
+struct Diffuse {
+    // Of irradiance over pi.
+    harmonics: array<vec4<f32>, 25>,
+    // Direction of the lamp, and its energy over pi.
+    lamp: vec4<f32>,
+}
+
+// `MaterialUniform` of src/view/model.rs.
+struct Material {
+    // Colour and opacity.
+    base: vec4<f32>,
+    metallic: f32,
+    roughness: f32,
+    // Opacity below which there is no surface.
+    cutoff: f32,
+    // 1 for a material of the mesh's file, 0 for a plain metal.
+    own: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: ViewFrame;
@@ -39,6 +71,13 @@ struct ViewFrame {
 @group(0) @binding(2) var roughness_map: texture_2d<f32>;
 // Radiance of the certified tier, a texel a pixel.
 @group(0) @binding(3) var truth: texture_2d<f32>;
+@group(0) @binding(4) var<uniform> diffuse: Diffuse;
+@group(0) @binding(5) var<uniform> material: Material;
+@group(0) @binding(6) var base_texture: texture_2d<f32>;
+@group(0) @binding(7) var base_sampler: sampler;
+// Factors of roughness (green) and metalness (blue).
+@group(0) @binding(8) var surface_texture: texture_2d<f32>;
+@group(0) @binding(9) var surface_sampler: sampler;
 
 // What a pixel asks of the environment, and what becomes of the answer.
 struct Sample {
@@ -46,6 +85,9 @@ struct Sample {
     direction: vec3<f32>,
     roughness: f32,
     factor: vec3<f32>,
+    // Of the world, unit, and what of the irradiance over pi around it comes back.
+    normal: vec3<f32>,
+    albedo: vec3<f32>,
 }
 
 // Bilinear, by hand: table texels are at the same places for every driver.
@@ -81,23 +123,38 @@ fn view_direction(pixel: vec2<f32>) -> vec3<f32> {
     return normalize(frame.forward + frame.right * at.x + frame.up * at.y);
 }
 
-// A metal's surface with unit `normal`, seen along `view`.
-fn surface_sample(view: vec3<f32>, normal: vec3<f32>, base_roughness: f32, uv: vec2<f32>) -> Sample {
-    let roughness = base_roughness * roughness_at(uv);
+// A surface with unit `normal`, seen along `view`: glTF's metallic-roughness model by the split sum.
+fn surface_sample(
+    view: vec3<f32>, normal: vec3<f32>, base: vec3<f32>, metallic: f32, roughness: f32) -> Sample {
     let cosine = clamp(-dot(view, normal), 0.0, 1.0);
     let terms = split_sum_at(cosine, roughness);
     let once = terms.x + terms.y;
-    // What a white metal misses of a white environment comes out after further reflections (Fdez-Aguera 2019, in the form of
-    // Filament's 4.7.2).
-    let again = 1.0 + frame.metal * (1.0 / once - 1.0);
-    return Sample(reflect(view, normal), roughness, (frame.metal * terms.x + terms.y) * again);
+    // Dielectrics reflect 4 % at normal incidence.
+    let f0 = mix(vec3<f32>(0.04), base, metallic);
+    // What a white metal misses of a white environment comes out after further reflections (Fdez-Aguera 2019,
+    // in the form of Filament's 4.7.2).
+    let again = 1.0 + f0 * (1.0 / once - 1.0);
+    let reflected = (f0 * terms.x + terms.y) * again;
+    // What is not reflected enters, and leaves evenly.
+    let albedo = base * (1.0 - metallic) * max(1.0 - reflected, vec3<f32>(0.0));
+    return Sample(reflect(view, normal), roughness, reflected, normal, albedo);
+}
+
+// Irradiance over pi around a unit `direction` of the source.
+fn irradiance(direction: vec3<f32>) -> vec3<f32> {
+    var basis = harmonic_basis(direction);
+    var sum = vec3<f32>(diffuse.lamp.w * max(dot(direction, diffuse.lamp.xyz), 0.0));
+    for (var k = 0u; k < 25u; k++) {
+        sum += basis[k] * diffuse.harmonics[k].rgb;
+    }
+    return max(sum, vec3<f32>(0.0));
 }
 
 // The nearest sphere along the view, or the backdrop.
 fn ball_sample(pixel: vec2<f32>) -> Sample {
     let view = view_direction(pixel);
     var nearest = 1e30;
-    var found = Sample(view, frame.backdrop, vec3<f32>(1.0));
+    var found = Sample(view, frame.backdrop, vec3<f32>(1.0), view, vec3<f32>(0.0));
     for (var k = 0u; k < BALLS; k++) {
         let ball = frame.ball[k];
         let from_centre = frame.eye - ball.centre;
@@ -110,7 +167,7 @@ fn ball_sample(pixel: vec2<f32>) -> Sample {
             nearest = distance;
             let normal = normalize(from_centre + distance * view);
             let uv = vec2<f32>(0.5 + atan2(normal.z, normal.x) / 6.2831853, acos(clamp(normal.y, -1.0, 1.0)) / 3.1415927);
-            found = surface_sample(view, normal, ball.roughness, uv);
+            found = surface_sample(view, normal, frame.metal, 1.0, ball.roughness * roughness_at(uv));
         }
     }
     return found;

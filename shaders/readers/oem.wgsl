@@ -1,6 +1,7 @@
-// Reads a bordered octahedral map (`octagloss bake --target oem`) with an ordinary sampler: linear, clamped to the edge.
-// Right-handed, y up; the square's centre is +Y, its corners are -Y, u runs along x, v along z and downwards.
-// The border halves from level to level down to one texel, so one mapping serves them all and no look-up wraps.
+// Reads a bordered octahedral map (`octagloss bake --target oem`) with an ordinary sampler: linear, clamped
+// to the edge. Right-handed, y up; the square's centre is +Y, its corners are -Y, u runs along x, v along z
+// and downwards. The border halves from level to level down to one texel, so one mapping serves them all and
+// no look-up wraps.
 
 // Coordinates in [-1, 1]^2 of `direction`, of any length but zero.
 fn oem_oct_from_direction(direction: vec3<f32>) -> vec2<f32> {

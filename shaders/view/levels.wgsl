@@ -1,8 +1,26 @@
-// The viewer by a prefiltered cube chain, as engines have it: trilinear between levels of roughness 0 to 1.
+// The viewer by a prefiltered cube chain, as engines have it: trilinear between levels of ascending
+// roughness.
 @group(1) @binding(0) var levels: texture_cube<f32>;
 @group(1) @binding(1) var trilinear: sampler;
 #include "common/view_draw.wgsl"
 
+fn ladder_at(level: u32) -> f32 {
+    return frame.ladder[level / 4u][level % 4u];
+}
+
+// Where between the levels `roughness` lies; below the first and above the last, those.
+fn level_of(roughness: f32) -> f32 {
+    var level = 0.0;
+    for (var k = 0u; k + 1u < MOST_LEVELS; k++) {
+        let low = ladder_at(k);
+        // Levels that are not there have a roughness of 0.
+        let width = ladder_at(k + 1u) - low;
+        level += select(0.0, clamp((roughness - low) / width, 0.0, 1.0), width > 0.0);
+    }
+    return level;
+}
+
 fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32> {
-    return textureSampleLevel(levels, trilinear, direction, roughness * (frame.levels - 1.0)).rgb;
+    let own = frame.levels_from_source * direction;
+    return textureSampleLevel(levels, trilinear, own, level_of(roughness)).rgb * frame.levels_scale;
 }

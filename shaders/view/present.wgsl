@@ -18,8 +18,8 @@ fn cover(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     return vec4<f32>(corner * 2.0 - 1.0, 0.0, 1.0);
 }
 
-// Khronos PBR Neutral: colours below 0.76 keep their hue and chroma but for what Fresnel adds, brighter ones are compressed and
-// fade to white.
+// Khronos PBR Neutral: colours below 0.76 keep their hue and chroma but for what Fresnel adds, brighter ones
+// are compressed and fade to white.
 fn neutral(colour: vec3<f32>) -> vec3<f32> {
     let start = 0.8 - 0.04;
     let least = min(colour.r, min(colour.g, colour.b));

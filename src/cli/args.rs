@@ -1,25 +1,35 @@
 //! What was typed: the options of every subcommand, each checked on its own. Their doc comments are the help.
 
+use super::shared_args::{EngineArgs, InputArgs, MAX_THREADS};
 use super::values::{
-    DfgFormArg, DiffuseArg, EngineArg, FlipArg, FormatArg, LadderArg, LayoutArg, LobeArg, OutLayoutArg,
-    OverflowArg, PixelArg, Texels, file_name, filter, finite, roughness, sh_window, target, target_help,
-    texels, threshold,
+    DfgFormArg, DiffuseArg, FlipArg, FormatArg, LadderArg, LobeArg, OutLayoutArg, OverflowArg, PixelArg,
+    Texels, file_name, filter, roughness, sh_window, target, target_help, texels, threshold,
 };
 use clap::{Args as ClapArgs, Parser, Subcommand};
-use octagloss::bake::Filter;
+use octagloss::filter::Filter;
+use octagloss::image::exposure::Exposure;
 use octagloss::sh::MAX_ORDER;
-use octagloss::sh_window::ShWindow;
+use octagloss::sh::window::ShWindow;
 use octagloss::target::Target;
 use std::path::PathBuf;
 
 /// Texels along an edge of a cube or of an OEM.
 const MAX_SIZE: i64 = 16_384;
 
+/// The version and the features that are built in.
+const VERSION: &str = if cfg!(feature = "view") {
+    concat!(env!("CARGO_PKG_VERSION"), " (features: cli gpu view)")
+} else if cfg!(feature = "gpu") {
+    concat!(env!("CARGO_PKG_VERSION"), " (features: cli gpu)")
+} else {
+    concat!(env!("CARGO_PKG_VERSION"), " (features: cli)")
+};
+
 /// Bakes HDR environments into glossy reflections of any roughness
 ///
 /// One summed-area table over the sphere, exact 64-bit sums, no noise, and an error bound for every texel.
 #[derive(Debug, Parser)]
-#[command(name = "octagloss", version, max_term_width = 80, help_expected = true)]
+#[command(name = "octagloss", version = VERSION, max_term_width = 80, help_expected = true)]
 #[command(disable_help_subcommand = true, subcommand_required = true, arg_required_else_help = true)]
 pub(super) struct Args {
     #[command(subcommand)]
@@ -45,41 +55,11 @@ pub(super) enum Command {
     /// Look at glossy objects, in a window or as a picture
     #[cfg(feature = "view")]
     View(Box<super::view::ViewArgs>),
-}
-
-/// How input files are read.
-#[derive(Clone, Debug, ClapArgs)]
-#[command(next_help_heading = "Input")]
-pub(super) struct InputArgs {
-    /// How the texels cover the sphere [default: auto]
+    /// Look at glossy objects, in a window or as a picture (not part of this build)
     ///
-    /// auto goes by the shape: 2:1 is a panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces takes six
-    /// files as one cube, in the order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...).
-    #[arg(long, value_name = "LAYOUT", default_value = "auto", hide_default_value = true)]
-    pub(super) layout: LayoutArg,
-    /// Turn about +Y; +90 carries +Z to +X [default: 0]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
-    pub(super) rotate_y: Option<f64>,
-    /// Flip left to right, for photographs from inside
-    #[arg(long)]
-    pub(super) mirror: bool,
-    /// Repair NaN (to 0) and Inf (to a finite neighbour)
-    ///
-    /// Inf becomes the largest finite value around it. What was repaired is counted.
-    #[arg(long)]
-    pub(super) sanitize: bool,
-    /// Make any repair of the input an error
-    ///
-    /// Without it negative radiance becomes 0, is counted, and one warning says how much energy it was.
-    #[arg(long, conflicts_with = "sanitize")]
-    pub(super) strict: bool,
-    /// Take the sun out: go on with the rest
-    ///
-    /// The sun is what is connected to the brightest texel and at least a tenth as bright, with its glow, if that texel
-    /// outshines the median 10 to 30 degrees around it eightfold; what surrounds it closes over it. bake writes what was
-    /// taken out into the report and into OUT.sun.json, or sun.json in OUT where that is a folder: a directional light.
-    #[arg(long)]
-    pub(super) extract_sun: bool,
+    /// Prints the command that compiles the viewer and runs it.
+    #[cfg(not(feature = "view"))]
+    View(super::view_absent::ViewArgs),
 }
 
 /// The table that lobes are read from.
@@ -88,8 +68,9 @@ pub(super) struct InputArgs {
 pub(super) struct TableArgs {
     /// Edge of the octahedral map, 1 to 16384 [default: lobes']
     ///
-    /// By default as fine as the sharpest lobe asks for, at most twice the source (the width of a panorama, twice the
-    /// face of a cube) and at least the source up to 512, rounded up to a multiple of 64, at most 4096 with its border.
+    /// By default as fine as the sharpest lobe asks for, at most twice the source (the width of a panorama,
+    /// twice the face of a cube) and at least the source up to 512, rounded up to a multiple of 64, at most
+    /// 4096 with its border.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
     pub(super) oem_size: Option<u32>,
     /// Its border in texels, 0 to 16384 [default: filter's]
@@ -99,28 +80,6 @@ pub(super) struct TableArgs {
     pub(super) border: Option<u32>,
 }
 
-/// What computes.
-#[derive(Clone, Debug, ClapArgs)]
-#[command(next_help_heading = "Engine")]
-pub(super) struct EngineArgs {
-    /// What computes: auto, cpu or gpu [default: auto]
-    ///
-    /// auto takes a hardware GPU where there is one and the CPU otherwise, and says which.
-    #[arg(long, value_name = "ENGINE", default_value = "auto")]
-    #[arg(hide_default_value = true, hide_possible_values = true)]
-    pub(super) engine: EngineArg,
-    /// The GPU, by a part of its name
-    ///
-    /// octagloss info --adapters lists them.
-    #[arg(long, value_name = "NAME")]
-    pub(super) adapter: Option<String>,
-    /// Threads, 1 to 1024 [default: one a core]
-    ///
-    /// The result does not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub(super) threads: Option<u32>,
-}
-
 #[derive(Clone, Debug, ClapArgs)]
 pub(super) struct BakeArgs {
     /// Environments: .hdr, .exr, .png, .jpg; .ktx2 or bakes
@@ -128,23 +87,28 @@ pub(super) struct BakeArgs {
     pub(super) inputs: Vec<PathBuf>,
     /// File or folder to write [default: INPUT's name]
     ///
-    /// By default in the current folder. A file for ktx2, ktx and dds, a folder for exr, hdr and --target. With
-    /// several inputs a folder that gets one of these for each, named after its input.
+    /// By default in the current folder. A file for ktx2, ktx and dds, a folder for exr, hdr and --target.
+    /// With several inputs a folder that gets one of these for each, named after its input; so does a name
+    /// that ends in / for one input. - is standard output, for an output of one file and nothing beside it.
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
     /// Presets for engines, comma-separated
     ///
-    /// Each sets what other options do not; OUT is a folder that gets the target's files and report.json, one folder
-    /// a target where there are several. All are made from one octahedral map.
+    /// Each sets what other options do not; OUT is a folder that gets the target's files and report.json, one
+    /// folder a target where there are several. All are made from one octahedral map.
     #[arg(long, value_name = "TARGET", value_delimiter = ',', value_parser = target, long_help = target_help())]
     pub(super) target: Vec<&'static Target>,
-    /// Edge of level 0, 1 to 16384 [default: 256]
+    /// Edge of level 0, 1 to 16384 [default: ladder's]
+    ///
+    /// By default 640 for the linear ladder of ggx (panoramas 1280 rows, octahedral squares 1920), at which
+    /// trilinear look-ups are a few percent off from roughness 0.6 up; else 256.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
     pub(super) size: Option<u32>,
     /// Levels, each half the last [default: ladder's]
     ///
-    /// At least 1, which has roughness 0; at most down to size 1. By default down to size 1 for linear and to 16 for
-    /// filament.
+    /// At least 1, which has roughness 0; at most down to size 1. By default linear ends at 4 to 9 texels (8
+    /// levels from 640, 7 from 256), filament at 16, unity after 7 levels, and babylon and --out-layout mips
+    /// at 1.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=15))]
     pub(super) levels: Option<u32>,
     /// Roughness of the levels [default: linear]
@@ -156,16 +120,16 @@ pub(super) struct BakeArgs {
     pub(super) ladder: Option<LadderArg>,
     /// ggx, phong, cone, cosine or charlie
     ///
-    /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band towards the
-    /// horizon; it has no mirror, and below roughness 0.125 it is that of 0.125. It is the CPU's.
+    /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
+    /// towards the horizon; it has no mirror, and below roughness 0.125 it is that of 0.125. It is the CPU's.
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: LobeArg,
     /// adaptive:E, fitted:K, box or reference
     ///
-    /// adaptive:E is quadrature with a certified bound, E in (0, 1) the relative RMS error aimed at; adaptive alone
-    /// is adaptive:0.005. fitted:K is the real-time tier, K soft boxes (1, 2, 4 or 8) and spherical harmonics fitted to
-    /// ggx; fitted alone is fitted:4. box is the single box of the octahedron environment maps paper. reference integrates
-    /// exhaustively in double precision: slow, for auditing.
+    /// adaptive:E is quadrature with a certified bound, E from 1e-6 to 1 the relative RMS error aimed at;
+    /// adaptive alone is adaptive:0.005. fitted:K is the real-time tier, K soft boxes (1, 2, 4 or 8) and
+    /// spherical harmonics fitted to ggx; fitted alone is fitted:4. box is the single box of the octahedron
+    /// environment maps paper. reference integrates exhaustively in double precision: slow, for auditing.
     #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
     pub(super) filter: Filter,
     /// ktx2, ktx, dds, exr, hdr [default: OUT's or ktx2]
@@ -175,47 +139,49 @@ pub(super) struct BakeArgs {
     pub(super) format: Option<FormatArg>,
     /// How levels lie in exr and hdr [default: faces]
     ///
-    /// faces: m{level}_{face}, six images a level. cross, cross-vertical, strip, strip-vertical: m{level}, the faces in
-    /// one image. equirect: m{level}, panoramas of 2N x N for --size N. octahedral: m{level}, squares of N x N. parts: one
-    /// EXR file OUT, a part a face. mips: one EXR file OUT, a panorama with MIP levels down to one texel. Every texel is
-    /// a lobe of its own, not resampled.
+    /// faces: m{level}_{face}, six images a level. cross, cross-vertical, strip, strip-vertical: m{level},
+    /// the faces in one image. equirect: m{level}, panoramas of 2N x N for --size N. octahedral: m{level},
+    /// squares of N x N. parts: one EXR file OUT, a part a face. mips: one EXR file OUT, a panorama with MIP
+    /// levels down to one texel. Every texel is a lobe of its own, not resampled.
     #[arg(long, value_name = "LAYOUT", conflicts_with = "target", hide_possible_values = true)]
     pub(super) out_layout: Option<OutLayoutArg>,
     /// f16, f32, rgb9e5, r11g11b10f, bc6h [default: f16]
     ///
-    /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels as floats, and has f16
-    /// and f32 only. bc6h is for ktx2 and dds. hdr has a format of its own and takes none.
+    /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels as floats, and
+    /// has f16 and f32 only. bc6h is for ktx2 and dds. hdr has a format of its own and takes none.
     #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
     pub(super) pixel: Option<PixelArg>,
     /// Too bright texels: clamp, compress or error
     ///
-    /// What becomes of radiance above the pixel format's greatest value. clamp cuts each channel; compress scales such
-    /// levels' brightest texels down smoothly, keeping their colour; error fails. Counted in the report.
+    /// What becomes of radiance above the pixel format's greatest value. clamp cuts each channel; compress
+    /// scales such levels' brightest texels down smoothly, keeping their colour; error fails. Counted in the
+    /// report.
     #[arg(long, value_name = "HOW", default_value = "clamp", hide_possible_values = true)]
     pub(super) overflow: OverflowArg,
     /// Add an irradiance cube of edge N, 1 to 1024
     ///
-    /// Its values are irradiance over pi. exr and hdr: irradiance_{face} beside the levels; other formats: a second
-    /// file, OUT's stem with .irradiance.ktx2 or the like.
+    /// Its values are irradiance over pi. exr and hdr: irradiance_{face} beside the levels; other formats: a
+    /// second file, OUT's stem with .irradiance.ktx2 or the like.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(super) irradiance: Option<u32>,
     /// Highest band of spherical harmonics, 2 to 4
     ///
-    /// In the report and in sh.json; Filament and EXT_lights_image_based have bands up to 2 only. [default: 2]
+    /// In the report and in sh.json; Filament and EXT_lights_image_based have bands up to 2 only. [default:
+    /// 2]
     #[arg(long, value_name = "L", default_value_t = 2, hide_default_value = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_ORDER)))]
     pub(super) sh_order: u32,
     /// Their window against ringing [default: none]
     ///
-    /// none; hanning:W, lanczos:W and sinc4:W scale band l by (1 + cos x)/2, sin(x)/x and (sin(x)/x)^4, x = pi l/W, and
-    /// to 0 from l = W on; nonnegative is sinc4 of the widest W for which irradiance is nowhere negative, as cmgen's
-    /// --sh-window=auto has it.
+    /// none; hanning:W, lanczos:W and sinc4:W scale band l by (1 + cos x)/2, sin(x)/x and (sin(x)/x)^4, x =
+    /// pi l/W, and to 0 from l = W on; nonnegative is sinc4 of the widest W for which irradiance is nowhere
+    /// negative, as cmgen's --sh-window=auto has it.
     #[arg(long, value_name = "WINDOW", default_value = "none", hide_default_value = true, value_parser = sh_window)]
     pub(super) sh_window: ShWindow,
     /// Axis turned about by the engine: none, x or z
     ///
-    /// Cubes for engines that negate a coordinate before they look into a cube map; with --target only, whose own it
-    /// replaces.
+    /// Cubes for engines that negate a coordinate before they look into a cube map; with --target only, whose
+    /// own it replaces.
     #[arg(long, value_name = "AXIS", requires = "target", hide_possible_values = true)]
     pub(super) flip: Option<FlipArg>,
     /// Diffuse light: none, cube, sh or both
@@ -230,26 +196,35 @@ pub(super) struct BakeArgs {
     pub(super) name: Option<String>,
     /// Say what would be written, and write nothing
     ///
-    /// A line a file on standard output; inputs are looked for, but read only for --skip-unchanged.
+    /// A line a file on standard output, with --json a line an input; inputs are looked for, but read only
+    /// for --skip-unchanged.
     #[arg(long)]
     pub(super) dry_run: bool,
     /// Write a picture of spheres down the ladder
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
+    /// The picture's exposure: auto, or -40 to 40 EV
+    ///
+    /// auto brings the log-average luminance of the environment to middle grey, as in view. Of the picture
+    /// only: what is baked does not depend on it.
+    #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, requires = "preview", allow_negative_numbers = true)]
+    pub(super) exposure: Exposure,
     /// Write the environment without its sun
     ///
-    /// OUT.sunless.exr, or sunless.exr in OUT where that is a folder: floats, in the input's layout (cubes as a cross),
-    /// not turned. With --extract-sun only.
+    /// OUT.sunless.exr, or sunless.exr in OUT where that is a folder: floats, in the input's layout (cubes as
+    /// a cross), not turned. With --extract-sun only.
     #[arg(long, requires = "extract_sun")]
     pub(super) sunless: bool,
     /// Write every texel's certified error bound
     ///
-    /// m{level}_{face}_bound.exr, absolute luminance. exr and hdr: beside the levels; else in the folder OUT.bounds.
+    /// m{level}_{face}_bound.exr, absolute luminance. exr and hdr: beside the levels; else in the folder
+    /// OUT.bounds.
     #[arg(long)]
     pub(super) bounds: bool,
     /// Print the report instead of writing it
     ///
-    /// A line an input on standard output, instead of writing report.json (exr, hdr, --target) or OUT.report.json.
+    /// A line an input on standard output, instead of writing report.json (exr, hdr, --target) or
+    /// OUT.report.json.
     #[arg(long)]
     pub(super) json: bool,
     /// Say nothing but errors
@@ -260,8 +235,9 @@ pub(super) struct BakeArgs {
     pub(super) force: bool,
     /// Leave alone outputs that are up to date
     ///
-    /// Those that hold what a bake of the same input content by the same options and version wrote, as hashes in the
-    /// report tell. With --force all others are baked anew; without it they are errors where they exist.
+    /// Those that hold what a bake of the same input content by the same options and version wrote, as hashes
+    /// in the report tell. With --force all others are baked anew; without it they are errors where they
+    /// exist.
     #[arg(long, conflicts_with = "json")]
     pub(super) skip_unchanged: bool,
     #[command(flatten)]
@@ -278,6 +254,8 @@ pub(super) struct QueryArgs {
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
     /// CSV with the header x,y,z; - is standard input
+    ///
+    /// At most 4,000,000 directions, 256 MiB, and 1000 bytes a line.
     #[arg(long, value_name = "FILE.csv", required = true)]
     pub(super) directions: PathBuf,
     /// Roughness in [0, 1]; 0 is a mirror
@@ -330,15 +308,19 @@ pub(super) struct CompareArgs {
     /// The bake or the source environment to measure it by
     #[arg(value_name = "B")]
     pub(super) against: PathBuf,
-    /// Texels to integrate a level: a number or all
+    /// Texels to integrate a level [default: 400]
     ///
-    /// Against a source each costs an exhaustive integration. Against a bake all texels are compared.
-    #[arg(long, value_name = "N|all", default_value = "400", value_parser = texels)]
-    pub(super) texels: Texels,
+    /// A number or all. Against a source each costs an exhaustive integration, which is slow for cones: by
+    /// default 40 for them. Against a bake all texels are compared.
+    #[arg(long, value_name = "N|all", value_parser = texels)]
+    pub(super) texels: Option<Texels>,
     /// Reflection lobe of the bake [default: what it says, or ggx]
     #[arg(long, value_name = "LOBE", hide_possible_values = true)]
     pub(super) lobe: Option<LobeArg>,
     /// Write a picture of the errors
+    ///
+    /// In false colour, from 0.01 % to 100 %; no exposure applies. Against a source it shows a grid of at
+    /// most as many texels as are integrated.
     #[arg(long, value_name = "FILE.png")]
     pub(super) picture: Option<PathBuf>,
     /// Exit with 1 if a level's relRMSE is above X
@@ -353,8 +335,8 @@ pub(super) struct CompareArgs {
     /// Replace the picture if it exists
     #[arg(long)]
     pub(super) force: bool,
-    /// Threads, 1 to 1024 [default: one a core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    /// Threads, 1 to 256 [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS))]
     pub(super) threads: Option<u32>,
     #[command(flatten)]
     pub(super) input: InputArgs,
@@ -377,7 +359,9 @@ pub(super) struct SynthArgs {
     /// Which; see --list
     #[arg(required_unless_present = "list")]
     pub(super) name: Option<String>,
-    /// Where to, .exr or .hdr [default: its own name]
+    /// Where to, .exr or .hdr, or - [default: its own name]
+    ///
+    /// - is standard output.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// List the names and what each is for
@@ -395,7 +379,7 @@ pub(super) struct SynthArgs {
 pub(super) struct DfgArgs {
     /// Where to, .ktx2 or .exr
     ///
-    /// Half floats. KTX2: RG, or RGBA with --charlie (alpha 1). EXR: R, G and B.
+    /// `-` is standard output, as KTX2. Half floats. KTX2: RG, or RGBA with --charlie (alpha 1). EXR: R, G and B.
     #[arg(short, long, value_name = "FILE", required = true)]
     pub(super) output: PathBuf,
     /// Texels along an edge, 1 to 1024
@@ -406,7 +390,8 @@ pub(super) struct DfgArgs {
     /// Red and green: split-sum or multiple-scattering
     ///
     /// split-sum: specular = f0 red + f90 green (Khronos, Bevy, three.js). multiple-scattering: specular =
-    /// mix(red, green, f0), times 1 + f0 (1/green - 1) (Filament). GGX with height-correlated Smith visibility.
+    /// mix(red, green, f0), times 1 + f0 (1/green - 1) (Filament). GGX with height-correlated Smith
+    /// visibility.
     #[arg(long, value_name = "FORM", default_value = "split-sum", hide_possible_values = true)]
     pub(super) form: DfgFormArg,
     /// Blue: what a Charlie lobe (sheen) reflects

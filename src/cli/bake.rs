@@ -1,24 +1,32 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
-use super::args::{BakeArgs, EngineArgs, InputArgs};
-use super::engine::{Baker, Engine};
-use super::input::{self, Opened, Source};
-use super::output::{Encoding, Extras, Outputs, Stored, SunFile};
-use super::talk::{self, Talk};
+use super::args::BakeArgs;
+use super::bake_context::{Told, compress, container};
+use super::console::{self, Talk};
+use super::engine::Engine;
+use super::fingerprint;
+use super::input::{self, Source};
+use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
+use super::output::{
+    Encoding, Extras, FOREIGN, Outputs, Stored, Stream, SunFile, check_folder_name, extension, foretold,
+    named_format, names_folder,
+};
+use super::shared_args::{EngineArgs, InputArgs};
 use super::values::{FormatArg, LayoutArg, LobeArg, OutLayoutArg, PixelArg};
-use super::{Failure, Outcome, bake_targets, on_threads, print, unchanged, usage};
 use anyhow::anyhow;
 use blake3::Hash;
-use octagloss::bake::{Bake, BakeSettings, Filter, Ladder};
-use octagloss::io::cube_write::Container;
-use octagloss::io::exr_write::ExrPixel;
+use octagloss::analysis::oracle::Oracle;
+use octagloss::bake::overflow::{self, Overflow};
+use octagloss::bake::report::Report;
+use octagloss::bake::{Bake, BakeSettings};
+use octagloss::filter::Filter;
+use octagloss::format::Pixel;
+use octagloss::format::container::Container;
+use octagloss::io::exr::write::ExrPixel;
 use octagloss::io::output::{self, Existing};
-use octagloss::io::pixels::Pixel;
-use octagloss::oracle::Oracle;
-use octagloss::overflow::Overflow;
-use octagloss::report::Circumstances;
+use octagloss::ladder::Ladder;
 use octagloss::sphere::cube::{Face, direction_from_texel};
-use octagloss::{Environment, Map};
+use octagloss::{Environment, Layout, Map, memory};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -36,6 +44,7 @@ struct Plan {
     json: bool,
     overflow: Overflow,
     engine: EngineArgs,
+    sunless: bool,
     skip_unchanged: bool,
     /// All that the outputs depend on besides their inputs.
     options: String,
@@ -48,9 +57,6 @@ struct Job {
 }
 
 pub(super) fn run(args: BakeArgs) -> Outcome {
-    if !args.target.is_empty() {
-        return bake_targets::run(args);
-    }
     let talk = Talk::new(args.quiet);
     args.engine.check()?;
     let (threads, dry_run) = (args.engine.threads, args.dry_run);
@@ -65,7 +71,7 @@ impl Plan {
     fn new(mut args: BakeArgs) -> Outcome<Self> {
         let settings = settings(&args)?;
         let encoding = encoding(&args)?;
-        let options = unchanged::options(&args, &format!("{encoding:?}"));
+        let options = fingerprint::options(&args, &format!("{encoding:?}"));
         let existing = if args.force { Existing::Replace } else { Existing::Keep };
         let sources = input::sources(std::mem::take(&mut args.inputs), &args.input)?;
         let format = encoding.format();
@@ -96,19 +102,32 @@ impl Plan {
                 ));
             }
         }
+        let stdout = match &args.output {
+            Some(path) => is_stdout(path)?,
+            None => false,
+        };
+        if stdout {
+            check_stdout(&args, encoding, sources.len())?;
+        }
         let several = sources.len() > 1;
-        let folder = args.output.clone().filter(|_| several);
+        let within = several || (encoding.is_single() && args.output.as_deref().is_some_and(names_folder));
+        let folder = args.output.clone().filter(|_| within);
         let jobs: Vec<Job> = sources
             .into_iter()
             .map(|source| {
                 let name = PathBuf::from(source.stem() + suffix);
                 let main = match &args.output {
-                    Some(folder) if several => folder.join(name),
+                    Some(folder) if within => folder.join(name),
                     Some(path) => path.clone(),
                     None => name,
                 };
-                let extras =
-                    Extras { json: args.json, sun: SunFile::asked(&args), preview: args.preview.clone() };
+                let extras = Extras {
+                    stream: if stdout { Stream::Stdout } else { Stream::Place },
+                    json: args.json,
+                    sun: SunFile::asked(&args),
+                    preview: args.preview.clone(),
+                    exposure: args.exposure,
+                };
                 let outputs = Outputs::around(main, encoding, existing, &settings, extras);
                 Job { source, outputs }
             })
@@ -124,12 +143,13 @@ impl Plan {
             json: args.json,
             overflow: args.overflow.into(),
             engine: args.engine,
+            sunless: args.sunless,
             skip_unchanged: args.skip_unchanged,
             options,
         })
     }
 
-    /// What would be written, a line a file.
+    /// Prints what would be written: a line a file, or with `--json` a line an input.
     fn foretell(&self) -> Outcome {
         let fresh = self.fresh_folder()?;
         let mut text = String::new();
@@ -139,9 +159,8 @@ impl Plan {
                 continue;
             }
             job.outputs.check(fresh)?;
-            for (path, content) in job.outputs.files(&self.settings)? {
-                text += &format!("{}\t{content}\n", path.display());
-            }
+            let files = job.outputs.files(&self.settings)?;
+            text += &foretold(&job.source, files, self.json);
         }
         print(&text)
     }
@@ -151,7 +170,8 @@ impl Plan {
         let fresh = self.folder.as_deref().filter(|folder| !folder.exists());
         match (&self.folder, fresh) {
             (Some(folder), None) if !folder.is_dir() => {
-                return Err(anyhow!("{}: is a file; several inputs need a folder", folder.display()).into());
+                let message = "is a file; several inputs, and names that end in /, need a folder";
+                return Err(anyhow!("{}: {message}", folder.display()).into());
             }
             (_, Some(fresh)) => output::check_folder(fresh, Existing::Keep)?,
             _ => {}
@@ -168,12 +188,15 @@ impl Plan {
         let mut failed = false;
         let mut tell = |failure: Failure| match failure {
             Failure::Failed(error) => {
-                talk::error(&format!("{error:#}"));
+                console::error(&format!("{error:#}"));
                 failed = true;
                 Ok(())
             }
             other => Err(other),
         };
+        for job in &self.jobs {
+            job.outputs.recover(talk);
+        }
         // What cannot be written is told before anything is baked.
         let fresh = self.fresh_folder()?;
         let mut ready = Vec::new();
@@ -198,21 +221,23 @@ impl Plan {
 
     /// The hash of what `job` is made of.
     fn request(&self, job: &Job) -> octagloss::Result<Hash> {
-        unchanged::request(&job.source, &self.options)
+        fingerprint::request(&job.source, &self.options)
     }
 
     fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
         let start = Instant::now();
         // Before it is read: should it change meanwhile, it is found changed.
-        let request = self.request(job)?;
+        let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, talk)?;
+        let encoded = job.outputs.encoding.texel_bytes();
+        memory::check_bake(&opened.environment, std::slice::from_ref(&self.settings), encoded)?;
         let engine = self.engine.chosen(engine, talk)?;
         if self.settings.filter == Filter::Reference {
             let seconds = foretell(&opened.environment, &self.settings)?;
             talk.note(&format!(
                 "{}: the reference filter will take about {}",
                 job.source.path().display(),
-                talk::duration(seconds)
+                console::duration(seconds)
             ));
         }
         let bar = talk.bar(&job.source.stem());
@@ -227,35 +252,48 @@ impl Plan {
         if let Some(folder) = &self.folder {
             fs::create_dir_all(folder).map_err(|e| octagloss::Error::io(folder, e))?;
         }
-        let told = Told { source: &job.source, opened: &opened, input: &self.input, baker: &baker, start };
-        let circumstances = |stored: Stored| {
-            let mut warnings = opened.warnings.clone();
-            for warning in stored_warnings(&stored, job.outputs.encoding) {
-                talk.warn(&format!("{}: {warning}", job.outputs.main.display()));
-                warnings.push(warning);
-            }
-            told.circumstances(stored, warnings)
-        };
-        let compressed = match job.outputs.encoding.clamping_pixel() {
+        let clamping = job.outputs.encoding.clamping_pixel();
+        let compressed = match clamping {
             Some(pixel) => compress(&mut baked, self.overflow, pixel).map_err(|error| {
                 anyhow::Error::from(error).context(job.outputs.main.display().to_string())
             })?,
             None => 0,
         };
+        let clamped_share = clamping.map_or(0.0, |pixel| clamped_share(&baked, pixel));
+        let told = Told {
+            source: &job.source,
+            input_files,
+            opened: &opened,
+            input: &self.input,
+            sunless: self.sunless,
+            overflow: self.overflow,
+            preview: job.outputs.preview.is_some(),
+            baker: &baker,
+            start,
+        };
+        let encoding = job.outputs.encoding;
+        let vanished = vanished(&baked, encoding.pixel_name(), encoding.rounded_to_zero());
+        let circumstances = |stored: Stored| {
+            let mut warnings = opened.warnings.clone();
+            for warning in
+                stored_warnings(&stored, clamped_share, encoding).into_iter().chain(vanished.clone())
+            {
+                talk.warn(&format!("{}: {warning}", job.outputs.main.display()));
+                warnings.push(warning);
+            }
+            told.circumstances(stored, clamped_share, warnings)
+        };
         let (report, bytes) =
             job.outputs.write(&self.settings, &baked, compressed, request, &opened, circumstances)?;
-        let bound = match report.error_bound_max() {
-            Some(bound) => format!("greatest error bound {bound:.3e}"),
-            None => "no error bound".to_owned(),
-        };
         talk.note(&format!(
-            "{}: {} in {:.2} s on {}, OEM {} + {}, {bound}",
+            "{}: {} in {:.2} s on {}, OEM {} + {}, {}",
             job.outputs.main.display(),
-            talk::bytes(bytes),
+            console::bytes(bytes),
             start.elapsed().as_secs_f64(),
             report.engine,
             report.oem.size,
             report.oem.border,
+            certified(&report),
         ));
         if self.json {
             let line = serde_json::to_string(&report).map_err(anyhow::Error::from)?;
@@ -265,48 +303,35 @@ impl Plan {
     }
 }
 
-/// What a report tells of an environment and its bake, however it is stored.
-pub(super) struct Told<'a> {
-    pub(super) source: &'a Source,
-    pub(super) opened: &'a Opened,
-    pub(super) input: &'a InputArgs,
-    pub(super) baker: &'a Baker,
-    pub(super) start: Instant,
+/// What the bounds of `report` certify: how far from exact the texels are at most, relative to the
+/// environment's mean luminance, and the greatest bound itself.
+pub(super) fn certified(report: &Report) -> String {
+    let (Some(most), Some(p99)) = (report.error_bound_max(), report.error_bound_p99()) else {
+        return "nothing certified".to_owned();
+    };
+    let percent = |bound: f64| console::percent(report.relative_bound(bound));
+    format!(
+        "certified within {} of the mean luminance for 99 % of each level's texels, {} for all (luminance {most:.2e})",
+        percent(p99),
+        percent(most),
+    )
 }
 
-impl Told<'_> {
-    pub(super) fn circumstances(&self, stored: Stored, warnings: Vec<String>) -> Circumstances {
-        Circumstances {
-            input: self.source.path().display().to_string(),
-            engine: self.baker.engine.to_owned(),
-            adapter: self.baker.adapter.clone(),
-            repaired: self.opened.repaired.into(),
-            layout: self.opened.layout.to_owned(),
-            rotate_y: self.input.rotate_y.unwrap_or(0.0),
-            mirror: self.input.mirror,
-            sanitize: self.input.sanitize,
-            extract_sun: self.input.extract_sun,
-            sun: self.opened.sun.clone(),
-            format: stored.format.to_owned(),
-            pixel: stored.pixel.to_owned(),
-            level_pixels: stored.pixels,
-            clamped: stored.clamped,
-            warnings,
-            seconds: self.start.elapsed().as_secs_f64(),
-        }
-    }
+/// Share of the energy that clamping at the greatest value of `pixel` takes from the level that loses most.
+pub(super) fn clamped_share(baked: &Bake, pixel: Pixel) -> f64 {
+    let sheen = baked.sheen.iter().flat_map(|sheen| &sheen.levels);
+    let cubes = baked.chain.levels.iter().chain(&baked.irradiance).chain(sheen);
+    let cubes = cubes.map(|level| (Layout::Cube { size: level.size }, &level.texels));
+    let images = baked.images.iter().map(|level| (level.layout, &level.texels));
+    cubes
+        .chain(images)
+        .map(|(layout, texels)| overflow::clamped_share(layout, texels, pixel))
+        .fold(0.0, f64::max)
 }
 
-/// Prepares every level of `baked` for `pixel`; the texels that were scaled down.
-pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> octagloss::Result<u64> {
-    let sheen = baked.sheen.as_mut().map_or(&mut [][..], |sheen| &mut sheen.levels);
-    let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut()).chain(sheen);
-    let cubes: u64 =
-        levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum::<Result<_, _>>()?;
-    let images = baked.images.iter_mut().enumerate();
-    let images: u64 =
-        images.map(|(index, level)| overflow.apply_image(index, level, pixel)).sum::<Result<_, _>>()?;
-    Ok(cubes + images)
+/// Whether a share of energy is worth a warning: not one that rounds to 0.00 %.
+pub(super) fn share_matters(share: f64) -> bool {
+    share >= 5e-5
 }
 
 impl Job {
@@ -314,13 +339,18 @@ impl Job {
     fn check_places(&self, jobs: &[Self]) -> Outcome {
         let places: Vec<PathBuf> = self.outputs.places().collect();
         for (index, place) in places.iter().enumerate() {
-            if places[..index].contains(place) {
+            let others = jobs.iter().filter(|job| !std::ptr::eq(*job, self));
+            if places[..index].contains(place)
+                || others.flat_map(|job| job.outputs.places()).any(|p| p == *place)
+            {
                 return usage(format!("{} is named for two outputs", place.display()));
             }
             let Ok(real) = place.canonicalize() else { continue };
             let inputs = jobs.iter().flat_map(|job| job.source.files());
-            if inputs.filter_map(|input| input.canonicalize().ok()).any(|input| input == real) {
-                return usage(format!("{} is an input; name another output with -o", place.display()));
+            let mut inputs = inputs.filter_map(|input| input.canonicalize().ok());
+            if let Some(input) = inputs.find(|input| input.starts_with(&real)) {
+                let what = if input == real { "is an input" } else { "holds an input" };
+                return usage(format!("{} {what}; name another output with -o", place.display()));
             }
         }
         Ok(())
@@ -346,12 +376,17 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
             return usage(format!("--irradiance is a cube; leave it or --out-layout {name} out"));
         }
     }
+    let map = args.out_layout.map_or(Map::Cube, OutLayoutArg::map);
+    let (ladder, lobe) = (args.ladder.map_or(Ladder::Linear, Ladder::from), args.lobe.into());
+    // The format has every level down to one texel, whatever a look-up makes of them.
+    let every_level = args.out_layout == Some(OutLayoutArg::Mips);
+    let size = args.size.unwrap_or(if every_level { 256 } else { ladder.default_size(map, lobe) });
     let settings = BakeSettings {
-        map: args.out_layout.map_or(Map::Cube, OutLayoutArg::map),
-        size: args.size.unwrap_or(256),
-        levels: args.levels,
-        ladder: args.ladder.map_or(Ladder::Linear, Ladder::from),
-        lobe: args.lobe.into(),
+        map,
+        size,
+        levels: args.levels.or(every_level.then(|| map.most_levels(size))),
+        ladder,
+        lobe,
         filter: args.filter,
         oem_size: args.table.oem_size,
         border: args.table.border,
@@ -367,22 +402,49 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     }
 }
 
-/// Extensions of formats that are not written: a file so named would belie its content.
-const FOREIGN: [&str; 11] =
-    ["basis", "bmp", "gif", "jpeg", "jpg", "pfm", "png", "tga", "tif", "tiff", "webp"];
+/// Refuses what does not go to standard output.
+fn check_stdout(args: &BakeArgs, encoding: Encoding, inputs: usize) -> Outcome {
+    if inputs > 1 {
+        return usage("-o - takes one input; name a folder with -o for several");
+    }
+    if !encoding.is_single() {
+        return usage(
+            "-o - takes an output of one file: ktx2, ktx, dds, or exr with --out-layout parts or mips; name a \
+             folder with -o",
+        );
+    }
+    let beside = [
+        (args.json, "--json"),
+        (args.skip_unchanged, "--skip-unchanged"),
+        (args.preview.is_some(), "--preview"),
+        (args.irradiance.is_some(), "--irradiance"),
+        (args.bounds, "--bounds"),
+        (args.input.extract_sun, "--extract-sun"),
+    ];
+    match beside.into_iter().find(|(asked, _)| *asked) {
+        Some((_, option)) => usage(format!(
+            "-o - writes one file to standard output, and nothing beside it; leave {option} out or name a file with -o"
+        )),
+        None => Ok(()),
+    }
+}
 
 /// The format as said, else by the output's extension, else ktx2, and the pixels it can have.
 fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
-    let named = args.output.as_deref().and_then(extension).and_then(|extension| match extension.as_str() {
-        "ktx2" => Some(FormatArg::Ktx2),
-        "ktx" => Some(FormatArg::Ktx),
-        "dds" => Some(FormatArg::Dds),
-        "exr" => Some(FormatArg::Exr),
-        "hdr" => Some(FormatArg::Hdr),
-        _ => None,
-    });
+    let encoding = named_encoding(args)?;
+    if let Some(path) = args.output.as_deref().filter(|_| !encoding.is_single()) {
+        let name = encoding.format().name();
+        let remedy = format!(" (with --format {name}), and --out-layout parts writes one .exr file");
+        check_folder_name(path, &remedy)?;
+    }
+    Ok(encoding)
+}
+
+fn named_encoding(args: &BakeArgs) -> Outcome<Encoding> {
+    let file = args.output.as_deref().filter(|path| !names_folder(path));
+    let named = file.and_then(named_format);
     let output = || args.output.as_deref().unwrap_or(Path::new("")).display().to_string();
-    let foreign = args.output.as_deref().and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
+    let foreign = file.and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
     if let Some(foreign) = foreign {
         return usage(format!(
             "the output {} is named .{foreign}, which cannot be written; ktx2, ktx, dds, exr and hdr can",
@@ -463,26 +525,25 @@ fn image_encoding(args: &BakeArgs, format: FormatArg, layout: OutLayoutArg) -> O
     })
 }
 
-/// The container that `format` is, where it holds a chain in one file.
-pub(super) const fn container(format: FormatArg) -> Option<Container> {
-    match format {
-        FormatArg::Ktx2 => Some(Container::Ktx2),
-        FormatArg::Ktx => Some(Container::Ktx1),
-        FormatArg::Dds => Some(Container::Dds),
-        FormatArg::Exr | FormatArg::Hdr => None,
-    }
+/// A warning where light is there, but all of it is so dim that pixels called `name` round it to 0.
+pub(super) fn vanished(bake: &Bake, name: &str, rounded_to_zero: f32) -> Option<String> {
+    let greatest = bake.texels().flatten().copied().fold(0.0, f32::max);
+    (greatest > 0.0 && greatest <= rounded_to_zero).then(|| {
+        format!(
+            "all light is below {name}, which rounds {greatest:e} and less to 0: the output is black; --pixel f32 \
+             with ktx2 or exr keeps it"
+        )
+    })
 }
 
-fn extension(path: &Path) -> Option<String> {
-    Some(path.extension()?.to_str()?.to_ascii_lowercase())
-}
-
-fn stored_warnings(stored: &Stored, encoding: Encoding) -> Vec<String> {
+fn stored_warnings(stored: &Stored, clamped_share: f64, encoding: Encoding) -> Vec<String> {
     let mut warnings = Vec::new();
-    if stored.clamped > 0 {
+    if stored.clamped > 0 && share_matters(clamped_share) {
         warnings.push(format!(
-            "{} texels are brighter than the pixel format can hold and were clamped; --pixel f32 keeps them",
-            stored.clamped
+            "{} texels are brighter than the pixel format can hold and were clamped, {} of a level's energy; --pixel f32 \
+             keeps them",
+            stored.clamped,
+            console::percent(clamped_share),
         ));
     }
     let may_be_floats =

@@ -1,25 +1,31 @@
 //! `octagloss bake --target`: the files that engines expect, in a folder for each environment.
 
-use super::args::{BakeArgs, EngineArgs, InputArgs};
-use super::bake::{Told, compress, container};
+use super::args::BakeArgs;
+use super::bake::{certified, clamped_share, share_matters, vanished};
+use super::bake_context::{Told, compress, container};
+use super::console::{self, Talk};
 use super::engine::Engine;
+use super::fingerprint;
 use super::input::{self, Opened, Source};
-use super::output::{Stored, SunFile, cube_told, json_text, metadata};
-use super::talk::{self, Talk};
-use super::unchanged::{self, REPORT};
+use super::outcome::{Failure, Outcome, on_threads, print, usage};
+use super::output::{
+    Stored, SunFile, check_folder_name, cube_told, foretold, json_text, metadata, recover, texel_bytes,
+};
+use super::shared_args::{EngineArgs, InputArgs};
 use super::values::{FormatArg, LayoutArg, LobeArg};
-use super::{Failure, Outcome, on_threads, print, usage};
 use anyhow::anyhow;
 use blake3::Hash;
-use octagloss::bake::{BakeSettings, Ladder};
-use octagloss::io::cube_write::Container;
+use octagloss::bake::BakeSettings;
+use octagloss::bake::overflow::Overflow;
+use octagloss::bake::report::{OutputFileReport, Report, TargetReport};
+use octagloss::export::files::{Made, files};
+use octagloss::format::Pixel;
+use octagloss::format::container::Container;
 use octagloss::io::output::{self, Existing};
-use octagloss::io::pixels::Pixel;
-use octagloss::overflow::Overflow;
-use octagloss::report::{Report, TargetReport};
-use octagloss::target::files::{Made, files};
+use octagloss::io::side_report::REPORT;
+use octagloss::ladder::Ladder;
 use octagloss::target::{Content, Diffuse, Plan};
-use octagloss::{Error, Map};
+use octagloss::{Error, Map, memory};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::fs;
@@ -79,7 +85,15 @@ impl Work {
             }
             plans.push(planned(Plan::new(target), &args)?);
         }
-        let (options, sun) = (unchanged::options(&args, ""), SunFile::asked(&args));
+        if let Some(path) = &args.output {
+            if path.as_os_str() == "-" {
+                return usage(
+                    "-o - takes an output of one file, and --target writes a folder; name it with -o",
+                );
+            }
+            check_folder_name(path, ", and without --target one file is written")?;
+        }
+        let (options, sun) = (fingerprint::options(&args, ""), SunFile::asked(&args));
         let several = args.inputs.len() > 1 && args.input.layout != LayoutArg::Faces;
         if several && args.name.is_some() {
             return usage("--name names one environment; several inputs were given");
@@ -130,7 +144,7 @@ impl Work {
         if self.plans.len() > 1 { plan.target.name } else { "" }
     }
 
-    /// What would be written, a line a file.
+    /// Prints what would be written: a line a file, or with `--json` a line an input.
     fn foretell(&self) -> Outcome {
         let mut text = String::new();
         for job in &self.jobs {
@@ -139,18 +153,20 @@ impl Work {
                 continue;
             }
             self.check(job)?;
+            let mut files = Vec::new();
             for (plan, settings) in &self.plans {
                 let folder = job.folder.join(self.within(plan));
                 for (path, content) in plan.files(&job.name) {
-                    text += &format!("{}\t{}\n", folder.join(path).display(), told(plan, settings, content)?);
+                    files.push((folder.join(path), told(plan, settings, content)?));
                 }
                 if !self.json {
-                    text += &format!("{}\treport\n", folder.join(REPORT).display());
+                    files.push((folder.join(REPORT), "report".to_owned()));
                 }
             }
             for file in &self.sun {
-                text += &format!("{}\t{}\n", job.folder.join(file.name()).display(), file.content());
+                files.push((job.folder.join(file.name()), file.content().to_owned()));
             }
+            text += &foretold(&job.source, files, self.json);
         }
         print(&text)
     }
@@ -167,6 +183,9 @@ impl Work {
         if let Some(folder) = self.folder.as_ref().filter(|folder| folder.exists() && !folder.is_dir()) {
             return Err(anyhow!("{}: is a file; several inputs need a folder", folder.display()).into());
         }
+        for job in &self.jobs {
+            recover(&job.folder, talk);
+        }
         let mut failed = false;
         let engine = OnceCell::new();
         for job in &self.jobs {
@@ -177,7 +196,7 @@ impl Work {
             let outcome = self.check(job).map_err(Failure::from).and_then(|()| self.bake(job, &engine, talk));
             match outcome {
                 Err(Failure::Failed(error)) => {
-                    talk::error(&format!("{error:#}"));
+                    console::error(&format!("{error:#}"));
                     failed = true;
                 }
                 other => other?,
@@ -188,12 +207,12 @@ impl Work {
 
     /// Whether `job` is to be left alone: every target's folder is as it was written for the same request.
     fn is_up_to_date(&self, job: &Job) -> bool {
-        let request = unchanged::request(&job.source, &self.options);
+        let request = fingerprint::request(&job.source, &self.options);
         self.skip_unchanged
             && request.is_ok_and(|request| {
                 self.plans.iter().all(|(plan, _)| {
                     let report = job.folder.join(self.within(plan)).join(REPORT);
-                    unchanged::holds(&report, request, [job.folder.clone()])
+                    fingerprint::holds(&report, request, [job.folder.clone()])
                 })
             })
     }
@@ -201,15 +220,27 @@ impl Work {
     fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
         let start = Instant::now();
         // Before it is read: should it change meanwhile, it is found changed.
-        let request = unchanged::request(&job.source, &self.options)?;
+        let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, talk)?;
+        let settings: Vec<BakeSettings> = self.plans.iter().map(|(_, settings)| settings.clone()).collect();
+        let pixels = self.plans.iter().map(|(plan, _)| texel_bytes(plan.pixel));
+        memory::check_bake(&opened.environment, &settings, pixels.max().unwrap_or(0))?;
         let engine = self.engine.chosen(engine, talk)?;
         let bar = talk.bar(&job.name);
-        let settings: Vec<BakeSettings> = self.plans.iter().map(|(_, settings)| settings.clone()).collect();
         let (bakes, baker) =
             engine.bake_all(&opened.environment, &settings, talk, &|progress| bar.bake(progress))?;
         drop(bar);
-        let told = Told { source: &job.source, opened: &opened, input: &self.input, baker: &baker, start };
+        let told = Told {
+            source: &job.source,
+            input_files,
+            opened: &opened,
+            input: &self.input,
+            sunless: self.sun.contains(&SunFile::Sunless),
+            overflow: self.overflow,
+            preview: false,
+            baker: &baker,
+            start,
+        };
         let mut outputs: Vec<(Vec<Made>, Report)> = Vec::with_capacity(bakes.len());
         for ((plan, settings), mut bake) in self.plans.iter().zip(bakes) {
             let compressed = compress(&mut bake, self.overflow, plan.pixel).map_err(|error| {
@@ -217,14 +248,20 @@ impl Work {
                 anyhow::Error::from(error).context(place)
             })?;
             let bake = &bake;
-            let made = files(plan, &job.name, bake, &metadata(settings))?;
+            let made = files(plan, &job.name, bake, &metadata(settings, &opened))?;
             let clamped = made.iter().flat_map(|file| &file.clamped).sum();
+            let clamped_share = clamped_share(bake, plan.pixel);
             let mut warnings = opened.warnings.clone();
-            if clamped > 0 {
+            if clamped > 0 && share_matters(clamped_share) {
                 let warning = format!(
-                    "{clamped} texels are brighter than {} can hold and were clamped",
-                    plan.pixel.name()
+                    "{clamped} texels are brighter than {} can hold and were clamped, {} of a level's energy",
+                    plan.pixel.name(),
+                    console::percent(clamped_share),
                 );
+                talk.warn(&format!("{}, target {}: {warning}", job.folder.display(), plan.target.name));
+                warnings.push(warning);
+            }
+            if let Some(warning) = vanished(bake, plan.pixel.name(), plan.pixel.rounded_to_zero()) {
                 talk.warn(&format!("{}, target {}: {warning}", job.folder.display(), plan.target.name));
                 warnings.push(warning);
             }
@@ -233,10 +270,13 @@ impl Work {
             }
             let pixels = vec![plan.pixel; bake.stats.len()];
             let stored = Stored::new(plan.format_name(), plan.pixel.name(), &pixels, clamped);
-            let mut report =
-                Report { compressed, ..Report::new(settings, bake, told.circumstances(stored, warnings)) };
+            let mut report = Report {
+                compressed,
+                ..Report::new(settings, bake, told.circumstances(stored, clamped_share, warnings))
+            };
             report.target = Some(TargetReport {
                 name: plan.target.name.to_owned(),
+                environment: job.name.clone(),
                 flip: plan.flip.name().to_owned(),
                 diffuse: plan.diffuse.name().to_owned(),
                 verified: plan.target.verified.is_some(),
@@ -251,15 +291,19 @@ impl Work {
             self.write(folder, request, &opened, &mut outputs)
         })?;
         let bytes: usize = outputs.iter().flat_map(|(made, _)| made).map(|file| file.bytes.len()).sum();
+        let reports = outputs.iter().map(|(_, report)| report);
+        let bound = |report: &&Report| report.error_bound_max().unwrap_or(-1.0);
+        let least_certain = reports.max_by(|a, b| bound(a).total_cmp(&bound(b)));
         talk.note(&format!(
-            "{}: {} for {} in {:.2} s on {}, OEM {} + {}",
+            "{}: {} for {} in {:.2} s on {}, OEM {} + {}, {}",
             job.folder.display(),
-            talk::bytes(bytes as u64),
+            console::bytes(bytes as u64),
             self.plans.iter().map(|(plan, _)| plan.target.name).collect::<Vec<_>>().join(", "),
             start.elapsed().as_secs_f64(),
             outputs[0].1.engine,
             outputs[0].1.oem.size,
             outputs[0].1.oem.border,
+            least_certain.map_or_else(|| "nothing certified".to_owned(), certified),
         ));
         if self.json {
             for (_, report) in &outputs {
@@ -290,11 +334,15 @@ impl Work {
             }
         }
         self.sun.iter().try_for_each(|file| file.write_into(folder, opened))?;
-        let written = unchanged::joined([unchanged::hash_of(folder)])?;
-        for ((plan, _), (_, report)) in self.plans.iter().zip(outputs) {
-            report.fingerprint = Some(unchanged::fingerprint(request, written));
+        let written = fingerprint::joined([fingerprint::hash_of(folder)])?;
+        for ((plan, _), (made, report)) in self.plans.iter().zip(outputs) {
+            let file =
+                |file: &Made| OutputFileReport { path: file.path.clone(), bytes: file.bytes.len() as u64 };
+            report.outputs = made.iter().map(file).collect();
+            let hashes = made.iter().map(|file| (file.path.clone(), blake3::hash(&file.bytes)));
+            report.fingerprint = Some(fingerprint::fingerprint(request, written, hashes));
             if !self.json {
-                write(plan, REPORT, json_text(report).as_bytes())?;
+                write(plan, REPORT, json_text(report)?.as_bytes())?;
             }
         }
         Ok(())

@@ -1,16 +1,18 @@
 //! `octagloss bench`: how long the stages take, as JSON. Ratios within one run are what counts.
 
 use super::args::BenchArgs;
+use super::outcome::{Outcome, on_threads, print};
+use super::timing::{Timing, sky, timing};
 use super::values::EngineArg;
-use super::{Outcome, on_threads, print};
-use octagloss::bake::{BakeSettings, Filter, Ladder, bake};
+use octagloss::Environment;
+use octagloss::analysis::sat_f32::SatF32;
+use octagloss::bake::{BakeSettings, bake};
 use octagloss::cpu::reparameterise::oem_from_environment;
 use octagloss::cpu::sat_scan;
+use octagloss::filter::Filter;
+use octagloss::ladder::Ladder;
 use octagloss::oem::{Oem, OemSize};
 use octagloss::sat::{FixedPoint, Scan};
-use octagloss::sat_f32::SatF32;
-use octagloss::sphere::equirect::direction_from_equirect;
-use octagloss::{Environment, Layout, Rgb};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
@@ -43,12 +45,6 @@ struct Machine {
     os: &'static str,
 }
 
-#[derive(Clone, Copy, Serialize)]
-pub(super) struct Timing {
-    pub(super) median_seconds: f64,
-    least_seconds: f64,
-}
-
 #[derive(Serialize)]
 struct ByThreads {
     one: Timing,
@@ -79,7 +75,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
         #[cfg(feature = "gpu")]
         return super::bench_gpu::run(&args);
         #[cfg(not(feature = "gpu"))]
-        return super::usage("this program was built without the feature gpu");
+        return super::outcome::usage("this program was built without the feature gpu");
     }
     let (size, runs) = (args.size, args.runs);
     let environment = sky(size)?;
@@ -148,14 +144,6 @@ fn time<T>(runs: u32, mut work: impl FnMut() -> T) -> Timing {
     timing(seconds)
 }
 
-pub(super) fn timing(mut seconds: Vec<f64>) -> Timing {
-    seconds.sort_by(f64::total_cmp);
-    let middle = seconds.len() / 2;
-    let median =
-        if seconds.len() % 2 == 1 { seconds[middle] } else { (seconds[middle - 1] + seconds[middle]) / 2.0 };
-    Timing { median_seconds: median, least_seconds: seconds[0] }
-}
-
 /// A plain copy, a share to each thread.
 fn copy(from: &[[u64; 4]], to: &mut [[u64; 4]]) {
     let share = from.len().div_ceil(rayon::current_num_threads());
@@ -194,20 +182,6 @@ fn time_bake(source_width: u32, runs: u32) -> Outcome<BakeTiming> {
         whole: timing(whole),
         levels: levels.into_iter().map(timing).collect(),
     })
-}
-
-/// A panorama of `width` columns: a sky with a sun, a ground, and some texture in both.
-pub(super) fn sky(width: u32) -> octagloss::Result<Environment> {
-    let height = width / 2;
-    let radiance = |k: u32| -> Rgb {
-        let (u, v) = (f64::from(k % width) + 0.5, f64::from(k / width) + 0.5);
-        let d = direction_from_equirect(u / f64::from(width), v / f64::from(height));
-        let texture = 1.0 + 0.3 * (40.0 * d.x).sin() * (50.0 * d.z).sin() * (30.0 * d.y).cos();
-        let base = if d.y > 0.0 { [0.4, 0.7, 1.0 + d.y] } else { [0.2, 0.15, 0.1] };
-        let sun = if d.x + 0.5 * d.y > 1.117 { 2e4 } else { 0.0 };
-        base.map(|c| (c * texture + sun) as f32)
-    };
-    Environment::new(Layout::Panorama { width, height }, (0..width * height).map(radiance).collect())
 }
 
 /// The processor's name, where the system tells it.

@@ -1,23 +1,25 @@
 //! `octagloss bench --engine gpu`: times of the passes by timestamp queries, as JSON.
 
 use super::args::BenchArgs;
-use super::bench::{Timing, sky, timing};
+use super::console::Talk;
 use super::engine::Engine;
-use super::talk::Talk;
-use super::{Outcome, print};
+use super::outcome::{Outcome, print};
+use super::timing::{Timing, sky, timing};
 use glam::DVec3;
-use octagloss::bake::{BakeSettings, Filter, Ladder};
-use octagloss::cpu::tent::Reconstruction;
+use octagloss::bake::BakeSettings;
+use octagloss::filter::Filter;
+use octagloss::geometry::tent::Reconstruction;
 use octagloss::gpu::cells::BuildCells;
 use octagloss::gpu::copy::Copy;
+use octagloss::gpu::device::timer::Timer;
 use octagloss::gpu::fitted::FittedTables;
 use octagloss::gpu::fixed_point::FixedPoint;
 use octagloss::gpu::reparameterise::{Reparameterise, upload};
 use octagloss::gpu::sat_f32::SatF32;
 use octagloss::gpu::sat_hensley::SatHensley;
 use octagloss::gpu::sat_scan::SatScan;
-use octagloss::gpu::timer::Timer;
 use octagloss::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on, box_filter};
+use octagloss::ladder::Ladder;
 use octagloss::oem::OemSize;
 use octagloss::sphere::equirect::direction_from_equirect;
 use octagloss::{Environment, Layout};
@@ -33,7 +35,8 @@ struct Bench {
     runs: u32,
     /// 24 bytes in and 24 out a texel: what a scan moves at the least.
     copy: Timing,
-    /// Each pass over an octahedral map of `size` texels, and a frame with a roughness a pixel from fitted lobes.
+    /// Each pass over an octahedral map of `size` texels, and a frame with a roughness a pixel from fitted
+    /// lobes.
     stages: BTreeMap<String, Timing>,
     /// Cube of 6 x 512^2 to an octahedral map of 1024^2 to its exact table, all dispatches.
     cube_to_sat: Timing,
@@ -57,7 +60,8 @@ struct Clock<'a> {
 }
 
 impl Clock<'_> {
-    /// Each of `stages`, and all of them from the first's beginning to the last's end; after one run to warm up.
+    /// Each of `stages`, and all of them from the first's beginning to the last's end; after one run to warm
+    /// up.
     fn time(&self, stages: &[&Stage]) -> Outcome<(Vec<Timing>, Timing)> {
         let mut each = vec![Vec::new(); stages.len()];
         let mut all = Vec::new();
@@ -74,7 +78,9 @@ impl Clock<'_> {
 
 pub(super) fn run(args: &BenchArgs) -> Outcome {
     let Engine::Gpu { engine, .. } = args.engine.choose(&Talk::new(true))? else {
-        return super::usage("no hardware GPU; --engine gpu takes any adapter, --engine cpu times the CPU");
+        return super::outcome::usage(
+            "no hardware GPU; --engine gpu takes any adapter, --engine cpu times the CPU",
+        );
     };
     let context = engine.context();
     let clock = Clock { context, timer: Timer::new(context, 32)?, runs: args.runs };
@@ -152,7 +158,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let bench = Bench {
         version: env!("CARGO_PKG_VERSION"),
         adapter: context.describe(),
-        software: !octagloss::gpu::context::is_hardware(&context.device().adapter_info()),
+        software: !octagloss::gpu::device::context::is_hardware(&context.device().adapter_info()),
         size,
         runs: args.runs,
         copy,
@@ -178,6 +184,6 @@ fn frame() -> Vec<(DVec3, f64)> {
 /// The bench's sky on a cube with faces of `size`.
 fn cube(size: u32) -> octagloss::Result<Environment> {
     let panorama = sky(4 * size)?;
-    let texels = octagloss::cpu::reparameterise::footprints_from_environment(&panorama, size)?;
+    let texels = octagloss::geometry::footprints::footprints_from_environment(&panorama, size)?;
     Environment::new(Layout::Cube { size }, texels)
 }

@@ -1,26 +1,27 @@
 //! `octagloss compare`: how far a bake is from its source or from another bake.
 
-use super::args::{CompareArgs, InputArgs};
-use super::input::{self, is_chain_file, ktx2_text, read_bake};
-use super::talk::Talk;
+use super::args::CompareArgs;
+use super::console::Talk;
+use super::input::{self, is_chain_file, read_bake};
+use super::outcome::{Outcome, check_not_input, on_threads, print, usage};
+use super::shared_args::InputArgs;
 use super::values::Texels;
-use super::{Outcome, on_threads, print, usage};
 use anyhow::anyhow;
 use image::RgbImage;
+use octagloss::analysis::compare::{
+    LevelErrors, Sampling, errors_against_bake, errors_against_source, grid_of, is_measurable,
+};
 use octagloss::chain::CubeChain;
-use octagloss::compare::{LevelErrors, errors_against_bake, errors_against_source, is_measurable};
-use octagloss::io::png_write::write_png;
+use octagloss::image::preview::error_picture;
+use octagloss::io::ldr::write::write_png;
+use octagloss::io::regular::open_regular;
 use octagloss::io::{
-    self,
+    self, LoadedChain,
     output::{self, Existing},
 };
-use octagloss::lobe::{LOBE_KEY, Lobe};
-use octagloss::preview::error_picture;
-use octagloss::report::Report;
+use octagloss::lobe::Lobe;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -43,6 +44,8 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
         if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
             return usage(format!("--picture {} must end in .png", path.display()));
         }
+        check_not_input(path, [&args.bake, &args.against])?;
+        output::recover(path);
         output::check_file(path, existing)?;
     }
     on_threads(args.threads, || {
@@ -51,21 +54,19 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
             if args.bake.is_dir() || is_chain_file(&args.bake) {
                 io::read_chain(&args.bake)?;
             }
+            open_regular(&args.bake)?;
             let path = args.bake.display();
             return Err(anyhow!(
-                "{path}: no bake; a .ktx2 or .dds file of octagloss bake or a folder of levels is needed"
+                "{path}: no bake; a .ktx2, .ktx, .dds or .exr cube of octagloss bake or a folder of its levels is needed"
             )
             .into());
         };
         let comparison = match read_bake(&args.against)? {
-            Some(reference) => against_bake(&args, &bake, &reference)?,
-            None if args.picture.is_some() && args.texels != Texels::All => {
-                return usage("--picture against a source needs every texel: --texels all");
-            }
+            Some(reference) => against_bake(&args, &bake.chain, &reference.chain)?,
             None => against_source(&args, &bake, &talk)?,
         };
         if let Some(path) = &args.picture {
-            write_png(path, existing, &picture(&bake, &comparison.levels)?)?;
+            write_png(path, existing, &picture(&bake.chain, &comparison.levels)?)?;
         }
         if args.json {
             print(&(serde_json::to_string(&comparison).map_err(anyhow::Error::from)? + "\n"))?;
@@ -87,9 +88,9 @@ fn against_bake(args: &CompareArgs, bake: &CubeChain, reference: &CubeChain) -> 
     })
 }
 
-fn against_source(args: &CompareArgs, bake: &CubeChain, talk: &Talk) -> Outcome<Comparison> {
-    let told = Told::of(&args.bake);
-    let lobe = match (args.lobe.map(Lobe::from), told.lobe) {
+fn against_source(args: &CompareArgs, bake: &LoadedChain, talk: &Talk) -> Outcome<Comparison> {
+    let LoadedChain { chain: bake, provenance, .. } = bake;
+    let lobe = match (args.lobe.map(Lobe::from), provenance.lobe) {
         (Some(typed), _) => typed,
         (None, Some(told)) => told,
         (None, None) => {
@@ -97,11 +98,17 @@ fn against_source(args: &CompareArgs, bake: &CubeChain, talk: &Talk) -> Outcome<
             Lobe::Ggx
         }
     };
-    // Turned, flipped and without its sun as the bake was, unless said otherwise.
+    // The source as the bake's was, unless said otherwise: turned, mirrored and without its sun.
+    if provenance.rotate_y.or(args.input.rotate_y).is_none() {
+        talk.warn(&format!(
+            "{} does not say how its source was turned; not at all it is, or --rotate-y, --mirror and --extract-sun",
+            args.bake.display()
+        ));
+    }
     let input = InputArgs {
-        rotate_y: args.input.rotate_y.or(told.rotate_y),
-        mirror: args.input.mirror || told.mirror,
-        extract_sun: args.input.extract_sun || told.extract_sun,
+        rotate_y: args.input.rotate_y.or(provenance.rotate_y),
+        mirror: args.input.mirror || provenance.mirror.unwrap_or(false),
+        extract_sun: args.input.extract_sun || provenance.sun.is_some(),
         ..args.input.clone()
     };
     let source = input::single_source(vec![args.against.clone()], &input)?;
@@ -120,13 +127,15 @@ fn against_source(args: &CompareArgs, bake: &CubeChain, talk: &Talk) -> Outcome<
     for level in &skipped {
         talk.note(&format!("level {level} is left out: its lobe is narrower than two texels of the source"));
     }
-    let texels = match args.texels {
-        Texels::Some(count) => Some(count),
-        Texels::All => None,
-    };
+    let sampling = sampling(args, lobe);
+    if let (Sampling::Grid(count), true) = (sampling, args.picture.is_some()) {
+        talk.note(&format!(
+            "the picture is of a grid of at most {count} texels a level; --texels all shows all"
+        ));
+    }
     let bar = talk.bar("integrating");
     let progress = |done, total| bar.at(done, total);
-    let levels = errors_against_source(bake, &opened.environment, lobe, texels, &progress);
+    let levels = errors_against_source(bake, &opened.environment, lobe, sampling, &progress);
     Ok(Comparison {
         bake: args.bake.display().to_string(),
         against: args.against.display().to_string(),
@@ -137,11 +146,27 @@ fn against_source(args: &CompareArgs, bake: &CubeChain, talk: &Talk) -> Outcome<
     })
 }
 
+/// Texels of a level to integrate by default,
+const TEXELS: usize = 400;
+/// and of cones, whose edge takes an integration as long as ten of another lobe.
+const CONE_TEXELS: usize = 40;
+
+/// The texels to compare: as asked, else few enough for a quick answer.
+fn sampling(args: &CompareArgs, lobe: Lobe) -> Sampling {
+    let count = match args.texels {
+        Some(Texels::All) => return Sampling::All,
+        Some(Texels::Some(count)) => count,
+        None if lobe == Lobe::Cone => CONE_TEXELS,
+        None => TEXELS,
+    };
+    if args.picture.is_some() { Sampling::Grid(count) } else { Sampling::Random(count) }
+}
+
 /// The levels' error pictures, one below the other.
 fn picture(bake: &CubeChain, levels: &[LevelErrors]) -> octagloss::Result<RgbImage> {
     let pictures = levels.iter().filter_map(|errors| {
         let reference = errors.reference.as_ref()?;
-        Some(error_picture(&bake.levels[errors.level], reference))
+        Some(error_picture(&grid_of(&bake.levels[errors.level], reference.size), reference))
     });
     let pictures = pictures.collect::<octagloss::Result<Vec<_>>>()?;
     let width = pictures.iter().map(RgbImage::width).max().unwrap_or(1);
@@ -155,40 +180,6 @@ fn picture(bake: &CubeChain, levels: &[LevelErrors]) -> octagloss::Result<RgbIma
         top += i64::from(picture.height());
     }
     Ok(whole)
-}
-
-/// What a bake says of itself, in its report or its metadata.
-#[derive(Default)]
-struct Told {
-    lobe: Option<Lobe>,
-    rotate_y: Option<f64>,
-    mirror: bool,
-    extract_sun: bool,
-}
-
-impl Told {
-    fn of(bake: &Path) -> Self {
-        let report: PathBuf = if bake.is_dir() {
-            bake.join("report.json")
-        } else {
-            let mut name = bake.as_os_str().to_owned();
-            name.push(".report.json");
-            name.into()
-        };
-        let report = fs::read(report).ok().and_then(|text| serde_json::from_slice::<Report>(&text).ok());
-        match report {
-            Some(Report { options, .. }) => Self {
-                lobe: Lobe::named(&options.lobe),
-                rotate_y: Some(options.rotate_y),
-                mirror: options.mirror,
-                extract_sun: options.extract_sun,
-            },
-            None => Self {
-                lobe: ktx2_text(bake, LOBE_KEY).and_then(|name| Lobe::named(&name)),
-                ..Self::default()
-            },
-        }
-    }
 }
 
 fn judge(levels: &[LevelErrors], limit: Option<f64>) -> Outcome {

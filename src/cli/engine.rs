@@ -1,16 +1,18 @@
 //! What computes: the CPU, or an adapter.
 
-use super::args::EngineArgs;
-use super::talk::Talk;
+use super::console::Talk;
+use super::outcome::{Outcome, usage};
+use super::shared_args::EngineArgs;
 use super::values::EngineArg;
-use super::{Outcome, usage};
 use glam::DVec3;
 use octagloss::Environment;
 #[cfg(feature = "gpu")]
 use octagloss::Error;
-use octagloss::bake::{Bake, BakeSettings, Filter, Progress, bake_all};
+use octagloss::bake::{Bake, BakeSettings, Progress, bake_all};
+use octagloss::filter::{Answer, Filter};
 use octagloss::lobe::Lobe;
-use octagloss::reflector::{Answer, Reflector, ReflectorSettings, Workspace};
+use octagloss::memory;
+use octagloss::reflector::{Reflector, ReflectorSettings, Workspace};
 #[cfg(feature = "gpu")]
 use octagloss::wgpu;
 use rayon::prelude::*;
@@ -41,7 +43,8 @@ pub(super) struct Baker {
     pub(super) adapter: Option<String>,
 }
 
-/// What the GPU answered; or the CPU's answer, where the GPU was asked for more than it has and `may_fall_back`.
+/// What the GPU answered; or the CPU's answer, where the GPU was asked for more than it has and
+/// `may_fall_back`.
 #[cfg(feature = "gpu")]
 fn or_on_cpu<T>(
     on_gpu: octagloss::Result<T>,
@@ -95,8 +98,8 @@ impl EngineArgs {
         }
     }
 
-    /// The engine in `engine`, or the one asked for: chosen once an input was read, so that one that cannot be is answered
-    /// by its error alone.
+    /// The engine in `engine`, or the one asked for: chosen once an input was read, so that one that cannot
+    /// be is answered by its error alone.
     pub(super) fn chosen<'a>(&self, engine: &'a OnceCell<Engine>, talk: &Talk) -> Outcome<&'a Engine> {
         if let Some(engine) = engine.get() {
             return Ok(engine);
@@ -108,7 +111,7 @@ impl EngineArgs {
     /// The engine asked for; under `auto` a hardware GPU where there is one, which is said.
     #[cfg(feature = "gpu")]
     pub(super) fn choose(&self, talk: &Talk) -> Outcome<Engine> {
-        use octagloss::gpu::context::{adapters, describe, is_hardware, may_have_hardware};
+        use octagloss::gpu::device::context::{adapters, describe, is_hardware, may_have_hardware};
         use octagloss::gpu::{Context, block_on, engine};
 
         if self.engine == EngineArg::Cpu {
@@ -168,6 +171,7 @@ impl Engine {
         &self,
         environment: &Environment,
         settings: &[BakeSettings],
+        #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU falls back"))]
         talk: &Talk,
         progress: &(dyn Fn(Progress) + Sync),
     ) -> octagloss::Result<(Vec<Bake>, Baker)> {
@@ -207,9 +211,11 @@ impl Engine {
         settings: &ReflectorSettings,
         directions: &[DVec3],
         query: Query,
+        #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU falls back"))]
         talk: &Talk,
     ) -> octagloss::Result<Vec<Answer>> {
         let Query { lobe, roughness, filter } = query;
+        memory::check_query(environment.layout(), settings, lobe, roughness, filter)?;
         let on_cpu = || {
             let reflector = Reflector::new(environment, settings)?;
             let lobes = reflector.lobes(lobe, roughness, filter)?;
@@ -243,7 +249,8 @@ impl Engine {
 /// A line for each adapter, as `--adapter` names it.
 #[cfg(feature = "gpu")]
 pub(super) fn list_adapters() -> Outcome<Vec<String>> {
-    use octagloss::gpu::{adapters, block_on, context::describe};
+    use octagloss::gpu::device::context::describe;
+    use octagloss::gpu::{adapters, block_on};
     Ok(block_on(None, adapters())?.iter().map(|adapter| describe(&adapter.get_info())).collect())
 }
 

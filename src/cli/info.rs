@@ -1,18 +1,39 @@
 //! `octagloss info`: what is in an environment or in a bake.
 
-use super::args::{InfoArgs, InputArgs};
+use super::args::InfoArgs;
+use super::console::{self, Talk};
 use super::engine::list_adapters;
 use super::input::{self, Opened, Source, layout_name, read_bake};
-use super::talk::{self, Talk};
-use super::{Failure, Outcome, print};
+use super::outcome::{Failure, Outcome, print};
+use super::shared_args::InputArgs;
+use octagloss::analysis::statistics::Survey;
+use octagloss::analysis::sun::Brightest;
+use octagloss::bake::report::SunReport;
 use octagloss::chain::{CubeChain, CubeLevel};
 use octagloss::environment::LUMINANCE;
 use octagloss::io::Repairs;
-use octagloss::report::SunReport;
+use octagloss::io::provenance::{Provenance, TakenSun};
+use octagloss::lobe::Lobe;
 use octagloss::sphere::cube;
-use octagloss::survey::Survey;
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+/// What a file of a bake says of its origin. Figures of its texels are those of its world, flips undone.
+#[derive(Serialize)]
+struct Origin {
+    target: Option<String>,
+    content: Option<String>,
+    flip: &'static str,
+    quarter_turns: u32,
+    rotate_y: Option<f64>,
+    mirror: Option<bool>,
+    sun: Option<TakenSun>,
+    lobe: Option<&'static str>,
+    filter: Option<String>,
+    ladder: Option<String>,
+}
 
 /// What `--json` prints of an environment.
 #[derive(Serialize)]
@@ -20,6 +41,10 @@ struct EnvironmentInfo {
     kind: &'static str,
     input: String,
     format: String,
+    /// Of the file, or of all files in the folder.
+    bytes: u64,
+    /// Where the file is one of a bake.
+    origin: Option<Origin>,
     layout: &'static str,
     covers: &'static str,
     width: u32,
@@ -28,6 +53,8 @@ struct EnvironmentInfo {
     max: [f32; 3],
     mean: [f64; 3],
     sun: Option<SunReport>,
+    /// The brightest region where it is no sun.
+    brightest_region: Option<SunReport>,
     half_float: HalfInfo,
     repaired: Repairs,
     warnings: Vec<String>,
@@ -44,6 +71,13 @@ struct HalfInfo {
 struct BakeInfo {
     kind: &'static str,
     input: String,
+    /// The file that holds the levels, where the input is the folder of a target.
+    file: Option<String>,
+    format: String,
+    /// Of the file, or of all files in the folder.
+    bytes: u64,
+    #[serde(flatten)]
+    origin: Origin,
     levels: Vec<LevelInfo>,
 }
 
@@ -76,7 +110,7 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
         match describe(&source, &args.input, args.json, &talk) {
             Ok(text) => print(&text)?,
             Err(error) => {
-                talk::error(&error.to_string());
+                console::error(&error.to_string());
                 failed = true;
             }
         }
@@ -86,11 +120,21 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
 
 fn describe(source: &Source, args: &InputArgs, json: bool, talk: &Talk) -> octagloss::Result<String> {
     let input = source.path().display().to_string();
-    if let Some(chain) = read_bake(source.path())? {
-        let info = bake_info(input, &chain);
+    let bytes = source.files().iter().map(|file| bytes_in(file)).sum();
+    if let Some(bake) = read_bake(source.path())? {
+        let file = (bake.path != source.path()).then(|| bake.path.display().to_string());
+        let info = BakeInfo {
+            kind: "bake",
+            input,
+            file,
+            levels: levels_info(&bake.chain),
+            format: bake.format,
+            bytes,
+            origin: Origin::of(bake.provenance),
+        };
         return Ok(if json { json_line(&info) } else { info.text() });
     }
-    let info = environment_info(input, source.open(args, talk)?);
+    let info = environment_info(input, bytes, source.open(args, talk)?);
     Ok(if json { json_line(&info) } else { info.text() })
 }
 
@@ -98,7 +142,18 @@ fn json_line(info: &impl Serialize) -> String {
     serde_json::to_string(info).expect("keys are strings") + "\n"
 }
 
-fn bake_info(input: String, chain: &CubeChain) -> BakeInfo {
+/// Size of a file, or of the files in a folder and in its folders. Links are not followed into a circle.
+fn bytes_in(path: &Path) -> u64 {
+    match fs::symlink_metadata(path) {
+        Ok(entry) if entry.is_dir() => {
+            fs::read_dir(path).into_iter().flatten().flatten().map(|entry| bytes_in(&entry.path())).sum()
+        }
+        Ok(_) => fs::metadata(path).map_or(0, |file| file.len()),
+        Err(_) => 0,
+    }
+}
+
+fn levels_info(chain: &CubeChain) -> Vec<LevelInfo> {
     let level = |(index, level): (usize, &CubeLevel)| {
         let mut info = LevelInfo {
             level: index,
@@ -120,16 +175,22 @@ fn bake_info(input: String, chain: &CubeChain) -> BakeInfo {
         }
         info
     };
-    BakeInfo { kind: "bake", input, levels: chain.levels.iter().enumerate().map(level).collect() }
+    chain.levels.iter().enumerate().map(level).collect()
 }
 
-fn environment_info(input: String, opened: Opened) -> EnvironmentInfo {
+fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInfo {
     let survey = Survey::of(&opened.environment);
     let energy_share = survey.sun_share();
+    let brightest = |kind: Brightest| {
+        let found = survey.sun.as_ref().filter(|region| region.kind == kind);
+        found.map(|region| SunReport::new(region, energy_share))
+    };
     EnvironmentInfo {
         kind: "environment",
         input,
         format: opened.format,
+        bytes,
+        origin: (!opened.provenance.is_empty()).then(|| Origin::of(opened.provenance)),
         layout: opened.layout,
         covers: layout_name(opened.environment.layout()),
         width: opened.width,
@@ -137,7 +198,8 @@ fn environment_info(input: String, opened: Opened) -> EnvironmentInfo {
         min: survey.min,
         max: survey.max,
         mean: survey.mean,
-        sun: survey.sun.map(|sun| SunReport::new(&sun, energy_share)),
+        sun: brightest(Brightest::Sun),
+        brightest_region: brightest(Brightest::Region),
         half_float: HalfInfo {
             clipped_texels: survey.half.texels,
             lost_energy_share: survey.half.energy_share,
@@ -147,9 +209,65 @@ fn environment_info(input: String, opened: Opened) -> EnvironmentInfo {
     }
 }
 
+impl Origin {
+    fn of(provenance: Provenance) -> Self {
+        Self {
+            target: provenance.target,
+            content: provenance.content,
+            flip: provenance.flip.unwrap_or_default().name(),
+            quarter_turns: provenance.quarter_turns.unwrap_or(0),
+            rotate_y: provenance.rotate_y,
+            mirror: provenance.mirror,
+            sun: provenance.sun,
+            lobe: provenance.lobe.map(Lobe::name),
+            filter: provenance.filter,
+            ladder: provenance.ladder,
+        }
+    }
+
+    /// Names and values, as text.
+    fn rows(&self) -> Vec<(&'static str, String)> {
+        let unknown = || "not said".to_owned();
+        let mut rows = Vec::new();
+        rows.push(("target", self.target.clone().unwrap_or_else(|| "none".to_owned())));
+        rows.extend(self.content.clone().map(|content| ("content", content)));
+        rows.push(("flip", self.flip.to_owned()));
+        if self.quarter_turns > 0 {
+            rows.push(("columns", format!("moved by {} quarters of the width", self.quarter_turns)));
+        }
+        rows.push((
+            "rotation",
+            self.rotate_y.map_or_else(unknown, |degrees| format!("{degrees} degrees about +Y")),
+        ));
+        rows.push((
+            "mirrored",
+            self.mirror.map_or_else(unknown, |m| if m { "yes" } else { "no" }.to_owned()),
+        ));
+        rows.extend(self.sun.map(|sun| {
+            let [x, y, z] = sun.direction;
+            (
+                "sun",
+                format!("taken out, direction {x:.4} {y:.4} {z:.4}, irradiance {}", triple(sun.irradiance)),
+            )
+        }));
+        rows.push(("lobe", self.lobe.map_or_else(unknown, str::to_owned)));
+        rows.push(("filter", self.filter.clone().unwrap_or_else(unknown)));
+        rows.extend(self.ladder.clone().map(|ladder| ("ladder", ladder)));
+        rows
+    }
+}
+
 impl BakeInfo {
     fn text(&self) -> String {
         let mut text = format!("{}: bake, {} levels\n", self.input, self.levels.len());
+        let mut rows = Vec::new();
+        rows.extend(self.file.clone().map(|file| ("file", file)));
+        rows.push(("format", self.format.clone()));
+        rows.push(("size", console::bytes(self.bytes)));
+        rows.extend(self.origin.rows());
+        for (name, value) in rows {
+            writeln!(text, "  {name:<11} {value}").expect("a string takes all");
+        }
         text.push_str("  level   size  roughness      least   greatest       mean  (luminance)\n");
         for level in &self.levels {
             writeln!(
@@ -177,14 +295,23 @@ impl EnvironmentInfo {
         let mut row = |name: &str, value: String| {
             writeln!(text, "  {name:<11} {value}").expect("a string takes all");
         };
-        let [r, g, b] = [0, 1, 2].map(|c| format!("{} to {}", figure(self.min[c]), figure(self.max[c])));
+        row("size", console::bytes(self.bytes));
+        self.origin.iter().flat_map(Origin::rows).for_each(|(name, value)| row(name, value));
+        let [r, g, b] = [0, 1, 2]
+            .map(|c| format!("{} to {}", figure(f64::from(self.min[c])), figure(f64::from(self.max[c]))));
         row("range", format!("R {r}, G {g}, B {b}"));
         row("mean", format!("{} (radiance over the sphere)", triple(self.mean)));
-        match &self.sun {
+        let region = self.brightest_region.as_ref();
+        match self.sun.as_ref().map(|sun| (Brightest::Sun, sun)).or(region.map(|r| (Brightest::Region, r))) {
             None => row("sun", "none that stands out".to_owned()),
-            Some(sun) => {
+            Some((kind, sun)) => {
+                if kind == Brightest::Region {
+                    row("sun", "none".to_owned());
+                    row("brightest", "a region, larger or dimmer than a sun".to_owned());
+                }
                 let [x, y, z] = sun.direction;
-                row("sun", format!("direction {x:.4} {y:.4} {z:.4}"));
+                let name = if kind == Brightest::Sun { "sun" } else { "" };
+                row(name, format!("direction {x:.4} {y:.4} {z:.4}"));
                 row(
                     "",
                     format!(
@@ -198,11 +325,11 @@ impl EnvironmentInfo {
                     format!(
                         "irradiance {} from {} sr ({} texels)",
                         triple(sun.irradiance),
-                        figure(sun.solid_angle as f32),
+                        figure(sun.solid_angle),
                         sun.texels
                     ),
                 );
-                row("", format!("{:.2} % of all energy", 100.0 * sun.energy_share));
+                row("", format!("{} of all energy", console::percent(sun.energy_share)));
             }
         }
         let half = &self.half_float;
@@ -211,8 +338,8 @@ impl EnvironmentInfo {
             match half.clipped_texels {
                 0 => "clips nothing".to_owned(),
                 count => {
-                    let percent = 100.0 * half.lost_energy_share;
-                    format!("clips {count} texels above 65504, {percent:.2} % of all energy")
+                    let share = console::percent(half.lost_energy_share);
+                    format!("clips {count} texels above 65504, {share} of all energy")
                 }
             },
         );
@@ -224,7 +351,7 @@ impl EnvironmentInfo {
 }
 
 /// Four digits, and exponents only where zeros would be many.
-fn figure(value: f32) -> String {
+fn figure(value: f64) -> String {
     let size = value.abs();
     match value {
         0.0 => "0".to_owned(),
@@ -235,7 +362,7 @@ fn figure(value: f32) -> String {
 }
 
 fn triple(rgb: [f64; 3]) -> String {
-    rgb.map(|c| figure(c as f32)).join(" ")
+    rgb.map(figure).join(" ")
 }
 
 fn weigh(rgb: [f64; 3]) -> f64 {

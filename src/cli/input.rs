@@ -1,13 +1,15 @@
 //! Inputs: which files make one environment, and reading them.
 
-use super::args::InputArgs;
-use super::talk::Talk;
+use super::console::Talk;
+use super::outcome::{Outcome, usage};
+use super::shared_args::InputArgs;
 use super::values::LayoutArg;
-use super::{Outcome, usage};
-use octagloss::chain::CubeChain;
-use octagloss::io::{self, LayoutChoice, ReadOptions, Repairs};
-use octagloss::report::SunReport;
-use octagloss::sun::Sun;
+use octagloss::analysis::sun::Sun;
+use octagloss::bake::report::SunReport;
+use octagloss::environment::luminance;
+use octagloss::io::provenance::{Provenance, TakenSun};
+use octagloss::io::regular::open_regular;
+use octagloss::io::{self, LayoutChoice, LoadedChain, ReadOptions, Repairs};
 use octagloss::{Environment, Layout};
 use std::fs;
 use std::io::Read as _;
@@ -20,6 +22,10 @@ pub(super) struct Source(Vec<PathBuf>);
 /// An environment as it is to be used, and what is to be told of it.
 pub(super) struct Opened {
     pub(super) environment: Environment,
+    /// What the input says of its own origin.
+    pub(super) provenance: Provenance,
+    /// How it was turned, mirrored and parted from its sun when it was opened, for the outputs.
+    pub(super) turned: Provenance,
     /// What was taken out of it.
     pub(super) sun: Option<SunReport>,
     pub(super) repaired: Repairs,
@@ -71,8 +77,8 @@ impl Source {
         })
     }
 
-    /// What outputs are named after: the file's stem or the folder's name; of six faces what their stems begin with,
-    /// or else the name of their folder.
+    /// What outputs are named after: the file's stem or the folder's name; of six faces what their stems
+    /// begin with, or else the name of their folder.
     pub(super) fn stem(&self) -> String {
         let stem = |path: &Path| {
             let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
@@ -139,14 +145,26 @@ impl Source {
                     sun = Some(SunReport::new(&extraction.sun, extraction.energy_share));
                     environment = extraction.sunless;
                 }
-                None => warnings.push("no sun stands out, so none was taken out".to_owned()),
+                None => warnings.push(no_sun(&environment)),
             }
         }
         for warning in &warnings {
             talk.warn(&format!("{}: {warning}", self.path().display()));
         }
+        let taken = |sun: &SunReport| TakenSun {
+            direction: sun.direction,
+            irradiance: sun.irradiance,
+            solid_angle: sun.solid_angle,
+        };
         Ok(Opened {
             environment,
+            provenance: loaded.provenance,
+            turned: Provenance {
+                rotate_y: Some(args.rotate_y.unwrap_or(0.0)),
+                mirror: Some(args.mirror),
+                sun: sun.as_ref().map(taken),
+                ..Provenance::default()
+            },
             sun,
             repaired: loaded.repaired,
             warnings,
@@ -155,6 +173,19 @@ impl Source {
             width: loaded.width,
             height: loaded.height,
         })
+    }
+}
+
+/// Why `environment` has no sun to be taken out.
+fn no_sun(environment: &Environment) -> String {
+    match Sun::find(environment) {
+        None => "no sun stands out, so none was taken out".to_owned(),
+        Some(region) => format!(
+            "no sun stands out, so none was taken out: the brightest region covers {:.2e} sr and is {:.0} times as bright \
+             as its surroundings; a sun covers at most 0.01 sr and is at least 100 times as bright",
+            region.solid_angle,
+            f64::from(luminance(region.peak)) / region.surroundings,
+        ),
     }
 }
 
@@ -167,33 +198,28 @@ pub(super) fn layout_name(layout: Layout) -> &'static str {
     }
 }
 
-/// The bake in `path`: a folder of levels, a KTX2 file that tells its levels' roughness, or a DDS file whose report does.
-/// `None` for other files.
-pub(super) fn read_bake(path: &Path) -> octagloss::Result<Option<CubeChain>> {
+/// The bake in `path`: a folder of levels or of a target, a KTX, KTX2 or EXR file that says its levels'
+/// roughness, or a DDS file whose report does. `None` for other files.
+pub(super) fn read_bake(path: &Path) -> octagloss::Result<Option<LoadedChain>> {
     let metadata = fs::metadata(path).map_err(|error| octagloss::Error::io(path, error))?;
     if metadata.is_dir() {
-        let chain = io::read_chain(path);
-        // Levels that are one image each may be panoramas or octahedral squares: level 0 is an environment.
-        let images = ["m0.exr", "m0.hdr"].iter().any(|name| path.join(name).is_file());
-        return if images { Ok(chain.ok()) } else { chain.map(Some) };
+        // Levels of one image each may be panoramas or octahedral squares, and so may a target's: level 0 is
+        // an environment.
+        let faces = ["m0_px.exr", "m0_px.hdr"].iter().any(|name| path.join(name).is_file());
+        let chain = io::load_chain(path);
+        return if faces { chain.map(Some) } else { Ok(chain.ok()) };
     }
-    // What else is wrong with such a file is told when its level 0 is read as an environment.
-    Ok(if is_chain_file(path) { io::read_chain(path).ok() } else { None })
+    // What else is wrong with such a file is said when its level 0 is read as an environment.
+    Ok(if is_chain_file(path) { io::load_chain(path).ok() } else { None })
 }
 
-/// Whether the file `path` begins as those do that can hold a chain: KTX2, DDS, and OpenEXR of several parts.
+/// Whether the file `path` begins as those do that can hold a chain: KTX, KTX2, DDS, and OpenEXR of several
+/// parts.
 pub(super) fn is_chain_file(path: &Path) -> bool {
     let mut start = Vec::new();
-    let read = fs::File::open(path).and_then(|file| file.take(12).read_to_end(&mut start));
+    let read = open_regular(path).is_ok_and(|file| file.take(12).read_to_end(&mut start).is_ok());
     let parts =
         start.starts_with(&[0x76, 0x2f, 0x31, 0x01]) && start.get(5).is_some_and(|flags| flags & 0x10 != 0);
-    read.is_ok() && (start.starts_with(&ktx2::MAGIC) || start.starts_with(b"DDS ") || parts)
-}
-
-/// The text under `key` in a KTX2 file that [`read_bake`] could read.
-pub(super) fn ktx2_text(path: &Path, key: &str) -> Option<String> {
-    let bytes = fs::read(path).ok()?;
-    let reader = ktx2::Reader::new(&bytes).ok()?;
-    let (_, value) = reader.key_value_data().find(|(name, _)| *name == key)?;
-    Some(String::from_utf8_lossy(value).trim_end_matches('\0').to_owned())
+    let textures: [&[u8]; 3] = [b"\xabKTX 11", b"\xabKTX 20", b"DDS "];
+    read && (textures.iter().any(|magic| start.starts_with(magic)) || parts)
 }

@@ -4,64 +4,41 @@
 
 mod args;
 mod bake;
+mod bake_context;
 mod bake_targets;
 mod bench;
 #[cfg(feature = "gpu")]
 mod bench_gpu;
 mod compare;
+mod console;
 mod dfg;
+mod directions;
 mod engine;
+mod fingerprint;
 mod info;
 mod input;
+mod outcome;
 mod output;
 mod query;
+mod shared_args;
+mod signals;
 mod synth;
-mod talk;
-mod unchanged;
+mod timing;
 mod values;
 #[cfg(feature = "view")]
 mod view;
+#[cfg(not(feature = "view"))]
+mod view_absent;
 
 use args::{Args, Command};
 use clap::Parser as _;
 use clap::error::ErrorKind;
-use std::io::Write as _;
+use outcome::{Failure, Outcome, print, usage};
 use std::process::ExitCode;
-
-/// Why a subcommand stopped early.
-#[derive(Debug)]
-enum Failure {
-    /// What was asked for makes no sense; exit status 2.
-    Usage(String),
-    /// It made sense and went wrong; exit status 1.
-    Failed(anyhow::Error),
-    /// Like `Failed`, told already: one of several inputs went wrong.
-    Told,
-    /// Whoever read standard output has seen enough, which is not an error.
-    Closed,
-}
-
-type Outcome<T = ()> = Result<T, Failure>;
-
-impl From<anyhow::Error> for Failure {
-    fn from(error: anyhow::Error) -> Self {
-        Self::Failed(error)
-    }
-}
-
-impl From<octagloss::Error> for Failure {
-    fn from(error: octagloss::Error) -> Self {
-        Self::Failed(error.into())
-    }
-}
-
-/// A usage error.
-fn usage<T>(message: impl Into<String>) -> Outcome<T> {
-    Err(Failure::Usage(message.into()))
-}
 
 /// Runs the program on the process's own arguments.
 pub(crate) fn main() -> ExitCode {
+    signals::watch();
     let outcome = match Args::try_parse() {
         Ok(args) => run(args.command),
         Err(error) => refuse(&error),
@@ -70,19 +47,21 @@ pub(crate) fn main() -> ExitCode {
         Ok(()) | Err(Failure::Closed) => ExitCode::SUCCESS,
         Err(Failure::Told) => ExitCode::from(1),
         Err(Failure::Failed(error)) => {
-            talk::error(&format!("{error:#}"));
+            console::error(&format!("{error:#}"));
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
-            talk::error(&message);
+            console::error(&message);
             ExitCode::from(2)
         }
     }
 }
 
 fn run(command: Command) -> Outcome {
+    cap_environment_threads()?;
     match command {
-        Command::Bake(args) => bake::run(args),
+        Command::Bake(args) if args.target.is_empty() => bake::run(args),
+        Command::Bake(args) => bake_targets::run(args),
         Command::Query(args) => query::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
@@ -91,6 +70,8 @@ fn run(command: Command) -> Outcome {
         Command::Dfg(args) => dfg::run(args),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(*args),
+        #[cfg(not(feature = "view"))]
+        Command::View(args) => view_absent::run(&args),
     }
 }
 
@@ -115,24 +96,37 @@ fn refuse(error: &clap::Error) -> Outcome {
     }
 }
 
-/// Writes data to standard output.
-fn print(text: &str) -> Outcome {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Ok(()) => Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::Closed),
-        Err(error) => Err(anyhow::Error::new(error).context("standard output").into()),
-    }
+/// Caps the threads that the environment asks rayon for at the cores: more are slower, and a great many never
+/// start.
+fn cap_environment_threads() -> Outcome {
+    let asked = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"].map(|name| std::env::var(name).ok());
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let Some(threads) = capped_threads(asked.iter().flatten().map(String::as_str), cores) else {
+        return Ok(());
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    pool.map_err(|error| anyhow::Error::new(error).context(format!("{threads} threads")).into())
 }
 
-/// Runs `work` on `threads` threads of its own, or on as many as there are cores.
-fn on_threads<T: Send>(threads: Option<u32>, work: impl FnOnce() -> Outcome<T> + Send) -> Outcome<T> {
-    match threads {
-        None => work(),
-        Some(count) => rayon::ThreadPoolBuilder::new()
-            .num_threads(count as usize)
-            .build()
-            .map_err(|error| anyhow::Error::new(error).context(format!("--threads {count}")))?
-            .install(work),
+/// The number of threads to set where one of the values in `asked` is more than `cores`.
+fn capped_threads<'a>(asked: impl Iterator<Item = &'a str>, cores: usize) -> Option<usize> {
+    let mut asked = asked.map(str::trim).filter(|text| !text.is_empty());
+    // A number of more digits than usize holds is a large number.
+    let too_many = |text: &str| {
+        text.bytes().all(|byte| byte.is_ascii_digit())
+            && text.parse().map_or(true, |count: usize| count > cores)
+    };
+    asked.any(too_many).then_some(cores)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::capped_threads;
+
+    #[test]
+    fn threads_of_the_environment_are_capped_at_the_cores() {
+        let capped = |asked: &str| capped_threads(std::iter::once(asked), 4);
+        assert_eq!([capped("5"), capped("1000"), capped(" 99999999999999999999999 ")], [Some(4); 3]);
+        assert_eq!([capped("4"), capped("1"), capped("0"), capped(""), capped("many")], [None; 5]);
     }
 }

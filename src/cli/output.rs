@@ -1,24 +1,38 @@
 //! Outputs of a bake: where they go, and writing them.
 
 use super::args::BakeArgs;
+use super::console::Talk;
+use super::fingerprint::{self, fingerprint};
 use super::input::Opened;
-use super::unchanged::{self, REPORT, fingerprint};
+use super::outcome::{Failure, Outcome, print_bytes};
 use super::values::{FormatArg, OutLayoutArg};
+use crate::cli::input::Source;
+use crate::cli::outcome::usage;
 use blake3::Hash;
-use octagloss::bake::{Bake, BakeSettings, Rung};
-use octagloss::chain::{CubeChain, CubeLevel};
-use octagloss::io::cube_write::{Container, cube_bytes};
+use octagloss::bake::report::{Circumstances, FingerprintReport, OutputFileReport, Report, filter_name};
+use octagloss::bake::{Bake, BakeSettings};
+use octagloss::chain::{CubeChain, CubeLevel, Rung};
+use octagloss::export::report_file::report_path;
+use octagloss::format::Pixel;
+use octagloss::format::container::Container;
+use octagloss::image::exposure::Exposure;
+use octagloss::image::preview;
+use octagloss::io::cube_write::cube_bytes;
 use octagloss::io::environment_write::exact_exr_bytes;
-use octagloss::io::exr_write::{self, ExrPixel, Samples};
+use octagloss::io::exr;
+use octagloss::io::exr::write::{ExrPixel, Samples};
 use octagloss::io::level_images::{LevelImage, mips_bytes, write_exr_images, write_hdr_images};
-use octagloss::io::output::{self, Existing};
-use octagloss::io::pixels::Pixel;
-use octagloss::io::{hdr_write, png_write};
-use octagloss::lobe::LOBE_KEY;
-use octagloss::report::{Circumstances, Report, filter_name};
+use octagloss::io::output::{self, Existing, Staged};
+use octagloss::io::provenance::{Provenance, irradiance_pairs};
+use octagloss::io::regular::read_regular;
+use octagloss::io::side_report::MOST_REPORT_BYTES;
+use octagloss::io::side_report::REPORT;
+use octagloss::io::{hdr, ldr};
 use octagloss::sphere::cube::Face;
-use octagloss::{Error, Result, preview};
+use octagloss::{Error, Result};
 use serde::Serialize;
+use serde_json::json;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -33,6 +47,14 @@ pub(super) enum Encoding {
     HdrImages(OutLayoutArg),
     /// Panoramas as the MIP levels of one file.
     Mips(Pixel),
+}
+
+/// Bytes of a texel of `pixel`, for estimates: formats of four bytes have copies of their own on the way.
+pub(super) const fn texel_bytes(pixel: Pixel) -> u64 {
+    match pixel {
+        Pixel::F32 => 16,
+        _ => 8,
+    }
 }
 
 impl Encoding {
@@ -53,6 +75,14 @@ impl Encoding {
         matches!(self, Self::Cube(..) | Self::Mips(_))
     }
 
+    /// Bytes of a texel where a whole level is encoded at once.
+    pub(super) const fn texel_bytes(self) -> u64 {
+        match self {
+            Self::Cube(_, pixel) | Self::Mips(pixel) => texel_bytes(pixel),
+            _ => texel_bytes(Pixel::F16),
+        }
+    }
+
     /// How the levels lie in images, where it is not by faces.
     const fn layout_name(self) -> Option<&'static str> {
         match self {
@@ -60,6 +90,16 @@ impl Encoding {
             Self::Mips(_) => Some(OutLayoutArg::Mips.name()),
             Self::Cube(Container::Exr, _) => Some(OutLayoutArg::Parts.name()),
             Self::Cube(..) | Self::Exr(_) | Self::Hdr => None,
+        }
+    }
+
+    /// The greatest value of a channel that every pixel of the output rounds to 0.
+    pub(super) const fn rounded_to_zero(self) -> f32 {
+        match self {
+            Self::Cube(_, pixel) | Self::Mips(pixel) => pixel.rounded_to_zero(),
+            Self::Exr(ExrPixel::F32) | Self::ExrImages(_, ExrPixel::F32) => Pixel::F32.rounded_to_zero(),
+            Self::Exr(_) | Self::ExrImages(..) => Pixel::F16.rounded_to_zero(),
+            Self::Hdr | Self::HdrImages(_) => hdr::write::RGBE_ROUNDED_TO_ZERO,
         }
     }
 
@@ -84,12 +124,13 @@ impl Encoding {
 }
 
 /// Everything that one bake writes.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Outputs {
     pub(super) encoding: Encoding,
     pub(super) existing: Existing,
-    /// The file or folder itself.
+    /// The file or folder itself; `-` is standard output where `stream` says so.
     pub(super) main: PathBuf,
+    stream: Stream,
     /// The report, where it has a file of its own or one in the folder.
     pub(super) report: Option<PathBuf>,
     /// The irradiance, where it is a file of its own.
@@ -99,14 +140,27 @@ pub(super) struct Outputs {
     /// What is told of the sun.
     sun: Vec<SunFile>,
     pub(super) preview: Option<PathBuf>,
+    /// The picture's exposure.
+    pub(super) exposure: Exposure,
+}
+
+/// Where the main output goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stream {
+    /// Into a file or folder.
+    Place,
+    /// To standard output.
+    Stdout,
 }
 
 /// What a bake writes besides what its settings ask for.
 pub(super) struct Extras {
+    pub(super) stream: Stream,
     /// Whether the report is printed instead.
     pub(super) json: bool,
     pub(super) sun: Vec<SunFile>,
     pub(super) preview: Option<PathBuf>,
+    pub(super) exposure: Exposure,
 }
 
 /// A file about the sun that was taken out.
@@ -143,7 +197,7 @@ impl SunFile {
 
     fn bytes(self, opened: &Opened) -> Result<Vec<u8>> {
         match self {
-            Self::Sun => Ok(json_text(&opened.sun).into_bytes()),
+            Self::Sun => Ok(json_text(&opened.sun)?.into_bytes()),
             Self::Sunless => exact_exr_bytes(&opened.environment, "an environment without its sun"),
         }
     }
@@ -170,18 +224,20 @@ impl Outputs {
         settings: &BakeSettings,
         extras: Extras,
     ) -> Self {
-        let Extras { json, sun, preview } = extras;
+        let Extras { stream, json, sun, preview, exposure } = extras;
         let single = encoding.is_single();
-        let report = if single { suffixed(&main, ".report.json") } else { main.join(REPORT) };
+        let report = if single { report_path(&main) } else { main.join(REPORT) };
         Self {
             encoding,
             existing,
-            report: (!json).then_some(report),
+            stream,
+            report: (!json && stream == Stream::Place).then_some(report),
             irradiance: (single && settings.irradiance.is_some())
                 .then(|| main.with_extension(format!("irradiance.{}", encoding.format().name()))),
             bounds: (single && settings.bounds).then(|| suffixed(&main, ".bounds")),
             sun,
             preview,
+            exposure,
             main,
         }
     }
@@ -189,6 +245,11 @@ impl Outputs {
     /// Where a file about the sun goes that has a place of its own.
     fn sun_place(&self, file: SunFile) -> PathBuf {
         suffixed(&self.main, &format!(".{}", file.name()))
+    }
+
+    /// Whether the only output is standard output.
+    pub(super) fn is_stdout(&self) -> bool {
+        self.stream == Stream::Stdout
     }
 
     const fn is_folder(&self) -> bool {
@@ -200,12 +261,13 @@ impl Outputs {
         let report = self.report.as_ref().filter(|_| !self.is_folder());
         let others = [report, self.irradiance.as_ref(), self.bounds.as_ref(), self.preview.as_ref()];
         let sun = self.sun.iter().filter(|_| !self.is_folder()).map(|file| self.sun_place(*file));
-        std::iter::once(&self.main).chain(others.into_iter().flatten()).cloned().chain(sun)
+        let main = Some(&self.main).filter(|_| !self.is_stdout());
+        main.into_iter().chain(others.into_iter().flatten()).cloned().chain(sun)
     }
 
     /// Whether all is there as it was written for `request`.
     pub(super) fn holds(&self, request: Hash) -> bool {
-        self.report.as_deref().is_some_and(|report| unchanged::holds(report, request, self.hashed()))
+        self.report.as_deref().is_some_and(|report| fingerprint::holds(report, request, self.hashed()))
     }
 
     /// The places without the report.
@@ -213,8 +275,18 @@ impl Outputs {
         self.places().filter(|place| Some(place) != self.report.as_ref())
     }
 
-    /// Fails where writing would before it begins. What is to stand in `fresh`, a folder that is yet to be made,
-    /// replaces nothing.
+    /// Cleans up after killed runs beside the outputs.
+    pub(super) fn recover(&self, talk: &Talk) {
+        let mut folders = BTreeSet::new();
+        for place in self.places() {
+            if folders.insert(place.parent().map(Path::to_owned)) {
+                recover(&place, talk);
+            }
+        }
+    }
+
+    /// Fails where writing would before it begins. What is to stand in `fresh`, a folder that is yet to be
+    /// made, replaces nothing.
     pub(super) fn check(&self, fresh: Option<&Path>) -> Result<()> {
         for place in self.places() {
             if fresh.is_some() && place.parent() == fresh {
@@ -287,7 +359,8 @@ impl Outputs {
         Ok(files)
     }
 
-    /// Writes all; `told` is completed with what was stored, the report comes back with the bytes written.
+    /// Writes all aside, then puts it into place. `told` is completed with how it is stored. Returns the
+    /// report and the bytes written.
     pub(super) fn write(
         &self,
         settings: &BakeSettings,
@@ -295,139 +368,157 @@ impl Outputs {
         compressed: u64,
         request: Hash,
         opened: &Opened,
-        told: impl FnOnce(Stored) -> Circumstances,
-    ) -> Result<(Report, u64)> {
-        let report_of = |stored: Stored, outputs: Hash| {
-            let mut report = Report {
-                compressed,
-                fingerprint: Some(fingerprint(request, outputs)),
-                ..Report::new(settings, bake, told(stored))
+        told: impl Fn(Stored) -> Circumstances,
+    ) -> Outcome<(Report, u64)> {
+        let report_of =
+            |stored: Stored, outputs: Vec<OutputFileReport>, fingerprint: Option<FingerprintReport>| {
+                let report = Report::new(settings, bake, told(stored));
+                let mut report = Report { compressed, fingerprint, outputs, ..report };
+                if let Some(layout) = self.encoding.layout_name() {
+                    report.options.out_layout = Some(layout.to_owned());
+                }
+                report
             };
-            report.options.out_layout = self.encoding.layout_name().map(str::to_owned);
-            report
-        };
         let preview = match &self.preview {
-            Some(_) => Some(png_write::png_bytes(&preview::contact_sheet(&bake.chain)?)?),
+            Some(_) => Some(ldr::write::png_bytes(&preview::contact_sheet(&bake.chain, self.exposure)?)?),
             None => None,
         };
-        let metadata = metadata(settings);
+        let metadata = metadata(settings, opened);
         let irradiance = bake.irradiance.as_ref();
-        let write_sun = |folder: &Path| self.sun.iter().try_for_each(|file| file.write_into(folder, opened));
-        let write_preview = |preview: &Option<Vec<u8>>| match (&self.preview, preview) {
-            (Some(path), Some(bytes)) => {
-                output::write_file(path, self.existing, |file| file.write_all(bytes))
-            }
-            _ => Ok(()),
-        };
-        // What stands beside a single file.
-        let write_beside = || {
-            for file in &self.sun {
-                let bytes = file.bytes(opened)?;
-                output::write_file(&self.sun_place(*file), self.existing, |out| out.write_all(&bytes))?;
-            }
-            write_preview(&preview)
-        };
-        let write_report = |report: &Report| match &self.report {
-            Some(path) => {
-                let text = json_text(report);
-                output::write_file(path, self.existing, |file| file.write_all(text.as_bytes()))
-            }
-            None => Ok(()),
-        };
-        // The folder is complete but for its report, and a preview comes later.
-        let hash_of = |folder: &Path| {
-            let preview = preview.iter().map(|bytes| Ok(blake3::hash(bytes)));
-            unchanged::joined(std::iter::once(unchanged::hash_of(folder)).chain(preview))
+        let stage =
+            |path: &Path, bytes: &[u8]| output::stage_file(path, self.existing, |file| file.write_all(bytes));
+        let stage_preview = || {
+            let preview = self.preview.as_deref().zip(preview.as_deref());
+            preview.map(|(path, bytes)| stage(path, bytes)).transpose()
         };
         let (format, pixel_name) = (self.encoding.format().name(), self.encoding.pixel_name());
-        let report = match self.encoding {
-            Encoding::Cube(container, pixel) => {
-                let cube = |path: &Path, chain: &CubeChain, metadata: &[(String, String)]| {
-                    output::check_file(path, self.existing)?;
-                    let made = cube_bytes(container, chain, pixel, metadata)?;
-                    output::write_file(path, self.existing, |file| file.write_all(&made.bytes))?;
-                    Ok::<u64, Error>(made.clamped.iter().sum())
+        // A single file, the files beside it in the order of `hashed`, and the report that knows their
+        // hashes.
+        let write_files = |main: &[u8], mut beside: Vec<Staged>, pixel: Pixel, clamped: u64| {
+            let pixels = vec![pixel; bake.stats.len()];
+            let stored = Stored::new(format, pixel_name, &pixels, clamped);
+            if self.is_stdout() {
+                print_bytes(main)?;
+                let output = OutputFileReport { path: "-".to_owned(), bytes: main.len() as u64 };
+                return Ok((report_of(stored, vec![output], None), main.len() as u64));
+            }
+            let mut staged = vec![stage(&self.main, main)?];
+            staged.append(&mut beside);
+            staged.extend(stage_preview()?);
+            for file in &self.sun {
+                staged.push(stage(&self.sun_place(*file), &file.bytes(opened)?)?);
+            }
+            let hashes = staged.iter().map(|output| fingerprint::hash_of(&output.path()));
+            let hashes = hashes.collect::<Result<Vec<_>>>()?;
+            let named = staged.iter().zip(&hashes).map(|(output, hash)| {
+                let name = output.named().file_name().unwrap_or_default().to_string_lossy();
+                (name.into_owned(), *hash)
+            });
+            let outputs = fingerprint::joined(hashes.iter().copied().map(Ok))?;
+            let mut sizes = Vec::new();
+            for output in &staged {
+                let name = if Some(output.named()) == self.preview.as_deref() {
+                    output.named().display().to_string()
+                } else {
+                    output.named().file_name().unwrap_or_default().to_string_lossy().into_owned()
                 };
-                let mut clamped = cube(&self.main, &bake.chain, &metadata)?;
+                sizes.extend(fingerprint::sizes(&output.path(), &name)?);
+            }
+            let report = report_of(stored, sizes, Some(fingerprint(request, outputs, named)));
+            if let Some(path) = &self.report {
+                staged.push(stage(path, json_text(&report)?.as_bytes())?);
+            }
+            self.remove_report_without_hashes()?;
+            output::commit(staged)?;
+            Ok::<_, Failure>((report, self.written()))
+        };
+        // A folder, which is complete but for its report when `fill` returns how it is stored.
+        let write_folder = |fill: &dyn Fn(&Path) -> Result<Stored>| {
+            let (staged, report) = output::stage_folder(&self.main, self.existing, |folder| {
+                let stored = fill(folder)?;
+                self.sun.iter().try_for_each(|file| file.write_into(folder, opened))?;
+                let hash = preview.iter().map(|bytes| Ok(blake3::hash(bytes)));
+                let outputs = fingerprint::joined(std::iter::once(fingerprint::hash_of(folder)).chain(hash))?;
+                let mut sizes = fingerprint::sizes(folder, "")?;
+                let preview = self.preview.as_deref().zip(preview.as_deref());
+                sizes.extend(preview.map(|(path, bytes)| OutputFileReport {
+                    path: path.display().to_string(),
+                    bytes: bytes.len() as u64,
+                }));
+                let report = report_of(stored, sizes, Some(fingerprint(request, outputs, [])));
+                self.write_report_into(folder, &report)?;
+                Ok(report)
+            })?;
+            output::commit(std::iter::once(staged).chain(stage_preview()?).collect())?;
+            Ok((report, self.written()))
+        };
+        let sum = |clamped: &[u64]| clamped.iter().sum::<u64>();
+        match self.encoding {
+            Encoding::Cube(container, pixel) => {
+                let main = cube_bytes(container, &bake.chain, pixel, &metadata)?;
+                let mut clamped = sum(&main.clamped);
+                let mut beside = Vec::new();
                 if let (Some(path), Some(level)) = (&self.irradiance, irradiance) {
                     let chain = CubeChain { levels: vec![level.clone()] };
-                    let metadata = [("octaglossContent".to_owned(), "irradiance over pi".to_owned())];
-                    clamped += cube(path, &chain, &metadata)?;
+                    let metadata = irradiance_pairs(&metadata);
+                    let made = cube_bytes(container, &chain, pixel, &metadata)?;
+                    clamped += sum(&made.clamped);
+                    beside.push(stage(path, &made.bytes)?);
                 }
                 if let Some(path) = &self.bounds {
-                    output::write_folder(path, self.existing, |folder| write_bounds(folder, &bake.chain))?;
+                    let write = |folder: &Path| write_bounds(folder, &bake.chain);
+                    beside.push(output::stage_folder(path, self.existing, write)?.0);
                 }
-                write_beside()?;
-                let pixels = vec![pixel; bake.chain.levels.len()];
-                let hash = unchanged::joined(self.hashed().map(|place| unchanged::hash_of(&place)))?;
-                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash);
-                write_report(&report)?;
-                report
+                write_files(&main.bytes, beside, pixel, clamped)
             }
-            Encoding::Exr(choice) => output::write_folder(&self.main, self.existing, |folder| {
-                let stored =
-                    exr_write::write_level_folder(folder, &bake.chain, irradiance, choice, &metadata)?;
-                write_sun(folder)?;
-                let pixels: Vec<Pixel> = stored.iter().map(|level| level.pixel).collect();
-                let clamped = stored.iter().map(|level| level.clamped).sum();
-                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash_of(folder)?);
-                self.write_report_into(folder, &report)?;
-                Ok(report)
-            })?,
-            Encoding::ExrImages(layout, choice) => {
-                output::write_folder(&self.main, self.existing, |folder| {
-                    let images = level_images(layout, bake);
-                    let stored = write_exr_images(folder, &images, choice, &metadata)?;
-                    let levels = &stored[..bake.stats.len()];
-                    let pixels: Vec<Pixel> = levels.iter().map(|level| level.pixel).collect();
-                    let clamped = stored.iter().map(|level| level.clamped).sum();
-                    write_sun(folder)?;
-                    let stored = Stored::new(format, pixel_name, &pixels, clamped);
-                    let report = report_of(stored, hash_of(folder)?);
-                    self.write_report_into(folder, &report)?;
-                    Ok(report)
-                })?
-            }
-            Encoding::HdrImages(layout) => output::write_folder(&self.main, self.existing, |folder| {
-                write_hdr_images(folder, &level_images(layout, bake))?;
-                write_sun(folder)?;
-                let pixels = vec!["rgbe".to_owned(); bake.stats.len()];
-                let stored = Stored { format, pixel: pixel_name, pixels, clamped: 0, floats: 0 };
-                let report = report_of(stored, hash_of(folder)?);
-                self.write_report_into(folder, &report)?;
-                Ok(report)
-            })?,
             Encoding::Mips(pixel) => {
-                output::check_file(&self.main, self.existing)?;
-                let bytes = mips_bytes(&bake.images, pixel, &metadata)?;
-                output::write_file(&self.main, self.existing, |file| file.write_all(&bytes))?;
                 let clamped = bake.images.iter().map(|level| pixel.clamped(&level.texels)).sum();
-                write_beside()?;
-                let hash = unchanged::joined(self.hashed().map(|place| unchanged::hash_of(&place)))?;
-                let pixels = vec![pixel; bake.stats.len()];
-                let report = report_of(Stored::new(format, pixel_name, &pixels, clamped), hash);
-                write_report(&report)?;
-                report
+                write_files(&mips_bytes(&bake.images, pixel, &metadata)?, Vec::new(), pixel, clamped)
             }
-            Encoding::Hdr => output::write_folder(&self.main, self.existing, |folder| {
-                hdr_write::write_level_folder(folder, &bake.chain, irradiance)?;
+            Encoding::Exr(choice) => write_folder(&|folder| {
+                let levels =
+                    exr::write::write_level_folder(folder, &bake.chain, irradiance, choice, &metadata)?;
+                let pixels: Vec<Pixel> = levels.iter().map(|level| level.pixel).collect();
+                let clamped = levels.iter().map(|level| level.clamped).sum();
+                Ok(Stored::new(format, pixel_name, &pixels, clamped))
+            }),
+            Encoding::ExrImages(layout, choice) => write_folder(&|folder| {
+                let images = write_exr_images(folder, &level_images(layout, bake), choice, &metadata)?;
+                let levels = &images[..bake.stats.len()];
+                let pixels: Vec<Pixel> = levels.iter().map(|level| level.pixel).collect();
+                let clamped = images.iter().map(|level| level.clamped).sum();
+                Ok(Stored::new(format, pixel_name, &pixels, clamped))
+            }),
+            Encoding::HdrImages(layout) => write_folder(&|folder| {
+                write_hdr_images(folder, &level_images(layout, bake), &metadata)?;
+                Ok(Stored::rgbe(format, pixel_name, bake))
+            }),
+            Encoding::Hdr => write_folder(&|folder| {
+                hdr::write::write_level_folder(folder, &bake.chain, irradiance, &metadata)?;
                 if settings.bounds {
                     write_bounds(folder, &bake.chain)?;
                 }
-                write_sun(folder)?;
-                let pixels = bake.chain.levels.iter().map(|_| "rgbe".to_owned()).collect();
-                let report = report_of(
-                    Stored { format, pixel: pixel_name, pixels, clamped: 0, floats: 0 },
-                    hash_of(folder)?,
-                );
-                self.write_report_into(folder, &report)?;
-                Ok(report)
-            })?,
-        };
-        if self.is_folder() {
-            write_preview(&preview)?;
+                Ok(Stored::rgbe(format, pixel_name, bake))
+            }),
         }
-        Ok((report, self.places().map(|place| bytes_in(&place)).sum()))
+    }
+
+    /// Removes the old report where it holds no hash of its file, as those of version 0.1, and so could be
+    /// taken for the new file's.
+    fn remove_report_without_hashes(&self) -> Result<()> {
+        let path = report_path(&self.main);
+        let text = read_regular(&path, MOST_REPORT_BYTES).unwrap_or_default();
+        let old = serde_json::from_slice::<Report>(&text).ok();
+        let believed = old.is_some_and(|old| old.fingerprint.is_none_or(|hashes| hashes.files.is_empty()));
+        if believed && self.existing == Existing::Replace {
+            return fs::remove_file(&path).map_err(|e| Error::io(&path, e));
+        }
+        Ok(())
+    }
+
+    /// Bytes of all outputs.
+    fn written(&self) -> u64 {
+        self.places().map(|place| bytes_in(&place)).sum()
     }
 
     fn write_report_into(&self, folder: &Path, report: &Report) -> Result<()> {
@@ -435,7 +526,14 @@ impl Outputs {
             return Ok(());
         }
         let path = folder.join(REPORT);
-        fs::write(&path, json_text(report)).map_err(|e| Error::io(&path, e))
+        fs::write(&path, json_text(report)?).map_err(|e| Error::io(&path, e))
+    }
+}
+
+/// Cleans up after killed runs beside `place`.
+pub(super) fn recover(place: &Path, talk: &Talk) {
+    for restored in output::recover(place) {
+        talk.note(&format!("{}: put back, as a killed run had set it aside", restored.display()));
     }
 }
 
@@ -477,6 +575,11 @@ pub(super) struct Stored {
 }
 
 impl Stored {
+    fn rgbe(format: &'static str, pixel: &'static str, bake: &Bake) -> Self {
+        let clamped = hdr::write::clamped(bake.texels());
+        Self { format, pixel, pixels: vec!["rgbe".to_owned(); bake.stats.len()], clamped, floats: 0 }
+    }
+
     pub(super) fn new(format: &'static str, pixel: &'static str, pixels: &[Pixel], clamped: u64) -> Self {
         let floats = pixels.iter().filter(|pixel| **pixel == Pixel::F32).count();
         let pixels = pixels.iter().map(|pixel| pixel.name().to_owned()).collect();
@@ -484,22 +587,28 @@ impl Stored {
     }
 }
 
-/// What every output tells of itself.
-pub(super) fn metadata(settings: &BakeSettings) -> Vec<(String, String)> {
+/// What every output says of itself.
+pub(super) fn metadata(settings: &BakeSettings, opened: &Opened) -> Vec<(String, String)> {
     let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; linear RGB, \
                        Rec. 709; perceptual roughness, alpha = roughness^2";
-    [
-        ("octaglossConventions", conventions.to_owned()),
-        ("octaglossFilter", filter_name(settings.filter)),
-        (LOBE_KEY, settings.lobe.name().to_owned()),
-    ]
-    .map(|(key, value)| (key.to_owned(), value))
-    .to_vec()
+    let provenance = Provenance {
+        lobe: Some(settings.lobe),
+        filter: Some(filter_name(settings.filter)),
+        ladder: Some(settings.ladder.name().to_owned()),
+        ..opened.turned.clone()
+    };
+    let conventions = ("octaglossConventions".to_owned(), conventions.to_owned());
+    std::iter::once(conventions).chain(provenance.pairs()).collect()
 }
 
 /// `value` as a file of its own.
-pub(super) fn json_text(value: &impl Serialize) -> String {
-    serde_json::to_string_pretty(value).expect("keys are strings") + "\n"
+///
+/// # Errors
+/// [`Error::NonFiniteResult`] where a number of it is NaN or infinite.
+pub(super) fn json_text(value: &impl Serialize) -> Result<String> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|error| Error::NonFiniteResult { place: format!("JSON, {error}"), value: f64::NAN })?;
+    Ok(text + "\n")
 }
 
 /// `m{level}_{face}_bound.exr` of every level.
@@ -510,7 +619,7 @@ fn write_bounds(folder: &Path, chain: &CubeChain) -> Result<()> {
         for (face, values) in Face::ALL.iter().zip(bounds.chunks_exact(bounds.len() / 6)) {
             let path = folder.join(format!("m{index}_{}_bound.exr", face.short_name()));
             let bytes =
-                exr_write::exr_bytes(level.size, level.size, Samples::Luminance(values), Pixel::F32, &[])?;
+                exr::write::exr_bytes(level.size, level.size, Samples::Luminance(values), Pixel::F32, &[])?;
             fs::write(&path, bytes).map_err(|e| Error::io(&path, e))?;
         }
     }
@@ -525,4 +634,54 @@ fn bytes_in(path: &Path) -> u64 {
     }
     let files = fs::read_dir(path).into_iter().flatten().flatten();
     files.filter_map(|file| file.metadata().ok()).map(|metadata| metadata.len()).sum()
+}
+
+/// What would be written for `source`: a line a file, or one of JSON.
+pub(super) fn foretold(source: &Source, files: Vec<(PathBuf, String)>, json: bool) -> String {
+    let text = |path: &Path| path.display().to_string();
+    if json {
+        let files = files.iter().map(|(path, content)| json!({"path": text(path), "content": content}));
+        let files: Vec<_> = files.collect();
+        return json!({"input": text(source.path()), "files": files}).to_string() + "\n";
+    }
+    files.iter().map(|(path, content)| format!("{}\t{content}\n", text(path))).collect()
+}
+
+/// Extensions of formats that are not written: a file so named would belie its content.
+pub(super) const FOREIGN: [&str; 11] =
+    ["basis", "bmp", "gif", "jpeg", "jpg", "pfm", "png", "tga", "tif", "tiff", "webp"];
+
+/// The format that the extension of `path` names.
+pub(super) fn named_format(path: &Path) -> Option<FormatArg> {
+    match extension(path)?.as_str() {
+        "ktx2" => Some(FormatArg::Ktx2),
+        "ktx" => Some(FormatArg::Ktx),
+        "dds" => Some(FormatArg::Dds),
+        "exr" => Some(FormatArg::Exr),
+        "hdr" => Some(FormatArg::Hdr),
+        _ => None,
+    }
+}
+
+/// Whether `path` ends in a slash, and so names a folder.
+pub(super) fn names_folder(path: &Path) -> bool {
+    path.as_os_str().to_string_lossy().ends_with(std::path::is_separator)
+}
+
+/// Refuses the extension of a file for the folder `path`, such as `bake.hdr`, and names the remedy.
+pub(super) fn check_folder_name(path: &Path, remedy: &str) -> Outcome {
+    let names_file = named_format(path).is_some() && !names_folder(path);
+    if names_file || extension(path).is_some_and(|name| FOREIGN.contains(&name.as_str())) {
+        let folder = path.with_extension("");
+        return usage(format!(
+            "the output {} is named as a file and would be a folder; -o {} names a folder{remedy}",
+            path.display(),
+            folder.display(),
+        ));
+    }
+    Ok(())
+}
+
+pub(super) fn extension(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }

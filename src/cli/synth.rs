@@ -1,13 +1,13 @@
 //! `octagloss synth`: the environments that the examples use.
 
 use super::args::SynthArgs;
-use super::talk::{self, Talk};
-use super::{Outcome, print, usage};
-use octagloss::io::environment_write::write_environment;
-use octagloss::io::output::{self, Existing};
+use super::console::{self, Talk};
+use super::outcome::{Outcome, check_output, print, usage, write_output};
+use octagloss::io::environment_write::environment_bytes;
+use octagloss::io::output::Existing;
 use octagloss::synth::{RECIPES, synth};
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: SynthArgs) -> Outcome {
     if args.list {
@@ -23,14 +23,16 @@ pub(super) fn run(args: SynthArgs) -> Outcome {
         return usage(format!("there is no environment {name:?}; there are {names}"));
     };
     let path = args.output.unwrap_or_else(|| PathBuf::from(recipe.file_name));
-    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    // Standard output takes the format of the recipe's own file.
+    let named = if path.as_os_str() == "-" { Path::new(recipe.file_name) } else { &path };
+    let extension = named.extension().map(|extension| extension.to_ascii_lowercase());
     if !extension.is_some_and(|extension| extension == "exr" || extension == "hdr") {
         return usage(format!("-o {} must end in .exr or .hdr", path.display()));
     }
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
-    output::check_file(&path, existing)?;
-    write_environment(&path, existing, &synth(recipe.name)?, recipe.purpose)?;
-    let bytes = std::fs::metadata(&path).map_or(0, |metadata| metadata.len());
-    Talk::new(args.quiet).note(&format!("{}: {}", path.display(), talk::bytes(bytes)));
+    check_output(&path, existing)?;
+    let bytes = environment_bytes(named, &synth(recipe.name)?, recipe.purpose)?;
+    write_output(&path, existing, &bytes)?;
+    Talk::new(args.quiet).note(&format!("{}: {}", path.display(), console::bytes(bytes.len() as u64)));
     Ok(())
 }

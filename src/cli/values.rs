@@ -2,13 +2,15 @@
 
 use clap::ValueEnum;
 use octagloss::Map;
-use octagloss::bake::{Filter, Ladder};
-use octagloss::fitted::COUNTS;
+use octagloss::bake::overflow::Overflow;
+use octagloss::cpu::adaptive::LEAST_ERROR;
+use octagloss::filter::Filter;
+use octagloss::format::Pixel;
 use octagloss::io::layout::Unfolding;
-use octagloss::io::pixels::Pixel;
+use octagloss::ladder::Ladder;
 use octagloss::lobe::Lobe;
-use octagloss::overflow::Overflow;
-use octagloss::sh_window::ShWindow;
+use octagloss::realtime::tables::COUNTS;
+use octagloss::sh::window::ShWindow;
 use octagloss::target::{Diffuse, Flip, Plan, TARGETS, Target};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -303,8 +305,10 @@ pub(super) fn filter(text: &str) -> Result<Filter, String> {
     match (name, value) {
         ("adaptive", None) => Ok(Filter::Adaptive(0.005)),
         ("adaptive", Some(value)) => match value.parse() {
-            Ok(error) if 0.0 < error && error < 1.0 => Ok(Filter::Adaptive(error)),
-            _ => Err("the error of adaptive:E must be a number above 0 and below 1".to_owned()),
+            Ok(error) if (LEAST_ERROR..1.0).contains(&error) => Ok(Filter::Adaptive(error)),
+            _ => Err(format!(
+                "the error of adaptive:E must be a number from {LEAST_ERROR:e}, the least that float32 reaches, to 1"
+            )),
         },
         ("fitted", None) => Ok(Filter::Fitted(4)),
         ("fitted", Some(value)) => match value.parse() {

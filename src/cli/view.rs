@@ -1,24 +1,27 @@
 //! `octagloss view`: objects under an environment, in a window or as a picture.
 
-use super::args::InputArgs;
-use super::talk::Talk;
+use super::console::Talk;
+use super::outcome::{Outcome, check_not_input, check_output, usage, write_output};
+use super::shared_args::InputArgs;
 use super::values::{finite, roughness};
-use super::{Outcome, engine, input, usage};
+use super::{engine, input};
 use clap::{Args as ClapArgs, ValueEnum};
 use octagloss::gpu::{Context, block_on};
-use octagloss::io::output::{Existing, check_file};
-use octagloss::io::png_write::write_png;
+use octagloss::image::exposure::Exposure;
+use octagloss::io::LoadedChain;
+use octagloss::io::ldr::write::png_bytes;
+use octagloss::io::output::Existing;
 use octagloss::synth::synth;
 use octagloss::view::{
-    Camera, Filter, Look, Mesh, Object, Renderer, Screenshot, Show, Start, Tone, Truth, run as run_window,
-    screenshot,
+    Camera, FRONT, Filter, Levels, Look, Mesh, Object, Paint, Renderer, Screenshot, Show, Start, Tone, Truth,
+    run as run_window, screenshot,
 };
-use octagloss::{Environment, Rgb};
+use octagloss::{Environment, Layout, Rgb};
 use std::path::PathBuf;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct ViewArgs {
-    /// An environment [default: a sky with a sun]
+    /// An environment or a bake [default: a sky with a sun]
     #[arg(value_name = "INPUT")]
     inputs: Vec<PathBuf>,
     /// Write a picture instead of opening a window
@@ -62,46 +65,72 @@ struct LookArgs {
     #[arg(long, value_name = "OBJECT", default_value = "sphere", hide_possible_values = true)]
     object: ObjectArg,
     /// A mesh instead: .gltf, .glb or .obj
+    ///
+    /// Of glTF: triangles with the base colours, metalness and roughness of their materials, textures and
+    /// vertex colours included, and masks; no bump, light or transparency. Of OBJ the triangles only. The
+    /// camera looks at its +Z side.
     #[arg(long, value_name = "FILE", conflicts_with = "object")]
     mesh: Option<PathBuf>,
-    /// Roughness of the object, 0 to 1
-    #[arg(long, value_name = "R", default_value_t = 0.3, value_parser = roughness, allow_negative_numbers = true)]
-    roughness: f64,
+    /// Folder above the mesh that its files may lie in
+    ///
+    /// Without it, only files below the mesh's own folder are read.
+    #[arg(long, value_name = "DIR", requires = "mesh")]
+    mesh_root: Option<PathBuf>,
+    /// What a mesh is made of: file or plain
+    ///
+    /// file is what its file says; --roughness and --metal multiply that. plain is a metal of --roughness and
+    /// --metal, as the other objects are; so is a mesh whose file has no materials.
+    #[arg(long, value_name = "PAINT", default_value_t = Paint::File, requires = "mesh")]
+    paint: Paint,
+    /// Roughness, 0 to 1 [default: 0.3; 1 by the file's]
+    ///
+    /// Of a mesh with materials of its own, it is a factor of theirs.
+    #[arg(long, value_name = "R", value_parser = roughness, allow_negative_numbers = true)]
+    roughness: Option<f64>,
     /// Let the roughness vary over the surface
     ///
-    /// It is multiplied by a map: the mesh's own where it has one.
+    /// It is multiplied by a map. Materials of a mesh's file are left as they are.
     #[arg(long)]
     textured: bool,
     /// Reflectance at normal incidence, linear
-    #[arg(long, value_name = "R,G,B", default_value = "0.95,0.93,0.88", value_parser = metal)]
-    metal: Rgb,
+    ///
+    /// By default 0.95,0.93,0.88. Of a mesh with materials of its own, it is a factor of their base colours,
+    /// by default 1,1,1.
+    #[arg(long, value_name = "R,G,B", value_parser = metal)]
+    metal: Option<Rgb>,
     /// Roughness that blurs the backdrop, 0 to 1
     #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = roughness, allow_negative_numbers = true)]
     backdrop: f64,
     /// Turn the environment about +Y, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
     turn: f64,
-    /// Exposure in powers of two
-    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
-    exposure: f64,
+    /// Exposure: auto, or -40 to 40 EV
+    ///
+    /// auto brings the log-average luminance of the environment to middle grey, as in bake --preview.
+    #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, allow_negative_numbers = true)]
+    exposure: Exposure,
     /// neutral, aces, reinhard or linear
     #[arg(long, value_name = "TONE", default_value = "neutral", hide_possible_values = true)]
     tone: ToneArg,
-    /// box, fitted:K, levels or adaptive
+    /// box, fitted:K, levels, adaptive [default: fitted:4]
     ///
-    /// fitted:K is the real-time tier, K 1, 2, 4 or 8. levels is a prefiltered cube as engines have it. adaptive is the
-    /// certified tier, by the CPU for the pixels that are seen.
-    #[arg(long, value_name = "F", default_value_t = Filter::Fitted(4))]
-    filter: Filter,
+    /// fitted:K is the real-time tier, K 1, 2, 4 or 8. levels is a prefiltered cube as engines have it: of a
+    /// bake with several levels its own, which is the default there; the other filters have its level 0.
+    /// adaptive is the certified tier, by the CPU for the pixels that are seen.
+    #[arg(long, value_name = "F")]
+    filter: Option<Filter>,
     /// scene, oem, sat or error
     ///
-    /// oem is the octahedral map, sat its table (means of the boxes from the corner), error the filter's relative error
-    /// against the certified tier in false colour, from 1e-4 (black) over blue and red to 1 (yellow).
+    /// oem is the octahedral map, sat its table (means of the boxes from the corner), error the filter's
+    /// relative error against the certified tier in false colour, from 1e-4 (black) over blue and red to 1
+    /// (yellow).
     #[arg(long, value_name = "WHAT", default_value = "scene", hide_possible_values = true)]
     show: ShowArg,
     /// Camera: turn to the right, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
-    yaw: f64,
+    ///
+    /// 0, the default, looks along +X; -90, the default with --mesh, along -Z at what faces +Z.
+    #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
+    yaw: Option<f64>,
     /// Camera: height above the horizon, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 7.0, value_parser = finite, allow_negative_numbers = true)]
     pitch: f64,
@@ -153,6 +182,7 @@ fn metal(text: &str) -> Result<Rgb, String> {
 
 impl LookArgs {
     fn look(&self) -> Look {
+        let look = Look::default();
         Look {
             object: match (&self.mesh, self.object) {
                 (Some(_), _) => Object::Mesh,
@@ -161,14 +191,21 @@ impl LookArgs {
                 (None, ObjectArg::Knot) => Object::Knot,
             },
             camera: Camera {
-                yaw: self.yaw.to_radians(),
+                yaw: match self.yaw {
+                    Some(degrees) => degrees.to_radians(),
+                    None if self.mesh.is_some() => FRONT,
+                    None => 0.0,
+                },
                 pitch: self.pitch.to_radians(),
                 distance: self.distance,
                 angle: self.angle.to_radians(),
             },
-            roughness: self.roughness,
+            roughness: self.roughness.unwrap_or(look.roughness),
             textured: self.textured,
-            metal: self.metal,
+            metal: self.metal.unwrap_or(look.metal),
+            paint: self.paint,
+            tint: self.metal.unwrap_or(look.tint),
+            roughness_factor: self.roughness.unwrap_or(look.roughness_factor),
             backdrop: self.backdrop,
             turn: self.turn,
             exposure: self.exposure,
@@ -178,7 +215,7 @@ impl LookArgs {
                 ToneArg::Reinhard => Tone::Reinhard,
                 ToneArg::Linear => Tone::Linear,
             },
-            filter: self.filter,
+            filter: self.filter.unwrap_or(look.filter),
             show: match self.show {
                 ShowArg::Scene => Show::Scene,
                 ShowArg::Oem => Show::Oem,
@@ -190,7 +227,7 @@ impl LookArgs {
 }
 
 pub(super) fn run(args: ViewArgs) -> Outcome {
-    let look = args.look.look();
+    let mut look = args.look.look();
     if let Err(error) = look.check() {
         return usage(error.to_string());
     }
@@ -198,14 +235,23 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
         return usage(format!("--oem-size {size} is no power of two, which fitted lobes need"));
     }
     let talk = Talk::new(args.quiet);
+    let root = args.look.mesh_root.as_deref();
+    let mesh = args.look.mesh.as_deref().map(|path| Mesh::read_within(path, root)).transpose()?;
     let (environment, name) = environment(&args, &talk)?;
-    let mesh = args.look.mesh.as_deref().map(Mesh::read).transpose()?;
+    let levels = levels(&args, &environment, &talk)?;
+    if levels.is_some() && args.look.filter.is_none() {
+        look.filter = Filter::Levels;
+    }
     let Some(path) = &args.screenshot else {
         let ViewArgs { oem_size, adapter, size, .. } = args;
-        return Ok(run_window(Start { environment, name, mesh, look, oem_size, adapter, size })?);
+        return Ok(run_window(Start { environment, name, levels, mesh, look, oem_size, adapter, size })?);
     };
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
-    check_file(path, existing)?;
+    if !path.as_os_str().eq("-") && !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return usage(format!("--screenshot {} must end in .png", path.display()));
+    }
+    check_not_input(path, args.inputs.iter().chain(&args.look.mesh))?;
+    check_output(path, existing)?;
     let adapter = engine::any_adapter(args.adapter.as_deref())?;
     let context = block_on(None, Context::new(&adapter))??;
     talk.note(&format!("adapter: {}", context.describe()));
@@ -213,12 +259,15 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     if let Some(mesh) = &mesh {
         renderer.set_mesh(mesh)?;
     }
-    let light = renderer.light(&environment, args.oem_size)?;
+    let mut light = renderer.light(&environment, args.oem_size)?;
+    if let Some(levels) = &levels {
+        light.set_levels(&context, levels)?;
+    }
     let truth = look.needs_truth().then(|| Truth::new(light.environment())).transpose()?;
     let (width, height) = args.size;
     let shot = Screenshot { width, height, samples: args.samples };
     let picture = block_on(Some(&context), screenshot(&mut renderer, &look, &light, truth.as_ref(), shot))??;
-    Ok(write_png(path, existing, &picture)?)
+    write_output(path, existing, &png_bytes(&picture)?)
 }
 
 /// The environment asked for, or the built-in sky, and its name.
@@ -228,4 +277,24 @@ fn environment(args: &ViewArgs, talk: &Talk) -> Outcome<(Environment, String)> {
     }
     let source = input::single_source(args.inputs.clone(), &args.input)?;
     Ok((source.open(&args.input, talk)?.environment, source.stem()))
+}
+
+/// The levels of the input, where it is a bake with several of them. A sun taken out is still in them.
+fn levels(args: &ViewArgs, environment: &Environment, talk: &Talk) -> Outcome<Option<Levels>> {
+    let ([path], false) = (&args.inputs[..], args.input.extract_sun) else { return Ok(None) };
+    let Some(LoadedChain { chain, .. }) = input::read_bake(path)? else { return Ok(None) };
+    if environment.layout() != (Layout::Cube { size: chain.levels[0].size }) {
+        return Ok(None);
+    }
+    let mut turned = Environment::new(Layout::Cube { size: 1 }, vec![[0.0; 3]; 6])?;
+    if args.input.mirror {
+        turned = turned.mirrored();
+    }
+    if let Some(degrees) = args.input.rotate_y {
+        turned = turned.rotated_y(degrees);
+    }
+    Ok(Levels::new(chain, turned.source_from_world()).unwrap_or_else(|error| {
+        talk.warn(&format!("{}: {error}; its level 0 is filtered anew", path.display()));
+        None
+    }))
 }

@@ -1,31 +1,33 @@
-//! Tables of the OEM blurred by a tent, from its own table: what soft boxes are read from.
+//! Blurred SATs for soft boxes: an OEM blurred by a tent, computed from its own SAT.
 
 use super::sat_scan::sum_up;
 use crate::sat::Sat;
 use rayon::prelude::*;
 
-/// Texels of a blurred table to half of its tent's width: between them a soft edge is off by 1/128 of its height at most.
+/// Texels of a blurred table in half of its tent's width. Interpolation between them is off by at most 1/128
+/// of the height of a soft edge.
 const TEXELS: u32 = 4;
 
-/// Texels of the grid that is blurred to half of the tent's width.
+/// Texels of the blurred grid in half of the tent's width.
 const FINE_TEXELS: u32 = 16;
 
-/// Texels along an edge of the grid over `inner` texels that is blurred for `octave`, and of the blurred table.
+/// Texels along an edge of the grid over `inner` texels that is blurred for `octave`, and of the blurred
+/// table.
 pub(crate) fn grids(inner: u32, octave: u32) -> [u32; 2] {
     // Half of the square's width is 1.
     [FINE_TEXELS, TEXELS].map(|texels| inner.min((2 * texels) << octave))
 }
 
-/// The table of what `sat` sums, blurred by a tent of half-width 2^-`octave` in u and in v, in texels of about a quarter of
-/// that, none finer than its own.
+/// The table of what `sat` sums, blurred by a tent of half-width 2^-`octave` in u and in v, in texels of
+/// about a quarter of that, none finer than its own.
 ///
-/// The tent is a box applied twice, on the unfolded plane, in integers: radiance and solid angle lose less than one unit of
-/// fixed point to a texel, and the map's wrapping and the fixed point stay what they were.
+/// The tent is a box applied twice, on the unfolded plane, in integers. Radiance and solid angle lose less
+/// than one fixed-point unit for each texel; wrapping and scale stay the same.
 ///
 /// `sat`'s square must be a power of two wide, and at least 4 * 2^`octave`.
 ///
 /// # Panics
-/// Where it is not.
+/// If it is not.
 #[must_use]
 pub fn blurred(sat: &Sat, octave: u32) -> Sat {
     let inner = sat.size().inner;
@@ -35,8 +37,8 @@ pub fn blurred(sat: &Sat, octave: u32) -> Sat {
     // The box, and the shift that divides by its texels.
     let side = i64::from(n >> (octave + 1));
     let shift = 2 * side.ilog2();
-    // Boxes around the corners of texels, as far out as boxes around texels reach to them: even widths have their middle at
-    // a corner, and a half-turn of the plane brings corners to corners.
+    // Boxes around the corners of texels, as far out as boxes around texels reach to them: even widths have
+    // their middle at a corner, and a half-turn of the plane brings corners to corners.
     let (first, corners) = (1 - side / 2, i64::from(n) + side - 1);
     let at = |k: i64| (k % corners + first, k / corners + first);
     let mut once: Vec<[u64; 4]> = (0..corners * corners)

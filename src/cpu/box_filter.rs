@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 pub struct StackedBox {
     /// Its solid angle, not negative.
     pub solid_angle: f64,
-    /// What its energy and its solid angle count.
+    /// Weight of its energy and solid angle.
     pub weight: f64,
 }
 
@@ -29,8 +29,8 @@ impl<'a> BoxFilter<'a> {
         Self::stacked(sat, vec![single_box(lobe, alpha)])
     }
 
-    /// The boxes of `stack` around every direction: their weighted energies over their weighted solid angles, so that a
-    /// constant stays one.
+    /// The boxes of `stack` around every direction: their weighted energies over their weighted solid angles,
+    /// so that a constant stays one.
     ///
     /// # Panics
     /// Where there are none.
@@ -42,8 +42,9 @@ impl<'a> BoxFilter<'a> {
 
     /// Radiance of the boxes around `direction` (unit, of the OEM's space).
     ///
-    /// A box's side in (u, v) is the square root of its solid angle over the local density, which is continuous across
-    /// every fold; a one-texel box is added in quadrature, so that roughness 0 is bilinear interpolation.
+    /// A box's side in (u, v) is the square root of its solid angle over the local density, which is
+    /// continuous across every fold; a one-texel box is added in quadrature, so that roughness 0 is bilinear
+    /// interpolation.
     #[must_use]
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         let n = f64::from(self.sat.size().inner);
@@ -63,7 +64,7 @@ impl<'a> BoxFilter<'a> {
     }
 }
 
-/// The one box that stands for `lobe` at `alpha`.
+/// The single box that approximates `lobe` at `alpha`.
 pub(crate) fn single_box(lobe: Lobe, alpha: f64) -> StackedBox {
     StackedBox { solid_angle: solid_angle(lobe, alpha), weight: 1.0 }
 }
@@ -73,8 +74,8 @@ fn half_side(texels: f64, n: f64) -> f64 {
     0.5 * (texels + 1.0).sqrt().min(2.0 * n)
 }
 
-/// The widest half-extent in texels of any box of `lobe` up to `alpha` on a square of `inner` texels: the border that
-/// a plain four-corner read needs.
+/// The widest half-extent in texels of any box of `lobe` up to `alpha` on a square of `inner` texels: the
+/// border that a plain four-corner read needs.
 #[must_use]
 pub fn widest_half_extent(lobe: Lobe, alpha: f64, inner: u32) -> u32 {
     // Boxes are widest where the density is least: 1, at the vertices.

@@ -1,12 +1,13 @@
-//! The OEM's cells: a quadtree whose nodes know their energy, its centroid and covariance on the sphere, and its reach.
+//! The OEM's cells: a quadtree whose nodes know their energy, its centroid and covariance on the sphere, and
+//! its reach.
 //!
 //! The kernel's argument s = |l - R|^2/4 is linear in l, so its mean over a cell's energy is exactly
-//! (|centroid - R|^2 + trace of the covariance)/4 and its variance R.covariance.R/4 (the centre of mass of Barnes and
-//! Hut 1986, the clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least radiance c of each
-//! channel, E - c*w, so that a constant environment is black and dark cells stay coarse.
+//! (|centroid - R|^2 + trace of the covariance)/4 and its variance R.covariance.R/4 (the centre of mass of
+//! Barnes and Hut 1986, the clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least
+//! radiance c of each channel, E - c*w, so that a constant environment is black and dark cells stay coarse.
 
-use super::tent::{Patch, Reconstruction, Tents};
 use crate::environment::LUMINANCE;
+use crate::geometry::tent::{Patch, Reconstruction, Tents};
 use crate::oem::Oem;
 use glam::{Vec3, Vec3Swizzles as _};
 use rayon::prelude::*;
@@ -29,9 +30,24 @@ pub(super) struct Quad {
     pub(super) blue: [f32; 4],
 }
 
-/// What is less than this share of a texel's energy above the least radiance is rounding: left in, black texels would
-/// count for how far their cells reach.
+/// What is less than this share of a texel's energy above the least radiance is rounding: left in, black
+/// texels would count for how far their cells reach.
 const RESIDUE: f32 = 1.0 / (1 << 21) as f32;
+
+/// Energy of a channel of a texel that counts as none: its product with a difference of directions, 2^-24,
+/// would be subnormal, which GPUs flush, and the reciprocal of a subnormal luminance infinite.
+/// [`omitted_radiance`] is what it may add to an answer.
+pub(super) const FAINT: f32 = 1.0 / (1_u128 << 94) as f32;
+
+/// The radiance that energies up to [`FAINT`] in texels of an OEM of `inner` texels may have in the answer
+/// for any lobe.
+///
+/// Energies e add the sum of e Kbar_t/W, Kbar_t being the kernel's mean over texel t in (u, v), whose area is
+/// (2/n)^2. The sum of Kbar_t times that area is the kernel's integral over the square, which is at most W:
+/// no solid angle is smaller than its area in (u, v).
+pub(crate) fn omitted_radiance(inner: u32) -> f64 {
+    f64::from(FAINT) * f64::from(inner).powi(2) / 4.0
+}
 
 /// One cell while the tree is built.
 #[derive(Clone, Copy, Default)]
@@ -63,13 +79,14 @@ pub struct Cells {
     pub(super) reconstruction: Reconstruction,
     /// Texels along an edge of a finest cell: 1 where the tree goes down to texels.
     pub(super) block: u32,
-    /// The texels' energies above the least radiance, for what goes below texels; empty where the tree stops above.
+    /// The texels' energies above the least radiance, for what goes below texels; empty where the tree stops
+    /// above.
     pub(super) energies: Vec<[f32; 3]>,
 }
 
 impl Cells {
-    /// The cells of `oem`, down to blocks of `block` x `block` texels (1 for all queries; coarser where only lobes
-    /// much wider than a block will be asked for).
+    /// The cells of `oem`, down to blocks of `block` x `block` texels (1 for all queries; coarser where only
+    /// lobes much wider than a block will be asked for).
     ///
     /// # Panics
     /// Where `block` is zero.
@@ -86,7 +103,8 @@ impl Cells {
             let [r, g, b, w] = oem.texel(x, y);
             let all = Vec3::new(r, g, b);
             let above = all - Vec3::from(least) * w;
-            let energy = Vec3::select(above.cmpgt(all * RESIDUE), above, Vec3::ZERO);
+            let energy =
+                Vec3::select(above.cmpgt((all * RESIDUE).max(Vec3::splat(FAINT))), above, Vec3::ZERO);
             Cell { patch: tents.at(x, y), energy, luminance: energy.dot(Vec3::from(LUMINANCE)) }
         };
 

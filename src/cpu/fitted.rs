@@ -1,23 +1,25 @@
-//! The real-time tier: GGX lobes as a few soft boxes and a zonal harmonic term, see [`crate::fitted`].
+//! The real-time tier: GGX lobes as a few soft boxes and a zonal harmonic term, see
+//! [`crate::realtime::tables`].
 
-use super::emitters::Emitter;
 use super::mirror;
 use crate::environment::Rgb;
-use crate::fitted::triangle::triangle_from_oct;
-use crate::fitted::{HARMONICS, KNOTS, OCTAVES, Table};
 use crate::lobe::{self, Lobe};
 use crate::oem::Oem;
+use crate::realtime::emitters::Emitter;
+use crate::realtime::tables::triangle::triangle_from_oct;
+use crate::realtime::tables::{HARMONICS, KNOTS, OCTAVES, Table};
 use crate::sat::Sat;
 use crate::sh::basis;
 use crate::sphere::octahedral::{oct_from_direction, solid_angle_density};
 use glam::{DVec2, DVec3};
 
-/// Roughness from which on harmonics join the boxes,
+/// Roughness from which harmonics contribute beside the boxes.
 const HARMONICS_FROM: f64 = 0.65;
-/// and from which on they are alone.
+/// Roughness from which harmonics alone contribute.
 const HARMONICS_ALONE: f64 = 0.75;
 
-/// The finest octave that is served: the parameters of the next, at roughness 0.1 to 0.14, are no better than a mirror's share.
+/// The finest octave in use. The parameters of the next one, for roughness 0.1 to 0.14, are no better than
+/// mixing with the mirror.
 const FINEST: u32 = 6;
 
 /// The finest octave over an OEM of `inner` texels: blurs are at least four texels wide.
@@ -26,9 +28,8 @@ pub(crate) fn finest_octave(inner: u32) -> u32 {
     (inner / 4).ilog2().min(FINEST)
 }
 
-/// The octaves around one alpha, and what each counts.
-///
-/// The octave that alpha lies in and, in its first quarter, the next finer one fading out.
+/// The octaves around one alpha and their weights: the octave of alpha and, in its first quarter, the next
+/// finer one, which fades out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Octaves {
     pub(crate) own: u32,
@@ -68,16 +69,17 @@ pub(crate) struct Fitted<'a> {
     integral: f64,
     /// Octaves and their shares; none where harmonics are alone.
     parts: Vec<(u32, f64)>,
-    /// Blurred tables, by octave; those that are read.
+    /// Blurred tables by octave; only those in use.
     blurred: Vec<Option<&'a Sat>>,
     harmonics: &'a [[f64; 4]; 25],
-    /// What each order of them counts where they are alone, their share in it.
+    /// Weights of the orders where harmonics are alone, times their share.
     alone: [f64; HARMONICS],
 }
 
 impl<'a> Fitted<'a> {
-    /// Lobes of `alpha` in [0, 1] over `oem`, a power of two and at least 16 texels wide. Of what its `emitters` leave of it are
-    /// `least`, its least radiance, `blurred`, its table blurred by a tent of half-width 2^-octave, and `harmonics`.
+    /// Lobes of `alpha` in [0, 1] over `oem`, whose size is a power of two and at least 16. `least` (least
+    /// radiance), `blurred` (SAT blurred by a tent of half-width 2^-octave) and `harmonics` belong to the
+    /// residual map without `emitters`.
     pub(crate) fn new(
         table: &'static Table,
         alpha: f64,
@@ -88,8 +90,8 @@ impl<'a> Fitted<'a> {
         harmonics: &'a [[f64; 4]; 25],
     ) -> Self {
         let finest = finest_octave(oem.size().inner);
-        // A lobe sharper than the finest blur is that blur's lobe and a mirror, in shares that run into both smoothly: the tail of
-        // a lobe is proportional to alpha^2.
+        // A lobe sharper than the finest blur mixes the lobe of that blur with the mirror, smoothly at both
+        // ends. The tail of a lobe is proportional to alpha^2.
         let sharpest = (KNOTS[0] - f64::from(finest)).exp2();
         let square = (alpha / sharpest).min(1.0).powi(2);
         let share = square * (2.0 - square);
@@ -129,12 +131,12 @@ impl<'a> Fitted<'a> {
         let mut sum = [0.0; 3];
         let mut add = |share: f64, [r, g, b, w]: [f64; 4]| {
             for (sum, (value, least)) in sum.iter_mut().zip([r, g, b].into_iter().zip(self.least)) {
-                // Harmonics ring: behind a sun they are negative. No lobe is darker than the darkest texel.
+                // Harmonics ring: opposite a sun they are negative. No lobe is darker than the darkest texel.
                 *sum += share * (value / w).max(f64::from(least));
             }
         };
         if self.mirror < 1.0 {
-            // What each order of harmonics is here.
+            // The orders of harmonics at this direction.
             let mut orders = [[0.0; 4]; HARMONICS];
             for (k, (basis, coefficients)) in basis(direction).iter().zip(self.harmonics).enumerate() {
                 for (order, coefficient) in orders[k.isqrt()].iter_mut().zip(coefficients) {

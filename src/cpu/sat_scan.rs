@@ -1,9 +1,37 @@
 //! Scans of an OEM into an exact summed-area table. All give the same bits.
 
-use crate::sat::{FixedPoint, Scan};
+use crate::oem::{Oem, OemSize};
+use crate::sat::{FixedPoint, Sat, Scan};
 use rayon::prelude::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU8, Ordering};
+
+impl Sat {
+    /// The table of `oem`.
+    ///
+    /// # Panics
+    /// Where a Hensley radix is below 2.
+    #[must_use]
+    pub fn new(oem: &Oem, scan: Scan) -> Self {
+        let fixed = FixedPoint::of_square(oem);
+        let side = oem.size().bordered() as usize;
+        let mut entries = vec![[0; 4]; side * side];
+        self::scan(scan, fixed, oem.texels(), side, &mut entries);
+        Self::from_entries(oem.size(), fixed, entries)
+    }
+
+    /// The table of `values`, row-major, one a texel of a square without a border, in units of `fixed`.
+    ///
+    /// # Panics
+    /// Where they are no square.
+    pub(crate) fn from_values(fixed: FixedPoint, values: Vec<[u64; 4]>) -> Self {
+        let inner = values.len().isqrt();
+        assert!(inner > 0 && inner * inner == values.len(), "texels of a square");
+        let mut entries = values;
+        sum_up(&mut entries, inner);
+        Self::from_entries(OemSize { inner: inner as u32, border: 0 }, fixed, entries)
+    }
+}
 
 /// Fills `out` with the inclusive sums of `texels`, `width` to a row.
 ///
@@ -54,11 +82,12 @@ pub(crate) fn sum_up(entries: &mut [[u64; 4]], width: usize) {
     }
 }
 
-/// Rows of a block: one block of one strip is a task, long enough to be worth handing over.
+/// Rows of a block. One block of one strip is a task, long enough to be worth scheduling.
 const BLOCK_ROWS: usize = 32;
 
-/// A strip of columns for each thread. A block of rows of one strip needs the block above it and the sums along its rows
-/// from the strip to the left, so the blocks are worked through as a wavefront: input read once, output written once.
+/// A strip of columns for each thread. A block of rows of one strip needs the block above it and the sums
+/// along its rows from the strip to the left, so the blocks are worked through as a wavefront: input read
+/// once, output written once.
 fn strips(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64; 4]]) {
     let wavefront = Wavefront::new(fixed, texels, width, out);
     rayon::scope(|scope| wavefront.run(scope, 0, 0));
@@ -77,7 +106,7 @@ struct Wavefront<'a> {
     strips: Vec<Mutex<Strip<'a>>>,
     /// The sums along the rows of each block, up to the strip done last.
     carries: Vec<Mutex<[[u64; 4]; BLOCK_ROWS]>>,
-    /// What each block of each strip still waits for.
+    /// Number of blocks that each block of each strip still waits for.
     waits: Vec<AtomicU8>,
     arch: pulp::Arch,
 }
@@ -104,7 +133,7 @@ impl<'a> Wavefront<'a> {
         Self { fixed, texels, width, strips, carries, waits, arch: pulp::Arch::new() }
     }
 
-    /// Works through `block` of `strip` and all that it sets free.
+    /// Processes `block` of `strip` and all blocks that become ready.
     fn run<'s>(&'s self, scope: &rayon::Scope<'s>, mut strip: usize, mut block: usize) {
         loop {
             self.sum(strip, block);
@@ -122,7 +151,7 @@ impl<'a> Wavefront<'a> {
         }
     }
 
-    /// Whether nothing is left to wait for, one wait being over.
+    /// Records one finished dependency; true if none is left.
     fn is_free(&self, strip: usize, block: usize) -> bool {
         self.waits[strip * self.carries.len() + block].fetch_sub(1, Ordering::AcqRel) == 1
     }
@@ -182,8 +211,8 @@ impl pulp::NullaryFnOnce for BlockSums<'_, '_> {
     }
 }
 
-/// Passes of out[i] = sum over k < radix of in[i - k * radix^pass], along rows until they are summed, then along
-/// columns, ping-pong.
+/// Passes of out[i] = sum over k < radix of in[i - k * radix^pass], along rows until they are summed, then
+/// along columns, ping-pong.
 fn hensley(radix: u32, fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64; 4]]) {
     assert!(radix >= 2, "a radix of at least 2");
     let height = texels.len() / width;

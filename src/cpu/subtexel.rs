@@ -1,13 +1,16 @@
-//! Below texels: a texel's spread cut into pieces, for lobes sharper than the OEM and tolerances finer than it.
+//! Below texels: a texel's spread cut into pieces, for lobes sharper than the OEM and tolerances finer than
+//! it.
 
-use super::adaptive::{Adaptive, Leaf, Packet, Scratch};
-use super::kernel::{Radial, expected_error, first_order_width};
-use super::tent::{Moments, Reconstruction};
+use super::cells::Cells;
+use super::leaves::{Leaf, Packet, Scratch};
 use crate::environment::LUMINANCE;
+use crate::geometry::tent::{Moments, Reconstruction};
+use crate::lobe::kernel::{Radial, expected_error, first_order_width};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
 use glam::{DVec2, DVec3};
 
-/// Pieces are halved at most this often: 2^-40 of a texel is finer than any lobe that is not served as a mirror.
+/// Pieces are halved at most this often: 2^-40 of a texel is finer than any lobe that is not served as a
+/// mirror.
 const DEPTH: u8 = 40;
 
 /// A rectangle of one quarter of the spread, in texels from its centre.
@@ -34,13 +37,12 @@ fn slice(reconstruction: Reconstruction, a: f64, b: f64) -> (f64, f64, f64) {
 
 /// Adds texel (`x`, `y`) to the leaves in pieces, each with an interval within the tolerance.
 pub(super) fn refine<R: Radial>(
-    adaptive: &Adaptive<'_>,
+    (cells, tolerance): (&Cells, f64),
     kernel: R,
     (x, y): (u32, u32),
     packet: &Packet,
     scratch: &mut Scratch,
 ) {
-    let (cells, tolerance) = (adaptive.cells, adaptive.tolerance);
     let n = cells.n;
     let centre = texel_centre(n, x, y);
     let h = 2.0 / f64::from(n);
@@ -67,10 +69,12 @@ pub(super) fn refine<R: Radial>(
                 corners.iter().map(|c| direction(*c).distance(moments.centroid)).fold(0.0, f64::max);
             let offset: DVec3 = moments.centroid - packet.axis;
             let distance = offset.length() as f32;
-            // A piece across a kink of the map has no exact centroid; halving ends on the kink or makes it negligible.
+            // A piece across a kink of the map has no exact centroid; halving ends on the kink or makes it
+            // negligible.
             let kinked = crosses_kink(centre + signs * low * h, centre + signs * high * h);
             let error = if kinked {
-                // No direction moves faster than 3 a unit of (u, v): |dl/d(u, v)| <= sqrt(3) |dp/d(u, v)| <= 3.
+                // No direction moves faster than 3 a unit of (u, v): |dl/d(u, v)| <= sqrt(3) |dp/d(u, v)| <=
+                // 3.
                 moments.radius = moments.radius.max(3.0 * (high - low).length() * h).min(2.0);
                 first_order_width(kernel, distance, moments.radius as f32, packet.radius)
             } else {
@@ -108,7 +112,8 @@ pub(super) fn refine<R: Radial>(
     }
 }
 
-/// Whether an axis, an edge of the square or a fold diagonal runs through the inside of the box from `a` to `b`.
+/// Whether an axis, an edge of the square or a fold diagonal runs through the inside of the box from `a` to
+/// `b`.
 fn crosses_kink(a: DVec2, b: DVec2) -> bool {
     let tiny = 1e-12;
     let between = |low: f64, high: f64, at: f64| low < at - tiny && high > at + tiny;

@@ -1,12 +1,14 @@
-//! Lobes by adaptive quadrature over the cells, a workgroup a packet of directions.
+//! Adaptive quadrature of lobes over the cells: one workgroup for each packet of directions.
 
 use super::cells::CellTree;
-use super::stage::Dispatch;
-use super::{Context, Stage, readback, shader};
-use crate::cpu::adaptive::LANES;
-use crate::cpu::kernel::Kernel;
+use super::device::stage::Dispatch;
+use super::device::{readback, shader};
+use super::{Context, Stage};
+use crate::cpu::cells::omitted_radiance;
+use crate::cpu::leaves::LANES;
 use crate::error::{Error, Result};
-use crate::reflector::Answer;
+use crate::filter::Answer;
+use crate::lobe::kernel::Kernel;
 use glam::DVec3;
 
 /// Invocations of a workgroup.
@@ -15,13 +17,13 @@ pub const GROUP_SIZE: u32 = 64;
 /// Packets along a row of the dispatch.
 const ROW: u32 = 32_768;
 
-/// Packets that share their buffers: 27 MB of directions.
+/// Packets in one batch of buffers: 27 MB of directions.
 const BATCH: usize = 1 << 17;
 
-/// Levels of a tree, at most.
+/// Greatest number of levels of a tree.
 pub const LEVELS: usize = 16;
 
-/// What the shader says of a packet whose walk was cut short.
+/// Leaf count that the shader stores for a packet whose walk was cut short.
 const INCOMPLETE: u32 = 1 << 31;
 
 /// The uniform of one part of a lobe.
@@ -42,11 +44,12 @@ pub struct Lobe {
     root: u32,
     add: u32,
     count: u32,
-    padding: [u32; 2],
+    omitted: f32,
+    underflow: f32,
     levels: [[u32; 4]; LEVELS],
 }
 
-/// Directions near one another, as the shader reads them.
+/// Nearby directions in the shader's layout.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Packet {
@@ -72,7 +75,8 @@ shader::members!(Lobe {
     root,
     add,
     count,
-    padding,
+    omitted,
+    underflow,
     levels,
 });
 shader::members!(Packet { axis, radius, x, y, z });
@@ -85,7 +89,7 @@ impl Packet {
     #[must_use]
     pub fn new(directions: &[DVec3]) -> Self {
         assert!(!directions.is_empty() && directions.len() <= LANES, "1 to {LANES} directions");
-        // Any point near the directions will do, so one is taken that float32 holds: what is measured from it is exact.
+        // Use a reference point that float32 represents exactly; offsets from it are then exact.
         let mean = directions.iter().sum::<DVec3>().try_normalize().unwrap_or(directions[0]).as_vec3();
         let axis = mean.as_dvec3();
         let radius = directions.iter().map(|direction| direction.distance(axis)).fold(0.0, f64::max);
@@ -110,7 +114,7 @@ pub struct Part<'a> {
     pub kernel: Kernel,
     /// The relRMSE aimed at over the sphere.
     pub error: f64,
-    /// The part's share of the whole.
+    /// Share of the part in the whole lobe.
     pub share: f64,
 }
 
@@ -123,15 +127,16 @@ impl Part<'_> {
             *level = [*first, *width, 0, 0];
         }
         let unit = f64::from(1_u32 << 24).recip();
+        let (per_integral, least) = (share / kernel.integral(), f64::from(f32::MIN_POSITIVE));
         Lobe {
             shape,
             first,
             second,
             tolerance_per_mean: kernel.tolerance_per_mean(error) as f32,
             share: share as f32,
-            per_integral: (share / kernel.integral()) as f32,
-            // As on the CPU, with divisions of 2.5 units, square roots and exponentials of a few dozen, and pieces of
-            // texels whose directions are off by 2^-22.
+            per_integral: per_integral as f32,
+            // As on the CPU, with divisions of 2.5 units, square roots and exponentials of a few dozen, and
+            // pieces of texels whose directions are off by 2^-22.
             rounding: ((8.0 / kernel.width() + 128.0) * unit) as f32,
             rounding_per_leaf: unit as f32,
             inner: cells.inner,
@@ -140,7 +145,10 @@ impl Part<'_> {
             root: cells.levels.len() as u32 - 1,
             add: u32::from(add),
             count,
-            padding: [0; 2],
+            // Products of up to 2^20 leaves are flushed, some ten powers of two above the least normal
+            // number.
+            omitted: (share * omitted_radiance(cells.inner) + per_integral * 30.0_f64.exp2() * least) as f32,
+            underflow: (per_integral * f64::from(kernel.underflow()) * 1024.0) as f32,
             levels,
         }
     }
@@ -152,7 +160,7 @@ pub struct Adaptive {
     pipeline: wgpu::ComputePipeline,
 }
 
-/// Packets on the GPU, and room for their answers.
+/// Packets on the GPU and the buffers for their answers.
 #[derive(Clone, Debug)]
 pub struct Packets {
     count: u32,
@@ -232,7 +240,8 @@ impl Adaptive {
         Stage::new("adaptive", dispatches.collect())
     }
 
-    /// Uploads `packets`, evaluates `parts` around their directions and reads the answers back, in batches.
+    /// Uploads `packets`, evaluates `parts` around their directions and reads the answers back, batch by
+    /// batch.
     ///
     /// # Errors
     /// [`Error::Gpu`] where the device fails, or ends a walk before its end.

@@ -1,8 +1,9 @@
-//! Boxes over the exact table, from textures: for lists of directions here, and for any shader of the caller's.
+//! Box queries over the exact SAT in textures: for lists of directions, and as WGSL for the caller's shaders.
 
+use super::device::stage::Dispatch;
+use super::device::{readback, shader};
 use super::oem::Table;
-use super::stage::Dispatch;
-use super::{Context, SatPlanes, Stage, readback, shader};
+use super::{Context, SatPlanes, Stage};
 use crate::cpu::box_filter::StackedBox;
 use crate::error::{Error, Result};
 use glam::DVec3;
@@ -18,8 +19,8 @@ const ROW: u32 = 32_768;
 
 /// An exact table as shaders query it: two textures of words, and a header with exponents and sizes.
 ///
-/// [`SatTextures::bind_group_layout`] and [`wgsl`] put it into any shader: `octagloss_ggx(direction, roughness)` and
-/// `octagloss_box(direction, solid_angle)` answer there.
+/// [`SatTextures::bind_group_layout`] and [`wgsl`] make it available in any shader, as
+/// `octagloss_ggx(direction, roughness)` and `octagloss_box(direction, solid_angle)`.
 #[derive(Clone, Debug)]
 pub struct SatTextures {
     header: wgpu::Buffer,
@@ -27,8 +28,8 @@ pub struct SatTextures {
     high: wgpu::TextureView,
 }
 
-/// The query functions, their resources declared in group `group` at bindings 0, 1 and 2; with other queries in one
-/// shader, see [`shader::queries`].
+/// The query functions, their resources declared in group `group` at bindings 0, 1 and 2; with other queries
+/// in one shader, see [`shader::queries`].
 #[must_use]
 pub fn wgsl(group: u32) -> String {
     shader::queries(&[shader::Queries::Boxes(group)])
@@ -130,7 +131,7 @@ impl BoxFilter {
         }
     }
 
-    /// The words of `sat` into `textures`.
+    /// The stage that copies the words of `sat` into `textures`.
     #[must_use]
     pub fn pack(&self, context: &Context, sat: &SatPlanes, textures: &SatTextures) -> Stage {
         let table = Table::new(sat.size());
@@ -195,8 +196,8 @@ impl BoxFilter {
     }
 }
 
-/// Runs `pipeline` over `count` queries with `lists` at their bindings of group 1, and reads back what it leaves at
-/// binding `answers`.
+/// Runs `pipeline` over `count` queries with `lists` at their bindings of group 1; reads binding `answers`
+/// back.
 async fn ask<A: bytemuck::Pod>(
     context: &Context,
     pipeline: &wgpu::ComputePipeline,

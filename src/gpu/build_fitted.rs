@@ -1,4 +1,4 @@
-//! From an OEM to all that fitted lobes are read from.
+//! Builds the tables for fitted lobes from an OEM.
 //!
 //! ```text
 //! OEM --emitters--> emitters
@@ -20,17 +20,17 @@ use crate::error::Result;
 /// The passes that fill [`FittedTables`].
 #[derive(Clone, Debug)]
 pub struct BuildFitted {
-    /// OEM to emitters and the rest.
+    /// OEM to emitters and the residual map.
     pub emitters: Emitters,
-    /// The rest to its exact table.
+    /// Residual map to fixed-point exponents.
     pub fixed_point: FixedPoint,
-    /// The same.
+    /// Residual map to its exact SAT.
     pub sat_scan: SatScan,
     /// Table to blurred tables.
     pub blur: Blur,
     /// Table to harmonics.
     pub harmonics: Harmonics,
-    /// OEM to what mirrors are read from.
+    /// OEM to the texture for mirrors.
     pub mirror: Mirror,
 }
 
@@ -48,15 +48,15 @@ impl BuildFitted {
         }
     }
 
-    /// The stages that fill `tables` from `oem`, in order: to be recorded whenever it has changed.
+    /// The stages that fill `tables` from `oem`, in order. Record them whenever `oem` has changed.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] where planes are larger than the device can bind.
     ///
     /// # Panics
-    /// Where the tables were made for another size.
+    /// If `tables` was made for another size.
     pub fn stages(&self, context: &Context, oem: &OemPlanes, tables: &FittedTables) -> Result<Vec<Stage>> {
-        let (emitters, rest) = self.emitters.stage(context, oem, tables)?;
+        let (emitters, rest) = self.emitters.stage(context, oem, tables);
         let sat = SatPlanes::new(context, oem.size())?;
         Ok(vec![
             emitters,

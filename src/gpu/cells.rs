@@ -1,12 +1,13 @@
 //! The quadtree of moments over an OEM's planes, level by level.
 
+use super::device::shader;
+use super::device::stage::Dispatch;
 use super::least::Least;
 use super::oem::Table;
-use super::stage::Dispatch;
-use super::{Context, OemPlanes, Stage, shader};
+use super::{Context, OemPlanes, Stage};
 use crate::cpu::cells::Cells;
-use crate::cpu::tent::{Reconstruction, Tents};
 use crate::error::Result;
+use crate::geometry::tent::{Reconstruction, Tents};
 
 /// Quads along an edge of a workgroup.
 pub const EDGE: u32 = 8;
@@ -29,7 +30,7 @@ pub struct Level {
     block: u32,
 }
 
-/// Moments of a texel's spread, as the shader reads them.
+/// Moments of a texel's spread in the shader's layout.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Tent {
@@ -62,8 +63,8 @@ pub struct CellTree {
     pub(super) levels: Vec<[u32; 2]>,
 }
 
-/// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along an edge;
-/// and the quads of all levels.
+/// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along
+/// an edge; and the quads of all levels.
 fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
     let mut levels: Vec<[u32; 2]> = Vec::new();
     let mut first = 0;
@@ -77,10 +78,11 @@ fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
 }
 
 impl CellTree {
-    /// A tree holding the CPU's `cells` of an OEM of `inner` x `inner` texels, down to blocks of `block` x `block`.
+    /// A tree holding the CPU's `cells` of an OEM of `inner` x `inner` texels, down to blocks of `block` x
+    /// `block`.
     ///
     /// # Panics
-    /// Where `cells` have another shape.
+    /// If `cells` has another shape.
     #[must_use]
     pub fn upload(
         context: &Context,
@@ -95,8 +97,8 @@ impl CellTree {
         Self::holding(context, inner, block, reconstruction, cells.least(), levels, &quads)
     }
 
-    /// A tree that a tolerance of zero cuts into `leaves` ([`crate::cpu::adaptive::Scratch::leaf_fields`]), over `least`
-    /// radiance: for replaying a cut.
+    /// A tree that a tolerance of zero cuts into exactly `leaves`
+    /// ([`crate::cpu::leaves::Scratch::leaf_fields`]) over the `least` radiance, to replay a cut.
     #[must_use]
     pub fn of_leaves(context: &Context, leaves: &[[f32; 14]], least: [f32; 3]) -> Self {
         let cells = (leaves.len().max(1) as f64).sqrt().ceil() as u32;
@@ -112,7 +114,7 @@ impl CellTree {
             for (field, value) in quads[quad].iter_mut().zip(leaf) {
                 field[sibling] = *value;
             }
-            // What lies above reaches everywhere, so that it is never fine enough.
+            // Inner nodes get a radius of the whole sphere, so they are always split.
             for level in 1..levels.len() {
                 let (quad, sibling) = place(level, i >> level, j >> level);
                 // Covariance, radius and luminance.
@@ -123,7 +125,7 @@ impl CellTree {
                 quads[quad][10][sibling] += leaf[10];
             }
         }
-        // Not down to texels, so that leaves are whole.
+        // Stop above texels, so that leaves are not refined.
         let (inner, block) = (2 * cells, 2);
         Self::holding(context, inner, block, Reconstruction::Constant, least, levels, &quads)
     }
@@ -147,7 +149,8 @@ impl CellTree {
         &self.quads
     }
 
-    /// Whether the tree over `inner` x `inner` texels in blocks that `block` gives for them, and their moments, fit.
+    /// Whether the tree over `inner` x `inner` texels in blocks that `block` gives for them, and their
+    /// moments, fit.
     pub(super) fn check_fits(context: &Context, inner: u32, block: impl Fn(u32) -> u32) -> Result<()> {
         let tents = |inner: u32| TENT * u64::from(inner.div_ceil(2)).pow(2);
         let quads = |inner: u32| QUAD * u64::from(levels_over(inner.div_ceil(block(inner))).1);

@@ -1,7 +1,8 @@
-//! A plain copy kernel, to hold the scans' bandwidth against.
+//! A plain copy kernel, the reference for the bandwidth of the scans.
 
-use super::stage::Dispatch;
-use super::{Context, SatPlanes, Stage, shader};
+use super::device::shader;
+use super::device::stage::Dispatch;
+use super::{Context, SatPlanes, Stage};
 
 /// Invocations of a workgroup.
 pub const GROUP_SIZE: u32 = 256;
@@ -23,8 +24,8 @@ impl Copy {
         Self { pipeline: shader::pipeline(context, &module, "copy", &[]) }
     }
 
-    /// As many bytes as a scan must move at the least, 16 in and 32 out a texel: 24 in and 24 out, three planes of
-    /// `sat` into its others.
+    /// Moves the least number of bytes of a scan, 48 a texel (a scan reads 16 and writes 32, the copy 24 and
+    /// 24): copies three planes of `sat` into the others.
     #[must_use]
     pub fn stage(&self, context: &Context, sat: &SatPlanes) -> Stage {
         let dispatches = [(0, 3), (1, 0), (2, 1)].map(|(from, to)| {

@@ -1,35 +1,24 @@
-//! The brightest cells of an OEM, taken out of it: [`crate::cpu::emitters`].
+//! Extracts the brightest cells of an OEM as emitters, like [`crate::realtime::emitters`].
 
-use super::fitted::{EMITTERS_OFFSET, FittedTables};
-use super::stage::Dispatch;
-use super::{Context, OemPlanes, Stage, readback, shader};
-use crate::cpu::emitters::{COUNT, Emitter, GRID, block};
+use super::device::stage::Dispatch;
+use super::device::{readback, shader};
+use super::fitted::{EMITTERS_OFFSET, EmitterWords, FittedTables};
+use super::{Context, OemPlanes, Stage};
 use crate::error::Result;
+use crate::realtime::emitters::{COUNT, Emitter, GRID, block};
 use glam::{DVec3, Vec3};
 
-/// Invocations of a workgroup that looks for the brightest cells.
+/// Invocations of a workgroup that searches for the brightest cells.
 pub const GROUP_SIZE: u32 = 256;
 
-/// Invocations along an edge of a workgroup that makes the rest.
+/// Invocations along an edge of a workgroup that writes the residual map.
 pub const EDGE: u32 = 16;
 
-/// Cells that a workgroup puts in order.
+/// Cells that a workgroup sorts.
 pub const BATCH: u32 = 1024;
 
-/// How many of them stay: those of emitters, and the brightest of the others.
+/// Cells that a workgroup keeps: those of the emitters and the next brightest one.
 pub const KEPT: u32 = COUNT as u32 + 1;
-
-/// An emitter as shaders see it.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct EmitterWords {
-    direction: [f32; 3],
-    spread: f32,
-    energy: [f32; 3],
-    pad: f32,
-}
-
-shader::members!(EmitterWords { direction, spread, energy, pad });
 
 /// Pipelines of the stage.
 #[derive(Clone, Debug)]
@@ -54,22 +43,16 @@ impl Emitters {
         }
     }
 
-    /// The emitters of `oem` into `tables`, and the planes that what they leave of it is in when the stage has run.
-    ///
-    /// # Errors
-    /// [`crate::Error::Limit`] where a plane is larger than the device can bind.
+    /// The stage that writes the emitters of `oem` into `tables`, and the planes that hold the residual map
+    /// afterwards.
     ///
     /// # Panics
     /// Where the tables were made for another size.
-    pub fn stage(
-        &self,
-        context: &Context,
-        oem: &OemPlanes,
-        tables: &FittedTables,
-    ) -> Result<(Stage, OemPlanes)> {
+    #[must_use]
+    pub fn stage(&self, context: &Context, oem: &OemPlanes, tables: &FittedTables) -> (Stage, OemPlanes) {
         let inner = oem.size().inner;
         assert_eq!(inner, tables.inner(), "tables for this size");
-        let rest = oem.of_the_same_solid_angles(context)?;
+        let rest = oem.of_the_same_solid_angles(context);
         let cells = (inner / block(inner)).pow(2);
         debug_assert!(cells <= GRID * GRID, "the grid is no finer");
         let brightness = context.storage("brightness of cells", 4 * u64::from(cells));
@@ -102,7 +85,7 @@ impl Emitters {
         let mut given = energies.clone();
         given.extend([listed, (11, tables.light().as_entire_binding())]);
         dispatches.push(Dispatch::new(context, &self.emitters, &given, [1, 1, 1]));
-        Ok((Stage::new("emitters", dispatches), rest))
+        (Stage::new("emitters", dispatches), rest)
     }
 }
 

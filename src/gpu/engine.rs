@@ -1,32 +1,38 @@
-//! All passes together: environments made ready on the GPU, queried and baked.
+//! The GPU engine: prepares environments, queries and bakes them.
 
 use super::adaptive::{Adaptive, Answers, Packet, Packets, Part};
 use super::box_filter::{BoxFilter, SatTextures};
 use super::build_fitted::BuildFitted;
 use super::cells::{BuildCells, CellTree};
+use super::device::readback;
 use super::fitted::{Fitted, FittedTables};
 use super::fixed_point::FixedPoint;
 use super::reparameterise::{self, Reparameterise};
 use super::sat_scan::SatScan;
-use super::{Context, OemPlanes, SatPlanes, Stage, readback};
-use crate::bake::{self, Bake, BakeSettings, Filter, Order, Progress, Rung};
-use crate::cpu::adaptive::LANES;
-use crate::cpu::bake_level::{self, BakedLevel, Tile, Tiling};
+use super::{Context, OemPlanes, SatPlanes, Stage};
+use crate::bake::job::Order;
+use crate::bake::level::{self, BakedLevel};
+use crate::bake::{Bake, BakeSettings, Progress};
+use crate::chain::Rung;
 use crate::cpu::box_filter::single_box;
-use crate::cpu::kernel::Kernel;
-use crate::cpu::reparameterise::footprints_over;
-use crate::cpu::tent::Reconstruction;
+use crate::cpu::leaves::LANES;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
+use crate::filter::{Answer, Filter};
+use crate::geometry::footprints::footprints_over;
+use crate::geometry::tent::Reconstruction;
+use crate::geometry::tiling::{Tile, Tiling};
+use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
+use crate::lobe::kernel::Kernel;
 use crate::oem::bilinear_share;
-use crate::reflector::{Answer, ReflectorSettings, Workspace};
+use crate::reflector::{ReflectorSettings, Workspace, check_answers};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use web_time::Instant;
 
-/// Lobes of a smaller alpha, mirrors too, are below what float32 directions resolve: the CPU's code answers them, over the
+/// Float32 directions do not resolve lobes of a smaller alpha, nor mirrors: the CPU evaluates them over the
 /// OEM read back.
 const SHARPEST_ALPHA: f64 = 1e-4;
 
@@ -120,10 +126,12 @@ impl Engine {
             levels.push((level, start.elapsed().as_secs_f64()));
         }
         let oem = reflector.planes.read(&self.context).await?;
-        Ok(order.finish(levels, oem.size(), oem.totals()))
+        let [red, green, blue, _] = oem.totals();
+        order.finish(levels, oem.size(), reflector.scale.energies([red, green, blue]))
     }
 
-    /// Whether the tables that `filter` reads fit the device: told before anything is made, with the largest size that does.
+    /// Checks, before any allocation, that the tables of `filter` fit the device; the error names the largest
+    /// size that does.
     ///
     /// # Errors
     /// [`Error::Limit`] where they do not.
@@ -143,8 +151,8 @@ impl Engine {
         }
     }
 
-    /// The stages of a bake with [`Filter::Adaptive`], from the source's texture to every level's answers, to be recorded
-    /// again and again: OEM, cells, levels.
+    /// The stages of a bake with [`Filter::Adaptive`], from the source's texture to every level's answers:
+    /// OEM, cells, levels. They can be recorded repeatedly.
     ///
     /// # Errors
     /// Those of [`Engine::bake`].
@@ -156,8 +164,8 @@ impl Engine {
         let reflector = Reflector::new(self, environment, &order.reflector_settings())?;
         let Self { context, reparameterise, adaptive, .. } = self;
         let mut levels = Vec::new();
-        for &bake::Part { rung, lobe, .. } in order.parts() {
-            if bake_level::is_mirror(rung, lobe) {
+        for &crate::bake::part::Part { rung, lobe, .. } in order.parts() {
+            if level::is_mirror(rung, lobe) {
                 let texture = &reflector.texture;
                 let Layout::Cube { size } = rung.layout else {
                     return Err(Error::Parameter("stages of a bake are those of a cube".to_owned()));
@@ -187,6 +195,8 @@ fn cpu_s_own(filter: &str) -> Error {
 pub struct Reflector<'a> {
     engine: &'a Engine,
     environment: &'a Environment,
+    /// What the light of texture, planes and tables is scaled by.
+    scale: LightScale,
     texture: wgpu::Texture,
     planes: OemPlanes,
     /// What fills the planes.
@@ -210,7 +220,8 @@ impl<'a> Reflector<'a> {
     ) -> Result<Self> {
         let (size, block) = settings.plan(environment.layout())?;
         let context = &engine.context;
-        let texture = reparameterise::upload(context, environment)?;
+        let scale = LightScale::of(environment);
+        let texture = reparameterise::upload(context, &scale.scaled(environment))?;
         let planes = OemPlanes::new(context, size)?;
         let stage = engine.reparameterise.stage(context, environment.layout(), &texture, &planes)?;
         context.submit(|encoder| stage.record(encoder));
@@ -218,6 +229,7 @@ impl<'a> Reflector<'a> {
         Ok(Self {
             engine,
             environment,
+            scale,
             texture,
             planes,
             stage,
@@ -229,10 +241,17 @@ impl<'a> Reflector<'a> {
         })
     }
 
-    /// The OEM.
+    /// The OEM. Its light is that of the source times 2^[`Reflector::light_exponent`].
     #[must_use]
     pub const fn planes(&self) -> &OemPlanes {
         &self.planes
+    }
+
+    /// k, where the OEM holds the source's light times 2^k, as
+    /// [`crate::reflector::Reflector::light_exponent`].
+    #[must_use]
+    pub const fn light_exponent(&self) -> i32 {
+        self.scale.exponent()
     }
 
     fn cells(&self, reconstruction: Reconstruction) -> Result<&CellTree> {
@@ -280,8 +299,8 @@ impl<'a> Reflector<'a> {
     /// Answers to `directions` (unit vectors of the world), each on its own.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for what this engine does not serve (the reference filter) or nobody does, [`Error::Limit`]
-    /// where a table would not fit, [`Error::Gpu`].
+    /// [`Error::Parameter`] for what this engine does not serve (the reference filter) or nobody does,
+    /// [`Error::Limit`] where a table would not fit, [`Error::Gpu`].
     pub async fn query(
         &self,
         directions: &[DVec3],
@@ -291,11 +310,28 @@ impl<'a> Reflector<'a> {
     ) -> Result<Vec<Answer>> {
         let groups: Vec<[DVec3; 1]> = directions.iter().map(|direction| [*direction]).collect();
         let groups: Vec<&[DVec3]> = groups.iter().map(|group| &group[..]).collect();
-        Ok(self.evaluate(&groups, lobe, roughness, filter).await?.lanes)
+        let answers = self.evaluate(&groups, lobe, roughness, filter).await?.lanes;
+        check_answers(directions, &answers)?;
+        Ok(answers)
     }
 
-    /// Answers to `groups` of up to [`LANES`] directions near one another.
+    /// Answers to `groups` of up to [`LANES`] directions near one another, in the source's units.
     async fn evaluate(
+        &self,
+        groups: &[&[DVec3]],
+        lobe: Lobe,
+        roughness: f64,
+        filter: Filter,
+    ) -> Result<Answers> {
+        let mut answers = self.evaluate_scaled(groups, lobe, roughness, filter).await?;
+        for answer in &mut answers.lanes {
+            *answer = self.scale.answer(*answer);
+        }
+        Ok(answers)
+    }
+
+    /// [`Reflector::evaluate`] in the OEM's units.
+    async fn evaluate_scaled(
         &self,
         groups: &[&[DVec3]],
         lobe: Lobe,
@@ -342,7 +378,7 @@ impl<'a> Reflector<'a> {
         let packets = packets(groups, source_from_world);
         let parts = self.parts(lobe, alpha, error)?;
         let mut answers = adaptive.evaluate(context, &parts, &packets).await?;
-        // Spare lanes go.
+        // Drop padding lanes.
         let mut index = 0;
         answers.lanes.retain(|_| {
             index += 1;
@@ -366,8 +402,8 @@ impl<'a> Reflector<'a> {
 
     async fn bake_level(&self, rung: Rung, lobe: Lobe, filter: Filter) -> Result<BakedLevel> {
         let Engine { context, reparameterise, .. } = self.engine;
-        if bake_level::is_mirror(rung, lobe) {
-            // Overlaps with other maps are the CPU's, and used once.
+        if level::is_mirror(rung, lobe) {
+            // The CPU computes overlaps with other maps; they are used once.
             let Layout::Cube { size } = rung.layout else {
                 let texels = footprints_over(self.environment, rung.layout)?;
                 return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
@@ -376,7 +412,7 @@ impl<'a> Reflector<'a> {
                 reparameterise.footprints(context, self.environment, &self.texture, size)?;
             context.submit(|encoder| stage.record(encoder));
             let texels: Vec<[f32; 4]> = readback::read(context, &footprints).await?;
-            let texels = texels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
+            let texels = texels.iter().map(|[r, g, b, _]| self.scale.radiance([*r, *g, *b])).collect();
             return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
         }
         let tiling = Tiling::new(self.planes.size().inner, rung, lobe);
@@ -401,7 +437,7 @@ impl<'a> Reflector<'a> {
     }
 }
 
-/// Whether the shaders have `lobe`.
+/// Checks that the shaders support `lobe`.
 fn check_lobe(lobe: Lobe) -> Result<()> {
     match lobe {
         Lobe::Charlie => Err(Error::Parameter("the Charlie lobe is the CPU's: use --engine cpu".to_owned())),

@@ -1,4 +1,4 @@
-//! The real-time tier over tables on the GPU: for lists of directions here, and for any shader of the caller's.
+//! The real-time tier over tables on the GPU: for lists of directions, and as WGSL for the caller's shaders.
 //!
 //! ```text
 //! OEM planes --build_fitted--> emitters; blurred tables, harmonics and least radiance of the rest; texture
@@ -6,15 +6,16 @@
 //!                                                      +--> octagloss_fitted(direction, roughness)
 //! ```
 
-use super::blur::{self, BORDER, Octave};
-use super::emitters::EmitterWords;
-use super::shader::{self, Queries};
-use super::stage::Dispatch;
-use super::{Context, Stage, readback};
-use crate::cpu::emitters;
+use super::device::readback;
+use super::device::shader::{self, Queries};
+use super::device::stage::Dispatch;
+use super::octaves::{BORDER, Octave};
+
+use super::{Context, Stage};
 use crate::error::{Error, Result};
-use crate::fitted::{BOX_PARAMETERS, COUNTS, KNOTS, Table};
 use crate::lobe::{Lobe, kernel_integral, zonal_weights};
+use crate::realtime::emitters;
+use crate::realtime::tables::{BOX_PARAMETERS, COUNTS, KNOTS, Table};
 use glam::DVec3;
 use half::f16;
 use std::f64::consts::PI;
@@ -25,25 +26,25 @@ pub const GROUP_SIZE: u32 = 64;
 /// Workgroups along a row of the dispatch.
 const ROW: u32 = 32_768;
 
-/// Coefficients of a polynomial over the roughness at which harmonics count by themselves.
+/// Coefficients of a polynomial over the roughness range in which harmonics contribute.
 const ZONAL: usize = 8;
 
-/// The roughness that they begin at.
+/// Least roughness of that range.
 const HARMONICS_FROM: f64 = 0.65;
 
-/// Coefficients of a polynomial, four to a vector, over the roughness that boxes and emitters are asked for.
+/// Coefficients of a polynomial, four to a vector, over the roughness range of boxes and emitters.
 const PEAK: usize = 12;
 
-/// The roughness that it begins at, a little below that of the finest octave's sharpest lobe.
+/// Least roughness of that range, slightly below that of the finest octave's sharpest lobe.
 const PEAK_FROM: f64 = 0.13;
 
-/// Where in what of the light every lobe shares, after least radiance, units and harmonics, vectors of four floats, emitters are.
+/// Byte offset of the emitter array in `OctaglossLight`: it follows least radiance, units and harmonics.
 pub(super) const EMITTERS_OFFSET: u64 = 16 * (1 + 2 + 25);
 
-/// Bytes of what of the light every lobe shares.
+/// Bytes of `OctaglossLight`.
 pub const LIGHT: u64 = EMITTERS_OFFSET + (size_of::<EmitterWords>() * emitters::COUNT) as u64;
 
-/// The uniform that says where tables lie and which lobes are asked for.
+/// Uniform with the positions of the tables and the current lobes.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Octaves {
@@ -57,7 +58,7 @@ pub struct Octaves {
     pad_0: u32,
     peak: [[f32; 4]; PEAK / 4],
     zonal: [[f32; 4]; ZONAL],
-    octaves: [Octave; blur::OCTAVES],
+    octaves: [Octave; super::octaves::OCTAVES],
 }
 
 shader::members!(Octaves {
@@ -74,7 +75,7 @@ shader::members!(Octaves {
     octaves,
 });
 
-/// Which lobes are asked for: these three words of [`Octaves`].
+/// The current lobes: three words of [`Octaves`].
 fn lobes(count: u32) -> [u32; 3] {
     let shape = Table::of(count).expect("a count that there is").shape();
     let first_wider = shape.wider.iter().position(|wider| *wider > 0).unwrap_or(shape.boxes());
@@ -85,7 +86,8 @@ fn lobes(count: u32) -> [u32; 3] {
     [count, first_parameters as u32, first_wider as u32]
 }
 
-/// Rows of a table's parameters: of each box and of the harmonics, at every node of every knot of every octave.
+/// Rows of a table's parameters: of each box and of the harmonics, at every node of every knot of every
+/// octave.
 fn rows(table: &Table) -> usize {
     table.values().len() / BOX_PARAMETERS
 }
@@ -98,8 +100,8 @@ fn parameters() -> Vec<[u16; 8]> {
     tables.flat_map(|table| table.values().chunks_exact(BOX_PARAMETERS).map(row)).collect()
 }
 
-/// The weights of orders 1 to 4 as polynomials over the roughness from [`HARMONICS_FROM`] to 1; the weights are analytic but at
-/// roughness 0, which leaves less than 1e-7.
+/// The weights of orders 1 to 4 as polynomials over the roughness from [`HARMONICS_FROM`] to 1; the weights
+/// are analytic but at roughness 0, which leaves less than 1e-7.
 fn zonal() -> [[f32; 4]; ZONAL] {
     let weights = |roughness: f64| {
         let [_, others @ ..] = zonal_weights(Lobe::Ggx, roughness * roughness);
@@ -108,15 +110,16 @@ fn zonal() -> [[f32; 4]; ZONAL] {
     polynomials(HARMONICS_FROM, weights).map(|row| row.map(|value| value as f32))
 }
 
-/// 1 over pi times the lobe's integral as a polynomial over the roughness from [`PEAK_FROM`] to 1, to 5e-8 of it.
+/// 1 over pi times the lobe's integral as a polynomial over the roughness from [`PEAK_FROM`] to 1, to 5e-8 of
+/// it.
 fn peak() -> [[f32; 4]; PEAK / 4] {
     let reciprocal = |roughness: f64| [1.0 / (PI * kernel_integral(Lobe::Ggx, roughness * roughness))];
     let powers: [[f64; 1]; PEAK] = polynomials(PEAK_FROM, reciprocal);
     std::array::from_fn(|row| std::array::from_fn(|k| powers[4 * row + k][0] as f32))
 }
 
-/// `functions` of the roughness from `from` to 1 as polynomials in t from -1 to 1, lowest power first, by interpolation at
-/// Chebyshev's points.
+/// `functions` of the roughness from `from` to 1 as polynomials in t from -1 to 1, lowest power first, by
+/// interpolation at Chebyshev's points.
 fn polynomials<const POWERS: usize, const COUNT: usize>(
     from: f64,
     functions: impl Fn(f64) -> [f64; COUNT],
@@ -144,9 +147,10 @@ fn polynomials<const POWERS: usize, const COUNT: usize>(
     sums
 }
 
-/// What fitted lobes are read from, as shaders query it.
+/// Tables for fitted lobes, as shaders query them.
 ///
-/// Filled by the stages of [`super::build_fitted::BuildFitted`], to be recorded whenever the light has changed. [`FittedTables::bind_group_layout`] and [`wgsl`] put it into any shader:
+/// Filled by the stages of [`super::build_fitted::BuildFitted`], to be recorded whenever the light has
+/// changed. [`FittedTables::bind_group_layout`] and [`wgsl`] put it into any shader:
 /// `octagloss_fitted(direction, roughness)` answers there, any roughness a pixel.
 #[derive(Clone, Debug)]
 pub struct FittedTables {
@@ -158,8 +162,8 @@ pub struct FittedTables {
     oem: wgpu::TextureView,
 }
 
-/// The query function, its resources declared in group `group` at bindings 0 to 4; with other queries in one shader, see
-/// [`shader::queries`].
+/// The query function, its resources declared in group `group` at bindings 0 to 4; with other queries in one
+/// shader, see [`shader::queries`].
 #[must_use]
 pub fn wgsl(group: u32) -> String {
     shader::queries(&[Queries::Fitted(group)])
@@ -172,9 +176,9 @@ impl FittedTables {
     /// [`Error::Parameter`] for a count that there is not and for an OEM that is no power of two from 16 on,
     /// [`Error::Limit`] where the tables are larger than the device has buffers and textures.
     pub fn new(context: &Context, inner: u32, count: u32) -> Result<Self> {
-        crate::bake::Filter::Fitted(count).check(Lobe::Ggx, Some(inner))?;
+        crate::filter::Filter::Fitted(count).check(Lobe::Ggx, Some(inner))?;
         Self::check_fits(context, inner)?;
-        let layout = blur::Layout::new(inner);
+        let layout = super::octaves::Layout::new(inner);
         let [boxes, first_parameters, first_wider] = lobes(count);
         let octaves = Octaves {
             inner,
@@ -227,7 +231,7 @@ impl FittedTables {
                 remedy: format!("choose --oem-size at most {most}"),
             });
         }
-        let bytes = |inner| 32 * u64::from(blur::Layout::new(inner).entries);
+        let bytes = |inner| 32 * u64::from(super::octaves::Layout::new(inner).entries);
         context.fits("tables of blurred octaves", bytes(inner), |available| {
             let sizes = (4..u32::BITS).map(|log2| 1 << log2).take_while(|smaller| *smaller < inner);
             let fitting = sizes.filter(|smaller| bytes(*smaller) <= available).last();
@@ -235,12 +239,12 @@ impl FittedTables {
         })
     }
 
-    /// Asks for lobes of `count` boxes (1, 2, 4 or 8) from the next submission on: no table changes.
+    /// Selects lobes of `count` boxes (1, 2, 4 or 8) from the next submission on; no table changes.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a count that there is not.
     pub fn set_count(&self, context: &Context, count: u32) -> Result<()> {
-        crate::bake::Filter::Fitted(count).check(Lobe::Ggx, None)?;
+        crate::filter::Filter::Fitted(count).check(Lobe::Ggx, None)?;
         let at = std::mem::offset_of!(Octaves, boxes) as u64;
         context.queue().write_buffer(&self.octaves, at, bytemuck::bytes_of(&lobes(count)));
         Ok(())
@@ -310,7 +314,7 @@ impl FittedTables {
     }
 }
 
-/// The pipeline that answers lists.
+/// The pipeline for lists of queries.
 #[derive(Clone, Debug)]
 pub struct Fitted {
     pipeline: wgpu::ComputePipeline,
@@ -324,8 +328,8 @@ impl Fitted {
         Self { pipeline: shader::pipeline(context, &module, "fitted", &[]) }
     }
 
-    /// Answers to `queries`, directions (of the OEM's space) with their roughness, and the stage that fills them: a vector of
-    /// four floats each.
+    /// Answers to `queries`, directions (of the OEM's space) with their roughness, and the stage that fills
+    /// them: a vector of four floats each.
     ///
     /// # Panics
     /// Where they are more than a buffer holds.
@@ -378,3 +382,15 @@ impl Fitted {
         Ok(radiance)
     }
 }
+
+/// An emitter in the shader's layout.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct EmitterWords {
+    pub(super) direction: [f32; 3],
+    pub(super) spread: f32,
+    pub(super) energy: [f32; 3],
+    pub(super) pad: f32,
+}
+
+shader::members!(EmitterWords { direction, spread, energy, pad });

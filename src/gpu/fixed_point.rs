@@ -1,7 +1,9 @@
-//! The fixed-point exponents of an OEM, found without float arithmetic and without order.
+//! The fixed-point exponents of an OEM, computed without float arithmetic and independent of the order of
+//! summation.
 
-use super::stage::Dispatch;
-use super::{Context, OemPlanes, SatPlanes, Stage, shader};
+use super::device::shader;
+use super::device::stage::Dispatch;
+use super::{Context, OemPlanes, SatPlanes, Stage};
 
 /// Workgroups of the reductions, at most.
 pub const GROUPS: u32 = 256;
@@ -9,7 +11,7 @@ pub const GROUPS: u32 = 256;
 /// Invocations of a workgroup.
 pub const GROUP_SIZE: u32 = 256;
 
-/// Texels of an invocation before there are more workgroups.
+/// Texels that an invocation processes before more workgroups are used.
 pub const TEXELS: u32 = 4;
 
 /// Workgroups that reduce `inner` x `inner` texels.
@@ -17,7 +19,7 @@ pub(super) fn groups(inner: u32) -> u32 {
     (inner * inner).div_ceil(TEXELS * GROUP_SIZE).clamp(1, GROUPS)
 }
 
-/// Bytes that a workgroup leaves: four greatest patterns, four 64-bit sums.
+/// Bytes of a workgroup's partial result: four greatest bit patterns, four 64-bit sums.
 const PARTIAL: u64 = 48;
 
 /// Pipelines that find [`crate::sat::FixedPoint`].
@@ -37,7 +39,7 @@ impl FixedPoint {
         Self { greatest: pipeline("greatest"), totals: pipeline("totals"), finish: pipeline("finish") }
     }
 
-    /// The exponents of `oem` into those of `sat`.
+    /// The stage that writes the exponents of `oem` into `sat`.
     #[must_use]
     pub fn stage(&self, context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
         let partials = context.storage("fixed-point partials", PARTIAL * u64::from(GROUPS));

@@ -1,8 +1,9 @@
 //! Harmonics of an OEM to order 4, from its exact table.
 
+use super::device::stage::Dispatch;
+use super::device::{readback, shader};
 use super::fitted::FittedTables;
-use super::stage::Dispatch;
-use super::{Context, SatPlanes, Stage, oem, readback, shader};
+use super::{Context, SatPlanes, Stage, oem};
 use crate::error::Result;
 use crate::sat::FixedPoint;
 use crate::sh;
@@ -10,7 +11,7 @@ use crate::sh;
 /// Texels that a workgroup sums at once.
 pub const GROUP_SIZE: u32 = 128;
 
-/// How many times it does.
+/// Rounds of a workgroup.
 pub const BATCHES: u32 = 4;
 
 /// Texels along an edge of the finest grid.
@@ -32,7 +33,7 @@ impl Harmonics {
         Self { sums_of_groups: pipeline("sums_of_groups"), sum_of_all: pipeline("sum_of_all") }
     }
 
-    /// The harmonics of `sat`, and its units, into `tables`.
+    /// The stage that writes the harmonics of `sat` and its units into `tables`.
     #[must_use]
     pub fn stage(&self, context: &Context, sat: &SatPlanes, tables: &FittedTables) -> Stage {
         let side = sat.size().inner.min(FINEST);
@@ -56,7 +57,7 @@ impl Harmonics {
 }
 
 impl FittedTables {
-    /// Reads the harmonics back as [`sh::table_harmonics`] has them, `fixed` being the table's scale.
+    /// Reads the harmonics back in the form of [`sh::table_harmonics`]; `fixed` is the table's scale.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] where the device fails.

@@ -1,26 +1,27 @@
-//! A lamp added to an OEM: what moves while the rest of the light stays.
+//! Adds a moving lamp to an OEM while the other light stays.
 
-use super::stage::Dispatch;
-use super::{Context, OemPlanes, Stage, shader};
+use super::device::shader;
+use super::device::stage::Dispatch;
+use super::{Context, OemPlanes, Stage};
 use glam::DVec3;
 
 /// Invocations along an edge of a workgroup.
 pub const EDGE: u32 = 16;
 
-/// Places along an edge of a texel that the lamp is sampled at.
+/// Samples of the lamp along an edge of a texel.
 pub const PLACES: u32 = 4;
 
 /// A disc of even white light with a soft edge, infinitely far away.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Lamp {
-    /// Where it is, a unit vector of the OEM's space.
+    /// Its direction, a unit vector in the OEM's space.
     towards: [f32; 3],
-    /// Radiance of the disc; the default has none.
+    /// Radiance of the disc; 0 by default.
     radiance: f32,
-    /// Squared distance on the unit sphere up to which it is evenly bright,
+    /// Squared distance on the unit sphere up to which its radiance is constant.
     disc: f32,
-    /// and from which it is dark.
+    /// Squared distance on the unit sphere beyond which it is dark.
     edge: f32,
     pad: [f32; 2],
 }
@@ -28,8 +29,8 @@ pub struct Lamp {
 shader::members!(Lamp { towards, radiance, disc, edge, pad });
 
 impl Lamp {
-    /// A lamp `towards` a direction (of any length but zero), evenly bright up to `disc` radians from it, and dark from `edge`
-    /// radians on, which is more.
+    /// A lamp `towards` a direction (of any length but zero), evenly bright up to `disc` radians from it, and
+    /// dark from `edge` radians on, which is more.
     #[must_use]
     pub fn new(towards: DVec3, radiance: f32, disc: f64, edge: f64) -> Self {
         let squared_chord = |angle: f64| (2.0 * (angle / 2.0).sin()).powi(2) as f32;
@@ -46,6 +47,18 @@ impl Lamp {
     #[must_use]
     pub fn buffer(&self, context: &Context) -> wgpu::Buffer {
         context.uniform("lamp", self)
+    }
+
+    /// Where it is, a unit vector of the OEM's space.
+    #[cfg(feature = "view")]
+    pub(crate) fn direction(&self) -> DVec3 {
+        DVec3::from_array(self.towards.map(f64::from)).normalize_or_zero()
+    }
+
+    /// The angle from its middle at which it is dark.
+    #[cfg(feature = "view")]
+    pub(crate) fn edge_angle(&self) -> f64 {
+        2.0 * (f64::from(self.edge).sqrt() / 2.0).clamp(0.0, 1.0).asin()
     }
 
     /// Its radiance in `direction`, a unit vector.

@@ -1,8 +1,9 @@
 //! The least radiance of each channel of an OEM: what answers are counted from.
 
+use super::device::shader;
+use super::device::stage::Dispatch;
 use super::fixed_point::{GROUPS, groups};
-use super::stage::Dispatch;
-use super::{Context, OemPlanes, shader};
+use super::{Context, OemPlanes};
 
 /// Pipelines of the reduction.
 #[derive(Clone, Debug)]

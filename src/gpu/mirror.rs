@@ -1,9 +1,11 @@
-//! What mirrors are read from: an OEM's square as one texture, and the least radiance of it without its emitters.
+//! What mirrors are read from: an OEM's square as one texture, and the least radiance of it without its
+//! emitters.
 
+use super::device::shader;
+use super::device::stage::Dispatch;
 use super::fitted::FittedTables;
 use super::least::Least;
-use super::stage::Dispatch;
-use super::{Context, OemPlanes, Stage, shader};
+use super::{Context, OemPlanes, Stage};
 
 /// Invocations along an edge of a workgroup.
 pub const EDGE: u32 = 16;

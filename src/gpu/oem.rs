@@ -1,6 +1,7 @@
 //! The OEM and its exact table on the GPU: four planes each, of float32 bits and of 64-bit words.
 
-use super::{Context, readback, shader};
+use super::Context;
+use super::device::{readback, shader};
 use crate::error::Result;
 use crate::oem::{Oem, OemSize};
 
@@ -108,13 +109,10 @@ impl OemPlanes {
     }
 
     /// Planes of energies, all zero, beside this OEM's solid angles.
-    ///
-    /// # Errors
-    /// Those of [`OemPlanes::new`].
-    pub(super) fn of_the_same_solid_angles(&self, context: &Context) -> Result<Self> {
-        let mut other = Self::new(context, self.size)?;
-        other.planes[3] = self.planes[3].clone();
-        Ok(other)
+    pub(super) fn of_the_same_solid_angles(&self, context: &Context) -> Self {
+        let energy = || context.storage("OEM plane", self.planes[0].size());
+        let planes = [energy(), energy(), energy(), self.planes[3].clone()];
+        Self { planes, ..self.clone() }
     }
 
     /// Planes holding `oem`.
@@ -161,7 +159,8 @@ impl OemPlanes {
     }
 }
 
-/// The exact table of an OEM: inclusive 64-bit sums as (low, high) words, a plane a channel, and their exponents.
+/// The exact table of an OEM: inclusive 64-bit sums as (low, high) words, a plane a channel, and their
+/// exponents.
 #[derive(Clone, Debug)]
 pub struct SatPlanes {
     size: OemSize,

@@ -1,12 +1,13 @@
 //! Environment to OEM and to the cube of footprints: the CPU's matrix of overlaps, applied to a texture.
 
+use super::device::shader;
+use super::device::stage::Dispatch;
 use super::oem::Table;
-use super::stage::Dispatch;
-use super::{Context, OemPlanes, Stage, shader};
-use crate::cpu::overlap::{Overlaps, Target};
-use crate::cpu::reparameterise::SolidAngles;
+use super::{Context, OemPlanes, Stage};
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
+use crate::geometry::overlap::{Overlaps, Target};
+use crate::geometry::solid_angles::SolidAngles;
 use crate::oem::OemSize;
 
 /// Invocations along an edge of a workgroup.
@@ -130,13 +131,13 @@ impl Reparameterise {
         Self { oem: pair("oem", "oem_by_groups"), footprints: pair("footprints", "footprints_by_groups") }
     }
 
-    /// Source texels of `layout` in `texture` into `planes`, border included. The texture's first level must have
-    /// [`texture_size`] and a float format; what it holds that is negative or not finite counts as 0, infinity as the
-    /// greatest float. `planes` get their solid angles here.
+    /// Source texels of `layout` in `texture` into `planes`, border included. The texture's first level must
+    /// have [`texture_size`] and a float format; what it holds that is negative or not finite counts as 0,
+    /// infinity as the greatest float. `planes` get their solid angles here.
     ///
     /// # Errors
-    /// [`Error::Limit`] where the matrix of overlaps is larger than the device can bind, [`Error::Parameter`] where
-    /// the texture has another size.
+    /// [`Error::Limit`] where the matrix of overlaps is larger than the device can bind, [`Error::Parameter`]
+    /// where the texture has another size.
     pub fn stage(
         &self,
         context: &Context,
@@ -156,8 +157,8 @@ impl Reparameterise {
         Ok(Stage::new("reparameterise", vec![dispatch]))
     }
 
-    /// The mean radiance over every texel of a cube with faces of `size`, in the world that `environment` is turned
-    /// into: `size` x `size` x 6 four-component floats.
+    /// The mean radiance over every texel of a cube with faces of `size`, in the world that `environment` is
+    /// turned into: `size` x `size` x 6 four-component floats.
     ///
     /// # Errors
     /// Those of [`Reparameterise::stage`].

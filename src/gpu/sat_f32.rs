@@ -1,8 +1,10 @@
-//! The float32 table with its mean bias, by recursive doubling: for comparison, see [`crate::sat_f32`].
+//! The float32 table with its mean bias, by recursive doubling: for comparison, see
+//! [`crate::analysis::sat_f32`].
 
+use super::device::shader;
+use super::device::stage::Dispatch;
 use super::oem::{OemPlanes, Table};
-use super::stage::Dispatch;
-use super::{Context, Stage, shader};
+use super::{Context, Stage};
 use crate::error::Result;
 
 /// Workgroups of the reduction.

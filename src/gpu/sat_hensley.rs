@@ -1,8 +1,9 @@
 //! Hensley's recursive doubling, as the 2005 paper has it: passes of 2, 4, 8 or 16 samples, ping-pong.
 
+use super::device::shader;
+use super::device::stage::Dispatch;
 use super::oem::{CHANNELS, Table};
-use super::stage::Dispatch;
-use super::{Context, OemPlanes, SatPlanes, Stage, shader};
+use super::{Context, OemPlanes, SatPlanes, Stage};
 
 /// Invocations along an edge of a workgroup.
 pub const EDGE: u32 = 16;

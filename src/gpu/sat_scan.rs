@@ -1,8 +1,9 @@
 //! The production scan: four dispatches a pair of channels, input read twice and output written once.
 
+use super::device::shader;
+use super::device::stage::Dispatch;
 use super::oem::Table;
-use super::stage::Dispatch;
-use super::{Context, OemPlanes, SatPlanes, Stage, shader};
+use super::{Context, OemPlanes, SatPlanes, Stage};
 
 /// Texels along an edge of a tile.
 pub const TILE: u32 = 64;

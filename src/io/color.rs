@@ -79,11 +79,17 @@ fn invertible(matrix: DMat3) -> Option<DMat3> {
     (matrix.is_finite() && matrix.determinant().abs() > 1e-6).then_some(matrix)
 }
 
-/// Applies `matrix` to every texel.
+/// Applies `matrix` to every texel. Finite texels stay finite: what leaves float32's range becomes its end.
 pub(super) fn transform(texels: &mut [Rgb], matrix: DMat3) {
-    let matrix = matrix.as_mat3();
+    let single = matrix.as_mat3();
     for texel in texels {
-        *texel = (matrix * glam::Vec3::from_array(*texel)).to_array();
+        let before = glam::Vec3::from_array(*texel);
+        let mut after = single * before;
+        if before.is_finite() && !after.is_finite() {
+            let end = f64::from(f32::MAX);
+            after = (matrix * before.as_dvec3()).clamp(DVec3::splat(-end), DVec3::splat(end)).as_vec3();
+        }
+        *texel = after.to_array();
     }
 }
 
@@ -112,6 +118,18 @@ mod tests {
         // ACES AP0 to linear sRGB with Bradford, as published with the ACES transforms.
         assert!((matrix.x_axis.x - 2.5217).abs() < 1e-3, "{matrix}");
         assert!((rec709_from_equal_energy_xyz() * DVec3::ONE).abs_diff_eq(DVec3::ONE, 1e-9), "white");
+    }
+
+    #[test]
+    fn finite_light_stays_finite() {
+        let wide = Primaries { red: [0.708, 0.292], green: [0.17, 0.797], blue: [0.131, 0.046], white: D65 };
+        let matrix = wide.rec709_from_rgb().unwrap();
+        let mut texels =
+            [[f32::MAX, 0.0, 0.0], [f32::MAX, f32::MAX, 0.0], [1e-45, 0.0, 0.0], [f32::NAN, 0.0, 0.0]];
+        transform(&mut texels, matrix);
+        assert!(texels[..3].as_flattened().iter().all(|c| c.is_finite()), "{texels:?}");
+        assert_eq!(texels[0][0], f32::MAX);
+        assert!(texels[3][0].is_nan(), "what is not finite stays so, to be told");
     }
 
     #[test]

@@ -1,16 +1,16 @@
 //! An environment as one image file: EXR (half, ZIP; float where half cannot hold a value) or Radiance .hdr.
 
-use super::exr_write::{Attribute, Samples, exr_bytes};
-use super::hdr_write::hdr_bytes;
+use super::exr::write::{Attribute, Samples, exr_bytes};
+use super::hdr::write::hdr_bytes;
 use super::layout::Unfolding;
 use super::output::{self, Existing};
-use super::pixels::Pixel;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
+use crate::format::Pixel;
 use std::path::Path;
 
-/// Writes the texels of `environment` to `path` by its extension, `exr` or `hdr`: panoramas and octahedral squares as
-/// they are, cubes as a horizontal cross. `comment` goes into the EXR header.
+/// Writes the texels of `environment` to `path` by its extension, `exr` or `hdr`: panoramas and octahedral
+/// squares as they are, cubes as a horizontal cross. `comment` goes into the EXR header.
 ///
 /// # Errors
 /// [`Error::Input`] for another extension, and as [`output::write_file`].
@@ -20,21 +20,30 @@ pub fn write_environment(
     environment: &Environment,
     comment: &str,
 ) -> Result<()> {
-    let (width, height, texels) = picture(environment);
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    let bytes = match extension.as_deref() {
-        Some("exr") => {
-            let pixel = if Pixel::F16.clamped(&texels) == 0 { Pixel::F16 } else { Pixel::F32 };
-            let attributes = [("comments".to_owned(), Attribute::Text(comment.to_owned()))];
-            exr_bytes(width, height, Samples::Rgb(&texels), pixel, &attributes)?
-        }
-        Some("hdr") => hdr_bytes(width, height, &texels)?,
-        _ => return Err(Error::input(path, "an environment is written as .exr or .hdr")),
-    };
+    let bytes = environment_bytes(path, environment, comment)?;
     output::write_file(path, existing, |file| file.write_all(&bytes))
 }
 
-/// The texels of `environment` as an EXR file of floats, which loses nothing; laid out as by [`write_environment`].
+/// The file that [`write_environment`] writes, its format by the extension of `path`.
+///
+/// # Errors
+/// [`Error::Input`] for another extension.
+pub fn environment_bytes(path: &Path, environment: &Environment, comment: &str) -> Result<Vec<u8>> {
+    let (width, height, texels) = picture(environment);
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("exr") => {
+            let pixel = if Pixel::F16.clamped(&texels) == 0 { Pixel::F16 } else { Pixel::F32 };
+            let attributes = [("comments".to_owned(), Attribute::Text(comment.to_owned()))];
+            exr_bytes(width, height, Samples::Rgb(&texels), pixel, &attributes)
+        }
+        Some("hdr") => hdr_bytes(width, height, &texels),
+        _ => Err(Error::input(path, "an environment is written as .exr or .hdr")),
+    }
+}
+
+/// The texels of `environment` as an EXR file of floats, which loses nothing; laid out as by
+/// [`write_environment`].
 ///
 /// # Errors
 /// As [`exr_bytes`].

@@ -14,8 +14,8 @@ const NAMES: [&[&str]; 6] = [
     &["nz", "negz", "back", "-z"],
 ];
 
-/// The face that the end of `path`'s stem names. Before the name stands nothing, or anything but a letter, or a lower
-/// case letter before an upper case name: `m0_px`, `Right`, `skyPosX`, but not `happy`.
+/// The face that the end of `path`'s stem names. Before the name stands nothing, or anything but a letter, or
+/// a lower case letter before an upper case name: `m0_px`, `Right`, `skyPosX`, but not `happy`.
 fn named_face(path: &Path) -> Option<Face> {
     let stem = path.file_stem()?.to_str()?;
     let lower = stem.to_ascii_lowercase();

@@ -1,7 +1,7 @@
 //! Which part of an image shows which part of the sphere.
 //!
-//! Cells of crosses and strips hold face images as in [`crate::sphere::cube`], upright but for -Z of the vertical
-//! cross, which is turned by 180 degrees so that it goes on from -Y above it:
+//! Cells of crosses and strips hold face images as in [`crate::sphere::cube`], upright but for -Z of the
+//! vertical cross, which is turned by 180 degrees so that it goes on from -Y above it:
 //!
 //! ```text
 //! horizontal cross (4:3)    vertical cross (3:4)    row strip (6:1)        column strip (1:6)
@@ -111,8 +111,8 @@ const fn cell(column: u32, row: u32) -> Cell {
     Cell { column, row, turned: false }
 }
 
-/// Where each face of [`crate::sphere::cube::Face::ALL`] stands in the horizontal cross, in faces from the left and from
-/// the top.
+/// Where each face of [`crate::sphere::cube::Face::ALL`] stands in the horizontal cross, in faces from the
+/// left and from the top.
 pub const CROSS_CELLS: [(u32, u32); 6] = [(2, 1), (0, 1), (1, 0), (1, 2), (1, 1), (3, 1)];
 
 const HORIZONTAL_CROSS: [Cell; 6] = {

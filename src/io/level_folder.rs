@@ -1,134 +1,135 @@
-//! Level folders as `bake` writes them: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`), or an image `m{level}.exr` (or
-//! `.hdr`) a level, and `report.json`. Without the
-//! report (`bake --json` prints it instead) EXR files still tell their roughness.
+//! Level folders as `bake` writes them: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`), or an image
+//! `m{level}.exr` (or `.hdr`) a level, and `report.json`. Without the report (`bake --json` prints it
+//! instead) the files themselves say their roughness.
 
-use super::contain::contained;
+use super::decode::Format;
 use super::layout::{LayoutChoice, arrangement};
-use super::picture::{Content, Picture, Source};
+use super::panics::contained;
+use super::picture::{Content, Picture, Source, Stored, check_finite};
+use super::provenance::Provenance;
+use super::side_report::MOST_REPORT_BYTES;
+use super::side_report::{REPORT, ReportLevel, SideReport};
+use super::{exr, hdr};
 use crate::chain::{CubeChain, CubeLevel};
-use crate::environment::{Layout, Rgb};
+use crate::environment::Layout;
 use crate::error::{Error, Result};
 use crate::sphere::cube::Face;
 use std::path::{Path, PathBuf};
 
-/// The part of `report.json` that says what the files are.
-#[derive(serde::Deserialize)]
-struct Report {
+/// Files hold roughness in single precision or as text.
+const SAME_ROUGHNESS: f64 = 1e-5;
+
+/// What a folder says of its levels.
+struct Listing {
     levels: Vec<ReportLevel>,
+    provenance: Provenance,
 }
 
-#[derive(Clone, Copy, serde::Deserialize)]
-struct ReportLevel {
-    level: u32,
-    size: u32,
-    roughness: f64,
+/// Whether the files of level 0 are in `folder`.
+pub(super) fn has_levels(folder: &Path) -> bool {
+    image_file(folder, 0).is_some() || face_file(folder, 0, Face::PosX).is_ok()
 }
 
 /// Level 0 as a picture.
 pub(super) fn read_environment(folder: &Path, memory_limit: u64) -> Result<Picture> {
-    let levels = read_report(folder, memory_limit)?;
-    let first = levels[0];
-    let mut picture = read_level(folder, first, memory_limit)?;
-    picture.format = format!("level folder, {}, {} levels", picture.format, levels.len());
+    let listing = Listing::of(folder, memory_limit)?;
+    let mut picture = read_level(folder, listing.levels[0], memory_limit)?;
+    picture.format = folder_format(&picture, listing.levels.len());
+    picture.provenance = picture.provenance.or(listing.provenance);
     Ok(picture)
 }
 
 /// Every level, with its roughness.
-pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<CubeChain> {
-    let levels = read_report(folder, memory_limit)?
-        .into_iter()
-        .map(|level| {
-            let ReportLevel { size, roughness, .. } = level;
-            let picture = read_level(folder, level, memory_limit)?;
-            if picture.content != Content::Cube {
-                return Err(Error::input(
-                    folder,
-                    "its levels are panoramas or octahedral squares; a chain is a cube, give one level as an environment",
-                ));
-            }
-            let texels = picture.texels;
-            check_finite(folder, level.level, size, &texels)?;
-            Ok(CubeLevel { size, roughness, texels, bounds: None })
-        })
-        .collect::<Result<_>>()?;
-    Ok(CubeChain { levels })
-}
-
-/// Refuses NaN and Inf in a level of a chain.
-pub(super) fn check_finite(path: &Path, level: u32, size: u32, texels: &[Rgb]) -> Result<()> {
-    let Some(at) = texels.iter().position(|texel| texel.iter().any(|value| !value.is_finite())) else {
-        return Ok(());
+pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
+    let listing = Listing::of(folder, memory_limit)?;
+    let mut stored = Stored {
+        chain: CubeChain { levels: Vec::new() },
+        provenance: listing.provenance,
+        format: String::new(),
     };
-    let (size, face) = (size as usize, at / (size as usize * size as usize));
-    let place = at % (size * size);
-    Err(Error::input(
-        path,
-        format!(
-            "level {level} face {} pixel ({}, {}) is {:?}; bake it anew",
-            Face::ALL[face].short_name(),
-            place % size,
-            place / size,
-            texels[at]
-        ),
-    ))
-}
-
-/// The levels that `report.json` lists, checked: numbered from 0, each half the size of the one before.
-fn read_report(folder: &Path, memory_limit: u64) -> Result<Vec<ReportLevel>> {
-    let path = folder.join("report.json");
-    if !path.is_file() {
-        return levels_of_files(folder, memory_limit);
-    }
-    let bytes = super::file_bytes(&path, memory_limit)?;
-    let source = Source { path: &path, bytes: &bytes, memory_limit };
-    parsed(&source)
-}
-
-/// The levels that the report `source` lists, checked.
-fn parsed(source: &Source<'_>) -> Result<Vec<ReportLevel>> {
-    let report: Report = serde_json::from_slice(source.bytes)
-        .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
-    check_levels(source, &report.levels)?;
-    Ok(report.levels)
-}
-
-/// The roughness of each level of the file `path`, by the report that a bake puts beside it.
-pub(super) fn told_roughness(path: &Path, memory_limit: u64) -> Result<Vec<f64>> {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".report.json");
-    let report = PathBuf::from(name);
-    if !report.is_file() {
-        return Err(Error::input(
-            path,
-            format!("it does not say its levels' roughness, and {} is not there", report.display()),
-        ));
-    }
-    let bytes = super::file_bytes(&report, memory_limit)?;
-    let source = Source { path: &report, bytes: &bytes, memory_limit };
-    Ok(parsed(&source)?.into_iter().map(|level| level.roughness).collect())
-}
-
-/// The levels that the files of a folder without a report tell of.
-fn levels_of_files(folder: &Path, memory_limit: u64) -> Result<Vec<ReportLevel>> {
-    let mut levels = Vec::new();
-    for level in 0u32.. {
-        let path = folder.join(format!("m{level}_px.exr"));
-        if !path.is_file() {
-            break;
+    for level in &listing.levels {
+        let ReportLevel { size, roughness, .. } = *level;
+        let picture = read_level(folder, *level, memory_limit)?;
+        if picture.content != Content::Cube {
+            return Err(Error::input(
+                folder,
+                "its levels are panoramas or octahedral squares; a chain is a cube, give one level as an environment",
+            ));
         }
-        let bytes = super::file_bytes(&path, memory_limit)?;
+        if level.level == 0 {
+            stored.format = folder_format(&picture, listing.levels.len());
+            stored.provenance = picture.provenance.or(stored.provenance);
+        }
+        let texels = picture.texels;
+        check_finite(folder, level.level, size, &texels)?;
+        stored.chain.levels.push(CubeLevel { size, roughness, texels, bounds: None });
+    }
+    Ok(stored)
+}
+
+fn folder_format(first: &Picture, levels: usize) -> String {
+    format!("level folder, {}, {levels} levels", first.format)
+}
+
+impl Listing {
+    /// What `report.json` says of the levels, or without it the headers of the files.
+    fn of(folder: &Path, memory_limit: u64) -> Result<Self> {
+        let path = folder.join(REPORT);
+        if !path.is_file() {
+            return Self::of_files(folder, memory_limit)?.ok_or_else(|| {
+                Error::input(
+                    folder,
+                    "a directory without a report.json; give an image, or a level folder that octagloss bake wrote",
+                )
+            });
+        }
+        let bytes = super::decode::file_bytes(&path, memory_limit.min(MOST_REPORT_BYTES))?;
         let source = Source { path: &path, bytes: &bytes, memory_limit };
-        let Some((size, roughness)) = contained(&path, || super::exr::level_told(&source))? else { break };
-        levels.push(ReportLevel { level, size, roughness });
-        check_levels(&source, &levels)?;
+        let report: SideReport = serde_json::from_slice(source.bytes)
+            .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
+        check_levels(&source, &report.levels)?;
+        if let Some(files) = Self::of_files(folder, memory_limit)? {
+            let mut pairs = report.levels.iter().zip(&files.levels);
+            let differs = |said: f64, found: f64| (said - found).abs() > SAME_ROUGHNESS;
+            if let Some((said, found)) = pairs.find(|(said, found)| differs(said.roughness, found.roughness))
+            {
+                return Err(source.error(format!(
+                    "it says roughness {} of level {}, whose files say {}: it belongs to another bake; remove it",
+                    said.roughness, said.level, found.roughness
+                )));
+            }
+        }
+        Ok(Self { provenance: report.provenance(), levels: report.levels })
     }
-    if levels.is_empty() {
-        return Err(Error::input(
-            folder,
-            "a directory without a report.json; give an image, or a level folder that octagloss bake wrote",
-        ));
+
+    /// What the headers of the files say; `None` where the first does not say its roughness.
+    fn of_files(folder: &Path, memory_limit: u64) -> Result<Option<Self>> {
+        let mut levels = Vec::new();
+        for level in 0u32.. {
+            let image = image_file(folder, level);
+            let Some(path) = image.clone().or_else(|| face_file(folder, level, Face::PosX).ok()) else {
+                break;
+            };
+            let bytes = super::decode::file_bytes(&path, memory_limit)?;
+            let source = Source { path: &path, bytes: &bytes, memory_limit };
+            let header = || match Format::sniff(source.bytes) {
+                Some(Format::OpenExr) => exr::read::level_told(&source),
+                Some(Format::Radiance) => hdr::read::level_told(&source),
+                _ => Ok(None),
+            };
+            let Some((width, height, roughness)) = contained(&path, header)? else { break };
+            let size = match image {
+                Some(_) => {
+                    let place = arrangement(&path, width, height, Content::Image, LayoutChoice::Auto)?;
+                    place.layout.sides().1
+                }
+                None => width,
+            };
+            levels.push(ReportLevel { level, size, roughness });
+            check_levels(&source, &levels)?;
+        }
+        Ok((!levels.is_empty()).then(|| Self { levels, provenance: Provenance::default() }))
     }
-    Ok(levels)
 }
 
 /// Levels are numbered from 0, each half the size of the one before.
@@ -158,9 +159,9 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
     let mut cube: Option<Picture> = None;
     for face in Face::ALL {
         let path = face_file(folder, level.level, face)?;
-        let bytes = super::file_bytes(&path, memory_limit)?;
+        let bytes = super::decode::file_bytes(&path, memory_limit)?;
         let source = Source { path: &path, bytes: &bytes, memory_limit };
-        let mut picture = contained(&path, || super::decode(&source))?;
+        let mut picture = contained(&path, || super::decode::decode(&source))?;
         if (picture.width, picture.height) != (level.size, level.size) {
             return Err(source.error(format!(
                 "{}x{}, but report.json says that level {} is {size}x{size}",
@@ -189,9 +190,9 @@ fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
 
 /// A level that is one image: faces cut out of crosses and strips, other maps as they are.
 fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Picture> {
-    let bytes = super::file_bytes(path, memory_limit)?;
+    let bytes = super::decode::file_bytes(path, memory_limit)?;
     let source = Source { path, bytes: &bytes, memory_limit };
-    let mut picture = contained(path, || super::decode(&source))?;
+    let mut picture = contained(path, || super::decode::decode(&source))?;
     let (width, height) = (picture.width, picture.height);
     let arrangement = arrangement(path, width, height, picture.content, LayoutChoice::Auto)?;
     let (_, rows) = arrangement.layout.sides();

@@ -1,13 +1,13 @@
 //! Levels as single images: folders of `m{level}.exr` or `.hdr`, and lat-long MIP maps in one tiled EXR.
 
-use super::exr_parts::exr_mips_bytes;
-use super::exr_write::{Attribute, ExrPixel, Samples, StoredLevel, exr_bytes, stored_level};
-use super::hdr_write::hdr_bytes;
+use super::exr::parts::exr_mips_bytes;
+use super::exr::write::{Attribute, ExrPixel, Samples, StoredLevel, attributes_of, exr_bytes, stored_level};
+use super::hdr::write::{hdr_bytes_with, level_pairs};
 use super::layout::Unfolding;
-use super::pixels::Pixel;
 use crate::chain::{CubeLevel, ImageLevel};
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
+use crate::format::Pixel;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::fs;
@@ -47,7 +47,8 @@ impl<'a> LevelImage<'a> {
     }
 }
 
-/// Writes `images` into `folder` as EXR files that tell their `roughness` and `metadata`; returns how each was stored.
+/// Writes `images` into `folder` as EXR files that tell their `roughness` and `metadata`; returns how each
+/// was stored.
 ///
 /// # Errors
 /// [`Error::Io`] naming the file that could not be written.
@@ -59,9 +60,7 @@ pub fn write_exr_images(
 ) -> Result<Vec<StoredLevel>> {
     let write = |image: &LevelImage<'_>| {
         let stored = stored_level(&image.texels, choice);
-        let roughness = image.roughness.map(|r| ("roughness".to_owned(), Attribute::Float(r as f32)));
-        let text = metadata.iter().map(|(key, text)| (key.clone(), Attribute::Text(text.clone())));
-        let attributes: Vec<_> = roughness.into_iter().chain(text).collect();
+        let attributes = attributes_of(image.roughness, metadata);
         let samples = Samples::Rgb(&image.texels);
         let bytes = exr_bytes(image.width, image.height(), samples, stored.pixel, &attributes)?;
         let path = folder.join(format!("{}.exr", image.name));
@@ -71,20 +70,25 @@ pub fn write_exr_images(
     images.par_iter().map(write).collect()
 }
 
-/// Writes `images` into `folder` as Radiance files.
+/// Writes `images` into `folder` as Radiance files with their roughness and `metadata` in their headers.
 ///
 /// # Errors
 /// [`Error::Io`] naming the file that could not be written.
-pub fn write_hdr_images(folder: &Path, images: &[LevelImage<'_>]) -> Result<()> {
+pub fn write_hdr_images(
+    folder: &Path,
+    images: &[LevelImage<'_>],
+    metadata: &[(String, String)],
+) -> Result<()> {
     images.par_iter().try_for_each(|image| {
-        let bytes = hdr_bytes(image.width, image.height(), &image.texels)?;
+        let lines = level_pairs(image.roughness, metadata);
+        let bytes = hdr_bytes_with(image.width, image.height(), &image.texels, &lines)?;
         let path = folder.join(format!("{}.hdr", image.name));
         fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
     })
 }
 
-/// A tiled EXR of `levels`, panoramas that halve down to one texel, with each level's roughness and `metadata` in
-/// attributes.
+/// A tiled EXR of `levels`, panoramas that halve down to one texel, with each level's roughness and
+/// `metadata` in attributes.
 ///
 /// # Errors
 /// [`Error::Parameter`] for levels that are not so, and for pixels that EXR does not have.

@@ -1,58 +1,54 @@
-//! Files: environments in any format and layout, and the chains that a bake writes; outputs that appear whole or not
-//! at all. One codec a file.
+//! Files: environments in any format and layout, and the chains that a bake writes; outputs that appear whole
+//! or not at all. One codec a file.
 //!
-//! A file is read by its content, not by its name. Whatever it holds, reading it ends in a [`Loaded`] or in a one-line
-//! [`Error`]: a panic of a decoder is caught, and no header is believed before its size is
-//! checked against [`ReadOptions::memory_limit`].
+//! A file is read by its content, not by its name. Whatever it holds, reading it ends in a [`Loaded`] or in a
+//! one-line [`Error`]: a panic of a decoder is caught, and no header is believed before its size is checked
+//! against [`ReadOptions::memory_limit`].
 
-pub mod bc6h;
 mod color;
-mod contain;
+#[cfg(feature = "view")]
+pub(crate) mod confined;
+pub mod cube_file;
 pub mod cube_write;
-mod dds_read;
-pub mod dds_write;
-mod deflate;
+pub mod dds;
+mod decode;
 pub mod environment_write;
-mod exr;
-pub mod exr_parts;
-pub mod exr_write;
+pub mod exr;
 mod face_names;
-mod hdr;
-pub mod hdr_write;
+pub mod hdr;
 mod key_values;
-pub mod ktx1_write;
-mod ktx2_file;
-mod ktx2_read;
-pub mod ktx2_write;
+pub mod ktx1;
+pub mod ktx2;
 pub mod layout;
-mod ldr;
+pub mod ldr;
 mod level_folder;
 pub mod level_images;
 pub mod oem_write;
 pub mod output;
+pub(crate) mod panics;
 mod picture;
-pub mod pixels;
-pub mod png_write;
-pub mod r11g11b10;
+pub mod provenance;
+pub mod regular;
 mod repair;
-pub mod rgbd;
-pub mod table_write;
-mod texel_bytes;
-mod zstandard;
+pub mod side_report;
+mod target_folder;
+mod temporary;
 
+use decode::{Format, decode, file_bytes, unreadable};
 pub use layout::LayoutChoice;
+pub use picture::DEFAULT_MEMORY_LIMIT;
 pub use repair::Repairs;
 
 use crate::chain::CubeChain;
 use crate::environment::Environment;
-use crate::error::{Error, Result};
-use contain::contained;
+use crate::error::{Error, Result, printable};
+use panics::contained;
+use picture::Stored;
 use picture::{Content, Picture, Source};
+use provenance::Provenance;
+use std::cell::OnceCell;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// The default of [`ReadOptions::memory_limit`]: 3 GiB, enough for 16384x8192 texels.
-pub const DEFAULT_MEMORY_LIMIT: u64 = 3 << 30;
 
 /// How to read.
 #[derive(Clone, Debug)]
@@ -95,22 +91,51 @@ pub struct Loaded {
     pub width: u32,
     /// Rows of the image (of one face where the file holds faces).
     pub height: u32,
+    /// What the file says of its origin. The environment is in the file's world already, see [`provenance`].
+    pub provenance: Provenance,
 }
 
-/// Reads an environment: an image, a KTX2 cube, or a level folder as `bake` writes it (its level 0).
+/// A prefiltered chain as read.
+#[derive(Clone, Debug)]
+pub struct LoadedChain {
+    /// The chain in the file's world, see [`provenance`].
+    pub chain: CubeChain,
+    /// What the file says of its origin.
+    pub provenance: Provenance,
+    /// The encoding in words, such as `KTX2 cube, RGBA16F, 9 levels`.
+    pub format: String,
+    /// The file or the folder of levels: in a target's folder, the file that holds its levels.
+    pub path: PathBuf,
+}
+
+/// Reads an environment: an image, a cube in KTX, KTX2 or DDS, a level folder as `bake` writes it (its level
+/// 0), or the folder of a target (level 0 of the file that holds its levels).
+///
+/// It comes back in its world, see [`provenance`]: flips are undone.
 ///
 /// # Errors
 /// [`Error::Io`] where the system refuses, [`Error::Input`] for a file that is not what it should be,
 /// [`Error::NonFinite`] for NaN and Inf unless `options.sanitize`, [`Error::Limit`] for more pixels than
 /// `options.memory_limit` allows, [`Error::Parameter`] for a layout that the file cannot have.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
-    if is_directory(path)? {
+    let place = Place::of(path)?;
+    let Place::File(file) = &place else {
         return finish(path, level_folder::read_environment(path, options.memory_limit)?, options);
+    };
+    let bytes = file_bytes(file, options.memory_limit)?;
+    let source = Source { path: file, bytes: &bytes, memory_limit: options.memory_limit };
+    let mut picture = contained(file, || decode(&source))?;
+    if picture.provenance.rotate_y.is_none()
+        && let Some(described) = side_report::of_file(file, || blake3::hash(&bytes))
+    {
+        picture.provenance = picture.provenance.or(described.provenance);
     }
-    read_from_memory(path, &file_bytes(path, options.memory_limit)?, options)
+    drop(bytes);
+    finish(file, picture, options)
 }
 
-/// [`read`] for a file already in memory; `path` names it in messages, its extension says what it claims to be.
+/// [`read`] for a file already in memory; `path` names it in messages, its extension says what it claims to
+/// be. No report is looked for.
 ///
 /// # Errors
 /// As [`read`].
@@ -120,11 +145,12 @@ pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Res
     finish(path, picture, options)
 }
 
-/// Reads six square images of equal size as one cube: by name where the names say (`px`, `posx`, `right`, `+x`, ... at
-/// the end of the stem), else in the order +X -X +Y -Y +Z -Z.
+/// Reads six square images of equal size as one cube: by name where the names say (`px`, `posx`, `right`,
+/// `+x`, ... at the end of the stem), else in the order +X -X +Y -Y +Z -Z.
 ///
 /// # Errors
-/// As [`read`]; [`Error::Parameter`] for any number of files but six and for names that contradict each other.
+/// As [`read`]; [`Error::Parameter`] for any number of files but six and for names that contradict each
+/// other.
 pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     if !matches!(options.layout, LayoutChoice::Auto | LayoutChoice::Faces) {
         return Err(Error::Parameter("six files are one cube; use --layout faces".to_owned()));
@@ -134,135 +160,123 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     finish_finite(ordered[0], picture, false, repaired, options)
 }
 
-/// Reads a prefiltered cube chain: a KTX2 file, a DDS file with its report beside it, an EXR file with a part a face, or
-/// a level folder (`m{level}_{px,..}.exr` or `.hdr`, or `m{level}.exr` unfolded, and `report.json`).
+/// Reads a prefiltered cube chain: a KTX or KTX2 file, a DDS file with its report beside it, an EXR file with
+/// a part a face, a level folder (`m{level}_{px,..}.exr` or `.hdr`, or `m{level}.exr` unfolded, and
+/// `report.json`), or the folder of a target. It comes back in its world, see [`provenance`].
 ///
 /// # Errors
 /// As [`read`]; NaN and Inf are always refused.
 pub fn read_chain(path: &Path) -> Result<CubeChain> {
-    if is_directory(path)? {
-        return level_folder::read_chain(path, DEFAULT_MEMORY_LIMIT);
-    }
-    let bytes = file_bytes(path, DEFAULT_MEMORY_LIMIT)?;
-    if Format::sniff(&bytes) == Some(Format::OpenExr) {
-        let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
-        return contained(path, || exr::decode_chain(&source));
-    }
-    if Format::sniff(&bytes) == Some(Format::Dds) {
-        let roughness = level_folder::told_roughness(path, DEFAULT_MEMORY_LIMIT)?;
-        let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
-        return contained(path, || dds_read::decode_chain(&source, &roughness));
-    }
-    read_chain_from_memory(path, &bytes, DEFAULT_MEMORY_LIMIT)
+    Ok(load_chain(path)?.chain)
 }
 
-/// [`read_chain`] for a KTX2 file already in memory; `path` names it in messages.
+/// [`read_chain`] with what the file says of itself.
+///
+/// # Errors
+/// As [`read_chain`].
+pub fn load_chain(path: &Path) -> Result<LoadedChain> {
+    let memory_limit = DEFAULT_MEMORY_LIMIT;
+    let file = match Place::of(path)? {
+        Place::Levels => return in_world(path, level_folder::read_chain(path, memory_limit)?),
+        Place::File(file) => file,
+    };
+    let bytes = file_bytes(&file, memory_limit)?;
+    let source = Source { path: &file, bytes: &bytes, memory_limit };
+    let described = OnceCell::new();
+    let report = || described.get_or_init(|| side_report::of_file(&file, || blake3::hash(&bytes))).as_ref();
+    let mut stored = if Format::sniff(&bytes) == Some(Format::Dds) {
+        let Some(report) = report() else {
+            return Err(source.error(format!(
+                "it does not say its levels' roughness, and {}.report.json is not there, nor another report that \
+                 lists this file's hash; bake it anew",
+                file.display()
+            )));
+        };
+        contained(&file, || dds::read::decode_chain(&source, &report.roughness))?
+    } else {
+        contained(&file, || decode_chain(&source))?
+    };
+    if stored.provenance.rotate_y.is_none()
+        && let Some(report) = report()
+    {
+        stored.provenance = stored.provenance.or(report.provenance.clone());
+    }
+    in_world(&file, stored)
+}
+
+/// Reads a chain in a KTX, KTX2 or EXR file already in memory; `path` names it in messages. No report is
+/// looked for.
 ///
 /// # Errors
 /// As [`read_chain`].
 pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<CubeChain> {
     let source = Source { path, bytes, memory_limit };
-    contained(path, || ktx2_read::decode_chain(&source))
+    Ok(in_world(path, contained(path, || decode_chain(&source))?)?.chain)
 }
 
-/// Whether `path` is a directory; an error where it is neither that nor a file, so that no pipe is waited for.
+/// A chain of any container that says its levels' roughness.
+fn decode_chain(source: &Source<'_>) -> Result<Stored> {
+    match Format::sniff(source.bytes) {
+        Some(Format::OpenExr) => exr::read::decode_chain(source),
+        Some(Format::Ktx1) => ktx1::read::decode_chain(source),
+        Some(Format::Ktx2) => ktx2::read::decode_chain(source),
+        _ => Err(unreadable(source).unwrap_or_else(|| {
+            source.error(
+                "it holds no chain; a chain is a cube in KTX2, KTX, DDS or EXR parts, or a folder of levels",
+            )
+        })),
+    }
+}
+
+/// The chain with its flip undone.
+fn in_world(path: &Path, stored: Stored) -> Result<LoadedChain> {
+    let Stored { chain, provenance, format } = stored;
+    let chain = provenance.world_chain(chain).map_err(|message| Error::input(path, message))?;
+    Ok(LoadedChain { chain, provenance, format, path: path.to_owned() })
+}
+
+/// The file or the folder of levels that [`read`] reads for `path`: in the folder of a target, the file that
+/// holds its levels.
+///
+/// # Errors
+/// As [`read`] where there is no such file.
+pub fn levels_path(path: &Path) -> Result<PathBuf> {
+    Ok(match Place::of(path)? {
+        Place::File(file) => file,
+        Place::Levels => path.to_owned(),
+    })
+}
+
+/// What the report of the file `path`, whose content has that BLAKE3 `hash`, says of its origin, as key/value
+/// pairs.
+#[must_use]
+pub fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, String)> {
+    side_report::of_file(path, || hash).map_or_else(Vec::new, |described| described.provenance.pairs())
+}
+
+/// Where a path leads to.
+enum Place {
+    /// A file, also the one that holds the levels in the folder of a target.
+    File(PathBuf),
+    /// A folder of levels.
+    Levels,
+}
+
+impl Place {
+    fn of(path: &Path) -> Result<Self> {
+        if !is_directory(path)? {
+            return Ok(Self::File(path.to_owned()));
+        }
+        if level_folder::has_levels(path) {
+            return Ok(Self::Levels);
+        }
+        Ok(target_folder::levels_file(path)?.map_or(Self::Levels, Self::File))
+    }
+}
+
+/// Whether `path` is a directory.
 fn is_directory(path: &Path) -> Result<bool> {
-    let metadata = fs::metadata(path).map_err(|source| Error::io(path, source))?;
-    if !metadata.is_dir() && !metadata.is_file() {
-        return Err(Error::input(path, "not a regular file; copy its content to a file first"));
-    }
-    Ok(metadata.is_dir())
-}
-
-fn file_bytes(path: &Path, memory_limit: u64) -> Result<Vec<u8>> {
-    let length = fs::metadata(path).map_err(|source| Error::io(path, source))?.len();
-    if length > memory_limit {
-        return Err(picture::limit(path, "the file", length, memory_limit));
-    }
-    fs::read(path).map_err(|source| Error::io(path, source))
-}
-
-/// What a file can be, by its first bytes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Radiance,
-    OpenExr,
-    Png,
-    Jpeg,
-    Ktx2,
-    Dds,
-}
-
-impl Format {
-    fn sniff(bytes: &[u8]) -> Option<Self> {
-        let magics: [(&[u8], Self); 6] = [
-            (b"#?", Self::Radiance),
-            (&[0x76, 0x2f, 0x31, 0x01], Self::OpenExr),
-            (b"\x89PNG\r\n\x1a\n", Self::Png),
-            (&[0xff, 0xd8, 0xff], Self::Jpeg),
-            (&ktx2::MAGIC, Self::Ktx2),
-            (b"DDS ", Self::Dds),
-        ];
-        magics.into_iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, format)| format)
-    }
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Radiance => "Radiance HDR",
-            Self::OpenExr => "OpenEXR",
-            Self::Png => "PNG",
-            Self::Jpeg => "JPEG",
-            Self::Ktx2 => "KTX2",
-            Self::Dds => "DDS",
-        }
-    }
-
-    const fn extensions(self) -> &'static [&'static str] {
-        match self {
-            Self::Radiance => &["hdr", "pic", "rgbe", "xyze"],
-            Self::OpenExr => &["exr"],
-            Self::Png => &["png"],
-            Self::Jpeg => &["jpg", "jpeg", "jpe", "jfif"],
-            Self::Ktx2 => &["ktx2"],
-            Self::Dds => &["dds"],
-        }
-    }
-}
-
-/// Extensions of images that cannot be read: a readable file that bears one is misnamed.
-const FOREIGN_EXTENSIONS: [&str; 8] = ["bmp", "gif", "ktx", "pfm", "tga", "tif", "tiff", "webp"];
-
-/// What is odd about the name of a file that holds `format`.
-fn misnamed(path: &Path, format: Format) -> Option<String> {
-    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-    let extension = extension.as_str();
-    let all = [Format::Radiance, Format::OpenExr, Format::Png, Format::Jpeg, Format::Ktx2, Format::Dds];
-    let known = FOREIGN_EXTENSIONS.contains(&extension)
-        || all.iter().any(|other| other.extensions().contains(&extension));
-    (known && !format.extensions().contains(&extension))
-        .then(|| format!("named .{extension} but holds {}; read by its content", format.name()))
-}
-
-/// Decodes whatever `source` holds; its caller contains panics.
-fn decode(source: &Source<'_>) -> Result<Picture> {
-    if source.bytes.is_empty() {
-        return Err(source.error("the file is empty (0 bytes)"));
-    }
-    let Some(format) = Format::sniff(source.bytes) else {
-        return Err(source.error(
-            "not an image that can be read; Radiance .hdr, OpenEXR, KTX2, DDS, PNG and JPEG can, by their content",
-        ));
-    };
-    let mut picture = match format {
-        Format::Radiance => hdr::decode(source),
-        Format::OpenExr => exr::decode(source),
-        Format::Png => ldr::decode_png(source),
-        Format::Jpeg => ldr::decode_jpeg(source),
-        Format::Ktx2 => ktx2_read::decode_level0(source),
-        Format::Dds => dds_read::decode_level0(source),
-    }?;
-    picture.warnings.extend(misnamed(source.path, format));
-    Ok(picture)
+    Ok(fs::metadata(path).map_err(|source| Error::io(path, source))?.is_dir())
 }
 
 /// Reads six images into one cube, NaN and Inf repaired or refused.
@@ -347,9 +361,11 @@ fn finish_finite(
     mut repaired: Repairs,
     options: &ReadOptions,
 ) -> Result<Loaded> {
-    let Picture { width, height, texels, content, format, mut warnings } = picture;
+    let Picture { width, height, texels, content, format, mut warnings, provenance } = picture;
     let arrangement = layout::arrangement(path, width, height, content, options.layout)?;
-    let mut texels = arrangement.arrange(texels, width);
+    let texels = arrangement.arrange(texels, width);
+    let mut texels =
+        provenance.world_texels(arrangement.layout, texels).map_err(|message| Error::input(path, message))?;
     if !sound {
         repair::negative(arrangement.layout, &mut texels, &mut repaired);
     }
@@ -359,8 +375,19 @@ fn finish_finite(
             format!("{repaired}; --strict allows no repair, leave it out to set them right"),
         ));
     }
-    warnings.extend(repaired.any().then(|| format!("{repaired}, set right")));
+    warnings.extend(repaired.matters().then(|| format!("{repaired}, set right")));
+    // Some quote names of layers and channels.
+    let warnings = warnings.iter().map(|warning| printable(warning)).collect();
     let environment = Environment::of_sound(arrangement.layout, texels)?;
     let height = if content == Content::Cube { width } else { height };
-    Ok(Loaded { environment, repaired, warnings, format, layout: arrangement.name, width, height })
+    Ok(Loaded {
+        environment,
+        repaired,
+        warnings,
+        format,
+        layout: arrangement.name,
+        width,
+        height,
+        provenance,
+    })
 }

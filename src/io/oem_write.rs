@@ -1,21 +1,23 @@
-//! Bordered octahedral maps as interchange files: a level for each roughness, each with its own border, in KTX2 (MIP
-//! levels) or OpenEXR (a part a level).
+//! Bordered octahedral maps as interchange files: a level for each roughness, each with its own border, in
+//! KTX2 (MIP levels) or OpenEXR (a part a level).
 //!
-//! Level l of L has n >> l texels and a border of 2^(L - 1 - l) on every side: one texel at the last, so that bilinear
-//! look-ups never wrap, and the same share of the side at every level, so that a direction has the same texture
-//! coordinates at all of them. Border texels are those of the square that the unfolded plane has there.
+//! Level l of L has n >> l texels and a border of 2^(L - 1 - l) on every side: one texel at the last, so that
+//! bilinear look-ups never wrap, and the same share of the side at every level, so that a direction has the
+//! same texture coordinates at all of them. Border texels are those of the square that the unfolded plane has
+//! there.
 
-use super::cube_write::{Container, CubeFile};
-use super::exr_parts::{Part, exr_parts_bytes};
-use super::exr_write::Attribute;
-use super::ktx2_file::{Shape, ktx2_file};
-use super::ktx2_write::{ROUGHNESS_KEY, format_of, roughness_text};
-use super::pixels::Pixel;
-use super::texel_bytes::texel_bytes;
+use super::cube_file::CubeFile;
+use super::exr::parts::{Part, exr_parts_bytes};
+use super::exr::write::Attribute;
+use super::ktx2::file::{Shape, ktx2_file};
+use super::ktx2::write::{ROUGHNESS_KEY, format_of, roughness_text};
 use crate::chain::ImageLevel;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
-use crate::oem::OemSize;
+use crate::format::Pixel;
+use crate::format::container::Container;
+use crate::format::texel_bytes::texel_bytes;
+use crate::oem::{OemSize, level_sizes};
 use crate::sphere::octahedral::wrap_texel;
 
 /// The key that lists each level's border in texels, comma-separated.
@@ -41,27 +43,12 @@ const CONVENTIONS: [(&str, &str); 4] = [
     ),
 ];
 
-/// Sizes of the levels of a map of `size` x `size` texels, the sharpest first.
+/// A file of `levels`, octahedral squares whose sizes halve, with their borders: KTX2, or OpenEXR with parts
+/// `m0`, `m1`, ... `metadata` are further key/value pairs, text.
 ///
 /// # Errors
-/// [`Error::Parameter`] where there are no levels, or the size does not halve so often without a rest.
-pub fn level_sizes(size: u32, levels: u32) -> Result<Vec<OemSize>> {
-    let halvings = levels.saturating_sub(1);
-    if levels == 0 || halvings > 14 || size == 0 || !size.is_multiple_of(1 << halvings) {
-        return Err(Error::Parameter(format!(
-            "an octahedral map of --size {size} does not halve {halvings} times; choose a multiple of {}, or fewer \
-             --levels",
-            1_u32 << halvings.min(14)
-        )));
-    }
-    Ok((0..levels).map(|l| OemSize { inner: size >> l, border: 1 << (halvings - l) }).collect())
-}
-
-/// A file of `levels`, octahedral squares whose sizes halve, with their borders: KTX2, or OpenEXR with parts `m0`, `m1`,
-/// ... `metadata` are further key/value pairs, text.
-///
-/// # Errors
-/// [`Error::Parameter`] for other containers and levels, and for pixels and keys that the container cannot hold.
+/// [`Error::Parameter`] for other containers and levels, and for pixels and keys that the container cannot
+/// hold.
 pub fn oem_bytes(
     container: Container,
     levels: &[ImageLevel],

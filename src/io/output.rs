@@ -1,11 +1,19 @@
-//! Outputs that appear whole or not at all: written beside their place under a temporary name, then renamed into it.
+//! Outputs that appear whole or not at all: written beside their place under a temporary name, then put into
+//! it.
+//!
+//! Outputs that replace others are exchanged with them in one step where the system can. Several outputs of
+//! one bake are staged first and committed together, the report last.
 
+use super::regular::open_regular;
+use super::side_report::REPORT;
+use super::temporary::{Live, Temporary, exchange, exists, refused, rename_new, resolved, with_path};
 use crate::error::{Error, Result};
 use crate::target::{self, Target};
-use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Read as _, Write};
 use std::path::{Path, PathBuf};
-use tempfile::{Builder, TempDir};
+
+pub use super::temporary::{recover, remove_temporaries};
 
 /// What to do about an output that is already there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,10 +25,38 @@ pub enum Existing {
     Replace,
 }
 
-/// Temporary names start with this, in the folder of the output.
-const TEMPORARY_PREFIX: &str = ".octagloss-";
+/// A complete output that is not yet in its place; removed when dropped.
+#[derive(Debug)]
+pub struct Staged {
+    temporary: Temporary,
+    /// As it was named.
+    path: PathBuf,
+    /// Where it goes, without links.
+    place: PathBuf,
+    existing: Existing,
+    kind: Kind,
+}
 
-/// Writes the file `path` by `write`; nothing is left behind, and an existing file is untouched, where that fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    File,
+    Folder,
+}
+
+/// How an output was put into its place, which tells how to undo it.
+enum Put {
+    /// Nothing was there.
+    Fresh,
+    /// What was there is in the temporary.
+    Exchanged,
+    /// The folder that was there is set aside.
+    SetAside,
+    /// The file that was there is lost.
+    Over,
+}
+
+/// Writes the file `path` by `write`; nothing is left behind, and an existing file is untouched, where that
+/// fails. Links are followed: the file that they lead to is written.
 ///
 /// # Errors
 /// [`Error::Io`] naming `path`: no folder to hold it, no permission, no space, already there and
@@ -30,52 +66,158 @@ pub fn write_file(
     existing: Existing,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<()> {
+    commit(vec![stage_file(path, existing, write)?])
+}
+
+/// Fills the folder `path` by `write`, which is given the folder to write into; nothing is left behind, and
+/// an existing folder is untouched, where that fails.
+///
+/// # Errors
+/// [`Error::Io`] naming `path`: as [`write_file`], and with [`Existing::Replace`] a folder that holds
+/// anything but the files of a bake. Errors of `write` come back with their paths as they would have been.
+pub fn write_folder<T>(path: &Path, existing: Existing, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
+    let (staged, value) = stage_folder(path, existing, write)?;
+    commit(vec![staged])?;
+    Ok(value)
+}
+
+/// Writes the file that is to become `path`; [`commit`] puts it there.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn stage_file(
+    path: &Path,
+    existing: Existing,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<Staged> {
     check_file(path, existing)?;
-    // Through a symbolic link, so that its target is replaced and the link stays.
-    let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let mut builder = Builder::new();
-    builder.prefix(TEMPORARY_PREFIX);
-    // As `File::create` would have it: the umask decides.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let staged = Staged::new(path, existing, Kind::File)?;
     let fail = |e| Error::io(path, e);
-    let mut file = builder.tempfile_in(folder_of(&place)?).map_err(|e| not_made(path, &e))?;
-    let mut buffered = BufWriter::with_capacity(1 << 16, file.as_file_mut());
+    let file = File::options().write(true).create_new(true).open(staged.path()).map_err(fail)?;
+    let mut buffered = BufWriter::with_capacity(1 << 16, file);
     write(&mut buffered).and_then(|()| buffered.flush()).map_err(fail)?;
-    drop(buffered);
-    match existing {
-        Existing::Keep => file.persist_noclobber(&place),
-        Existing::Replace => file.persist(&place),
+    staged.sync()?;
+    Ok(staged)
+}
+
+/// Fills the folder that is to become `path`; [`commit`] puts it there.
+///
+/// # Errors
+/// As [`write_folder`].
+pub fn stage_folder<T>(
+    path: &Path,
+    existing: Existing,
+    write: impl FnOnce(&Path) -> Result<T>,
+) -> Result<(Staged, T)> {
+    check_folder(path, existing)?;
+    let staged = Staged::new(path, existing, Kind::Folder)?;
+    let new = staged.path();
+    fs::create_dir(&new).map_err(|e| Error::io(path, e))?;
+    let value = write(&new).map_err(|e| with_final_path(e, &new, path))?;
+    staged.sync()?;
+    Ok((staged, value))
+}
+
+/// Puts outputs into their places, one after the other. Where one fails, those before it are taken back as
+/// far as the system can exchange files.
+///
+/// # Errors
+/// [`Error::Io`] naming the output that could not be put into its place.
+pub fn commit(outputs: Vec<Staged>) -> Result<()> {
+    let live = Live::hold();
+    let mut done: Vec<(&Staged, Put)> = Vec::with_capacity(outputs.len());
+    for output in &outputs {
+        match output.put() {
+            Ok(put) => done.push((output, put)),
+            Err(error) => {
+                done.into_iter().rev().for_each(|(output, put)| output.take_back(&put));
+                return Err(error);
+            }
+        }
     }
-    .map_err(|e| fail(e.error))?;
+    drop(live);
     Ok(())
 }
 
-/// Fills the folder `path` by `write`, which is given the folder to write into; nothing is left behind, and an
-/// existing folder is untouched, where that fails.
-///
-/// # Errors
-/// [`Error::Io`] naming `path`: as [`write_file`], and with [`Existing::Replace`] a folder that holds anything but
-/// the files of a bake. Errors of `write` come back with their paths as they would have been.
-pub fn write_folder<T>(path: &Path, existing: Existing, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
-    check_folder(path, existing)?;
-    let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let fail = |e| Error::io(path, e);
-    let temporary = Builder::new()
-        .prefix(TEMPORARY_PREFIX)
-        .tempdir_in(folder_of(&place)?)
-        .map_err(|e| not_made(path, &e))?;
-    let new = temporary.path().join("new");
-    fs::create_dir(&new).map_err(fail)?;
-    let value = write(&new).map_err(|e| with_final_path(e, &new, path))?;
-    if fs::symlink_metadata(&place).is_ok() {
-        // Looked at again: somebody may have put a file there meanwhile.
-        check_folder(path, existing)?;
-        replace_folder(temporary, &new, &place).map_err(fail)?;
-    } else {
-        fs::rename(&new, &place).map_err(fail)?;
+impl Staged {
+    fn new(path: &Path, existing: Existing, kind: Kind) -> Result<Self> {
+        let place = resolved(path)?;
+        let temporary = Temporary::beside(&place).map_err(|e| not_made(path, &e))?;
+        Ok(Self { temporary, path: path.to_owned(), place, existing, kind })
     }
-    Ok(value)
+
+    /// Where it lies until it is committed.
+    #[must_use]
+    pub fn path(&self) -> PathBuf {
+        self.temporary.new_path()
+    }
+
+    /// Its place as it was named.
+    #[must_use]
+    pub fn named(&self) -> &Path {
+        &self.path
+    }
+
+    /// Forces what is to replace something onto the disk, since what it replaces is deleted at once.
+    fn sync(&self) -> Result<()> {
+        if exists(&self.place) { sync(&self.path()).map_err(|e| Error::io(&self.path, e)) } else { Ok(()) }
+    }
+
+    /// Puts it into its place.
+    fn put(&self) -> Result<Put> {
+        let fail = |e| Error::io(&self.path, e);
+        let new = self.path();
+        // Other processes may create or remove the place between two steps.
+        for _ in 0..100 {
+            if !exists(&self.place) {
+                match rename_new(&new, &self.place) {
+                    Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+                    other => return other.map(|()| Put::Fresh).map_err(fail),
+                }
+            }
+            match self.kind {
+                Kind::File => check_file(&self.place, self.existing),
+                Kind::Folder => check_folder(&self.place, self.existing),
+            }
+            .map_err(|error| with_path(error, &self.path))?;
+            match exchange(&new, &self.place) {
+                Some(Ok(())) => return Ok(Put::Exchanged),
+                Some(Err(error)) if error.kind() == io::ErrorKind::NotFound => {}
+                Some(Err(error)) => return Err(fail(error)),
+                None => return self.replace().map_err(fail),
+            }
+        }
+        Err(fail(io::Error::other("other processes keep replacing it")))
+    }
+
+    /// Replaces what is in its place without an exchange: a file in one step, a folder in two.
+    fn replace(&self) -> io::Result<Put> {
+        let (new, old) = (self.path(), self.temporary.old_path());
+        match self.kind {
+            Kind::File => fs::rename(new, &self.place).map(|()| Put::Over),
+            Kind::Folder => {
+                fs::rename(&self.place, &old)?;
+                // Should putting it back fail as well, the temporary keeps it for the next run.
+                fs::rename(new, &self.place).inspect_err(|_| drop(fs::rename(&old, &self.place)))?;
+                Ok(Put::SetAside)
+            }
+        }
+    }
+
+    /// Undoes [`Self::put`] as far as possible.
+    fn take_back(&self, put: &Put) {
+        let new = self.path();
+        match put {
+            Put::Fresh => drop(fs::rename(&self.place, new)),
+            Put::Exchanged => drop(exchange(&new, &self.place)),
+            Put::SetAside => {
+                let back = fs::rename(&self.place, new)
+                    .and_then(|()| fs::rename(self.temporary.old_path(), &self.place));
+                drop(back);
+            }
+            Put::Over => {}
+        }
+    }
 }
 
 /// Fails where [`write_file`] would before writing anything, so that a long bake need not end in that.
@@ -83,12 +225,15 @@ pub fn write_folder<T>(path: &Path, existing: Existing, write: impl FnOnce(&Path
 /// # Errors
 /// As [`write_file`].
 pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
-    match fs::metadata(path) {
+    let place = resolved(path)?;
+    match fs::metadata(&place) {
         Ok(found) if found.is_dir() => Err(refused(path, "is a folder; name a file")),
-        Ok(found) if !found.is_file() => Err(refused(path, "is not a regular file; name another")),
+        Ok(found) if !found.is_file() => {
+            Err(refused(path, "is not a regular file; name one, or -o - for standard output"))
+        }
         Ok(_) if existing == Existing::Keep => Err(refused(path, "already exists; --force replaces it")),
         Ok(_) => Ok(()),
-        Err(e) if e.kind() == io::ErrorKind::NotFound => folder_of(path).map(drop),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(e) => Err(Error::io(path, e)),
     }
 }
@@ -98,10 +243,11 @@ pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
 /// # Errors
 /// As [`write_folder`].
 pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
-    match fs::metadata(path) {
+    let place = resolved(path)?;
+    match fs::metadata(&place) {
         Ok(found) if !found.is_dir() => Err(refused(path, "is a file; name a folder")),
         Ok(_) if existing == Existing::Keep => Err(refused(path, "already exists; --force replaces it")),
-        Ok(_) => match stranger_in(path)? {
+        Ok(_) => match stranger_in(&place)? {
             Some(name) => Err(refused(
                 path,
                 &format!(
@@ -110,21 +256,18 @@ pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
             )),
             None => Ok(()),
         },
-        Err(e) if e.kind() == io::ErrorKind::NotFound => folder_of(path).map(drop),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(e) => Err(Error::io(path, e)),
     }
 }
 
-/// Swaps `new` into `place`; what was there goes last, and comes back where the swap fails.
-fn replace_folder(temporary: TempDir, new: &Path, place: &Path) -> io::Result<()> {
-    let old = temporary.path().join("old");
-    fs::rename(place, &old)?;
-    fs::rename(new, place).inspect_err(|_| {
-        if fs::rename(&old, place).is_err() {
-            // Better a stray folder than a lost bake.
-            let _kept: PathBuf = temporary.keep();
-        }
-    })
+/// Forces the file `path`, or the files in the folder `path`, onto the disk.
+fn sync(path: &Path) -> io::Result<()> {
+    if fs::symlink_metadata(path)?.is_dir() {
+        return fs::read_dir(path)?.try_for_each(|entry| sync(&entry?.path()));
+    }
+    // Windows flushes through handles that may write.
+    File::options().write(true).open(path)?.sync_all()
 }
 
 /// The first entry of `folder` (by name) that a bake does not write.
@@ -132,6 +275,8 @@ fn stranger_in(folder: &Path) -> Result<Option<String>> {
     let mut strangers = Vec::new();
     let mut folders = vec![(folder.to_owned(), String::new())];
     while let Some((folder, within)) = folders.pop() {
+        let has_report =
+            folder.join(REPORT).is_file() || report_beside(&folder).is_some_and(|path| path.is_file());
         for entry in fs::read_dir(&folder).map_err(|e| Error::io(&folder, e))? {
             let entry = entry.map_err(|e| Error::io(&folder, e))?;
             let name = entry.file_name().to_string_lossy().into_owned();
@@ -140,7 +285,8 @@ fn stranger_in(folder: &Path) -> Result<Option<String>> {
                 Ok(kind) if kind.is_dir() && is_bake_folder(&path) => {
                     folders.push((entry.path(), format!("{path}/")));
                 }
-                Ok(kind) if kind.is_file() && is_known(&path) => {}
+                // Others have images of such names too.
+                Ok(kind) if kind.is_file() && is_known(&path) && (has_report || is_ours(&entry.path())?) => {}
                 _ => strangers.push(path),
             }
         }
@@ -148,6 +294,27 @@ fn stranger_in(folder: &Path) -> Result<Option<String>> {
     strangers.sort();
     Ok(strangers.into_iter().next())
 }
+
+/// The report of the file whose bounds `folder` holds: `OUT.report.json` for `OUT.bounds`.
+fn report_beside(folder: &Path) -> Option<PathBuf> {
+    let name = folder.file_name()?.to_str()?.strip_suffix(".bounds")?;
+    Some(folder.with_file_name(format!("{name}.report.json")))
+}
+
+/// Whether the file at `path` names this program near its start, as EXR files of a bake do, or is no image of
+/// a level.
+fn is_ours(path: &Path) -> Result<bool> {
+    if !path.extension().is_some_and(|extension| extension == "exr" || extension == "hdr") {
+        return Ok(true);
+    }
+    let mut start = Vec::new();
+    let file = open_regular(path)?;
+    file.take(1 << 16).read_to_end(&mut start).map_err(|e| Error::io(path, e))?;
+    Ok(start.windows(OURS.len()).any(|window| window == OURS))
+}
+
+/// What the files of this program have in their headers.
+const OURS: &[u8] = b"octagloss";
 
 /// A folder that a bake for targets makes: one a target, with the folders of that target's files in it.
 fn is_bake_folder(path: &str) -> bool {
@@ -166,8 +333,8 @@ fn is_known(path: &str) -> bool {
     is_bake_file(path) || target::is_target_file(path) || in_target
 }
 
-/// `report.json`, `sun.json`, `sunless.exr`, `m{level}.exr`, `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`,
-/// `irradiance.exr`, `irradiance_{face}.exr`, and .hdr alike.
+/// `report.json`, `sun.json`, `sunless.exr`, `m{level}.exr`, `m{level}_{face}.exr`,
+/// `m{level}_{face}_bound.exr`, `irradiance.exr`, `irradiance_{face}.exr`, and .hdr alike.
 fn is_bake_file(name: &str) -> bool {
     if ["report.json", "sun.json", "sunless.exr"].contains(&name) {
         return true;
@@ -186,28 +353,8 @@ fn is_bake_file(name: &str) -> bool {
     }
 }
 
-/// The folder that is to hold `path`, which must be there.
-fn folder_of(path: &Path) -> Result<&Path> {
-    let folder = match path.parent() {
-        Some(parent) if parent.as_os_str().is_empty() => Path::new("."),
-        Some(parent) => parent,
-        None => return Err(refused(path, "is no place for an output; name a file or folder in one")),
-    };
-    match fs::metadata(folder) {
-        Ok(found) if found.is_dir() => Ok(folder),
-        Ok(_) => Err(refused(path, &format!("{} is not a folder", folder.display()))),
-        Err(e) => {
-            let message = format!("its folder {}: {e}", folder.display());
-            Err(Error::io(path, io::Error::new(e.kind(), message)))
-        }
-    }
-}
-
-fn refused(path: &Path, message: &str) -> Error {
-    Error::io(path, io::Error::new(io::ErrorKind::AlreadyExists, message))
-}
-
-/// A temporary that could not be made: the kind alone, because `tempfile` puts the temporary name into its message.
+/// A temporary that could not be made: the kind alone, because `tempfile` puts the temporary name into its
+/// message.
 fn not_made(path: &Path, error: &io::Error) -> Error {
     Error::io(path, error.kind().into())
 }

@@ -1,7 +1,10 @@
 //! What the codecs take and give: a file in memory, and its pixels.
 
+use super::provenance::Provenance;
+use crate::chain::CubeChain;
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
+use crate::sphere::cube::Face;
 use std::path::Path;
 
 /// Bytes of one texel.
@@ -38,11 +41,13 @@ pub(super) struct Picture {
     /// The encoding in words.
     pub(super) format: String,
     pub(super) warnings: Vec<String>,
+    /// What the file says of its origin and turning; the texels are as the file has them.
+    pub(super) provenance: Provenance,
 }
 
 impl Picture {
-    /// The picture without the `border` that an octahedral map of `octagloss bake --target oem` says it has: a list, the
-    /// first level's first.
+    /// The picture without the `border` that an octahedral map of `octagloss bake --target oem` says it has:
+    /// a list, the first level's first.
     pub(super) fn without_border(mut self, source: &Source<'_>, border: &str) -> Result<Self> {
         let first = border.split(',').next().unwrap_or_default().trim();
         let fits =
@@ -85,8 +90,8 @@ impl Source<'_> {
         }
     }
 
-    /// Refuses an image without pixels, and one whose reading would pass the memory limit at `bytes_per_pixel`
-    /// (the texels and whatever the decoder holds beside them).
+    /// Refuses an image without pixels, and one whose reading would pass the memory limit at
+    /// `bytes_per_pixel` (the texels and whatever the decoder holds beside them).
     pub(super) fn check_memory(&self, width: u32, height: u32, bytes_per_pixel: u64) -> Result<()> {
         if width == 0 || height == 0 {
             return Err(self.error(format!("{width}x{height} has no pixels")));
@@ -109,4 +114,34 @@ pub(super) fn limit(path: &Path, what: &str, needed: u64, available: u64) -> Err
         available,
         remedy: "scale it down first".to_owned(),
     }
+}
+
+/// A chain as the files have it: flips are not undone.
+pub(super) struct Stored {
+    pub(super) chain: CubeChain,
+    pub(super) provenance: Provenance,
+    /// The encoding in words.
+    pub(super) format: String,
+}
+
+/// The default of [`super::ReadOptions::memory_limit`]: 3 GiB, enough for 16384x8192 texels.
+pub const DEFAULT_MEMORY_LIMIT: u64 = 3 << 30;
+
+/// Refuses NaN and Inf in a level of a chain.
+pub(super) fn check_finite(path: &Path, level: u32, size: u32, texels: &[Rgb]) -> Result<()> {
+    let Some(at) = texels.iter().position(|texel| texel.iter().any(|value| !value.is_finite())) else {
+        return Ok(());
+    };
+    let (size, face) = (size as usize, at / (size as usize * size as usize));
+    let place = at % (size * size);
+    Err(Error::input(
+        path,
+        format!(
+            "level {level} face {} pixel ({}, {}) is {:?}; bake it anew",
+            Face::ALL[face].short_name(),
+            place % size,
+            place / size,
+            texels[at]
+        ),
+    ))
 }

@@ -24,14 +24,24 @@ impl Repairs {
     pub const fn any(&self) -> bool {
         self.negative + self.nan + self.infinite > 0
     }
+
+    /// Whether it is worth a warning: any NaN or Inf, and negative values whose energy does not round to 0.00
+    /// %, below which no pixel format shows them.
+    #[must_use]
+    pub fn matters(&self) -> bool {
+        self.nan + self.infinite > 0 || self.negative_energy_share >= 5e-5
+    }
 }
 
 impl std::fmt::Display for Repairs {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut parts = Vec::new();
         if self.negative > 0 {
-            let percent = 100.0 * self.negative_energy_share;
-            parts.push(format!("{} negative values ({percent:.2} % of the energy)", self.negative));
+            let share = match 100.0 * self.negative_energy_share {
+                percent if percent < 0.005 => "less than 0.01 %".to_owned(),
+                percent => format!("{percent:.2} %"),
+            };
+            parts.push(format!("{} negative values ({share} of the energy)", self.negative));
         }
         if self.nan > 0 {
             parts.push(format!("{} NaN values", self.nan));
@@ -84,7 +94,8 @@ pub(super) fn non_finite(
     Ok(())
 }
 
-/// NaN and minus infinity to 0, infinity to the largest finite value around, rings growing until one is found.
+/// NaN and minus infinity to 0, infinity to the largest finite value around, rings growing until one is
+/// found.
 fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &mut Repairs) {
     let height = texels.len() / width;
     // A value grows inwards from the rim of each region, a ring a round: each texel is settled once.
@@ -109,8 +120,8 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
         }
         largest
     };
-    // Regions nested deep cost a round a ring; the rim alone is looked at, so a round costs what it settles and its
-    // neighbours, not the region.
+    // Regions nested deep cost a round a ring; the rim alone is looked at, so a round costs what it settles
+    // and its neighbours, not the region.
     let mut rim = open.clone();
     while !open.is_empty() {
         let settled: Vec<(usize, f32)> = rim
@@ -203,6 +214,16 @@ fn density(layout: Layout, i: u32, j: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_repairs_that_show_are_worth_a_warning() {
+        let negative = |share| Repairs { negative: 3, negative_energy_share: share, ..Repairs::default() };
+        assert!(!negative(4.9e-5).matters() && negative(5.1e-5).matters());
+        assert!(Repairs { nan: 1, ..negative(0.0) }.matters());
+        assert!(Repairs { infinite: 1, ..negative(0.0) }.matters());
+        assert_eq!(negative(1e-9).to_string(), "3 negative values (less than 0.01 % of the energy)");
+        assert_eq!(negative(5.1e-5).to_string(), "3 negative values (0.01 % of the energy)");
+    }
 
     #[test]
     fn infinity_takes_the_largest_finite_neighbour_and_grows() {

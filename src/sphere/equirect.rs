@@ -12,7 +12,8 @@ pub fn direction_from_equirect(u: f64, v: f64) -> DVec3 {
     DVec3::new(sin_theta * cos_phi, cos_theta, sin_theta * sin_phi)
 }
 
-/// Panorama coordinates of `direction` (any length but zero): u in [0, 1], v in [0, 1]. At the poles u is 1/2.
+/// Panorama coordinates of `direction` (any length but zero): u in [0, 1], v in [0, 1]. At the poles u is
+/// 1/2.
 #[must_use]
 pub fn equirect_from_direction(direction: DVec3) -> (f64, f64) {
     let d = direction;

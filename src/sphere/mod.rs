@@ -1,4 +1,5 @@
-//! Maps of the sphere: each a pair `x_from_direction` / `direction_from_x`, with its texels' exact solid angles.
+//! Maps of the sphere: each a pair `x_from_direction` / `direction_from_x`, with its texels' exact solid
+//! angles.
 //!
 //! Directions are unit vectors in a right-handed space with y up. Texel centres are half-integer everywhere.
 
@@ -8,8 +9,8 @@ pub mod octahedral;
 
 use glam::DVec3;
 
-/// Signed solid angle of the spherical triangle `a b c` (unit vectors), positive when they run counter-clockwise
-/// seen from outside.
+/// Signed solid angle of the spherical triangle `a b c` (unit vectors), positive when they run
+/// counter-clockwise seen from outside.
 ///
 /// Van Oosterom and Strackee 1983, equation 8; exact for every triangle smaller than a hemisphere.
 #[must_use]

@@ -1,12 +1,13 @@
-//! The octahedral map, quadratic layout: (u, v) in [-1, 1]^2, u along x and v along z; the centre is +Y, the four
-//! corners are -Y, the edge midpoints are +-X and +-Z.
+//! The octahedral map, quadratic layout: (u, v) in [-1, 1]^2, u along x and v along z; the centre is +Y, the
+//! four corners are -Y, the edge midpoints are +-X and +-Z.
 //!
-//! Engelhardt and Dachsbacher 2008, section 3.1: the planar projection (equation 1) and the square unfolding. The
-//! paper's equation 2 prints a sigma where an absolute value belongs; the form here is the one that round-trips.
+//! Engelhardt and Dachsbacher 2008, section 3.1: the planar projection (equation 1) and the square unfolding.
+//! The paper's equation 2 prints a sigma where an absolute value belongs; the form here is the one that
+//! round-trips.
 //!
-//! Unfolded over the plane the square repeats as wallpaper group p2: tile (i, j) is the square itself where i + j is
-//! even and the square turned by 180 degrees where it is odd. [`wrap_oct`] and [`wrap_texel`] bring any point and any
-//! texel of that plane back to the square.
+//! Unfolded over the plane the square repeats as wallpaper group p2: tile (i, j) is the square itself
+//! where i + j is even, and the square turned by 180 degrees where it is odd. [`wrap_oct`] and [`wrap_texel`]
+//! bring any point and any texel of that plane back to the square.
 
 use super::projected_solid_angle;
 use glam::{DVec2, DVec3};
@@ -64,8 +65,8 @@ pub fn wrap_texel(n: u32, x: i64, y: i64) -> (u32, u32) {
     (u32::try_from(x).expect("inside the square"), u32::try_from(y).expect("inside the square"))
 }
 
-/// Solid angle of a unit of (u, v) area at `uv` in [-1, 1]^2: 1/|p|^3, p on the octahedron. Between 1 (vertices) and
-/// 3^1.5 (face centres).
+/// Solid angle of a unit of (u, v) area at `uv` in [-1, 1]^2: 1/|p|^3, p on the octahedron. Between 1
+/// (vertices) and 3^1.5 (face centres).
 #[must_use]
 pub fn solid_angle_density(uv: DVec2) -> f64 {
     let squared = octahedron_from_oct(uv).length_squared();
@@ -80,8 +81,8 @@ pub fn texel_centre(n: u32, x: u32, y: u32) -> DVec2 {
 
 /// Exact solid angle of texel (`x`, `y`) of the `n` x `n` square, in steradians.
 ///
-/// The texel is cut along the axes and the fold diagonals into pieces that each lie on one octahedron face; straight
-/// lines there are great circles, so every piece is a spherical polygon.
+/// The texel is cut along the axes and the fold diagonals into pieces that each lie on one octahedron face;
+/// straight lines there are great circles, so every piece is a spherical polygon.
 #[must_use]
 pub fn texel_solid_angle(n: u32, x: u32, y: u32) -> f64 {
     let edge = |k: u32| (2.0 * f64::from(k) - f64::from(n)) / f64::from(n);
@@ -108,8 +109,8 @@ fn fold_span(low: f64, high: f64) -> [Option<(f64, f64)>; 2] {
     }
 }
 
-/// Cuts a rectangle of the square that crosses no axis along the fold diagonal: calls `visit` with each part as a
-/// polygon on one face of the octahedron |x| + |y| + |z| = 1.
+/// Cuts a rectangle of the square that crosses no axis along the fold diagonal: calls `visit` with each part
+/// as a polygon on one face of the octahedron |x| + |y| + |z| = 1.
 pub(crate) fn for_each_face_piece(corners: [DVec2; 4], mut visit: impl FnMut(&[DVec3])) {
     for sign in [1.0, -1.0] {
         let depth = |c: DVec2| sign * (1.0 - c.x.abs() - c.y.abs());

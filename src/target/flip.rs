@@ -27,6 +27,12 @@ impl Flip {
         }
     }
 
+    /// The flip called `name`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::None, Self::X, Self::Z].into_iter().find(|flip| flip.name() == name)
+    }
+
     /// Where in the cube the engine finds the world's `direction`; and the other way around.
     #[must_use]
     pub fn apply(self, direction: DVec3) -> DVec3 {
@@ -37,8 +43,8 @@ impl Flip {
         }
     }
 
-    /// `level` such that what it showed at a direction it shows at that direction flipped: texels change places and
-    /// keep their values.
+    /// `level` such that what it showed at a direction it shows at that direction flipped: texels change
+    /// places and keep their values.
     #[must_use]
     pub fn level(self, level: &CubeLevel) -> CubeLevel {
         if self == Self::None {

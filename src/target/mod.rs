@@ -1,22 +1,20 @@
 //! Targets: what an engine expects of a bake, as a table of presets, and the files that they come to.
 //!
-//! A [`Target`] is a row of [`TARGETS`]; a [`Plan`] is such a row with whatever was overridden; [`files`] makes its
-//! files of a bake.
+//! A [`Target`] is a row of [`TARGETS`]; a [`Plan`] is such a row with whatever was overridden;
+//! [`crate::export::files`] makes its files of a bake.
 
-mod babylon;
-pub mod files;
 mod flip;
-mod gltf;
+pub(crate) mod sizes;
 
 pub use flip::Flip;
 
-use crate::bake::Ladder;
 use crate::environment::Map;
 use crate::error::{Error, Result};
-use crate::io::cube_write::Container;
-use crate::io::oem_write;
-use crate::io::pixels::Pixel;
-use crate::sh_scale::ShScale;
+use crate::format::Pixel;
+use crate::format::container::Container;
+use crate::ladder::Ladder;
+use crate::lobe::Lobe;
+use crate::sh::scale::ShScale;
 
 /// What a file of a target holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +53,8 @@ pub const READERS: [(&str, &str); 3] = [
 /// A file of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileSpec {
-    /// Where in the target's folder; `{name}` is the environment's name and `{ext}` the container's extension.
+    /// Where in the target's folder; `{name}` is the environment's name and `{ext}` the container's
+    /// extension.
     pub path: &'static str,
     /// What is in it.
     pub content: Content,
@@ -90,7 +89,7 @@ impl Diffuse {
         matches!(self, Self::Cube | Self::Both)
     }
 
-    const fn has_sh(self) -> bool {
+    pub(crate) const fn has_sh(self) -> bool {
         matches!(self, Self::Sh | Self::Both)
     }
 }
@@ -110,13 +109,14 @@ pub struct Target {
     pub map: Map,
     /// Edge of level 0; of a panorama its height.
     pub size: u32,
-    /// Edge of the last level.
-    pub last_size: u32,
+    /// Edge of the last level; `None` for [`Ladder::default_levels`].
+    pub last_size: Option<u32>,
     /// Roughness of the levels.
     pub ladder: Ladder,
     /// How it looks cubes up.
     pub flip: Flip,
-    /// How far to the right of our panoramas' column it looks for the same direction, in quarters of the width.
+    /// How far to the right of our panoramas' column it looks for the same direction, in quarters of the
+    /// width.
     pub quarter_turns: u32,
     /// Its diffuse light.
     pub diffuse: Diffuse,
@@ -139,8 +139,8 @@ const GENERIC: Target = Target {
     container: Container::Ktx2,
     pixel: Pixel::F16,
     map: Map::Cube,
-    size: 256,
-    last_size: 1,
+    size: Ladder::Linear.default_size(Map::Cube, Lobe::Ggx),
+    last_size: None,
     ladder: Ladder::Linear,
     flip: Flip::None,
     quarter_turns: 0,
@@ -155,16 +155,19 @@ const GENERIC: Target = Target {
     verified: Some("this program"),
 };
 
+/// What the rows of engines share: the size that their own bakers have, and all levels down to one texel.
+const ENGINE: Target = Target { size: 256, last_size: Some(1), ..GENERIC };
+
 /// The presets.
 pub const TARGETS: [Target; 12] = [
     GENERIC,
-    // Cube textures are looked up with x negated unless they are render targets (WebGLMaterials.js); a prefiltered
-    // cube runs down to 8 texels and its last level is the irradiance (PMREMGenerator.js, LOD_MIN, and
-    // envmap_physical_pars_fragment.glsl.js); LightProbe takes radiance coefficients.
+    // Cube textures are looked up with x negated unless they are render targets (WebGLMaterials.js); a
+    // prefiltered cube runs down to 8 texels and its last level is the irradiance (PMREMGenerator.js,
+    // LOD_MIN, and envmap_physical_pars_fragment.glsl.js); LightProbe takes radiance coefficients.
     Target {
         name: "three",
         reader: "three.js from r187, as a PMREM",
-        last_size: 8,
+        last_size: Some(8),
         ladder: Ladder::Filament,
         flip: Flip::X,
         diffuse: Diffuse::Sh,
@@ -174,7 +177,7 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: Some("three 0.187"),
-        ..GENERIC
+        ..ENGINE
     },
     // Names, formats and the key `sh` as cmgen --deploy --format=ktx has them (tools/cmgen/src/cmgen.cpp).
     Target {
@@ -182,7 +185,7 @@ pub const TARGETS: [Target; 12] = [
         reader: "Filament's IndirectLight and Skybox",
         container: Container::Ktx1,
         pixel: Pixel::R11g11b10,
-        last_size: 16,
+        last_size: Some(16),
         ladder: Ladder::Filament,
         diffuse: Diffuse::Sh,
         sh_scale: ShScale::Filament,
@@ -193,16 +196,17 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "sh.txt", content: ShText },
         ],
         verified: Some("filament 1.53 (npm)"),
-        ..GENERIC
+        ..ENGINE
     },
-    // z is negated at every look-up, roughness runs linearly over as many levels as there are, and the diffuse cube is
-    // multiplied by the diffuse colour alone (crates/bevy_pbr/src/light_probe/environment_map.wgsl). At roughness 1 four
-    // texels a side are less than 1 % off in its pictures, one is 5 %.
+    // z is negated at every look-up, roughness runs linearly over as many levels as there are, and the
+    // diffuse cube is multiplied by the diffuse colour alone
+    // (crates/bevy_pbr/src/light_probe/environment_map.wgsl). At roughness 1 four texels a side are less than
+    // 1 % off in its pictures, one is 5 %.
     Target {
         name: "bevy",
         reader: "Bevy's EnvironmentMapLight",
         pixel: Pixel::Rgb9e5,
-        last_size: 4,
+        last_size: Some(4),
         flip: Flip::Z,
         diffuse: Diffuse::Cube,
         files: &[
@@ -211,14 +215,14 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: Some("bevy 0.19"),
-        ..GENERIC
+        ..ENGINE
     },
-    // floor(log2(size)) levels, half floats, directions as they are (lib/source/lib.cpp and lib/shaders/filter.frag);
-    // folders as in the repository glTF-Sample-Environments.
+    // floor(log2(size)) levels, half floats, directions as they are (lib/source/lib.cpp and
+    // lib/shaders/filter.frag); folders as in the repository glTF-Sample-Environments.
     Target {
         name: "khronos",
         reader: "what reads the glTF IBL Sampler's files",
-        last_size: 2,
+        last_size: Some(2),
         diffuse: Diffuse::Cube,
         irradiance_size: 64,
         sh_scale: ShScale::Irradiance,
@@ -229,7 +233,7 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "sh.json", content: ShJson },
         ],
         verified: Some("glTF Sample Renderer 1.1 (npm)"),
-        ..GENERIC
+        ..ENGINE
     },
     // The border is the program's own convention; the files say it in their metadata.
     Target {
@@ -237,7 +241,7 @@ pub const TARGETS: [Target; 12] = [
         reader: "whoever reads bordered octahedral maps",
         map: Map::Octahedral,
         size: 512,
-        last_size: 16,
+        last_size: Some(16),
         files: &[
             FileSpec { path: "{name}_oem.{ext}", content: Oem },
             FileSpec { path: "oem.wgsl", content: Reader },
@@ -247,10 +251,10 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: Some("its own readers"),
-        ..GENERIC
+        ..ENGINE
     },
-    // alpha = 2^(level/0.8)/size (Materials/Textures/Filtering/hdrFiltering.ts); left-handed scenes, into which glTF is
-    // turned with x negated (loaders/src/glTF/2.0/glTFLoader.ts, __root__).
+    // alpha = 2^(level/0.8)/size (Materials/Textures/Filtering/hdrFiltering.ts); left-handed scenes, into
+    // which glTF is turned with x negated (loaders/src/glTF/2.0/glTFLoader.ts, __root__).
     Target {
         name: "babylon",
         reader: "Babylon.js's CubeTexture, left-handed scenes",
@@ -259,27 +263,28 @@ pub const TARGETS: [Target; 12] = [
         flip: Flip::X,
         files: &[FileSpec { path: "{name}_ibl.env", content: Env }],
         verified: Some("babylonjs 9.34"),
-        ..GENERIC
+        ..ENGINE
     },
     // See gltf.rs.
     Target {
         name: "gltf-ext",
         reader: "glTF with EXT_lights_image_based",
         pixel: Pixel::Rgbd,
-        last_size: 16,
+        last_size: Some(16),
         flip: Flip::X,
         sh_scale: ShScale::Irradiance,
         files: &[FileSpec { path: "{name}_ibl.glb", content: Glb }],
         verified: None,
-        ..GENERIC
+        ..ENGINE
     },
-    // Six steps of r (1.7 - 0.7 r) (ImageBasedLighting.hlsl, PerceptualRoughnessToMipmapLevel); left-handed, glTF comes in
-    // with x negated (glTFast). A cube imported with Convolution Type None keeps its own levels.
+    // Six steps of r (1.7 - 0.7 r) (ImageBasedLighting.hlsl, PerceptualRoughnessToMipmapLevel); left-handed,
+    // glTF comes in with x negated (glTFast). A cube imported with Convolution Type None keeps its own
+    // levels.
     Target {
         name: "unity",
         reader: "Unity's cubemap import, Convolution Type None",
         container: Container::Dds,
-        last_size: 4,
+        last_size: Some(4),
         ladder: Ladder::Unity,
         flip: Flip::X,
         files: &[
@@ -288,46 +293,49 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: None,
-        ..GENERIC
+        ..ENGINE
     },
-    // u = (1 + atan2(X, -Z)/pi)/2 in coordinates whose y and z are exchanged (TextureCompressorModule.cpp, LookupLongLat and
-    // TransformSideToWorldSpace); glTF's (x, y, z) comes in as (x, z, y). The engine filters by itself.
+    // u = (1 + atan2(X, -Z)/pi)/2 in coordinates whose y and z are exchanged (TextureCompressorModule.cpp,
+    // LookupLongLat and TransformSideToWorldSpace); glTF's (x, y, z) comes in as (x, z, y). The engine
+    // filters by itself.
     Target {
         name: "unreal",
         reader: "Unreal's sky light, from a long-lat cube",
         pixel: Pixel::F32,
         map: Map::Panorama,
         size: 1024,
-        last_size: 1024,
+        last_size: Some(1024),
         quarter_turns: 1,
         files: &[FileSpec { path: "{name}_panorama.hdr", content: Panorama }],
         verified: None,
-        ..GENERIC
+        ..ENGINE
     },
-    // u = atan(x, -z)/2 pi (servers/rendering/renderer_rd/shaders/environment/sky.glsl). The engine filters by itself.
+    // u = atan(x, -z)/2 pi (servers/rendering/renderer_rd/shaders/environment/sky.glsl). The engine filters
+    // by itself.
     Target {
         name: "godot",
         reader: "Godot's PanoramaSkyMaterial",
         pixel: Pixel::F32,
         map: Map::Panorama,
         size: 1024,
-        last_size: 1024,
+        last_size: Some(1024),
         quarter_turns: 3,
         files: &[FileSpec { path: "{name}_panorama.exr", content: Panorama }],
         verified: None,
-        ..GENERIC
+        ..ENGINE
     },
-    // u = 1/2 - atan2(y, x)/2 pi (intern/cycles/kernel/camera/projection.h); glTF's (x, y, z) comes in as (x, -z, y).
+    // u = 1/2 - atan2(y, x)/2 pi (intern/cycles/kernel/camera/projection.h); glTF's (x, y, z) comes in as (x,
+    // -z, y).
     Target {
         name: "blender",
         reader: "Blender's environment texture",
         pixel: Pixel::F32,
         map: Map::Panorama,
         size: 1024,
-        last_size: 1024,
+        last_size: Some(1024),
         files: &[FileSpec { path: "{name}_panorama.exr", content: Panorama }],
         verified: None,
-        ..GENERIC
+        ..ENGINE
     },
 ];
 
@@ -341,7 +349,26 @@ impl Target {
     /// Levels from `size` down to the target's last.
     #[must_use]
     pub fn levels(&self, size: u32) -> u32 {
-        size.checked_ilog2().unwrap_or(0).saturating_sub(self.last_size.ilog2()) + 1
+        match self.last_size {
+            None => self.ladder.default_levels(self.map, size).max(1),
+            Some(last) => size.checked_ilog2().unwrap_or(0).saturating_sub(last.ilog2()) + 1,
+        }
+    }
+
+    /// What its file at `path`, relative to its folder, holds; `None` where it has none there.
+    #[must_use]
+    pub fn content_of(&self, path: &str) -> Option<Content> {
+        let extensions = [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr];
+        let matches = |pattern: &str| {
+            let Some((before, after)) = pattern.split_once("{name}") else { return path == pattern };
+            path.strip_prefix(before)
+                .and_then(|rest| rest.strip_suffix(after))
+                .is_some_and(|name| !name.is_empty())
+        };
+        let is_at = |file: &&FileSpec| {
+            extensions.iter().any(|container| matches(&file.path.replace("{ext}", container.name())))
+        };
+        self.files.iter().find(is_at).map(|file| file.content)
     }
 
     /// Whether it has a cube of the Charlie lobe.
@@ -426,9 +453,9 @@ impl Plan {
     /// [`Error::Parameter`] where they cannot.
     pub fn check_levels(&self, size: u32, levels: u32) -> Result<()> {
         self.target.files.iter().try_for_each(|file| match file.content {
-            Oem => oem_write::level_sizes(size, levels).map(drop),
-            Env => babylon::check(size, levels),
-            Glb => gltf::check(size),
+            Oem => crate::oem::level_sizes(size, levels).map(drop),
+            Env => sizes::check_env(size, levels),
+            Glb => sizes::check_glb(size),
             _ => Ok(()),
         })
     }
@@ -457,14 +484,6 @@ impl Plan {
 /// Whether a bake for some target writes a file at `path`, relative to its folder.
 #[must_use]
 pub fn is_target_file(path: &str) -> bool {
-    let extensions = [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr].map(Container::name);
-    let matches = |pattern: &str| {
-        let Some((before, after)) = pattern.split_once("{name}") else { return path == pattern };
-        path.strip_prefix(before)
-            .and_then(|rest| rest.strip_suffix(after))
-            .is_some_and(|name| !name.is_empty())
-    };
-    let files = || TARGETS.iter().flat_map(|target| target.files);
-    ["report.json", "sun.json"].contains(&path)
-        || files().any(|file| extensions.iter().any(|ext| matches(&file.path.replace("{ext}", ext))))
+    let is_shared = ["report.json", "sun.json"].contains(&path);
+    is_shared || TARGETS.iter().any(|target| target.content_of(path).is_some())
 }

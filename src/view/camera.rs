@@ -5,18 +5,23 @@ use glam::{DMat4, DVec3};
 /// An orbit around the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Angle about +Y in radians; 0 stands at -X and looks along +X, the middle of a panorama; growing turns to the right.
+    /// Angle about +Y in radians; 0 stands at -X and looks along +X, the middle of a panorama; growing turns
+    /// to the right.
     pub yaw: f64,
     /// Height above the horizon in radians, within (-pi/2, pi/2).
     pub pitch: f64,
     /// From the origin, in units of an object's radius.
     pub distance: f64,
-    /// Vertical angle of view in radians of pictures at least 3:2; narrower ones keep the horizontal one of those.
+    /// Vertical angle of view in radians of pictures at least 3:2; narrower ones keep the horizontal one of
+    /// those.
     pub angle: f64,
 }
 
 /// Width over height of the narrowest pictures that show as much upwards as others.
 pub(crate) const WIDE: f64 = 1.5;
+
+/// The yaw that looks along -Z, at what faces +Z as the fronts of glTF models do.
+pub const FRONT: f64 = -std::f64::consts::FRAC_PI_2;
 
 /// Steepest view: straight down there is no up.
 pub(crate) const MAX_PITCH: f64 = 1.55;

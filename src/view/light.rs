@@ -1,5 +1,7 @@
 //! An environment on the GPU: its tables, and what rebuilds them every frame.
 
+use super::frame::Diffuse;
+use super::levels::{self, Cube, Levels};
 use crate::bake::{self, BakeSettings, bake};
 use crate::environment::{Environment, luminance};
 use crate::error::Result;
@@ -11,9 +13,10 @@ use crate::gpu::lamp::{Lamp, LampPass};
 use crate::gpu::reparameterise::{Reparameterise, upload};
 use crate::gpu::sat_scan::SatScan;
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
+use crate::image::exposure;
 use crate::reflector::ReflectorSettings;
 use glam::{DMat3, DVec3};
-use half::f16;
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 
 /// Pipelines that make tables.
@@ -49,6 +52,12 @@ pub struct Light {
     source_from_world: DMat3,
     lamp: wgpu::Buffer,
     mean_luminance: f64,
+    /// The automatic exposure, in powers of two.
+    exposure: f64,
+    diffuse: wgpu::Buffer,
+    /// Those of a bake, or made when they are first asked for.
+    levels: OnceCell<Cube>,
+    own_levels: bool,
     boxes: SatTextures,
     fitted: FittedTables,
     /// From texels to tables, in order.
@@ -61,8 +70,8 @@ const LEVELS_SIZE: u32 = 256;
 /// Texels of the largest OEM that a viewer makes by itself.
 const LARGEST: u32 = 2048;
 
-/// The lamp after `seconds` of circling at half height, seven degrees wide: it gives half as much light as an environment of
-/// `mean` luminance does.
+/// The lamp after `seconds` of circling at half height, seven degrees wide: it gives half as much light as an
+/// environment of `mean` luminance does.
 fn lamp_after(seconds: f64, mean: f64) -> Lamp {
     const DISC: f64 = 0.0523;
     const EDGE: f64 = 0.0611;
@@ -77,7 +86,8 @@ impl Light {
     /// The tables of `environment`, on an OEM of `inner` texels or as many as suit it.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] where the tables do not fit the device.
+    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] where the tables do not
+    /// fit the device.
     pub(super) fn new(
         context: &Context,
         passes: &Passes,
@@ -110,7 +120,22 @@ impl Light {
         let mut sum = 0.0;
         environment.for_each_texel(|_, solid_angle, rgb| sum += solid_angle * f64::from(luminance(rgb)));
         let mean_luminance = sum / (4.0 * PI);
-        Ok(Self { environment, source_from_world, lamp, mean_luminance, boxes, fitted, stages })
+        let exposure = exposure::of_environment(&environment);
+        let diffuse = context.uniform("diffuse light", &Diffuse::new(&environment));
+        let levels = OnceCell::new();
+        Ok(Self {
+            environment,
+            source_from_world,
+            lamp,
+            mean_luminance,
+            exposure,
+            diffuse,
+            levels,
+            own_levels: false,
+            boxes,
+            fitted,
+            stages,
+        })
     }
 
     /// The environment, in its own space.
@@ -141,6 +166,8 @@ impl Light {
     /// Makes the tables anew with `lamp` added to the environment, or nothing.
     pub fn set_lamp(&self, context: &Context, lamp: Option<Lamp>) {
         context.queue().write_buffer(&self.lamp, 0, bytemuck::bytes_of(&lamp.unwrap_or_default()));
+        let diffuse = Diffuse::of_lamp(lamp);
+        context.queue().write_buffer(&self.diffuse, Diffuse::LAMP_OFFSET, bytemuck::bytes_of(&diffuse));
         context.submit(|encoder| self.stages.iter().for_each(|stage| stage.record(encoder)));
     }
 
@@ -152,42 +179,40 @@ impl Light {
         &self.fitted
     }
 
-    /// A prefiltered cube of half floats, level l of n for roughness l/(n-1), and n.
-    pub(super) fn prefiltered(&self, context: &Context) -> Result<(wgpu::TextureView, u32)> {
+    /// The automatic exposure, in powers of two.
+    #[must_use]
+    pub const fn exposure(&self) -> f64 {
+        self.exposure
+    }
+
+    pub(super) const fn diffuse(&self) -> &wgpu::Buffer {
+        &self.diffuse
+    }
+
+    /// Takes the levels of the bake whose level 0 the environment is.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where they do not fit the device.
+    pub fn set_levels(&mut self, context: &Context, levels: &Levels) -> Result<()> {
+        self.levels = OnceCell::from(levels.upload(context, self.source_from_world)?);
+        self.own_levels = true;
+        Ok(())
+    }
+
+    /// Whether there are levels of a bake.
+    #[must_use]
+    pub const fn has_own_levels(&self) -> bool {
+        self.own_levels
+    }
+
+    /// The levels of the bake, or else those of a bake of the environment.
+    pub(super) fn levels(&self, context: &Context) -> Result<&Cube> {
+        if let Some(cube) = self.levels.get() {
+            return Ok(cube);
+        }
         let settings = BakeSettings { size: LEVELS_SIZE, ..BakeSettings::default() };
         let bake::Bake { chain, .. } = bake(&self.environment, &settings, &|_| ())?;
-        let count = chain.levels.len() as u32;
-        let texture = context.device().create_texture(&wgpu::TextureDescriptor {
-            label: Some("prefiltered cube"),
-            size: wgpu::Extent3d { width: LEVELS_SIZE, height: LEVELS_SIZE, depth_or_array_layers: 6 },
-            mip_level_count: count,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        for (mip_level, level) in (0..).zip(&chain.levels) {
-            let texels: Vec<[f16; 4]> = level
-                .texels
-                .iter()
-                .map(|[r, g, b]| [*r, *g, *b, 1.0].map(|value| f16::from_f32(value.min(f16::MAX.to_f32()))))
-                .collect();
-            context.queue().write_texture(
-                wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() },
-                bytemuck::cast_slice(&texels),
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(8 * level.size),
-                    rows_per_image: Some(level.size),
-                },
-                wgpu::Extent3d { width: level.size, height: level.size, depth_or_array_layers: 6 },
-            );
-        }
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::Cube),
-            ..Default::default()
-        });
-        Ok((view, count))
+        let cube = levels::upload(context, &chain, DMat3::IDENTITY)?;
+        Ok(self.levels.get_or_init(|| cube))
     }
 }

@@ -1,9 +1,10 @@
 //! What is shown and how: everything that a slider or a switch changes.
 
-use super::Camera;
+use super::camera::{Camera, FRONT};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
-use crate::fitted::COUNTS;
+use crate::image::exposure::{self, Exposure};
+use crate::realtime::tables::COUNTS;
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
@@ -114,6 +115,38 @@ pub enum Tone {
     Linear,
 }
 
+/// What a mesh is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Paint {
+    /// What its file says, times [`Look::tint`] and [`Look::roughness_factor`]; a file without materials is
+    /// plain.
+    #[default]
+    File,
+    /// A metal of [`Look::metal`] and [`Look::roughness`], as the other objects are.
+    Plain,
+}
+
+impl Paint {
+    const NAMES: [(Self, &'static str); 2] = [(Self::File, "file"), (Self::Plain, "plain")];
+}
+
+impl Display for Paint {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let name = Self::NAMES.iter().find(|(paint, _)| paint == self).map_or("", |(_, name)| name);
+        f.write_str(name)
+    }
+}
+
+/// From what [`Display`] writes.
+impl FromStr for Paint {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let found = Self::NAMES.iter().find(|(_, name)| *name == text);
+        found.map(|(paint, _)| *paint).ok_or_else(|| "must be file or plain".to_owned())
+    }
+}
+
 /// What the viewer shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
@@ -123,16 +156,22 @@ pub struct Look {
     pub camera: Camera,
     /// Perceptual roughness in \[0, 1\]; a row of spheres has its own.
     pub roughness: f64,
-    /// Whether the roughness varies over the surface: times a map's, a mesh's own where it has one.
+    /// Whether the roughness of a plain surface varies: times a map's.
     pub textured: bool,
-    /// Reflectance at normal incidence, linear.
+    /// Reflectance of plain metals at normal incidence, linear.
     pub metal: Rgb,
+    /// What a mesh is made of.
+    pub paint: Paint,
+    /// Factor of the base colours of a mesh's own materials, linear.
+    pub tint: Rgb,
+    /// Factor of the roughness of a mesh's own materials.
+    pub roughness_factor: f64,
     /// Roughness of the lobe that the backdrop is seen by, in \[0, 1\].
     pub backdrop: f64,
     /// Turn of the environment about +Y in degrees.
     pub turn: f64,
-    /// Exposure in powers of two.
-    pub exposure: f64,
+    /// How bright the picture is.
+    pub exposure: Exposure,
     /// From radiance to display.
     pub tone: Tone,
     /// How lobes are answered.
@@ -149,9 +188,12 @@ impl Default for Look {
             roughness: 0.3,
             textured: false,
             metal: [0.95, 0.93, 0.88],
+            paint: Paint::default(),
+            tint: [1.0; 3],
+            roughness_factor: 1.0,
             backdrop: 0.0,
             turn: 0.0,
-            exposure: 0.0,
+            exposure: Exposure::default(),
             tone: Tone::default(),
             filter: Filter::Fitted(4),
             show: Show::default(),
@@ -176,11 +218,12 @@ impl Look {
     /// # Errors
     /// [`Error::Parameter`] naming the value and its range.
     pub fn check(&self) -> Result<()> {
-        let Self { camera, metal: [red, green, blue], .. } = self;
+        let Self { camera, metal: [red, green, blue], tint, .. } = self;
         let within = [
             ("roughness", self.roughness, 0.0, 1.0),
             ("backdrop roughness", self.backdrop, 0.0, 1.0),
-            ("exposure", self.exposure, -40.0, 40.0),
+            ("roughness factor", self.roughness_factor, 0.0, 1.0),
+            ("exposure", self.exposure.ev(0.0), *exposure::RANGE.start(), *exposure::RANGE.end()),
             ("turn", self.turn, -1e6, 1e6),
             ("yaw", camera.yaw, -1e6, 1e6),
             ("pitch", camera.pitch, -std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2),
@@ -189,6 +232,9 @@ impl Look {
             ("red reflectance", f64::from(*red), 0.0, 1.0),
             ("green reflectance", f64::from(*green), 0.0, 1.0),
             ("blue reflectance", f64::from(*blue), 0.0, 1.0),
+            ("red tint", f64::from(tint[0]), 0.0, 1.0),
+            ("green tint", f64::from(tint[1]), 0.0, 1.0),
+            ("blue tint", f64::from(tint[2]), 0.0, 1.0),
         ];
         for (name, value, least, most) in within {
             if !(least..=most).contains(&value) {
@@ -201,6 +247,19 @@ impl Look {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Where the camera stands at first: before the front of a mesh, else where a panorama's middle is seen.
+    #[must_use]
+    pub fn first_camera(&self) -> Camera {
+        let yaw = if self.object == Object::Mesh { FRONT } else { 0.0 };
+        Camera { yaw, ..Camera::default() }
+    }
+
+    /// Whether a mesh's own materials are shown, where it has any.
+    #[must_use]
+    pub fn shows_materials(&self) -> bool {
+        self.object == Object::Mesh && self.paint == Paint::File
     }
 
     /// Whether lobes are asked of the certified tier.

@@ -1,10 +1,14 @@
 //! Triangle meshes: a torus knot, and what glTF and OBJ files hold.
 
-use super::roughness_map::RoughnessMap;
+use super::material::{Image, Material};
+use super::{gltf, obj};
 use crate::error::{Error, Result};
-use glam::{DVec3, Mat4, Vec3};
+use crate::io::confined::Confined;
+use crate::io::panics::contained;
+use crate::io::regular::read_regular;
+use glam::{DMat3, DMat4, DVec3};
 use std::f64::consts::TAU;
-use std::io::Cursor;
+use std::ops::Range;
 use std::path::Path;
 
 /// A corner of a triangle.
@@ -15,8 +19,21 @@ pub struct Vertex {
     pub position: [f32; 3],
     /// The surface's unit normal there.
     pub normal: [f32; 3],
-    /// Where it lies in maps.
+    /// Factor of the base colour, linear.
+    pub colour: [f32; 4],
+    /// Where it lies in the texture of the base colour, and in the viewer's roughness map.
     pub uv: [f32; 2],
+    /// Where it lies in the texture of metalness and roughness.
+    pub surface_uv: [f32; 2],
+}
+
+/// Triangles of one material.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Which of the mesh's indices, whole triangles.
+    pub indices: Range<u32>,
+    /// Which of the mesh's materials; `None` where the file has none.
+    pub material: Option<usize>,
 }
 
 /// Triangles within about 1 of the origin.
@@ -26,12 +43,31 @@ pub struct Mesh {
     pub vertices: Vec<Vertex>,
     /// Three a triangle.
     pub indices: Vec<u32>,
-    /// The file's own roughness map.
-    pub roughness: Option<RoughnessMap>,
+    /// All triangles, by material.
+    pub parts: Vec<Part>,
+    /// The materials of the file.
+    pub materials: Vec<Material>,
+    /// The images of their textures.
+    pub images: Vec<Image>,
 }
 
-/// Most corners that a file may have: more than that is no object to look at.
-const MOST_VERTICES: usize = 20_000_000;
+/// Most corners of a mesh, as read and as drawn.
+pub const MOST_VERTICES: usize = 10_000_000;
+
+/// Most indices of a mesh.
+pub const MOST_INDICES: usize = 6 * MOST_VERTICES;
+
+/// Most bytes of a mesh's file and of all files that it refers to.
+pub const MOST_BYTES: u64 = 1 << 30;
+
+/// The mesh in `bytes`, the file called `name`, which must be whole in itself: .glb, .obj, or .gltf with its
+/// data inside.
+///
+/// # Errors
+/// [`Error::Input`] for a file that holds no mesh, [`Error::Limit`] for a mesh that is too large.
+pub fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
+    Mesh::read_from_memory(Path::new(name), bytes)
+}
 
 impl Mesh {
     /// A torus knot (2, 3): a tube that winds twice about +Y and three times about its own ring.
@@ -60,7 +96,9 @@ impl Mesh {
                 vertices.push(Vertex {
                     position: (here + TUBE * normal).as_vec3().to_array(),
                     normal: normal.as_vec3().to_array(),
+                    colour: [1.0; 4],
                     uv: [6.0 * i as f32 / ALONG as f32, j as f32 / AROUND as f32],
+                    surface_uv: [0.0; 2],
                 });
             }
         }
@@ -71,177 +109,234 @@ impl Mesh {
                 indices.extend([a, b, a + 1, a + 1, b, b + 1]);
             }
         }
-        Self { vertices, indices, roughness: None }
+        let parts = vec![Part { indices: 0..indices.len() as u32, material: None }];
+        Self { vertices, indices, parts, materials: Vec::new(), images: Vec::new() }
     }
 
-    /// The meshes of a file, as one, scaled and moved to within 1 of the origin: glTF (.gltf, .glb) or OBJ. Normals that
-    /// are missing are the triangles'.
+    /// The meshes of a file, as one, scaled and moved to within 1 of the origin: glTF (.gltf, .glb) or OBJ.
+    /// Normals that are missing are the triangles'. Other files that it names must lie in its folder.
     ///
     /// # Errors
-    /// [`Error::Io`] where the system refuses, [`Error::Input`] for a file that holds no mesh.
+    /// Those of [`Mesh::read_within`].
     pub fn read(path: &Path) -> Result<Self> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-        match extension.as_str() {
-            "gltf" => {
-                // Its buffers and images lie beside it.
-                std::fs::metadata(path).map_err(|error| Error::io(path, error))?;
-                let imported = gltf::import(path).map_err(|error| Error::input(path, error.to_string()))?;
-                from_gltf(path, imported)?.normalised(path)
-            }
-            _ => Self::read_from_memory(path, &std::fs::read(path).map_err(|e| Error::io(path, e))?),
-        }
+        Self::read_within(path, None)
     }
 
-    /// [`Mesh::read`] for a file in memory, which must be whole in itself: .glb, .obj, or .gltf with its data inside.
+    /// [`Mesh::read`] for a mesh whose other files lie below the folder `root`, which holds the mesh too.
     ///
     /// # Errors
-    /// [`Error::Input`] for a file that holds no mesh.
-    pub fn read_from_memory(path: &Path, bytes: &[u8]) -> Result<Self> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-        match extension.as_str() {
-            "glb" | "gltf" => {
-                let imported =
-                    gltf::import_slice(bytes).map_err(|error| Error::input(path, error.to_string()))?;
-                from_gltf(path, imported)?.normalised(path)
-            }
-            "obj" => from_obj(path, bytes)?.normalised(path),
-            _ => Err(Error::input(path, "no mesh by its name; .gltf, .glb and .obj are")),
-        }
+    /// [`Error::Io`] where the system refuses, [`Error::Input`] for a file that holds no mesh or refers to
+    /// files that it may not, [`Error::Limit`] for a mesh that is too large.
+    pub fn read_within(path: &Path, root: Option<&Path>) -> Result<Self> {
+        let kind = Kind::of(path)?;
+        let bytes = read_regular(path, MOST_BYTES)?;
+        let left = MOST_BYTES - bytes.len() as u64;
+        let mut files = Confined::below(path, root, left)?;
+        contained(path, || kind.read(path, &bytes, &mut files))
     }
 
-    /// Moved to the origin and scaled to 1; refused where there is nothing to see.
+    /// [`Mesh::read`] for a file in memory, which must be whole in itself: .glb, .obj, or .gltf with its data
+    /// inside.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a file that holds no mesh, [`Error::Limit`] for a mesh that is too large.
+    pub fn read_from_memory(path: &Path, bytes: &[u8]) -> Result<Self> {
+        let kind = Kind::of(path)?;
+        contained(path, || kind.read(path, bytes, &mut Confined::inside(path, MOST_BYTES)))
+    }
+
+    /// Moves the mesh to the origin and scales it to 1; refuses one that cannot be seen.
     fn normalised(mut self, path: &Path) -> Result<Self> {
         if self.indices.is_empty() {
             return Err(Error::input(path, "no triangles"));
         }
-        if let Some(index) = self.indices.iter().find(|index| **index as usize >= self.vertices.len()) {
-            let message = format!("corner {index} is none of its {}", self.vertices.len());
-            return Err(Error::input(path, message));
-        }
-        let places = || self.vertices.iter().map(|vertex| Vec3::from_array(vertex.position));
-        let (low, high) = places().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), place| {
-            (low.min(place), high.max(place))
-        });
+        let place = |vertex: &Vertex| DVec3::from_array(vertex.position.map(f64::from));
+        let (low, high) = self
+            .vertices
+            .iter()
+            .map(place)
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), place| {
+                (low.min(place), high.max(place))
+            });
         let centre = 0.5 * (low + high);
-        let radius = places().map(|place| place.distance(centre)).fold(0.0, f32::max);
+        let radius = self.vertices.iter().map(|vertex| place(vertex).distance(centre)).fold(0.0, f64::max);
         if !(radius.is_finite() && radius > 0.0) {
             return Err(Error::input(path, format!("corners from {low} to {high} make no object")));
         }
         for vertex in &mut self.vertices {
-            vertex.position = ((Vec3::from_array(vertex.position) - centre) / radius).to_array();
-            let normal = Vec3::from_array(vertex.normal).normalize_or(Vec3::Y);
-            vertex.normal = normal.to_array();
+            vertex.position = ((place(vertex) - centre) / radius).as_vec3().to_array();
         }
         Ok(self)
     }
+}
 
-    /// Adds corners and triangles; normals that are missing are the triangles', which then share no corners.
-    fn add(
-        &mut self,
-        positions: &[Vec3],
-        normals: Option<&[Vec3]>,
-        uvs: Option<&[[f32; 2]]>,
-        indices: &[u32],
-    ) {
-        let uv = |k: usize| uvs.and_then(|uvs| uvs.get(k)).copied().unwrap_or_default();
-        let first = self.vertices.len() as u32;
-        if let Some(normals) = normals.filter(|normals| normals.len() == positions.len()) {
-            self.vertices.extend(positions.iter().zip(normals).enumerate().map(|(k, (position, normal))| {
-                Vertex { position: position.to_array(), normal: normal.to_array(), uv: uv(k) }
-            }));
-            self.indices.extend(indices.iter().map(|index| first.saturating_add(*index)));
-            return;
-        }
-        for triangle in indices.chunks_exact(3) {
-            let corners = [0, 1, 2].map(|k| positions.get(triangle[k] as usize).copied());
-            let [Some(a), Some(b), Some(c)] = corners else { continue };
-            let normal = (b - a).cross(c - a).to_array();
-            for (position, index) in [a, b, c].into_iter().zip(triangle) {
-                self.indices.push(self.vertices.len() as u32);
-                self.vertices.push(Vertex { position: position.to_array(), normal, uv: uv(*index as usize) });
-            }
+/// A format of meshes.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Gltf,
+    Obj,
+}
+
+impl Kind {
+    /// What the name of `path` says.
+    fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+        match extension.as_str() {
+            "glb" | "gltf" => Ok(Self::Gltf),
+            "obj" => Ok(Self::Obj),
+            _ => Err(Error::input(path, "no mesh by its name; .gltf, .glb and .obj are")),
         }
     }
 
-    const fn empty() -> Self {
-        Self { vertices: Vec::new(), indices: Vec::new(), roughness: None }
+    fn read(self, path: &Path, bytes: &[u8], files: &mut Confined<'_>) -> Result<Mesh> {
+        match self {
+            Self::Gltf => gltf::read(path, bytes, files),
+            Self::Obj => obj::read(path, bytes),
+        }
     }
 }
 
-type Imported = (gltf::Document, Vec<gltf::buffer::Data>, Vec<gltf::image::Data>);
+/// Attributes of the corners of some triangles, all finite.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corners<'a> {
+    pub(super) positions: &'a [[f32; 3]],
+    pub(super) normals: Option<&'a [[f32; 3]]>,
+    pub(super) colours: Option<&'a [[f32; 4]]>,
+    pub(super) uv: Option<&'a [[f32; 2]]>,
+    pub(super) surface_uv: Option<&'a [[f32; 2]]>,
+}
 
-/// All triangles of the default scene, where its nodes put them.
-fn from_gltf(path: &Path, (document, buffers, images): Imported) -> Result<Mesh> {
-    let mut mesh = Mesh::empty();
-    let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
-        return Err(Error::input(path, "no scene"));
-    };
-    let mut pending: Vec<(gltf::Node<'_>, Mat4)> = scene.nodes().map(|node| (node, Mat4::IDENTITY)).collect();
-    while let Some((node, parent)) = pending.pop() {
-        let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
-        for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
-            if primitive.mode() != gltf::mesh::Mode::Triangles {
+/// A mesh while it is read.
+#[derive(Debug, Default)]
+pub(super) struct Builder {
+    vertices: Vec<Vertex>,
+    materials: Vec<Material>,
+    /// Indices of each material, after those without any.
+    indices: Vec<Vec<u32>>,
+    count: usize,
+}
+
+impl Builder {
+    /// Corners and indices that may still be added.
+    pub(super) fn room(&self) -> (usize, usize) {
+        (MOST_VERTICES - self.vertices.len(), MOST_INDICES - self.count)
+    }
+
+    /// Adds `material`; its index.
+    pub(super) fn add_material(&mut self, material: Material) -> usize {
+        self.materials.push(material);
+        self.materials.len() - 1
+    }
+
+    /// Adds triangles of `material`, moved by `world`. Where normals are missing, each corner gets its
+    /// triangle's.
+    ///
+    /// # Errors
+    /// Why they are refused.
+    pub(super) fn add(
+        &mut self,
+        corners: &Corners<'_>,
+        indices: &[u32],
+        material: Option<usize>,
+        world: DMat4,
+    ) -> Result<(), String> {
+        let count = corners.positions.len();
+        let lengths = [
+            ("NORMAL", corners.normals.map(<[_]>::len)),
+            ("COLOR_0", corners.colours.map(<[_]>::len)),
+            ("TEXCOORD", corners.uv.map(<[_]>::len)),
+            ("TEXCOORD", corners.surface_uv.map(<[_]>::len)),
+        ];
+        for (name, length) in lengths {
+            if let Some(length) = length.filter(|length| *length != count) {
+                return Err(format!("{count} elements of POSITION and {length} of {name}"));
+            }
+        }
+        if let Some(place) = indices.iter().position(|index| *index as usize >= count) {
+            return Err(format!("index {} at place {place} is none of its {count} corners", indices[place]));
+        }
+        let (room, room_of_indices) = self.room();
+        let added = if corners.normals.is_some() { count } else { indices.len() };
+        if added > room || indices.len() > room_of_indices {
+            return Err(format!("more than {MOST_VERTICES} corners or {MOST_INDICES} indices in all"));
+        }
+        let axes = DMat3::from_mat4(world);
+        // A reflection turns triangles over.
+        let mirrored = axes.determinant() < 0.0;
+        // Cofactors: normals stay across surfaces that are stretched, and no matrix is without them.
+        let normal_axes = DMat3::from_cols(
+            axes.y_axis.cross(axes.z_axis),
+            axes.z_axis.cross(axes.x_axis),
+            axes.x_axis.cross(axes.y_axis),
+        ) * if mirrored { -1.0 } else { 1.0 };
+        let mut places = Vec::with_capacity(count);
+        for position in corners.positions {
+            let place = world.transform_point3(DVec3::from_array(position.map(f64::from)));
+            if !place.as_vec3().is_finite() {
+                return Err(format!("a corner lies at {place}"));
+            }
+            places.push(place);
+        }
+        let vertex = |k: usize, normal: DVec3| Vertex {
+            position: places[k].as_vec3().to_array(),
+            normal: unit(normal).as_vec3().to_array(),
+            colour: corners.colours.map_or([1.0; 4], |colours| colours[k]),
+            uv: corners.uv.map_or([0.0; 2], |uv| uv[k]),
+            surface_uv: corners.surface_uv.map_or([0.0; 2], |uv| uv[k]),
+        };
+        let list = material.map_or(0, |material| material + 1);
+        if self.indices.len() <= list {
+            self.indices.resize_with(list + 1, Vec::new);
+        }
+        let (vertices, list) = (&mut self.vertices, &mut self.indices[list]);
+        let first = vertices.len() as u32;
+        for triangle in indices.chunks_exact(3) {
+            let [a, b, c] = [0, 1, 2].map(|k| triangle[k]);
+            let [a, b, c] = if mirrored { [a, c, b] } else { [a, b, c] };
+            if corners.normals.is_some() {
+                list.extend([first + a, first + b, first + c]);
                 continue;
             }
-            let reader = primitive.reader(|buffer| buffers.get(buffer.index()).map(|data| data.0.as_slice()));
-            let Some(positions) = reader.read_positions() else { continue };
-            let positions: Vec<Vec3> =
-                positions.map(|p| world.transform_point3(Vec3::from_array(p))).collect();
-            if mesh.vertices.len() + positions.len() > MOST_VERTICES {
-                return Err(Error::input(path, format!("more than {MOST_VERTICES} corners")));
+            let [p, q, r] = [a, b, c].map(|k| places[k as usize]);
+            let normal = (q - p).cross(r - p);
+            for k in [a, b, c] {
+                list.push(vertices.len() as u32);
+                vertices.push(vertex(k as usize, normal));
             }
-            // Normals go by the inverse's transpose, which stretching does not tilt.
-            let normal_matrix = glam::Mat3::from_mat4(world).inverse().transpose();
-            let normals: Option<Vec<Vec3>> =
-                reader.read_normals().map(|n| n.map(|n| normal_matrix * Vec3::from_array(n)).collect());
-            let uvs: Option<Vec<[f32; 2]>> = reader.read_tex_coords(0).map(|uv| uv.into_f32().collect());
-            let indices: Vec<u32> = match reader.read_indices() {
-                Some(indices) => indices.into_u32().collect(),
-                None => (0..positions.len() as u32).collect(),
-            };
-            if mesh.roughness.is_none() {
-                let texture = primitive.material().pbr_metallic_roughness().metallic_roughness_texture();
-                let image = texture.and_then(|info| images.get(info.texture().source().index()));
-                mesh.roughness = image.and_then(roughness_of);
-            }
-            mesh.add(&positions, normals.as_deref(), uvs.as_deref(), &indices);
         }
-        pending.extend(node.children().map(|child| (child, world)));
+        if let Some(normals) = corners.normals {
+            vertices.extend(
+                normals
+                    .iter()
+                    .enumerate()
+                    .map(|(k, normal)| vertex(k, normal_axes * DVec3::from_array(normal.map(f64::from)))),
+            );
+        }
+        self.count += indices.len();
+        Ok(())
     }
-    Ok(mesh)
+
+    /// The mesh, which has `images`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where there is nothing to see.
+    pub(super) fn finished(self, path: &Path, images: Vec<Image>) -> Result<Mesh> {
+        let mut indices = Vec::with_capacity(self.count);
+        let mut parts = Vec::new();
+        for (list, material) in self.indices.into_iter().zip(std::iter::once(None).chain((0..).map(Some))) {
+            let first = indices.len() as u32;
+            indices.extend(list);
+            if indices.len() as u32 > first {
+                parts.push(Part { indices: first..indices.len() as u32, material });
+            }
+        }
+        let Self { vertices, materials, .. } = self;
+        Mesh { vertices, indices, parts, materials, images }.normalised(path)
+    }
 }
 
-/// The green channel, which is roughness in glTF's metallic-roughness maps.
-fn roughness_of(image: &gltf::image::Data) -> Option<RoughnessMap> {
-    let channels = match image.format {
-        gltf::image::Format::R8G8 => 2,
-        gltf::image::Format::R8G8B8 => 3,
-        gltf::image::Format::R8G8B8A8 => 4,
-        _ => return None,
-    };
-    let texels = image.pixels.chunks_exact(channels).map(|pixel| pixel[1]).collect();
-    Some(RoughnessMap { width: image.width, height: image.height, texels })
-}
-
-fn from_obj(path: &Path, bytes: &[u8]) -> Result<Mesh> {
-    let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
-    // Materials are of no use here, and their files may not be there.
-    let no_materials = |_: &Path| Ok(Default::default());
-    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, no_materials)
-        .map_err(|error| Error::input(path, error.to_string()))?;
-    let mut mesh = Mesh::empty();
-    for model in models {
-        let threes = |values: &[f32]| -> Vec<Vec3> { values.chunks_exact(3).map(Vec3::from_slice).collect() };
-        let positions = threes(&model.mesh.positions);
-        let normals = (!model.mesh.normals.is_empty()).then(|| threes(&model.mesh.normals));
-        // OBJ counts v upwards.
-        let uvs: Vec<[f32; 2]> =
-            model.mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], 1.0 - uv[1]]).collect();
-        let uvs = (!uvs.is_empty()).then_some(uvs);
-        if mesh.vertices.len() + positions.len() > MOST_VERTICES {
-            return Err(Error::input(path, format!("more than {MOST_VERTICES} corners")));
-        }
-        mesh.add(&positions, normals.as_deref(), uvs.as_deref(), &model.mesh.indices);
-    }
-    Ok(mesh)
+/// `vector` at length 1, however short or long it is; +Y where it is zero.
+fn unit(vector: DVec3) -> DVec3 {
+    let largest = vector.abs().max_element();
+    (vector / largest).normalize_or(DVec3::Y)
 }

@@ -7,14 +7,23 @@
 //! truth: reflected directions read back, adaptive lobes ----+        +--present--> tone-mapped pixels
 //! ```
 //!
-//! [`Look`] says what is shown; [`Renderer`] draws it into any texture, in a window or, by [`screenshot()`], into an image.
-//! Surfaces are metals by the split sum: radiance of the lobe around the mirrored view, times what the table of
-//! [`crate::dfg`] says that the metal reflects of white, multiple scattering included.
+//! [`Look`] says what is shown; [`Renderer`] draws it into any texture, in a window or, by [`screenshot()`],
+//! into an image. Surfaces are glTF's metallic-roughness model by the split sum: radiance of the lobe around
+//! the mirrored view, times what the table of [`crate::bake::dfg`] says that the surface reflects of white,
+//! multiple scattering included; and for dielectrics the irradiance of the environment's harmonics. Spheres
+//! and knots are metals, meshes have the materials of their files.
 
+mod accessor;
 mod camera;
+mod frame;
+mod gltf;
+mod levels;
 mod light;
 mod look;
-mod mesh;
+mod material;
+pub mod mesh;
+mod model;
+mod obj;
 mod panel;
 mod present;
 mod renderer;
@@ -27,13 +36,14 @@ mod viewer;
 pub mod web;
 mod window;
 
-pub use camera::Camera;
+pub use camera::{Camera, FRONT};
+pub use levels::Levels;
 pub use light::Light;
-pub use look::{Filter, Look, Object, Show, Tone};
-pub use mesh::{Mesh, Vertex};
+pub use look::{Filter, Look, Object, Paint, Show, Tone};
+pub use material::{Image, Material, Texture, Wrap};
+pub use mesh::{Mesh, Part, Vertex};
 pub use present::Viewport;
 pub use renderer::Renderer;
-pub use roughness_map::RoughnessMap;
 pub use screenshot::{Screenshot, screenshot};
 pub use truth::Truth;
 pub use viewer::Viewer;

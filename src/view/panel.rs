@@ -1,8 +1,9 @@
 //! Sliders and switches.
 
 use super::camera::MAX_PITCH;
-use super::look::{Filter, Look, Object, Show, Tone};
-use egui::{ComboBox, DragValue, Grid, Rect, RichText, ScrollArea, Slider, Ui};
+use super::look::{Filter, Look, Object, Paint, Show, Tone};
+use crate::image::exposure::{self, Exposure};
+use egui::{ComboBox, DragValue, Grid, Rect, RichText, ScrollArea, Slider, SliderClamping, Ui};
 
 /// What the panel changes besides the look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,6 +23,12 @@ pub(super) struct Status<'a> {
     pub(super) adapter: &'a str,
     pub(super) message: Option<&'a str>,
     pub(super) has_mesh: bool,
+    /// Whether the mesh has materials of its own.
+    pub(super) has_materials: bool,
+    /// Whether the environment is a bake with levels of its own.
+    pub(super) has_levels: bool,
+    /// The automatic exposure, in powers of two.
+    pub(super) exposure: f64,
     /// Pixels of the picture, and the share that the certified tier has answered.
     pub(super) size: (u32, u32),
     pub(super) progress: Option<f64>,
@@ -46,10 +53,18 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
         }
         ui.separator();
         ui.spacing_mut().slider_width = SLIDER;
-        ui.label("Roughness");
-        let roughness = Slider::new(&mut look.roughness, 0.0..=1.0).max_decimals(3);
+        let painted = look.shows_materials() && status.has_materials;
+        ui.label(if painted { "Roughness, times the mesh's" } else { "Roughness" });
+        let value = if painted { &mut look.roughness_factor } else { &mut look.roughness };
+        let roughness = Slider::new(value, 0.0..=1.0).max_decimals(3);
         let roughness = ui.add_enabled(look.object != Object::Row, roughness).rect;
-        ui.checkbox(&mut look.textured, "varies over the surface");
+        ui.add_enabled(!painted, egui::Checkbox::new(&mut look.textured, "varies over the surface"));
+        if look.object == Object::Mesh && status.has_materials {
+            let mut own = look.paint == Paint::File;
+            if ui.checkbox(&mut own, "the mesh's own materials").changed() {
+                look.paint = if own { Paint::File } else { Paint::Plain };
+            }
+        }
         ui.separator();
         Grid::new("look").num_columns(2).show(ui, |ui| {
             choice(ui, "Object", &mut look.object, &[
@@ -63,7 +78,7 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 (Filter::Fitted(2), "fitted:2"),
                 (Filter::Fitted(4), "fitted:4"),
                 (Filter::Fitted(8), "fitted:8"),
-                (Filter::Levels, "prefiltered levels"),
+                (Filter::Levels, if status.has_levels { "the bake's own levels" } else { "prefiltered levels" }),
                 (Filter::Adaptive, "adaptive"),
             ], None);
             choice(ui, "Show", &mut look.show, &[
@@ -78,13 +93,21 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 (Tone::Reinhard, "Reinhard"),
                 (Tone::Linear, "linear"),
             ], None);
-            ui.label("Metal");
-            ui.color_edit_button_rgb(&mut look.metal);
+            ui.label(if painted { "Tint" } else { "Metal" });
+            ui.color_edit_button_rgb(if painted { &mut look.tint } else { &mut look.metal });
             ui.end_row();
         });
         ui.separator();
         ui.label("Exposure");
-        ui.add(Slider::new(&mut look.exposure, -8.0..=8.0).step_by(0.01).suffix(" EV"));
+        let mut automatic = look.exposure == Exposure::Auto;
+        let mut ev = look.exposure.ev(status.exposure);
+        let slider = Slider::new(&mut ev, -8.0..=8.0).clamping(SliderClamping::Never).step_by(0.01).suffix(" EV");
+        if ui.add(slider).changed() {
+            look.exposure = Exposure::Ev(ev.clamp(*exposure::RANGE.start(), *exposure::RANGE.end()));
+        } else if ui.checkbox(&mut automatic, "automatic").changed() {
+            let fixed = ev.clamp(*exposure::RANGE.start(), *exposure::RANGE.end());
+            look.exposure = if automatic { Exposure::Auto } else { Exposure::Ev(fixed) };
+        }
         ui.label("Backdrop's roughness");
         ui.add(Slider::new(&mut look.backdrop, 0.0..=1.0).max_decimals(3));
         ui.label("Turn of the environment");

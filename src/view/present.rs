@@ -1,7 +1,8 @@
 //! From a linear picture to what a display shows.
 
 use super::look::{Look, Show, Tone};
-use crate::gpu::{Context, shader};
+use crate::gpu::Context;
+use crate::gpu::device::shader;
 use std::collections::HashMap;
 
 /// The uniform of what a display shows.

@@ -1,21 +1,23 @@
-//! Draws a [`Look`] at a [`Light`]: a linear picture first, then, by [`super::present`], what a display shows of it.
+//! Draws a [`Look`] at a [`Light`]: a linear picture first, then, by [`super::present`], what a display shows
+//! of it.
 
-use super::camera::Frame;
+use super::frame::{Ladder, ViewFrame};
 use super::light::{Light, Passes};
-use super::look::{Ball, Filter, Look, Object, ROW, Show};
-use super::mesh::{Mesh, Vertex};
+use super::look::{Filter, Look, Object, Show};
+use super::mesh::{Mesh, Part, Vertex};
+use super::model::{Model, Surface};
 use super::present::{Presenter, Viewport};
 use super::roughness_map::RoughnessMap;
 use super::textures::{roughness_texture, target, texture_of};
 use super::truth::Asked;
-use crate::dfg::{DfgForm, dfg_table};
+use crate::bake::dfg::{DfgForm, dfg_table};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
+use crate::gpu::Context;
 use crate::gpu::box_filter::SatTextures;
+use crate::gpu::device::timer::Timer;
+use crate::gpu::device::{readback, shader};
 use crate::gpu::fitted::FittedTables;
-use crate::gpu::timer::Timer;
-use crate::gpu::{Context, readback, shader};
-use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -25,36 +27,6 @@ const SPLIT_SUM: u32 = 64;
 const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-
-#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-struct BallUniform {
-    centre: [f32; 3],
-    radius: f32,
-    roughness: f32,
-    pad: [f32; 3],
-}
-
-/// The uniform of a picture.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub(super) struct ViewFrame {
-    eye: [f32; 3],
-    exposure: f32,
-    right: [f32; 3],
-    roughness: f32,
-    up: [f32; 3],
-    backdrop: f32,
-    forward: [f32; 3],
-    levels: f32,
-    metal: [f32; 3],
-    pad: f32,
-    size: [f32; 2],
-    pad_size: [f32; 2],
-    source_from_world: [[f32; 4]; 3],
-    clip_from_world: [[f32; 4]; 4],
-    ball: [BallUniform; ROW as usize],
-}
 
 /// What answers a pixel's question: a shader file, and what it is bound to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -95,15 +67,6 @@ impl Output {
     }
 }
 
-/// A mesh on the GPU.
-#[derive(Debug)]
-struct Buffers {
-    vertices: wgpu::Buffer,
-    indices: wgpu::Buffer,
-    count: u32,
-    roughness: Option<wgpu::TextureView>,
-}
-
 /// Textures as large as the picture.
 #[derive(Debug)]
 struct Targets {
@@ -129,11 +92,11 @@ pub struct Renderer {
     /// A roughness map that changes nothing.
     even: wgpu::TextureView,
     trilinear: wgpu::Sampler,
-    knot: Buffers,
-    mesh: Option<Buffers>,
+    /// What everything but the materials of files is made of.
+    plain: Surface,
+    knot: Model,
+    mesh: Option<Model>,
     truth: wgpu::TextureView,
-    /// The prefiltered cube of the light that was drawn last, and its levels.
-    levels: Option<(wgpu::TextureView, u32)>,
     /// The picture that is there, and the one that is being drawn.
     shown: Option<Targets>,
     next: Option<Targets>,
@@ -179,7 +142,12 @@ impl Renderer {
         let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
-        let frame_entries = [entry(0, buffer), entry(1, flat), entry(2, flat), entry(3, flat)];
+        let image = texture(true, wgpu::TextureViewDimension::D2);
+        // The picture's, then the material's.
+        let frame_entries: Vec<_> = (0..)
+            .zip([buffer, flat, flat, flat, buffer, buffer, image, sampler, image, sampler])
+            .map(|(binding, ty)| entry(binding, ty))
+            .collect();
         let table = dfg_table(SPLIT_SUM, DfgForm::SplitSum, false)?;
         let split_sum: Vec<[f32; 2]> = table.texels.iter().map(|[scale, bias, _]| [*scale, *bias]).collect();
         let renderer = Self {
@@ -205,10 +173,10 @@ impl Renderer {
                 mipmap_filter: wgpu::MipmapFilterMode::Linear,
                 ..Default::default()
             }),
-            knot: Buffers::new(&context, &Mesh::knot())?,
+            plain: Surface::plain(&context),
+            knot: Model::new(&context, &Mesh::knot())?,
             mesh: None,
             truth: texture_of(&context, "truth", SAMPLES, [1; 2], bytemuck::cast_slice(&[0.0_f32; 4])),
-            levels: None,
             shown: None,
             next: None,
             timer: None,
@@ -230,18 +198,21 @@ impl Renderer {
     /// # Errors
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables do not fit the device.
     pub fn light(&mut self, environment: &Environment, inner: Option<u32>) -> Result<Light> {
-        let light = Light::new(&self.context, &self.passes, environment, inner)?;
-        self.levels = None;
-        Ok(light)
+        Light::new(&self.context, &self.passes, environment, inner)
     }
 
     /// Takes `mesh` as the object [`Object::Mesh`].
     ///
     /// # Errors
-    /// [`Error::Limit`] where it does not fit the device.
+    /// [`Error::Limit`] and [`Error::Parameter`] where it does not fit the device.
     pub fn set_mesh(&mut self, mesh: &Mesh) -> Result<()> {
-        self.mesh = Some(Buffers::new(&self.context, mesh)?);
-        Ok(())
+        self.mesh = Some(Model::new(&self.context, mesh)?);
+        self.context.check()
+    }
+
+    /// Whether the mesh has materials of its own.
+    pub(super) fn has_materials(&self) -> bool {
+        self.mesh.as_ref().is_some_and(|mesh| !mesh.surfaces.is_empty())
     }
 
     /// Draws the linear picture, `width` x `height` pixels.
@@ -252,8 +223,8 @@ impl Renderer {
         self.draw_rows(look, light, (width, height), 0..height)
     }
 
-    /// Draws some rows of a picture of `size`: the first begin another, and with the last it takes the place of the one that was
-    /// there. What takes long is drawn in bands, of one look and one size.
+    /// Draws some rows of a picture of `size`: the first begin another, and with the last it takes the place
+    /// of the one that was there. What takes long is drawn in bands, of one look and one size.
     ///
     /// # Errors
     /// Those of [`Renderer::draw`].
@@ -275,19 +246,17 @@ impl Renderer {
         if let Filter::Fitted(count) = look.filter {
             light.fitted().set_count(&self.context, count)?;
         }
-        if source == Source::Levels && self.levels.is_none() {
-            self.levels = Some(light.prefiltered(&self.context)?);
-        }
         let picture = self.next.as_ref().expect("made").picture.clone();
         let done = rows.end >= size.1;
-        self.draw_into(&picture, source, output, look, light, rows);
+        self.draw_into(&picture, source, output, look, light, rows)?;
         if done {
             std::mem::swap(&mut self.shown, &mut self.next);
         }
         self.context.check()
     }
 
-    /// What every pixel of a picture asks of the environment, read back: direction of the world and roughness.
+    /// What every pixel of a picture asks of the environment, read back: direction of the world and
+    /// roughness.
     ///
     /// # Errors
     /// Those of [`Renderer::draw`].
@@ -302,7 +271,7 @@ impl Renderer {
         self.make_next((width, height))?;
         let texture = target(&self.context, "samples", Output::Samples.format(), [width, height]);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        self.draw_into(&view, Source::Truth, Output::Samples, look, light, 0..height);
+        self.draw_into(&view, Source::Truth, Output::Samples, look, light, 0..height)?;
         let context = self.context.clone();
         Ok(async move { readback::read_texture(&context, &texture).await })
     }
@@ -369,18 +338,24 @@ impl Renderer {
         look: &Look,
         light: &Light,
         rows: Range<u32>,
-    ) {
+    ) -> Result<()> {
         let has_mesh = matches!(output, Output::Picture | Output::Error | Output::Samples)
             && matches!(look.object, Object::Knot | Object::Mesh);
         self.pipeline(source, output, false);
         if has_mesh {
             self.pipeline(source, output, true);
         }
+        let cube = if source == Source::Levels { Some(light.levels(&self.context)?) } else { None };
         let Targets { width, height, depth, .. } = self.next.as_ref().expect("made before");
         let frame = look.camera.frame(f64::from(*width) / f64::from(*height));
-        let levels = self.levels.as_ref().map_or(1, |(_, count)| *count);
-        let uniform =
-            ViewFrame::new(look, &frame, light.source_from_world(look.turn), [*width, *height], levels);
+        let uniform = ViewFrame::new(
+            look,
+            &frame,
+            look.exposure.ev(light.exposure()),
+            light.source_from_world(look.turn),
+            [*width, *height],
+            &cube.map_or_else(Ladder::default, |cube| cube.ladder),
+        );
         self.context.queue().write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
 
         let mesh = match look.object {
@@ -389,45 +364,38 @@ impl Renderer {
             Object::Sphere | Object::Row => None,
         }
         .filter(|_| has_mesh);
-        let device = self.context.device();
-        let roughness = match mesh.and_then(|mesh| mesh.roughness.as_ref()) {
-            _ if !look.textured => &self.even,
-            Some(own) => own,
-            None => &self.roughness,
+        let plain = self.frame_group(look, light, &self.plain);
+        let surface = |part: &Part| {
+            let own = part.material.filter(|_| look.shows_materials());
+            own.and_then(|index| mesh?.surfaces.get(index))
         };
-        let textures = [&self.split_sum, roughness, &self.truth];
-        let textures = (1..).zip(textures).map(|(binding, view)| wgpu::BindGroupEntry {
-            binding,
-            resource: wgpu::BindingResource::TextureView(view),
-        });
-        let frame = wgpu::BindGroupEntry { binding: 0, resource: self.frame.as_entire_binding() };
-        let entries: Vec<_> = std::iter::once(frame).chain(textures).collect();
-        let frame = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("view frame"),
-            layout: &self.frame_layout,
-            entries: &entries,
-        });
-        let answers = match source {
-            Source::Box => Some(light.boxes().bind_group(device, &self.boxes_layout)),
-            Source::Fitted => Some(light.fitted().bind_group(device, &self.fitted_layout)),
-            Source::Levels => {
-                let (view, _) = self.levels.as_ref().expect("made before it is drawn");
-                Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("prefiltered cube"),
-                    layout: &self.levels_layout,
-                    entries: &[
-                        wgpu::BindGroupEntry {
-                            binding: 0,
-                            resource: wgpu::BindingResource::TextureView(view),
-                        },
-                        wgpu::BindGroupEntry {
-                            binding: 1,
-                            resource: wgpu::BindingResource::Sampler(&self.trilinear),
-                        },
-                    ],
-                }))
-            }
-            Source::Truth => None,
+        let parts: Vec<(Range<u32>, Option<wgpu::BindGroup>)> = mesh
+            .iter()
+            .flat_map(|mesh| &mesh.parts)
+            .map(|part| {
+                let group = surface(part).map(|surface| self.frame_group(look, light, surface));
+                (part.indices.clone(), group)
+            })
+            .collect();
+        let device = self.context.device();
+        let answers = match (source, cube) {
+            (Source::Box, _) => Some(light.boxes().bind_group(device, &self.boxes_layout)),
+            (Source::Fitted, _) => Some(light.fitted().bind_group(device, &self.fitted_layout)),
+            (Source::Levels, Some(cube)) => Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("prefiltered cube"),
+                layout: &self.levels_layout,
+                entries: &[
+                    wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: wgpu::BindingResource::TextureView(&cube.view),
+                    },
+                    wgpu::BindGroupEntry {
+                        binding: 1,
+                        resource: wgpu::BindingResource::Sampler(&self.trilinear),
+                    },
+                ],
+            })),
+            (Source::Levels, None) | (Source::Truth, _) => None,
         };
         let (first, last) = (rows.start == 0, rows.end >= *height);
         self.context.submit(|encoder| {
@@ -458,19 +426,42 @@ impl Renderer {
                 ..Default::default()
             });
             pass.set_scissor_rect(0, rows.start, *width, rows.end.min(*height) - rows.start);
-            pass.set_bind_group(0, &frame, &[]);
+            pass.set_bind_group(0, &plain, &[]);
             if let Some(answers) = &answers {
                 pass.set_bind_group(1, answers, &[]);
             }
             pass.set_pipeline(&self.pipelines[&(source, output, false)]);
             pass.draw(0..3, 0..1);
-            if let Some(Buffers { vertices, indices, count, .. }) = mesh {
+            if let Some(Model { vertices, indices, .. }) = mesh {
                 pass.set_pipeline(&self.pipelines[&(source, output, true)]);
                 pass.set_vertex_buffer(0, vertices.slice(..));
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..*count, 0, 0..1);
+                for (indices, group) in &parts {
+                    pass.set_bind_group(0, group.as_ref().unwrap_or(&plain), &[]);
+                    pass.draw_indexed(indices.clone(), 0, 0..1);
+                }
             }
         });
+        Ok(())
+    }
+
+    /// What a picture of `look` at `light` binds first, for surfaces of one material.
+    fn frame_group(&self, look: &Look, light: &Light, surface: &Surface) -> wgpu::BindGroup {
+        let roughness = if look.textured { &self.roughness } else { &self.even };
+        let textures = [&self.split_sum, roughness, &self.truth];
+        let textures = (1..).zip(textures).map(|(binding, view)| wgpu::BindGroupEntry {
+            binding,
+            resource: wgpu::BindingResource::TextureView(view),
+        });
+        let buffers = [(0, &self.frame), (4, light.diffuse())];
+        let buffers = buffers
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+        let entries: Vec<_> = buffers.into_iter().chain(textures).chain(surface.entries(5)).collect();
+        self.context.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view frame"),
+            layout: &self.frame_layout,
+            entries: &entries,
+        })
     }
 
     /// Compiles what leaves `output`, for what covers the picture or for meshes.
@@ -505,7 +496,9 @@ impl Renderer {
         let corners = wgpu::VertexBufferLayout {
             array_stride: size_of::<Vertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2],
+            attributes: &wgpu::vertex_attr_array![
+                0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2, 4 => Float32x2
+            ],
         };
         let buffers = [Some(corners)];
         let depth_compare =
@@ -540,7 +533,8 @@ impl Renderer {
         self.pipelines.insert((source, output, of_mesh), pipeline);
     }
 
-    /// Shows the picture drawn last in `viewport` of `view`, tone-mapped, in sRGB; `encoder` has passes before and after.
+    /// Shows the picture drawn last in `viewport` of `view`, tone-mapped, in sRGB; `encoder` has passes
+    /// before and after.
     ///
     /// # Panics
     /// Where nothing was drawn.
@@ -564,70 +558,5 @@ const fn source_of(filter: Filter) -> Source {
         Filter::Fitted(_) => Source::Fitted,
         Filter::Levels => Source::Levels,
         Filter::Adaptive => Source::Truth,
-    }
-}
-
-impl ViewFrame {
-    fn new(look: &Look, frame: &Frame, source_from_world: DMat3, size: [u32; 2], levels: u32) -> Self {
-        let three = |v: DVec3| v.as_vec3().to_array();
-        let mut ball = [BallUniform::default(); ROW as usize];
-        for (uniform, Ball { centre, radius, roughness }) in ball.iter_mut().zip(look.balls()) {
-            *uniform = BallUniform {
-                centre: centre.map(|c| c as f32),
-                radius: radius as f32,
-                roughness: roughness as f32,
-                pad: [0.0; 3],
-            };
-        }
-        Self {
-            eye: three(frame.eye),
-            exposure: look.exposure.exp2() as f32,
-            right: three(frame.right),
-            roughness: look.roughness as f32,
-            up: three(frame.up),
-            backdrop: look.backdrop as f32,
-            forward: three(frame.forward),
-            levels: levels as f32,
-            metal: look.metal,
-            pad: 0.0,
-            size: size.map(|side| side as f32),
-            pad_size: [0.0; 2],
-            source_from_world: [0, 1, 2].map(|c| {
-                let [x, y, z] = three(source_from_world.col(c));
-                [x, y, z, 0.0]
-            }),
-            clip_from_world: frame.clip_from_world.as_mat4().to_cols_array_2d(),
-            ball,
-        }
-    }
-}
-
-impl Buffers {
-    fn new(context: &Context, mesh: &Mesh) -> Result<Self> {
-        let buffer = |label, usage, bytes: &[u8]| {
-            let most = context.device().limits().max_buffer_size;
-            if bytes.len() as u64 > most {
-                return Err(Error::Limit {
-                    what: format!("the mesh's {label}"),
-                    needed: bytes.len() as u64,
-                    available: most,
-                    remedy: "use a mesh of fewer triangles".to_owned(),
-                });
-            }
-            let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: bytes.len() as u64,
-                usage: usage | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-            context.queue().write_buffer(&buffer, 0, bytes);
-            Ok(buffer)
-        };
-        Ok(Self {
-            vertices: buffer("corners", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&mesh.vertices))?,
-            indices: buffer("triangles", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&mesh.indices))?,
-            count: mesh.indices.len() as u32,
-            roughness: mesh.roughness.as_ref().map(|map| roughness_texture(context, map)).transpose()?,
-        })
     }
 }

@@ -1,29 +1,27 @@
-//! Roughness over a surface: a map of the viewer's own, and a mesh's.
+//! Roughness over a plain surface: a map of the viewer's own.
 
 /// Texels along an edge of the viewer's own map.
 const SIZE: u32 = 256;
 
 /// Factors of roughness, row-major; the surface's u runs along rows and v down, both around.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RoughnessMap {
+pub(super) struct RoughnessMap {
     /// Columns.
-    pub width: u32,
+    pub(super) width: u32,
     /// Rows.
-    pub height: u32,
+    pub(super) height: u32,
     /// 0 to 255 for 0 to 1.
-    pub texels: Vec<u8>,
+    pub(super) texels: Vec<u8>,
 }
 
 impl RoughnessMap {
     /// White: roughness stays as it is.
-    #[must_use]
-    pub fn even() -> Self {
+    pub(super) fn even() -> Self {
         Self { width: 1, height: 1, texels: vec![255] }
     }
 
     /// Bands and discs between polished and rough, their edges soft.
-    #[must_use]
-    pub fn own() -> Self {
+    pub(super) fn own() -> Self {
         let texel = |index: u32| {
             let place = |k: u32| (f64::from(k) + 0.5) / f64::from(SIZE);
             let (u, v) = (place(index % SIZE), place(index / SIZE));

@@ -3,7 +3,7 @@
 use super::truth::tolerance;
 use super::{Light, Look, Renderer, Truth, Viewport};
 use crate::error::Result;
-use crate::gpu::readback;
+use crate::gpu::device::readback;
 use image::RgbImage;
 
 /// Size of a picture, and how well it is drawn.
@@ -17,10 +17,12 @@ pub struct Screenshot {
     pub samples: u32,
 }
 
-/// The picture that a window would show of `look`, in sRGB. `truth` answers where the look asks for the certified tier.
+/// The picture that a window would show of `look`, in sRGB. `truth` answers where the look asks for the
+/// certified tier.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for a look or a size that cannot be shown, [`crate::Error::Gpu`] where the device fails.
+/// [`crate::Error::Parameter`] for a look or a size that cannot be shown, [`crate::Error::Gpu`] where the
+/// device fails.
 ///
 /// # Panics
 /// Where the look asks for the certified tier and there is no `truth`.

@@ -1,9 +1,10 @@
-//! The certified tier for the pixels of a picture: what the adaptive filter shows, and what others are measured by.
+//! The certified tier for the pixels of a picture: what the adaptive filter shows, and what others are
+//! measured by.
 
 use super::look::Show;
-use crate::bake::Filter;
 use crate::environment::Environment;
 use crate::error::Result;
+use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::reflector::{Reflector, ReflectorSettings, Workspace};
 use glam::{DMat3, DVec3};
@@ -22,8 +23,8 @@ pub struct Truth {
     reflector: Reflector<'static>,
 }
 
-/// The relRMSE that `show` asks for: of pictures a fifth of what a bake asks for, well below what an eye tells apart; where errors
-/// are shown, the least that has a colour of its own.
+/// The relRMSE that `show` asks for: of pictures a fifth of what a bake asks for, well below what an eye
+/// tells apart; where errors are shown, the least that has a colour of its own.
 pub(super) const fn tolerance(show: Show) -> f64 {
     match show {
         Show::Error => 1e-4,
@@ -41,8 +42,8 @@ impl Truth {
         Ok(Self { reflector })
     }
 
-    /// The radiance that each of a picture's pixels asks for, rows of `width` one after the other; directions are turned by
-    /// `source_from_world`. To a relRMSE of `error`.
+    /// The radiance that each of a picture's pixels asks for, rows of `width` one after the other; directions
+    /// are turned by `source_from_world`. To a relRMSE of `error`.
     ///
     /// # Errors
     /// Those of [`Reflector::lobes`].

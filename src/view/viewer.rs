@@ -1,17 +1,23 @@
-//! What a window shows, whatever windows it is in: the picture, as fine as time allows, and what becomes of files.
+//! What a window shows, whatever windows it is in: the picture, as fine as time allows, and what becomes of
+//! files.
 
+use super::levels::Levels;
 use super::light::Light;
-use super::look::{Look, Object};
+use super::look::{Filter, Look, Object};
 use super::mesh::Mesh;
 use super::panel::{Motion, Status, panel};
 use super::present::Viewport;
 use super::renderer::Renderer;
 use super::truth::{Asked, Truth, tolerance};
+use crate::chain::CubeChain;
 use crate::environment::Environment;
 use crate::error::Result;
 use crate::gpu::Context;
+use crate::io::regular::open_regular;
 use crate::io::{self, ReadOptions};
+use glam::DMat3;
 use std::cell::RefCell;
+use std::io::Read as _;
 use std::path::Path;
 use std::rc::Rc;
 use std::time::Duration;
@@ -184,6 +190,14 @@ impl Viewer {
         })
     }
 
+    /// Takes the levels of the bake whose level 0 the environment is.
+    ///
+    /// # Errors
+    /// Those of [`Light::set_levels`].
+    pub fn set_levels(&mut self, levels: &Levels) -> Result<()> {
+        self.light.set_levels(self.renderer.context(), levels)
+    }
+
     /// The device.
     #[must_use]
     pub const fn context(&self) -> &Context {
@@ -251,14 +265,19 @@ impl Viewer {
         self.message = Some(message);
     }
 
-    /// Takes an environment or a mesh, `bytes` of a file called `path`; where it is neither, says so and goes on with what
-    /// there was.
+    /// Takes an environment or a mesh, `bytes` of a file called `path`; where it is neither, says so and goes
+    /// on with what there was.
     pub fn open(&mut self, path: &Path, bytes: &[u8]) {
         let outcome = if is_mesh(path) {
             Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
         } else {
+            let chain = if is_chain(bytes) {
+                io::read_chain_from_memory(path, bytes, options().memory_limit).ok()
+            } else {
+                None
+            };
             io::read_from_memory(path, bytes, &options())
-                .and_then(|loaded| self.take_environment(&loaded.environment, path))
+                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
         };
         self.message = outcome.err().map(|error| error.to_string());
     }
@@ -268,7 +287,9 @@ impl Viewer {
         let outcome = if is_mesh(path) {
             Mesh::read(path).and_then(|mesh| self.take_mesh(&mesh))
         } else {
-            io::read(path, &options()).and_then(|loaded| self.take_environment(&loaded.environment, path))
+            let chain = if path.is_dir() || starts_as_chain(path) { io::read_chain(path).ok() } else { None };
+            io::read(path, &options())
+                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
         };
         self.message = outcome.err().map(|error| error.to_string());
     }
@@ -276,18 +297,36 @@ impl Viewer {
     fn take_mesh(&mut self, mesh: &Mesh) -> Result<()> {
         self.renderer.set_mesh(mesh)?;
         self.has_mesh = true;
-        self.look.object = Object::Mesh;
+        if self.look.object != Object::Mesh {
+            self.look.object = Object::Mesh;
+            self.look.camera = self.look.first_camera();
+        }
         self.drawn = None;
         Ok(())
     }
 
-    fn take_environment(&mut self, environment: &Environment, path: &Path) -> Result<()> {
-        self.light = self.renderer.light(environment, None)?;
+    /// Takes an environment and, of a bake, its `chain`.
+    fn take_environment(
+        &mut self,
+        environment: &Environment,
+        chain: Option<CubeChain>,
+        path: &Path,
+    ) -> Result<()> {
+        let levels = chain.and_then(|chain| Levels::new(chain, DMat3::IDENTITY).transpose());
+        let mut light = self.renderer.light(environment, None)?;
+        // Levels that cannot be shown leave an environment that can.
+        let taken = levels.map(|levels| light.set_levels(self.renderer.context(), &levels?)).transpose();
+        if light.has_own_levels() {
+            self.look.filter = Filter::Levels;
+        } else if self.light.has_own_levels() && self.look.filter == Filter::Levels {
+            self.look.filter = Look::default().filter;
+        }
+        self.light = light;
         self.name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         self.truth = None;
         self.work = None;
         self.drawn = None;
-        Ok(())
+        taken.map(drop)
     }
 
     /// Whether the next frame will differ from the last.
@@ -515,12 +554,17 @@ impl Viewer {
         });
         let size = self.picture_size();
         self.told = size;
+        let (has_materials, has_levels) = (self.renderer.has_materials(), self.light.has_own_levels());
+        let exposure = self.light.exposure();
         let Self { look, motion, name, adapter, message, has_mesh, times, .. } = self;
         let status = Status {
             environment: name,
             adapter,
             message: message.as_deref(),
             has_mesh: *has_mesh,
+            has_materials,
+            has_levels,
+            exposure,
             size,
             progress,
             times,
@@ -551,4 +595,15 @@ fn coarser((width, height): (u32, u32), coarseness: f64) -> (u32, u32) {
 pub(super) fn is_mesh(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     ["gltf", "glb", "obj"].iter().any(|mesh| extension.eq_ignore_ascii_case(mesh))
+}
+
+/// Whether a file that begins with `bytes` may hold a prefiltered chain: KTX, DDS and OpenEXR.
+fn is_chain(bytes: &[u8]) -> bool {
+    [&b"\xabKTX "[..], b"DDS ", b"\x76\x2f\x31\x01"].iter().any(|magic| bytes.starts_with(magic))
+}
+
+/// [`is_chain`] for the file `path`.
+fn starts_as_chain(path: &Path) -> bool {
+    let mut start = Vec::new();
+    open_regular(path).is_ok_and(|file| file.take(12).read_to_end(&mut start).is_ok() && is_chain(&start))
 }

@@ -1,10 +1,11 @@
 //! The window in a page: what the page calls.
 
-use super::look::{Filter, Look, Object};
+use super::look::{Filter, Look, Object, Paint};
 use super::mesh::Mesh;
 use super::viewer::{Viewer, is_mesh, options};
 use super::window::{Application, Ready, Shown, Start};
-use crate::gpu::shader;
+use crate::gpu::device::shader;
+use crate::image::exposure::Exposure;
 use crate::io;
 use js_sys::Function;
 use serde::{Deserialize, Serialize};
@@ -40,12 +41,22 @@ pub struct Page {
 #[serde(deny_unknown_fields)]
 struct Change {
     roughness: Option<f64>,
+    roughness_factor: Option<f64>,
     backdrop: Option<f64>,
-    exposure: Option<f64>,
+    exposure: Option<ExposureChange>,
     turn: Option<f64>,
     filter: Option<String>,
     object: Option<String>,
+    paint: Option<String>,
     panel: Option<bool>,
+}
+
+/// `"auto"` or a number.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum ExposureChange {
+    Ev(f64),
+    Text(String),
 }
 
 /// What a page is told.
@@ -55,8 +66,11 @@ struct State<'a> {
     message: Option<&'a str>,
     adapter: String,
     roughness: f64,
+    roughness_factor: f64,
+    exposure: String,
     filter: String,
     object: String,
+    paint: String,
     /// Samples of the picture.
     size: (u32, u32),
     /// Whether nothing changes any more.
@@ -68,8 +82,9 @@ struct State<'a> {
 
 #[wasm_bindgen]
 impl Page {
-    /// Shows the environment `bytes`, the file called `name`, on `canvas`, and serves its events from then on. Calls `told`
-    /// without an argument once the device is there, and with a message where the viewer cannot go on.
+    /// Shows the environment `bytes`, the file called `name`, on `canvas`, and serves its events from then
+    /// on. Calls `told` without an argument once the device is there, and with a message where the viewer
+    /// cannot go on.
     ///
     /// # Errors
     /// Where the environment cannot be read, or there is a viewer already.
@@ -80,6 +95,7 @@ impl Page {
         let start = Start {
             environment,
             name: name.to_owned(),
+            levels: None,
             mesh: None,
             look: Look::default(),
             oem_size: None,
@@ -94,8 +110,8 @@ impl Page {
         Ok(page)
     }
 
-    /// Takes an environment or a mesh, `bytes` of the file called `name`; where it is neither, the panel says so and the
-    /// picture stays.
+    /// Takes an environment or a mesh, `bytes` of the file called `name`; where it is neither, the panel says
+    /// so and the picture stays.
     pub fn open(&self, name: &str, bytes: &[u8]) {
         self.act(|viewer| viewer.open(Path::new(name), bytes));
     }
@@ -116,8 +132,11 @@ impl Page {
             message: viewer.message(),
             adapter: viewer.context().describe(),
             roughness: viewer.look().roughness,
+            roughness_factor: viewer.look().roughness_factor,
+            exposure: viewer.look().exposure.to_string(),
             filter: viewer.look().filter.to_string(),
             object: viewer.look().object.to_string(),
+            paint: viewer.look().paint.to_string(),
             size: viewer.picture_size(),
             settled: !viewer.is_busy(),
             panel: viewer.panel(),
@@ -126,8 +145,9 @@ impl Page {
         Ok(serde_json::to_string(&state)?)
     }
 
-    /// Changes what is shown by `change`, an object in JSON of any of roughness, backdrop, exposure, turn, filter and
-    /// object (as [`Filter`] and [`Object`] are written) and panel.
+    /// Changes what is shown by `change`, an object in JSON of any of roughness, roughness_factor, backdrop,
+    /// exposure (a number or "auto"), turn, filter, object and paint (as [`Filter`], [`Object`] and [`Paint`]
+    /// are written) and panel.
     ///
     /// # Errors
     /// Where a field is unknown or its value out of range; nothing is changed then.
@@ -135,15 +155,23 @@ impl Page {
         let change: Change = serde_json::from_str(change)?;
         let filter: Option<Filter> = parsed("filter", change.filter)?;
         let object: Option<Object> = parsed("object", change.object)?;
+        let paint: Option<Paint> = parsed("paint", change.paint)?;
+        let exposure = match change.exposure {
+            Some(ExposureChange::Ev(ev)) => Some(Exposure::Ev(ev)),
+            Some(ExposureChange::Text(text)) => parsed("exposure", Some(text))?,
+            None => None,
+        };
         let set = self.act(|viewer| {
             let was = viewer.look().clone();
             let look = Look {
                 roughness: change.roughness.unwrap_or(was.roughness),
                 backdrop: change.backdrop.unwrap_or(was.backdrop),
-                exposure: change.exposure.unwrap_or(was.exposure),
+                exposure: exposure.unwrap_or(was.exposure),
+                roughness_factor: change.roughness_factor.unwrap_or(was.roughness_factor),
                 turn: change.turn.unwrap_or(was.turn),
                 filter: filter.unwrap_or(was.filter),
                 object: object.unwrap_or(was.object),
+                paint: paint.unwrap_or(was.paint),
                 ..was
             };
             look.check()?;
@@ -211,8 +239,9 @@ impl ApplicationHandler<Ready> for Page {
     }
 }
 
-/// Reads `bytes`, the file called `name`, and forgets them. WebAssembly ends at a panic, and at memory that is not to be had:
-/// a page has a file read by a worker, with an instance of its own, before [`Page::open`] takes it.
+/// Reads `bytes`, the file called `name`, and forgets them. WebAssembly ends at a panic, and at memory that
+/// is not to be had: a page has a file read by a worker, with an instance of its own, before [`Page::open`]
+/// takes it.
 ///
 /// # Errors
 /// Where it is neither an environment nor a mesh.

@@ -1,5 +1,6 @@
 //! A window around a [`Viewer`]: events, the surface, and the panel over the picture.
 
+use super::levels::Levels;
 use super::look::Look;
 use super::mesh::Mesh;
 use super::renderer::Renderer;
@@ -23,6 +24,8 @@ pub struct Start {
     pub environment: Environment,
     /// and what it is called.
     pub name: String,
+    /// The levels of the bake whose level 0 the environment is.
+    pub levels: Option<Levels>,
     /// The object of [`super::Object::Mesh`].
     pub mesh: Option<Mesh>,
     /// How it is shown.
@@ -136,7 +139,10 @@ impl Shown {
         }
         let painter =
             egui_wgpu::Renderer::new(context.device(), format, egui_wgpu::RendererOptions::default());
-        let viewer = Viewer::new(renderer, &start.environment, start.name, start.look, start.oem_size)?;
+        let mut viewer = Viewer::new(renderer, &start.environment, start.name, start.look, start.oem_size)?;
+        if let Some(levels) = &start.levels {
+            viewer.set_levels(levels)?;
+        }
         let egui = egui_winit::State::new(
             egui::Context::default(),
             egui::ViewportId::ROOT,
@@ -262,7 +268,10 @@ impl Shown {
                     Key::Character(text) if text.eq_ignore_ascii_case("h") => {
                         self.viewer.set_panel(!self.viewer.panel());
                     }
-                    Key::Named(NamedKey::Home) => self.viewer.look_mut().camera = super::Camera::default(),
+                    Key::Named(NamedKey::Home) => {
+                        let look = self.viewer.look_mut();
+                        look.camera = look.first_camera();
+                    }
                     _ => {}
                 }
             }

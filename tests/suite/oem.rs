@@ -1,8 +1,9 @@
 //! Environment to OEM: every source texel's energy arrives, where it belongs.
 
-use crate::common::{Look, Random, environment, landmarks, texels};
+use crate::support::common::{Look, Random, environment, landmarks, texels};
 use glam::{DVec2, DVec3};
-use octagloss::cpu::reparameterise::{footprints_from_environment, oem_from_environment};
+use octagloss::cpu::reparameterise::oem_from_environment;
+use octagloss::geometry::footprints::footprints_from_environment;
 use octagloss::oem::{Oem, OemSize};
 use octagloss::sphere::{cube, equirect, octahedral};
 use octagloss::{Environment, Layout, Rgb};
@@ -46,7 +47,8 @@ fn solid_angle(layout: Layout, texel: usize) -> f64 {
     }
 }
 
-/// Every texel that touches a pole, edge midpoint, fold edge, face centre or corner, and some on folds between.
+/// Every texel that touches a pole, edge midpoint, fold edge, face centre or corner, and some on folds
+/// between.
 fn places_of_interest(layout: Layout) -> Vec<usize> {
     let mut places = Vec::new();
     let fold =
@@ -257,7 +259,8 @@ fn borders_are_the_wrapped_interior() {
     }
 }
 
-/// Mean radiance over a target texel by `count`^2 jittered points, uniform in the map and weighted to solid angle.
+/// Mean radiance over a target texel by `count`^2 jittered points, uniform in the map and weighted to solid
+/// angle.
 fn brute_mean(environment: &Environment, count: u32, at: impl Fn(f64, f64) -> (DVec3, f64)) -> [f64; 3] {
     let (mut sum, mut area) = ([0.0; 3], 0.0);
     let mut random = Random::new(u64::from(count));
@@ -273,8 +276,9 @@ fn brute_mean(environment: &Environment, count: u32, at: impl Fn(f64, f64) -> (D
     sum.map(|sum| sum / area)
 }
 
-/// An edge through a texel leaves `count` of its points in doubt, each 1/count^2 of it and on its own: sqrt(count) *
-/// count^-2. Texels differ tenfold, there are a few edges, and four standard deviations: 10 * 4 * 200^-1.5.
+/// An edge through a texel leaves `count` of its points in doubt, each 1/count^2 of it and on its own:
+/// sqrt(count) * count^-2. Texels differ tenfold, there are a few edges, and four standard deviations:
+/// 10 * 4 * 200^-1.5.
 const JITTERED: f64 = 1.5e-2;
 
 #[test]

@@ -1,11 +1,11 @@
 //! The exact summed-area table: scans by equality, boxes by direct sums.
 
-use crate::common::Random;
+use crate::support::common::Random;
 use glam::DVec2;
+use octagloss::analysis::sat_f32::SatF32;
 use octagloss::cpu::sat_scan::scan;
 use octagloss::oem::{Oem, OemSize};
 use octagloss::sat::{FixedPoint, Sat, Scan};
-use octagloss::sat_f32::SatF32;
 use octagloss::sphere::octahedral;
 
 const SCANS: [Scan; 7] = [
@@ -358,8 +358,9 @@ fn fractional_boxes_are_their_shares() {
                 let value = sat.fractional_box(low, high);
                 let expected = direct_fractional(&oem, sat.fixed_point(), low, high);
                 for c in 0..4 {
-                    // Nine products and a thousand shares in double precision. Edges carry 2^-50 of a coordinate,
-                    // which counts for texels up to 1e76 times brighter than their neighbours: of the box's brightest.
+                    // Nine products and a thousand shares in double precision. Edges carry 2^-50 of a
+                    // coordinate, which counts for texels up to 1e76 times brighter than their neighbours: of
+                    // the box's brightest.
                     let scale = expected[c]
                         .max(1e-2 * direct_fractional(&oem, sat.fixed_point(), low.floor(), high.ceil())[c]);
                     let off = (value[c] - expected[c]).abs();

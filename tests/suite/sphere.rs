@@ -1,12 +1,12 @@
 //! The maps of the sphere: round trips, solid angles, wrapping.
 
-use crate::common::{Random, landmarks};
+use crate::support::common::{Random, landmarks};
 use glam::{DVec2, DVec3};
 use octagloss::sphere::{cube, equirect, octahedral};
 use std::f64::consts::{PI, TAU};
 
-/// Fewer than 16 roundings of 2^-53 between a direction and itself, none amplified more than threefold (the steepest
-/// of the maps, the octahedral one, moves a direction by at most 3 for a unit of (u, v)).
+/// Fewer than 16 roundings of 2^-53 between a direction and itself, none amplified more than threefold (the
+/// steepest of the maps, the octahedral one, moves a direction by at most 3 for a unit of (u, v)).
 const ROUND_TRIP: f64 = 16.0 * 3.0 / (1_u64 << 53) as f64;
 
 /// Directions in every octant, on every axis, edge and diagonal, beside them, and all over.
@@ -182,15 +182,15 @@ fn triangulated(
 fn octahedral_discrepancy(n: u32, x: u32, y: u32, solid_angle: f64) -> f64 {
     let half = DVec2::splat(1.0 / f64::from(n));
     let centre = octahedral::texel_centre(n, x, y);
-    // Great circles are straight on each face, so the triangles must not straddle a fold: |u| + |v| = const falls
-    // where u v > 0.
+    // Great circles are straight on each face, so the triangles must not straddle a fold: |u| + |v| = const
+    // falls where u v > 0.
     let expected =
         triangulated(centre - half, centre + half, octahedral::direction_from_oct, |p| p.x * p.y < 0.0);
     (solid_angle / expected - 1.0).abs()
 }
 
-/// L'Huilier takes the differences of nearly equal sides: 32 triangles of at least 1/400 of a radian, each exact to
-/// 2^-53 / (1/400)^2.
+/// L'Huilier takes the differences of nearly equal sides: 32 triangles of at least 1/400 of a radian, each
+/// exact to 2^-53 / (1/400)^2.
 const TRIANGLES: f64 = 32.0 * 160_000.0 / (1_u64 << 53) as f64;
 
 #[test]
@@ -223,8 +223,8 @@ fn panorama_rows_match_simpson_s_rule() {
         for j in 0..height {
             let edge = |k: u32| f64::from(k) / f64::from(height) * PI;
             let (a, b) = (edge(j), edge(j + 1));
-            // 64 panels: the error is (b - a)^5 / (2880 * 64^4), relatively below 1e-7 of the widest row and of any
-            // other far less.
+            // 64 panels: the error is (b - a)^5 / (2880 * 64^4), relatively below 1e-7 of the widest row and
+            // of any other far less.
             let panels = 64;
             let step = (b - a) / f64::from(panels);
             let at = |t: f64| (a + t * step).sin();
@@ -241,7 +241,8 @@ fn panorama_rows_match_simpson_s_rule() {
 
 #[test]
 fn the_density_is_that_of_small_texels() {
-    // A texel's mean density is that of its centre to second order: h^2/24 times a second derivative below 100.
+    // A texel's mean density is that of its centre to second order: h^2/24 times a second derivative below
+    // 100.
     let n = 256;
     let area = (2.0 / f64::from(n)).powi(2);
     let mut greatest: f64 = 0.0;
@@ -261,7 +262,8 @@ fn the_density_is_that_of_small_texels() {
     assert!((greatest / 3_f64.powf(1.5) - 1.0).abs() < 0.01, "5.196 at the face centres, got {greatest}");
 }
 
-/// Texels of the square and its border of `b` for which `wrap` disagrees with the continuous rule at the centre.
+/// Texels of the square and its border of `b` for which `wrap` disagrees with the continuous rule at the
+/// centre.
 fn disagreements(n: u32, b: i64, wrap: impl Fn(i64, i64) -> (i64, i64)) -> (usize, usize) {
     let size = i64::from(n);
     let (mut wrong, mut compared) = (0, 0);

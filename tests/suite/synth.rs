@@ -1,6 +1,6 @@
 //! The synthetic environments: what they show, which way round, and that `hdr/` holds what the program makes.
 
-use crate::written::{names_in, read_exr_rgb, to_half};
+use crate::support::written::{names_in, read_exr_rgb, to_half};
 use glam::DVec3;
 use octagloss::environment::{Environment, Layout, Rgb, luminance};
 use octagloss::io::environment_write::write_environment;
@@ -13,8 +13,8 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-/// Sines and powers may differ in their last bit from one platform to the next, and then a rounding: at most one
-/// step of the file's format, relative to the texel's greatest channel.
+/// Sines and powers may differ in their last bit from one platform to the next, and then a rounding: at most
+/// one step of the file's format, relative to the texel's greatest channel.
 const HALF_STEP: f32 = 1.0 / 1024.0;
 const RGBE_STEP: f32 = 1.0 / 128.0;
 
@@ -59,10 +59,12 @@ fn the_committed_files_are_what_synth_makes() {
         wrong[expected.len() / 2][1] *= 1.05;
         assert_eq!(first_far(&wrong, &expected, step), Some(expected.len() / 2), "{}", recipe.name);
     }
-    // The picture of the README, which a bake of the sky made.
-    total += fs::read(hdr_folder().join("ladder.png")).unwrap().len();
+    // The pictures of the README.
+    for picture in ["cmgen.png", "ladder.png"] {
+        total += fs::read(hdr_folder().join(picture)).unwrap().len();
+    }
     assert!(total < 2 << 20, "{total} bytes");
-    let others = ["README.md", "ladder.png"];
+    let others = ["README.md", "cmgen.png", "ladder.png"];
     let mut expected: Vec<&str> = RECIPES.iter().map(|r| r.file_name).chain(others).collect();
     expected.sort_unstable();
     assert_eq!(names_in(&hdr_folder()), expected);
@@ -112,7 +114,8 @@ fn the_sky_has_a_sun_of_the_right_size_in_the_right_place() {
             others = others.max(bright);
         }
     });
-    // The disc's energy arrives within the accuracy of its supersampling, less the edge texels left out above.
+    // The disc's energy arrives within the accuracy of its supersampling, less the edge texels left out
+    // above.
     let expected = f64::from(SUN_RADIANCE[0]) * 2.0 * PI * (1.0 - SUN_RADIUS.cos());
     assert!((sun_energy / expected - 1.0).abs() < 0.03, "{sun_energy} of {expected}");
     assert!((2..=9).contains(&texels), "{texels} texels");

@@ -1,21 +1,23 @@
-//! The adaptive filter: certified bounds against exhaustive integration, the CPU's cuts replayed, cuts of its own.
+//! The adaptive filter: certified bounds against exhaustive integration, the CPU's cuts replayed, cuts of its
+//! own.
 
 use super::{UNIT, exceeds, wait, with_passes};
-use crate::adaptive::{Examination, FURNACE, Outcome, Question, judge, luminance};
-use crate::common::{Random, environment, landmarks, oem};
+use crate::cpu::adaptive::{Examination, FURNACE, Outcome, Question, judge, luminance};
+use crate::support::common::{Random, environment, landmarks, oem};
 use glam::DVec3;
 use octagloss::Layout;
-use octagloss::bake::Filter;
-use octagloss::cpu::adaptive::{Adaptive, LANES, Packet as CpuPacket, Scratch, leaf_share};
+use octagloss::cpu::adaptive::Adaptive;
 use octagloss::cpu::cells::Cells;
-use octagloss::cpu::kernel::Kernel;
+use octagloss::cpu::leaves::{LANES, Packet as CpuPacket, Scratch};
 use octagloss::cpu::reparameterise::oem_from_environment;
-use octagloss::cpu::tent::Reconstruction;
+use octagloss::filter::Filter;
+use octagloss::geometry::tent::Reconstruction;
 use octagloss::gpu::adaptive::{Answers, Packet, Part};
 use octagloss::gpu::cells::CellTree;
 use octagloss::gpu::engine::{Engine, Reflector};
 use octagloss::gpu::{Context, OemPlanes};
 use octagloss::lobe::Lobe;
+use octagloss::lobe::kernel::{Kernel, leaf_share};
 use octagloss::oem::{Oem, OemSize};
 use octagloss::reflector::ReflectorSettings;
 use octagloss::sphere::cube::{Face, direction_from_texel};
@@ -90,8 +92,9 @@ fn one_wrong_texel_breaks_a_bound() {
     });
 }
 
-/// How far the engines' sums over the same `leaves` may be apart, in units of the sum: the rounding that each certifies
-/// (see `Kernel::rounding` and `Part::uniform`), with `width` the distance over which the kernel changes.
+/// How far the engines' sums over the same `leaves` may be apart, in units of the sum: the rounding that each
+/// certifies (see `Kernel::rounding` and `Part::uniform`), with `width` the distance over which the kernel
+/// changes.
 fn rounding(width: f64, leaves: usize) -> f64 {
     (10.0 / width + 160.0 + 2.0 * leaves as f64) * UNIT
 }
@@ -119,8 +122,9 @@ fn synthetic(inner: u32) -> Vec<(&'static str, Oem)> {
         .into()
 }
 
-/// The lobes of a bake, and sharper and other ones; (what is not continuous, as cones and the widest Phong lobes, may
-/// differ by a whole leaf where a step lies within rounding of its centroid, and is left to the certified bounds).
+/// The lobes of a bake, and sharper and other ones; (what is not continuous, as cones and the widest Phong
+/// lobes, may differ by a whole leaf where a step lies within rounding of its centroid, and is left to the
+/// certified bounds).
 const LOBES: [(Lobe, f64); 8] = [
     (Lobe::Ggx, 0.1),
     (Lobe::Ggx, 0.25),
@@ -211,8 +215,8 @@ fn cuts_of_the_cpu_replayed_agree() {
     });
 }
 
-/// E moved by more than the engines' decisions can be apart: the expected error of a cell is a third-order term, whose
-/// factors the engines' roundings move by up to 4 times what they do to the kernel.
+/// E moved by more than the engines' decisions can be apart: the expected error of a cell is a third-order
+/// term, whose factors the engines' roundings move by up to 4 times what they do to the kernel.
 fn margin(width: f64) -> f64 {
     4.0 * rounding(width, 0)
 }
@@ -306,9 +310,12 @@ fn a_furnace_is_white() {
                 let off = answers.iter().flat_map(|rgb| (0..3).map(|c| (rgb[c] / constant[c] - 1.0).abs()));
                 off.fold(0.0, f64::max)
             };
-            for inner in [1, [3, 17, 5][k], 64] {
+            // Pairs of a Latin square: every lobe meets every layout and every size, a third of their
+            // combinations.
+            for (row, inner) in [1, [3, 17, 5][k], 64].into_iter().enumerate() {
                 let reflector = made_ready(&furnace, inner);
-                for (lobe, roughness) in LOBES.into_iter().chain([(Lobe::Ggx, 0.01), (Lobe::Cone, 0.3)]) {
+                let lobes = LOBES.into_iter().chain([(Lobe::Ggx, 0.01), (Lobe::Cone, 0.3)]);
+                for (lobe, roughness) in lobes.skip((k + row) % 3).step_by(3) {
                     for filter in [Filter::Adaptive(0.005), Filter::Box] {
                         let off = worst(&reflector, lobe, roughness, filter);
                         let told = format!("{layout:?} {inner} {lobe:?} {roughness} {filter:?}");
@@ -326,8 +333,8 @@ fn a_furnace_is_white() {
 
 #[test]
 fn packets_of_every_row_of_a_dispatch_are_served() {
-    // Dispatches have rows of 32768 packets. Nothing lies above the least radiance here, or drivers would take minutes:
-    // what is served holds the least radiance, what is not holds nothing.
+    // Dispatches have rows of 32768 packets. Nothing lies above the least radiance here, or drivers would
+    // take minutes: what is served holds the least radiance, what is not holds nothing.
     let count = 32_768 + 100;
     let packets = vec![Packet::new(&[DVec3::X]); count];
     let oem = oem(OemSize { inner: 2, border: 0 }, &[[1.0; 3]; 4]);
@@ -336,7 +343,7 @@ fn packets_of_every_row_of_a_dispatch_are_served() {
         let cells = CellTree::upload(context, &cells, 2, 2, Reconstruction::Constant);
         let found = evaluate(context, passes, &cells, Kernel::new(Lobe::Ggx, 0.5), 0.5, &packets).lanes;
         assert_eq!(found.len(), count * LANES);
-        let served = |lane: &octagloss::reflector::Answer| lane.radiance == [1.0; 3];
+        let served = |lane: &octagloss::filter::Answer| lane.radiance == [1.0; 3];
         assert_eq!(found.iter().position(|lane| !served(lane)), None, "a lane that was not served");
     });
 }

@@ -1,11 +1,12 @@
 //! Whole bakes of the synthetic environments against the CPU's.
 
 use super::{UNIT, exceeds, wait, with_passes};
-use crate::adaptive::luminance;
-use crate::common::{Look, Random, environment, texels};
-use octagloss::bake::{Bake, BakeSettings, Filter, bake};
-use octagloss::cpu::adaptive::leaf_share;
+use crate::cpu::adaptive::luminance;
+use crate::support::common::{Look, Random, environment, texels};
+use octagloss::bake::{Bake, BakeSettings, bake};
+use octagloss::filter::Filter;
 use octagloss::lobe::Lobe;
+use octagloss::lobe::kernel::leaf_share;
 use octagloss::synth::synth;
 use octagloss::{Environment, Layout, Map};
 
@@ -38,9 +39,9 @@ fn levels(bake: &Bake) -> Vec<&[[f32; 3]]> {
     levels.map(|level| &level.texels[..]).collect()
 }
 
-/// How a bake is judged: the CPU's own, and others with E a little smaller and greater and with the source turned by
-/// what directions are rounded by. Where those agree in a texel no decision lies within rounding of its threshold: the
-/// tolerance, or a cell's touching the horizon or another change of the rule.
+/// How a bake is judged: the CPU's own, and others with E a little smaller and greater and with the source
+/// turned by what directions are rounded by. Where those agree in a texel no decision lies within rounding of
+/// its threshold: the tolerance, or a cell's touching the horizon or another change of the rule.
 struct Judge {
     expected: Bake,
     others: Vec<Bake>,
@@ -50,8 +51,8 @@ struct Judge {
     leaf: f64,
 }
 
-/// More than the engines' expected errors can differ by, relatively: OEMs by 2^-24 times some dozens (see the OEM's own
-/// test), the kernels by 4 (10/alpha + 160) 2^-24 with alpha from 1/9 on: together below 1e-4.
+/// More than the engines' expected errors can differ by, relatively: OEMs by 2^-24 times some dozens (see the
+/// OEM's own test), the kernels by 4 (10/alpha + 160) 2^-24 with alpha from 1/9 on: together below 1e-4.
 const MARGIN: f64 = 1e-4;
 
 /// Degrees that turn directions by some units of 2^-24.
@@ -183,8 +184,8 @@ fn faults_in_bakes_are_seen() {
 fn boxes_bake_as_on_the_cpu() {
     let (_, environment) = environments().swap_remove(1);
     let expected = on_the_cpu(&environment, Filter::Box);
-    // Radiance of the studio spans this much; coordinates move an edge by 24 * 64 units of a texel, four edges, of texels
-    // up to 5.2 times heavier (see the boxes' own test).
+    // Radiance of the studio spans this much; coordinates move an edge by 24 * 64 units of a texel, four
+    // edges, of texels up to 5.2 times heavier (see the boxes' own test).
     let brightest = environment.texels().iter().flatten().copied().fold(0.0, f32::max);
     let allowed = f64::from(brightest) * 4.0 * 5.2 * 24.0 * 64.0 * UNIT;
     with_passes("bakes by boxes", |context, passes| {
@@ -212,7 +213,8 @@ fn every_lobe_bakes_within_its_bounds() {
                 let (Some(own), Some(other)) = (&e.bounds, &f.bounds) else { continue };
                 for k in 0..e.texels.len() {
                     let [e, f] = [e, f].map(|level| luminance(level.texels[k].map(f64::from)));
-                    // Both certify their distance from the same truth; the OEMs' energies are a few 2^-22 apart.
+                    // Both certify their distance from the same truth; the OEMs' energies are a few 2^-22
+                    // apart.
                     let allowed = f64::from(own[k]) + f64::from(other[k]) + 1e-6 * e;
                     let off = (e - f).abs();
                     assert!(off <= allowed, "{lobe:?} texel {k}: {f}, not {e}, on {}", context.describe());

@@ -1,7 +1,7 @@
 //! Boxes over the packed table: integer sums equal the CPU's, radiance within what float32 coordinates allow.
 
 use super::{UNIT, exceeds, wait, with_passes};
-use crate::common::{Look, Random, landmarks, oem, texels};
+use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
 use octagloss::Layout;
 use octagloss::cpu::box_filter::{BoxFilter, StackedBox};
@@ -27,7 +27,8 @@ fn random_sat(random: &mut Random, size: OemSize, look: Look) -> (Oem, Sat) {
     (oem, sat)
 }
 
-/// Boxes inside the square and its border, across every edge and corner, far out, empty, and as large as they come.
+/// Boxes inside the square and its border, across every edge and corner, far out, empty, and as large as they
+/// come.
 fn boxes(random: &mut Random, size: OemSize) -> Vec<[i32; 4]> {
     let (n, b) = (size.inner as i32, size.border as i32);
     let mut boxes = vec![[0, 0, n, n], [-b, -b, n + b, n + b], [1, 1, 1, 1], [0, 0, 2 * n, 2 * n]];
@@ -64,23 +65,28 @@ fn difference(sat: &Sat, boxes: &[[i32; 4]], found: &[[u64; 4]]) -> Option<Strin
     })
 }
 
+/// Holds integer sums of boxes over squares of `sizes` to the CPU's.
+pub(super) fn integer_sums(context: &Context, passes: &Engine, sizes: &[u32]) {
+    let mut random = Random::new(61);
+    for &inner in sizes {
+        for border in [0, 1, 3, inner] {
+            let size = OemSize { inner, border };
+            let look = Look::ALL[((inner + border) % 5) as usize];
+            let (_, sat) = random_sat(&mut random, size, look);
+            let planes = SatPlanes::upload(context, &sat).expect("small planes");
+            let textures = packed(context, passes, &planes);
+            let boxes = boxes(&mut random, size);
+            let found = wait(context, passes.box_filter.sums(context, &textures, &boxes));
+            let difference = difference(&sat, &boxes, &found);
+            assert_eq!(difference, None, "{look:?} {size:?} on {}", context.describe());
+        }
+    }
+}
+
 #[test]
 fn integer_sums_equal_the_cpu_s() {
     with_passes("integer boxes", |context, passes| {
-        let mut random = Random::new(61);
-        for inner in [1, 2, 3, 5, 8, 17, 64] {
-            for border in [0, 1, 3, inner] {
-                let size = OemSize { inner, border };
-                let look = Look::ALL[((inner + border) % 5) as usize];
-                let (_, sat) = random_sat(&mut random, size, look);
-                let planes = SatPlanes::upload(context, &sat).expect("small planes");
-                let textures = packed(context, passes, &planes);
-                let boxes = boxes(&mut random, size);
-                let found = wait(context, passes.box_filter.sums(context, &textures, &boxes));
-                let difference = difference(&sat, &boxes, &found);
-                assert_eq!(difference, None, "{look:?} {size:?} on {}", context.describe());
-            }
-        }
+        integer_sums(context, passes, &[1, 2, 3, 5, 8, 17, 64]);
     });
 }
 
@@ -145,11 +151,11 @@ fn box_around(n: f64, direction: DVec3, solid_angle: f64) -> (DVec2, f64) {
 
 /// How far the radiance of a box may be from the CPU's, a channel each.
 ///
-/// In float32 a place (u, v) takes 6 roundings of at most 1 and the place in texels one of n; the density 8, its square
-/// root and quotients 8 more of the half side, which is at most n; each end of a side one more: together below 24 n
-/// units. Every edge moved by that much trades as many texels of its side, up to 5.2 times heavier than others, whose
-/// radiances are `spread` apart. Nine non-negative products, conversions of 64 bits and the quotient make 24 units of
-/// the value.
+/// In float32 a place (u, v) takes 6 roundings of at most 1 and the place in texels one of n; the density 8,
+/// its square root and quotients 8 more of the half side, which is at most n; each end of a side one more:
+/// together below 24 n units. Every edge moved by that much trades as many texels of its side, up to 5.2
+/// times heavier than others, whose radiances are `spread` apart. Nine non-negative products, conversions of
+/// 64 bits and the quotient make 24 units of the value.
 fn bound(oem: &Oem, direction: DVec3, solid_angle: f64, value: [f64; 3]) -> [f64; 3] {
     let n = oem.size().inner;
     let (centre, half) = box_around(f64::from(n), direction, solid_angle);

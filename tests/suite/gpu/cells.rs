@@ -1,14 +1,15 @@
 //! The quadtree of moments against the CPU's, within what float32 sums allow.
 
 use super::{UNIT, exceeds, wait, with_passes};
-use crate::common::{Look, Random, oem, texels};
+use crate::support::common::{Look, Random, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
 use octagloss::cpu::cells::Cells;
-use octagloss::cpu::tent::Reconstruction;
 use octagloss::environment::LUMINANCE;
+use octagloss::geometry::tent::Reconstruction;
+use octagloss::gpu::device::readback;
 use octagloss::gpu::engine::Engine;
-use octagloss::gpu::{Context, OemPlanes, readback};
+use octagloss::gpu::{Context, OemPlanes};
 use octagloss::oem::{Oem, OemSize};
 
 /// Fields of four siblings, as `shaders/common/quad.wgsl` orders them.
@@ -31,15 +32,17 @@ fn built(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reco
     wait(context, readback::read(context, tree.quads()))
 }
 
-/// Raw luminance of the texels of a cell, and whether some texel's luminance above the least is lost in rounding.
+/// Raw luminance of the texels of a cell, and whether some texel's luminance above the least is lost in
+/// rounding.
 #[derive(Clone, Copy, Default)]
 struct Raw {
     luminance: f64,
     unclear: bool,
 }
 
-/// Units in which a texel's luminance above the least may differ between the engines, of the raw luminance E: the
-/// least c takes 6 of c*w <= E, the product 2, the difference 2, and the luminance's products and sums 4 on each side.
+/// Units in which a texel's luminance above the least may differ between the engines, of the raw luminance E:
+/// the least c takes 6 of c*w <= E, the product 2, the difference 2, and the luminance's products and sums 4
+/// on each side.
 const TEXEL: f64 = 18.0;
 
 struct Case<'a> {
@@ -68,7 +71,8 @@ impl Case<'_> {
         (width, cells)
     }
 
-    /// The first cell of `found` that is not the CPU's within its bound, or does not reach as far as its members.
+    /// The first cell of `found` that is not the CPU's within its bound, or does not reach as far as its
+    /// members.
     fn difference(&self, found: &[Quad]) -> Option<String> {
         let Self { oem, block, spread } = *self;
         let expected = Cells::new(oem, block, spread).quad_fields();
@@ -80,8 +84,8 @@ impl Case<'_> {
         let (mut first, mut finer, mut level) = (0, None, 0);
         while first < expected.len() {
             let quads = width.div_ceil(2);
-            // Nothing in a cell is farther apart than this: directions move by less than 3 a unit of (u, v), and
-            // texels are spread by up to half of one more on each side.
+            // Nothing in a cell is farther apart than this: directions move by less than 3 a unit of (u, v),
+            // and texels are spread by up to half of one more on each side.
             let side = (f64::from(block << level) + 1.0) * 2.0 / n;
             let bound = Bound::new(level, block, (3.0 * 2_f64.sqrt() * side).min(2.0));
             let mut parents = vec![Raw::default(); (quads * quads) as usize];
@@ -160,9 +164,9 @@ impl Bound {
             // Nothing but rounding is left above the least radiance; where it lies means nothing.
             return None;
         }
-        // Weights off by `relative` move a mean by that share of the extent, once for the cell's own members and once
-        // for each merge below, in numerator and denominator of both engines: four. Differences, products and quotients
-        // of directions take another 16 units.
+        // Weights off by `relative` move a mean by that share of the extent, once for the cell's own members
+        // and once for each merge below, in numerator and denominator of both engines: four. Differences,
+        // products and quotients of directions take another 16 units.
         let relative = noise / (expected[LUMINANCE_FIELD] - noise);
         let centroid = (merges + 1.0) * (4.0 * relative * extent + 16.0 * UNIT);
         // Squares of distances from it: twice the distance times its error, weights as before, and 16 units.

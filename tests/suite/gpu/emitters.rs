@@ -1,25 +1,27 @@
 //! Emitters and the rest on the GPU against the CPU's, within derived bounds.
 
 use super::{UNIT, exceeds, wait, with_passes};
-use crate::common::{Look, Random, oem, texels};
+use crate::support::common::{Look, Random, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
-use octagloss::cpu::emitters::{Emitter, GRID, taken_out};
 use octagloss::gpu::engine::Engine;
 use octagloss::gpu::fitted::FittedTables;
 use octagloss::gpu::{Context, OemPlanes};
 use octagloss::lobe::{Lobe, kernel_integral};
 use octagloss::oem::{Oem, OemSize};
+use octagloss::realtime::emitters::{Emitter, GRID, taken_out};
 use octagloss::sphere::octahedral::oct_from_direction;
 
 /// What float32 leaves open of the emitters of one OEM.
 ///
-/// Sums are the same on both sides, in the same order; a quotient is off by 5 units of 2^-24 on the GPU and by 1 here.
-/// Brightness and the brightest that is left are quotients, their quotient is one more: what a cell keeps is off by 18
-/// units, relatively, and so, with a product, are the texels of the rest; what it gives, by 19 units of all it had.
+/// Sums are the same on both sides, in the same order; a quotient is off by 5 units of 2^-24 on the GPU and
+/// by 1 here. Brightness and the brightest that is left are quotients, their quotient is one more: what a
+/// cell keeps is off by 18 units, relatively, and so, with a product, are the texels of the rest; what it
+/// gives, by 19 units of all it had.
 pub(super) struct Open {
     block: u32,
-    /// Of directions: 8 units of a component of each texel's, 8 of its share, sums of `block`^2 of them, and a quotient.
+    /// Of directions: 8 units of a component of each texel's, 8 of its share, sums of `block`^2 of them, and
+    /// a quotient.
     direction: f64,
     /// Of the mean squared distance: twice the cell's reach times what directions are off by, twice.
     spread: f64,
@@ -38,10 +40,15 @@ impl Open {
         Self { block, direction, spread: 4.0 * reach * direction + (16.0 + sums) * UNIT * reach * reach }
     }
 
-    /// Energy of the cell that `emitter` comes from, that of what it keeps included.
-    fn energy(&self, oem: &Oem, emitter: &Emitter) -> [f64; 3] {
+    /// Column and row of the cell of `oem` that `emitter` comes from.
+    fn cell(&self, oem: &Oem, emitter: &Emitter) -> [u32; 2] {
         let place = (oct_from_direction(emitter.direction) + 1.0) * f64::from(oem.size().inner) / 2.0;
-        let corner = [place.x, place.y].map(|place| place as u32 / self.block * self.block);
+        [place.x, place.y].map(|place| place as u32 / self.block)
+    }
+
+    /// Energy of that cell, that of what it keeps included.
+    fn energy(&self, oem: &Oem, emitter: &Emitter) -> [f64; 3] {
+        let corner = self.cell(oem, emitter).map(|cell| cell * self.block);
         let mut sum = [0.0; 3];
         for (i, j) in (0..self.block).flat_map(|j| (0..self.block).map(move |i| (i, j))) {
             let texel = oem.texel(corner[0] + i, corner[1] + j);
@@ -52,8 +59,9 @@ impl Open {
 
     /// How far what `emitter` adds to a lobe of `alpha` around `direction` may be from the CPU's.
     ///
-    /// s is off by d/2 times what directions are, relatively to s + alpha^2 at most by that over 2 alpha, which counts twice;
-    /// alpha^2 by half of the spread's, three times; at the horizon, where the lobe ends, by what its peak's tail is there.
+    /// s is off by d/2 times what directions are, relatively to s + alpha^2 at most by that over 2 alpha,
+    /// which counts twice; alpha^2 by half of the spread's, three times; at the horizon, where the lobe ends,
+    /// by what its peak's tail is there.
     pub(super) fn of_radiance(&self, oem: &Oem, emitter: &Emitter, alpha: f64, direction: DVec3) -> [f64; 3] {
         let sums = f64::from(self.block * self.block);
         let off = self.direction + 4.0 * UNIT;
@@ -71,7 +79,7 @@ impl Open {
 fn taken_out_by_gpu(context: &Context, passes: &Engine, oem: &Oem) -> (Vec<Emitter>, Oem) {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let tables = FittedTables::new(context, oem.size().inner, 1).expect("small tables");
-    let (stage, rest) = passes.build_fitted.emitters.stage(context, &planes, &tables).expect("small planes");
+    let (stage, rest) = passes.build_fitted.emitters.stage(context, &planes, &tables);
     context.submit(|encoder| stage.record(encoder));
     (wait(context, tables.read_emitters(context)), wait(context, rest.read(context)))
 }
@@ -86,14 +94,10 @@ fn difference(oem: &Oem, (emitters, rest): &(Vec<Emitter>, Oem)) -> Option<Strin
             return Some(format!("a texel of {before:?} is {found:?}, not {expected:?}"));
         }
     }
-    let cell = |emitter: &Emitter| {
-        let place = (oct_from_direction(emitter.direction) + 1.0) * f64::from(oem.size().inner) / 2.0;
-        [place.x, place.y].map(|place| place as u32 / open.block)
-    };
     let mut left: Vec<&Emitter> = expected.iter().collect();
     for emitter in emitters {
         let energy = open.energy(oem, emitter);
-        let place = left.iter().position(|other| cell(other) == cell(emitter));
+        let place = left.iter().position(|other| open.cell(oem, other) == open.cell(oem, emitter));
         let Some(other) = place.map(|place| left.remove(place)) else {
             // Cells as bright as the brightest that is left are emitters or none.
             if (0..3).any(|c| exceeds(emitter.energy[c], KEPT * energy[c])) {
@@ -139,39 +143,43 @@ fn the_brightest_and_the_faintest_light_make_emitters_too() {
     });
 }
 
+/// Holds emitters and the rest of random squares (inner texels, border, look) to the CPU's.
+pub(super) fn emitters(context: &Context, passes: &Engine, cases: &[(u32, u32, Look)]) {
+    let mut random = Random::new(133);
+    for &(inner, border, look) in cases {
+        let size = OemSize { inner, border };
+        let oem = oem(size, &texels(&mut random, look, Layout::Octahedral { size: inner }));
+        let found = taken_out_by_gpu(context, passes, &oem);
+        let name = format!("{look:?} {inner} + {border} on {}", context.describe());
+        assert_eq!(difference(&oem, &found), None, "{name}");
+        let seen = |fault: &dyn Fn(&mut Emitter)| {
+            let mut wrong = found.clone();
+            fault(&mut wrong.0[0]);
+            difference(&oem, &wrong).is_some()
+        };
+        let whole = Open::new(inner).energy(&oem, &found.0[0]);
+        assert!(seen(&|emitter| emitter.energy[2] += 1e-5 * whole[2]), "a little more energy, {name}");
+        let side = found.0[0].direction.any_orthonormal_vector();
+        assert!(seen(&|emitter| emitter.direction += 1e-4 * side), "a little aside, {name}");
+        assert!(seen(&|emitter| emitter.spread *= 1.3), "a third wider, {name}");
+        let missing = (found.0[1..].to_vec(), found.1.clone());
+        assert!(difference(&oem, &missing).is_some(), "one missing, {name}");
+        let mut texels = found.1.texels().to_vec();
+        texels[5][0] = texels[5][0] * 1.00001 + if look == Look::Lone { 1e-5 } else { 0.0 };
+        let brighter = (found.0.clone(), Oem::from_bordered(size, texels));
+        assert!(difference(&oem, &brighter).is_some(), "a texel a little brighter, {name}");
+    }
+}
+
 #[test]
 fn emitters_and_the_rest_are_the_cpu_s() {
-    with_passes("emitters", |context, passes| {
-        let mut random = Random::new(133);
-        for (inner, border, look) in [
-            (16, 0, Look::Noise),
-            (64, 7, Look::Suns),
-            (128, 0, Look::Smooth),
-            (512, 3, Look::Noise),
-            (1024, 0, Look::Suns),
-            (256, 0, Look::Lone),
-        ] {
-            let size = OemSize { inner, border };
-            let oem = oem(size, &texels(&mut random, look, Layout::Octahedral { size: inner }));
-            let found = taken_out_by_gpu(context, passes, &oem);
-            let name = format!("{look:?} {inner} + {border} on {}", context.describe());
-            assert_eq!(difference(&oem, &found), None, "{name}");
-            let seen = |fault: &dyn Fn(&mut Emitter)| {
-                let mut wrong = found.clone();
-                fault(&mut wrong.0[0]);
-                difference(&oem, &wrong).is_some()
-            };
-            let whole = Open::new(inner).energy(&oem, &found.0[0]);
-            assert!(seen(&|emitter| emitter.energy[2] += 1e-5 * whole[2]), "a little more energy, {name}");
-            let side = found.0[0].direction.any_orthonormal_vector();
-            assert!(seen(&|emitter| emitter.direction += 1e-4 * side), "a little aside, {name}");
-            assert!(seen(&|emitter| emitter.spread *= 1.3), "a third wider, {name}");
-            let missing = (found.0[1..].to_vec(), found.1.clone());
-            assert!(difference(&oem, &missing).is_some(), "one missing, {name}");
-            let mut texels = found.1.texels().to_vec();
-            texels[5][0] = texels[5][0] * 1.00001 + if look == Look::Lone { 1e-5 } else { 0.0 };
-            let brighter = (found.0.clone(), Oem::from_bordered(size, texels));
-            assert!(difference(&oem, &brighter).is_some(), "a texel a little brighter, {name}");
-        }
-    });
+    let cases = [
+        (16, 0, Look::Noise),
+        (64, 7, Look::Suns),
+        (128, 0, Look::Smooth),
+        (512, 3, Look::Noise),
+        (1024, 0, Look::Suns),
+        (256, 0, Look::Lone),
+    ];
+    with_passes("emitters", |context, passes| emitters(context, passes, &cases));
 }

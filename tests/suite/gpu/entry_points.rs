@@ -26,7 +26,7 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
     (
         "blur.wgsl",
         "blur",
-        [blur::EDGE, blur::EDGE, 1],
+        [octagloss::gpu::octaves::EDGE, octagloss::gpu::octaves::EDGE, 1],
         &[
             (0, "uniform table"),
             (1, "read red"),
@@ -156,8 +156,8 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
         [fixed_point::GROUP_SIZE, 1, 1],
         &[(0, "uniform table"), (5, "write partials"), (6, "write exponents")],
     ),
-    ("fixed_point.wgsl", "greatest", [fixed_point::GROUP_SIZE, 1, 1], EXPONENT_INPUT),
-    ("fixed_point.wgsl", "totals", [fixed_point::GROUP_SIZE, 1, 1], EXPONENT_INPUT),
+    ("fixed_point.wgsl", "greatest", [fixed_point::GROUP_SIZE, 1, 1], PARTIALS),
+    ("fixed_point.wgsl", "totals", [fixed_point::GROUP_SIZE, 1, 1], PARTIALS),
     (
         "harmonics.wgsl",
         "sum_of_all",
@@ -196,19 +196,7 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
         [fixed_point::GROUP_SIZE, 1, 1],
         &[(0, "uniform table"), (5, "write partials"), (6, "write least")],
     ),
-    (
-        "least.wgsl",
-        "least_of_groups",
-        [fixed_point::GROUP_SIZE, 1, 1],
-        &[
-            (0, "uniform table"),
-            (1, "read red"),
-            (2, "read green"),
-            (3, "read blue"),
-            (4, "read solid_angle"),
-            (5, "write partials"),
-        ],
-    ),
+    ("least.wgsl", "least_of_groups", [fixed_point::GROUP_SIZE, 1, 1], PARTIALS),
     (
         "mirror.wgsl",
         "mirror",
@@ -268,19 +256,7 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
         [256, 1, 1],
         &[(0, "uniform table"), (5, "write partials"), (6, "write mean")],
     ),
-    (
-        "sat_f32.wgsl",
-        "sums_of_groups",
-        [256, 1, 1],
-        &[
-            (0, "uniform table"),
-            (1, "read red"),
-            (2, "read green"),
-            (3, "read blue"),
-            (4, "read solid_angle"),
-            (5, "write partials"),
-        ],
-    ),
+    ("sat_f32.wgsl", "sums_of_groups", [256, 1, 1], PARTIALS),
     (
         "sat_hensley.wgsl",
         "double_sums",
@@ -338,7 +314,7 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
     ),
 ];
 
-const EXPONENT_INPUT: Bindings = &[
+const PARTIALS: Bindings = &[
     (0, "uniform table"),
     (1, "read red"),
     (2, "read green"),

@@ -1,22 +1,24 @@
-//! The real-time tier: blurred tables equal the CPU's to the last bit, harmonics and radiance within what float32 allows.
+//! The real-time tier: blurred tables equal the CPU's to the last bit, harmonics and radiance within what
+//! float32 allows.
 
 use super::emitters::Open;
 use super::{UNIT, exceeds, wait, with_passes};
-use crate::adaptive::{ask, reflector};
-use crate::common::{Look, Random, environment, landmarks, oem, texels};
+use crate::cpu::adaptive::{ask, reflector};
+use crate::support::common::{Look, Random, environment, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
-use octagloss::bake::{BakeSettings, Filter, bake};
+use octagloss::bake::{BakeSettings, bake};
 use octagloss::cpu::blur::blurred;
-use octagloss::cpu::emitters::{Emitter, taken_out};
-use octagloss::fitted::triangle::triangle_from_oct;
-use octagloss::fitted::{COUNTS, KNOTS, SoftBox, Table};
-use octagloss::gpu::blur::BORDER;
+use octagloss::filter::{Answer, Filter};
 use octagloss::gpu::engine::{Engine, Reflector};
 use octagloss::gpu::fitted::FittedTables;
+use octagloss::gpu::octaves::BORDER;
 use octagloss::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::lobe::{self, Lobe};
 use octagloss::oem::{Oem, OemSize};
-use octagloss::reflector::{Answer, Reflector as CpuReflector, ReflectorSettings};
+use octagloss::realtime::emitters::{Emitter, taken_out};
+use octagloss::realtime::tables::triangle::triangle_from_oct;
+use octagloss::realtime::tables::{COUNTS, KNOTS, SoftBox, Table};
+use octagloss::reflector::{Reflector as CpuReflector, ReflectorSettings};
 use octagloss::sat::{Sat, Scan};
 use octagloss::sh;
 use octagloss::sphere::octahedral::{oct_from_direction, wrap_texel};
@@ -54,44 +56,47 @@ fn difference(expected: &Sat, entries: &[[u64; 4]], [inner, border]: [u32; 2]) -
     })
 }
 
+/// Holds the blurred tables over random squares (inner texels, border, look) to the CPU's.
+pub(super) fn blurred_tables(context: &Context, passes: &Engine, cases: &[(u32, u32, Look)]) {
+    let mut random = Random::new(91);
+    for &(inner, border, look) in cases {
+        let oem = random_oem(&mut random, OemSize { inner, border }, look);
+        let tables = tables(context, passes, &oem, 4);
+        // Of what emitters leave, which is of floats, by the GPU's own word.
+        let planes = OemPlanes::upload(context, &oem).expect("small planes");
+        let emitters = &passes.build_fitted.emitters;
+        let (stage, rest) = emitters.stage(context, &planes, &tables);
+        context.submit(|encoder| stage.record(encoder));
+        let rest = wait(context, rest.read(context));
+        assert_ne!(rest, oem, "emitters are taken out");
+        let sat = Sat::new(&rest, Scan::default());
+        for octave in octaves(inner) {
+            let expected = blurred(&sat, octave);
+            let (mut entries, size) = wait(context, tables.read_blurred(context, octave));
+            let wrong = difference(&expected, &entries, size);
+            let name = format!("{look:?} {inner} + {border} octave {octave} on {}", context.describe());
+            assert_eq!(wrong, None, "{name}");
+            // One unit of one channel of one entry shows.
+            let at = random.below(entries.len() as u32) as usize;
+            entries[at][random.below(4) as usize] ^= 1;
+            assert!(difference(&expected, &entries, size).is_some(), "one wrong bit, {name}");
+        }
+    }
+}
+
 #[test]
 fn blurred_tables_are_the_cpu_s_to_the_last_bit() {
-    with_passes("blurred tables", |context, passes| {
-        let mut random = Random::new(91);
-        for (inner, border, look) in
-            [(16, 0, Look::Noise), (32, 3, Look::Suns), (128, 0, Look::Suns), (256, 0, Look::Noise)]
-        {
-            let oem = random_oem(&mut random, OemSize { inner, border }, look);
-            let tables = tables(context, passes, &oem, 4);
-            // Of what emitters leave, which is of floats, by the GPU's own word.
-            let planes = OemPlanes::upload(context, &oem).expect("small planes");
-            let emitters = &passes.build_fitted.emitters;
-            let (stage, rest) = emitters.stage(context, &planes, &tables).expect("small planes");
-            context.submit(|encoder| stage.record(encoder));
-            let rest = wait(context, rest.read(context));
-            assert_ne!(rest, oem, "emitters are taken out");
-            let sat = Sat::new(&rest, Scan::default());
-            for octave in octaves(inner) {
-                let expected = blurred(&sat, octave);
-                let (mut entries, size) = wait(context, tables.read_blurred(context, octave));
-                let wrong = difference(&expected, &entries, size);
-                let name = format!("{look:?} {inner} + {border} octave {octave} on {}", context.describe());
-                assert_eq!(wrong, None, "{name}");
-                // One unit of one channel of one entry shows.
-                let at = random.below(entries.len() as u32) as usize;
-                entries[at][random.below(4) as usize] ^= 1;
-                assert!(difference(&expected, &entries, size).is_some(), "one wrong bit, {name}");
-            }
-        }
-    });
+    let cases = [(16, 0, Look::Noise), (32, 3, Look::Suns), (128, 0, Look::Suns), (256, 0, Look::Noise)];
+    with_passes("blurred tables", |context, passes| blurred_tables(context, passes, &cases));
 }
 
 /// The first coefficient that is further from the CPU's than float32 sums are.
 fn harmonics_difference(expected: &[[f64; 4]; 25], found: &[[f64; 4]; 25]) -> Option<String> {
     (0..25).flat_map(|k| (0..4).map(move |c| (k, c))).find_map(|(k, c)| {
         let (e, f) = (expected[k][c], found[k][c]);
-        // Each term takes 24 roundings, its basis of at most sqrt((2n + 1)/4pi) among them, and then goes through 128
-        // sums of a batch, 4 of a workgroup and 128 of all; the integral of the basis is at most that of its greatest value.
+        // Each term takes 24 roundings, its basis of at most sqrt((2n + 1)/4pi) among them, and then goes
+        // through 128 sums of a batch, 4 of a workgroup and 128 of all; the integral of the basis is at most
+        // that of its greatest value.
         let order = (k as f64).sqrt().floor();
         let total = expected[0][c] * (4.0 * std::f64::consts::PI).sqrt();
         let bound =
@@ -101,25 +106,29 @@ fn harmonics_difference(expected: &[[f64; 4]; 25], found: &[[f64; 4]; 25]) -> Op
     })
 }
 
+/// Holds the harmonics of random squares (inner texels, border, look) to the CPU's.
+pub(super) fn harmonics(context: &Context, passes: &Engine, cases: &[(u32, u32, Look)]) {
+    let mut random = Random::new(92);
+    for &(inner, border, look) in cases {
+        let oem = random_oem(&mut random, OemSize { inner, border }, look);
+        let sat = Sat::new(&oem, Scan::default());
+        let planes = SatPlanes::upload(context, &sat).expect("small planes");
+        let tables = FittedTables::new(context, inner, 1).expect("small tables");
+        let stage = passes.build_fitted.harmonics.stage(context, &planes, &tables);
+        context.submit(|encoder| stage.record(encoder));
+        let expected = sh::table_harmonics(&sat);
+        let mut found = wait(context, tables.read_harmonics(context, sat.fixed_point()));
+        let wrong = harmonics_difference(&expected, &found);
+        assert_eq!(wrong, None, "{look:?} {inner} + {border} on {}", context.describe());
+        found[7][1] += 1e-4 * expected[0][1];
+        assert!(harmonics_difference(&expected, &found).is_some(), "a ten-thousandth shows");
+    }
+}
+
 #[test]
 fn harmonics_are_the_cpu_s() {
-    with_passes("harmonics", |context, passes| {
-        let mut random = Random::new(92);
-        for (inner, border, look) in [(16, 0, Look::Noise), (64, 7, Look::Suns), (512, 0, Look::Lone)] {
-            let oem = random_oem(&mut random, OemSize { inner, border }, look);
-            let sat = Sat::new(&oem, Scan::default());
-            let planes = SatPlanes::upload(context, &sat).expect("small planes");
-            let tables = FittedTables::new(context, inner, 1).expect("small tables");
-            let stage = passes.build_fitted.harmonics.stage(context, &planes, &tables);
-            context.submit(|encoder| stage.record(encoder));
-            let expected = sh::table_harmonics(&sat);
-            let mut found = wait(context, tables.read_harmonics(context, sat.fixed_point()));
-            let wrong = harmonics_difference(&expected, &found);
-            assert_eq!(wrong, None, "{look:?} {inner} + {border} on {}", context.describe());
-            found[7][1] += 1e-4 * expected[0][1];
-            assert!(harmonics_difference(&expected, &found).is_some(), "a ten-thousandth shows");
-        }
-    });
+    let cases = [(16, 0, Look::Noise), (64, 7, Look::Suns), (512, 0, Look::Lone)];
+    with_passes("harmonics", |context, passes| harmonics(context, passes, &cases));
 }
 
 /// The octaves whose parameters serve `alpha` over `inner` texels, and the alpha that they serve.
@@ -179,13 +188,14 @@ impl Judge {
 
     /// How far an answer may be from the CPU's `value`, a channel each.
     ///
-    /// In float32 a place (u, v) takes 6 roundings of at most 1, and an end of a box six more of at most 2 or 3: 24 units.
-    /// Shares of nodes move by eleven times that, the place among knots by less, and neighbouring nodes differ by about 1
-    /// in their parameters, which are logarithms, roots and half-widths: 300 units, relatively, of half-widths, offsets and
-    /// heights. An edge moved by e trades e over the half-width of the box's mass for texels as bright as the blurred
-    /// table's brightest, whose density is up to 5.2 times that at the lobe; in energy and in solid angle. Orders of the
-    /// harmonics are off by 284 units of (2n + 1) means (as their own test derives it), in both again.
-    /// Mirrors: places move by 2^-22 n of a texel, which trades that share of four texels. Emitters have a bound of their own.
+    /// In float32 a place (u, v) takes 6 roundings of at most 1, and an end of a box six more of at most 2 or
+    /// 3: 24 units. Shares of nodes move by eleven times that, the place among knots by less, and
+    /// neighbouring nodes differ by about 1 in their parameters, which are logarithms, roots and half-widths:
+    /// 300 units, relatively, of half-widths, offsets and heights. An edge moved by e trades e over the
+    /// half-width of the box's mass for texels as bright as the blurred table's brightest, whose density is
+    /// up to 5.2 times that at the lobe; in energy and in solid angle. Orders of the harmonics are off by 284
+    /// units of (2n + 1) means (as their own test derives it), in both again. Mirrors: places move by 2^-22 n
+    /// of a texel, which trades that share of four texels. Emitters have a bound of their own.
     fn bound(&self, table: &Table, direction: DVec3, roughness: f64, oem: &Oem, value: [f64; 3]) -> [f64; 3] {
         let uv = oct_from_direction(direction);
         let (octaves, alpha) = served(self.inner, roughness * roughness);
@@ -258,46 +268,59 @@ fn directions(random: &mut Random) -> Vec<DVec3> {
     directions
 }
 
-#[test]
-fn radiance_lies_within_its_bound_of_the_cpu_s() {
-    with_passes("fitted radiance", |context, passes| {
-        let mut random = Random::new(93);
-        let (mut beyond, mut all) = (0, 0);
-        for (inner, look) in [(16, Look::Noise), (64, Look::Suns), (256, Look::Smooth)] {
-            let judge = Judge::new(&mut random, inner, look);
-            let directions = directions(&mut random);
-            let reflector = reflector(&judge.environment, inner);
-            let tables = tables(context, passes, reflector.oem(), 4);
-            let ask = |roughness: f64| {
-                let queries: Vec<_> = directions.iter().map(|direction| (*direction, roughness)).collect();
-                wait(context, passes.fitted.radiance(context, &tables, &queries))
-            };
-            for count in COUNTS {
-                tables.set_count(context, count).expect("a count that there is");
-                for roughness in ROUGHNESS {
-                    let far = radiance_difference(&judge, count, roughness, &directions, &ask(roughness));
-                    assert_eq!(far, None, "{} on {}", judge.name, context.describe());
-                    for direction in &directions {
-                        let left = leaves_border(count, inner, roughness, *direction);
-                        beyond += left;
-                        all += count;
-                    }
+/// Holds answers over random squares (inner texels, look) by boxes of every count to the CPU's; returns how
+/// many boxes left the tables' border, and how many there were.
+pub(super) fn radiance(
+    context: &Context,
+    passes: &Engine,
+    cases: &[(u32, Look)],
+    all_roughness: &[f64],
+) -> [u32; 2] {
+    let mut random = Random::new(93);
+    let (mut beyond, mut all) = (0, 0);
+    for &(inner, look) in cases {
+        let judge = Judge::new(&mut random, inner, look);
+        let directions = directions(&mut random);
+        let reflector = reflector(&judge.environment, inner);
+        let tables = tables(context, passes, reflector.oem(), 4);
+        let ask = |roughness: f64| {
+            let queries: Vec<_> = directions.iter().map(|direction| (*direction, roughness)).collect();
+            wait(context, passes.fitted.radiance(context, &tables, &queries))
+        };
+        for count in COUNTS {
+            tables.set_count(context, count).expect("a count that there is");
+            for &roughness in all_roughness {
+                let far = radiance_difference(&judge, count, roughness, &directions, &ask(roughness));
+                assert_eq!(far, None, "{} on {}", judge.name, context.describe());
+                for direction in &directions {
+                    beyond += leaves_border(count, inner, roughness, *direction);
+                    all += count;
                 }
             }
-            // Another roughness, another count and another direction's answer show where no sun makes bounds wide.
-            for count in COUNTS.into_iter().filter(|_| look == Look::Noise) {
-                tables.set_count(context, count).expect("a count that there is");
-                let seen = |found: &[[f32; 3]], count| {
-                    radiance_difference(&judge, count, 0.4, &directions, found).is_some()
-                };
-                assert!(seen(&ask(0.404), count), "a hundredth rougher, fitted:{count}");
-                let mut right = ask(0.4);
-                let other = if count == 4 { 2 } else { 4 };
-                assert!(!seen(&right, count) && seen(&right, other), "fitted:{other} is not fitted:{count}");
-                right.rotate_left(1);
-                assert!(seen(&right, count), "answers one place off, fitted:{count}");
-            }
         }
+        // Another roughness, another count and another direction's answer show where no sun makes bounds
+        // wide.
+        for count in COUNTS.into_iter().filter(|_| look == Look::Noise) {
+            tables.set_count(context, count).expect("a count that there is");
+            let seen = |found: &[[f32; 3]], count| {
+                radiance_difference(&judge, count, 0.4, &directions, found).is_some()
+            };
+            assert!(seen(&ask(0.404), count), "a hundredth rougher, fitted:{count}");
+            let mut right = ask(0.4);
+            let other = if count == 4 { 2 } else { 4 };
+            assert!(!seen(&right, count) && seen(&right, other), "fitted:{other} is not fitted:{count}");
+            right.rotate_left(1);
+            assert!(seen(&right, count), "answers one place off, fitted:{count}");
+        }
+    }
+    [beyond, all]
+}
+
+#[test]
+fn radiance_lies_within_its_bound_of_the_cpu_s() {
+    let cases = [(16, Look::Noise), (64, Look::Suns), (256, Look::Smooth)];
+    with_passes("fitted radiance", |context, passes| {
+        let [beyond, all] = radiance(context, passes, &cases, &ROUGHNESS);
         assert!(beyond > 0 && beyond * 100 < all, "{beyond} of {all} boxes leave the border");
     });
 }
@@ -316,7 +339,8 @@ fn leaves_border(count: u32, inner: u32, roughness: f64, direction: DVec3) -> u3
     boxes.iter().filter(|soft| leaves(soft)).count() as u32
 }
 
-/// What a furnace may be off by: harmonics of radiance and of 1 are each off by 284 units (see their own test).
+/// What a furnace may be off by: harmonics of radiance and of 1 are each off by 284 units (see their own
+/// test).
 const FURNACE: f64 = 2.0 * 284.0 * UNIT;
 
 #[test]
@@ -352,8 +376,8 @@ fn a_fitted_furnace_is_white() {
 fn queries_and_bakes_are_the_cpu_s() {
     let layout = Layout::Panorama { width: 64, height: 32 };
     let sky = environment(layout, texels(&mut Random::new(95), Look::Smooth, layout)).rotated_y(40.0);
-    // Boxes of a smooth sky change by a few times its brightest over a radian, of which places are off by 2^-20; harmonics by
-    // what their own test derives.
+    // Boxes of a smooth sky change by a few times its brightest over a radian, of which places are off by
+    // 2^-20; harmonics by what their own test derives.
     let brightest = f64::from(sky.texels().iter().flatten().copied().fold(0.0, f32::max));
     let allowed = brightest * (2.0 * 284.0 * 5.0 * UNIT + 4e-6);
     let far = |expected: &[[f32; 3]], found: &[[f32; 3]]| {

@@ -1,7 +1,7 @@
 //! A lamp added to an OEM against the CPU's, within a derived bound.
 
-use super::{UNIT, exceeds, on_every_adapter, wait};
-use crate::common::{Look, Random, landmarks, oem, texels};
+use super::{UNIT, exceeds, in_full, wait};
+use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
 use octagloss::Layout;
 use octagloss::gpu::lamp::{Lamp, LampPass, PLACES};
@@ -23,9 +23,9 @@ fn mean(lamp: &Lamp, inner: u32, x: u32, y: u32) -> f64 {
     (0..PLACES * PLACES).map(at).sum::<f64>() / (places * places)
 }
 
-/// A direction's components are off by 8 units (two roundings of (u, v), two of the octahedron's point, its length and the
-/// quotient), so a squared distance d^2 at the lamp's edge by 2 sqrt(3) d times that, which counts 1 over the squared distances
-/// of edge and disc; 16 terms, the product and the sum round once each.
+/// A direction's components are off by 8 units (two roundings of (u, v), two of the octahedron's point, its
+/// length and the quotient), so a squared distance d^2 at the lamp's edge by 2 sqrt(3) d times that, which
+/// counts 1 over the squared distances of edge and disc; 16 terms, the product and the sum round once each.
 fn bound(radiance: f64) -> f64 {
     let [disc, edge] = [DISC, EDGE].map(|angle| 2.0 * (angle / 2.0).sin());
     let share = 2.0 * 3.0_f64.sqrt() * edge * 8.0 * UNIT / (edge * edge - disc * disc);
@@ -57,29 +57,32 @@ fn lit(context: &Context, pass: &LampPass, before: &Oem, lamp: &Lamp) -> Oem {
     wait(context, planes.read(context))
 }
 
-#[test]
-fn a_lamp_is_added_where_it_is() {
+/// Holds lamps over squares (inner texels, border) to the CPU's.
+pub(super) fn lamps(context: &Context, sizes: &[(u32, u32)]) {
     let mut random = Random::new(120);
     let places: Vec<DVec3> = landmarks().into_iter().chain((0..10).map(|_| random.direction())).collect();
-    on_every_adapter("lamp", |context| {
-        let pass = LampPass::new(context);
-        for (inner, border) in [(64, 0), (33, 5), (8, 8), (1, 0)] {
-            let radiance = texels(&mut Random::new(121), Look::Smooth, Layout::Octahedral { size: inner });
-            let before = oem(OemSize { inner, border }, &radiance);
-            for towards in &places {
-                let lamp = Lamp::new(*towards, 100.0, DISC, EDGE);
-                let after = lit(context, &pass, &before, &lamp);
-                assert_eq!(difference(&after, &before, &lamp, 100.0), None, "{inner} + {border}, {towards}");
-            }
-            let none = lit(context, &pass, &before, &Lamp::default());
-            assert_eq!(none.texels(), before.texels(), "{inner} + {border}: no lamp");
+    let pass = LampPass::new(context);
+    for &(inner, border) in sizes {
+        let radiance = texels(&mut Random::new(121), Look::Smooth, Layout::Octahedral { size: inner });
+        let before = oem(OemSize { inner, border }, &radiance);
+        for towards in &places {
+            let lamp = Lamp::new(*towards, 100.0, DISC, EDGE);
+            let after = lit(context, &pass, &before, &lamp);
+            assert_eq!(difference(&after, &before, &lamp, 100.0), None, "{inner} + {border}, {towards}");
         }
-    });
+        let none = lit(context, &pass, &before, &Lamp::default());
+        assert_eq!(none.texels(), before.texels(), "{inner} + {border}: no lamp");
+    }
+}
+
+#[test]
+fn a_lamp_is_added_where_it_is() {
+    in_full("lamp", |context| lamps(context, &[(64, 0), (33, 5), (8, 8), (1, 0)]));
 }
 
 #[test]
 fn a_lamp_elsewhere_or_brighter_shows() {
-    on_every_adapter("lamp faults", |context| {
+    in_full("lamp faults", |context| {
         let pass = LampPass::new(context);
         let radiance = texels(&mut Random::new(122), Look::Smooth, Layout::Octahedral { size: 64 });
         let before = oem(OemSize { inner: 64, border: 0 }, &radiance);

@@ -1,17 +1,20 @@
 //! The GPU engine against the CPU engine and the oracle, on every adapter that the system has.
 //!
-//! A machine without an adapter fails these tests: `tests/run` installs software drivers first. The drivers named in
-//! OCTAGLOSS_REQUIRE_ADAPTERS (parts of names, separated by commas) must be there.
+//! A machine without an adapter fails these tests: `tests/run` installs software drivers first. The drivers
+//! named in OCTAGLOSS_REQUIRE_ADAPTERS (parts of names, separated by commas) must be there. Those named in
+//! OCTAGLOSS_BRIEF_ADAPTERS run the tests of `brief` only: every entry point over small inputs.
 
 mod adaptive;
 mod bake;
 mod boxes;
+mod brief;
 mod cells;
 mod emitters;
 mod entry_points;
 mod errors;
 mod fitted;
 mod lamp;
+mod lights;
 mod oem;
 mod oem_reader;
 mod reflection;
@@ -20,6 +23,8 @@ mod scenes;
 mod stages;
 #[cfg(feature = "view")]
 mod view;
+#[cfg(feature = "view")]
+mod view_meshes;
 
 use octagloss::gpu::engine::Engine;
 use octagloss::gpu::{Context, adapters, block_on};
@@ -55,9 +60,21 @@ static ENGINES: LazyLock<Vec<Engine>> = LazyLock::new(|| {
     CONTEXTS.iter().map(compiled).collect()
 });
 
-/// Runs `test` on every adapter, with all passes, and says so.
+/// All passes, compiled for `context`.
+fn passes(context: &Context) -> &'static Engine {
+    &ENGINES[index(context)]
+}
+
+/// Whether `name` is that of an adapter which runs the tests of `brief` only.
+fn is_brief(name: &str) -> bool {
+    let brief = std::env::var("OCTAGLOSS_BRIEF_ADAPTERS").unwrap_or_default().to_lowercase();
+    let mut parts = brief.split(',').filter(|part| !part.is_empty());
+    parts.any(|part| name.to_lowercase().contains(part))
+}
+
+/// Runs `test` with all passes on every adapter that runs all tests, and prints its time.
 fn with_passes(name: &str, test: impl Fn(&Context, &Engine)) {
-    on_every_adapter(name, |context| test(context, &ENGINES[index(context)]));
+    in_full(name, |context| test(context, passes(context)));
 }
 
 /// Place of one of [`CONTEXTS`].
@@ -74,9 +91,18 @@ fn exceeds(off: f64, allowed: f64) -> bool {
     off.partial_cmp(&allowed).is_none_or(std::cmp::Ordering::is_gt)
 }
 
-/// Runs `test` on every adapter and says so.
+/// Runs `test` on every adapter that runs all tests, and prints its time.
+fn in_full(name: &str, test: impl Fn(&Context)) {
+    run_on(name, |context| !is_brief(&context.device().adapter_info().name), test);
+}
+
+/// Runs `test` on every adapter, those of OCTAGLOSS_BRIEF_ADAPTERS included, and prints its time.
 fn on_every_adapter(name: &str, test: impl Fn(&Context)) {
-    for context in CONTEXTS.iter() {
+    run_on(name, |_| true, test);
+}
+
+fn run_on(name: &str, is_asked: impl Fn(&Context) -> bool, test: impl Fn(&Context)) {
+    for context in CONTEXTS.iter().filter(|context| is_asked(context)) {
         let start = std::time::Instant::now();
         test(context);
         context.check().unwrap_or_else(|error| panic!("{name}: {error}"));

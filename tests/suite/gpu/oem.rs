@@ -1,24 +1,27 @@
 //! Environments to OEMs and footprints: within a derived bound of the CPU's.
 
-use super::{exceeds, on_every_adapter, wait};
-use crate::common::{Look, Random, environment, texels};
-use octagloss::cpu::reparameterise::{footprints_from_environment, oem_from_environment};
+use super::{exceeds, in_full, wait};
+use crate::support::common::{Look, Random, environment, texels};
+use octagloss::cpu::reparameterise::oem_from_environment;
+use octagloss::geometry::footprints::footprints_from_environment;
+use octagloss::gpu::device::readback;
 use octagloss::gpu::reparameterise::{Reparameterise, upload};
-use octagloss::gpu::{Context, OemPlanes, readback};
+use octagloss::gpu::{Context, OemPlanes};
 use octagloss::oem::{Oem, OemSize};
 use octagloss::{Environment, Layout};
 
-/// Both engines add up the same products, the CPU in double precision. In float32 a term takes two products; sums of 64
-/// and then of n/64 parts take at most 64 + n/64 roundings, in the energy and in the solid angle that divides it; the
-/// quotients (2.5 ulp each, one of them shared) and the last product make 8. All terms are positive, so the outcome is
-/// off by as many parts in 2^24.
+/// Both engines add up the same products, the CPU in double precision. In float32 a term takes two products;
+/// sums of 64 and then of n/64 parts take at most 64 + n/64 roundings, in the energy and in the solid angle
+/// that divides it; the quotients (2.5 ulp each, one of them shared) and the last product make 8. All terms
+/// are positive, so the outcome is off by as many parts in 2^24.
 fn bound(sources_a_texel: f64) -> f64 {
     let sum = 64.0_f64.min(sources_a_texel) + sources_a_texel / 64.0;
     (8.0 + 2.0 * sum) / f64::from(1_u32 << 24)
 }
 
 /// What the CPU's outlines over fine panoramas may misplace: 3e-5 of a texel's area at each of its four edges
-/// (src/cpu/overlap/sweep.rs), filled with the brightest radiance that there is at the worst. The GPU knows no outlines.
+/// (src/geometry/overlap/sweep.rs), filled with the brightest radiance that there is at the worst. The GPU
+/// knows no outlines.
 fn misplaced(environment: &Environment) -> f64 {
     let brightest = environment.texels().iter().flatten().fold(0.0_f32, |most, value| most.max(*value));
     match environment.layout() {
@@ -60,61 +63,58 @@ const LAYOUTS: [Layout; 7] = [
     Layout::Octahedral { size: 9 },
 ];
 
-#[test]
-fn oem_lies_within_its_bound_of_the_cpu() {
-    on_every_adapter("OEM", |context| {
-        let pass = Reparameterise::new(context);
-        let mut random = Random::new(41);
-        for layout in LAYOUTS {
-            for look in [Look::Noise, Look::Suns] {
-                let environment = environment(layout, texels(&mut random, look, layout));
-                for size in [(1, 0), (2, 1), (5, 3), (16, 8), (33, 7), (64, 0)] {
-                    let size = OemSize { inner: size.0, border: size.1 };
-                    let expected = oem_from_environment(&environment, size).expect("a small matrix");
-                    let found = gathered(context, &pass, &environment, size);
-                    let sources = layout.texel_count() as f64;
-                    let far = difference(
-                        expected.texels(),
-                        found.texels(),
-                        bound(sources),
-                        misplaced(&environment),
-                    );
-                    assert_eq!(far, None, "{layout:?} {look:?} {size:?} on {}", context.describe());
-                }
+/// Holds maps of `sizes` (inner texels and border) from environments of `layouts` to the CPU's.
+pub(super) fn maps(context: &Context, layouts: &[Layout], sizes: &[(u32, u32)]) {
+    let pass = Reparameterise::new(context);
+    let mut random = Random::new(41);
+    for &layout in layouts {
+        for look in [Look::Noise, Look::Suns] {
+            let environment = environment(layout, texels(&mut random, look, layout));
+            for &(inner, border) in sizes {
+                let size = OemSize { inner, border };
+                let expected = oem_from_environment(&environment, size).expect("a small matrix");
+                let found = gathered(context, &pass, &environment, size);
+                let bound = bound(layout.texel_count() as f64);
+                let far = difference(expected.texels(), found.texels(), bound, misplaced(&environment));
+                assert_eq!(far, None, "{layout:?} {look:?} {size:?} on {}", context.describe());
             }
         }
-    });
+    }
+}
+
+/// Holds footprints of cubes of `sizes` over environments of `layouts` to the CPU's.
+pub(super) fn footprints(context: &Context, layouts: &[Layout], sizes: &[u32]) {
+    let stage = Reparameterise::new(context);
+    let mut random = Random::new(42);
+    for &layout in layouts {
+        for turn in [0.0, 90.0, 33.0] {
+            let environment = environment(layout, texels(&mut random, Look::Suns, layout)).rotated_y(turn);
+            let texture = upload(context, &environment).expect("a small texture");
+            for &size in sizes {
+                let expected: Vec<[f32; 4]> = footprints_from_environment(&environment, size)
+                    .expect("a small matrix")
+                    .iter()
+                    .map(|[r, g, b]| [*r, *g, *b, 1.0])
+                    .collect();
+                let (stage, buffer) =
+                    stage.footprints(context, &environment, &texture, size).expect("a small cube");
+                context.submit(|encoder| stage.record(encoder));
+                let found: Vec<[f32; 4]> = wait(context, readback::read(context, &buffer));
+                let bound = bound(layout.texel_count() as f64);
+                let far = difference(&expected, &found, bound, misplaced(&environment));
+                assert_eq!(far, None, "{layout:?} turned {turn} {size} on {}", context.describe());
+            }
+        }
+    }
+}
+
+#[test]
+fn oem_lies_within_its_bound_of_the_cpu() {
+    let sizes = [(1, 0), (2, 1), (5, 3), (16, 8), (33, 7), (64, 0)];
+    in_full("OEM", |context| maps(context, &LAYOUTS, &sizes));
 }
 
 #[test]
 fn footprints_lie_within_their_bound_of_the_cpu() {
-    on_every_adapter("footprints", |context| {
-        let stage = Reparameterise::new(context);
-        let mut random = Random::new(42);
-        for layout in LAYOUTS {
-            for turn in [0.0, 90.0, 33.0] {
-                let environment =
-                    environment(layout, texels(&mut random, Look::Suns, layout)).rotated_y(turn);
-                let texture = upload(context, &environment).expect("a small texture");
-                for size in [1, 3, 16] {
-                    let expected: Vec<[f32; 4]> = footprints_from_environment(&environment, size)
-                        .expect("a small matrix")
-                        .iter()
-                        .map(|[r, g, b]| [*r, *g, *b, 1.0])
-                        .collect();
-                    let (stage, buffer) =
-                        stage.footprints(context, &environment, &texture, size).expect("a small cube");
-                    context.submit(|encoder| stage.record(encoder));
-                    let found: Vec<[f32; 4]> = wait(context, readback::read(context, &buffer));
-                    let far = difference(
-                        &expected,
-                        &found,
-                        bound(layout.texel_count() as f64),
-                        misplaced(&environment),
-                    );
-                    assert_eq!(far, None, "{layout:?} turned {turn} {size} on {}", context.describe());
-                }
-            }
-        }
-    });
+    in_full("footprints", |context| footprints(context, &LAYOUTS, &[1, 3, 16]));
 }

@@ -1,12 +1,13 @@
 //! The shader code that `--target oem` ships, run with an ordinary sampler over the file's own levels.
 
-use super::{on_every_adapter, wait};
-use crate::oem_file::{directions, levels, read_ktx2, unfolded};
+use super::{in_full, wait};
+use crate::io::oem_file::{directions, levels, read_ktx2, unfolded};
 use octagloss::chain::ImageLevel;
-use octagloss::gpu::{Context, readback};
-use octagloss::io::cube_write::Container;
+use octagloss::format::Pixel;
+use octagloss::format::container::Container;
+use octagloss::gpu::Context;
+use octagloss::gpu::device::readback;
 use octagloss::io::oem_write::oem_bytes;
-use octagloss::io::pixels::Pixel;
 use octagloss::target::READERS;
 use octagloss::wgpu;
 use octagloss::wgpu::util::DeviceExt as _;
@@ -125,19 +126,20 @@ fn worst(levels: &[ImageLevel], queries: &[[f32; 4]], answers: &[[f32; 4]]) -> f
 }
 
 /// Samplers have 8 bits of place in a texel and of the level, at least (Vulkan's `subTexelPrecisionBits` and
-/// `mipmapPrecisionBits`): up to 1/256 of the difference of two texels three times over; and half floats are interpolated
-/// as such by some.
+/// `mipmapPrecisionBits`): up to 1/256 of the difference of two texels three times over; and half floats are
+/// interpolated as such by some.
 const TOLERANCE: f64 = 3.0 / 256.0 + 2.0 / 1024.0;
 
 #[test]
 fn the_reader_looks_up_across_folds_edges_and_corners() {
-    on_every_adapter("oem reader", |context| {
+    in_full("oem reader", |context| {
         let levels = levels(SIDE, LEVELS, 9);
         let queries = queries();
         let answers = read_on(context, reader(), &levels, &queries);
         let off = worst(&levels, &queries, &answers);
         assert!(off < TOLERANCE, "{}: {off}", context.describe());
-        // The comparison sees a reader that takes the border for a part of the map, and one that folds to the other side.
+        // The comparison sees a reader that takes the border for a part of the map, and one that folds to the
+        // other side.
         for (right, wrong) in [("border / side", "0.0 * border / side"), ("p.x >= 0.0", "p.x < 0.0")] {
             assert!(reader().contains(right), "{right}");
             let answers = read_on(context, &reader().replace(right, wrong), &levels, &queries);

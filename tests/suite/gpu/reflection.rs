@@ -1,18 +1,19 @@
-//! Shaders as their compiler reads them: layouts, constants, bindings and sizes equal Rust's, and baseline WebGPU holds
-//! them.
+//! Shaders as their compiler reads them: layouts, constants, bindings and sizes equal Rust's, and baseline
+//! WebGPU holds them.
 
 use super::entry_points::ENTRY_POINTS;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, ImageClass, Literal, Module, Type, TypeInner};
-use octagloss::cpu::adaptive::LANES;
-use octagloss::cpu::emitters::{COUNT, GRID};
+use octagloss::cpu::leaves::LANES;
 use octagloss::environment::LUMINANCE;
-use octagloss::fitted::{KNOTS, OCTAVES, triangle};
-use octagloss::gpu::shader::Queries;
+use octagloss::gpu::device::shader;
+use octagloss::gpu::device::shader::Queries;
 use octagloss::gpu::{
     adaptive, blur, box_filter, cells, copy, emitters, fitted, fixed_point, harmonics, lamp,
 };
-use octagloss::gpu::{mirror, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shader};
+use octagloss::gpu::{mirror, oem, reparameterise, sat_f32, sat_hensley, sat_scan};
+use octagloss::realtime::emitters::{COUNT, GRID};
+use octagloss::realtime::tables::{KNOTS, OCTAVES, triangle};
 use octagloss::target::READERS;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -104,7 +105,12 @@ fn structs() -> Vec<Struct> {
         ("cells.wgsl", "Level", cells::Level::MEMBERS, size_of::<cells::Level>()),
         ("cells.wgsl", "Tent", cells::Tent::MEMBERS, size_of::<cells::Tent>()),
         ("cells.wgsl", "Table", table.0, table.1),
-        ("blur.wgsl", "OctaglossOctave", blur::Octave::MEMBERS, size_of::<blur::Octave>()),
+        (
+            "blur.wgsl",
+            "OctaglossOctave",
+            octagloss::gpu::octaves::Octave::MEMBERS,
+            size_of::<octagloss::gpu::octaves::Octave>(),
+        ),
         ("blur.wgsl", "OctaglossOctaves", fitted::Octaves::MEMBERS, size_of::<fitted::Octaves>()),
         ("blur.wgsl", "Table", table.0, table.1),
         ("fitted.wgsl", "OctaglossOctaves", fitted::Octaves::MEMBERS, size_of::<fitted::Octaves>()),
@@ -123,17 +129,12 @@ fn structs() -> Vec<Struct> {
         ),
         ("sat_hensley.wgsl", "Doubling", sat_hensley::Doubling::MEMBERS, size_of::<sat_hensley::Doubling>()),
         ("sat_scan.wgsl", "Scan", sat_scan::Scan::MEMBERS, size_of::<sat_scan::Scan>()),
-        // Four exponents, then the sizes, in a header of 32 bytes; sums as four low and four high words; four greatest
-        // patterns and four 64-bit sums.
+        // Four exponents, then the sizes, in a header of 32 bytes; sums as four low and four high words; four
+        // greatest patterns and four 64-bit sums.
         ("box_filter.wgsl", "OctaglossTable", &[("exponents", 0), ("inner", 16), ("border", 20)], 32),
         ("box_filter.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
         ("emitters.wgsl", "Table", table.0, table.1),
-        (
-            "fitted.wgsl",
-            "OctaglossEmitter",
-            emitters::EmitterWords::MEMBERS,
-            size_of::<emitters::EmitterWords>(),
-        ),
+        ("fitted.wgsl", "OctaglossEmitter", fitted::EmitterWords::MEMBERS, size_of::<fitted::EmitterWords>()),
         // Least radiance, two vectors of units, 25 harmonics, emitters.
         (
             "harmonics.wgsl",
@@ -175,7 +176,7 @@ fn constants() -> Vec<(&'static str, &'static str, Vec<f64>)> {
         ("adaptive.wgsl", "QUAD_FIELDS", one(15)),
         ("adaptive.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
         ("box_filter.wgsl", "GROUP_SIZE", one(box_filter::GROUP_SIZE)),
-        ("blur.wgsl", "EDGE", one(blur::EDGE)),
+        ("blur.wgsl", "EDGE", one(octagloss::gpu::octaves::EDGE)),
         ("blur.wgsl", "GROUP_SIZE", one(blur::GROUP_SIZE)),
         ("blur.wgsl", "LINE_SIZE", one(blur::LINE_SIZE)),
         ("blur.wgsl", "REACH", one(blur::REACH)),

@@ -1,7 +1,7 @@
 //! Exponents and planes: equal to the CPU's, word for word.
 
-use super::{on_every_adapter, wait};
-use crate::common::{Look, Random, oem, texels};
+use super::{in_full, wait};
+use crate::support::common::{Look, Random, oem, texels};
 use octagloss::Layout;
 use octagloss::gpu::fixed_point::FixedPoint;
 use octagloss::gpu::sat_hensley::SatHensley;
@@ -52,40 +52,45 @@ fn random_oem(random: &mut Random, size: OemSize, look: Look) -> Oem {
 
 const SIZES: [u32; 9] = [1, 2, 3, 5, 17, 64, 100, 257, 1024];
 
-#[test]
-fn production_scan_equals_the_cpu() {
-    on_every_adapter("production scan", |context| {
-        let (fixed_point, scan) = (FixedPoint::new(context), SatScan::new(context));
-        let mut random = Random::new(31);
-        for inner in SIZES {
+/// Holds the production scan over squares of `sizes` to the CPU's table.
+pub(super) fn scan(context: &Context, sizes: &[u32]) {
+    let (fixed_point, scan) = (FixedPoint::new(context), SatScan::new(context));
+    let mut random = Random::new(31);
+    for &inner in sizes {
+        for border in [0, 1, 7, inner / 2] {
+            let oem = random_oem(&mut random, OemSize { inner, border }, Look::Suns);
+            let (fixed, entries) =
+                scanned(context, &fixed_point, &oem, |planes, sat| scan.stage(context, planes, sat));
+            let found = difference(&Sat::new(&oem, Scan::Strips), fixed, &entries);
+            assert_eq!(found, None, "{inner} + {border} on {}", context.describe());
+        }
+    }
+}
+
+/// Holds recursive doubling with each of `radices` over squares of `sizes` to the CPU's table.
+pub(super) fn doubling(context: &Context, radices: &[u32], sizes: &[u32]) {
+    let fixed_point = FixedPoint::new(context);
+    let mut random = Random::new(32);
+    for &radix in radices {
+        let hensley = SatHensley::new(context, radix);
+        for &inner in sizes {
             for border in [0, 1, 7, inner / 2] {
                 let oem = random_oem(&mut random, OemSize { inner, border }, Look::Suns);
                 let (fixed, entries) =
-                    scanned(context, &fixed_point, &oem, |planes, sat| scan.stage(context, planes, sat));
+                    scanned(context, &fixed_point, &oem, |planes, sat| hensley.stage(context, planes, sat));
                 let found = difference(&Sat::new(&oem, Scan::Strips), fixed, &entries);
-                assert_eq!(found, None, "{inner} + {border} on {}", context.describe());
+                assert_eq!(found, None, "radix {radix}, {inner} + {border} on {}", context.describe());
             }
         }
-    });
+    }
+}
+
+#[test]
+fn production_scan_equals_the_cpu() {
+    in_full("production scan", |context| scan(context, &SIZES));
 }
 
 #[test]
 fn recursive_doubling_equals_the_cpu() {
-    on_every_adapter("recursive doubling", |context| {
-        let fixed_point = FixedPoint::new(context);
-        let mut random = Random::new(32);
-        for radix in [2, 4, 8, 16] {
-            let hensley = SatHensley::new(context, radix);
-            for inner in [1, 2, 3, 17, 257] {
-                for border in [0, 1, 7, inner / 2] {
-                    let oem = random_oem(&mut random, OemSize { inner, border }, Look::Suns);
-                    let (fixed, entries) = scanned(context, &fixed_point, &oem, |planes, sat| {
-                        hensley.stage(context, planes, sat)
-                    });
-                    let found = difference(&Sat::new(&oem, Scan::Strips), fixed, &entries);
-                    assert_eq!(found, None, "radix {radix}, {inner} + {border} on {}", context.describe());
-                }
-            }
-        }
-    });
+    in_full("recursive doubling", |context| doubling(context, &[2, 4, 8, 16], &[1, 2, 3, 17, 257]));
 }

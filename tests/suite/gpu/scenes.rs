@@ -2,17 +2,19 @@
 
 use super::boxes::{one_box, packed, radiance_difference, solid_angle};
 use super::{UNIT, exceeds, wait, with_passes};
-use crate::adaptive::luminance;
-use crate::common::{environment, landmarks};
+use crate::cpu::adaptive::luminance;
+use crate::support::common::{environment, landmarks};
 use glam::DVec3;
-use octagloss::bake::Filter;
-use octagloss::cpu::reparameterise::{footprints_from_environment, oem_from_environment};
+use octagloss::analysis::oracle::OemOracle;
+use octagloss::cpu::reparameterise::oem_from_environment;
+use octagloss::filter::Filter;
+use octagloss::geometry::footprints::footprints_from_environment;
+use octagloss::gpu::device::readback;
 use octagloss::gpu::engine::{Engine, Reflector};
 use octagloss::gpu::reparameterise::upload;
-use octagloss::gpu::{Context, OemPlanes, SatPlanes, readback};
+use octagloss::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::lobe::Lobe;
 use octagloss::oem::{Oem, OemSize};
-use octagloss::oracle::OemOracle;
 use octagloss::reflector::{Reflector as CpuReflector, ReflectorSettings};
 use octagloss::sat::{Sat, Scan};
 use octagloss::sphere::cube::{Face, direction_from_cube};
@@ -147,7 +149,8 @@ fn lobes_of_scenes_are_certified() {
             let truths = [0.1, 0.4, 1.0].map(|roughness| {
                 let reflector = CpuReflector::new(&source, &settings).expect("a small OEM");
                 let oracle = OemOracle::new(reflector.oem());
-                let truth = |d: &DVec3| luminance(oracle.reflect(Lobe::Ggx, roughness, *d));
+                let per_unit = f64::from(-reflector.light_exponent()).exp2();
+                let truth = |d: &DVec3| per_unit * luminance(oracle.reflect(Lobe::Ggx, roughness, *d));
                 (roughness, landmarks().iter().map(truth).collect::<Vec<f64>>())
             });
             (name, source, truths)
@@ -163,8 +166,9 @@ fn lobes_of_scenes_are_certified() {
                 for ((answer, truth), direction) in wait(context, query).iter().zip(truths).zip(&directions) {
                     let value = luminance(answer.radiance.map(f64::from));
                     let bound = f64::from(answer.bound.expect("a certified bound"));
-                    // The oracle integrates the CPU's OEM, whose energies are the GPU's but for the gather's bound.
-                    let allowed = bound + (1e-7 + gather_bound(source)) * truth + 2.4e-38;
+                    // The oracle integrates the CPU's OEM, whose energies are the GPU's but for the gather's
+                    // bound.
+                    let allowed = bound + (1e-7 + gather_bound(source)) * truth;
                     assert!(
                         (value - truth).abs() <= allowed,
                         "{name} {roughness} {direction}: {value}, not {truth} within {bound} on {}",
@@ -235,7 +239,7 @@ fn misplaced(
     let directions: Vec<DVec3> = labels.iter().map(|(direction, _)| from_world(*direction)).collect();
     let answers = wait(context, reflector.query(&directions, Lobe::Ggx, 0.1, filter));
     let distance = |a: Rgb, b: Rgb| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f32>();
-    let wrong = |(answer, own): (&octagloss::reflector::Answer, &(DVec3, Rgb))| {
+    let wrong = |(answer, own): (&octagloss::filter::Answer, &(DVec3, Rgb))| {
         let nearest = labels
             .iter()
             .map(|(_, label)| *label)

@@ -1,11 +1,12 @@
 //! The viewer's pictures against the CPU's of the same view, ray by ray.
 
-use super::{CONTEXTS, block_on, index, on_every_adapter, wait};
+use super::{CONTEXTS, block_on, in_full, index, wait};
 use glam::{DMat3, DVec2, DVec3};
-use octagloss::bake;
-use octagloss::dfg;
+use octagloss::bake::dfg;
+use octagloss::gpu::Context;
+use octagloss::gpu::device::readback;
 use octagloss::gpu::lamp::Lamp;
-use octagloss::gpu::{Context, readback};
+use octagloss::image::exposure::Exposure;
 use octagloss::lobe::Lobe;
 use octagloss::reflector::{Reflector, ReflectorSettings};
 use octagloss::synth::synth;
@@ -20,16 +21,16 @@ const WIDTH: u32 = 96;
 const HEIGHT: u32 = 64;
 const OEM: u32 = 256;
 
-/// A display's byte may be off by its own rounding and by what half floats (2^-11 of the radiance, an eighth of a step where the
-/// display is brightest), float32 directions and the split sum's table leave: two steps.
+/// A display's byte may be off by its own rounding and by what half floats (2^-11 of the radiance, an eighth
+/// of a step where the display is brightest), float32 directions and the split sum's table leave: two steps.
 const STEPS: i32 = 2;
 
-/// Pixels on a silhouette, where a ray may pass on the other side, and where tone mapping turns a sun's edge within a pixel's
-/// rounding: this share at most.
+/// Pixels on a silhouette, where a ray may pass on the other side, and where tone mapping turns a sun's edge
+/// within a pixel's rounding: this share at most.
 const SILHOUETTE: f64 = 0.01;
 
-/// The same for a mesh: corners are snapped to a sixteenth of a pixel at the coarsest (Vulkan's four bits), which moves
-/// silhouettes and, on small triangles, normals.
+/// The same for a mesh: corners are snapped to a sixteenth of a pixel at the coarsest (Vulkan's four bits),
+/// which moves silhouettes and, on small triangles, normals.
 const SNAPPED: f64 = 0.03;
 
 /// How two pictures differ: the share of pixels off by more than [`STEPS`].
@@ -54,9 +55,9 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
     let turned = environment.clone().rotated_y(look.turn);
     let reflector = Reflector::new(&turned, &settings).expect("an OEM");
     let filter = match look.filter {
-        Filter::Box => bake::Filter::Box,
-        Filter::Fitted(count) => bake::Filter::Fitted(count),
-        Filter::Adaptive | Filter::Levels => bake::Filter::Adaptive(0.001),
+        Filter::Box => octagloss::filter::Filter::Box,
+        Filter::Fitted(count) => octagloss::filter::Filter::Fitted(count),
+        Filter::Adaptive | Filter::Levels => octagloss::filter::Filter::Adaptive(0.001),
     };
     (0..WIDTH * HEIGHT)
         .into_par_iter()
@@ -65,7 +66,7 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
             let seen = look_along(look, at, mesh);
             let answer = reflector.query(seen.direction, seen.roughness, Lobe::Ggx, filter).expect("a lobe");
             let light = DVec3::from_array(answer.radiance.map(f64::from));
-            display(look.tone, light * seen.factor * look.exposure.exp2())
+            display(look.tone, light * seen.factor * look.exposure.ev(0.0).exp2())
         })
         .collect()
 }
@@ -163,7 +164,7 @@ static RENDERERS: LazyLock<Vec<Mutex<Renderer>>> = LazyLock::new(|| {
     CONTEXTS.iter().map(|context| Mutex::new(compiled(context))).collect()
 });
 
-fn renderer(context: &Context) -> MutexGuard<'static, Renderer> {
+pub(super) fn renderer(context: &Context) -> MutexGuard<'static, Renderer> {
     // A test that failed left nothing that matters to others.
     RENDERERS[index(context)].lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -182,7 +183,7 @@ fn shot_by(context: &Context, renderer: &mut Renderer, look: &Look, light: &Ligh
 }
 
 fn looks() -> Vec<(&'static str, Look)> {
-    let look = Look { exposure: -1.0, ..Look::default() };
+    let look = Look { exposure: Exposure::Ev(-1.0), ..Look::default() };
     let camera = |yaw, pitch| Camera { yaw, pitch, ..Camera::default() };
     vec![
         ("box", Look { filter: Filter::Box, roughness: 0.4, ..look.clone() }),
@@ -214,25 +215,35 @@ fn pictures_are_the_cpus() {
         .iter()
         .map(|(_, look)| expected(look, &environment, (look.object == Object::Knot).then_some(&knot)))
         .collect();
-    on_every_adapter("view", |context| {
+    in_full("view", |context| {
         for ((name, look), expected) in looks.iter().zip(&expected) {
-            let found = shot(context, look, &environment);
-            let off = difference(&found, expected);
-            let most = if look.object == Object::Knot { SNAPPED } else { SILHOUETTE };
-            assert!(off <= most, "{name}: {:.2} % of the pixels are off", 100.0 * off);
+            compare(context, name, look, &environment, expected);
         }
     });
+}
+
+fn compare(context: &Context, name: &str, look: &Look, environment: &Environment, expected: &[[u8; 3]]) {
+    let off = difference(&shot(context, look, environment), expected);
+    let most = if look.object == Object::Knot { SNAPPED } else { SILHOUETTE };
+    assert!(off <= most, "{name}: {:.2} % of the pixels are off", 100.0 * off);
+}
+
+/// Holds one picture, by the filter whose shader compiles fastest, to the CPU's.
+pub(super) fn one_picture(context: &Context) {
+    let environment = synth("studio").expect("a recipe");
+    let (name, look) = &looks()[0];
+    compare(context, name, look, &environment, &expected(look, &environment, None));
 }
 
 #[test]
 fn another_look_is_another_picture() {
     let environment = synth("studio").expect("a recipe");
-    let look = Look { filter: Filter::Box, roughness: 0.4, exposure: -1.0, ..Look::default() };
+    let look = Look { filter: Filter::Box, roughness: 0.4, exposure: Exposure::Ev(-1.0), ..Look::default() };
     let here = expected(&look, &environment, None);
     let changed = [
         Look { roughness: 0.43, ..look.clone() },
         Look { turn: 2.0, ..look.clone() },
-        Look { exposure: -0.95, ..look.clone() },
+        Look { exposure: Exposure::Ev(-0.95), ..look.clone() },
         Look { tone: Tone::Aces, ..look.clone() },
         Look { metal: [0.9, 0.93, 0.88], ..look.clone() },
     ];
@@ -245,7 +256,7 @@ fn another_look_is_another_picture() {
 #[test]
 fn pictures_are_the_same_every_time() {
     let environment = synth("sky").expect("a recipe");
-    on_every_adapter("view twice", |context| {
+    in_full("view twice", |context| {
         for (_, look) in looks().into_iter().skip(2).step_by(2) {
             let [first, second] = [(); 2].map(|()| shot(context, &look, &environment));
             assert_eq!(first, second, "{look:?}");
@@ -257,7 +268,7 @@ fn pictures_are_the_same_every_time() {
 fn bands_make_the_same_picture() {
     let environment = synth("sky").expect("a recipe");
     let format = wgpu::TextureFormat::Rgba8Unorm;
-    on_every_adapter("view in bands", |context| {
+    in_full("view in bands", |context| {
         let mut renderer = renderer(context);
         let light = renderer.light(&environment, Some(OEM)).expect("tables that fit");
         let shown = |renderer: &mut Renderer, look: &Look| {
@@ -280,7 +291,7 @@ fn bands_make_the_same_picture() {
             let look = Look { object, ..Look::default() };
             renderer.draw(&look, &light, WIDTH, HEIGHT).expect("a picture");
             let whole = shown(&mut renderer, &look);
-            let other = Look { exposure: 2.0, ..look.clone() };
+            let other = Look { exposure: Exposure::Ev(2.0), ..look.clone() };
             renderer.draw(&other, &light, WIDTH, HEIGHT).expect("another picture");
             let before = shown(&mut renderer, &other);
             assert_ne!(before, whole, "{object:?}: another picture");
@@ -296,9 +307,10 @@ fn bands_make_the_same_picture() {
 #[test]
 fn a_furnace_is_white() {
     let environment = synth("furnace").expect("a recipe");
-    on_every_adapter("white furnace", |context| {
+    in_full("white furnace", |context| {
         // A white metal that reflects all light, once or many times, cannot be seen.
-        let white = Look { metal: [1.0; 3], tone: Tone::Linear, exposure: -1.0, ..Look::default() };
+        let white =
+            Look { metal: [1.0; 3], tone: Tone::Linear, exposure: Exposure::Ev(-1.0), ..Look::default() };
         let looks = [
             (Object::Row, Filter::Box),
             (Object::Row, Filter::Levels),
@@ -319,7 +331,7 @@ fn a_furnace_is_white() {
 #[test]
 fn errors_are_black_where_there_are_none() {
     let environment = synth("furnace").expect("a recipe");
-    on_every_adapter("view errors", |context| {
+    in_full("view errors", |context| {
         let look = Look { show: Show::Error, filter: Filter::Fitted(4), ..Look::default() };
         let dark = shot(context, &look, &environment);
         assert!(dark.iter().flatten().all(|c| *c < 60), "a furnace has no errors above 1e-4");
@@ -339,10 +351,10 @@ fn a_lamp_lights_what_is_seen() {
         [(0.2 + radiance) as f32; 3]
     });
     let lit = Environment::new(layout, lit.collect()).expect("an environment");
-    let look = Look { roughness: 0.4, ..Look::default() };
+    let look = Look { roughness: 0.4, exposure: Exposure::Ev(0.0), ..Look::default() };
     let [without, with] = [&dark, &lit].map(|environment| expected(&look, environment, None));
     assert!(difference(&without, &with) > 0.05, "a lamp that cannot be seen");
-    on_every_adapter("view of a lamp", |context| {
+    in_full("view of a lamp", |context| {
         let mut renderer = renderer(context);
         let light = renderer.light(&dark, Some(OEM)).expect("tables that fit");
         for (lamp, expected) in [(Some(lamp), &with), (None, &without)] {
@@ -358,11 +370,11 @@ fn what_cannot_be_shown_is_refused() {
     let environment = synth("furnace").expect("a recipe");
     let wrong = [
         Look { roughness: 1.5, ..Look::default() },
-        Look { exposure: f64::NAN, ..Look::default() },
+        Look { exposure: Exposure::Ev(f64::NAN), ..Look::default() },
         Look { filter: Filter::Fitted(3), ..Look::default() },
         Look { camera: Camera { distance: 0.5, ..Camera::default() }, ..Look::default() },
     ];
-    on_every_adapter("view refusals", |context| {
+    in_full("view refusals", |context| {
         let mut renderer = renderer(context);
         let light = renderer.light(&environment, Some(16)).expect("tables that fit");
         let mut ask = |look: &Look, width| {

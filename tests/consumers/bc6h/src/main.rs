@@ -1,7 +1,8 @@
-//! What BC6H keeps of baked levels by the program's encoder and by others: decibels of log2 radiance, and CPU seconds.
+//! What BC6H keeps of baked levels by the program's encoder and by others: decibels of log2 radiance, and CPU
+//! seconds.
 //!
-//! `octagloss-consumers-bc6h PROGRAM INPUT...` bakes levels of 64, 32, 16 and 8 texels of every input and prints a table
-//! as Markdown, an encoder a row.
+//! `octagloss-consumers-bc6h PROGRAM INPUT...` bakes levels of 64, 32, 16 and 8 texels of every input and
+//! prints a table as Markdown, an encoder a row.
 
 use std::error::Error;
 use std::path::Path;
@@ -29,7 +30,8 @@ struct Face {
     blocks: Vec<u8>,
 }
 
-/// The faces of `input`, baked once as floats and once as BC6H: in a DDS file every face has its levels beside it.
+/// The faces of `input`, baked once as floats and once as BC6H: in a DDS file every face has its levels
+/// beside it.
 fn faces(program: &str, input: &str, folder: &Path) -> Result<Vec<Face>> {
     let bake = |pixel: &str| -> Result<Vec<u8>> {
         let output = folder.join(format!("{pixel}.dds"));

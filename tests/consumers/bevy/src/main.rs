@@ -1,10 +1,10 @@
-//! Pictures by Bevy of what `octagloss bake --target bevy` writes: its own asset loader, shading and skybox, without a
-//! window.
+//! Pictures by Bevy of what `octagloss bake --target bevy` writes: its own asset loader, shading and skybox,
+//! without a window.
 //!
 //! `octagloss-consumers-bevy FOLDER <JOBS >PICTURES`: a job is a line of words, its files beneath FOLDER;
-//! `metal ROUGHNESS SPECULAR DIFFUSE X Y Z` and `diffuse ROUGHNESS SPECULAR DIFFUSE X Y Z` show a unit sphere seen from
-//! (X, Y, Z), `sky ROUGHNESS SPECULAR DIFFUSE X Y Z` the skybox towards there, 90 degrees wide. A picture is SIZE x SIZE
-//! pixels of four floats, rows upwards, of what the camera receives.
+//! `metal ROUGHNESS SPECULAR DIFFUSE X Y Z` and `diffuse ROUGHNESS SPECULAR DIFFUSE X Y Z` show a unit sphere
+//! seen from (X, Y, Z), `sky ROUGHNESS SPECULAR DIFFUSE X Y Z` the skybox towards there, 90 degrees wide. A
+//! picture is SIZE x SIZE pixels of four floats, rows upwards, of what the camera receives.
 
 use std::error::Error;
 use std::io::{BufRead, Write};

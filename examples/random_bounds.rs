@@ -1,0 +1,64 @@
+//! Compares certified bounds with exhaustive integration at random: `cargo run --release --example
+//! random_bounds [CASES] [SEED]`, 1,000,000 cases and seed 1 by default. Each case is a lobe at a roughness,
+//! to a tolerance, around a direction; light lies anywhere between 1e-45 and 3.4e38, mixed within one
+//! environment. Fails where a bound does not hold or a number is not finite.
+
+#[path = "../tests/suite/cpu/lights.rs"]
+#[allow(dead_code, reason = "tests use the rest")]
+mod lights;
+#[path = "../tests/suite/support"]
+#[allow(dead_code, reason = "tests use the rest")]
+mod support {
+    pub(crate) mod bounds;
+    pub(crate) mod common;
+}
+
+use lights::{QUESTIONS, Tally, examine, examine_unbounded};
+use rayon::prelude::*;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Environments between two lines of progress.
+const BATCH: u64 = 5_000;
+
+/// One environment in so many is also asked with the filters that have no bound.
+const UNBOUNDED: u64 = 200;
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args().skip(1).map(|argument| argument.parse::<u64>());
+    let (Ok(cases), Ok(seed)) =
+        (arguments.next().unwrap_or(Ok(1_000_000)), arguments.next().unwrap_or(Ok(1)))
+    else {
+        eprintln!("random_bounds takes two whole numbers: cases and seed");
+        return ExitCode::from(2);
+    };
+    let start = Instant::now();
+    let environments = cases.div_ceil(QUESTIONS);
+    let mut all = Tally::default();
+    for first in (0..environments).step_by(BATCH as usize) {
+        let batch = first..(first + BATCH).min(environments);
+        let tally = batch
+            .into_par_iter()
+            .map(|index| {
+                let bounded = examine(seed, index, &|answer| answer);
+                if index % UNBOUNDED == 0 { bounded.join(examine_unbounded(seed, index)) } else { bounded }
+            })
+            .reduce(Tally::default, Tally::join);
+        for told in tally.not_finite.iter().chain(&tally.violations).take(20) {
+            println!("{told}");
+        }
+        all = all.join(tally);
+        println!(
+            "{} bounds compared, {} answers without a bound, {} not finite, {} violations; error/bound mean {:.4}, \
+             worst {:.4}; {:.0} s",
+            all.compared,
+            all.unbounded,
+            all.not_finite.len(),
+            all.violations.len(),
+            all.ratios / all.compared.max(1) as f64,
+            all.worst,
+            start.elapsed().as_secs_f64()
+        );
+    }
+    if all.is_sound() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

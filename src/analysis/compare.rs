@@ -1,0 +1,518 @@
+//! How far a bake is from its source, integrated exhaustively, or from another bake.
+
+use crate::analysis::oracle::Oracle;
+use crate::analysis::sun::{beside, texel_width};
+use crate::chain::{CubeChain, CubeLevel};
+use crate::environment::{Environment, LUMINANCE, Layout};
+use crate::error::{Error, Result};
+use crate::finite::finite;
+use crate::lobe::{Lobe, full_width_at_half_maximum};
+use crate::sphere::cube::{Face, cube_point, direction_from_texel, texel_solid_angle};
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A lobe narrower than this many source texels shows how texels are filtered, not how lobes are.
+const NARROW: f64 = 2.0;
+
+/// The texels of a level to compare, always the same ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// All of them.
+    All,
+    /// At most this many, at random.
+    Random(usize),
+    /// At most this many on a grid that covers every face (six at least), for pictures.
+    Grid(usize),
+}
+
+impl Sampling {
+    /// The most texels.
+    const fn most(self) -> Option<usize> {
+        match self {
+            Self::All => None,
+            Self::Random(count) | Self::Grid(count) => Some(count),
+        }
+    }
+
+    /// Texels along an edge of a face of the grid that is compared of a level of `size`.
+    fn grid(self, size: u32) -> Option<u32> {
+        match self {
+            Self::All => Some(size),
+            Self::Random(count) => (count >= 6 * size as usize * size as usize).then_some(size),
+            Self::Grid(count) => Some(u32::try_from((count / 6).isqrt()).unwrap_or(size).clamp(1, size)),
+        }
+    }
+
+    /// The texels of a level of `size`, in order.
+    fn picks(self, size: u32) -> Vec<usize> {
+        match self.grid(size) {
+            Some(grid) => grid_places(size, grid),
+            None => sample(6 * size as usize * size as usize, self.most()),
+        }
+    }
+}
+
+/// The texels nearest the centres of a grid of `grid` x `grid` on each face of a level of `size`, in order.
+fn grid_places(size: u32, grid: u32) -> Vec<usize> {
+    let (size, grid) = (size as usize, grid as usize);
+    let line = |k: usize| (2 * k + 1) * size / (2 * grid);
+    let texel = |k: usize| (k / (grid * grid) * size + line(k / grid % grid)) * size + line(k % grid);
+    (0..6 * grid * grid).map(texel).collect()
+}
+
+/// The texels of `level` that a [`LevelErrors::reference`] of `size` was compared with.
+#[must_use]
+pub fn grid_of(level: &CubeLevel, size: u32) -> CubeLevel {
+    let texels =
+        grid_places(level.size, size.min(level.size)).into_iter().map(|at| level.texels[at]).collect();
+    CubeLevel { size: size.min(level.size), roughness: level.roughness, texels, bounds: None }
+}
+
+/// The errors of one level. Reds, greens and blues are weighed into luminance first.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LevelErrors {
+    /// The level's number.
+    pub level: usize,
+    /// Texels along an edge of a face.
+    pub size: u32,
+    /// Its roughness.
+    pub roughness: f64,
+    /// Number of texels compared.
+    pub texels: usize,
+    /// Root of the mean squared error over the mean of the reference.
+    #[serde(serialize_with = "finite")]
+    pub rel_rmse: f64,
+    /// Mean absolute error over the mean of the reference.
+    #[serde(serialize_with = "finite")]
+    pub l1: f64,
+    /// The texel of greatest relative error.
+    pub worst: WorstTexel,
+    /// Steps of the bake at cube edges.
+    #[serde(serialize_with = "finite")]
+    pub seam: Option<f64>,
+    /// Steps of the reference at cube edges.
+    ///
+    /// The mean step between texels on either side of an edge over the mean step between neighbours within a
+    /// face, each step divided by the angle between the two; about 1 where no seam shows. `None` where
+    /// nothing steps.
+    #[serde(serialize_with = "finite")]
+    pub reference_seam: Option<f64>,
+    /// The reference itself, where all texels or a grid of them were compared; of a grid, [`grid_of`] is its
+    /// like.
+    #[serde(skip)]
+    pub reference: Option<CubeLevel>,
+}
+
+/// A texel and what both sides have there.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WorstTexel {
+    /// Face, as in file names.
+    pub face: &'static str,
+    /// Column.
+    pub i: u32,
+    /// Row.
+    pub j: u32,
+    /// Unit direction of its centre.
+    pub direction: [f64; 3],
+    /// Radiance of the bake.
+    #[serde(serialize_with = "finite")]
+    pub value: [f64; 3],
+    /// Radiance of the reference.
+    #[serde(serialize_with = "finite")]
+    pub reference: [f64; 3],
+    /// Error of the luminance over the reference's; 1 where the reference is black and the bake is not.
+    #[serde(serialize_with = "finite")]
+    pub relative: f64,
+}
+
+/// Compares every texel of two bakes, `reference` being what errors are relative to.
+///
+/// # Errors
+/// [`Error::Parameter`] where they differ in levels, sizes or roughness.
+pub fn errors_against_bake(bake: &CubeChain, reference: &CubeChain) -> Result<Vec<LevelErrors>> {
+    if bake.levels.len() != reference.levels.len() {
+        return Err(Error::Parameter(format!(
+            "the bakes have {} and {} levels; bake both with equal --size and --levels",
+            bake.levels.len(),
+            reference.levels.len()
+        )));
+    }
+    let pairs = bake.levels.iter().zip(&reference.levels).enumerate();
+    pairs
+        .map(|(index, (a, b))| {
+            if a.size != b.size || (a.roughness - b.roughness).abs() > 1e-4 {
+                return Err(Error::Parameter(format!(
+                    "level {index} is {0}x{0} at roughness {1:.4} in one bake and {2}x{2} at {3:.4} in the other; \
+                     bake both with equal --size, --levels and --ladder",
+                    a.size, a.roughness, b.size, b.roughness
+                )));
+            }
+            let value = |at: usize| b.texels[at].map(f64::from);
+            Ok(level_errors(index, a, &value, Sampling::All))
+        })
+        .collect()
+}
+
+/// Whether `level` can be measured against a source in `layout`: its lobe spans some source texels.
+///
+/// Below that the answer would be how a texel is reconstructed, on which bake and integration need not agree.
+#[must_use]
+pub fn is_measurable(level: &CubeLevel, lobe: Lobe, layout: Layout) -> bool {
+    lobe == Lobe::Cosine || lobe_width(level, lobe) >= NARROW * texel_width(layout)
+}
+
+fn lobe_width(level: &CubeLevel, lobe: Lobe) -> f64 {
+    full_width_at_half_maximum(lobe, level.roughness * level.roughness)
+}
+
+/// Compares the [measurable](is_measurable) levels of `bake` with `lobe` integrated over `source`, at the
+/// texels of each level that `sampling` says. The lobe is that at a texel's centre, and where the texel is
+/// wide for it the mean over the texel's footprint, as in a bake. `progress` is told the integrations done
+/// and their number, from any thread.
+#[must_use]
+pub fn errors_against_source(
+    bake: &CubeChain,
+    source: &Environment,
+    lobe: Lobe,
+    sampling: Sampling,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Vec<LevelErrors> {
+    let oracle = Oracle::new(source);
+    let levels: Vec<_> = bake
+        .levels
+        .iter()
+        .enumerate()
+        .filter(|(_, level)| is_measurable(level, lobe, source.layout()))
+        .collect();
+    // Each compared texel and each end of a sampled step is an integration.
+    let total = levels.iter().map(|(_, level)| integrations(level, sampling)).sum();
+    let done = AtomicU64::new(0);
+    levels
+        .into_iter()
+        .map(|(index, level)| {
+            let value = |at: usize| {
+                let answer = footprint_mean(level, lobe, at, &|direction| {
+                    oracle.reflect(lobe, level.roughness, direction)
+                });
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                answer
+            };
+            level_errors(index, level, &value, sampling)
+        })
+        .collect()
+}
+
+/// Mean of `radiance` over as much of texel `at` as has joined the lobe: none where the texel is narrower
+/// than a third of the lobe's full width at half maximum, all of it from a half on.
+fn footprint_mean(
+    level: &CubeLevel,
+    lobe: Lobe,
+    at: usize,
+    radiance: &dyn Fn(DVec3) -> [f64; 3],
+) -> [f64; 3] {
+    let (face, i, j) = place(level.size, at);
+    let share = texel_solid_angle(level.size, i, j).sqrt() / lobe_width(level, lobe);
+    let fade = ((share - 1.0 / 3.0) * 6.0).clamp(0.0, 1.0);
+    if fade == 0.0 {
+        return radiance(direction(level.size, at));
+    }
+    let extent = fade * fade * (3.0 - 2.0 * fade);
+    // Points at most a quarter of a lobe apart, weighted by the solid angle they stand for.
+    let count = (4.0 * share).ceil().clamp(4.0, 64.0) as u32;
+    let coordinate = |texel: u32, k: u32| {
+        let offset = ((f64::from(k) + 0.5) / f64::from(count) - 0.5) * extent;
+        (f64::from(texel) + 0.5 + offset) * 2.0 / f64::from(level.size) - 1.0
+    };
+    let (mut sum, mut whole) = ([0.0; 3], 0.0);
+    for (a, b) in (0..count).flat_map(|b| (0..count).map(move |a| (a, b))) {
+        let point = cube_point(face, coordinate(i, a), coordinate(j, b));
+        let weight = point.length_squared().powf(-1.5);
+        whole += weight;
+        for (sum, value) in sum.iter_mut().zip(radiance(point.normalize())) {
+            *sum += weight * value;
+        }
+    }
+    sum.map(|c| c / whole)
+}
+
+fn integrations(level: &CubeLevel, sampling: Sampling) -> u64 {
+    let picks = sampling.picks(level.size).len();
+    let Some(count) = sampling.most().filter(|_| picks < level.texels.len()) else { return picks as u64 };
+    let steps = |steps: usize| 2 * count.div_ceil(4).min(steps);
+    let steps =
+        if level.size < 2 { 0 } else { steps(steps_within(level.size)) + steps(steps_across(level.size)) };
+    (picks + steps) as u64
+}
+
+/// Steps to sample of each kind where `texels` are sampled: as many integrations together as the texels take.
+fn sampled_steps(texels: Option<usize>) -> Option<usize> {
+    texels.map(|count| count.div_ceil(4))
+}
+
+fn level_errors(
+    index: usize,
+    level: &CubeLevel,
+    reference: &(dyn Fn(usize) -> [f64; 3] + Sync),
+    sampling: Sampling,
+) -> LevelErrors {
+    let picks = sampling.picks(level.size);
+    let texels = sampling.most();
+    let references: Vec<[f64; 3]> = picks.par_iter().map(|at| reference(*at)).collect();
+
+    let (mut squares, mut distances, mut whole) = (0.0, 0.0, 0.0);
+    let mut worst = (0, -1.0);
+    for (pick, (at, wanted)) in picks.iter().zip(&references).enumerate() {
+        let wanted = weigh(*wanted);
+        let error = weigh(level.texels[*at].map(f64::from)) - wanted;
+        squares += error * error;
+        distances += error.abs();
+        whole += wanted;
+        let relative = relative(error, wanted);
+        if relative > worst.1 {
+            worst = (pick, relative);
+        }
+    }
+    let (at, count) = (picks[worst.0], picks.len() as f64);
+    let (face, i, j) = place(level.size, at);
+    let bake = |at: usize| weigh(level.texels[at].map(f64::from));
+    // With all texels at hand nothing is integrated twice.
+    let all = picks.len() == level.texels.len();
+    let wanted = |at: usize| weigh(if all { references[at] } else { reference(at) });
+    LevelErrors {
+        level: index,
+        size: level.size,
+        roughness: level.roughness,
+        texels: picks.len(),
+        rel_rmse: relative((squares / count).sqrt(), whole / count),
+        l1: relative(distances / count, whole / count),
+        worst: WorstTexel {
+            face: face.short_name(),
+            i,
+            j,
+            direction: direction(level.size, at).to_array(),
+            value: level.texels[at].map(f64::from),
+            reference: references[worst.0],
+            relative: worst.1,
+        },
+        seam: seam(level.size, texels, &bake),
+        reference_seam: seam(level.size, texels, &wanted),
+        reference: sampling.grid(level.size).map(|size| CubeLevel {
+            texels: references.iter().map(|rgb| rgb.map(|c| c as f32)).collect(),
+            bounds: None,
+            size,
+            roughness: level.roughness,
+        }),
+    }
+}
+
+/// |error| over `wanted`; where that is black, 0 for no error and 1 for any.
+fn relative(error: f64, wanted: f64) -> f64 {
+    if wanted > 0.0 {
+        error.abs() / wanted
+    } else if error == 0.0 {
+        0.0
+    } else {
+        1.0
+    }
+}
+
+fn weigh(rgb: [f64; 3]) -> f64 {
+    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
+}
+
+fn place(size: u32, at: usize) -> (Face, u32, u32) {
+    let n = size as usize;
+    (Face::ALL[at / (n * n)], (at % n) as u32, (at / n % n) as u32)
+}
+
+fn direction(size: u32, at: usize) -> DVec3 {
+    let (face, i, j) = place(size, at);
+    direction_from_texel(face, size, i, j)
+}
+
+/// Mean step across cube edges over mean step within faces.
+fn seam(size: u32, texels: Option<usize>, value: &(dyn Fn(usize) -> f64 + Sync)) -> Option<f64> {
+    let mean = |count: usize, step: fn(u32, usize) -> (usize, usize)| {
+        let picks = sample(count, sampled_steps(texels));
+        let steps: Vec<f64> = picks
+            .par_iter()
+            .map(|pick| {
+                let (a, b) = step(size, *pick);
+                let angle = direction(size, a).angle_between(direction(size, b));
+                (value(a) - value(b)).abs() / angle
+            })
+            .collect();
+        steps.iter().sum::<f64>() / steps.len() as f64
+    };
+    if size < 2 {
+        return None;
+    }
+    let within = mean(steps_within(size), step_within);
+    (within > 0.0).then(|| mean(steps_across(size), step_across) / within)
+}
+
+fn steps_within(size: u32) -> usize {
+    12 * size as usize * (size as usize - 1)
+}
+
+/// Step `k` within faces: to the right for the first half, down for the second.
+fn step_within(size: u32, k: usize) -> (usize, usize) {
+    let n = size as usize;
+    let half = 6 * n * (n - 1);
+    let (line, along) = (k % half / (n - 1), k % half % (n - 1));
+    if k < half {
+        (line * n + along, line * n + along + 1)
+    } else {
+        let at = line / n * n * n + along * n + line % n;
+        (at, at + n)
+    }
+}
+
+fn steps_across(size: u32) -> usize {
+    24 * size as usize
+}
+
+/// Step `k` across an edge, outwards; each edge is stepped over from both sides.
+fn step_across(size: u32, k: usize) -> (usize, usize) {
+    let n = size as usize;
+    let (face, side, along) = (Face::ALL[k / (4 * n)], k / n % 4, (k % n) as i64);
+    let last = i64::from(size) - 1;
+    let (inside, outside) = match side {
+        0 => ((last, along), (last + 1, along)),
+        1 => ((0, along), (-1, along)),
+        2 => ((along, last), (along, last + 1)),
+        _ => ((along, 0), (along, -1)),
+    };
+    (beside(size, face, inside.0, inside.1), beside(size, face, outside.0, outside.1))
+}
+
+/// `wanted` of the numbers below `count`, or all of them, in order; always the same.
+fn sample(count: usize, wanted: Option<usize>) -> Vec<usize> {
+    match wanted.filter(|wanted| *wanted < count) {
+        None => (0..count).collect(),
+        Some(wanted) => {
+            // Floyd's algorithm: every subset is equally likely.
+            let mut random = SplitMix(1);
+            let mut picks = BTreeSet::new();
+            for top in count - wanted..count {
+                let pick = (random.next() % (top as u64 + 1)) as usize;
+                if !picks.insert(pick) {
+                    picks.insert(top);
+                }
+            }
+            picks.into_iter().collect()
+        }
+    }
+}
+
+/// Steele, Lea and Flood 2014.
+struct SplitMix(u64);
+
+impl SplitMix {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::Rgb;
+    use std::f64::consts::PI;
+
+    fn level(size: u32, value: impl Fn(DVec3) -> f32) -> CubeLevel {
+        let count = 6 * size as usize * size as usize;
+        let texels: Vec<Rgb> = (0..count).map(|at| [value(direction(size, at)); 3]).collect();
+        CubeLevel { size, roughness: 0.5, texels, bounds: None }
+    }
+
+    #[test]
+    fn one_wrong_texel_is_found() {
+        let good = CubeChain { levels: vec![level(8, |d| 2.0 + d.x as f32)] };
+        let same = &errors_against_bake(&good, &good).expect("equal shapes")[0];
+        assert_eq!((same.rel_rmse, same.l1, same.worst.relative), (0.0, 0.0, 0.0));
+
+        let mut bad = good.clone();
+        let at = (4 * 8 + 3) * 8 + 6;
+        bad.levels[0].texels[at] = [8.0; 3];
+        let errors = &errors_against_bake(&bad, &good).expect("equal shapes")[0];
+        assert_eq!((errors.worst.face, errors.worst.i, errors.worst.j), ("pz", 6, 3));
+        assert_eq!(errors.worst.value, [8.0; 3]);
+        let wanted = f64::from(good.levels[0].texels[at][0]);
+        assert!((errors.worst.relative - (8.0 - wanted) / wanted).abs() < 1e-6, "{errors:?}");
+        let rel_rmse = (8.0 - wanted) / (384_f64).sqrt() / 2.0;
+        assert!((errors.rel_rmse / rel_rmse - 1.0).abs() < 1e-5, "{errors:?}");
+    }
+
+    #[test]
+    fn a_smooth_sky_has_no_seam_and_a_face_of_its_own_has() {
+        let smooth = level(32, |d| 3.0 + (d.x + d.y * d.z) as f32);
+        let mut patched = smooth.clone();
+        for texel in &mut patched.texels[..32 * 32] {
+            *texel = texel.map(|c| c + 0.5);
+        }
+        let of = |level: &CubeLevel| {
+            let chain = CubeChain { levels: vec![level.clone()] };
+            errors_against_bake(&chain, &chain).expect("equal shapes")[0].seam.expect("steps")
+        };
+        assert!((0.7..1.3).contains(&of(&smooth)), "{}", of(&smooth));
+        assert!(of(&patched) > 3.0, "{}", of(&patched));
+    }
+
+    #[test]
+    fn steps_join_neighbours_and_no_others() {
+        for size in [2, 3, 8] {
+            let step = PI / 2.0 / f64::from(size);
+            let within = (0..steps_within(size)).map(|k| step_within(size, k));
+            for (a, b) in within.chain((0..steps_across(size)).map(|k| step_across(size, k))) {
+                let angle = direction(size, a).angle_between(direction(size, b));
+                assert!(a != b && angle < 1.5 * step, "{size}: {a} to {b} is {angle}");
+            }
+            let pairs: BTreeSet<_> = (0..steps_within(size)).map(|k| step_within(size, k)).collect();
+            assert_eq!(pairs.len(), steps_within(size));
+        }
+    }
+
+    #[test]
+    fn a_wide_texel_is_measured_over_its_footprint() {
+        let wide = level(1, |_| 0.0);
+        // Over a whole face d.x has the mean 6/(4 pi) * the integral of cos over it, Lambert's formula:
+        // 0.8310.
+        let mean = footprint_mean(&wide, Lobe::Ggx, 0, &|d| [d.x, 1.0, d.y]);
+        assert!((mean[0] - 0.831).abs() < 2e-3 && mean[1] == 1.0 && mean[2].abs() < 1e-9, "{mean:?}");
+        let narrow = level(64, |_| 0.0);
+        assert_eq!(footprint_mean(&narrow, Lobe::Ggx, 9, &|d| d.to_array()), direction(64, 9).to_array());
+    }
+
+    #[test]
+    fn a_grid_covers_every_face_and_its_picture_is_of_its_texels() {
+        let level = level(8, |d| 2.0 + d.x as f32);
+        for (asked, size) in [(1, 1), (6, 1), (24, 2), (53, 2), (54, 3), (384, 8), (100_000, 8)] {
+            assert_eq!(Sampling::Grid(asked).grid(8), Some(size), "{asked}");
+            let picks = Sampling::Grid(asked).picks(8);
+            assert_eq!(picks.len(), 6 * (size * size) as usize);
+            assert!(picks.windows(2).all(|pair| pair[0] < pair[1]) && picks[picks.len() - 1] < 384);
+            let errors =
+                level_errors(0, &level, &|at| level.texels[at].map(f64::from), Sampling::Grid(asked));
+            let reference = errors.reference.expect("a grid has a picture");
+            assert_eq!((reference.size, errors.rel_rmse), (size, 0.0));
+            assert_eq!(reference.texels, grid_of(&level, size).texels);
+        }
+        assert_eq!(grid_places(8, 8), (0..384).collect::<Vec<_>>());
+        assert_eq!((Sampling::Random(383).grid(8), Sampling::Random(384).grid(8)), (None, Some(8)));
+    }
+
+    #[test]
+    fn samples_are_distinct_and_within() {
+        assert_eq!(sample(5, Some(9)), [0, 1, 2, 3, 4]);
+        let picks = sample(1000, Some(300));
+        assert_eq!(picks.len(), 300);
+        assert!(picks.windows(2).all(|pair| pair[0] < pair[1]) && picks[299] < 1000);
+    }
+}

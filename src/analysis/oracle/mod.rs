@@ -1,0 +1,231 @@
+//! The oracle: exhaustive integration in plain double precision, slow and independent of the engines.
+//!
+//! Three questions, each answered by a sum over every texel there is:
+//! - [`Oracle::reflect`]: a lobe over the source environment, each texel constant over its exact solid angle,
+//!   divided by the same sum over the kernel alone. It audits a whole bake, the reparameterisation included.
+//! - [`reflect_oem`]: the lobe that the engines serve, over the OEM's own texels. A certified bound is judged
+//!   against it.
+//! - [`irradiance`] and [`crate::sh::spherical_harmonics`]: smooth weights over the source.
+//!
+//! It shares the definitions of the maps with the engines (the directions of [`crate::sphere`]) and nothing
+//! else: kernels, their integrals, quadrature and wrapping are its own.
+
+mod kernel;
+mod oem;
+mod patch;
+mod quadrature;
+mod texels;
+
+use kernel::MIRROR;
+pub use oem::{OemOracle, reflect_oem};
+pub(crate) use quadrature::gauss_legendre;
+pub(crate) use texels::SourceTexels;
+
+use crate::environment::{Environment, Layout, Rgb};
+use crate::lobe::Lobe;
+use crate::sphere::{cube, equirect, octahedral};
+use glam::DVec3;
+use kernel::{Kernel, Side};
+use patch::Accuracy;
+use std::f64::consts::PI;
+
+/// Relative accuracy of the kernel's integral over a texel near the core of the lobe.
+const TEXEL_ACCURACY: f64 = 1e-7;
+
+/// Where the second moments of a texel are enough: its radius in units of the kernel's reach. The first term
+/// left out is of fourth order, below (radius/reach)^4 / 4, which is 3e-6 here for the nearest such texel.
+const MOMENTS_REACH: f64 = 0.06;
+
+/// Share of the answer that a texel at the edge of the lobe's support may be off by before it is cut finer.
+const EDGE_SHARE: f64 = 1e-7;
+
+/// Levels of splitting at the edge of the support, at most.
+const EDGE_LEVELS: u32 = 10;
+
+/// An environment made ready for exhaustive integration.
+#[derive(Debug)]
+pub struct Oracle<'a> {
+    environment: &'a Environment,
+    texels: SourceTexels,
+}
+
+/// A texel that the lobe's support ends in.
+struct EdgeTexel {
+    block: usize,
+    frame: usize,
+    radiance: Rgb,
+    /// Its kernel integral, roughly.
+    estimate: f64,
+    /// How far off that may be.
+    doubt: f64,
+}
+
+/// Sums of L K and of K.
+struct WeightedSum {
+    radiance: [f64; 3],
+    kernel: f64,
+}
+
+impl WeightedSum {
+    fn add(&mut self, kernel: f64, radiance: Rgb) {
+        self.kernel += kernel;
+        for (sum, channel) in self.radiance.iter_mut().zip(radiance) {
+            *sum += kernel * f64::from(channel);
+        }
+    }
+}
+
+impl<'a> Oracle<'a> {
+    /// Works out the texels' solid angles and moments, once for all queries.
+    #[must_use]
+    pub fn new(environment: &'a Environment) -> Self {
+        Self { environment, texels: SourceTexels::new(environment.layout()) }
+    }
+
+    /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (of the world, any length but zero).
+    ///
+    /// Each channel is sum(L_i K_i) / sum(K_i), K_i the kernel's integral over texel i to a relative 1e-5 or
+    /// better. At roughness 0 (below 3e-5) it is the radiance of the texel looked at, but for lobes that have
+    /// no mirror.
+    #[must_use]
+    pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
+        let direction = (self.environment.source_from_world() * direction).normalize();
+        if roughness < MIRROR && lobe.has_mirror() {
+            return self.texel_towards(direction).map(f64::from);
+        }
+        let kernel = Kernel::new(lobe, roughness, direction);
+        let accuracy = Accuracy::new(TEXEL_ACCURACY, 0);
+        let radiance = self.environment.texels();
+        let frames: Vec<DVec3> = self.texels.frames().iter().map(|f| *f * direction).collect();
+        let mut sum = WeightedSum { radiance: [0.0; 3], kernel: 0.0 };
+        let mut edge = Vec::new();
+        self.texels.for_each(|index, block, frame| {
+            let texel = &self.texels.blocks()[block];
+            let towards = frames[frame];
+            let cosine = towards.dot(texel.mean);
+            if cosine < -texel.radius {
+                return;
+            }
+            let variance = towards.dot(texel.covariance * towards);
+            let kernel = kernel.around(towards);
+            let distance = (texel.centre - towards).length();
+            let side = kernel.side(texel.centre, texel.radius);
+            let smooth = texel.radius < MOMENTS_REACH * kernel.reach(distance - texel.radius);
+            match side {
+                Side::Outside => {}
+                Side::Inside if smooth => {
+                    let (value, curvature) = kernel.curve(cosine);
+                    sum.add((value + curvature * variance / 2.0) * texel.solid_angle, radiance[index]);
+                }
+                Side::Inside => {
+                    sum.add(self.texels.integrate(block, &kernel, &accuracy), radiance[index]);
+                }
+                Side::Across => {
+                    let (mut estimate, mut doubt) =
+                        kernel.estimate_at_edge(cosine, (3.0 * variance).sqrt(), texel.solid_angle);
+                    if !smooth {
+                        estimate = self.texels.integrate(block, &kernel, &accuracy.with_edge_levels(2));
+                        doubt /= 8.0;
+                    }
+                    edge.push(EdgeTexel { block, frame, radiance: radiance[index], estimate, doubt });
+                }
+            }
+        });
+        let brightest = |rgb: Rgb| f64::from(rgb[0].max(rgb[1]).max(rgb[2]));
+        let total = edge.iter().map(|e| e.estimate * brightest(e.radiance)).sum::<f64>()
+            + sum.radiance.iter().copied().fold(0.0, f64::max);
+        // A cone inside one texel may have no estimate of its own integral; without light there is nothing to
+        // refine.
+        if total == 0.0 && edge.iter().all(|texel| texel.radiance == [0.0; 3]) {
+            return [0.0; 3];
+        }
+        let mean = total / (edge.iter().map(|e| e.estimate).sum::<f64>() + sum.kernel);
+        for texel in edge {
+            // A texel counts in the sum over the kernel too, with the mean radiance. Every halving makes the
+            // doubt about a kink or a jump at least 2^1.5 times less.
+            let excess = texel.doubt * brightest(texel.radiance).max(mean) / (EDGE_SHARE * total);
+            let value = if excess > 1.0 {
+                let levels = (2.0 + excess.log2() / 1.5).ceil().min(f64::from(EDGE_LEVELS)) as u32;
+                let kernel = kernel.around(frames[texel.frame]);
+                self.texels.integrate(texel.block, &kernel, &accuracy.with_edge_levels(levels))
+            } else {
+                texel.estimate
+            };
+            sum.add(value, texel.radiance);
+        }
+        sum.radiance.map(|channel| channel / sum.kernel)
+    }
+
+    /// Irradiance on a surface that faces `direction`: the integral of L * max(cos(theta), 0).
+    #[must_use]
+    pub fn irradiance(&self, direction: DVec3) -> [f64; 3] {
+        self.reflect(Lobe::Cosine, 1.0, direction).map(|channel| PI * channel)
+    }
+
+    /// Radiance of the texel that `direction` (of the source, unit length) falls in.
+    fn texel_towards(&self, direction: DVec3) -> Rgb {
+        let nearest = |t: f64, n: u32| ((t * f64::from(n)) as usize).min(n as usize - 1);
+        let index = match self.environment.layout() {
+            Layout::Panorama { width, height } => {
+                let (u, v) = equirect::equirect_from_direction(direction);
+                nearest(v, height) * width as usize + nearest(u, width)
+            }
+            Layout::Cube { size } => {
+                let (face, s, t) = cube::cube_from_direction(direction);
+                let row = face.index() * size as usize + nearest((t + 1.0) / 2.0, size);
+                row * size as usize + nearest((s + 1.0) / 2.0, size)
+            }
+            Layout::Octahedral { size } => {
+                let uv = (octahedral::oct_from_direction(direction) + 1.0) / 2.0;
+                nearest(uv.y, size) * size as usize + nearest(uv.x, size)
+            }
+        };
+        self.environment.texels()[index]
+    }
+}
+
+/// [`Oracle::reflect`] for a single question.
+#[must_use]
+pub fn reflect(environment: &Environment, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
+    Oracle::new(environment).reflect(lobe, roughness, direction)
+}
+
+/// [`Oracle::irradiance`] for a single question.
+#[must_use]
+pub fn irradiance(environment: &Environment, direction: DVec3) -> [f64; 3] {
+    Oracle::new(environment).irradiance(direction)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobe::LOBES;
+
+    #[test]
+    fn kernels_over_all_texels_sum_to_their_integral() {
+        let layouts = [
+            Layout::Panorama { width: 24, height: 12 },
+            Layout::Cube { size: 6 },
+            Layout::Octahedral { size: 8 },
+            Layout::Octahedral { size: 3 },
+        ];
+        let accuracy = Accuracy::new(1e-9, 8);
+        for layout in layouts {
+            let texels = SourceTexels::new(layout);
+            for lobe in LOBES {
+                for roughness in [0.03, 0.2, 0.6, 1.0] {
+                    let kernel = Kernel::new(lobe, roughness, DVec3::new(0.3, -0.5, 0.7).normalize());
+                    let frames: Vec<DVec3> = texels.frames().iter().map(|f| *f * kernel.direction).collect();
+                    let mut sum = 0.0;
+                    texels.for_each(|_, block, frame| {
+                        sum += texels.integrate(block, &kernel.around(frames[frame]), &accuracy);
+                    });
+                    // A cone's edge, where pieces are halved eight times and not cut, is the worst.
+                    let tolerance = if lobe == Lobe::Cone { 2e-3 / roughness } else { 2e-5 };
+                    let off = (sum / kernel.integral() - 1.0).abs();
+                    assert!(off < tolerance, "{layout:?} {lobe:?} {roughness}: off by {off:e}");
+                }
+            }
+        }
+    }
+}

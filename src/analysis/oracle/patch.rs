@@ -1,0 +1,314 @@
+//! Pieces of the sphere and quadrature of a kernel over them.
+//!
+//! Two kinds: flat pieces of a cube face or an octahedron face, whose central projection is the map, and
+//! bands of a panorama. Both are cut in four until the kernel is smooth on a piece, and then integrated by
+//! Gauss's rule.
+
+use super::kernel::{Kernel, Side};
+use super::quadrature::gauss_legendre;
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, SQRT_2};
+use std::sync::LazyLock;
+
+/// The orders in use.
+const ORDERS: [u32; 5] = [2, 3, 4, 6, 8];
+static RULES: LazyLock<[Vec<(f64, f64)>; 5]> = LazyLock::new(|| ORDERS.map(gauss_legendre));
+
+/// A quadrature point: where (any length), the squared length, the chart's coordinates and the weight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    pub(super) point: DVec3,
+    pub(super) length_squared: f64,
+    pub(super) uv: DVec2,
+    pub(super) weight: f64,
+}
+
+/// How exact an integral is to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Accuracy {
+    /// Greatest side of a piece, in units of the kernel's reach, for each order of [`ORDERS`].
+    sides: [f64; 5],
+    /// Levels of splitting at a boundary of the support that is not cut exactly.
+    edge_levels: u32,
+}
+
+impl Accuracy {
+    /// Relative error of about `tolerance` on each piece.
+    ///
+    /// Gauss's rule of order q misses (1/rho)^2q of an integrand whose nearest pole is at `reach`: over a
+    /// side h, rho = 4 reach/h for small h, less for large ones.
+    pub(super) fn new(tolerance: f64, edge_levels: u32) -> Self {
+        let sides = ORDERS.map(|q| {
+            // rho = z + sqrt(z^2 + 1), z = 2 reach/h, solved for h.
+            let rho = tolerance.powf(-0.5 / f64::from(q));
+            4.0 * rho / (rho * rho - 1.0)
+        });
+        Self { sides, edge_levels }
+    }
+
+    /// The cheapest rule for a piece of this side, in units of the reach; `None` where it must be split.
+    pub(super) fn rule(&self, side: f64) -> Option<&'static [(f64, f64)]> {
+        let order = self.sides.iter().position(|&limit| side <= limit)?;
+        Some(&RULES[order])
+    }
+
+    /// The same with another number of levels at edges.
+    pub(super) const fn with_edge_levels(self, edge_levels: u32) -> Self {
+        Self { edge_levels, ..self }
+    }
+}
+
+/// A piece of the sphere.
+pub(super) trait Patch: Copy {
+    /// Centre (unit vector) and the chord of a cap around it that holds the piece.
+    fn cap(&self) -> (DVec3, f64);
+    /// Four pieces that make up this one.
+    fn split(&self) -> [Self; 4];
+    /// Calls `visit` at every point of a product rule.
+    fn sample(&self, rule: &[(f64, f64)], visit: &mut impl FnMut(Sample));
+    /// Cuts along the boundary of the kernel's support and calls `keep` with the pieces inside; false where
+    /// that cannot be done, or not yet.
+    fn cut(&self, kernel: &Kernel, keep: &mut impl FnMut(Self)) -> bool;
+}
+
+/// Calls `visit` with quadrature points of `patch` and the kernel there; weights sum to the chart's measure.
+pub(super) fn integrate<P: Patch, V: FnMut(Sample, f64)>(
+    patch: &P,
+    kernel: &Kernel,
+    accuracy: &Accuracy,
+    visit: &mut V,
+) {
+    let (centre, radius) = patch.cap();
+    match kernel.side(centre, radius) {
+        Side::Outside => {}
+        Side::Inside => integrate_inside(patch, kernel, accuracy, 0, visit),
+        Side::Across => {
+            if patch.cut(kernel, &mut |piece| integrate_inside(&piece, kernel, accuracy, 0, visit)) {
+                return;
+            }
+            if accuracy.edge_levels == 0 {
+                patch.sample(&RULES[0], &mut |s| visit(s, kernel.at(s.point, s.length_squared)));
+                return;
+            }
+            let accuracy = accuracy.with_edge_levels(accuracy.edge_levels - 1);
+            for quarter in patch.split() {
+                integrate(&quarter, kernel, &accuracy, visit);
+            }
+        }
+    }
+}
+
+/// The same for a piece on which the kernel is smooth.
+fn integrate_inside<P: Patch, V: FnMut(Sample, f64)>(
+    patch: &P,
+    kernel: &Kernel,
+    accuracy: &Accuracy,
+    level: u32,
+    visit: &mut V,
+) {
+    let (centre, radius) = patch.cap();
+    let nearest = (centre.distance(kernel.direction) - radius).max(0.0);
+    if nearest >= kernel.vanishes {
+        return;
+    }
+    let side = SQRT_2 * radius / kernel.panel(nearest);
+    // A sixtieth halving is below the rounding of a direction.
+    match accuracy.rule(side).or_else(|| (level == 60).then_some(&RULES[4])) {
+        Some(rule) => patch.sample(rule, &mut |s| visit(s, kernel.at(s.point, s.length_squared))),
+        None => {
+            for quarter in patch.split() {
+                integrate_inside(&quarter, kernel, accuracy, level + 1, visit);
+            }
+        }
+    }
+}
+
+/// A plane of points `origin + u * along_u + v * along_v`, one face of a cube or an octahedron, such that the
+/// solid angle of du dv is 1/|point|^3.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    pub(super) origin: DVec3,
+    pub(super) along_u: DVec3,
+    pub(super) along_v: DVec3,
+}
+
+impl Plane {
+    fn point(&self, uv: DVec2) -> DVec3 {
+        self.origin + self.along_u * uv.x + self.along_v * uv.y
+    }
+}
+
+/// What a flat piece's weights add up to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Measure {
+    /// Solid angle.
+    SolidAngle,
+    /// Area in (u, v).
+    Chart,
+}
+
+/// A quadrilateral of a plane, bilinear between its corners in the order 00 10 11 01; a triangle repeats its
+/// first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flat {
+    pub(super) plane: Plane,
+    pub(super) measure: Measure,
+    pub(super) corners: [DVec2; 4],
+}
+
+impl Flat {
+    /// The rectangle from `low` to `high`.
+    pub(super) fn rectangle(plane: Plane, measure: Measure, low: DVec2, high: DVec2) -> Self {
+        let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+        Self { plane, measure, corners }
+    }
+
+    /// The triangle `a` `b` `c`.
+    pub(super) const fn triangle(plane: Plane, measure: Measure, a: DVec2, b: DVec2, c: DVec2) -> Self {
+        Self { plane, measure, corners: [a, b, c, a] }
+    }
+
+    fn at(&self, a: f64, b: f64) -> DVec2 {
+        let [c00, c10, c11, c01] = self.corners;
+        (c00 * (1.0 - a) + c10 * a) * (1.0 - b) + (c01 * (1.0 - a) + c11 * a) * b
+    }
+}
+
+impl Patch for Flat {
+    fn cap(&self) -> (DVec3, f64) {
+        let corners = self.corners.map(|c| self.plane.point(c));
+        let middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0;
+        let length = middle.length();
+        // Two points project to no more than their distance over the lesser of their lengths.
+        let spread = corners.iter().map(|c| c.distance_squared(middle)).fold(0.0, f64::max).sqrt();
+        // No point of the piece is nearer to the centre of the sphere than the plane.
+        let normal = self.plane.along_u.cross(self.plane.along_v);
+        let floor = (normal.dot(self.plane.origin) / normal.length()).abs();
+        (middle / length, (spread / (length - spread).max(floor)).min(2.0))
+    }
+
+    fn split(&self) -> [Self; 4] {
+        let quarter = |a: f64, b: f64| Self {
+            corners: [self.at(a, b), self.at(a + 0.5, b), self.at(a + 0.5, b + 0.5), self.at(a, b + 0.5)],
+            ..*self
+        };
+        [quarter(0.0, 0.0), quarter(0.5, 0.0), quarter(0.5, 0.5), quarter(0.0, 0.5)]
+    }
+
+    fn sample(&self, rule: &[(f64, f64)], visit: &mut impl FnMut(Sample)) {
+        let [c00, c10, c11, c01] = self.corners;
+        for &(b, weight_b) in rule {
+            let along_a = (c10 - c00) * (1.0 - b) + (c11 - c01) * b;
+            let start = c00 * (1.0 - b) + c01 * b;
+            for &(a, weight_a) in rule {
+                let along_b = (c01 - c00) * (1.0 - a) + (c11 - c10) * a;
+                let uv = start + along_a * a;
+                let point = self.plane.point(uv);
+                let length_squared = point.length_squared();
+                let area = weight_a * weight_b * along_a.perp_dot(along_b).abs();
+                let weight = match self.measure {
+                    Measure::Chart => area,
+                    Measure::SolidAngle => area / (length_squared * length_squared.sqrt()),
+                };
+                visit(Sample { point, length_squared, uv, weight });
+            }
+        }
+    }
+
+    fn cut(&self, kernel: &Kernel, keep: &mut impl FnMut(Self)) -> bool {
+        if kernel.jumps() {
+            // A circle is cut along chords: with pieces this small the area between is below 1e-6 of its own.
+            let (_, radius) = self.cap();
+            if radius > 1e-3 * kernel.support {
+                return false;
+            }
+        }
+        let depth = self.corners.map(|c| kernel.depth(self.plane.point(c)));
+        if depth.iter().all(|d| *d >= 0.0) {
+            keep(*self);
+            return true;
+        }
+        // Walk round the outline, keep what is inside, and cut the edges that cross.
+        let mut outline = [DVec2::ZERO; 8];
+        let mut count = 0;
+        for k in 0..4 {
+            let next = (k + 1) % 4;
+            if depth[k] >= 0.0 {
+                outline[count] = self.corners[k];
+                count += 1;
+            }
+            if (depth[k] > 0.0 && depth[next] < 0.0) || (depth[k] < 0.0 && depth[next] > 0.0) {
+                outline[count] =
+                    self.corners[k].lerp(self.corners[next], depth[k] / (depth[k] - depth[next]));
+                count += 1;
+            }
+        }
+        for k in 2..count {
+            keep(Self::triangle(self.plane, self.measure, outline[0], outline[k - 1], outline[k]));
+        }
+        true
+    }
+}
+
+/// A rectangle of a panorama, in longitude about +X and polar angle from +Y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Band {
+    pub(super) longitude: [f64; 2],
+    pub(super) polar: [f64; 2],
+}
+
+fn middle_of(span: [f64; 2]) -> f64 {
+    f64::midpoint(span[0], span[1])
+}
+
+/// Unit vector at `longitude` and polar angle.
+fn band_direction(longitude: f64, polar: f64) -> DVec3 {
+    let (sin_polar, cos_polar) = polar.sin_cos();
+    let (sin_longitude, cos_longitude) = longitude.sin_cos();
+    DVec3::new(sin_polar * cos_longitude, cos_polar, sin_polar * sin_longitude)
+}
+
+impl Patch for Band {
+    fn cap(&self) -> (DVec3, f64) {
+        let (longitude, polar) = (middle_of(self.longitude), middle_of(self.polar));
+        // The way to any point is along a meridian and then a parallel, the widest one of the piece.
+        let widest = if self.polar[0] <= PI / 2.0 && self.polar[1] >= PI / 2.0 {
+            1.0
+        } else {
+            self.polar[0].sin().max(self.polar[1].sin())
+        };
+        let across = (self.longitude[1] - self.longitude[0]) / 2.0 * widest;
+        let along = (self.polar[1] - self.polar[0]) / 2.0;
+        (band_direction(longitude, polar), across.hypot(along).min(2.0))
+    }
+
+    fn split(&self) -> [Self; 4] {
+        let (longitude, polar) = (middle_of(self.longitude), middle_of(self.polar));
+        let quarter = |west: bool, north: bool| Self {
+            longitude: if west { [self.longitude[0], longitude] } else { [longitude, self.longitude[1]] },
+            polar: if north { [self.polar[0], polar] } else { [polar, self.polar[1]] },
+        };
+        [quarter(true, true), quarter(false, true), quarter(false, false), quarter(true, false)]
+    }
+
+    fn sample(&self, rule: &[(f64, f64)], visit: &mut impl FnMut(Sample)) {
+        let width = self.longitude[1] - self.longitude[0];
+        let height = self.polar[1] - self.polar[0];
+        for &(b, weight_b) in rule {
+            let polar = self.polar[0] + b * height;
+            for &(a, weight_a) in rule {
+                let longitude = self.longitude[0] + a * width;
+                visit(Sample {
+                    point: band_direction(longitude, polar),
+                    length_squared: 1.0,
+                    uv: DVec2::new(longitude, polar),
+                    weight: weight_a * weight_b * width * height * polar.sin(),
+                });
+            }
+        }
+    }
+
+    fn cut(&self, _kernel: &Kernel, _keep: &mut impl FnMut(Self)) -> bool {
+        false
+    }
+}

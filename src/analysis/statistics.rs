@@ -1,0 +1,95 @@
+//! What is in an environment, in figures.
+
+use crate::analysis::sun::Sun;
+use crate::environment::{Environment, LUMINANCE, Rgb};
+use half::f16;
+use std::f64::consts::PI;
+
+/// Figures of an environment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Survey {
+    /// Least value of each channel.
+    pub min: Rgb,
+    /// Greatest value of each channel.
+    pub max: Rgb,
+    /// Mean radiance over the sphere, weighted by solid angle.
+    pub mean: [f64; 3],
+    /// The brightest region, where one stands out.
+    pub sun: Option<Sun>,
+    /// What half floats cannot hold.
+    pub half: HalfLoss,
+}
+
+/// What is lost where values are clamped at the greatest half float, 65504.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HalfLoss {
+    /// Texels with a channel above it.
+    pub texels: u64,
+    /// Share of the luminance's energy that is above it.
+    pub energy_share: f64,
+}
+
+impl Survey {
+    /// Looks at every texel.
+    #[must_use]
+    pub fn of(environment: &Environment) -> Self {
+        let limit = f16::MAX.to_f32();
+        let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        let (mut energy, mut lost, mut texels) = ([0.0; 3], [0.0; 3], 0);
+        environment.for_each_texel(|_, solid_angle, texel| {
+            let mut above = false;
+            for c in 0..3 {
+                min[c] = min[c].min(texel[c]);
+                max[c] = max[c].max(texel[c]);
+                energy[c] += f64::from(texel[c]) * solid_angle;
+                if texel[c] > limit {
+                    lost[c] += f64::from(texel[c] - limit) * solid_angle;
+                    above = true;
+                }
+            }
+            texels += u64::from(above);
+        });
+        let share = |part: [f64; 3]| match weigh(energy) {
+            0.0 => 0.0,
+            whole => weigh(part) / whole,
+        };
+        Self {
+            min,
+            max,
+            mean: energy.map(|e| e / (4.0 * PI)),
+            sun: Sun::find(environment),
+            half: HalfLoss { texels, energy_share: share(lost) },
+        }
+    }
+
+    /// The sun's share of the luminance's energy; 0 without one.
+    #[must_use]
+    pub fn sun_share(&self) -> f64 {
+        self.sun.as_ref().map_or(0.0, |sun| weigh(sun.irradiance) / (weigh(self.mean) * 4.0 * PI))
+    }
+}
+
+/// Luminance in double precision.
+fn weigh(rgb: [f64; 3]) -> f64 {
+    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::Layout;
+
+    #[test]
+    fn figures_of_a_sky_with_one_hot_texel() {
+        let layout = Layout::Cube { size: 16 };
+        let mut texels = vec![[0.5, 1.0, 2.0]; layout.texel_count()];
+        texels[100] = [1e6, 1e6, 0.0];
+        let survey = Survey::of(&Environment::new(layout, texels).expect("valid"));
+        assert_eq!(survey.min, [0.5, 1.0, 0.0]);
+        assert_eq!(survey.max, [1e6, 1e6, 2.0]);
+        assert_eq!(survey.half.texels, 1);
+        assert!((0.93..0.94).contains(&survey.half.energy_share), "{survey:?}");
+        assert!(survey.sun_share() > 0.99, "{survey:?}");
+        assert_eq!(survey.sun.map(|sun| sun.texels), Some(1));
+    }
+}

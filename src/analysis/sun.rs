@@ -1,0 +1,525 @@
+//! Where the sun is: the region of an environment that outshines its surroundings, and the environment
+//! without it.
+
+use crate::environment::{Environment, LUMINANCE, Layout, Rgb, exact_luminance};
+use crate::sphere::{cube, equirect, octahedral};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+
+/// The surroundings of the peak begin at this angle from it, or at two texels where those are wider.
+const SURROUNDINGS_DEGREES: f64 = 10.0;
+
+/// They end at this many times that angle.
+const SURROUNDINGS_REACH: f64 = 3.0;
+
+/// A peak this many times as bright as its surroundings stands out; less is weather.
+const CONTRAST: f64 = 8.0;
+
+/// A sun is this many times as bright as its surroundings, or brighter. Of eight photographed panoramas the
+/// sun with the least has 170 (through haze, at the horizon), and a hole in a canopy of leaves has 50.
+const SUN_CONTRAST: f64 = 100.0;
+
+/// A sun covers at most this solid angle in steradians, a disc of 6.5 degrees: the sun's own 0.5 degrees with
+/// the glow of lens and haze above a tenth of the peak, which is at most 0.0005 in those panoramas. A window
+/// has 0.5.
+const SUN_SOLID_ANGLE: f64 = 0.01;
+
+/// Where texels are coarse, a sun covers at most as many: what resampling makes of a point.
+const SUN_TEXELS: f64 = 9.0;
+
+/// The sun reaches to where luminance has fallen to this share of the way from its surroundings to its peak.
+const EDGE: f64 = 0.1;
+
+/// The brightest region of an environment.
+///
+/// It is the region connected to the texel of greatest luminance, over texels that touch by a side or a
+/// corner (across cube edges, the panorama's seam and its poles as well), whose luminance is at least a tenth
+/// of the way up from the surroundings to the peak. The surroundings' luminance is the median between 10 and
+/// 30 degrees from the peak (further where texels are coarse), and a peak below eight times that does not
+/// stand out. [`Sun::kind`] says whether the region is a sun.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sun {
+    /// Whether it is small and bright enough for a sun.
+    pub kind: Brightest,
+    /// Unit direction in the world: the region's centre of energy.
+    pub direction: DVec3,
+    /// Radiance of its brightest texel.
+    pub peak: Rgb,
+    /// Radiance integrated over the region: the irradiance on a surface that faces it.
+    pub irradiance: [f64; 3],
+    /// Solid angle of the region in steradians.
+    pub solid_angle: f64,
+    /// Number of texels in the region.
+    pub texels: usize,
+    /// Median luminance of its surroundings.
+    pub surroundings: f64,
+}
+
+/// What the brightest region of an environment is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Brightest {
+    /// At least 100 times as bright as its surroundings, and at most 0.01 steradians or nine texels: a
+    /// directional light does for it.
+    Sun,
+    /// Larger or dimmer: a window, an area light, a bright patch of sky.
+    Region,
+}
+
+impl Brightest {
+    /// Name in `info` and in messages.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sun => "sun",
+            Self::Region => "brightest region",
+        }
+    }
+
+    fn of(layout: Layout, peak: &Peak, solid_angle: f64) -> Self {
+        let largest = SUN_SOLID_ANGLE.max(SUN_TEXELS * texel_width(layout).powi(2));
+        let is_sun = solid_angle <= largest && peak.luminance >= SUN_CONTRAST * peak.surroundings;
+        if is_sun { Self::Sun } else { Self::Region }
+    }
+}
+
+/// An environment parted into its sun and the rest.
+#[derive(Clone, Debug)]
+pub struct Extraction {
+    /// The light that was taken out: its irradiance is what the region shone with above what replaces it,
+    /// which also weighs its direction.
+    pub sun: Sun,
+    /// Its share of the environment's energy, by luminance.
+    pub energy_share: f64,
+    /// The environment without it.
+    pub sunless: Environment,
+}
+
+/// The brightest texel and what is around it.
+struct Peak {
+    at: usize,
+    luminance: f64,
+    surroundings: f64,
+}
+
+impl Peak {
+    /// The peak of `environment`, where it is a sun's.
+    fn find(environment: &Environment, grid: Grid) -> Option<Self> {
+        let (mut peak_at, mut peak) = (0, 0.0);
+        for (at, texel) in environment.texels().iter().enumerate() {
+            let l = exact_luminance(*texel);
+            if l > peak {
+                (peak_at, peak) = (at, l);
+            }
+        }
+        let surroundings = surroundings(environment, grid.direction(peak_at))?;
+        let found = peak > 0.0 && peak >= CONTRAST * surroundings;
+        found.then_some(Self { at: peak_at, luminance: peak, surroundings })
+    }
+
+    /// The luminance of the sun's edge.
+    fn edge(&self) -> f64 {
+        self.surroundings + EDGE * (self.luminance - self.surroundings)
+    }
+}
+
+/// Rim texels that a replaced texel looks at, about: more are no smoother and cost their number.
+const RIM: usize = 512;
+
+impl Sun {
+    /// The brightest region of `environment`, where one stands out.
+    #[must_use]
+    pub fn find(environment: &Environment) -> Option<Self> {
+        let grid = Grid(environment.layout());
+        let peak = Peak::find(environment, grid)?;
+        let texels = environment.texels();
+        let region = grid.region(peak.at, |at| exact_luminance(texels[at]) >= peak.edge());
+        Some(Self::over(environment, grid, &peak, &region, |at| texels[at].map(f64::from)))
+    }
+
+    /// Parts `environment` into its sun and the rest; their energies add up to its own. `None` where there is
+    /// no sun: where nothing stands out, and where [`Sun::find`] finds a [`Brightest::Region`].
+    ///
+    /// What is taken out is the region of [`Sun::find`] with the glow that is connected to it: texels of at
+    /// least eight times the surroundings' luminance, up to where the surroundings begin; and one texel more
+    /// all around, where edges are blurred and compression rings. They take on the mean of the texels around
+    /// the region, weighted by one over the squared distance, which in a disc is the harmonic (smoothest)
+    /// continuation of its rim; but no channel becomes brighter than it was.
+    #[must_use]
+    pub fn extract(environment: &Environment) -> Option<Extraction> {
+        if Self::find(environment)?.kind != Brightest::Sun {
+            return None;
+        }
+        let grid = Grid(environment.layout());
+        let peak = Peak::find(environment, grid)?;
+        let texels = environment.texels();
+        let (edge, glow) = (peak.edge(), CONTRAST * peak.surroundings);
+        let (middle, reach) = (grid.direction(peak.at), surroundings_begin(environment.layout()).cos());
+        let mut region = grid.region(peak.at, |at| {
+            let l = exact_luminance(texels[at]);
+            l >= edge || (l >= glow && grid.direction(at).dot(middle) > reach)
+        });
+        region.sort_unstable();
+        region.extend(grid.rim(&region));
+        region.sort_unstable();
+        let rim = grid.rim(&region);
+        if rim.is_empty() {
+            return None;
+        }
+        let rim: Vec<(DVec3, f64, Rgb)> = rim
+            .iter()
+            .step_by(rim.len().div_ceil(RIM))
+            .map(|&at| (grid.direction(at), grid.solid_angle(at), texels[at]))
+            .collect();
+        let continued = |&at: &usize| {
+            let direction = grid.direction(at);
+            let (mut sum, mut total) = ([0.0; 3], 0.0);
+            for (place, solid_angle, radiance) in &rim {
+                let weight = solid_angle / place.distance_squared(direction);
+                total += weight;
+                for (sum, value) in sum.iter_mut().zip(radiance) {
+                    *sum += weight * f64::from(*value);
+                }
+            }
+            std::array::from_fn(|c| texels[at][c].min((sum[c] / total) as f32))
+        };
+        let replacements: Vec<Rgb> = region.par_iter().map(continued).collect();
+        let mut rest = texels.to_vec();
+        for (&at, replacement) in region.iter().zip(replacements) {
+            rest[at] = replacement;
+        }
+        let above = |at: usize| std::array::from_fn(|c| f64::from(texels[at][c]) - f64::from(rest[at][c]));
+        // The glow and the rim are no part of what makes it a sun.
+        let sun = Self { kind: Brightest::Sun, ..Self::over(environment, grid, &peak, &region, above) };
+        let mut energy = 0.0;
+        environment.for_each_texel(|_, w, texel| energy += w * exact_luminance(texel));
+        let energy_share = weigh(sun.irradiance) / energy;
+        Some(Extraction { sun, energy_share, sunless: environment.with_texels(rest) })
+    }
+
+    /// The sun over the texels of `region`, of which `radiance` counts.
+    fn over(
+        environment: &Environment,
+        grid: Grid,
+        peak: &Peak,
+        region: &[usize],
+        radiance: impl Fn(usize) -> [f64; 3],
+    ) -> Self {
+        let (mut irradiance, mut solid_angle, mut centre) = ([0.0; 3], 0.0, DVec3::ZERO);
+        for &at in region {
+            let (w, radiance) = (grid.solid_angle(at), radiance(at));
+            solid_angle += w;
+            centre += grid.direction(at) * w * weigh(radiance);
+            for (sum, value) in irradiance.iter_mut().zip(radiance) {
+                *sum += value * w;
+            }
+        }
+        let world_from_source = environment.source_from_world().transpose();
+        let direction = centre.try_normalize().unwrap_or_else(|| grid.direction(peak.at));
+        Self {
+            kind: Brightest::of(environment.layout(), peak, solid_angle),
+            direction: world_from_source * direction,
+            peak: environment.texels()[peak.at],
+            irradiance,
+            solid_angle,
+            texels: region.len(),
+            surroundings: peak.surroundings,
+        }
+    }
+
+    /// Degrees from +X towards +Z, in (-180, 180]: the panorama's centre is 0, its right half is positive.
+    #[must_use]
+    pub fn azimuth_degrees(&self) -> f64 {
+        self.direction.z.atan2(self.direction.x).to_degrees()
+    }
+
+    /// Degrees above the horizon, in [-90, 90].
+    #[must_use]
+    pub fn elevation_degrees(&self) -> f64 {
+        self.direction.y.atan2(self.direction.x.hypot(self.direction.z)).to_degrees()
+    }
+}
+
+/// Luminance in double precision.
+fn weigh(rgb: [f64; 3]) -> f64 {
+    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
+}
+
+/// Median luminance of the texels around `peak` (a direction of the source), or of all where none is that
+/// near.
+fn surroundings(environment: &Environment, peak: DVec3) -> Option<f64> {
+    let begin = surroundings_begin(environment.layout());
+    let [inner, outer] = [begin, SURROUNDINGS_REACH * begin].map(|angle| angle.min(PI).cos());
+    let peak = environment.source_from_world().transpose() * peak;
+    let mut around = Vec::new();
+    environment.for_each_texel(|direction, _, texel| {
+        let cosine = direction.dot(peak);
+        if outer < cosine && cosine < inner {
+            around.push(exact_luminance(texel));
+        }
+    });
+    if around.is_empty() {
+        around = environment.texels().iter().map(|texel| exact_luminance(*texel)).collect();
+    }
+    let middle = around.len() / 2;
+    (!around.is_empty()).then(|| *around.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// The angle from the peak at which its surroundings begin.
+fn surroundings_begin(layout: Layout) -> f64 {
+    SURROUNDINGS_DEGREES.to_radians().max(2.0 * texel_width(layout))
+}
+
+/// Angle across a texel, roughly.
+pub(crate) fn texel_width(layout: Layout) -> f64 {
+    match layout {
+        Layout::Panorama { height, .. } => PI / f64::from(height),
+        Layout::Cube { size } => PI / 2.0 / f64::from(size),
+        Layout::Octahedral { size } => PI / f64::from(size),
+    }
+}
+
+/// The texels of a layout by index, in the source's own space.
+#[derive(Clone, Copy)]
+struct Grid(Layout);
+
+impl Grid {
+    /// (column, row, face) of texel `at`.
+    fn place(self, at: usize) -> (u32, u32, usize) {
+        let (width, area) = match self.0 {
+            Layout::Panorama { width, height } => (width as usize, width as usize * height as usize),
+            Layout::Cube { size } | Layout::Octahedral { size } => {
+                (size as usize, size as usize * size as usize)
+            }
+        };
+        let inside = at % area;
+        ((inside % width) as u32, (inside / width) as u32, at / area)
+    }
+
+    fn direction(self, at: usize) -> DVec3 {
+        let (i, j, face) = self.place(at);
+        match self.0 {
+            Layout::Panorama { width, height } => equirect::direction_from_equirect(
+                (f64::from(i) + 0.5) / f64::from(width),
+                (f64::from(j) + 0.5) / f64::from(height),
+            ),
+            Layout::Cube { size } => cube::direction_from_texel(cube::Face::ALL[face], size, i, j),
+            Layout::Octahedral { size } => {
+                octahedral::direction_from_oct(octahedral::texel_centre(size, i, j))
+            }
+        }
+    }
+
+    fn solid_angle(self, at: usize) -> f64 {
+        let (i, j, _) = self.place(at);
+        self.0.texel_solid_angle(i, j)
+    }
+
+    /// The texel beside texel `at`, (`right`, `down`) of it, across whatever edge lies between.
+    fn neighbour(self, at: usize, right: i64, down: i64) -> usize {
+        let (i, j, face) = self.place(at);
+        let (x, y) = (i64::from(i) + right, i64::from(j) + down);
+        match self.0 {
+            Layout::Panorama { width, height } => {
+                let (width, height) = (i64::from(width), i64::from(height));
+                // Over a pole the meridian goes on half a turn away.
+                let over = y < 0 || y >= height;
+                let column = (x + if over { width / 2 } else { 0 }).rem_euclid(width);
+                (y.clamp(0, height - 1) * width + column) as usize
+            }
+            Layout::Cube { size } => beside(size, cube::Face::ALL[face], x, y),
+            Layout::Octahedral { size } => {
+                let (x, y) = octahedral::wrap_texel(size, x, y);
+                y as usize * size as usize + x as usize
+            }
+        }
+    }
+
+    /// The texels that touch texel `at` by a side or a corner.
+    fn around(self, at: usize) -> [usize; 8] {
+        [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
+            .map(|(right, down)| self.neighbour(at, right, down))
+    }
+
+    /// The texels around `region`, which is sorted, in order.
+    fn rim(self, region: &[usize]) -> Vec<usize> {
+        let beside = region.iter().flat_map(|&at| self.around(at));
+        let mut rim: Vec<usize> = beside.filter(|at| region.binary_search(at).is_err()).collect();
+        rim.sort_unstable();
+        rim.dedup();
+        rim
+    }
+
+    /// The texels connected to `seed` for which `belongs` holds.
+    fn region(self, seed: usize, belongs: impl Fn(usize) -> bool) -> Vec<usize> {
+        let mut seen = vec![false; self.0.texel_count()];
+        let mut region = Vec::new();
+        let mut queue = VecDeque::from([seed]);
+        seen[seed] = true;
+        while let Some(at) = queue.pop_front() {
+            region.push(at);
+            for next in self.around(at) {
+                if !seen[next] && belongs(next) {
+                    seen[next] = true;
+                    queue.push_back(next);
+                }
+            }
+        }
+        region
+    }
+}
+
+/// Index of the cube texel at (`x`, `y`) of `face`, which may lie a texel beyond its edges.
+pub(crate) fn beside(size: u32, face: cube::Face, x: i64, y: i64) -> usize {
+    let n = f64::from(size);
+    let coordinate = |k: i64| (k as f64 + 0.5) / n * 2.0 - 1.0;
+    let (face, s, t) = cube::cube_from_direction(cube::cube_point(face, coordinate(x), coordinate(y)));
+    // A texel's width beyond an edge projects to the row along it, at the same place: s/(1 + 1/n) stays in
+    // its texel.
+    let texel = |c: f64| (((c + 1.0) / 2.0 * n) as usize).min(size as usize - 1);
+    (face.index() * size as usize + texel(t)) * size as usize + texel(s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAYOUTS: [Layout; 3] = [
+        Layout::Panorama { width: 128, height: 64 },
+        Layout::Cube { size: 32 },
+        Layout::Octahedral { size: 64 },
+    ];
+
+    /// The poles, the panorama's seam, a cube's corner and edge, an octahedral fold.
+    const PLACES: [DVec3; 5] = [DVec3::Y, DVec3::NEG_Y, DVec3::NEG_X, DVec3::ONE, DVec3::new(1.0, 0.0, 1.0)];
+
+    /// Sky of 1 with a sun of 1000 where `direction` is within `degrees` of `centre`.
+    fn sky(layout: Layout, centre: DVec3, degrees: f64) -> Environment {
+        let grid = Grid(layout);
+        let lit = |at| grid.direction(at).dot(centre) > degrees.to_radians().cos();
+        let texels = (0..layout.texel_count()).map(|at| if lit(at) { [1000.0; 3] } else { [1.0; 3] });
+        Environment::new(layout, texels.collect()).expect("valid")
+    }
+
+    #[test]
+    fn a_sun_is_found_across_every_kind_of_edge() {
+        for layout in LAYOUTS {
+            for place in PLACES.map(DVec3::normalize) {
+                let sun = Sun::find(&sky(layout, place, 8.0)).expect("a sun");
+                let whole = std::f64::consts::TAU * (1.0 - 8_f64.to_radians().cos());
+                assert!(sun.direction.dot(place) > 0.9995, "{layout:?} {place}: {}", sun.direction);
+                assert!((sun.solid_angle / whole - 1.0).abs() < 0.15, "{layout:?} {place}: {sun:?}");
+                assert!((sun.irradiance[1] / (1000.0 * sun.solid_angle) - 1.0).abs() < 1e-9, "{sun:?}");
+            }
+        }
+    }
+
+    /// Energy of each channel.
+    fn energy(environment: &Environment) -> [f64; 3] {
+        let mut energy = [0.0; 3];
+        environment.for_each_texel(|_, w, texel| {
+            (0..3).for_each(|c| energy[c] += w * f64::from(texel[c]));
+        });
+        energy
+    }
+
+    #[test]
+    fn what_is_taken_out_and_what_stays_are_the_whole() {
+        for layout in LAYOUTS {
+            for place in PLACES.map(DVec3::normalize) {
+                // A sun with a glow over a sky that brightens to one side, each channel its own.
+                let grid = Grid(layout);
+                let texels: Vec<Rgb> = (0..layout.texel_count())
+                    .map(|at| {
+                        let d = grid.direction(at);
+                        let (sky, angle) = (2.0 + d.z, d.angle_between(place).to_degrees());
+                        let glow = 40.0 * (-angle / 1.5).exp();
+                        let sun = if angle < 4.0 { 5000.0 } else { 0.0 };
+                        [sun + glow + sky, 0.8 * (sun + glow) + sky, 0.5 * (sun + glow) + 2.0 * sky]
+                            .map(|value| value as f32)
+                    })
+                    .collect();
+                let environment = Environment::new(layout, texels).expect("valid").rotated_y(30.0);
+                let Extraction { sun, energy_share, sunless } = Sun::extract(&environment).expect("a sun");
+                let (whole, rest) = (energy(&environment), energy(&sunless));
+                for c in 0..3 {
+                    let sum = rest[c] + sun.irradiance[c];
+                    // Sums of 10^4 terms in double precision.
+                    assert!((sum / whole[c] - 1.0).abs() < 1e-12, "{layout:?} {place}: {sum} {}", whole[c]);
+                }
+                let told = weigh(sun.irradiance) / weigh(whole);
+                assert!((energy_share - told).abs() < 1e-6, "{layout:?} {place}: {energy_share} {told}");
+                let world = environment.source_from_world().transpose() * place;
+                assert!(sun.direction.dot(world) > 0.9995, "{layout:?} {place}: {}", sun.direction);
+                assert_eq!(Sun::find(&sunless), None, "{layout:?} {place}");
+                for (at, (was, is)) in environment.texels().iter().zip(sunless.texels()).enumerate() {
+                    let away = grid.direction(at).angle_between(place).to_degrees();
+                    let kept = was == is;
+                    assert!(kept || away < 17.0, "{layout:?} {place}: a texel {away} degrees off changed");
+                    assert!((0..3).all(|c| 0.0 <= is[c] && is[c] <= was[c]), "{was:?} became {is:?}");
+                    // Eight times the sky's two, and what the glow adds to the rim.
+                    assert!(is[0] < 24.0, "{layout:?} {place}: {is:?} is left {away} degrees off");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sun_of_one_texel_leaves_its_neighbours_mean() {
+        let layout = Layout::Cube { size: 16 };
+        let mut texels = vec![[1.0, 2.0, 3.0]; layout.texel_count()];
+        texels[5 * 16 + 7] = [900.0, 2.0, 1.0];
+        let environment = Environment::new(layout, texels.clone()).expect("valid");
+        let extraction = Sun::extract(&environment).expect("a sun");
+        // Blue was darker than its surroundings and stays.
+        texels[5 * 16 + 7] = [1.0, 2.0, 1.0];
+        assert_eq!(extraction.sunless.texels(), texels);
+        assert_eq!(extraction.sun.texels, 9, "with those around it, which stay");
+        assert!(extraction.sun.irradiance[1] == 0.0 && extraction.sun.irradiance[0] > 0.0);
+    }
+
+    #[test]
+    fn a_turned_environment_has_its_sun_elsewhere() {
+        let environment = sky(Layout::Panorama { width: 128, height: 64 }, DVec3::Z, 4.0).rotated_y(90.0);
+        let sun = Sun::find(&environment).expect("a sun");
+        assert!(sun.direction.dot(DVec3::X) > 0.999, "{}", sun.direction);
+        assert!(sun.azimuth_degrees().abs() < 1.0 && sun.elevation_degrees().abs() < 1.0, "{sun:?}");
+    }
+
+    #[test]
+    fn a_window_and_a_dim_peak_are_no_suns() {
+        let mut regions = 0;
+        for layout in LAYOUTS {
+            // 3 degrees: 0.0086 sr.
+            assert_eq!(Sun::find(&sky(layout, DVec3::Z, 3.0)).expect("it stands out").kind, Brightest::Sun);
+            // Windows of 0.06 and 0.5 sr, as bright; what surrounds a peak inside a large one is the window
+            // itself.
+            for degrees in [8.0, 23.0] {
+                let window = sky(layout, DVec3::Z, degrees);
+                let found = Sun::find(&window).map(|found| found.kind);
+                assert_ne!(found, Some(Brightest::Sun), "{layout:?} {degrees}");
+                regions += usize::from(found.is_some());
+                assert!(Sun::extract(&window).is_none(), "{layout:?} {degrees}");
+            }
+            // As small as the sun above, and twenty times as bright as the sky.
+            let mut texels = sky(layout, DVec3::Z, 3.0).texels().to_vec();
+            texels.iter_mut().filter(|texel| texel[0] > 1.0).for_each(|texel| *texel = [20.0; 3]);
+            let dim = Environment::new(layout, texels).expect("valid");
+            assert_eq!(Sun::find(&dim).expect("it stands out").kind, Brightest::Region, "{layout:?}");
+            assert!(Sun::extract(&dim).is_none(), "{layout:?}");
+        }
+        assert!(regions > 0, "some windows stand out");
+    }
+
+    #[test]
+    fn an_even_sky_has_none() {
+        for value in [0.0, 3.0] {
+            let layout = Layout::Cube { size: 8 };
+            let environment =
+                Environment::new(layout, vec![[value; 3]; layout.texel_count()]).expect("valid");
+            assert_eq!(Sun::find(&environment), None);
+            assert!(Sun::extract(&environment).is_none());
+        }
+    }
+}

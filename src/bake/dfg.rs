@@ -1,0 +1,323 @@
+//! The split-sum DFG (BRDF integration) lookup table: the reflectance of a rough surface in a white
+//! environment, over the cosine of the view angle and the roughness.
+//!
+//! GGX with height-correlated Smith visibility (Heitz 2014) and Schlick's Fresnel, in Karis's form (a scale
+//! and a bias for f0) or in the one for multiple scattering; and Charlie with Neubelt's visibility (Estevez
+//! and Kulla 2017, Neubelt and Pettineo 2013), which glTF and Filament use for sheen and cloth. By
+//! Gauss-Legendre quadrature over half vectors, on pieces where the integrand is smooth: the same numbers
+//! always, without noise.
+
+use crate::error::{Error, Result};
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Form of the red and green channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DfgForm {
+    /// Specular = f0 * red + f90 * green (Karis 2013; Khronos's sampler and viewer, three.js, Bevy).
+    #[default]
+    SplitSum,
+    /// Specular = mix(red, green, f0), green being what f0 = 1 reflects; 1/green - 1 makes up for multiple
+    /// scattering (Filament, cmgen --ibl-dfg-multiscatter).
+    MultipleScattering,
+}
+
+/// A table of `size` x `size` texels: column i is for the cosine (i+1/2)/size, row j for the perceptual
+/// roughness (j+1/2)/size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DfgTable {
+    /// Texels along an edge.
+    pub size: u32,
+    /// Row-major; red and green by the form, blue the reflectance of a Charlie lobe, or 0 without it.
+    pub texels: Vec<[f32; 3]>,
+}
+
+/// The table of `size` texels a side, with Charlie's lobe in blue where `charlie`.
+///
+/// # Errors
+/// [`Error::Parameter`] for a size of 0 or above 1024.
+pub fn dfg_table(size: u32, form: DfgForm, charlie: bool) -> Result<DfgTable> {
+    dfg_table_with(size, form, charlie, &|_, _| ())
+}
+
+/// [`dfg_table`], which calls `progress` with the rows that are done and their number, from any thread.
+///
+/// # Errors
+/// Those of [`dfg_table`].
+pub fn dfg_table_with(
+    size: u32,
+    form: DfgForm,
+    charlie: bool,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<DfgTable> {
+    if !(1..=1024).contains(&size) {
+        return Err(Error::Parameter(format!("a table of {size} texels; 1 to 1024 can be made")));
+    }
+    let (rule, fine) = (gauss_legendre(NODES), gauss_legendre(2 * NODES));
+    let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(size);
+    let texel = |index: u32| {
+        let (cosine, roughness) = (centre(index % size), centre(index / size));
+        let [scale, bias] = ggx_with(cosine, roughness, &rule);
+        let [red, green] = match form {
+            DfgForm::SplitSum => [scale, bias],
+            DfgForm::MultipleScattering => [bias, scale + bias],
+        };
+        let blue = if charlie { charlie_with(cosine, roughness, &fine) } else { 0.0 };
+        [red, green, blue].map(|value| value as f32)
+    };
+    let mut texels = vec![[0.0; 3]; size as usize * size as usize];
+    let done = AtomicU64::new(0);
+    texels.par_chunks_mut(size as usize).zip(0..size).for_each(|(row, j)| {
+        row.iter_mut().zip(j * size..).for_each(|(value, index)| *value = texel(index));
+        progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(size));
+    });
+    Ok(DfgTable { size, texels })
+}
+
+/// Nodes a piece and an axis: twice as many change GGX by less than 1e-4 and Charlie by less than a half
+/// float's rounding.
+const NODES: usize = 48;
+
+/// Scale and bias of f0 for GGX at the view's `cosine` in (0, 1] and the perceptual `roughness` in \[0, 1\];
+/// their sum is what a white mirror of that roughness reflects once.
+#[must_use]
+pub fn ggx(cosine: f64, roughness: f64) -> [f64; 2] {
+    ggx_with(cosine, roughness, &gauss_legendre(NODES))
+}
+
+/// Reflectance of a Charlie lobe at the view's `cosine` in (0, 1] and the perceptual sheen `roughness` in (0,
+/// 1].
+#[must_use]
+pub fn charlie_reflectance(cosine: f64, roughness: f64) -> f64 {
+    charlie_with(cosine, roughness, &gauss_legendre(2 * NODES))
+}
+
+fn ggx_with(cosine: f64, roughness: f64, rule: &[(f64, f64)]) -> [f64; 2] {
+    let alpha = roughness * roughness;
+    let fresnel = (1.0 - cosine).powi(5);
+    // Below this the lobe is a mirror to nine digits.
+    if alpha < 1e-9 {
+        return [1.0 - fresnel, fresnel];
+    }
+    let a2 = alpha * alpha;
+    let smith = |z: f64| (z * z * (1.0 - a2) + a2).sqrt();
+    let smith_view = smith(cosine);
+    // The distribution's own coordinate, w = tan^2/(tan^2 + alpha^2): D cos dw_h becomes dw dphi/(2 pi).
+    let from_angle = |theta: f64| {
+        let (sin, cos) = theta.sin_cos();
+        sin * sin / (sin * sin + a2 * cos * cos)
+    };
+    let to_angle = |w: f64| (a2 * w).sqrt().atan2((1.0 - w).max(0.0).sqrt());
+    integrate(
+        cosine,
+        rule,
+        from_angle,
+        to_angle,
+        |_| 1.0,
+        |half| {
+            let visibility = 0.5 / (half.light * smith_view + cosine * smith(half.light));
+            let weight = 4.0 * visibility * half.light * half.view / half.normal / (2.0 * PI);
+            let bias = (1.0 - half.view).max(0.0).powi(5);
+            [weight * (1.0 - bias), weight * bias]
+        },
+    )
+}
+
+fn charlie_with(cosine: f64, roughness: f64, rule: &[(f64, f64)]) -> f64 {
+    // As Khronos's shader clamps it.
+    let alpha = roughness.max(1e-3).powi(2);
+    let scale = (2.0 + 1.0 / alpha) / (2.0 * PI);
+    let ring = |sin: f64| 4.0 * scale * sin.powf(1.0 / alpha) * sin;
+    let sum = integrate(
+        cosine,
+        rule,
+        |theta| theta,
+        |theta| theta,
+        ring,
+        |half| {
+            let visibility = 1.0 / (4.0 * (half.light + cosine - half.light * cosine));
+            [visibility * half.light * half.view, 0.0]
+        },
+    );
+    sum[0]
+}
+
+/// Cosines of a half vector: to the normal, to the view (and the light), and the light's to the normal.
+struct Half {
+    normal: f64,
+    view: f64,
+    light: f64,
+}
+
+/// The integral of `ring` times `f` dw dphi over all half vectors whose light is above the horizon, `w` being
+/// a coordinate of the half vector's angle and `ring` what depends on that angle alone, given its sine.
+///
+/// With the view at angle v, half vectors up to (pi/2 - v)/2 have all their lights above the horizon, those
+/// beyond (pi/2 + v)/2 none, and those between have them up to an azimuth. Each piece is smooth inside, and
+/// like a square root at the ends, which a cosine's spacing takes away.
+fn integrate(
+    cosine: f64,
+    rule: &[(f64, f64)],
+    from_angle: impl Fn(f64) -> f64,
+    to_angle: impl Fn(f64) -> f64,
+    ring: impl Fn(f64) -> f64,
+    f: impl Fn(Half) -> [f64; 2],
+) -> [f64; 2] {
+    let view_angle = cosine.clamp(0.0, 1.0).acos();
+    let view_sin = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let [first, last] = [FRAC_PI_4 - view_angle / 2.0, FRAC_PI_4 + view_angle / 2.0];
+    // Grazing views: visibility changes on the scale of the first end, far below the second.
+    let between = std::iter::successors(Some(first * 4.0), |end| Some(end * 4.0));
+    let mut ends = vec![0.0, from_angle(first)];
+    ends.extend(between.take_while(|end| first > 1e-9 && *end < last).map(&from_angle));
+    ends.push(from_angle(last));
+    // Azimuths are spaced alike: at grazing views visibility rises steeply from the horizon.
+    let spaced: Vec<(f64, f64)> = rule
+        .iter()
+        .map(|(x, weight)| ((1.0 - (PI * x).cos()) / 2.0, weight * FRAC_PI_2 * (PI * x).sin()))
+        .collect();
+    let mut sum = [0.0; 2];
+    for piece in ends.windows(2).filter(|piece| piece[1] > piece[0]) {
+        for &(t, t_weight) in &spaced {
+            let w = piece[0] + (piece[1] - piece[0]) * t;
+            let (sin, normal) = to_angle(w).sin_cos();
+            let w_weight = t_weight * (piece[1] - piece[0]) * ring(sin);
+            // The light is above the horizon where the azimuth's cosine is greater than this.
+            let least = (cosine / (2.0 * normal) - cosine * normal) / (view_sin * sin);
+            let widest = if least.is_nan() { PI } else { least.clamp(-1.0, 1.0).acos() };
+            for &(share, share_weight) in &spaced {
+                let view = view_sin * sin * (widest * share).cos() + cosine * normal;
+                let light = (2.0 * view * normal - cosine).max(0.0);
+                let weight = 2.0 * w_weight * share_weight * widest;
+                let values = f(Half { normal, view: view.clamp(0.0, 1.0), light: light.min(1.0) });
+                sum = [sum[0] + weight * values[0], sum[1] + weight * values[1]];
+            }
+        }
+    }
+    sum
+}
+
+/// Nodes and weights of Gauss-Legendre quadrature on [0, 1], by Newton's method on Legendre's recurrence.
+fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+    let n = count as f64;
+    (0..count)
+        .map(|k| {
+            let mut x = (PI * (k as f64 + 0.75) / (n + 0.5)).cos();
+            let mut slope = 1.0;
+            for _ in 0..8 {
+                let (mut before, mut value) = (1.0, x);
+                for degree in 2..=count {
+                    let d = degree as f64;
+                    (before, value) = (value, ((2.0 * d - 1.0) * x * value - (d - 1.0) * before) / d);
+                }
+                slope = n * (x * value - before) / (x * x - 1.0);
+                x -= value / slope;
+            }
+            ((1.0 - x) / 2.0, 1.0 / ((1.0 - x * x) * slope * slope))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// The same integral over light directions instead of half vectors, by midpoints: an independent method.
+    fn over_lights(cosine: f64, f: impl Fn(DVec3, DVec3) -> [f64; 2]) -> [f64; 2] {
+        let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+        let (rings, sectors) = (1500, 1500);
+        let mut sum = [0.0; 2];
+        for j in 0..rings {
+            let z = (f64::from(j) + 0.5) / f64::from(rings);
+            for i in 0..sectors {
+                let (sin, cos) = (PI * (f64::from(i) + 0.5) / f64::from(sectors)).sin_cos();
+                let radius = (1.0 - z * z).sqrt();
+                let light = DVec3::new(radius * cos, radius * sin, z);
+                let values = f(light, (view + light).normalize());
+                sum = [sum[0] + values[0], sum[1] + values[1]];
+            }
+        }
+        sum.map(|s| s * 2.0 * PI / f64::from(rings) / f64::from(sectors))
+    }
+
+    #[test]
+    fn ggx_agrees_with_integration_over_lights() {
+        for (cosine, roughness) in [(0.05, 0.5), (0.3, 0.4), (0.5, 0.7), (0.9, 0.5), (1.0, 1.0), (0.2, 1.0)] {
+            let alpha: f64 = roughness * roughness;
+            let a2 = alpha * alpha;
+            let exact = over_lights(cosine, |light, half| {
+                let d = a2 / (PI * (half.z * half.z * (a2 - 1.0) + 1.0).powi(2));
+                let smith = |z: f64| (z * z * (1.0 - a2) + a2).sqrt();
+                let v = 0.5 / (light.z * smith(cosine) + cosine * smith(light.z));
+                let bias = (1.0 - light.dot(half)).powi(5);
+                [d * v * light.z * (1.0 - bias), d * v * light.z * bias]
+            });
+            let ours = ggx(cosine, roughness);
+            for c in 0..2 {
+                assert!(
+                    (ours[c] - exact[c]).abs() < 2e-4,
+                    "{cosine} {roughness}: {ours:?} against {exact:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn charlie_agrees_with_integration_over_lights() {
+        for (cosine, roughness) in [(0.1, 0.3), (0.3, 0.5), (0.7, 0.8), (1.0, 1.0), (0.9, 0.2)] {
+            let alpha: f64 = roughness * roughness;
+            let [exact, _] = over_lights(cosine, |light, half| {
+                let d = (2.0 + 1.0 / alpha) * (1.0 - half.z * half.z).powf(0.5 / alpha) / (2.0 * PI);
+                [d * light.z / (4.0 * (light.z + cosine - light.z * cosine)), 0.0]
+            });
+            let ours = charlie_reflectance(cosine, roughness);
+            assert!((ours - exact).abs() < 2e-4, "{cosine} {roughness}: {ours} against {exact}");
+        }
+    }
+
+    #[test]
+    fn twice_the_nodes_change_nothing_that_half_floats_show() {
+        for cosine in [1.0 / 256.0, 0.02, 0.1, 0.37, 0.8, 255.0 / 256.0, 1.0] {
+            for roughness in [1.0 / 256.0, 0.03, 0.1, 0.25, 0.5, 0.8, 1.0] {
+                let (once, twice) =
+                    (ggx(cosine, roughness), ggx_with(cosine, roughness, &gauss_legendre(2 * NODES)));
+                for c in 0..2 {
+                    let change = (once[c] - twice[c]).abs();
+                    assert!(change < 1e-4, "{cosine} {roughness}: {once:?} {twice:?}");
+                }
+                let (once, twice) = (
+                    charlie_reflectance(cosine, roughness),
+                    charlie_with(cosine, roughness, &gauss_legendre(4 * NODES)),
+                );
+                let rounding = twice.max(1.0) / 2048.0;
+                assert!((once - twice).abs() < rounding, "Charlie {cosine} {roughness}: {once} {twice}");
+            }
+        }
+    }
+
+    #[test]
+    fn mirrors_and_forms_are_what_they_are_defined_to_be() {
+        for cosine in [0.1_f64, 0.5, 1.0] {
+            let [scale, bias] = ggx(cosine, 0.0);
+            assert!((scale + bias - 1.0).abs() < 1e-12 && (bias - (1.0 - cosine).powi(5)).abs() < 1e-12);
+            let near = ggx(cosine, 0.01);
+            assert!((near[0] + near[1] - 1.0).abs() < 1e-3, "{cosine}: {near:?}");
+        }
+        let split = dfg_table(8, DfgForm::SplitSum, true).unwrap();
+        let multiple = dfg_table(8, DfgForm::MultipleScattering, false).unwrap();
+        for (a, b) in split.texels.iter().zip(&multiple.texels) {
+            assert!((a[1] - b[0]).abs() < 1e-6 && (a[0] + a[1] - b[1]).abs() < 1e-6, "{a:?} {b:?}");
+            assert!(a[2] > 0.0 && b[2] == 0.0 && a.iter().all(|v| v.is_finite()), "{a:?} {b:?}");
+        }
+        assert!(dfg_table(0, DfgForm::SplitSum, false).is_err());
+        let rows = AtomicU64::new(0);
+        dfg_table_with(8, DfgForm::SplitSum, false, &|_, total| {
+            assert_eq!(total, 8);
+            rows.fetch_add(1, Ordering::Relaxed);
+        })
+        .unwrap();
+        assert_eq!(rows.into_inner(), 8);
+    }
+}

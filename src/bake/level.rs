@@ -1,0 +1,116 @@
+//! One level of a bake: every texel of its map, tiles of neighbours sharing their walks.
+
+use super::part::Part;
+use crate::chain::Rung;
+use crate::environment::{Layout, Rgb};
+use crate::error::{Error, Result};
+use crate::filter::{Answer, Filter};
+use crate::geometry::footprints::footprints_over;
+use crate::geometry::tiling::{Tile, Tiling};
+use crate::lobe::Lobe;
+use crate::reflector::{Reflector, Workspace};
+use crate::sphere::cube::Face;
+use rayon::prelude::*;
+
+/// A baked level.
+pub(crate) struct BakedLevel {
+    pub(crate) texels: Vec<Rgb>,
+    pub(crate) bounds: Option<Vec<f32>>,
+    pub(crate) leaves_per_texel: Option<f64>,
+}
+
+/// Bakes `lobe` into `rung`; `advance` is told of texels done, from any thread.
+pub(crate) fn bake_level(
+    reflector: &Reflector<'_>,
+    rung: Rung,
+    lobe: Lobe,
+    filter: Filter,
+    advance: &(dyn Fn(u64) + Sync),
+) -> Result<BakedLevel> {
+    if is_mirror(rung, lobe) {
+        // A mirror shows what each texel covers.
+        let texels = footprints_over(reflector.environment(), rung.layout)?;
+        advance(texels.len() as u64);
+        return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
+    }
+    let lobes = reflector.lobes(lobe, rung.roughness, filter)?;
+    let tiling = Tiling::new(reflector.oem().size().inner, rung, lobe);
+    let rows: Vec<(Vec<Answer>, Workspace)> = (0..tiling.rows())
+        .into_par_iter()
+        .map_init(
+            || (Tile::default(), Vec::new()),
+            |(tile, answers), row| {
+                let mut line = tiling.line(row);
+                let mut workspace = Workspace::default();
+                tiling.for_each_tile(row, tile, |tile| {
+                    answers.clear();
+                    lobes.evaluate(&tile.directions, &mut workspace, answers);
+                    tile.resolve(answers, &mut line);
+                });
+                advance(line.len() as u64);
+                (line, workspace)
+            },
+        )
+        .collect();
+    let leaves = rows.iter().map(|(_, workspace)| workspace.leaves).sum();
+    let packets = rows.iter().map(|(_, workspace)| workspace.packets).sum();
+    let answers = rows.into_iter().flat_map(|(line, _)| line);
+    Ok(BakedLevel::new(answers, leaves, packets, tiling.samples()))
+}
+
+/// Whether a level of `lobe` shows what its texels cover.
+pub(crate) fn is_mirror(rung: Rung, lobe: Lobe) -> bool {
+    rung.roughness == 0.0 && lobe.has_mirror()
+}
+
+impl BakedLevel {
+    /// Checks that radiance and bounds are numbers that may be written.
+    ///
+    /// # Errors
+    /// [`Error::NonFiniteResult`] naming the first texel that is NaN, infinite or negative.
+    pub(crate) fn check(&self, part: &Part) -> Result<()> {
+        let wrong = |value: f32| !(value.is_finite() && value >= 0.0);
+        let fault = |at: usize, what: &str, value: f32| {
+            let (columns, rows) = part.rung.layout.sides();
+            let area = columns as usize * rows as usize;
+            let (image, inside) = (at / area, at % area);
+            let face = match part.rung.layout {
+                Layout::Cube { .. } => format!("face {} ", Face::ALL[image].short_name()),
+                Layout::Panorama { .. } | Layout::Octahedral { .. } => String::new(),
+            };
+            let (x, y) = (inside % columns as usize, inside / columns as usize);
+            let (lobe, roughness) = (part.lobe.name(), part.rung.roughness);
+            let place = format!(
+                "{what} of the level of {columns} x {rows} ({lobe}, roughness {roughness}) {face}pixel ({x}, {y})"
+            );
+            Err(Error::NonFiniteResult { place, value: f64::from(value) })
+        };
+        if let Some(at) = self.texels.as_flattened().iter().position(|value| wrong(*value)) {
+            return fault(at / 3, "radiance", self.texels.as_flattened()[at]);
+        }
+        let bounds = self.bounds.as_deref().unwrap_or_default();
+        match bounds.iter().position(|value| wrong(*value)) {
+            Some(at) => fault(at, "error bound", bounds[at]),
+            None => Ok(()),
+        }
+    }
+
+    /// A level of `answers`, one a texel, for which `packets` of directions, `samples` a texel, shared
+    /// `leaves`.
+    pub(crate) fn new(
+        answers: impl Iterator<Item = Answer>,
+        leaves: u64,
+        packets: u64,
+        samples: usize,
+    ) -> Self {
+        let (texels, bounds): (Vec<Rgb>, Vec<Option<f32>>) =
+            answers.map(|answer| (answer.radiance, answer.bound)).unzip();
+        // Every direction of a packet sums all its leaves.
+        let per_texel = leaves as f64 / packets as f64 * samples as f64;
+        Self {
+            texels,
+            bounds: bounds.into_iter().collect(),
+            leaves_per_texel: (packets > 0).then_some(per_texel),
+        }
+    }
+}

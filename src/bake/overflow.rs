@@ -1,0 +1,185 @@
+//! Radiance above what a pixel format can hold: clamped, compressed, or refused.
+
+use crate::chain::{CubeLevel, ImageLevel};
+use crate::environment::{LUMINANCE, Layout, Rgb};
+use crate::error::{Error, Result};
+use crate::format::Pixel;
+use crate::sphere::cube::Face;
+
+/// What becomes of a texel with a channel above a pixel format's greatest value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Overflow {
+    /// Each channel is clamped by itself: bright colours turn white.
+    #[default]
+    Clamp,
+    /// The texel is scaled down as a whole, and keeps its colour: see [`compressed`].
+    Compress,
+    /// It is an error.
+    Error,
+}
+
+/// Share of the greatest value from which on texels are compressed.
+const KNEE: f64 = 0.25;
+
+/// Where a greatest channel of `value` comes to lie for a format that holds up to `most`: the same up to a
+/// quarter of that, from there on with a slope that falls from 1, always below `most`. What was brighter
+/// stays brighter, until rounding takes the difference.
+#[must_use]
+pub fn compressed(value: f64, most: f64) -> f64 {
+    let knee = KNEE * most;
+    if value <= knee {
+        return value;
+    }
+    // A hyperbola through the knee with slope 1, most being its asymptote.
+    let room = most - knee;
+    let above = value - knee;
+    knee + room * above / (room + above)
+}
+
+/// Share of the luminance's energy that clamping takes from `texels`, laid out as `layout`, in `pixel`; 0
+/// where nothing is clamped.
+#[must_use]
+pub fn clamped_share(layout: Layout, texels: &[Rgb], pixel: Pixel) -> f64 {
+    if pixel.clamped(texels) == 0 {
+        return 0.0;
+    }
+    let (mut lost, mut whole) = (0.0, 0.0);
+    let images = texels.len() / (layout.sides().0 as usize * layout.sides().1 as usize);
+    let (columns, rows) = layout.sides();
+    let places = (0..images).flat_map(|_| (0..rows).flat_map(move |j| (0..columns).map(move |i| (i, j))));
+    for (texel, (i, j)) in texels.iter().zip(places) {
+        let solid_angle = layout.texel_solid_angle(i, j);
+        for (value, weight) in texel.iter().zip(LUMINANCE) {
+            let energy = solid_angle * f64::from(weight);
+            whole += energy * f64::from(*value);
+            lost += energy * f64::from((value - pixel.max()).max(0.0));
+        }
+    }
+    lost / whole
+}
+
+impl Overflow {
+    /// Name on the command line and in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Clamp => "clamp",
+            Self::Compress => "compress",
+            Self::Error => "error",
+        }
+    }
+
+    /// Prepares `level`, the level `index` of a chain, for `pixel`; returns the texels that were compressed.
+    /// A level without a texel above the format's greatest value stays as it is, and so does every level
+    /// under [`Overflow::Clamp`], which is what the writers do.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for [`Overflow::Error`] where a texel is too bright, naming it.
+    pub fn apply(self, index: usize, level: &mut CubeLevel, pixel: Pixel) -> Result<u64> {
+        let n = level.size as usize;
+        let place = |at: usize| {
+            let face = Face::ALL[at / (n * n)].short_name();
+            format!("level {index} face {face} pixel ({}, {})", at % n, at / n % n)
+        };
+        self.apply_to(&mut level.texels, pixel, place)
+    }
+
+    /// [`Overflow::apply`] for a level that is one image.
+    ///
+    /// # Errors
+    /// As [`Overflow::apply`].
+    pub fn apply_image(self, index: usize, level: &mut ImageLevel, pixel: Pixel) -> Result<u64> {
+        let width = level.layout.sides().0 as usize;
+        let place = |at: usize| format!("level {index} pixel ({}, {})", at % width, at / width);
+        self.apply_to(&mut level.texels, pixel, place)
+    }
+
+    /// `place` says which texel an index is.
+    fn apply_to(self, texels: &mut [Rgb], pixel: Pixel, place: impl Fn(usize) -> String) -> Result<u64> {
+        let most = pixel.max();
+        let greatest = |texel: &[f32; 3]| texel.iter().copied().fold(0.0, f32::max);
+        let Some(first) = texels.iter().position(|texel| greatest(texel) > most) else { return Ok(0) };
+        match self {
+            Self::Clamp => Ok(0),
+            Self::Compress => {
+                let mut count = 0;
+                for texel in texels.iter_mut() {
+                    let value = greatest(texel);
+                    let share = compressed(f64::from(value), f64::from(most)) / f64::from(value);
+                    if share < 1.0 {
+                        *texel = texel.map(|channel| (f64::from(channel) * share) as f32);
+                        count += 1;
+                    }
+                }
+                Ok(count)
+            }
+            Self::Error => Err(Error::Parameter(format!(
+                "{} is {:?} and {} holds up to {most}; --pixel f32 keeps it, --overflow compress scales it down",
+                place(first),
+                texels[first],
+                pixel.name()
+            ))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn level(bright: [f32; 3]) -> CubeLevel {
+        let mut texels = vec![[1.0, 2.0, 3.0]; 24];
+        texels[9] = bright;
+        CubeLevel { size: 2, roughness: 0.5, texels, bounds: None }
+    }
+
+    #[test]
+    fn compressed_texels_keep_their_colour_and_their_order() {
+        let mut before = 0.0;
+        for step in 0..400 {
+            let value = 1.06_f64.powi(step);
+            let after = compressed(value, 65504.0);
+            assert!(after > before && after < 65504.0 && after <= value, "{value}: {after} after {before}");
+            assert!(value > 16_376.0 || after == value, "{value} is below the knee");
+            before = after;
+        }
+        let mut bright = level([2e5, 1e5, 0.0]);
+        assert_eq!(Overflow::Compress.apply(1, &mut bright, Pixel::F16).unwrap(), 1);
+        let [red, green, blue] = bright.texels[9];
+        assert!(red < 65504.0 && (red / green - 2.0).abs() < 1e-5 && blue == 0.0, "{:?}", bright.texels[9]);
+        assert_eq!(bright.texels[8], [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn what_clamping_takes_is_a_share_of_the_energy() {
+        let layout = Layout::Cube { size: 2 };
+        let mut texels = vec![[1.0; 3]; 24];
+        assert_eq!(clamped_share(layout, &texels, Pixel::F16), 0.0);
+        texels[5] = [2.0 * Pixel::F16.max(); 3];
+        // The texels of a face of four are alike: 65504 of 2 * 65504 + 23.
+        let expected = 65504.0 / (2.0 * 65504.0 + 23.0);
+        let share = clamped_share(layout, &texels, Pixel::F16);
+        assert!((share / expected - 1.0).abs() < 1e-6, "{share}");
+        assert_eq!(clamped_share(layout, &texels, Pixel::F32), 0.0);
+    }
+
+    #[test]
+    fn levels_that_fit_stay_as_they_are() {
+        let fits = level([60_000.0, 1.0, 1.0]);
+        for overflow in [Overflow::Clamp, Overflow::Compress, Overflow::Error] {
+            let mut same = fits.clone();
+            assert_eq!(overflow.apply(0, &mut same, Pixel::F16).unwrap(), 0);
+            assert_eq!(same, fits);
+        }
+        let mut wide = level([1e9; 3]);
+        assert_eq!(Overflow::Error.apply(0, &mut wide, Pixel::F32).unwrap(), 0);
+    }
+
+    #[test]
+    fn the_error_names_the_texel_and_the_remedy() {
+        let error =
+            Overflow::Error.apply(3, &mut level([1.0, 7e4, 1.0]), Pixel::F16).unwrap_err().to_string();
+        assert!(error.starts_with("level 3 face py pixel (1, 0) is [1.0, 70000.0, 1.0]"), "{error}");
+        assert!(error.contains("f16 holds up to 65504") && error.contains("--overflow compress"), "{error}");
+    }
+}

@@ -1,0 +1,611 @@
+//! `report.json`: what a bake did, for people and for programs.
+//!
+//! Two runs with the same input and options give the same report, but for the keys named `seconds`.
+//!
+//! `docs/report.md` lists every key with its type; a test holds real reports to that list.
+
+use crate::analysis::sun::Sun;
+use crate::bake::overflow::Overflow;
+use crate::bake::result::{Bake, LevelStats};
+use crate::bake::settings::BakeSettings;
+use crate::environment::{LUMINANCE, Map};
+use crate::filter::Filter;
+use crate::finite::finite;
+use crate::io::Repairs;
+use crate::sh::order_text;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Version of the schema: the first number of [`Report::schema_version`] that has the keys of
+/// `docs/report.md`. It rises when a key goes or changes its meaning, not when one is added.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// A bake's report; its fields are the keys of `report.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// [`SCHEMA_VERSION`]; 0 for reports of version 0.1, which have no such key.
+    #[serde(default)]
+    pub schema_version: u32,
+    /// The program and its version.
+    pub generator: String,
+    /// The input as it was named; of six files the first.
+    pub input: String,
+    /// The input's files with their sizes and hashes.
+    #[serde(default)]
+    pub input_files: Vec<InputFileReport>,
+    /// What computed: `cpu` or `gpu`.
+    pub engine: String,
+    /// The graphics adapter; `null` on the CPU.
+    pub adapter: Option<String>,
+    /// Size of the octahedral map.
+    pub oem: OemReport,
+    /// The levels, the sharpest first.
+    pub levels: Vec<LevelReport>,
+    /// The levels of the sheen; absent where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sheen: Vec<LevelReport>,
+    /// Energy before and after reparameterisation.
+    pub energy: EnergyReport,
+    /// Spherical harmonics of the source.
+    pub sh: ShReport,
+    /// The sun that was taken out before the bake; `null` where none was, or none was to be.
+    #[serde(default)]
+    pub sun: Option<SunReport>,
+    /// What was set right in the input.
+    pub repaired: RepairReport,
+    /// Texels with a channel that the pixel format could not hold.
+    pub clamped: u64,
+    /// Share of the energy that clamping took from the level that lost most, by luminance.
+    #[serde(default)]
+    pub clamped_energy_share: f64,
+    /// Texels scaled down for the pixel format; absent where there are none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub compressed: u64,
+    /// What the user should know, a line each.
+    pub warnings: Vec<String>,
+    /// What was asked for.
+    pub options: OptionsReport,
+    /// What the numbers and images mean.
+    pub conventions: ConventionsReport,
+    /// What was written for which engine; absent without `--target`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target: Option<TargetReport>,
+    /// The files written, this one left out.
+    #[serde(default)]
+    pub outputs: Vec<OutputFileReport>,
+    /// What tells whether the bake need not be done again; absent from the library's own reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<FingerprintReport>,
+    /// Wall time from reading to writing.
+    pub seconds: f64,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InputFileReport {
+    /// As it was named.
+    pub path: String,
+    /// Its size; of a folder, that of its level 0.
+    pub bytes: u64,
+    /// BLAKE3 hash of its content in hexadecimal; of a folder, of the names and hashes of its level 0.
+    pub blake3: String,
+}
+
+/// A file that was written.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OutputFileReport {
+    /// Relative to the folder of the output; a picture of `--preview` as it was named.
+    pub path: String,
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// Size of an octahedral environment map.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OemReport {
+    /// Texels along an edge, without the border.
+    pub size: u32,
+    /// Texels added on every side.
+    pub border: u32,
+}
+
+/// Figures of a level.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LevelReport {
+    /// Its number, from 0.
+    pub level: u32,
+    /// Texels along an edge of a face, rows of a single image.
+    pub size: u32,
+    /// Perceptual roughness in [0, 1].
+    #[serde(serialize_with = "finite")]
+    pub roughness: f64,
+    /// Format of its texels as stored.
+    pub pixel: String,
+    /// Wall time.
+    pub seconds: f64,
+    /// Leaves of the quadrature a texel, on average; `null` where the filter has none.
+    #[serde(serialize_with = "finite")]
+    pub leaves_per_texel: Option<f64>,
+    /// Greatest certified error bound, absolute luminance; `null` where the filter has none.
+    #[serde(serialize_with = "finite")]
+    pub error_bound_max: Option<f64>,
+    /// Mean certified error bound, absolute luminance; `null` where the filter has none.
+    #[serde(serialize_with = "finite")]
+    pub error_bound_mean: Option<f64>,
+    /// The certified error bound that 99 % of the texels keep, absolute luminance; `null` where the filter
+    /// has none.
+    #[serde(default)]
+    pub error_bound_p99: Option<f64>,
+    /// `error_bound_max` over the environment's mean luminance.
+    #[serde(default)]
+    pub error_bound_max_relative: Option<f64>,
+    /// `error_bound_mean` over the environment's mean luminance.
+    #[serde(default)]
+    pub error_bound_mean_relative: Option<f64>,
+    /// `error_bound_p99` over the environment's mean luminance.
+    #[serde(default)]
+    pub error_bound_p99_relative: Option<f64>,
+}
+
+/// Total energy: radiance times solid angle, over the sphere.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EnergyReport {
+    /// Red, green and blue of the source.
+    #[serde(serialize_with = "finite")]
+    pub source: [f64; 3],
+    /// Red, green and blue of the octahedral map.
+    #[serde(serialize_with = "finite")]
+    pub oem: [f64; 3],
+    /// The greatest relative difference of a channel.
+    #[serde(serialize_with = "finite")]
+    pub relative_difference: f64,
+    /// Mean luminance of the source over the sphere, which every level shares: what relative bounds are
+    /// relative to.
+    #[serde(default)]
+    pub mean_luminance: f64,
+}
+
+/// Spherical harmonics.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShReport {
+    /// Nine coefficients, or as many as were asked for, red, green and blue each.
+    #[serde(serialize_with = "finite")]
+    pub coefficients: Vec<[f64; 3]>,
+    /// Which coefficient is which.
+    pub order: String,
+    /// What they are multiplied by.
+    pub scale: String,
+    /// What their bands are multiplied by besides: `none`, or the window's name and its width in bands.
+    #[serde(default)]
+    pub window: String,
+}
+
+/// What was set right in the input.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RepairReport {
+    /// Negative values set to 0.
+    pub negative: u64,
+    /// NaN values set to 0.
+    pub nan: u64,
+    /// Infinite values set to a finite neighbour.
+    pub infinite: u64,
+    /// Energy of the negative values over that of the positive ones.
+    #[serde(serialize_with = "finite")]
+    pub negative_energy_share: f64,
+}
+
+/// A sun, see [`Sun`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SunReport {
+    /// Unit vector towards it, in the world.
+    #[serde(serialize_with = "finite")]
+    pub direction: [f64; 3],
+    /// Degrees from +X towards +Z.
+    #[serde(serialize_with = "finite")]
+    pub azimuth_degrees: f64,
+    /// Degrees above the horizon.
+    #[serde(serialize_with = "finite")]
+    pub elevation_degrees: f64,
+    /// Radiance of its brightest texel.
+    #[serde(serialize_with = "finite")]
+    pub peak: [f32; 3],
+    /// Irradiance on a surface that faces it.
+    #[serde(serialize_with = "finite")]
+    pub irradiance: [f64; 3],
+    /// Irradiance over its greatest channel, which is a directional light's intensity.
+    #[serde(serialize_with = "finite")]
+    pub color: [f64; 3],
+    /// Steradians.
+    #[serde(serialize_with = "finite")]
+    pub solid_angle: f64,
+    /// Texels.
+    pub texels: usize,
+    /// Its share of the environment's energy, by luminance.
+    #[serde(serialize_with = "finite")]
+    pub energy_share: f64,
+    /// Median luminance around it.
+    #[serde(default)]
+    pub surroundings: f64,
+}
+
+impl SunReport {
+    /// The report of `sun`, which has `energy_share` of all energy.
+    #[must_use]
+    pub fn new(sun: &Sun, energy_share: f64) -> Self {
+        let intensity = sun.irradiance.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        Self {
+            direction: sun.direction.to_array(),
+            azimuth_degrees: sun.azimuth_degrees(),
+            elevation_degrees: sun.elevation_degrees(),
+            peak: sun.peak,
+            irradiance: sun.irradiance,
+            color: sun.irradiance.map(|channel| channel / intensity),
+            solid_angle: sun.solid_angle,
+            texels: sun.texels,
+            energy_share,
+            surroundings: sun.surroundings,
+        }
+    }
+}
+
+impl From<Repairs> for RepairReport {
+    fn from(repairs: Repairs) -> Self {
+        let Repairs { negative, negative_energy_share, nan, infinite } = repairs;
+        Self { negative, nan, infinite, negative_energy_share }
+    }
+}
+
+/// The options of a bake as they were used, defaults filled in. Those that say where, how loud or how fast
+/// are left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OptionsReport {
+    /// Edge of level 0.
+    pub size: u32,
+    /// Number of levels.
+    #[serde(default)]
+    pub levels: u32,
+    /// `linear`, `filament`, `unity` or `babylon`.
+    pub ladder: String,
+    /// Name of the lobe.
+    pub lobe: String,
+    /// Name of the filter, with its number.
+    pub filter: String,
+    /// Edge of the octahedral map, without its border.
+    #[serde(default)]
+    pub oem_size: u32,
+    /// Its border.
+    #[serde(default)]
+    pub border: u32,
+    /// `ktx2`, `ktx`, `dds`, `exr`, `hdr`, or the extension of a target's own format.
+    pub format: String,
+    /// `f16`, `f32`, `rgb9e5`, `r11g11b10f`, `bc6h`, `rgbd`, `rgbe`; `auto` for half with float where half is
+    /// too small.
+    pub pixel: String,
+    /// `clamp`, `compress` or `error`.
+    #[serde(default)]
+    pub overflow: String,
+    /// Layout of the input as it was read.
+    pub layout: String,
+    /// Degrees turned about +Y.
+    pub rotate_y: f64,
+    /// Whether the input was flipped.
+    pub mirror: bool,
+    /// Whether NaN and Inf were to be repaired.
+    pub sanitize: bool,
+    /// Whether repairs were to be errors.
+    #[serde(default)]
+    pub strict: bool,
+    /// Whether the sun was to be taken out.
+    #[serde(default)]
+    pub extract_sun: bool,
+    /// Whether the environment without its sun was to be written.
+    #[serde(default)]
+    pub sunless: bool,
+    /// Edge of the irradiance cube; `null` for none.
+    pub irradiance: Option<u32>,
+    /// Whether the levels of the Charlie lobe were baked as well.
+    #[serde(default)]
+    pub sheen: bool,
+    /// The highest band of the spherical harmonics.
+    #[serde(default)]
+    pub sh_order: u32,
+    /// Their window as it was asked for; [`ShReport::window`] has the width that was found.
+    #[serde(default)]
+    pub sh_window: String,
+    /// Whether the bound of every texel was to be written.
+    #[serde(default)]
+    pub bounds: bool,
+    /// Whether a picture was to be written.
+    #[serde(default)]
+    pub preview: bool,
+    /// How the levels lie in images, as `--out-layout` names it. Version 0.1 leaves it out for faces.
+    #[serde(default)]
+    pub out_layout: Option<String>,
+}
+
+/// What was written for an engine.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TargetReport {
+    /// Name of the target.
+    pub name: String,
+    /// The environment's name in the files' names.
+    #[serde(default)]
+    pub environment: String,
+    /// The axis that its engine negates before it looks into a cube: `none`, `x` or `z`.
+    pub flip: String,
+    /// `none`, `cube`, `sh` or `both`.
+    pub diffuse: String,
+    /// Whether a test has loaded such files into their engine.
+    pub verified: bool,
+    /// The files, beside this one.
+    pub files: Vec<String>,
+}
+
+/// What tells whether a bake need not be done again: BLAKE3 hashes in hexadecimal.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FingerprintReport {
+    /// Of the input's content, the options and the program's version.
+    pub request: String,
+    /// Of the content of the outputs, this file left out.
+    pub outputs: String,
+    /// Of each file beside the report, by its name. Readers ignore the report of a file that has another
+    /// hash.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, String>,
+}
+
+/// What the numbers and images mean.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ConventionsReport {
+    /// Handedness and up.
+    pub space: String,
+    /// Faces and their axes.
+    pub cube: String,
+    /// Which roughness.
+    pub roughness: String,
+    /// What the texels are.
+    pub radiance: String,
+}
+
+impl Default for ConventionsReport {
+    fn default() -> Self {
+        Self {
+            space: "right-handed, y up".to_owned(),
+            cube: "+X -X +Y -Y +Z -Z, axes as in OpenGL, Vulkan and Direct3D, rows downwards".to_owned(),
+            roughness: "perceptual, alpha = roughness^2".to_owned(),
+            radiance: "linear RGB, Rec. 709 primaries, the input's own unit".to_owned(),
+        }
+    }
+}
+
+/// What a report tells that the bake itself does not know.
+#[derive(Clone, Debug)]
+pub struct Circumstances {
+    /// The input as it was named.
+    pub input: String,
+    /// Its files.
+    pub input_files: Vec<InputFileReport>,
+    /// Who baked: `cpu` or `gpu`.
+    pub engine: String,
+    /// The graphics adapter, where one did.
+    pub adapter: Option<String>,
+    /// What was set right in it.
+    pub repaired: RepairReport,
+    /// Its layout, in words.
+    pub layout: String,
+    /// Degrees turned about +Y.
+    pub rotate_y: f64,
+    /// Whether it was flipped.
+    pub mirror: bool,
+    /// Whether NaN and Inf were to be repaired.
+    pub sanitize: bool,
+    /// Whether repairs were to be errors.
+    pub strict: bool,
+    /// Whether the sun was to be taken out.
+    pub extract_sun: bool,
+    /// Whether the environment without it was to be written.
+    pub sunless: bool,
+    /// What was to become of too bright texels.
+    pub overflow: Overflow,
+    /// Whether a picture was to be written.
+    pub preview: bool,
+    /// The sun that was taken out.
+    pub sun: Option<SunReport>,
+    /// Format of the output.
+    pub format: String,
+    /// Pixel format asked for.
+    pub pixel: String,
+    /// Pixel format of each level as stored.
+    pub level_pixels: Vec<String>,
+    /// Texels clamped.
+    pub clamped: u64,
+    /// Share of the energy that clamping took from the level that lost most.
+    pub clamped_energy_share: f64,
+    /// Warnings from reading and writing; the bake's own follow.
+    pub warnings: Vec<String>,
+    /// Wall time from reading to writing.
+    pub seconds: f64,
+}
+
+impl Report {
+    /// The report of `bake`.
+    #[must_use]
+    pub fn new(settings: &BakeSettings, bake: &Bake, told: Circumstances) -> Self {
+        let cubes = bake.chain.levels.iter().map(|level| (level.size, level.roughness));
+        let images = bake.images.iter().map(|level| (level.layout.sides().1, level.roughness));
+        let sheen = bake.sheen.iter().flat_map(|sheen| &sheen.levels);
+        let sheen = sheen.map(|level| (level.size, level.roughness));
+        let mean_luminance = mean_luminance(bake);
+        let reports = |levels: &mut dyn Iterator<Item = (u32, f64)>, stats: &[LevelStats]| {
+            level_reports(levels, stats, &told.level_pixels, mean_luminance)
+        };
+        let levels = reports(&mut cubes.chain(images), &bake.stats);
+        let sheen = reports(&mut { sheen }, &bake.sheen_stats);
+        Self {
+            schema_version: SCHEMA_VERSION,
+            generator: concat!("octagloss ", env!("CARGO_PKG_VERSION")).to_owned(),
+            input: told.input,
+            input_files: told.input_files,
+            engine: told.engine,
+            adapter: told.adapter,
+            oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
+            levels,
+            sheen,
+            energy: EnergyReport {
+                source: bake.source_energy,
+                oem: bake.oem_energy,
+                relative_difference: relative_difference(bake.source_energy, bake.oem_energy),
+                mean_luminance,
+            },
+            sh: ShReport {
+                coefficients: bake.sh.clone(),
+                order: order_text(bake.sh.len()),
+                scale: "integrals of radiance times the real orthonormal basis without the Condon-Shortley phase: \
+                        0.282095, 0.488603 {y, z, x}, 1.092548 {xy, yz}, 0.315392 (3zz-1), 1.092548 xz, \
+                        0.546274 (xx-yy) and so on; no cosine, no division by pi"
+                    .to_owned(),
+                window: bake.sh_window.to_string(),
+            },
+            sun: told.sun,
+            repaired: told.repaired,
+            clamped: told.clamped,
+            clamped_energy_share: told.clamped_energy_share,
+            compressed: 0,
+            warnings: told.warnings.into_iter().chain(bake.warnings.iter().cloned()).collect(),
+            options: OptionsReport {
+                size: settings.size,
+                levels: bake.stats.len() as u32,
+                ladder: settings.ladder.name().to_owned(),
+                lobe: settings.lobe.name().to_owned(),
+                filter: filter_name(settings.filter),
+                oem_size: bake.oem.inner,
+                border: bake.oem.border,
+                format: told.format,
+                pixel: told.pixel,
+                overflow: told.overflow.name().to_owned(),
+                layout: told.layout,
+                rotate_y: told.rotate_y,
+                mirror: told.mirror,
+                sanitize: told.sanitize,
+                strict: told.strict,
+                extract_sun: told.extract_sun,
+                sunless: told.sunless,
+                irradiance: settings.irradiance,
+                sheen: settings.sheen,
+                sh_order: settings.sh_order,
+                sh_window: settings.sh_window.to_string(),
+                bounds: settings.bounds,
+                preview: told.preview,
+                out_layout: Some(out_layout(settings.map).to_owned()),
+            },
+            conventions: ConventionsReport::default(),
+            target: None,
+            outputs: Vec::new(),
+            fingerprint: None,
+            seconds: told.seconds,
+        }
+    }
+
+    /// The greatest certified error bound of all levels.
+    #[must_use]
+    pub fn error_bound_max(&self) -> Option<f64> {
+        self.levels.iter().filter_map(|level| level.error_bound_max).reduce(f64::max)
+    }
+
+    /// The bound that 99 % of the texels of every level keep.
+    #[must_use]
+    pub fn error_bound_p99(&self) -> Option<f64> {
+        self.levels.iter().filter_map(|level| level.error_bound_p99).reduce(f64::max)
+    }
+
+    /// `bound`, an absolute luminance, over the environment's mean luminance; see
+    /// [`EnergyReport::mean_luminance`].
+    #[must_use]
+    pub fn relative_bound(&self, bound: f64) -> f64 {
+        relative(bound, self.energy.mean_luminance)
+    }
+}
+
+/// Mean luminance of the source over the sphere. A lobe is normalised and the same in every direction, so a
+/// level has the same mean but for its own error.
+fn mean_luminance(bake: &Bake) -> f64 {
+    let energy: f64 = bake.source_energy.iter().zip(LUMINANCE).map(|(e, weight)| e * f64::from(weight)).sum();
+    energy / (4.0 * std::f64::consts::PI)
+}
+
+/// `bound` over `mean`, in double precision finite for floats; without light there is nothing to be off by.
+fn relative(bound: f64, mean: f64) -> f64 {
+    if mean > 0.0 { bound / mean } else { 0.0 }
+}
+
+/// What `--out-layout` is by default for levels over `map`.
+const fn out_layout(map: Map) -> &'static str {
+    match map {
+        Map::Cube => "faces",
+        Map::Panorama => "equirect",
+        Map::Octahedral => "octahedral",
+    }
+}
+
+/// Reports of levels by their sizes and roughnesses.
+fn level_reports(
+    levels: impl Iterator<Item = (u32, f64)>,
+    stats: &[LevelStats],
+    pixels: &[String],
+    mean_luminance: f64,
+) -> Vec<LevelReport> {
+    let over_mean = |bound: Option<f64>| bound.map(|bound| relative(bound, mean_luminance));
+    let levels = (0..).zip(levels.zip(stats).zip(pixels));
+    let report = levels.map(|(level, (((size, roughness), stats), pixel))| LevelReport {
+        level,
+        size,
+        roughness,
+        pixel: pixel.clone(),
+        seconds: stats.seconds,
+        leaves_per_texel: stats.leaves_per_texel,
+        error_bound_max: stats.error_bound_max,
+        error_bound_mean: stats.error_bound_mean,
+        error_bound_p99: stats.error_bound_p99,
+        error_bound_max_relative: over_mean(stats.error_bound_max),
+        error_bound_mean_relative: over_mean(stats.error_bound_mean),
+        error_bound_p99_relative: over_mean(stats.error_bound_p99),
+    });
+    report.collect()
+}
+
+/// The filter as the command line has it.
+#[must_use]
+pub fn filter_name(filter: Filter) -> String {
+    match filter {
+        Filter::Adaptive(error) => format!("adaptive:{error}"),
+        Filter::Fitted(count) => format!("fitted:{count}"),
+        Filter::Box => "box".to_owned(),
+        Filter::Reference => "reference".to_owned(),
+    }
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
+}
+
+fn relative_difference(source: [f64; 3], oem: [f64; 3]) -> f64 {
+    // A black channel has nothing to lose.
+    let channel = |c: usize| if source[c] > 0.0 { ((oem[c] - source[c]) / source[c]).abs() } else { 0.0 };
+    (0..3).map(channel).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn numbers_of_reports_come_back_as_they_were() {
+        let mut bits = 1_u64;
+        for _ in 0..20_000 {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let value = f64::from_bits(bits);
+            if value.is_finite() {
+                let text = serde_json::to_string(&value).expect("a number");
+                assert_eq!(serde_json::from_str::<f64>(&text).expect("a number").to_bits(), bits, "{text}");
+            }
+        }
+    }
+}

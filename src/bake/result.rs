@@ -1,0 +1,112 @@
+//! What a bake gives, and how far it is.
+
+use crate::bake::level::BakedLevel;
+
+use crate::chain::{CubeChain, CubeLevel, ImageLevel, Rung};
+use crate::environment::Rgb;
+use crate::oem::OemSize;
+use crate::sh::window::ShWindow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Figures of one baked level.
+#[derive(Clone, Debug)]
+pub struct LevelStats {
+    /// Wall time.
+    pub seconds: f64,
+    /// Leaves of the quadrature a texel, on average; `None` where the filter has none.
+    pub leaves_per_texel: Option<f64>,
+    /// Greatest certified bound of the level, absolute luminance; `None` where the filter has none.
+    pub error_bound_max: Option<f64>,
+    /// Mean certified bound of the level, absolute luminance; `None` where the filter has none.
+    pub error_bound_mean: Option<f64>,
+    /// The bound that 99 % of the level's texels keep, absolute luminance; `None` where the filter has none.
+    pub error_bound_p99: Option<f64>,
+}
+
+/// What a bake made.
+#[derive(Clone, Debug)]
+pub struct Bake {
+    /// The prefiltered levels; none where [`super::BakeSettings::map`] is not the cube.
+    pub chain: CubeChain,
+    /// The prefiltered levels where it is another.
+    pub images: Vec<ImageLevel>,
+    /// Figures, one a level.
+    pub stats: Vec<LevelStats>,
+    /// The irradiance cube, where asked for; values are irradiance/pi.
+    pub irradiance: Option<CubeLevel>,
+    /// The levels of the Charlie lobe, where asked for.
+    pub sheen: Option<CubeChain>,
+    /// Their figures.
+    pub sheen_stats: Vec<LevelStats>,
+    /// Spherical harmonics of the source, see [`crate::sh`], windowed.
+    pub sh: Vec<[f64; 3]>,
+    /// Their window, its width found where it was to be.
+    pub sh_window: ShWindow,
+    /// The OEM's size.
+    pub oem: OemSize,
+    /// Total energy (radiance times solid angle) of the source, a channel each.
+    pub source_energy: [f64; 3],
+    /// Total energy of the OEM.
+    pub oem_energy: [f64; 3],
+    /// Things the user should know, in words.
+    pub warnings: Vec<String>,
+}
+
+impl Bake {
+    /// The texels of all levels, sheen and irradiance included.
+    pub fn texels(&self) -> impl Iterator<Item = &Rgb> {
+        let sheen = self.sheen.iter().flat_map(|sheen| &sheen.levels);
+        let cubes = self.chain.levels.iter().chain(&self.irradiance).chain(sheen);
+        cubes.flat_map(|level| &level.texels).chain(self.images.iter().flat_map(|level| &level.texels))
+    }
+}
+
+/// How far a bake is: `done` of `total` units of work (output texels), in level `level`.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Level being baked.
+    pub level: u32,
+    /// Output texels done in all levels.
+    pub done: u64,
+    /// Output texels of all levels.
+    pub total: u64,
+}
+
+/// Counts output texels for whoever watches.
+pub(crate) struct Meter<'a> {
+    pub(super) done: AtomicU64,
+    pub(super) total: u64,
+    pub(super) progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl Meter<'_> {
+    /// Tells that `texels` more of level `level` are done.
+    pub(crate) fn advance(&self, level: usize, texels: u64) {
+        let done = self.done.fetch_add(texels, Ordering::Relaxed) + texels;
+        (self.progress)(Progress { level: level as u32, done, total: self.total });
+    }
+}
+
+impl LevelStats {
+    pub(super) fn new(level: &BakedLevel, seconds: f64) -> Self {
+        let bounds = level.bounds.as_deref();
+        Self {
+            seconds,
+            leaves_per_texel: level.leaves_per_texel,
+            error_bound_max: bounds.map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),
+            error_bound_mean: bounds.map(|b| b.iter().map(|v| f64::from(*v)).sum::<f64>() / b.len() as f64),
+            error_bound_p99: bounds.and_then(percentile_99).map(f64::from),
+        }
+    }
+}
+
+/// The least roughness above 0.
+pub(super) fn sharpest(rungs: &[Rung]) -> f64 {
+    rungs.iter().map(|rung| rung.roughness).filter(|r| *r > 0.0).fold(1.0, f64::min)
+}
+
+/// The least of `bounds` that 99 % of them do not exceed; `None` where there are none.
+pub(super) fn percentile_99(bounds: &[f32]) -> Option<f32> {
+    let place = (99 * bounds.len()).div_ceil(100).checked_sub(1)?;
+    Some(*bounds.to_vec().select_nth_unstable_by(place, f32::total_cmp).1)
+}

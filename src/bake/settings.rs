@@ -1,0 +1,97 @@
+//! What to bake.
+
+use crate::chain::Rung;
+use crate::environment::Map;
+use crate::error::{Error, Result};
+use crate::filter::Filter;
+use crate::ladder::{DEFAULT_CUBE_SIZE, Ladder};
+use crate::lobe::Lobe;
+use crate::sh::window::ShWindow;
+
+/// What to bake. `Default` is what `octagloss bake INPUT` does.
+#[derive(Clone, Debug)]
+pub struct BakeSettings {
+    /// What the levels' texels cover.
+    pub map: Map,
+    /// Texels along an edge of level 0; of a panorama its height.
+    pub size: u32,
+    /// Number of levels; `None` for [`Ladder::default_levels`].
+    pub levels: Option<u32>,
+    /// Roughness of each level.
+    pub ladder: Ladder,
+    /// The lobe.
+    pub lobe: Lobe,
+    /// The filter.
+    pub filter: Filter,
+    /// Texels along an edge of the OEM without its border; `None` for the source's own.
+    pub oem_size: Option<u32>,
+    /// Border of the OEM in texels; `None` for the filter's own.
+    pub border: Option<u32>,
+    /// Keep every texel's error bound in the levels.
+    pub bounds: bool,
+    /// Edge of an irradiance cube (cosine lobe, divided by pi) to bake as well.
+    pub irradiance: Option<u32>,
+    /// The highest band of the spherical harmonics, at most [`crate::sh::MAX_ORDER`].
+    pub sh_order: u32,
+    /// What their bands are multiplied by.
+    pub sh_window: ShWindow,
+    /// Bake the sizes and roughnesses of the chain with the Charlie lobe (sheen) as well.
+    pub sheen: bool,
+}
+
+impl Default for BakeSettings {
+    fn default() -> Self {
+        Self {
+            map: Map::Cube,
+            size: DEFAULT_CUBE_SIZE,
+            levels: None,
+            ladder: Ladder::Linear,
+            lobe: Lobe::Ggx,
+            filter: Filter::Adaptive(0.005),
+            oem_size: None,
+            border: None,
+            bounds: false,
+            irradiance: None,
+            sh_order: 2,
+            sh_window: ShWindow::None,
+            sheen: false,
+        }
+    }
+}
+
+impl BakeSettings {
+    /// Size and roughness of every level.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for no size, no levels, more levels than reach a size of 1, or a filter that the
+    /// lobe does not have.
+    pub fn rungs(&self) -> Result<Vec<Rung>> {
+        if self.size == 0 {
+            return Err(Error::Parameter("--size must be at least 1".to_owned()));
+        }
+        self.filter.check(self.lobe, self.oem_size)?;
+        if self.sheen {
+            self.filter.beside().check(Lobe::Charlie, None)?;
+        }
+        let most = self.map.most_levels(self.size);
+        let own = match self.lobe {
+            // Irradiance knows no roughness.
+            Lobe::Cosine => 1,
+            _ => self.ladder.default_levels(self.map, self.size),
+        };
+        let levels = self.levels.unwrap_or(own);
+        if levels == 0 {
+            return Err(Error::Parameter("--levels must be at least 1".to_owned()));
+        }
+        if levels > most {
+            return Err(Error::Parameter(format!(
+                "--levels {levels} is more than reach a size of 1 from --size {}; at most {most}",
+                self.size
+            )));
+        }
+        let roughness = |level| self.ladder.roughness(level, levels, self.size);
+        Ok((0..levels)
+            .map(|level| Rung { layout: self.map.layout(self.size, level), roughness: roughness(level) })
+            .collect())
+    }
+}

@@ -1,0 +1,82 @@
+//! What both forms of the bake command share: circumstances of the report, compression, containers.
+
+use crate::cli::engine::Baker;
+use crate::cli::input::{Opened, Source};
+use crate::cli::output::Stored;
+use crate::cli::shared_args::InputArgs;
+use crate::cli::values::FormatArg;
+use octagloss::bake::Bake;
+use octagloss::bake::overflow::Overflow;
+use octagloss::bake::report::{Circumstances, InputFileReport};
+use octagloss::format::Pixel;
+use octagloss::format::container::Container;
+use std::time::Instant;
+
+/// What a report tells of an environment and its bake, however it is stored.
+pub(super) struct Told<'a> {
+    pub(super) source: &'a Source,
+    pub(super) input_files: Vec<InputFileReport>,
+    pub(super) opened: &'a Opened,
+    pub(super) input: &'a InputArgs,
+    pub(super) sunless: bool,
+    pub(super) overflow: Overflow,
+    pub(super) preview: bool,
+    pub(super) baker: &'a Baker,
+    pub(super) start: Instant,
+}
+
+impl Told<'_> {
+    pub(super) fn circumstances(
+        &self,
+        stored: Stored,
+        clamped_energy_share: f64,
+        warnings: Vec<String>,
+    ) -> Circumstances {
+        Circumstances {
+            input: self.source.path().display().to_string(),
+            input_files: self.input_files.clone(),
+            engine: self.baker.engine.to_owned(),
+            adapter: self.baker.adapter.clone(),
+            repaired: self.opened.repaired.into(),
+            layout: self.opened.layout.to_owned(),
+            rotate_y: self.input.rotate_y.unwrap_or(0.0),
+            mirror: self.input.mirror,
+            sanitize: self.input.sanitize,
+            strict: self.input.strict,
+            extract_sun: self.input.extract_sun,
+            sunless: self.sunless,
+            overflow: self.overflow,
+            preview: self.preview,
+            sun: self.opened.sun.clone(),
+            format: stored.format.to_owned(),
+            pixel: stored.pixel.to_owned(),
+            level_pixels: stored.pixels,
+            clamped: stored.clamped,
+            clamped_energy_share,
+            warnings,
+            seconds: self.start.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+/// Prepares every level of `baked` for `pixel`; the texels that were scaled down.
+pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> octagloss::Result<u64> {
+    let sheen = baked.sheen.as_mut().map_or(&mut [][..], |sheen| &mut sheen.levels);
+    let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut()).chain(sheen);
+    let cubes: u64 =
+        levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum::<Result<_, _>>()?;
+    let images = baked.images.iter_mut().enumerate();
+    let images: u64 =
+        images.map(|(index, level)| overflow.apply_image(index, level, pixel)).sum::<Result<_, _>>()?;
+    Ok(cubes + images)
+}
+
+/// The container that `format` is, where it holds a chain in one file.
+pub(super) const fn container(format: FormatArg) -> Option<Container> {
+    match format {
+        FormatArg::Ktx2 => Some(Container::Ktx2),
+        FormatArg::Ktx => Some(Container::Ktx1),
+        FormatArg::Dds => Some(Container::Dds),
+        FormatArg::Exr | FormatArg::Hdr => None,
+    }
+}

@@ -1,0 +1,212 @@
+//! What is said on standard error.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use octagloss::bake::Progress;
+use std::collections::BTreeSet;
+use std::io::{IsTerminal as _, Write as _};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Longest message in bytes; paths may have 4096.
+const LONGEST: usize = 6000;
+
+/// Work shorter than this shows no bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Work that runs this long gets an estimate,
+const ESTIMATE_AFTER: Duration = Duration::from_secs(4);
+/// if at least this much of it is left.
+const WORTH_SAYING: f64 = 15.0;
+
+/// Notes, warnings and the progress bar; `--quiet` leaves errors only.
+pub(super) struct Talk {
+    quiet: bool,
+    warned: Mutex<BTreeSet<String>>,
+}
+
+impl Talk {
+    pub(super) fn new(quiet: bool) -> Self {
+        Self { quiet, warned: Mutex::new(BTreeSet::new()) }
+    }
+
+    pub(super) fn note(&self, text: &str) {
+        if !self.quiet {
+            line("", text);
+        }
+    }
+
+    /// Says each warning once.
+    pub(super) fn warn(&self, text: &str) {
+        let fresh = self.warned.lock().expect("no one panics holding it").insert(text.to_owned());
+        if fresh && !self.quiet {
+            line("warning: ", text);
+        }
+    }
+
+    /// Progress of one piece of work: an estimate for work that is long, and on a terminal a bar, hidden at
+    /// first.
+    pub(super) fn bar(&self, name: &str) -> Bar {
+        let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("{prefix} {wide_bar} {percent:>3} %, {eta} left")
+            .expect("the template is a literal");
+        bar.set_style(style);
+        bar.set_prefix(name.to_owned());
+        Bar {
+            bar,
+            start: (!self.quiet).then(Instant::now),
+            is_terminal: std::io::stderr().is_terminal(),
+            said: Mutex::new(Said::default()),
+        }
+    }
+}
+
+/// A progress bar on standard error, taken away when dropped.
+pub(super) struct Bar {
+    bar: ProgressBar,
+    start: Option<Instant>,
+    is_terminal: bool,
+    said: Mutex<Said>,
+}
+
+#[derive(Default)]
+struct Said {
+    bar: bool,
+    estimate: bool,
+}
+
+impl Bar {
+    /// `done` of `total`; from any thread, in any order.
+    pub(super) fn at(&self, done: u64, total: u64) {
+        let Some(start) = self.start else { return };
+        let elapsed = start.elapsed();
+        if elapsed < PATIENCE {
+            return;
+        }
+        // A thread that finds the lock taken has nothing newer to show.
+        let Ok(mut said) = self.said.try_lock() else { return };
+        if elapsed >= ESTIMATE_AFTER && !said.estimate && done > 0 {
+            said.estimate = true;
+            if let Some(estimate) = estimate(elapsed, done, total) {
+                // The bar is locked while it is suspended.
+                let prefix = self.bar.prefix();
+                self.bar.suspend(|| line("", &format!("{prefix}: {estimate}")));
+            }
+        }
+        if !self.is_terminal {
+            return;
+        }
+        if !said.bar {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            said.bar = true;
+        }
+        self.bar.set_length(total);
+        self.bar.set_position(done.max(self.bar.position()));
+    }
+
+    pub(super) fn bake(&self, progress: Progress) {
+        self.at(progress.done, progress.total);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// How long work that took `elapsed` for `done` of `total` goes on, in words; `None` where it is soon over.
+fn estimate(elapsed: Duration, done: u64, total: u64) -> Option<String> {
+    let rest = elapsed.as_secs_f64() * total.saturating_sub(done) as f64 / done as f64;
+    (rest >= WORTH_SAYING).then(|| {
+        let percent = (100.0 * done as f64 / total as f64).round();
+        format!("{percent} % done, about {} left", duration(rest))
+    })
+}
+
+/// Says what went wrong, on one line.
+pub(super) fn error(text: &str) {
+    line("error: ", text);
+}
+
+fn line(kind: &str, text: &str) {
+    let text: Vec<_> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    // There is no one left to tell when standard error is closed.
+    writeln!(std::io::stderr(), "octagloss: {kind}{}", printable(&text.join(" "))).ok();
+}
+
+/// `text` without control characters, which would reach the terminal, and its middle left out where it is
+/// long.
+fn printable(text: &str) -> String {
+    let escaped: String = text
+        .chars()
+        .map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() })
+        .collect();
+    if escaped.len() <= LONGEST {
+        return escaped;
+    }
+    let (head, tail) =
+        (escaped.floor_char_boundary(LONGEST / 2), escaped.ceil_char_boundary(escaped.len() - LONGEST / 2));
+    format!("{} ... {}", &escaped[..head], &escaped[tail..])
+}
+
+/// `1234567` bytes as `1.2 MB`.
+pub(super) fn bytes(count: u64) -> String {
+    let count = count as f64;
+    match count {
+        c if c < 1e3 => format!("{c} B"),
+        c if c < 1e6 => format!("{:.1} kB", c / 1e3),
+        c if c < 1e9 => format!("{:.1} MB", c / 1e6),
+        c => format!("{:.1} GB", c / 1e9),
+    }
+}
+
+/// A share in percent with two significant digits below ten, `less than 0.01 %` where that would be 0.00.
+pub(super) fn percent(share: f64) -> String {
+    match 100.0 * share {
+        0.0 => "0 %".to_owned(),
+        p if p.abs() < 0.005 => "less than 0.01 %".to_owned(),
+        p if p.abs() < 0.095 => format!("{p:.2} %"),
+        p if p.abs() < 9.5 => format!("{p:.1} %"),
+        p => format!("{p:.0} %"),
+    }
+}
+
+/// A span of time in words, for estimates.
+pub(super) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.0 => "less than a second".to_owned(),
+        s if s < 120.0 => format!("{s:.0} seconds"),
+        s if s < 7200.0 => format!("{:.0} minutes", s / 60.0),
+        s if s < 172_800.0 => format!("{:.0} hours", s / 3600.0),
+        s => format!("{:.0} days", s / 86_400.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ESTIMATE_AFTER, Talk, estimate};
+    use std::sync::mpsc;
+    use std::thread;
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn an_estimate_is_printed_without_waiting_for_itself() {
+        let (sender, done) = mpsc::channel();
+        thread::spawn(move || {
+            let mut bar = Talk::new(false).bar("long");
+            bar.start = Instant::now().checked_sub(2 * ESTIMATE_AFTER);
+            assert!(bar.start.is_some(), "a clock that has run for some seconds");
+            bar.at(1, 100);
+            sender.send(()).expect("still waited for");
+        });
+        // Far more than it takes, and it would wait for ever.
+        done.recv_timeout(Duration::from_secs(120)).expect("the bar waits for itself");
+    }
+
+    #[test]
+    fn long_work_is_estimated_and_short_work_is_not() {
+        let words = estimate(Duration::from_secs(4), 10, 400).expect("156 seconds are left");
+        assert_eq!(words, "3 % done, about 3 minutes left");
+        assert_eq!(estimate(Duration::from_secs(4), 90, 100), None);
+    }
+}

@@ -1,0 +1,169 @@
+//! Bakes that need not be done again: what was asked for and what was written, as hashes in the report.
+
+use super::args::BakeArgs;
+use super::input::Source;
+use blake3::{Hash, Hasher};
+use octagloss::bake::report::{FingerprintReport, InputFileReport, OutputFileReport, Report};
+use octagloss::io::exr::write::SOFTWARE;
+use octagloss::io::regular::{open_regular, read_regular};
+use octagloss::io::side_report::MOST_REPORT_BYTES;
+use octagloss::io::side_report::REPORT;
+use octagloss::io::{DEFAULT_MEMORY_LIMIT, levels_path, reported_pairs};
+use octagloss::{Error, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Everything in `args` that outputs depend on, as text: all options but those that say where, how loud or
+/// how fast. `resolved` is what follows from names, such as the format from an extension.
+pub(super) fn options(args: &BakeArgs, resolved: &str) -> String {
+    let mut args = BakeArgs {
+        inputs: Vec::new(),
+        output: None,
+        preview: args.preview.as_ref().map(|_| PathBuf::new()),
+        json: false,
+        quiet: false,
+        force: false,
+        dry_run: false,
+        skip_unchanged: false,
+        ..args.clone()
+    };
+    args.engine.threads = None;
+    format!("{resolved} {args:?}")
+}
+
+/// The hash of the content of `source`, of `options` and of the program's version.
+pub(super) fn request(source: &Source, options: &str) -> Result<Hash> {
+    requested(source, options).map(|(hash, _)| hash)
+}
+
+/// [`request`], and what it found of the files of `source`.
+pub(super) fn requested(source: &Source, options: &str) -> Result<(Hash, Vec<InputFileReport>)> {
+    let mut files = Vec::new();
+    let mut hasher = Hasher::new();
+    let mut add = |part: &[u8]| {
+        hasher.update(&(part.len() as u64).to_le_bytes()).update(part);
+    };
+    add(SOFTWARE.as_bytes());
+    add(options.as_bytes());
+    for path in source.files() {
+        // The names of six faces say which is which.
+        add(path.file_name().unwrap_or_default().as_encoded_bytes());
+        // A bake is read for its level 0.
+        let levels = levels_path(path)?;
+        let counts = |name: &str| name.starts_with("m0_") || name.starts_with("m0.");
+        let hash = hash_where(&levels, &counts)?;
+        add(hash.as_bytes());
+        // How a file is turned may be in its report alone.
+        let pairs = if levels.is_file() { reported_pairs(&levels, hash) } else { Vec::new() };
+        pairs.iter().flat_map(|(key, value)| [key, value]).for_each(|text| add(text.as_bytes()));
+        files.push(InputFileReport {
+            path: path.display().to_string(),
+            bytes: bytes_where(&levels, &counts)?,
+            blake3: hash.to_hex().to_string(),
+        });
+    }
+    Ok((hasher.finalize(), files))
+}
+
+/// The sizes of the file `path`, or of all files in the folder `path` in the order of their names, under the
+/// name `name`.
+///
+/// # Errors
+/// [`Error::Io`] for what cannot be looked at.
+pub(super) fn sizes(path: &Path, name: &str) -> Result<Vec<OutputFileReport>> {
+    let fail = |error| Error::io(path, error);
+    let metadata = fs::metadata(path).map_err(fail)?;
+    if !metadata.is_dir() {
+        return Ok(vec![OutputFileReport { path: name.to_owned(), bytes: metadata.len() }]);
+    }
+    let entries = fs::read_dir(path).map_err(fail)?;
+    let names = entries.map(|entry| Ok(entry.map_err(fail)?.file_name().to_string_lossy().into_owned()));
+    let mut names = names.collect::<Result<Vec<String>>>()?;
+    names.sort();
+    let mut all = Vec::new();
+    for entry in names {
+        let inside = if name.is_empty() { entry.clone() } else { format!("{name}/{entry}") };
+        all.extend(sizes(&path.join(entry), &inside)?);
+    }
+    Ok(all)
+}
+
+/// The size of a file, or of those in a folder whose name `counts`.
+fn bytes_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<u64> {
+    let fail = |error| Error::io(path, error);
+    let metadata = fs::metadata(path).map_err(fail)?;
+    if !metadata.is_dir() {
+        return Ok(metadata.len());
+    }
+    let mut bytes = 0;
+    for entry in fs::read_dir(path).map_err(fail)? {
+        let entry = entry.map_err(fail)?;
+        if counts(&entry.file_name().to_string_lossy()) {
+            bytes += entry.metadata().map_err(fail)?.len();
+        }
+    }
+    Ok(bytes)
+}
+
+/// The hash of an output, file or folder, reports left out.
+pub(super) fn hash_of(output: &Path) -> Result<Hash> {
+    hash_where(output, &|name| name != REPORT)
+}
+
+/// The hash of several outputs, of their hashes.
+pub(super) fn joined(hashes: impl IntoIterator<Item = Result<Hash>>) -> Result<Hash> {
+    let mut hasher = Hasher::new();
+    for hash in hashes {
+        hasher.update(hash?.as_bytes());
+    }
+    Ok(hasher.finalize())
+}
+
+/// The hash of a file's content, or of the names and contents in a folder, those whose name `counts`.
+fn hash_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<Hash> {
+    let fail = |error| Error::io(path, error);
+    let metadata = fs::metadata(path).map_err(fail)?;
+    let mut hasher = Hasher::new();
+    if metadata.is_dir() {
+        let entries =
+            fs::read_dir(path).and_then(Iterator::collect::<std::io::Result<Vec<_>>>).map_err(fail)?;
+        let mut names: Vec<_> = entries.into_iter().map(|entry| entry.file_name()).collect();
+        names.sort();
+        for name in names.iter().filter(|name| counts(&name.to_string_lossy())) {
+            let bytes = name.as_encoded_bytes();
+            hasher.update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
+            let entry = path.join(name);
+            // No bake writes links, and they may lead in a circle.
+            if !(entry.is_symlink() && entry.is_dir()) {
+                hasher.update(hash_where(&entry, counts)?.as_bytes());
+            }
+        }
+    } else if metadata.is_file() && metadata.len() <= DEFAULT_MEMORY_LIMIT {
+        // What is neither, or too large, is refused by whoever reads it.
+        let file = open_regular(path)?;
+        hasher.update_reader(file).map_err(fail)?;
+    }
+    Ok(hasher.finalize())
+}
+
+/// The hashes in a report. `files` are those beside it, by name.
+pub(super) fn fingerprint(
+    request: Hash,
+    outputs: Hash,
+    files: impl IntoIterator<Item = (String, Hash)>,
+) -> FingerprintReport {
+    let text = |hash: Hash| hash.to_hex().to_string();
+    let files = files.into_iter().map(|(name, hash)| (name, text(hash))).collect();
+    FingerprintReport { request: text(request), outputs: text(outputs), files }
+}
+
+/// Whether `outputs` still hold what `report` says was written to them for `request`.
+pub(super) fn holds(report: &Path, request: Hash, outputs: impl IntoIterator<Item = PathBuf>) -> bool {
+    let text = read_regular(report, MOST_REPORT_BYTES).ok();
+    let told = text.and_then(|text| serde_json::from_slice::<Report>(&text).ok()?.fingerprint);
+    told.is_some_and(|told| {
+        joined(outputs.into_iter().map(|output| hash_of(&output))).is_ok_and(|outputs| {
+            told == FingerprintReport { files: told.files.clone(), ..fingerprint(request, outputs, []) }
+        })
+    })
+}

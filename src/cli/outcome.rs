@@ -1,0 +1,106 @@
+//! How a subcommand ends, and what it prints.
+
+use octagloss::io::output as output_file;
+use octagloss::io::output::Existing;
+use std::io::{IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+
+/// Why a subcommand stopped early.
+#[derive(Debug)]
+pub(super) enum Failure {
+    /// What was asked for makes no sense; exit status 2.
+    Usage(String),
+    /// It made sense and went wrong; exit status 1.
+    Failed(anyhow::Error),
+    /// Like `Failed`, told already: one of several inputs went wrong.
+    Told,
+    /// Whoever read standard output has seen enough, which is not an error.
+    Closed,
+}
+
+pub(super) type Outcome<T = ()> = Result<T, Failure>;
+
+impl From<anyhow::Error> for Failure {
+    fn from(error: anyhow::Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+impl From<octagloss::Error> for Failure {
+    fn from(error: octagloss::Error) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+/// A usage error.
+pub(super) fn usage<T>(message: impl Into<String>) -> Outcome<T> {
+    Err(Failure::Usage(message.into()))
+}
+
+/// Writes text to standard output.
+pub(super) fn print(text: &str) -> Outcome {
+    print_bytes(text.as_bytes())
+}
+
+/// Writes data to standard output. A reader that has closed it is no error.
+pub(super) fn print_bytes(bytes: &[u8]) -> Outcome {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(bytes).and_then(|()| out.flush()) {
+        Ok(()) => Ok(()),
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::Closed),
+        Err(error) => Err(anyhow::Error::new(error).context("standard output").into()),
+    }
+}
+
+/// Whether the output `path` is standard output, which must not be a terminal.
+pub(super) fn is_stdout(path: &Path) -> Outcome<bool> {
+    // As it was typed: `./-` is a file.
+    let is_stdout = path.as_os_str() == "-";
+    if is_stdout && std::io::stdout().is_terminal() {
+        return usage(
+            "-o - writes binary data, and standard output is a terminal; send it to a file or a pipe",
+        );
+    }
+    Ok(is_stdout)
+}
+
+/// Writes `bytes` to the file `path`, or to standard output where that is `-`.
+pub(super) fn write_output(path: &Path, existing: Existing, bytes: &[u8]) -> Outcome {
+    if is_stdout(path)? {
+        return print_bytes(bytes);
+    }
+    Ok(output_file::write_file(path, existing, |file| file.write_all(bytes))?)
+}
+
+/// Checks that [`write_output`] can write to `path`, and cleans up after killed runs in its folder.
+pub(super) fn check_output(path: &Path, existing: Existing) -> Outcome {
+    if is_stdout(path)? {
+        return Ok(());
+    }
+    output_file::recover(path);
+    Ok(output_file::check_file(path, existing)?)
+}
+
+/// Runs `work` on `threads` threads of its own, or on as many as there are cores.
+pub(super) fn on_threads<T: Send>(
+    threads: Option<u32>,
+    work: impl FnOnce() -> Outcome<T> + Send,
+) -> Outcome<T> {
+    match threads {
+        None => work(),
+        Some(count) => rayon::ThreadPoolBuilder::new()
+            .num_threads(count as usize)
+            .build()
+            .map_err(|error| anyhow::Error::new(error).context(format!("--threads {count}")))?
+            .install(work),
+    }
+}
+
+/// Refuses the output `path` where it is one of `inputs`, whatever links lead there.
+pub(super) fn check_not_input<'a>(path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Outcome {
+    let Ok(real) = path.canonicalize() else { return Ok(()) };
+    if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input.starts_with(&real))) {
+        return usage(format!("{} is an input; name another output", path.display()));
+    }
+    Ok(())
+}

@@ -1,0 +1,33 @@
+//! Times of repeated runs, and the environment that they run on.
+
+use octagloss::sphere::equirect::direction_from_equirect;
+use octagloss::{Environment, Layout, Rgb};
+use serde::Serialize;
+
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct Timing {
+    pub(super) median_seconds: f64,
+    least_seconds: f64,
+}
+
+pub(super) fn timing(mut seconds: Vec<f64>) -> Timing {
+    seconds.sort_by(f64::total_cmp);
+    let middle = seconds.len() / 2;
+    let median =
+        if seconds.len() % 2 == 1 { seconds[middle] } else { (seconds[middle - 1] + seconds[middle]) / 2.0 };
+    Timing { median_seconds: median, least_seconds: seconds[0] }
+}
+
+/// A panorama of `width` columns: a sky with a sun, a ground, and some texture in both.
+pub(super) fn sky(width: u32) -> octagloss::Result<Environment> {
+    let height = width / 2;
+    let radiance = |k: u32| -> Rgb {
+        let (u, v) = (f64::from(k % width) + 0.5, f64::from(k / width) + 0.5);
+        let d = direction_from_equirect(u / f64::from(width), v / f64::from(height));
+        let texture = 1.0 + 0.3 * (40.0 * d.x).sin() * (50.0 * d.z).sin() * (30.0 * d.y).cos();
+        let base = if d.y > 0.0 { [0.4, 0.7, 1.0 + d.y] } else { [0.2, 0.15, 0.1] };
+        let sun = if d.x + 0.5 * d.y > 1.117 { 2e4 } else { 0.0 };
+        base.map(|c| (c * texture + sun) as f32)
+    };
+    Environment::new(Layout::Panorama { width, height }, (0..width * height).map(radiance).collect())
+}

@@ -1,0 +1,30 @@
+//! `octagloss view` in a build without the feature `view`: prints the command that runs it.
+
+use super::outcome::{Outcome, usage};
+use clap::Args as ClapArgs;
+use std::ffi::{OsStr, OsString};
+
+/// Whatever follows `view`: the arguments of the command to run.
+#[derive(Debug, ClapArgs)]
+pub(super) struct ViewArgs {
+    /// Arguments of the viewer
+    #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<OsString>,
+}
+
+/// `argument` as a POSIX shell reads it.
+fn quoted(argument: &OsStr) -> String {
+    let text = argument.to_string_lossy();
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        return text.into_owned();
+    }
+    format!("'{}'", text.replace('\'', r"'\''"))
+}
+
+pub(super) fn run(args: &ViewArgs) -> Outcome {
+    let arguments: String = args.arguments.iter().map(|argument| format!(" {}", quoted(argument))).collect();
+    usage(format!(
+        "view is not part of this build; run: cargo run --release --features view -- view{arguments}"
+    ))
+}

@@ -1,0 +1,99 @@
+//! Packets of directions, and the leaves of a cut that they share.
+
+use crate::cpu::cells::Quad;
+#[cfg(feature = "gpu")]
+use crate::environment::LUMINANCE;
+use crate::environment::Rgb;
+use glam::DVec3;
+
+/// Directions evaluated together.
+pub const LANES: usize = 16;
+
+/// Up to [`LANES`] directions near one another, in the space of the cells.
+#[derive(Clone, Copy, Debug)]
+pub struct Packet {
+    pub(super) axis: DVec3,
+    pub(super) radius: f32,
+    /// Directions less the axis: differences keep the precision that sharp lobes need.
+    pub(super) x: [f32; LANES],
+    pub(super) y: [f32; LANES],
+    pub(super) z: [f32; LANES],
+}
+
+impl Packet {
+    /// A packet of unit `directions`, at least one and at most [`LANES`]; spare lanes repeat the first.
+    ///
+    /// # Panics
+    /// Where there are none or too many.
+    #[must_use]
+    pub fn new(directions: &[DVec3]) -> Self {
+        assert!(!directions.is_empty() && directions.len() <= LANES, "1 to {LANES} directions");
+        let axis = if directions.len() == 1 {
+            directions[0]
+        } else {
+            directions.iter().sum::<DVec3>().try_normalize().unwrap_or(directions[0])
+        };
+        let radius = directions.iter().map(|d| d.distance(axis)).fold(0.0, f64::max);
+        let offset = |k: usize| directions[if k < directions.len() { k } else { 0 }] - axis;
+        Self {
+            axis,
+            radius: (radius * (1.0 + 1e-6)) as f32,
+            x: std::array::from_fn(|k| offset(k).x as f32),
+            y: std::array::from_fn(|k| offset(k).y as f32),
+            z: std::array::from_fn(|k| offset(k).z as f32),
+        }
+    }
+}
+
+/// One leaf of a cut, relative to the packet's axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    pub(super) offset: [f32; 3],
+    /// xx, yy, zz, yz, zx, xy.
+    pub(super) covariance: [f32; 6],
+    pub(super) radius: f32,
+    pub(super) energy: Rgb,
+}
+
+impl Leaf {
+    /// Cell `k` of `quad`.
+    #[inline(always)]
+    pub(super) fn new(quad: &Quad, k: usize, axis: DVec3) -> Self {
+        Self {
+            offset: [
+                (f64::from(quad.x[k]) - axis.x) as f32,
+                (f64::from(quad.y[k]) - axis.y) as f32,
+                (f64::from(quad.z[k]) - axis.z) as f32,
+            ],
+            covariance: std::array::from_fn(|c| quad.covariance[c][k]),
+            radius: quad.radius[k],
+            energy: [quad.red[k], quad.green[k], quad.blue[k]],
+        }
+    }
+}
+
+/// Buffers of an evaluation, kept between packets.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    pub(super) leaves: Vec<Leaf>,
+    /// Certified widths, times luminance, of what has no exact centroid.
+    pub(super) slack: f64,
+    pub(super) stack: Vec<(u8, u32, u32)>,
+}
+
+#[cfg(feature = "gpu")]
+impl Scratch {
+    /// The leaves of the last evaluation, of `packet`, as fields of `shaders/common/quad.wgsl`: for replaying
+    /// its cut.
+    #[must_use]
+    pub fn leaf_fields(&self, packet: &Packet) -> Vec<[f32; 14]> {
+        let fields = |leaf: &Leaf| {
+            let [x, y, z] = (packet.axis + glam::Vec3::from(leaf.offset).as_dvec3()).as_vec3().to_array();
+            let [xx, yy, zz, yz, zx, xy] = leaf.covariance;
+            let [red, green, blue] = leaf.energy;
+            let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
+            [x, y, z, xx, yy, zz, yz, zx, xy, leaf.radius, luminance, red, green, blue]
+        };
+        self.leaves.iter().map(fields).collect()
+    }
+}

@@ -1,0 +1,6 @@
+//! A bake as files: what each target's files hold, as bytes.
+
+pub(crate) mod babylon;
+pub mod files;
+pub(crate) mod gltf;
+pub mod report_file;

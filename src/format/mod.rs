@@ -1,0 +1,10 @@
+//! Pixel formats, and texels as their bytes.
+
+pub mod bc6h;
+pub mod container;
+mod pixel;
+pub mod r11g11b10;
+pub mod rgbd;
+pub(crate) mod texel_bytes;
+
+pub use pixel::*;

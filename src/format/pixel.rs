@@ -1,0 +1,126 @@
+//! Pixel formats of the outputs and the conversions into them: rounded to nearest, clamped, counted.
+
+use super::r11g11b10::R11G11B10_MAX;
+use super::rgbd::RGBD_MAX;
+use crate::environment::Rgb;
+use half::f16;
+use half::slice::HalfFloatSliceExt as _;
+
+/// The greatest finite half float.
+pub const HALF_MAX: f32 = 65504.0;
+
+/// The greatest value of a channel in RGB9E5: (511/512) * 2^16.
+pub const RGB9E5_MAX: f32 = 65408.0;
+
+/// How a texel is stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Pixel {
+    /// Half float, clamped at [`HALF_MAX`].
+    #[default]
+    F16,
+    /// Float, exact.
+    F32,
+    /// Three 9-bit mantissas and a shared 5-bit exponent, clamped at [`RGB9E5_MAX`].
+    Rgb9e5,
+    /// Unsigned floats of 11, 11 and 10 bits, clamped at [`super::r11g11b10::R11G11B10_MAX`].
+    R11g11b10,
+    /// Blocks of 4 x 4 texels in BC6H, unsigned, clamped at [`HALF_MAX`].
+    Bc6h,
+    /// Eight bits a channel and a divisor, clamped at [`super::rgbd::RGBD_MAX`]; in PNG images only.
+    Rgbd,
+}
+
+impl Pixel {
+    /// Name on the command line and in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::F16 => "f16",
+            Self::F32 => "f32",
+            Self::Rgb9e5 => "rgb9e5",
+            Self::R11g11b10 => "r11g11b10f",
+            Self::Bc6h => "bc6h",
+            Self::Rgbd => "rgbd",
+        }
+    }
+
+    /// The greatest value of a channel.
+    #[must_use]
+    pub const fn max(self) -> f32 {
+        match self {
+            Self::F16 | Self::Bc6h => HALF_MAX,
+            Self::F32 => f32::MAX,
+            Self::Rgb9e5 => RGB9E5_MAX,
+            Self::R11g11b10 => R11G11B10_MAX,
+            Self::Rgbd => RGBD_MAX,
+        }
+    }
+
+    /// The greatest value of a channel that becomes 0 in this format, whatever the other channels.
+    #[must_use]
+    pub const fn rounded_to_zero(self) -> f32 {
+        match self {
+            // Half of the least step, which goes to the even number.
+            Self::F16 | Self::Bc6h => 1.0 / (1_u32 << 25) as f32,
+            Self::F32 => 0.0,
+            // Below half of the least step.
+            Self::Rgb9e5 => f32::from_bits((1.0 / (1_u32 << 25) as f32).to_bits() - 1),
+            Self::R11g11b10 => 1.0 / (1_u32 << 21) as f32,
+            // Below (0.5/255)^2.2.
+            Self::Rgbd => 1.1e-6,
+        }
+    }
+
+    /// Number of `texels` with a channel that this format clamps.
+    #[must_use]
+    pub fn clamped(self, texels: &[Rgb]) -> u64 {
+        texels.iter().filter(|t| t.iter().any(|c| *c > self.max())).count() as u64
+    }
+}
+
+/// Appends `values` to `out` as half floats, little endian: to nearest, ties to even, at most [`HALF_MAX`].
+pub fn push_halves(values: &[f32], out: &mut Vec<u8>) {
+    const BATCH: usize = 256;
+    let mut floats = [0.0; BATCH];
+    let mut halves = [f16::ZERO; BATCH];
+    for batch in values.chunks(BATCH) {
+        let (floats, halves) = (&mut floats[..batch.len()], &mut halves[..batch.len()]);
+        for (float, value) in floats.iter_mut().zip(batch) {
+            *float = value.min(HALF_MAX);
+        }
+        halves.convert_from_f32_slice(floats);
+        out.extend(halves.iter().flat_map(|h| h.to_le_bytes()));
+    }
+}
+
+/// `rgb` in RGB9E5, each channel clamped to [0, [`RGB9E5_MAX`]]: red in the lowest bits, the exponent in the
+/// highest.
+///
+/// The algorithm of OpenGL 4.6 section 8.5.2 and Vulkan's "RGB to shared exponent conversion", with the
+/// exponent read from the float instead of a logarithm.
+#[must_use]
+pub fn rgb9e5_from_rgb(rgb: Rgb) -> u32 {
+    const MANTISSA_BITS: i32 = 9;
+    const BIAS: i32 = 15;
+    let clamped = rgb.map(|c| f64::from(c.clamp(0.0, RGB9E5_MAX)));
+    let greatest = clamped[0].max(clamped[1]).max(clamped[2]);
+    // floor(log2(greatest)); zero reads as -1023 and ends at the least exponent like everything below 2^-16.
+    let log2 = (greatest.to_bits() >> 52) as i32 - 1023;
+    let round = |value: f64, exponent: i32| {
+        (value * f64::from(BIAS + MANTISSA_BITS - exponent).exp2() + 0.5).floor() as u32
+    };
+    let mut exponent = log2.max(-BIAS - 1) + 1 + BIAS;
+    // The greatest mantissa may round up to 2^9: then the next exponent holds it.
+    if round(greatest, exponent) == 1 << MANTISSA_BITS {
+        exponent += 1;
+    }
+    let [r, g, b] = clamped.map(|c| round(c, exponent));
+    r | g << 9 | b << 18 | (exponent as u32) << 27
+}
+
+/// The colour that `packed` stands for in RGB9E5; exact.
+#[must_use]
+pub fn rgb_from_rgb9e5(packed: u32) -> Rgb {
+    let scale = ((packed >> 27) as f32 - 24.0).exp2();
+    [0, 9, 18].map(|shift| ((packed >> shift) & 0x1ff) as f32 * scale)
+}

@@ -1,0 +1,52 @@
+//! RGBD: eight bits a channel in gamma 2.2, divided by a fourth; and PNG images of such texels.
+//!
+//! Babylon.js, packages/dev/core/src/Shaders/ShadersInclude/helperFunctions.fx, `fromRGBD`: radiance is
+//! (code/255)^2.2 / (divisor/255). Divisors from 1/255 to 1 hold radiance up to 255.
+
+use crate::environment::Rgb;
+use crate::error::{Error, Result};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder as _};
+
+/// The greatest value of a channel in RGBD.
+pub const RGBD_MAX: f32 = 255.0;
+
+const GAMMA: f64 = 2.2;
+
+/// `rgb` in RGBD, each channel clamped to [0, [`RGBD_MAX`]]: the largest divisor that keeps the brightest
+/// channel below 1, codes to nearest.
+#[must_use]
+pub fn rgbd_from_rgb(rgb: Rgb) -> [u8; 4] {
+    let clamped = rgb.map(|c| f64::from(c.clamp(0.0, RGBD_MAX)));
+    let greatest = clamped[0].max(clamped[1]).max(clamped[2]).max(1.0);
+    let divisor = (255.0 / greatest).floor().max(1.0);
+    let [r, g, b] = clamped.map(|c| ((c * divisor / 255.0).powf(GAMMA.recip()) * 255.0).round() as u8);
+    [r, g, b, divisor as u8]
+}
+
+/// The colour that `[r, g, b, divisor]` stands for in RGBD. A divisor of 0 reads as the least, 1.
+#[must_use]
+pub fn rgb_from_rgbd([r, g, b, divisor]: [u8; 4]) -> Rgb {
+    let divisor = f64::from(divisor.max(1)) / 255.0;
+    [r, g, b].map(|code| ((f64::from(code) / 255.0).powf(GAMMA) / divisor) as f32)
+}
+
+/// A PNG of `width` columns of `texels`, row-major, in RGBD.
+///
+/// # Errors
+/// [`Error::Parameter`] where the texels do not fill the image.
+pub fn rgbd_png_bytes(width: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
+    let height = texels.len() / width.max(1) as usize;
+    if texels.is_empty() || texels.len() != width as usize * height {
+        return Err(Error::Parameter(format!(
+            "a PNG of {width} columns cannot hold {} texels",
+            texels.len()
+        )));
+    }
+    let pixels: Vec<u8> = texels.iter().flat_map(|texel| rgbd_from_rgb(*texel)).collect();
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes)
+        .write_image(&pixels, width, height as u32, ExtendedColorType::Rgba8)
+        .map_err(|error| Error::Parameter(format!("a PNG of {width}x{height}: {error}")))?;
+    Ok(bytes)
+}

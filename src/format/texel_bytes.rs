@@ -1,0 +1,37 @@
+//! Texels as the containers store them.
+
+use super::bc6h::bc6h_blocks;
+use super::r11g11b10::r11g11b10_from_rgb;
+use super::rgbd::rgbd_from_rgb;
+use super::{Pixel, push_halves, rgb9e5_from_rgb};
+use crate::environment::Rgb;
+use half::f16;
+
+/// Squares of `size` x `size` texels, one after the other, in `pixel`; little endian, alpha 1 where there is
+/// one.
+pub(crate) fn texel_bytes(size: u32, texels: &[Rgb], pixel: Pixel) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(texels.len() * 16);
+    match pixel {
+        Pixel::F16 => {
+            let mut rgb = Vec::new();
+            for texels in texels.chunks(256) {
+                rgb.clear();
+                push_halves(texels.as_flattened(), &mut rgb);
+                for texel in rgb.chunks_exact(6) {
+                    bytes.extend(texel);
+                    bytes.extend(f16::ONE.to_le_bytes());
+                }
+            }
+        }
+        Pixel::F32 => {
+            for [r, g, b] in texels {
+                bytes.extend([*r, *g, *b, 1.0].iter().flat_map(|v| v.to_le_bytes()));
+            }
+        }
+        Pixel::Rgb9e5 => bytes.extend(texels.iter().flat_map(|t| rgb9e5_from_rgb(*t).to_le_bytes())),
+        Pixel::R11g11b10 => bytes.extend(texels.iter().flat_map(|t| r11g11b10_from_rgb(*t).to_le_bytes())),
+        Pixel::Rgbd => bytes.extend(texels.iter().flat_map(|t| rgbd_from_rgb(*t))),
+        Pixel::Bc6h => return bc6h_blocks(size, texels),
+    }
+    bytes
+}

@@ -1,0 +1,7 @@
+//! Geometry that both engines use: overlaps of texels, texels' spread, solid angles.
+
+pub mod footprints;
+pub mod overlap;
+pub mod solid_angles;
+pub mod tent;
+pub(crate) mod tiling;

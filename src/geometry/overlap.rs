@@ -1,0 +1,250 @@
+//! Which share of which source texel falls into which target texel: a sparse matrix of solid angles.
+//!
+//! Source and target are cut into the eight octants of the sphere, each mirrored to x, y, z >= 0. On an
+//! octant's plane x + y + z = 1 great circles are straight lines, so the texels of cubes and octahedra are
+//! polygons there, and so are a panorama's once its parallels (conics) are chorded. `grid` walks such a
+//! polygon over the target's grid.
+//!
+//! Where source and target are both symmetric in the three coordinate planes (every even size that is not
+//! turned) one octant is walked and the other seven read the same matrix through their own index maps. Where
+//! x and z may be exchanged too (panoramas with a meridian at 45 degrees) half an octant is walked, and the
+//! other half mirrored.
+
+mod cells;
+mod grid;
+mod index;
+mod panorama;
+mod sweep;
+
+use crate::environment::{Environment, Layout, Rgb};
+use crate::error::{Error, Result};
+use cells::Cell;
+use glam::{DMat3, DVec3};
+use index::SourceMap;
+use rayon::prelude::*;
+
+pub use index::Target;
+
+/// One entry of the matrix before it is sorted.
+#[derive(Clone, Copy)]
+struct Entry {
+    target: u32,
+    source: u32,
+    solid_angle: f32,
+}
+
+/// The mean radiance of `environment` over every texel of `target`; turned into the world where `turned`,
+/// else in the source's own space.
+///
+/// # Errors
+/// [`Error::Limit`] where the overlaps would not fit.
+pub fn mean_radiances(environment: &Environment, target: Target, turned: bool) -> Result<Vec<Rgb>> {
+    let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
+    if is_symmetric(environment.layout(), turn, target)
+        && let Some(means) = sweep::mean_radiances(environment, target)
+    {
+        return Ok(means);
+    }
+    let overlaps = Overlaps::new(environment.layout(), turn, target)?;
+    let mean = |texel| overlaps.mean_radiance(texel, environment.texels());
+    Ok((0..target.texel_count()).into_par_iter().map(mean).collect())
+}
+
+/// The mean radiance of `environment` over every texel of a `width` x `height` panorama of the world.
+///
+/// # Errors
+/// [`Error::Limit`] where the overlaps would not fit.
+pub fn panorama_mean_radiances(environment: &Environment, width: u32, height: u32) -> Result<Vec<Rgb>> {
+    let target = match environment.layout() {
+        Layout::Panorama { .. } => return Ok(panorama::mean_radiances(environment, width, height)),
+        Layout::Cube { size } => Target::Cube(size),
+        Layout::Octahedral { size } => Target::Octahedral(size),
+    };
+    // The matrix knows panoramas as sources only: it is made the other way around and read by its columns.
+    let overlaps =
+        Overlaps::new(Layout::Panorama { width, height }, environment.source_from_world(), target)?;
+    let mut sums = vec![[0.0_f64; 4]; width as usize * height as usize];
+    for (texel, radiance) in environment.texels().iter().enumerate() {
+        // Shares are of a texel's exact solid angle, so that all its energy arrives.
+        let mut whole = 0.0;
+        overlaps.for_each_source(texel, |_, solid_angle| whole += f64::from(solid_angle));
+        let scale = target.solid_angle(texel) / whole;
+        overlaps.for_each_source(texel, |place, solid_angle| {
+            let weight = f64::from(solid_angle) * scale;
+            for (sum, value) in sums[place].iter_mut().zip(radiance) {
+                *sum += weight * f64::from(*value);
+            }
+            sums[place][3] += weight;
+        });
+    }
+    Ok(sums.into_iter().map(|[r, g, b, w]| [r, g, b].map(|sum| (sum / w) as f32)).collect())
+}
+
+/// Whether one octant stands for all eight.
+fn is_symmetric(source: Layout, turn: DMat3, target: Target) -> bool {
+    turn == DMat3::IDENTITY && index::is_symmetric(source, target)
+}
+
+/// The matrix: for every target texel its source texels and the solid angles they share.
+#[derive(Debug)]
+pub(crate) struct Overlaps {
+    target: Target,
+    /// The source texels of every octant's packed cells.
+    source_maps: [SourceMap; 8],
+    /// Rows are the first octant's texels and sources are packed, to be mapped to every octant; else both are
+    /// whole.
+    symmetric: bool,
+    starts: Vec<u32>,
+    entries: Vec<(u32, f32)>,
+}
+
+impl Overlaps {
+    /// The overlaps of the texels of `source`, turned by `turn`, with those of `target`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where the matrix would have more than 2^32 entries.
+    pub(crate) fn new(source: Layout, turn: DMat3, target: Target) -> Result<Self> {
+        let symmetric = is_symmetric(source, turn, target);
+        let bands = if symmetric { cells::octant_bands(source) } else { cells::bands(source) };
+        let parts: Vec<Vec<Entry>> = bands
+            .into_par_iter()
+            .map(|band| {
+                let mut walker = grid::Walker::new(target);
+                let mut clipper = grid::OctantClipper::default();
+                let mut entries = Vec::new();
+                let carry = |cell: Cell<'_>| {
+                    let first = entries.len();
+                    let mut walk = |octant: usize, corners: &[DVec3]| {
+                        walker.walk(corners, octant, |target, solid_angle| {
+                            entries.push(Entry { target, source: cell.index, solid_angle });
+                        });
+                    };
+                    if symmetric {
+                        walk(0, cell.corners);
+                    } else {
+                        clipper.clip(cell.corners, turn, walk);
+                    }
+                    share_out(cell.solid_angle, &mut entries[first..]);
+                };
+                if symmetric {
+                    cells::for_each_octant_cell(source, target, band, carry);
+                } else {
+                    cells::for_each_cell(source, target, band, carry);
+                }
+                entries
+            })
+            .collect();
+        // Twice what was walked, where it is mirrored.
+        let count: usize = 2 * parts.iter().map(Vec::len).sum::<usize>();
+        if u32::try_from(count).is_err() {
+            return Err(Error::Limit {
+                what: "the overlap of source and target texels".to_owned(),
+                needed: count as u64 * 8,
+                available: u64::from(u32::MAX) * 8,
+                remedy: "bake from a smaller source or to a smaller size".to_owned(),
+            });
+        }
+        let rows = if symmetric { index::octant_rows(target) } else { target.texel_count() };
+        let row_of = |texel: u32| if symmetric { index::octant_row(target, texel) } else { texel as usize };
+        let other_half = index::diagonal_columns(source).filter(|_| symmetric);
+        let visit_all = |visit: &mut dyn FnMut(usize, u32, f32)| {
+            for Entry { target: texel, source, solid_angle } in parts.iter().flatten() {
+                visit(row_of(*texel), *source, *solid_angle);
+            }
+            let Some(columns) = other_half else { return };
+            for Entry { target: texel, source, solid_angle } in parts.iter().flatten() {
+                let row = index::diagonal_row(target, row_of(*texel));
+                visit(row, index::diagonal_cell(columns, *source), *solid_angle);
+            }
+        };
+        let (starts, entries) = sort_by_row(rows, visit_all);
+        let source_maps = std::array::from_fn(|octant| SourceMap::new(source, octant));
+        Ok(Self { target, source_maps, symmetric, starts, entries })
+    }
+
+    /// The matrix as it is kept, for an engine that reads it by itself: where each row's entries start, and
+    /// all entries.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn rows(&self) -> (&[u32], &[(u32, f32)]) {
+        (&self.starts, &self.entries)
+    }
+
+    /// Whether rows are the first octant's texels and sources packed cells.
+    #[cfg(feature = "gpu")]
+    pub(crate) const fn is_symmetric(&self) -> bool {
+        self.symmetric
+    }
+
+    /// The source texel of every octant's packed cells: by family, texel of place (0, 0) and steps along i
+    /// and j.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn source_maps(&self) -> [[[i32; 4]; 3]; 8] {
+        self.source_maps.map(|map| {
+            map.families.map(|[origin, step_i, step_j]| [origin as i32, step_i as i32, step_j as i32, 0])
+        })
+    }
+
+    /// Calls `visit` with every source texel that overlaps target texel `target` and the solid angle they
+    /// share, in an order that never changes.
+    #[inline]
+    fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
+        let row = |row: usize| &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize];
+        if self.symmetric {
+            for (octant, octant_row) in index::octants_of_texel(self.target, target).into_iter().flatten() {
+                let source = &self.source_maps[octant];
+                for &(packed, solid_angle) in row(octant_row) {
+                    visit(source.texel(packed), solid_angle);
+                }
+            }
+        } else {
+            for &(source, solid_angle) in row(target) {
+                visit(source as usize, solid_angle);
+            }
+        }
+    }
+
+    /// Overlap-weighted mean of the sources of one target texel.
+    fn mean_radiance(&self, target: usize, texels: &[Rgb]) -> Rgb {
+        // Radiance spans more decades than f32 sums keep; an f64 sum of a few products is exact enough to
+        // forget.
+        let (mut sum, mut total) = ([0.0_f64; 3], 0.0_f64);
+        self.for_each_source(target, |source, solid_angle| {
+            let weight = f64::from(solid_angle);
+            total += weight;
+            for (sum, value) in sum.iter_mut().zip(texels[source]) {
+                *sum += weight * f64::from(value);
+            }
+        });
+        let per_total = 1.0 / total;
+        sum.map(|sum| (sum * per_total) as f32)
+    }
+}
+
+/// Scales the entries of one cell to its exact solid angle, so that all its energy arrives.
+fn share_out(solid_angle: f64, entries: &mut [Entry]) {
+    let sum: f64 = entries.iter().map(|entry| f64::from(entry.solid_angle)).sum();
+    if sum > 0.0 {
+        let scale = (solid_angle / sum) as f32;
+        entries.iter_mut().for_each(|entry| entry.solid_angle *= scale);
+    }
+}
+
+/// Counting sort, stable: within a row the sources keep the order in which `visit_all` has them.
+fn sort_by_row(
+    rows: usize,
+    visit_all: impl Fn(&mut dyn FnMut(usize, u32, f32)),
+) -> (Vec<u32>, Vec<(u32, f32)>) {
+    let mut starts = vec![0_u32; rows + 1];
+    visit_all(&mut |row, _, _| starts[row + 1] += 1);
+    for row in 0..rows {
+        starts[row + 1] += starts[row];
+    }
+    let mut next = starts.clone();
+    let mut entries = vec![(0, 0.0); starts[rows] as usize];
+    visit_all(&mut |row, source, solid_angle| {
+        let place = &mut next[row];
+        entries[*place as usize] = (source, solid_angle);
+        *place += 1;
+    });
+    (starts, entries)
+}

@@ -1,0 +1,307 @@
+//! What an OEM texel looks like on the sphere: its energy constant in (u, v) over the texel, or spread by a
+//! tent two texels wide (the same convolved with a one-texel box), which at roughness 0 is bilinear
+//! interpolation.
+
+use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
+use glam::{DVec2, DVec3, Vec3, Vec3Swizzles as _};
+use rayon::prelude::*;
+
+/// How a texel's energy is spread around its centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reconstruction {
+    /// Constant over the texel: for lobes much wider than it.
+    Constant,
+    /// A tent over two texels: for lobes of its own size and sharper.
+    Bilinear,
+}
+
+impl Reconstruction {
+    /// Half of the spread's width in texels.
+    pub(crate) const fn reach(self) -> f64 {
+        match self {
+            Self::Constant => 0.5,
+            Self::Bilinear => 1.0,
+        }
+    }
+
+    /// The spread's density at `offset` from the centre along one axis, in texels.
+    fn density(self, offset: f64) -> f64 {
+        match self {
+            Self::Constant => 1.0,
+            Self::Bilinear => 1.0 - offset.abs(),
+        }
+    }
+
+    /// Nodes a side with the spread's own moments, and their weights: up to the fourth, or from [`FINE`] on,
+    /// where the fourth is below float32, the second.
+    const fn nodes(self, n: u32) -> &'static [(f64, f64)] {
+        match (self, n < FINE) {
+            // Gauss and Legendre on [-1/2, 1/2].
+            (Self::Constant, true) => &[
+                (-0.387_298_334_620_741_7, 5.0 / 18.0),
+                (0.0, 8.0 / 18.0),
+                (0.387_298_334_620_741_7, 5.0 / 18.0),
+            ],
+            (Self::Constant, false) => &[(-0.288_675_134_594_812_9, 0.5), (0.288_675_134_594_812_9, 0.5)],
+            // Moments 1/6 and 1/15.
+            (Self::Bilinear, true) => &[
+                (-0.632_455_532_033_675_9, 5.0 / 24.0),
+                (0.0, 14.0 / 24.0),
+                (0.632_455_532_033_675_9, 5.0 / 24.0),
+            ],
+            (Self::Bilinear, false) => &[(-0.408_248_290_463_863, 0.5), (0.408_248_290_463_863, 0.5)],
+        }
+    }
+}
+
+/// Below this size texels are too curved for few nodes.
+const CURVED: u32 = 32;
+
+/// From this size on the map is straight enough for two nodes a side: (2/n)^4 is 2e-10.
+const FINE: u32 = 512;
+
+/// The first two moments of energy on the sphere, and how far it reaches.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Moments {
+    /// Mean of the unit directions: a point inside the sphere.
+    pub(crate) centroid: DVec3,
+    /// Covariance of the unit directions: xx, yy, zz.
+    pub(crate) diagonal: DVec3,
+    /// Covariance of the unit directions: yz, zx, xy.
+    pub(crate) mixed: DVec3,
+    /// Greatest distance of a direction from the centroid.
+    pub(crate) radius: f64,
+}
+
+impl Moments {
+    /// Moments of weighted directions; weights sum to 1. The radius is left 0.
+    pub(crate) fn of(weighted: impl Iterator<Item = (DVec3, f64)> + Clone) -> Self {
+        let mut moments = Self::default();
+        for (direction, weight) in weighted.clone() {
+            moments.centroid += direction * weight;
+        }
+        for (direction, weight) in weighted {
+            let apart = direction - moments.centroid;
+            moments.diagonal += apart * apart * weight;
+            moments.mixed += apart.yzx() * apart.zxy() * weight;
+        }
+        moments
+    }
+}
+
+/// [`Moments`] in float32, as cells are built from them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Patch {
+    pub(crate) centroid: Vec3,
+    pub(crate) diagonal: Vec3,
+    pub(crate) mixed: Vec3,
+    pub(crate) radius: f32,
+}
+
+impl From<Moments> for Patch {
+    fn from(moments: Moments) -> Self {
+        Self {
+            centroid: moments.centroid.as_vec3(),
+            diagonal: moments.diagonal.as_vec3(),
+            mixed: moments.mixed.as_vec3(),
+            // Rounded up: bounds rely on it.
+            radius: (moments.radius * (1.0 + 1e-6)) as f32,
+        }
+    }
+}
+
+impl Patch {
+    /// The mirror image with x and z exchanged.
+    fn turned(mut self) -> Self {
+        self.centroid = self.centroid.zyx();
+        self.diagonal = self.diagonal.zyx();
+        self.mixed = self.mixed.zyx();
+        self
+    }
+
+    /// The octant's mirror image.
+    fn mirrored(mut self, signs: Vec3) -> Self {
+        self.centroid *= signs;
+        self.mixed *= signs.yzx() * signs.zxy();
+        self
+    }
+}
+
+/// The spreads of all texels of an n x n square: one table for its four mirror images.
+pub(crate) struct Tents {
+    n: u32,
+    quadrant: Vec<Patch>,
+}
+
+impl Tents {
+    pub(crate) fn new(n: u32, reconstruction: Reconstruction) -> Self {
+        let half = n.div_ceil(2);
+        let first = n - half;
+        let quadrant = mirrored_in_diagonal(
+            half,
+            |x, y| spread(n, texel_centre(n, first + x, first + y), reconstruction).into(),
+            Patch::turned,
+        );
+        Self { n, quadrant }
+    }
+
+    /// The spreads of the texels of the quadrant u, v >= 0, row by row; the others are their mirror images.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn quadrant(&self) -> &[Patch] {
+        &self.quadrant
+    }
+
+    #[inline]
+    pub(crate) fn at(&self, x: u32, y: u32) -> Patch {
+        let half = self.n.div_ceil(2);
+        let first = self.n - half;
+        let fold = |k: u32| if k >= first { (k - first, 1.0) } else { (self.n - 1 - k - first, -1.0) };
+        let ((x, sign_x), (y, sign_z)) = (fold(x), fold(y));
+        self.quadrant[y as usize * half as usize + x as usize].mirrored(Vec3::new(sign_x, 1.0, sign_z))
+    }
+}
+
+/// A square table of `half` x `half` values, row by row, whose value at (y, x) is the mirror image of that at
+/// (x, y): `value` is asked for one of the two.
+pub(crate) fn mirrored_in_diagonal<T: Copy + Default + Send + Sync>(
+    half: u32,
+    value: impl Fn(u32, u32) -> T + Sync,
+    mirror: impl Fn(T) -> T,
+) -> Vec<T> {
+    let edge = half as usize;
+    let mut table = vec![T::default(); edge * edge];
+    table.par_chunks_mut(edge.max(1)).zip(0..half).for_each(|(row, y)| {
+        for (place, x) in row.iter_mut().zip(0..=y) {
+            *place = value(x, y);
+        }
+    });
+    for y in 0..edge {
+        for x in y + 1..edge {
+            table[y * edge + x] = mirror(table[x * edge + y]);
+        }
+    }
+    table
+}
+
+/// Whether the map has a kink (axis, fold diagonal or edge of the square) nearer than `reach` to `centre`, u,
+/// v >= 0.
+fn near_kink(centre: DVec2, reach: f64) -> bool {
+    // A texel's own outline may touch a kink.
+    let reach = reach * (1.0 - 1e-9);
+    let most = centre.max_element();
+    centre.min_element() < reach || most > 1.0 - reach || (1.0 - centre.x - centre.y).abs() < 2.0 * reach
+}
+
+/// Moments of the spread around `centre` (u, v >= 0).
+fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
+    let h = 2.0 / f64::from(n);
+    let reach = reconstruction.reach();
+    let smooth = n >= CURVED && !near_kink(centre, reach * h);
+    // Away from kinks nothing needs wrapping.
+    let direction = |offset: DVec2| {
+        let uv = centre + offset * h;
+        direction_from_oct(if smooth { uv } else { wrap_oct(uv) })
+    };
+    let mut moments = if smooth {
+        let nodes = reconstruction.nodes(n);
+        let mut weighted = [(DVec3::ZERO, 0.0); 9];
+        let weighted = &mut weighted[..nodes.len() * nodes.len()];
+        for (k, node) in weighted.iter_mut().enumerate() {
+            let ((u, weight_u), (v, weight_v)) = (nodes[k % nodes.len()], nodes[k / nodes.len()]);
+            *node = (direction(DVec2::new(u, v)), weight_u * weight_v);
+        }
+        Moments::of(weighted.iter().copied())
+    } else {
+        kinked(direction, reconstruction)
+    };
+    // Kinks meet the outline at its corners and half-texel points only; between them the patch is a spherical
+    // polygon, and the farthest point of a polygon is a corner.
+    let step = if smooth { 4 } else { 1 };
+    let mut radius_squared = 0.0_f64;
+    for k in (0..16).step_by(step) {
+        let along = f64::from(k % 4) / 2.0 - 1.0;
+        let corner = match k / 4 {
+            0 => DVec2::new(along, -1.0),
+            1 => DVec2::new(1.0, along),
+            2 => DVec2::new(-along, 1.0),
+            _ => DVec2::new(-1.0, -along),
+        };
+        radius_squared = radius_squared.max(direction(corner * reach).distance_squared(moments.centroid));
+    }
+    // So coarse that a spread may reach around the sphere.
+    moments.radius = if n < 4 { 2.0 } else { radius_squared.sqrt() };
+    moments
+}
+
+/// Moments where kinks cross the spread: squares of half a reach, each cut along both diagonals, Gauss points
+/// in each triangle. Axes, edges and fold diagonals all run along those cuts.
+fn kinked(direction: impl Fn(DVec2) -> DVec3, reconstruction: Reconstruction) -> Moments {
+    const NODES: [(f64, f64); 3] =
+        [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+    let reach = reconstruction.reach();
+    let mut weighted = Vec::with_capacity(16 * 4 * 9);
+    for (i, j) in (0..4).flat_map(|j| (0..4).map(move |i| (i, j))) {
+        let low = DVec2::new(f64::from(i), f64::from(j)) / 2.0 - 1.0;
+        let middle = low + 0.25;
+        let corners = [low, low + DVec2::new(0.5, 0.0), low + 0.5, low + DVec2::new(0.0, 0.5)];
+        for k in 0..4 {
+            let (a, b) = (corners[k], corners[(k + 1) % 4]);
+            for (along, weight_along) in NODES {
+                for (across, weight_across) in NODES {
+                    // Collapsed coordinates: the triangle's point shrinks towards the middle.
+                    let point = (middle + (a.lerp(b, across) - middle) * along) * reach;
+                    let area = along * 0.125 * weight_along * weight_across * reach * reach;
+                    let density = reconstruction.density(point.x) * reconstruction.density(point.y);
+                    weighted.push((direction(point), density * area));
+                }
+            }
+        }
+    }
+    Moments::of(weighted.iter().copied())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_rules_find_the_brute_force_moments() {
+        for (n, reconstruction) in [
+            (16, Reconstruction::Bilinear),
+            (17, Reconstruction::Bilinear),
+            (16, Reconstruction::Constant),
+            (17, Reconstruction::Constant),
+        ] {
+            let tents = Tents::new(n, reconstruction);
+            let reach = reconstruction.reach();
+            for (x, y) in [(0, 0), (3, 9), (12, 12), (11, 14), (8, 8), (15, 2), (4, 13)] {
+                let (centre, h) = (texel_centre(n, x, y), 2.0 / f64::from(n));
+                let count = 200;
+                let weighted: Vec<(DVec3, f64)> = (0..count * count)
+                    .map(|k| {
+                        let p = (DVec2::new(f64::from(k % count), f64::from(k / count)) + 0.5)
+                            * (2.0 / f64::from(count))
+                            - 1.0;
+                        let p = p * reach;
+                        let density = reconstruction.density(p.x) * reconstruction.density(p.y);
+                        let area = (2.0 * reach / f64::from(count)).powi(2);
+                        (direction_from_oct(wrap_oct(centre + p * h)), density * area)
+                    })
+                    .collect();
+                let expected = Moments::of(weighted.iter().copied());
+                let found = tents.at(x, y);
+                let (centroid, diagonal, mixed) =
+                    (found.centroid.as_dvec3(), found.diagonal.as_dvec3(), found.mixed.as_dvec3());
+                assert!(centroid.distance(expected.centroid) < 3e-5, "n {n} ({x}, {y}) {reconstruction:?}");
+                assert!(diagonal.distance(expected.diagonal) < 2e-5, "n {n} ({x}, {y}) {reconstruction:?}");
+                assert!(mixed.distance(expected.mixed) < 2e-5, "n {n} ({x}, {y}) {reconstruction:?}");
+                let reached = weighted.iter().map(|(d, _)| d.distance(centroid)).fold(0.0, f64::max);
+                assert!(
+                    reached <= f64::from(found.radius),
+                    "n {n} ({x}, {y}): {reached} within {}",
+                    found.radius
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! Adapters, devices and their errors.
+
+use crate::error::{Error, Result};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A device with its queue and the first error that occurred on it.
+#[derive(Clone, Debug)]
+pub struct Context {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+/// Every adapter of the system, hardware first, in the system's order.
+pub async fn adapters() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+    adapters.sort_by_key(|adapter| !is_hardware(&adapter.get_info()));
+    adapters
+}
+
+/// Whether the system may have a hardware GPU. False only on Linux without a device node for one; this avoids
+/// loading drivers, and their messages on stderr.
+#[must_use]
+pub fn may_have_hardware() -> bool {
+    const DEVICES: [&str; 5] = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"];
+    !cfg!(target_os = "linux") || DEVICES.iter().any(|device| std::path::Path::new(device).exists())
+}
+
+/// Whether an adapter is hardware and not a software driver.
+#[must_use]
+pub fn is_hardware(info: &wgpu::AdapterInfo) -> bool {
+    matches!(
+        info.device_type,
+        wgpu::DeviceType::DiscreteGpu | wgpu::DeviceType::IntegratedGpu | wgpu::DeviceType::VirtualGpu
+    )
+}
+
+/// One line that identifies an adapter: name, kind, backend, driver. Unknown parts are left out; browsers
+/// hide name and driver.
+#[must_use]
+pub fn describe(info: &wgpu::AdapterInfo) -> String {
+    let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
+    let mut further = format!("{:?}, {}", info.device_type, info.backend);
+    if !driver.trim().is_empty() {
+        further = format!("{further}, {}", driver.trim());
+    }
+    if info.name.is_empty() { further } else { format!("{} ({further})", info.name) }
+}
+
+impl Context {
+    /// A device of `adapter` with baseline limits, but for buffers and textures as large as the adapter has
+    /// them; timestamp queries where there are any.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the adapter gives no device.
+    pub async fn new(adapter: &wgpu::Adapter) -> Result<Self> {
+        let has = adapter.limits();
+        let limits = wgpu::Limits {
+            max_buffer_size: has.max_buffer_size,
+            max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
+            max_texture_dimension_2d: has.max_texture_dimension_2d,
+            ..wgpu::Limits::default()
+        };
+        Self::with_limits(adapter, limits).await
+    }
+
+    /// Opens a device with the given limits.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the adapter gives no device.
+    pub async fn with_limits(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> Result<Self> {
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("octagloss"),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_limits: limits,
+            ..Default::default()
+        };
+        let (device, queue) = adapter.request_device(&descriptor).await.map_err(|error| {
+            Error::Gpu(format!("{} gives no device: {error}", describe(&adapter.get_info())))
+        })?;
+        let context = Self::from_device(device, queue);
+        let Self { device, failure, .. } = &context;
+        let uncaptured = Arc::clone(failure);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&uncaptured, &error.to_string())));
+        let lost = Arc::clone(failure);
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                note(&lost, &format!("the device was lost: {message}"));
+            }
+        });
+        Ok(context)
+    }
+
+    /// A context over the caller's device; the caller handles its errors.
+    #[must_use]
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        Self { device, queue, failure: Arc::default() }
+    }
+
+    /// The device.
+    #[must_use]
+    pub const fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// Its queue.
+    #[must_use]
+    pub const fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// Name, kind, backend and driver of the adapter.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        describe(&self.device.adapter_info())
+    }
+
+    /// Checks for an error on the device since it was opened.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] for a lost device, memory that ran out, or an invalid command.
+    pub fn check(&self) -> Result<()> {
+        match &*self.failure.lock().unwrap_or_else(PoisonError::into_inner) {
+            None => Ok(()),
+            Some(message) => Err(Error::Gpu(format!("{}: {message}", self.describe()))),
+        }
+    }
+
+    /// [`Error::Limit`] where `bytes` are more than one binding may have; `largest` says what would fit.
+    pub(in crate::gpu) fn fits(
+        &self,
+        what: &str,
+        bytes: u64,
+        largest: impl FnOnce(u64) -> String,
+    ) -> Result<()> {
+        let limits = self.device.limits();
+        let available = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+        if bytes <= available {
+            return Ok(());
+        }
+        Err(Error::Limit { what: what.to_owned(), needed: bytes, available, remedy: largest(available) })
+    }
+
+    /// Submits what `record` records.
+    pub fn submit(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) {
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        record(&mut encoder);
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// A storage buffer of `bytes`, at least four, which can be copied from and to.
+    pub(in crate::gpu) fn storage(&self, label: &str, bytes: u64) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.max(4),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// A storage buffer holding `values`.
+    pub(in crate::gpu) fn storage_of<T: bytemuck::NoUninit>(
+        &self,
+        label: &str,
+        values: &[T],
+    ) -> wgpu::Buffer {
+        let bytes: &[u8] = bytemuck::cast_slice(values);
+        let buffer = self.storage(label, bytes.len() as u64);
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    /// A uniform buffer holding `value`.
+    pub(crate) fn uniform<T: bytemuck::NoUninit>(&self, label: &str, value: &T) -> wgpu::Buffer {
+        let bytes = bytemuck::bytes_of(value);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.len() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+}
+
+/// Keeps the first failure; later ones are its consequences.
+fn note(failure: &Mutex<Option<String>>, message: &str) {
+    let one_line = message.split_whitespace().collect::<Vec<_>>().join(" ");
+    failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(one_line);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::describe;
+    use wgpu::{AdapterInfo, Backend, DeviceType};
+
+    #[test]
+    fn what_an_adapter_keeps_to_itself_is_left_out() {
+        let mut info = AdapterInfo::new(DeviceType::Cpu, Backend::BrowserWebGpu);
+        assert_eq!(describe(&info), "Cpu, webgpu");
+        info.name = "llvmpipe".to_owned();
+        assert_eq!(describe(&info), "llvmpipe (Cpu, webgpu)");
+        info.driver_info = "Mesa".to_owned();
+        assert_eq!(describe(&info), "llvmpipe (Cpu, webgpu, Mesa)");
+    }
+}

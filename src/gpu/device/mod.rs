@@ -1,0 +1,9 @@
+//! The device and what every stage needs of it: shaders, stages, readback, timers.
+
+#[cfg(not(target_arch = "wasm32"))]
+pub(super) mod block_on;
+pub mod context;
+pub mod readback;
+pub mod shader;
+pub(super) mod stage;
+pub mod timer;

@@ -1,0 +1,58 @@
+//! Buffers back to the CPU, without waiting.
+
+use super::context::Context;
+use crate::error::{Error, Result};
+
+/// The whole of `buffer`, copied after everything that was submitted before the call.
+///
+/// # Errors
+/// [`Error::Gpu`] where the device fails.
+pub async fn read<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
+    let size = buffer.size();
+    let staging = context.device().create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    context.submit(|encoder| encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size));
+    let (sender, mapped) = futures_channel::oneshot::channel();
+    staging.map_async(wgpu::MapMode::Read, .., move |outcome| {
+        // Nobody listens once the future is dropped.
+        sender.send(outcome).ok();
+    });
+    let failed = |error: String| Error::Gpu(format!("{}: reading back: {error}", context.describe()));
+    let outcome = mapped.await;
+    context.check()?;
+    outcome.map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
+    let view = staging.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
+    Ok(bytemuck::pod_collect_to_vec(&view))
+}
+
+/// The first level of a two-dimensional `texture` whose texels are `T`, row-major.
+///
+/// # Errors
+/// [`Error::Gpu`] where the device fails.
+///
+/// # Panics
+/// Where the texture's texels are not as large as `T`.
+pub async fn read_texture<T: bytemuck::Pod>(context: &Context, texture: &wgpu::Texture) -> Result<Vec<T>> {
+    let size = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
+    let texel = size_of::<T>() as u32;
+    assert_eq!(texture.format().block_copy_size(None), Some(texel), "texels of {:?}", texture.format());
+    let row = texel * size.width;
+    let pitch = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = context.storage("texture read back", u64::from(pitch) * u64::from(size.height));
+    context.submit(|encoder| {
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(pitch), rows_per_image: None };
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            size,
+        );
+    });
+    let bytes: Vec<u8> = read(context, &buffer).await?;
+    let rows = bytes.chunks_exact(pitch as usize);
+    Ok(rows.flat_map(|padded| bytemuck::pod_collect_to_vec::<u8, T>(&padded[..row as usize])).collect())
+}

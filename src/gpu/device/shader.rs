@@ -1,0 +1,168 @@
+//! Shader sources: plain WGSL files, where a line `#include "common/name.wgsl"` stands for that file, once.
+
+use super::context::Context;
+
+macro_rules! files {
+    ($($path:literal),* $(,)?) => {
+        [$(($path, include_str!(concat!("../../../shaders/", $path)))),*]
+    };
+}
+
+/// Gives a struct that shaders read its `MEMBERS`: names and offsets in bytes, to be held to the shader's.
+macro_rules! members {
+    ($name:ident { $($field:ident),* $(,)? }) => {
+        impl $name {
+            /// Every field with its offset in bytes.
+            pub const MEMBERS: &'static [(&'static str, usize)] = {
+                // No field is left out.
+                let _ = |whole: Self| {
+                    let Self { $($field: _),* } = whole;
+                };
+                &[$((stringify!($field), std::mem::offset_of!($name, $field))),*]
+            };
+        }
+    };
+}
+pub(in crate::gpu) use members;
+
+/// Every file under `shaders/`, by its path there.
+pub const FILES: &[(&str, &str)] = &files![
+    "common/fitted.wgsl",
+    "common/fixed_point.wgsl",
+    "common/harmonics.wgsl",
+    "common/kernel.wgsl",
+    "common/light.wgsl",
+    "common/octahedral.wgsl",
+    "common/octaves.wgsl",
+    "common/plane.wgsl",
+    "common/planes.wgsl",
+    "common/quad.wgsl",
+    "common/reduction.wgsl",
+    "common/sat.wgsl",
+    "common/sum.wgsl",
+    "common/table.wgsl",
+    "common/u64.wgsl",
+    "common/view_draw.wgsl",
+    "common/view_scene.wgsl",
+    "adaptive.wgsl",
+    "blur.wgsl",
+    "box_filter.wgsl",
+    "cells.wgsl",
+    "copy.wgsl",
+    "emitters.wgsl",
+    "fitted.wgsl",
+    "fixed_point.wgsl",
+    "harmonics.wgsl",
+    "lamp.wgsl",
+    "least.wgsl",
+    "mirror.wgsl",
+    "pack.wgsl",
+    "reparameterise.wgsl",
+    "sat_f32.wgsl",
+    "sat_hensley.wgsl",
+    "sat_scan.wgsl",
+    "view/box.wgsl",
+    "view/fitted.wgsl",
+    "view/levels.wgsl",
+    "view/present.wgsl",
+    "view/truth.wgsl",
+];
+
+/// The text of `path` with its includes, each file once, before what includes it.
+///
+/// # Panics
+/// Where there is no such file: names are literals of this crate.
+#[must_use]
+pub fn source(path: &str) -> String {
+    let mut text = String::new();
+    append(path, &mut Vec::new(), &mut text);
+    text
+}
+
+fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
+    if included.iter().any(|done| done == path) {
+        return;
+    }
+    included.push(path.to_owned());
+    let (_, content) = FILES.iter().find(|(name, _)| *name == path).expect("a file under shaders/");
+    for line in content.lines() {
+        match line.strip_prefix("#include \"").and_then(|rest| rest.strip_suffix('"')) {
+            Some(included_path) => append(included_path, included, text),
+            None => {
+                text.push_str(line);
+                text.push('\n');
+            }
+        }
+    }
+}
+
+/// Queries that any shader can have, each with the group that its resources are declared in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Queries {
+    /// Those over [`crate::gpu::box_filter::SatTextures`]: `octagloss_ggx(direction, roughness)` and
+    /// `octagloss_box(direction, solid_angle)`.
+    Boxes(u32),
+    /// That over [`crate::gpu::fitted::FittedTables`]: `octagloss_fitted(direction, roughness)`.
+    Fitted(u32),
+}
+
+/// The functions of `queries` and their resources, for one shader: what they share is there once.
+#[must_use]
+pub fn queries(queries: &[Queries]) -> String {
+    let mut text = String::new();
+    let mut included = Vec::new();
+    for part in queries {
+        let (group, declared, path): (_, &[&str], _) = match part {
+            Queries::Boxes(group) => (
+                group,
+                &[
+                    "var<uniform> octagloss_table: OctaglossTable",
+                    "var octagloss_low: texture_2d<u32>",
+                    "var octagloss_high: texture_2d<u32>",
+                ],
+                "common/sat.wgsl",
+            ),
+            Queries::Fitted(group) => (
+                group,
+                &[
+                    "var<uniform> octagloss_octaves: OctaglossOctaves",
+                    "var<uniform> octagloss_light: OctaglossLight",
+                    "var<storage, read> octagloss_entries: array<Sum>",
+                    "var<storage, read> octagloss_parameters: array<vec4<u32>>",
+                    "var octagloss_oem: texture_2d<f32>",
+                ],
+                "common/fitted.wgsl",
+            ),
+        };
+        for (binding, declared) in declared.iter().enumerate() {
+            text.push_str(&format!("@group({group}) @binding({binding}) {declared};\n"));
+        }
+        append(path, &mut included, &mut text);
+    }
+    text
+}
+
+/// The module of file `path`.
+pub(crate) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
+    context.device().create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(path),
+        source: wgpu::ShaderSource::Wgsl(source(path).into()),
+    })
+}
+
+/// The pipeline of one entry point, its layout read from the shader.
+pub(in crate::gpu) fn pipeline(
+    context: &Context,
+    module: &wgpu::ShaderModule,
+    entry_point: &str,
+    constants: &[(&str, f64)],
+) -> wgpu::ComputePipeline {
+    context.device().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry_point),
+        layout: None,
+        module,
+        entry_point: Some(entry_point),
+        compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+        cache: None,
+    })
+}

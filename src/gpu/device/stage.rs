@@ -1,0 +1,87 @@
+//! Stages: pipelines bound to buffers, ready to record.
+
+use super::context::Context;
+
+/// One dispatch: a pipeline, what it is bound to, and how many workgroups.
+#[derive(Clone, Debug)]
+pub(in crate::gpu) struct Dispatch {
+    pipeline: wgpu::ComputePipeline,
+    bindings: Vec<wgpu::BindGroup>,
+    workgroups: [u32; 3],
+}
+
+impl Dispatch {
+    /// `pipeline` over `workgroups`, with resources at the bindings of its group 0 that they are listed with.
+    pub(in crate::gpu) fn new(
+        context: &Context,
+        pipeline: &wgpu::ComputePipeline,
+        resources: &[(u32, wgpu::BindingResource<'_>)],
+        workgroups: [u32; 3],
+    ) -> Self {
+        let entries: Vec<_> = resources
+            .iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
+            .collect();
+        let bindings = context.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        Self::with_groups(pipeline, vec![bindings], workgroups)
+    }
+
+    /// The same with groups made elsewhere, from 0 on.
+    pub(in crate::gpu) fn with_groups(
+        pipeline: &wgpu::ComputePipeline,
+        bindings: Vec<wgpu::BindGroup>,
+        workgroups: [u32; 3],
+    ) -> Self {
+        Self { pipeline: pipeline.clone(), bindings, workgroups }
+    }
+}
+
+/// A pass bound to its buffers. Recording allocates nothing, submits nothing and waits for nothing.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    label: &'static str,
+    dispatches: Vec<Dispatch>,
+}
+
+impl Stage {
+    pub(in crate::gpu) const fn new(label: &'static str, dispatches: Vec<Dispatch>) -> Self {
+        Self { label, dispatches }
+    }
+
+    /// The same under another label.
+    pub(in crate::gpu) fn labelled(self, label: &'static str) -> Self {
+        Self { label, ..self }
+    }
+
+    /// What it is called, as in `shaders/`.
+    #[must_use]
+    pub const fn label(&self) -> &'static str {
+        self.label
+    }
+
+    /// Records the stage as one compute pass of `encoder`.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.record_timed(encoder, None);
+    }
+
+    /// The same, with times written at its beginning and end.
+    pub fn record_timed(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(self.label), timestamp_writes };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        for Dispatch { pipeline, bindings, workgroups: [x, y, z] } in &self.dispatches {
+            pass.set_pipeline(pipeline);
+            for (group, bindings) in (0..).zip(bindings) {
+                pass.set_bind_group(group, bindings, &[]);
+            }
+            pass.dispatch_workgroups(*x, *y, *z);
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Times of stages, by timestamp queries.
+
+use super::context::Context;
+use super::readback;
+use super::stage::Stage;
+use crate::error::{Error, Result};
+
+/// Times a list of stages, each recorded as one pass.
+#[derive(Debug)]
+pub struct Timer {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    count: u32,
+}
+
+impl Timer {
+    /// A timer for up to `count` stages.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the adapter has no timestamp queries.
+    pub fn new(context: &Context, count: u32) -> Result<Self> {
+        let device = context.device();
+        if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            return Err(Error::Gpu(format!("{} has no timestamp queries", context.describe())));
+        }
+        let queries = device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("stages"),
+            ty: wgpu::QueryType::Timestamp,
+            count: 2 * count,
+        });
+        let resolved = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("timestamps"),
+            size: 16 * u64::from(count),
+            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        Ok(Self { queries, resolved, count })
+    }
+
+    /// Runs `stages` one after the other; seconds of each, and from the beginning of the first to the end of
+    /// the last.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the device fails.
+    ///
+    /// # Panics
+    /// Where there are no stages, or more than the timer has room for.
+    pub async fn run(&self, context: &Context, stages: &[&Stage]) -> Result<(Vec<f64>, f64)> {
+        let count = stages.len() as u32;
+        assert!((1..=self.count).contains(&count), "1 to {} stages", self.count);
+        context.submit(|encoder| {
+            for (place, stage) in (0..).zip(stages) {
+                stage.record_timed(encoder, Some(self.compute_writes(place)));
+            }
+        });
+        let spans = self.spans(context, count).await?;
+        let whole = spans[stages.len() - 1].1 - spans[0].0;
+        Ok((spans.iter().map(|(from, to)| to - from).collect(), whole))
+    }
+
+    /// What the compute pass at `place` writes.
+    #[must_use]
+    pub const fn compute_writes(&self, place: u32) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(2 * place),
+            end_of_pass_write_index: Some(2 * place + 1),
+        }
+    }
+
+    /// What the render pass at `place` writes.
+    #[must_use]
+    pub const fn render_writes(&self, place: u32) -> wgpu::RenderPassTimestampWrites<'_> {
+        wgpu::RenderPassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(2 * place),
+            end_of_pass_write_index: Some(2 * place + 1),
+        }
+    }
+
+    /// Seconds of each of the first `count` passes, which were submitted before.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the device fails.
+    pub async fn read(&self, context: &Context, count: u32) -> Result<Vec<f64>> {
+        let spans = self.spans(context, count).await?;
+        Ok(spans.into_iter().map(|(from, to)| to - from).collect())
+    }
+
+    /// Beginnings and ends in seconds, from the first beginning on.
+    async fn spans(&self, context: &Context, count: u32) -> Result<Vec<(f64, f64)>> {
+        context.submit(|encoder| encoder.resolve_query_set(&self.queries, 0..2 * count, &self.resolved, 0));
+        let ticks: Vec<u64> = readback::read(context, &self.resolved).await?;
+        let period = f64::from(context.queue().get_timestamp_period()) * 1e-9;
+        let seconds = |tick: u64| tick.saturating_sub(ticks[0]) as f64 * period;
+        Ok(ticks
+            .chunks_exact(2)
+            .take(count as usize)
+            .map(|pair| (seconds(pair[0]), seconds(pair[1])))
+            .collect())
+    }
+}

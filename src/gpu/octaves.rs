@@ -1,0 +1,70 @@
+//! Where the blurred table of each octave lies among all.
+
+use crate::cpu::blur::grids;
+use crate::cpu::fitted::finest_octave;
+use crate::gpu::device::shader;
+
+/// Texels along an edge of a tile of a grid that is blurred.
+pub const EDGE: u32 = 16;
+
+/// Greatest number of octaves.
+pub const OCTAVES: usize = 6;
+
+/// Texels of border around a blurred square. Over all directions, less than one box in a hundred leaves it,
+/// namely wide ones with a small share of their lobe; these use the parity form of the unfolded plane.
+pub const BORDER: u32 = 40;
+
+/// Position of one octave's table in the shared buffer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Octave {
+    fine: u32,
+    box_side: u32,
+    pub(super) coarse: u32,
+    pub(super) side: u32,
+    first_texel: u32,
+    pub(super) first_entry: u32,
+    first_tile: u32,
+    first_row: u32,
+}
+
+shader::members!(Octave { fine, box_side, coarse, side, first_texel, first_entry, first_tile, first_row });
+
+/// The tables of all octaves over one size of OEM.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layout {
+    pub(super) octaves: [Octave; OCTAVES],
+    pub(super) finest: u32,
+    pub(super) texels: u32,
+    pub(super) entries: u32,
+    pub(super) tiles: u32,
+    pub(super) rows: u32,
+}
+
+impl Layout {
+    /// The layout over an OEM of `inner` texels, a power of two and at least 16.
+    pub(super) fn new(inner: u32) -> Self {
+        let finest = finest_octave(inner);
+        let mut all =
+            Self { octaves: [Octave::default(); OCTAVES], finest, texels: 0, entries: 0, tiles: 0, rows: 0 };
+        for (place, octave) in all.octaves.iter_mut().zip(1..=finest) {
+            let [fine, coarse] = grids(inner, octave);
+            let side = coarse + 2 * BORDER + 1;
+            *place = Octave {
+                fine,
+                box_side: fine >> (octave + 1),
+                coarse,
+                side,
+                first_texel: all.texels,
+                first_entry: all.entries,
+                first_tile: all.tiles,
+                first_row: all.rows,
+            };
+            all.texels += coarse * coarse;
+            all.entries += side * side;
+            all.tiles += (fine / EDGE).pow(2);
+            all.rows += side;
+        }
+        all
+    }
+}

@@ -1,0 +1,147 @@
+//! The exposure of pictures: chosen from the light, or a number.
+
+use crate::chain::CubeLevel;
+use crate::environment::{Environment, Rgb, exact_luminance};
+use crate::sphere::cube::{self, Face};
+use std::fmt::{self, Display, Formatter};
+use std::str::FromStr;
+
+/// How bright a picture shows radiance. Files never depend on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Exposure {
+    /// Brings the log-average luminance of the environment to middle grey (Reinhard et al. 2002, equation 1).
+    #[default]
+    Auto,
+    /// Multiplies by this power of two.
+    Ev(f64),
+}
+
+/// The range of [`Exposure::Ev`].
+pub const RANGE: std::ops::RangeInclusive<f64> = -40.0..=40.0;
+
+/// The luminance that the log-average is shown at.
+const MIDDLE_GREY: f64 = 0.18;
+
+/// Automatic exposures stay within this range either way, which float32 has room for.
+const MOST: f64 = 100.0;
+
+impl Exposure {
+    /// The power of two, `automatic` being that of [`Exposure::Auto`].
+    #[must_use]
+    pub fn ev(self, automatic: f64) -> f64 {
+        match self {
+            Self::Auto => automatic,
+            Self::Ev(ev) => ev,
+        }
+    }
+}
+
+impl Display for Exposure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Ev(ev) => ev.fmt(f),
+        }
+    }
+}
+
+/// From what [`Display`] writes.
+impl FromStr for Exposure {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "auto" {
+            return Ok(Self::Auto);
+        }
+        text.parse()
+            .ok()
+            .filter(|ev| RANGE.contains(ev))
+            .map(Self::Ev)
+            .ok_or_else(|| format!("must be auto or a number from {} to {} EV", RANGE.start(), RANGE.end()))
+    }
+}
+
+/// The automatic exposure for `environment`, in powers of two.
+#[must_use]
+pub fn of_environment(environment: &Environment) -> f64 {
+    let mut average = LogAverage::new(environment.texels());
+    environment.for_each_texel(|_, solid_angle, rgb| average.add(solid_angle, rgb));
+    average.exposure()
+}
+
+/// The automatic exposure for `level`, in powers of two.
+#[must_use]
+pub fn of_level(level: &CubeLevel) -> f64 {
+    let mut average = LogAverage::new(&level.texels);
+    let n = level.size;
+    for face in Face::ALL {
+        for (texel, at) in (0..).zip(level.face(face)).map(|(at, texel)| (texel, at)) {
+            average.add(cube::texel_solid_angle(n, at % n, at / n), *texel);
+        }
+    }
+    average.exposure()
+}
+
+/// A mean of logarithms of luminance.
+struct LogAverage {
+    /// What counts as black: twenty stops below the brightest.
+    least: f64,
+    sum: f64,
+    weights: f64,
+}
+
+impl LogAverage {
+    fn new(texels: &[Rgb]) -> Self {
+        let brightest = texels.iter().map(|texel| exact_luminance(*texel)).fold(0.0, f64::max);
+        Self { least: brightest * 1e-6, sum: 0.0, weights: 0.0 }
+    }
+
+    fn add(&mut self, weight: f64, rgb: Rgb) {
+        self.sum += weight * exact_luminance(rgb).max(self.least).ln();
+        self.weights += weight;
+    }
+
+    fn exposure(&self) -> f64 {
+        if self.least == 0.0 {
+            return 0.0;
+        }
+        (MIDDLE_GREY / (self.sum / self.weights).exp()).log2().clamp(-MOST, MOST)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Exposure, of_environment, of_level};
+    use crate::chain::CubeLevel;
+    use crate::environment::{Environment, Layout};
+
+    #[test]
+    fn an_even_light_is_shown_as_middle_grey() {
+        for radiance in [1e-40_f32, 1e-6, 0.18, 3.0, 3e38] {
+            let texels = vec![[radiance; 3]; 6 * 16];
+            let level = CubeLevel { size: 4, roughness: 0.0, texels: texels.clone(), bounds: None };
+            let environment = Environment::new(Layout::Cube { size: 4 }, texels).expect("sound texels");
+            let ev = of_level(&level);
+            assert!((ev - of_environment(&environment)).abs() < 1e-9, "one rule");
+            let shown = f64::from(radiance) * ev.exp2();
+            let held = (1e-30..1e30).contains(&radiance);
+            assert!(!held || (shown - 0.18).abs() < 1e-6, "{radiance} is shown as {shown}");
+            assert!((ev.exp2() as f32).is_normal(), "{ev} fits float32");
+        }
+        let black = CubeLevel { size: 1, roughness: 0.0, texels: vec![[0.0; 3]; 6], bounds: None };
+        assert_eq!(of_level(&black), 0.0);
+    }
+
+    #[test]
+    fn texts_are_auto_or_numbers_in_range() {
+        assert_eq!("auto".parse(), Ok(Exposure::Auto));
+        assert_eq!("-1.5".parse(), Ok(Exposure::Ev(-1.5)));
+        for exposure in [Exposure::Auto, Exposure::Ev(2.25)] {
+            assert_eq!(exposure.to_string().parse(), Ok(exposure));
+        }
+        for text in ["", "Auto", "nan", "inf", "41", "1ev"] {
+            let error = text.parse::<Exposure>().expect_err(text);
+            assert!(error.contains("auto or a number from -40 to 40 EV"), "{error}");
+        }
+    }
+}

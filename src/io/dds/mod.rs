@@ -1,0 +1,4 @@
+//! DDS files.
+
+pub(super) mod read;
+pub mod write;

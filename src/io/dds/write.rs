@@ -1,0 +1,74 @@
+//! DDS output: cube maps with their levels and the DX10 header, laid out by the `ddsfile` crate.
+//!
+//! "Programming Guide for DDS" (Microsoft): faces one after the other, each with all its levels.
+
+use crate::chain::CubeChain;
+use crate::error::{Error, Result};
+use crate::format::Pixel;
+use crate::format::texel_bytes::texel_bytes;
+use crate::io::cube_file::{CubeFile, check_sizes};
+use crate::target::Flip;
+use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, DxgiFormat, NewDxgiParams};
+
+/// A DDS cube map of `chain`: RGBA16F, RGBA32F, RGB9E5, R11G11B10F or BC6H (unsigned).
+///
+/// # Errors
+/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve.
+pub fn dds_bytes(chain: &CubeChain, pixel: Pixel) -> Result<CubeFile> {
+    let size = check_sizes("DDS", chain)?;
+    let format = match pixel {
+        Pixel::F16 => DxgiFormat::R16G16B16A16_Float,
+        Pixel::F32 => DxgiFormat::R32G32B32A32_Float,
+        Pixel::Rgb9e5 => DxgiFormat::R9G9B9E5_SharedExp,
+        Pixel::R11g11b10 => DxgiFormat::R11G11B10_Float,
+        Pixel::Bc6h => DxgiFormat::BC6H_UF16,
+        Pixel::Rgbd => return Err(Error::Parameter("dds files cannot hold rgbd".to_owned())),
+    };
+    let failed = |error: ddsfile::Error| Error::Parameter(format!("a DDS cube of {size}: {error}"));
+    let mut dds = Dds::new_dxgi(NewDxgiParams {
+        height: size,
+        width: size,
+        depth: None,
+        format,
+        mipmap_levels: Some(chain.levels.len() as u32),
+        array_layers: Some(6),
+        // The crate sets the DX10 header's flag alone; older readers go by these.
+        caps2: Some(Caps2::CUBEMAP | Caps2::CUBEMAP_ALLFACES),
+        is_cubemap: true,
+        resource_dimension: D3D10ResourceDimension::Texture2D,
+        alpha_mode: AlphaMode::Opaque,
+    })
+    .map_err(failed)?;
+    let levels: Vec<Vec<u8>> =
+        chain.levels.iter().map(|level| texel_bytes(level.size, &level.texels, pixel)).collect();
+    dds.data.clear();
+    for face in 0..6 {
+        for level in &levels {
+            let length = level.len() / 6;
+            dds.data.extend(&level[face * length..][..length]);
+        }
+    }
+    let mut bytes = Vec::with_capacity(dds.data.len() + 148);
+    dds.write(&mut bytes).map_err(failed)?;
+    Ok(CubeFile::new(bytes, chain, pixel))
+}
+
+/// Where `dwReserved1` stands, eleven words that no reader uses: behind the magic number and seven words.
+const MARK_AT: usize = 32;
+
+/// The program's mark there, before the flip's name. Encoders leave their names in these words likewise.
+const MARK: &[u8; 4] = b"OCTG";
+
+/// Writes the program's mark and `flip` into the reserved words of a file's header.
+pub(in crate::io) fn mark_flip(file: &mut [u8], flip: Flip) {
+    file[MARK_AT..][..4].copy_from_slice(MARK);
+    let word = &mut file[MARK_AT + 4..][..4];
+    word.fill(0);
+    word[..flip.name().len()].copy_from_slice(flip.name().as_bytes());
+}
+
+/// The flip that a file says by the program's mark.
+pub(in crate::io) fn marked_flip(file: &[u8]) -> Option<Flip> {
+    let word = file.get(MARK_AT..)?.strip_prefix(MARK)?.get(..4)?;
+    Flip::named(std::str::from_utf8(word).ok()?.trim_end_matches('\0'))
+}

@@ -1,0 +1,115 @@
+//! Decodes a file by its content.
+
+use crate::error::{Error, Result};
+use crate::io::picture::{Picture, Source};
+use crate::io::{dds, exr, hdr, ktx1, ktx2, ldr, regular};
+use std::path::Path;
+
+/// The content of the regular file `path`, of at most `memory_limit` bytes.
+pub(super) fn file_bytes(path: &Path, memory_limit: u64) -> Result<Vec<u8>> {
+    regular::read_regular(path, memory_limit)
+}
+
+/// What a file can be, by its first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    Radiance,
+    OpenExr,
+    Png,
+    Jpeg,
+    Ktx1,
+    Ktx2,
+    Dds,
+}
+
+impl Format {
+    pub(super) fn sniff(bytes: &[u8]) -> Option<Self> {
+        let magics: [(&[u8], Self); 7] = [
+            (b"#?", Self::Radiance),
+            (&[0x76, 0x2f, 0x31, 0x01], Self::OpenExr),
+            (b"\x89PNG\r\n\x1a\n", Self::Png),
+            (&[0xff, 0xd8, 0xff], Self::Jpeg),
+            (&ktx1::write::MAGIC, Self::Ktx1),
+            (&::ktx2::MAGIC, Self::Ktx2),
+            (b"DDS ", Self::Dds),
+        ];
+        magics.into_iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, format)| format)
+    }
+
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Radiance => "Radiance HDR",
+            Self::OpenExr => "OpenEXR",
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::Ktx1 => "KTX",
+            Self::Ktx2 => "KTX2",
+            Self::Dds => "DDS",
+        }
+    }
+
+    const fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Radiance => &["hdr", "pic", "rgbe", "xyze"],
+            Self::OpenExr => &["exr"],
+            Self::Png => &["png"],
+            Self::Jpeg => &["jpg", "jpeg", "jpe", "jfif"],
+            Self::Ktx1 => &["ktx"],
+            Self::Ktx2 => &["ktx2"],
+            Self::Dds => &["dds"],
+        }
+    }
+}
+
+/// Extensions of images that cannot be read: a readable file that bears one is misnamed.
+const FOREIGN_EXTENSIONS: [&str; 7] = ["bmp", "gif", "pfm", "tga", "tif", "tiff", "webp"];
+
+/// What is odd about the name of a file that holds `format`.
+fn misnamed(path: &Path, format: Format) -> Option<String> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    let extension = extension.as_str();
+    let images = [Format::Radiance, Format::OpenExr, Format::Png, Format::Jpeg];
+    let all = [&images[..], &[Format::Ktx1, Format::Ktx2, Format::Dds]].concat();
+    let known = FOREIGN_EXTENSIONS.contains(&extension)
+        || all.iter().any(|other| other.extensions().contains(&extension));
+    (known && !format.extensions().contains(&extension))
+        .then(|| format!("named .{extension} but holds {}; read by its content", format.name()))
+}
+
+/// The error for outputs of a bake that cannot be read back.
+pub(super) fn unreadable(source: &Source<'_>) -> Option<Error> {
+    let text = source.bytes.trim_ascii_start();
+    let name = match source.bytes {
+        bytes if bytes.starts_with(&crate::format::container::ENV_MAGIC) => "a Babylon.js .env",
+        bytes if bytes.starts_with(b"glTF") => "a binary glTF",
+        _ if text.starts_with(b"{") => "JSON, such as spherical harmonics or a report",
+        _ => return None,
+    };
+    Some(source.error(format!("{name}, which holds no image that can be read; give an image or a cube")))
+}
+
+/// Decodes whatever `source` holds; its caller contains panics.
+pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
+    if source.bytes.is_empty() {
+        return Err(source.error("the file is empty (0 bytes)"));
+    }
+    let Some(format) = Format::sniff(source.bytes) else {
+        return Err(unreadable(source).unwrap_or_else(|| {
+            source.error(
+                "not an image that can be read; Radiance .hdr, OpenEXR, KTX, KTX2, DDS, PNG and JPEG can, by their \
+                 content",
+            )
+        }));
+    };
+    let mut picture = match format {
+        Format::Radiance => hdr::read::decode(source),
+        Format::OpenExr => exr::read::decode(source),
+        Format::Png => ldr::read::decode_png(source),
+        Format::Jpeg => ldr::read::decode_jpeg(source),
+        Format::Ktx1 => ktx1::read::decode_level0(source),
+        Format::Ktx2 => ktx2::read::decode_level0(source),
+        Format::Dds => dds::read::decode_level0(source),
+    }?;
+    picture.warnings.extend(misnamed(source.path, format));
+    Ok(picture)
+}

@@ -1,0 +1,142 @@
+//! Several images in one OpenEXR file: as parts, or as the levels of a tiled MIP map.
+//!
+//! "OpenEXR File Layout" and "Technical Introduction to OpenEXR" (openexr.com): parts share their display
+//! window, chunks tell their part, and a MIP map halves down to one pixel.
+
+use super::write::{Attribute, BLOCK_ROWS, Image, Packer, Samples, header_bytes, preamble};
+use crate::environment::Rgb;
+use crate::error::{Error, Result};
+use crate::format::Pixel;
+
+/// Flags of the version field.
+const TILED: u32 = 0x200;
+const SEVERAL_PARTS: u32 = 0x1000;
+
+/// Edge of a tile.
+const TILE: u32 = 64;
+
+/// An image of a file that holds several.
+#[derive(Clone, Debug)]
+pub struct Part<'a> {
+    /// Its name, not empty, unlike all others.
+    pub name: String,
+    /// Columns, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// Row-major.
+    pub texels: &'a [Rgb],
+    /// What its header tells, in the order given.
+    pub attributes: Vec<(String, Attribute)>,
+}
+
+/// An EXR file of `parts`, scan lines in ZIP blocks of half floats (clamped at their greatest value) or
+/// floats. Their display window is the largest part's.
+///
+/// # Errors
+/// [`Error::Parameter`] for no parts, empty or equal names, texels that do not fill their image, and pixels
+/// that EXR does not have.
+pub fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8>> {
+    let display = (
+        parts.iter().map(|part| part.width).max().unwrap_or(0),
+        parts.iter().map(|part| part.height).max().unwrap_or(0),
+    );
+    if parts.is_empty() {
+        return Err(Error::Parameter("an EXR file needs at least one part".to_owned()));
+    }
+    let mut out = preamble(SEVERAL_PARTS);
+    for (index, part) in parts.iter().enumerate() {
+        let double = parts[..index].iter().any(|other| other.name == part.name);
+        if part.name.is_empty() || double {
+            return Err(Error::Parameter(format!(
+                "{:?} cannot be the name of an EXR part, or is there twice",
+                part.name
+            )));
+        }
+        let image = image(part, pixel);
+        image.check()?;
+        let chunks = (part.height as usize).div_ceil(BLOCK_ROWS) as i32;
+        let required: [(&str, &str, &[u8]); 3] = [
+            ("name", "string", part.name.as_bytes()),
+            ("type", "string", b"scanlineimage"),
+            ("chunkCount", "int", &chunks.to_le_bytes()),
+        ];
+        header_bytes(&image, display, &required, &part.attributes, &mut out);
+    }
+    // An empty header ends the list.
+    out.push(0);
+    let blocks = |part: &Part<'_>| (part.height as usize).div_ceil(BLOCK_ROWS);
+    let mut entry = out.len();
+    out.resize(entry + parts.iter().map(blocks).sum::<usize>() * 8, 0);
+    let mut packer = Packer::new();
+    for (index, part) in (0_i32..).zip(parts) {
+        let (columns, rows) = (part.width as usize, part.height as usize);
+        for first_row in (0..rows).step_by(BLOCK_ROWS) {
+            let offset = out.len() as u64;
+            out[entry..][..8].copy_from_slice(&offset.to_le_bytes());
+            entry += 8;
+            out.extend([index, first_row as i32].iter().flat_map(|word| word.to_le_bytes()));
+            packer.push(
+                &image(part, pixel),
+                0..columns,
+                first_row..(first_row + BLOCK_ROWS).min(rows),
+                &mut out,
+            );
+        }
+    }
+    Ok(out)
+}
+
+const fn image<'a>(part: &Part<'a>, pixel: Pixel) -> Image<'a> {
+    Image { width: part.width, height: part.height, samples: Samples::Rgb(part.texels), pixel }
+}
+
+/// A tiled EXR file whose MIP levels are `levels`, each the row-major texels of its size: sides halve,
+/// rounded down, and the last has one texel.
+///
+/// # Errors
+/// [`Error::Parameter`] where the levels are not so, and for pixels that EXR does not have.
+pub fn exr_mips_bytes(
+    (width, height): (u32, u32),
+    levels: &[&[Rgb]],
+    pixel: Pixel,
+    attributes: &[(String, Attribute)],
+) -> Result<Vec<u8>> {
+    let needed = width.max(height).checked_ilog2().map_or(0, |log2| log2 as usize + 1);
+    if levels.len() != needed {
+        return Err(Error::Parameter(format!(
+            "a MIP map of {width}x{height} has {needed} levels, not {}; leave --levels out",
+            levels.len()
+        )));
+    }
+    let images: Vec<Image<'_>> = (0_u32..)
+        .zip(levels)
+        .map(|(level, texels)| {
+            let side = |full: u32| (full >> level).max(1);
+            Image { width: side(width), height: side(height), samples: Samples::Rgb(texels), pixel }
+        })
+        .collect();
+    images.iter().try_for_each(Image::check)?;
+    let mut out = preamble(TILED);
+    // Edges of a tile, then the mode: MIP levels, sizes rounded down.
+    let tiles: Vec<u8> = TILE.to_le_bytes().into_iter().chain(TILE.to_le_bytes()).chain([1]).collect();
+    header_bytes(&images[0], (width, height), &[("tiles", "tiledesc", &tiles)], attributes, &mut out);
+    let count = |image: &Image<'_>| (image.width.div_ceil(TILE) * image.height.div_ceil(TILE)) as usize;
+    let mut entry = out.len();
+    out.resize(entry + images.iter().map(count).sum::<usize>() * 8, 0);
+    let mut packer = Packer::new();
+    for (level, image) in (0_u32..).zip(&images) {
+        for tile_y in 0..image.height.div_ceil(TILE) {
+            for tile_x in 0..image.width.div_ceil(TILE) {
+                let offset = out.len() as u64;
+                out[entry..][..8].copy_from_slice(&offset.to_le_bytes());
+                entry += 8;
+                out.extend([tile_x, tile_y, level, level].iter().flat_map(|word| word.to_le_bytes()));
+                let span =
+                    |tile: u32, side: u32| (tile * TILE) as usize..((tile + 1) * TILE).min(side) as usize;
+                packer.push(image, span(tile_x, image.width), span(tile_y, image.height), &mut out);
+            }
+        }
+    }
+    Ok(out)
+}

@@ -1,0 +1,286 @@
+//! OpenEXR, every compression that the `exr` crate knows. Only the blocks of one layer's largest level are
+//! decoded, straight into texels.
+
+mod blocks;
+mod select;
+mod window;
+mod zip;
+
+use crate::chain::{CubeChain, CubeLevel};
+use crate::environment::Rgb;
+use crate::error::Result;
+use crate::io::color::{self, Primaries};
+use crate::io::oem_write::BORDER_KEY;
+use crate::io::picture::{Content, Picture, Source, Stored, TEXEL_BYTES};
+use crate::io::provenance::Provenance;
+use crate::sphere::cube::Face;
+use ::exr::meta::attribute::{AttributeValue, Chromaticities, Compression, SampleType};
+use ::exr::meta::header::Header;
+use ::exr::meta::{BlockDescription, MetaData};
+use select::{Channels, Selection};
+use std::io::Cursor;
+use window::{Window, exr_error};
+
+/// Decodes an OpenEXR file into its display window.
+pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
+    // Bytes 4 to 8 are the version and its flags.
+    let is_deep = source.bytes.get(5).is_some_and(|flags| flags & 0x08 != 0);
+    if is_deep {
+        return Err(source.error("deep data; flatten it to one sample a pixel"));
+    }
+    if let Some((width, height)) = data_window(source.bytes).filter(|(width, height)| width * height == 0) {
+        return Err(source.error(format!("{width}x{height} has no pixels")));
+    }
+    let reader =
+        ::exr::block::read(Cursor::new(source.bytes), false).map_err(|error| exr_error(source, &error))?;
+    let metadata: MetaData = reader.meta_data().clone();
+    if part_named(&metadata, &part_name(0, Face::PosX)).is_some() {
+        let (size, texels) = cube_of_parts(source, &metadata, 0)?;
+        return Ok(Picture {
+            width: size,
+            height: 6 * size,
+            texels,
+            content: Content::Cube,
+            format: parts_format(&metadata),
+            warnings: Vec::new(),
+            provenance: provenance(source, &metadata.headers[0])?,
+        });
+    }
+    let selection = select::select(source, &metadata.headers)?;
+    let header = &metadata.headers[selection.header];
+    let window = Window::of(source, header)?;
+    source.check_memory(window.width, window.height, TEXEL_BYTES)?;
+    blocks::check_block_memory(source, header, &window)?;
+
+    let count = window.width as usize * window.height as usize;
+    let mut texels = Vec::new();
+    texels
+        .try_reserve_exact(count)
+        .map_err(|_| source.error("not enough memory for its texels; scale it down first"))?;
+    texels.resize(count, Rgb::default());
+    if zip::decode_into(source, &metadata, &selection, &window, &mut texels).is_none() {
+        blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
+    }
+
+    let mut warnings = Vec::new();
+    warnings.extend(selection.warning());
+    warnings.extend(window.warning());
+    convert_color(header, selection.channels, &mut texels, &mut warnings);
+    let picture = Picture {
+        width: window.width,
+        height: window.height,
+        texels,
+        content: Content::Image,
+        format: describe(header, &selection),
+        warnings,
+        provenance: provenance(source, header)?,
+    };
+    match text_told(header, BORDER_KEY) {
+        Some(border) => {
+            // The other parts are its rougher levels.
+            let picture = Picture { warnings: Vec::new(), ..picture };
+            picture.without_border(source, &border)
+        }
+        None => Ok(picture),
+    }
+}
+
+/// The cube chain in a file with a part for each face of each level, as `bake --out-layout parts` writes it.
+pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
+    let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
+        .map_err(|error| exr_error(source, &error))?;
+    let mut levels = Vec::new();
+    for level in 0u32..32 {
+        let Some(first) = part_named(&metadata, &part_name(level, Face::PosX)) else { break };
+        let (size, texels) = cube_of_parts(source, &metadata, level)?;
+        let Some(roughness) = roughness_told(&metadata.headers[first]).filter(|r| (0.0..=1.0).contains(r))
+        else {
+            return Err(source.error(format!("its level {level} does not say its roughness; bake it anew")));
+        };
+        crate::io::picture::check_finite(source.path, level, size, &texels)?;
+        levels.push(CubeLevel { size, roughness, texels, bounds: None });
+    }
+    if levels.is_empty() {
+        return Err(source.error("no part m0_px; a chain in OpenEXR has a part for each face of each level"));
+    }
+    let halves = |(level, expected): (u32, &CubeLevel)| expected.size == (levels[0].size >> level).max(1);
+    if !(0u32..).zip(&levels).all(halves) {
+        return Err(source.error("its levels do not halve; bake it anew"));
+    }
+    Ok(Stored {
+        chain: CubeChain { levels },
+        provenance: provenance(source, &metadata.headers[0])?,
+        format: parts_format(&metadata),
+    })
+}
+
+/// Such as `OpenEXR, half, 54 parts`.
+fn parts_format(metadata: &MetaData) -> String {
+    let sample =
+        metadata.headers[0].channels.list.first().map_or("", |channel| sample_name(channel.sample_type));
+    format!("OpenEXR, {sample}, {} parts", metadata.headers.len())
+}
+
+/// What the attributes of `header` say of the file's origin.
+fn provenance(source: &Source<'_>, header: &Header) -> Result<Provenance> {
+    Provenance::of_texts(&|key| text_told(header, key)).map_err(|message| source.error(message))
+}
+
+/// What the part of a face of a level is called.
+fn part_name(level: u32, face: Face) -> String {
+    format!("m{level}_{}", face.short_name())
+}
+
+fn part_named(metadata: &MetaData, name: &str) -> Option<usize> {
+    metadata
+        .headers
+        .iter()
+        .position(|header| header.own_attributes.layer_name.as_ref().is_some_and(|own| *own == *name))
+}
+
+/// Size and texels of a level whose faces are parts.
+fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result<(u32, Vec<Rgb>)> {
+    let mut texels = Vec::new();
+    let mut size = 0;
+    for face in Face::ALL {
+        let name = part_name(level, face);
+        let selected =
+            part_named(metadata, &name).and_then(|index| select::of_part(index, &metadata.headers[index]));
+        let Some(selection) = selected else {
+            return Err(source.error(format!("its part {name} is missing or not RGB; bake it anew")));
+        };
+        let header = &metadata.headers[selection.header];
+        let window = Window::of_data(source, header)?;
+        if window.width != window.height || (face != Face::PosX && window.width != size) {
+            return Err(source.error(format!(
+                "its part {name} is {}x{}; faces are square and all of a size",
+                window.width, window.height
+            )));
+        }
+        size = window.width;
+        source.check_memory(size, 6 * size, TEXEL_BYTES)?;
+        blocks::check_block_memory(source, header, &window)?;
+        let reader = ::exr::block::read(Cursor::new(source.bytes), false)
+            .map_err(|error| exr_error(source, &error))?;
+        let mut own = vec![Rgb::default(); size as usize * size as usize];
+        blocks::decode_into(source, reader, metadata, &selection, &window, &mut own)?;
+        texels.append(&mut own);
+    }
+    Ok((size, texels))
+}
+
+/// The text of attribute `name`.
+fn text_told(header: &Header, name: &str) -> Option<String> {
+    attributes(header, name).find_map(|value| match value {
+        AttributeValue::Text(text) => Some(text.to_string()),
+        _ => None,
+    })
+}
+
+/// The attribute `roughness`.
+fn roughness_told(header: &Header) -> Option<f64> {
+    attributes(header, "roughness").find_map(|value| match value {
+        AttributeValue::F32(roughness) => Some(f64::from(*roughness)),
+        _ => None,
+    })
+}
+
+fn attributes<'a>(header: &'a Header, name: &'a str) -> impl Iterator<Item = &'a AttributeValue> {
+    let all = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
+    all.filter(move |(key, _)| **key == *name).map(|(_, value)| value)
+}
+
+/// Columns, rows and roughness of an image of a bake's level, where its header says the roughness.
+pub(in crate::io) fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
+    let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
+        .map_err(|error| exr_error(source, &error))?;
+    Ok(metadata.headers.first().and_then(|header| {
+        let (width, height) = (header.layer_size.x(), header.layer_size.y());
+        Some((u32::try_from(width).ok()?, u32::try_from(height).ok()?, roughness_told(header)?))
+    }))
+}
+
+/// Columns and rows of the first data window that the header names; the crate has no words of its own for
+/// none.
+fn data_window(bytes: &[u8]) -> Option<(i64, i64)> {
+    const NAME: &[u8] = b"dataWindow\0box2i\0\x10\0\0\0";
+    // Headers are short: pixels that spell an attribute are not looked at.
+    let head = &bytes[..bytes.len().min(4096)];
+    let at = head.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
+    let corner = |k: usize| {
+        let value = bytes.get(at + 4 * k..at + 4 * k + 4)?;
+        Some(i64::from(i32::from_le_bytes(value.try_into().ok()?)))
+    };
+    let side = |least: i64, greatest: i64| (greatest - least + 1).max(0);
+    Some((side(corner(0)?, corner(2)?), side(corner(1)?, corner(3)?)))
+}
+
+/// Luminance-chroma to RGB, and the file's primaries to Rec. 709.
+fn convert_color(header: &Header, channels: Channels, texels: &mut [Rgb], warnings: &mut Vec<String>) {
+    let primaries = header.shared_attributes.chromaticities.map_or(color::REC709, primaries_from);
+    if let Channels::LuminanceChroma(_) = channels {
+        // Texels hold Y, (R - Y)/Y, (B - Y)/Y.
+        let [wr, wg, wb] = primaries
+            .luminance_weights()
+            .or_else(|| color::REC709.luminance_weights())
+            .expect("Rec. 709 has weights")
+            .map(|weight| weight as f32);
+        for texel in texels.iter_mut() {
+            let [y, ry, by] = *texel;
+            let (r, b) = ((ry + 1.0) * y, (by + 1.0) * y);
+            *texel = [r, (y - wr * r - wb * b) / wg, b];
+        }
+    }
+    if primaries.are_rec709() || matches!(channels, Channels::Luminance(_)) {
+        return;
+    }
+    if let Some(matrix) = primaries.rec709_from_rgb() {
+        color::transform(texels, matrix);
+        warnings.push("its chromaticities are not Rec. 709; converted".to_owned());
+    } else {
+        warnings.push("its chromaticities span no gamut; ignored".to_owned());
+    }
+}
+
+fn primaries_from(attribute: Chromaticities) -> Primaries {
+    let pair = |xy: ::exr::math::Vec2<f32>| [f64::from(xy.x()), f64::from(xy.y())];
+    Primaries {
+        red: pair(attribute.red),
+        green: pair(attribute.green),
+        blue: pair(attribute.blue),
+        white: pair(attribute.white),
+    }
+}
+
+const fn sample_name(sample: SampleType) -> &'static str {
+    match sample {
+        SampleType::F16 => "half",
+        SampleType::F32 => "float",
+        SampleType::U32 => "uint",
+    }
+}
+
+/// Such as `OpenEXR, half, DWAB, tiled`.
+fn describe(header: &Header, selection: &Selection) -> String {
+    let sample = sample_name(header.channels.list[selection.channels.indices()[0]].sample_type);
+    let compression = match header.compression {
+        Compression::Uncompressed => "uncompressed",
+        Compression::RLE => "RLE",
+        Compression::ZIP1 => "ZIPS",
+        Compression::ZIP16 => "ZIP",
+        Compression::PIZ => "PIZ",
+        Compression::PXR24 => "PXR24",
+        Compression::B44 => "B44",
+        Compression::B44A => "B44A",
+        Compression::DWAA(_) => "DWAA",
+        Compression::DWAB(_) => "DWAB",
+        Compression::HTJ2K32 | Compression::HTJ2K256 => "HTJ2K",
+    };
+    let tiled = if matches!(header.blocks, BlockDescription::Tiles(_)) { ", tiled" } else { "" };
+    let luminance = match selection.channels {
+        Channels::Rgb(_) => "",
+        Channels::Luminance(_) => ", luminance",
+        Channels::LuminanceChroma(_) => ", luminance-chroma",
+    };
+    format!("OpenEXR, {sample}, {compression}{tiled}{luminance}")
+}

@@ -1,0 +1,357 @@
+//! OpenEXR output: single-part scan lines, half or float, ZIP; and the level folders of a bake.
+//!
+//! The container is laid out here, after "OpenEXR File Layout" (openexr.com): the `exr` crate compresses by
+//! miniz_oxide at a fixed level, which takes three to four times as long and makes larger files, and it
+//! writes attributes in the order of a hash map, so that equal inputs give unequal bytes. It reads back what
+//! is written here.
+
+use super::deflate::Deflater;
+use crate::chain::{CubeChain, CubeLevel};
+use crate::environment::Rgb;
+use crate::error::{Error, Result};
+use crate::format::{Pixel, push_halves};
+use crate::io::output;
+use crate::io::provenance::irradiance_pairs;
+use crate::sphere::cube::Face;
+use rayon::prelude::*;
+use std::fs;
+use std::ops::Range;
+use std::path::Path;
+
+/// Rows of a ZIP block.
+pub(in crate::io) const BLOCK_ROWS: usize = 16;
+
+/// The program and its version, as outputs name it.
+pub const SOFTWARE: &str = concat!("octagloss ", env!("CARGO_PKG_VERSION"));
+
+/// How the levels of a folder are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ExrPixel {
+    /// Half; float in levels with a value that half cannot hold.
+    #[default]
+    Auto,
+    /// Half, clamped and counted.
+    F16,
+    /// Float.
+    F32,
+}
+
+/// The value of a header attribute.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Attribute {
+    /// A `float`.
+    Float(f32),
+    /// A `string`.
+    Text(String),
+}
+
+/// What goes into a file.
+#[derive(Clone, Copy, Debug)]
+pub enum Samples<'a> {
+    /// Channels R, G and B.
+    Rgb(&'a [Rgb]),
+    /// The single channel Y.
+    Luminance(&'a [f32]),
+}
+
+/// How one level was stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StoredLevel {
+    /// Format of its texels.
+    pub pixel: Pixel,
+    /// Texels with a channel that was clamped.
+    pub clamped: u64,
+}
+
+/// The bytes of an EXR file of `width` x `height` row-major samples with `attributes` in the order given.
+/// Half floats are clamped at their greatest value.
+///
+/// # Errors
+/// [`Error::Parameter`] where the samples do not fill the image, a side is zero or above 2^31, or `pixel` is
+/// one that EXR does not have.
+pub fn exr_bytes(
+    width: u32,
+    height: u32,
+    samples: Samples<'_>,
+    pixel: Pixel,
+    attributes: &[(String, Attribute)],
+) -> Result<Vec<u8>> {
+    let image = Image { width, height, samples, pixel };
+    image.check()?;
+    let mut out = preamble(0);
+    header_bytes(&image, (width, height), &[], attributes, &mut out);
+    let columns = width as usize;
+    let rows = height as usize;
+    let table = out.len();
+    out.resize(table + rows.div_ceil(BLOCK_ROWS) * 8, 0);
+    out.reserve(columns * rows * image.pixel_bytes());
+    let mut packer = Packer::new();
+    for (block, first_row) in (0..rows).step_by(BLOCK_ROWS).enumerate() {
+        let offset = out.len() as u64;
+        out[table + block * 8..][..8].copy_from_slice(&offset.to_le_bytes());
+        out.extend((first_row as i32).to_le_bytes());
+        packer.push(&image, 0..columns, first_row..(first_row + BLOCK_ROWS).min(rows), &mut out);
+    }
+    Ok(out)
+}
+
+/// Magic number and version 2 with `flags`: names up to 31 bytes, a single part of scan lines where there are
+/// none.
+pub(in crate::io) fn preamble(flags: u32) -> Vec<u8> {
+    [20_000_630_u32, 2 | flags].iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+/// Samples and how they are stored.
+#[derive(Clone, Copy)]
+pub(in crate::io) struct Image<'a> {
+    pub(in crate::io) width: u32,
+    pub(in crate::io) height: u32,
+    pub(in crate::io) samples: Samples<'a>,
+    pub(in crate::io) pixel: Pixel,
+}
+
+impl Image<'_> {
+    pub(in crate::io) fn check(&self) -> Result<()> {
+        let Self { width, height, samples, pixel } = *self;
+        let count = match samples {
+            Samples::Rgb(texels) => texels.len(),
+            Samples::Luminance(values) => values.len(),
+        };
+        let area = width as usize * height as usize;
+        if count == 0 || count != area || i32::try_from(width.max(height)).is_err() {
+            return Err(Error::Parameter(format!(
+                "an EXR file of {width}x{height} cannot hold {count} samples"
+            )));
+        }
+        match pixel {
+            Pixel::F16 | Pixel::F32 => Ok(()),
+            _ => Err(Error::Parameter(format!("EXR has no {}; choose f16 or f32", pixel.name()))),
+        }
+    }
+
+    /// Bytes of all channels of a pixel.
+    pub(in crate::io) const fn pixel_bytes(&self) -> usize {
+        let sample = if matches!(self.pixel, Pixel::F32) { 4 } else { 2 };
+        match self.samples {
+            Samples::Rgb(_) => 3 * sample,
+            Samples::Luminance(_) => sample,
+        }
+    }
+}
+
+/// Compresses blocks, one after the other.
+pub(in crate::io) struct Packer {
+    deflater: Deflater,
+    raw: Vec<u8>,
+    scratch: Vec<u8>,
+}
+
+impl Packer {
+    pub(in crate::io) fn new() -> Self {
+        Self { deflater: Deflater::new(), raw: Vec::new(), scratch: Vec::new() }
+    }
+
+    /// Appends the block of `columns` and `rows` of `image`: its length, its bytes.
+    pub(in crate::io) fn push(
+        &mut self,
+        image: &Image<'_>,
+        columns: Range<usize>,
+        rows: Range<usize>,
+        out: &mut Vec<u8>,
+    ) {
+        self.raw.clear();
+        for row in rows {
+            let start = row * image.width as usize;
+            push_row(image.samples, start + columns.start..start + columns.end, image.pixel, &mut self.raw);
+        }
+        let size_at = out.len();
+        out.extend([0; 4]);
+        zip_block(&self.raw, &mut self.deflater, &mut self.scratch, out);
+        let size = (out.len() - size_at - 4) as i32;
+        out[size_at..][..4].copy_from_slice(&size.to_le_bytes());
+    }
+}
+
+/// Appends one row, channel by channel in the order of their names: B, G, R.
+fn push_row(samples: Samples<'_>, row: Range<usize>, pixel: Pixel, out: &mut Vec<u8>) {
+    let mut push = |values: &[f32]| match pixel {
+        Pixel::F32 => out.extend(values.iter().flat_map(|v| v.to_le_bytes())),
+        _ => push_halves(values, out),
+    };
+    match samples {
+        Samples::Luminance(values) => push(&values[row]),
+        Samples::Rgb(texels) => {
+            for channel in [2, 1, 0] {
+                let values: Vec<f32> = texels[row.clone()].iter().map(|t| t[channel]).collect();
+                push(&values);
+            }
+        }
+    }
+}
+
+/// Appends `raw` compressed as ZIP has it: bytes of even and of odd position apart, each as its difference
+/// from the one before, then zlib; or as it is where that is no smaller.
+fn zip_block(raw: &[u8], deflater: &mut Deflater, scratch: &mut Vec<u8>, out: &mut Vec<u8>) {
+    scratch.clear();
+    scratch.extend(raw.iter().step_by(2));
+    scratch.extend(raw.iter().skip(1).step_by(2));
+    for at in (1..scratch.len()).rev() {
+        scratch[at] = scratch[at].wrapping_sub(scratch[at - 1]).wrapping_add(128);
+    }
+    let start = out.len();
+    // One byte too few for no gain: the block stays raw.
+    out.resize(start + raw.len() - 1, 0);
+    match deflater.deflate(scratch, &mut out[start..]) {
+        Some(size) => out.truncate(start + size),
+        None => {
+            out.truncate(start);
+            out.extend(raw);
+        }
+    }
+}
+
+/// Appends the header of `image` in a display window of `display` columns and rows: what every file says,
+/// what its kind demands (`required`: name, type and value), and `attributes`.
+pub(in crate::io) fn header_bytes(
+    image: &Image<'_>,
+    display: (u32, u32),
+    required: &[(&str, &str, &[u8])],
+    attributes: &[(String, Attribute)],
+    out: &mut Vec<u8>,
+) {
+    let Image { width, height, samples, pixel } = *image;
+    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
+        for text in [name, kind] {
+            out.extend(text.as_bytes());
+            out.push(0);
+        }
+        out.extend((value.len() as i32).to_le_bytes());
+        out.extend(value);
+    };
+
+    let names: &[&str] = match samples {
+        Samples::Rgb(_) => &["B", "G", "R"],
+        Samples::Luminance(_) => &["Y"],
+    };
+    let kind: i32 = if pixel == Pixel::F32 { 2 } else { 1 };
+    let mut channels = Vec::new();
+    for name in names {
+        channels.extend(name.as_bytes());
+        channels.push(0);
+        // Sample type, perceptual linearity and three reserved bytes, sampling in x and in y.
+        for word in [kind, 0, 1, 1] {
+            channels.extend(word.to_le_bytes());
+        }
+    }
+    channels.push(0);
+    let window = |(width, height): (u32, u32)| -> Vec<u8> {
+        [0, 0, width as i32 - 1, height as i32 - 1].iter().flat_map(|v: &i32| v.to_le_bytes()).collect()
+    };
+
+    attribute("channels", "chlist", &channels);
+    attribute("compression", "compression", &[3]);
+    attribute("dataWindow", "box2i", &window((width, height)));
+    attribute("displayWindow", "box2i", &window(display));
+    attribute("lineOrder", "lineOrder", &[0]);
+    attribute("pixelAspectRatio", "float", &1_f32.to_le_bytes());
+    attribute("screenWindowCenter", "v2f", &[0; 8]);
+    attribute("screenWindowWidth", "float", &1_f32.to_le_bytes());
+    attribute("software", "string", SOFTWARE.as_bytes());
+    for (name, kind, value) in required {
+        attribute(name, kind, value);
+    }
+    for (name, value) in attributes {
+        match value {
+            Attribute::Float(value) => attribute(name, "float", &value.to_le_bytes()),
+            Attribute::Text(text) => attribute(name, "string", text.as_bytes()),
+        }
+    }
+    out.push(0);
+}
+
+/// Writes a chain's levels into `folder`: `m{level}_{face}.exr`, where there are bounds
+/// `m{level}_{face}_bound.exr` (float, channel Y), and `irradiance_{face}.exr`. Each file tells its
+/// `roughness` and `metadata` in attributes.
+///
+/// Returns how each level was stored, the irradiance last.
+///
+/// # Errors
+/// [`Error::Io`] naming the file that could not be written.
+pub fn write_level_folder(
+    folder: &Path,
+    chain: &CubeChain,
+    irradiance: Option<&CubeLevel>,
+    choice: ExrPixel,
+    metadata: &[(String, String)],
+) -> Result<Vec<StoredLevel>> {
+    let levels = chain.levels.iter().enumerate().map(|(index, level)| (format!("m{index}"), level));
+    let levels: Vec<_> = levels.chain(irradiance.map(|level| ("irradiance".to_owned(), level))).collect();
+    let stored: Vec<StoredLevel> =
+        levels.iter().map(|(_, level)| stored_level(&level.texels, choice)).collect();
+
+    let files: Vec<_> = levels
+        .iter()
+        .zip(&stored)
+        .flat_map(|((name, level), stored)| Face::ALL.map(|face| (name, *level, stored.pixel, face)))
+        .collect();
+    files.into_par_iter().try_for_each(|(name, level, pixel, face)| {
+        let attributes = attributes_of((name != "irradiance").then_some(level.roughness), metadata);
+        let write = |file_name: String, samples, pixel| {
+            let path = folder.join(file_name);
+            let bytes = exr_bytes(level.size, level.size, samples, pixel, &attributes)?;
+            fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
+        };
+        let face_name = face.short_name();
+        write(format!("{name}_{face_name}.exr"), Samples::Rgb(level.face(face)), pixel)?;
+        if let Some(bounds) = &level.bounds {
+            let area = level.face(face).len();
+            let bounds = &bounds[face.index() * area..][..area];
+            write(format!("{name}_{face_name}_bound.exr"), Samples::Luminance(bounds), Pixel::F32)?;
+        }
+        Ok(())
+    })?;
+    Ok(stored)
+}
+
+/// How `texels` are stored under `choice`.
+pub(in crate::io) fn stored_level(texels: &[Rgb], choice: ExrPixel) -> StoredLevel {
+    let above = Pixel::F16.clamped(texels);
+    match choice {
+        ExrPixel::F16 => StoredLevel { pixel: Pixel::F16, clamped: above },
+        ExrPixel::Auto if above == 0 => StoredLevel { pixel: Pixel::F16, clamped: 0 },
+        ExrPixel::Auto | ExrPixel::F32 => StoredLevel { pixel: Pixel::F32, clamped: 0 },
+    }
+}
+
+/// The attributes of an image of a level; an irradiance has no roughness to say.
+pub(in crate::io) fn attributes_of(
+    roughness: Option<f64>,
+    metadata: &[(String, String)],
+) -> Vec<(String, Attribute)> {
+    let text =
+        |pairs: Vec<(String, String)>| pairs.into_iter().map(|(key, text)| (key, Attribute::Text(text)));
+    match roughness {
+        Some(roughness) => {
+            let own = ("roughness".to_owned(), Attribute::Float(roughness as f32));
+            std::iter::once(own).chain(text(metadata.to_vec())).collect()
+        }
+        None => text(irradiance_pairs(metadata)).collect(),
+    }
+}
+
+/// [`write_level_folder`] into a folder that appears whole or not at all.
+///
+/// # Errors
+/// As [`output::write_folder`].
+pub fn write_exr_folder(
+    path: &Path,
+    existing: output::Existing,
+    chain: &CubeChain,
+    irradiance: Option<&CubeLevel>,
+    choice: ExrPixel,
+    metadata: &[(String, String)],
+) -> Result<Vec<StoredLevel>> {
+    output::write_folder(path, existing, |folder| {
+        write_level_folder(folder, chain, irradiance, choice, metadata)
+    })
+}

@@ -1,0 +1,4 @@
+//! Radiance files.
+
+pub(super) mod read;
+pub mod write;

@@ -1,0 +1,226 @@
+//! Radiance pictures (.hdr, .pic). Scanlines are the `image` crate's work; the header is read here, because
+//! that crate knows neither XYZE nor any orientation but `-Y +X`.
+
+use crate::environment::Rgb;
+use crate::error::Result;
+use crate::io::color::{self, Primaries};
+use crate::io::ktx2::write::ROUGHNESS_KEY;
+use crate::io::picture::{Content, Picture, Source, TEXEL_BYTES};
+use crate::io::provenance::{KEY_PREFIX, Provenance};
+use image::ImageDecoder as _;
+use image::codecs::hdr::HdrDecoder;
+use std::io::Read as _;
+
+/// What a header says.
+struct Header<'a> {
+    is_xyze: bool,
+    /// Stored value over radiance, a channel each: EXPOSURE times COLORCORR.
+    exposure: [f64; 3],
+    primaries: Option<Primaries>,
+    /// The keys of a bake and their values.
+    pairs: Vec<(String, String)>,
+    scan: Scan,
+    /// Scanlines.
+    data: &'a [u8],
+}
+
+impl Header<'_> {
+    fn text(&self, key: &str) -> Option<String> {
+        self.pairs.iter().find(|(own, _)| own == key).map(|(_, value)| value.clone())
+    }
+}
+
+/// Columns, rows and roughness of an image of a bake's level, where its header says the roughness.
+pub(in crate::io) fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
+    let header = read_header(source)?;
+    let (width, height) = header.scan.sides();
+    let roughness = header.text(ROUGHNESS_KEY).and_then(|text| text.parse().ok());
+    Ok(roughness
+        .filter(|roughness| (0.0..=1.0).contains(roughness))
+        .map(|roughness| (width, height, roughness)))
+}
+
+/// The order of the pixels: `lines` scanlines of `length` pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Scan {
+    lines: u32,
+    length: u32,
+    /// Scanlines are columns.
+    by_columns: bool,
+    /// The file begins at the right.
+    from_right: bool,
+    /// The file begins at the bottom.
+    from_bottom: bool,
+}
+
+/// Decodes a Radiance picture.
+pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
+    let header = read_header(source)?;
+    let scan = header.scan;
+    let (width, height) = scan.sides();
+    // Pixels in the file's order and in ours, where those differ.
+    let copies = if scan.is_plain() { 1 } else { 2 };
+    source.check_memory(width, height, copies * TEXEL_BYTES)?;
+    // A run of the old encoding is the least a scanline can be, so a wild header fails before anything is
+    // allocated.
+    if u64::from(scan.lines) * 4 > header.data.len() as u64 {
+        return Err(source.error(format!(
+            "truncated: {} bytes cannot hold the {} scanlines that its header promises; copy it anew",
+            header.data.len(),
+            scan.lines
+        )));
+    }
+
+    let plain_header =
+        format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", scan.lines, scan.length);
+    let mut scanned = vec![Rgb::default(); width as usize * height as usize];
+    HdrDecoder::new(plain_header.as_bytes().chain(header.data))
+        .and_then(|decoder| decoder.read_image(bytemuck::cast_slice_mut(&mut scanned)))
+        .map_err(|error| source.decoder_error("Radiance HDR", &error))?;
+    let mut texels = if scan.is_plain() { scanned } else { scan.upright(&scanned) };
+
+    let mut warnings = Vec::new();
+    let mut format = if header.is_xyze { "Radiance XYZE" } else { "Radiance RGBE" }.to_owned();
+    if header.exposure != [1.0; 3] {
+        let scale = header.exposure.map(|exposure| (1.0 / exposure) as f32);
+        for texel in &mut texels {
+            *texel = [texel[0] * scale[0], texel[1] * scale[1], texel[2] * scale[2]];
+        }
+        format += ", exposure divided out";
+    }
+    if header.is_xyze {
+        color::transform(&mut texels, color::rec709_from_equal_energy_xyz());
+    } else if let Some(primaries) = header.primaries.filter(|primaries| !primaries.are_rec709()) {
+        if let Some(matrix) = primaries.rec709_from_rgb() {
+            color::transform(&mut texels, matrix);
+            warnings.push("its PRIMARIES are not Rec. 709; converted".to_owned());
+        } else {
+            warnings.push("its PRIMARIES span no gamut; ignored".to_owned());
+        }
+    }
+    let provenance =
+        Provenance::of_texts(&|key| header.text(key)).map_err(|message| source.error(message))?;
+    Ok(Picture { width, height, texels, content: Content::Image, format, warnings, provenance })
+}
+
+impl Scan {
+    const fn is_plain(self) -> bool {
+        !(self.by_columns || self.from_right || self.from_bottom)
+    }
+
+    /// Columns and rows.
+    const fn sides(self) -> (u32, u32) {
+        if self.by_columns { (self.lines, self.length) } else { (self.length, self.lines) }
+    }
+
+    /// The pixels row by row from the top left.
+    fn upright(self, scanned: &[Rgb]) -> Vec<Rgb> {
+        let (lines, length) = (self.lines as usize, self.length as usize);
+        let (width, height) = if self.by_columns { (lines, length) } else { (length, lines) };
+        let mut texels = Vec::with_capacity(scanned.len());
+        for y in 0..height {
+            let down = if self.from_bottom { height - 1 - y } else { y };
+            texels.extend((0..width).map(|x| {
+                let across = if self.from_right { width - 1 - x } else { x };
+                let (line, at) = if self.by_columns { (across, down) } else { (down, across) };
+                scanned[line * length + at]
+            }));
+        }
+        texels
+    }
+}
+
+/// Reads up to the resolution line.
+fn read_header<'a>(source: &Source<'a>) -> Result<Header<'a>> {
+    let mut rest = source.bytes;
+    let mut next_line = || -> Result<String> {
+        let Some(end) = rest.iter().position(|&byte| byte == b'\n') else {
+            return Err(source.error("truncated: the Radiance header does not end; copy it anew"));
+        };
+        let line = String::from_utf8_lossy(&rest[..end]).trim_end_matches('\r').to_owned();
+        rest = &rest[end + 1..];
+        Ok(line)
+    };
+    let mut is_xyze = false;
+    let mut exposure = [1.0; 3];
+    let mut primaries = None;
+    let mut pairs = Vec::new();
+    // The first line is the signature, by which the file was known.
+    next_line()?;
+    loop {
+        let line = next_line()?;
+        if line.is_empty() {
+            break;
+        }
+        let Some((key, value)) = line.split_once('=').filter(|_| !line.starts_with('#')) else { continue };
+        let numbers =
+            || -> Option<Vec<f64>> { value.split_whitespace().map(|word| word.parse().ok()).collect() };
+        match key.trim() {
+            "FORMAT" => match value.trim() {
+                "32-bit_rle_rgbe" => {}
+                "32-bit_rle_xyze" => is_xyze = true,
+                other => {
+                    let other: String = other.chars().take(40).collect();
+                    return Err(source.error(format!(
+                        "FORMAT={other} is not known; 32-bit_rle_rgbe and 32-bit_rle_xyze are"
+                    )));
+                }
+            },
+            "EXPOSURE" => match numbers().as_deref() {
+                Some(&[factor]) => exposure = exposure.map(|product| product * factor),
+                _ => return Err(not_positive(source, &line)),
+            },
+            "COLORCORR" => match numbers().as_deref() {
+                Some(&[r, g, b]) => exposure = [exposure[0] * r, exposure[1] * g, exposure[2] * b],
+                _ => return Err(not_positive(source, &line)),
+            },
+            "PRIMARIES" => match numbers().as_deref() {
+                Some(&[rx, ry, gx, gy, bx, by, wx, wy]) => {
+                    primaries =
+                        Some(Primaries { red: [rx, ry], green: [gx, gy], blue: [bx, by], white: [wx, wy] });
+                }
+                _ => return Err(source.error("PRIMARIES needs eight numbers")),
+            },
+            key if key.starts_with(KEY_PREFIX) => pairs.push((key.to_owned(), value.trim().to_owned())),
+            _ => {}
+        }
+        if !exposure.iter().all(|factor| factor.is_finite() && *factor > 0.0) {
+            return Err(not_positive(source, &line));
+        }
+    }
+    let resolution = next_line()?;
+    let scan = parse_resolution(&resolution).ok_or_else(|| {
+        let line: String = resolution.chars().take(40).collect();
+        let is_huge = |word: &str| word.parse::<u128>().is_ok() && word.parse::<u32>().is_err();
+        if resolution.split_whitespace().any(is_huge) {
+            return source
+                .error(format!("the resolution line \"{line}\" promises more pixels than can be read"));
+        }
+        source.error(format!("the resolution line \"{line}\" is not like \"-Y 256 +X 512\""))
+    })?;
+    Ok(Header { is_xyze, exposure, primaries, pairs, scan, data: rest })
+}
+
+fn not_positive(source: &Source<'_>, line: &str) -> crate::Error {
+    let line: String = line.chars().take(60).collect();
+    source.error(format!("the header line {line} does not give positive numbers; mend or remove it"))
+}
+
+/// `-Y 256 +X 512` and its seven sisters: the axis named first is the one that goes from scanline to
+/// scanline.
+fn parse_resolution(line: &str) -> Option<Scan> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let [first, lines, second, length] = words[..] else { return None };
+    let (by_columns, x, y) = match (first, second) {
+        ("-Y" | "+Y", "-X" | "+X") => (false, second, first),
+        ("-X" | "+X", "-Y" | "+Y") => (true, first, second),
+        _ => return None,
+    };
+    Some(Scan {
+        lines: lines.parse().ok()?,
+        length: length.parse().ok()?,
+        by_columns,
+        from_right: x == "-X",
+        from_bottom: y == "+Y",
+    })
+}

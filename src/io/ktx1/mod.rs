@@ -1,0 +1,4 @@
+//! KTX 1 files.
+
+pub(super) mod read;
+pub mod write;

@@ -1,0 +1,98 @@
+//! KTX 1 output: cube maps with their levels, as Filament reads them.
+//!
+//! "KTX File Format Specification" (Khronos, version 1.0), and Filament's libs/image/src/Ktx1Bundle.cpp and
+//! libs/ktxreader/src/Ktx1Reader.cpp for what its reader asks for beyond that.
+
+use crate::chain::CubeChain;
+use crate::error::{Error, Result};
+use crate::format::Pixel;
+use crate::format::texel_bytes::texel_bytes;
+use crate::io::cube_file::{CubeFile, check_sizes};
+use crate::io::key_values::key_value_bytes;
+use crate::io::ktx2::write::{ROUGHNESS_KEY, roughness_text};
+
+/// What a file begins with.
+pub(in crate::io) const MAGIC: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
+
+/// OpenGL's names of a pixel format.
+struct GlFormat {
+    kind: u32,
+    kind_bytes: u32,
+    format: u32,
+    internal: u32,
+    base: u32,
+}
+
+const GL_RGB: u32 = 0x1907;
+const GL_RGBA: u32 = 0x1908;
+
+/// A KTX 1 cube map of `chain`: R11G11B10F, RGB9E5, RGBA16F or RGBA32F. `metadata` are key/value pairs, text.
+///
+/// # Errors
+/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, for BC6H, and for keys that
+/// are empty, double or hold a NUL.
+pub fn ktx1_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
+    let size = check_sizes("KTX", chain)?;
+    let gl = gl_format(pixel)?;
+    let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
+    let metadata = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
+    let pairs: Vec<_> = metadata.chain([(ROUGHNESS_KEY, roughness.as_str())]).collect();
+    let pairs = key_value_bytes("KTX", &pairs)?;
+    let mut bytes = MAGIC.to_vec();
+    let header = [
+        0x0403_0201, // little endian
+        gl.kind,
+        gl.kind_bytes,
+        gl.format,
+        gl.internal,
+        gl.base,
+        size,
+        size,
+        0, // depth
+        0, // array elements: not an array
+        6,
+        chain.levels.len() as u32,
+        pairs.len() as u32,
+    ];
+    bytes.extend(header.iter().flat_map(|word: &u32| word.to_le_bytes()));
+    bytes.extend(pairs);
+    for (index, level) in chain.levels.iter().enumerate() {
+        let texels = texel_bytes(level.size, &level.texels, pixel);
+        // imageSize is that of one face in a cube that is no array; texels are multiples of four bytes, so
+        // nothing is padded.
+        let face = u32::try_from(texels.len() / 6).map_err(|_| {
+            Error::Parameter(format!("level {index} is larger than the 4 GiB a KTX face may have"))
+        })?;
+        bytes.extend(face.to_le_bytes());
+        bytes.extend(texels);
+    }
+    Ok(CubeFile::new(bytes, chain, pixel))
+}
+
+fn gl_format(pixel: Pixel) -> Result<GlFormat> {
+    Ok(match pixel {
+        // Filament knows the type by the internal format's number, not by GL_UNSIGNED_INT_10F_11F_11F_REV
+        // (Ktx1Reader.cpp, toPixelDataType), and so writes cmgen.
+        Pixel::R11g11b10 => {
+            GlFormat { kind: 0x8c3a, kind_bytes: 4, format: GL_RGB, internal: 0x8c3a, base: GL_RGB }
+        }
+        // GL_UNSIGNED_INT_5_9_9_9_REV, GL_RGB9_E5.
+        Pixel::Rgb9e5 => {
+            GlFormat { kind: 0x8c3e, kind_bytes: 4, format: GL_RGB, internal: 0x8c3d, base: GL_RGB }
+        }
+        // GL_HALF_FLOAT, GL_RGBA16F.
+        Pixel::F16 => {
+            GlFormat { kind: 0x140b, kind_bytes: 2, format: GL_RGBA, internal: 0x881a, base: GL_RGBA }
+        }
+        // GL_FLOAT, GL_RGBA32F.
+        Pixel::F32 => {
+            GlFormat { kind: 0x1406, kind_bytes: 4, format: GL_RGBA, internal: 0x8814, base: GL_RGBA }
+        }
+        Pixel::Bc6h | Pixel::Rgbd => {
+            return Err(Error::Parameter(format!(
+                "{} is not written into KTX 1; choose ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
+                pixel.name()
+            )));
+        }
+    })
+}

@@ -1,0 +1,93 @@
+//! The KTX2 container: header, level index, data format descriptor, key/value data, levels by Zstandard
+//! (scheme 2).
+//!
+//! Khronos KTX File Format Specification 2.0, sections 3 (structure), 4 (fields) and 5.1 (key/value data).
+
+use super::zstandard;
+use crate::error::{Error, Result};
+use crate::io::exr::write::SOFTWARE;
+use crate::io::key_values::key_value_bytes;
+use ktx2::dfd::{Basic, Block};
+use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme};
+
+/// What a file's header says.
+pub(in crate::io) struct Shape {
+    pub(in crate::io) format: Format,
+    pub(in crate::io) width: u32,
+    pub(in crate::io) height: u32,
+    /// 6 for a cube, else 1.
+    pub(in crate::io) faces: u32,
+    pub(in crate::io) levels: usize,
+}
+
+/// A KTX2 file of `shape`; `texels` gives the bytes of each level, `pairs` are further key/value pairs, text.
+/// One thread, the same bytes always.
+///
+/// # Errors
+/// [`Error::Parameter`] for keys that are empty, double, hold a NUL, or are reserved ("KTX", "ktx").
+pub(in crate::io) fn ktx2_file(
+    shape: &Shape,
+    pairs: &[(&str, &str)],
+    texels: impl Fn(usize) -> Vec<u8>,
+) -> Result<Vec<u8>> {
+    let Shape { format, width, height, faces, levels } = *shape;
+    let (basic, type_size) = Basic::from_format(format).expect("the crate knows what is written");
+    let block = Block::Basic(basic).to_vec();
+    let dfd_bytes = [&(block.len() as u32 + 4).to_le_bytes()[..], &block].concat();
+    let kvd_bytes = metadata_bytes(pairs)?;
+
+    let dfd_at = Header::LENGTH + levels * LevelIndex::LENGTH;
+    let kvd_at = dfd_at + dfd_bytes.len();
+    let header = Header {
+        format: Some(format),
+        type_size,
+        pixel_width: width,
+        pixel_height: height,
+        pixel_depth: 0,
+        layer_count: 0,
+        face_count: faces,
+        level_count: levels as u32,
+        supercompression_scheme: Some(SupercompressionScheme::Zstandard),
+        index: Index {
+            dfd_byte_offset: dfd_at as u32,
+            dfd_byte_length: dfd_bytes.len() as u32,
+            kvd_byte_offset: kvd_at as u32,
+            kvd_byte_length: kvd_bytes.len() as u32,
+            sgd_byte_offset: 0,
+            sgd_byte_length: 0,
+        },
+    };
+    let mut bytes = header.as_bytes().to_vec();
+    bytes.resize(dfd_at, 0);
+    bytes.extend(dfd_bytes);
+    bytes.extend(kvd_bytes);
+
+    // The index runs from the largest level to the smallest, the data the other way; supercompressed levels
+    // need no alignment (section 3.9.7).
+    for index in (0..levels).rev() {
+        let texels = texels(index);
+        let data = zstandard::compress(&texels)
+            .map_err(|e| Error::Parameter(format!("zstd failed on level {index}: {e}")))?;
+        let entry = LevelIndex {
+            byte_offset: bytes.len() as u64,
+            byte_length: data.len() as u64,
+            uncompressed_byte_length: texels.len() as u64,
+        };
+        bytes[Header::LENGTH + index * LevelIndex::LENGTH..][..LevelIndex::LENGTH]
+            .copy_from_slice(&entry.as_bytes());
+        bytes.extend(data);
+    }
+    Ok(bytes)
+}
+
+/// Pairs in the order of their keys, the writer's own among them.
+fn metadata_bytes(pairs: &[(&str, &str)]) -> Result<Vec<u8>> {
+    if let Some((key, _)) = pairs.iter().find(|(key, _)| key.to_ascii_lowercase().starts_with("ktx")) {
+        return Err(Error::Parameter(format!("{key:?} cannot be a key of KTX2 metadata")));
+    }
+    // Images are stored row by row, to the right and down.
+    let mut all = vec![("KTXorientation", "rd"), ("KTXwriter", SOFTWARE)];
+    all.extend(pairs);
+    all.sort_unstable();
+    key_value_bytes("KTX2", &all)
+}

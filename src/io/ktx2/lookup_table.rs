@@ -1,0 +1,39 @@
+//! Look-up tables as 2D KTX2 files: RG16F or RGBA16F, one level, Zstandard.
+
+use super::file::{Shape, ktx2_file};
+use crate::error::{Error, Result};
+use crate::format::push_halves;
+use ktx2::Format;
+
+/// Which channels a table has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channels {
+    /// Red and green: RG16F.
+    Two,
+    /// All three and an alpha of 1: RGBA16F.
+    Four,
+}
+
+/// A KTX2 file of a table of `size` x `size` row-major texels, half floats clamped at their greatest value;
+/// `description` goes under the key `octaglossContent`.
+///
+/// # Errors
+/// [`Error::Parameter`] where the texels do not fill the table, or the description holds a NUL.
+pub fn table_bytes(size: u32, texels: &[[f32; 3]], channels: Channels, description: &str) -> Result<Vec<u8>> {
+    if texels.is_empty() || texels.len() != size as usize * size as usize || description.contains('\0') {
+        return Err(Error::Parameter(format!(
+            "a table of {size}x{size} cannot hold {} texels",
+            texels.len()
+        )));
+    }
+    let (format, values): (_, Vec<f32>) = match channels {
+        Channels::Two => (Format::R16G16_SFLOAT, texels.iter().flat_map(|[r, g, _]| [*r, *g]).collect()),
+        Channels::Four => {
+            (Format::R16G16B16A16_SFLOAT, texels.iter().flat_map(|[r, g, b]| [*r, *g, *b, 1.0]).collect())
+        }
+    };
+    let mut data = Vec::with_capacity(values.len() * 2);
+    push_halves(&values, &mut data);
+    let shape = Shape { format, width: size, height: size, faces: 1, levels: 1 };
+    ktx2_file(&shape, &[("octaglossContent", description)], |_| data.clone())
+}

@@ -1,0 +1,70 @@
+//! KTX2 output: cube maps with their levels.
+
+use super::file::{Shape, ktx2_file};
+use crate::chain::CubeChain;
+use crate::error::{Error, Result};
+use crate::format::Pixel;
+use crate::format::texel_bytes::texel_bytes;
+use crate::io::cube_file::{CubeFile, check_sizes};
+use crate::io::output::{self, Existing};
+use ktx2::Format;
+use std::path::Path;
+
+/// The key that lists each level's roughness, comma-separated, the sharpest first.
+pub const ROUGHNESS_KEY: &str = "octaglossRoughness";
+
+/// Writes `chain` as a KTX2 cube map to `path`, whole or not at all; see [`ktx2_bytes`].
+///
+/// Returns the texels clamped, a level each.
+///
+/// # Errors
+/// As [`ktx2_bytes`] and [`output::write_file`].
+pub fn write_ktx2(
+    path: &Path,
+    existing: Existing,
+    chain: &CubeChain,
+    pixel: Pixel,
+    metadata: &[(String, String)],
+) -> Result<Vec<u64>> {
+    output::check_file(path, existing)?;
+    let ktx2 = ktx2_bytes(chain, pixel, metadata)?;
+    output::write_file(path, existing, |file| file.write_all(&ktx2.bytes))?;
+    Ok(ktx2.clamped)
+}
+
+/// A KTX2 cube map of `chain`: RGBA16F, RGBA32F (alpha 1), RGB9E5, R11G11B10F or BC6H. `metadata` are further
+/// key/value pairs, text.
+///
+/// # Errors
+/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, and for keys that are empty,
+/// double, hold a NUL, or are reserved ("KTX", "ktx").
+pub fn ktx2_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
+    let size = check_sizes("KTX2", chain)?;
+    let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
+    let mut pairs = vec![(ROUGHNESS_KEY, roughness.as_str())];
+    pairs.extend(metadata.iter().map(|(key, value)| (key.as_str(), value.as_str())));
+    let shape =
+        Shape { format: format_of(pixel)?, width: size, height: size, faces: 6, levels: chain.levels.len() };
+    let bytes = ktx2_file(&shape, &pairs, |index| {
+        let level = &chain.levels[index];
+        texel_bytes(level.size, &level.texels, pixel)
+    })?;
+    Ok(CubeFile::new(bytes, chain, pixel))
+}
+
+/// The value of [`ROUGHNESS_KEY`].
+pub(in crate::io) fn roughness_text(roughness: impl Iterator<Item = f64>) -> String {
+    roughness.map(|r| r.to_string()).collect::<Vec<_>>().join(",")
+}
+
+/// Vulkan's name of a pixel format.
+pub(in crate::io) fn format_of(pixel: Pixel) -> Result<Format> {
+    Ok(match pixel {
+        Pixel::F16 => Format::R16G16B16A16_SFLOAT,
+        Pixel::F32 => Format::R32G32B32A32_SFLOAT,
+        Pixel::Rgb9e5 => Format::E5B9G9R9_UFLOAT_PACK32,
+        Pixel::R11g11b10 => Format::B10G11R11_UFLOAT_PACK32,
+        Pixel::Bc6h => Format::BC6H_UFLOAT_BLOCK,
+        Pixel::Rgbd => return Err(Error::Parameter("ktx2 files cannot hold rgbd".to_owned())),
+    })
+}

@@ -1,0 +1,4 @@
+//! PNG and JPEG files.
+
+pub(super) mod read;
+pub mod write;

@@ -1,0 +1,53 @@
+//! Third-party decoders, contained: a panic inside becomes an [`Error::Input`] and prints nothing.
+
+use crate::error::{Error, Result};
+use std::cell::Cell;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::Path;
+use std::sync::Once;
+
+thread_local! {
+    /// Whether this thread runs a decoder whose panics are caught, and so need no report on standard error.
+    static CONTAINED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs `decode`; a panic inside becomes an error about `path`.
+///
+/// The first call puts a panic hook in front of the one in place; it passes on every panic but the contained
+/// ones.
+pub(crate) fn contained<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let previous = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            if !CONTAINED.try_with(Cell::get).unwrap_or(false) {
+                previous(info);
+            }
+        }));
+    });
+    let outer = CONTAINED.replace(true);
+    let outcome = panic::catch_unwind(AssertUnwindSafe(decode));
+    CONTAINED.set(outer);
+    outcome.unwrap_or_else(|_| Err(Error::input(path, "corrupt: its decoder broke off; write the file anew")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::contained;
+    use std::path::Path;
+
+    #[test]
+    fn panic_becomes_a_one_line_error() {
+        let error = contained::<()>(Path::new("a.exr"), || panic!("index out of bounds")).unwrap_err();
+        assert_eq!(error.to_string(), "a.exr: corrupt: its decoder broke off; write the file anew");
+    }
+
+    #[test]
+    fn nested_calls_keep_the_outer_one_contained() {
+        let error = contained::<()>(Path::new("outer"), || {
+            contained::<()>(Path::new("inner"), || panic!("inside")).unwrap_err();
+            panic!("outside")
+        });
+        assert!(error.unwrap_err().to_string().starts_with("outer: corrupt"), "the outer file is named");
+    }
+}

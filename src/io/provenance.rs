@@ -1,0 +1,346 @@
+//! Where the light in a file comes from and how it is turned, for every container in one set of keys.
+//!
+//! # The world of a file
+//!
+//! A file's world is what its texels show once its flip and its quarter turns are undone. The rotation, the
+//! mirroring and the removal of the sun that a bake was asked for are part of this world. All readers of
+//! [`super`] return files in their world, so `query`, `view`, `info` and another `bake` see what the user of
+//! the bake sees. Only `compare BAKE SOURCE` looks further: it gives the source the bake's rotation,
+//! mirroring and sun, and then compares.
+//!
+//! # Where it is written
+//!
+//! KTX and KTX2 hold these keys as key/value pairs, OpenEXR as attributes, Radiance .hdr as header lines. DDS
+//! holds its flip in reserved words of its header; the rest is in the report of the bake, which lists the
+//! BLAKE3 hash of every file. A report that lists another hash for a file is ignored. What a file itself says
+//! comes before what its report says.
+
+use crate::chain::{CubeChain, CubeLevel};
+use crate::environment::{Layout, Rgb};
+use crate::lobe::{LOBE_KEY, Lobe};
+use crate::target::Flip;
+
+/// What all keys begin with.
+pub const KEY_PREFIX: &str = "octagloss";
+/// The key of the target's name.
+pub const TARGET_KEY: &str = "octaglossTarget";
+/// The key of the axis on which the texels are flipped: `none`, `x` or `z`.
+pub const FLIP_KEY: &str = "octaglossFlip";
+/// The key of the quarters of the width by which a panorama's columns are moved to the right.
+pub const QUARTER_TURNS_KEY: &str = "octaglossQuarterTurns";
+/// The key of the degrees by which the source was turned about +Y.
+pub const ROTATE_KEY: &str = "octaglossRotateY";
+/// The key that says whether the source was mirrored: `yes` or `no`.
+pub const MIRROR_KEY: &str = "octaglossMirror";
+/// The key of the sun that was taken out of the source.
+pub const SUN_KEY: &str = "octaglossSun";
+/// The key of the filter.
+pub const FILTER_KEY: &str = "octaglossFilter";
+/// The key of the ladder.
+pub const LADDER_KEY: &str = "octaglossLadder";
+/// The key that says what the file holds, where that is not the levels of a bake.
+pub const CONTENT_KEY: &str = "octaglossContent";
+
+/// The value of [`CONTENT_KEY`] for an irradiance cube.
+pub const IRRADIANCE: &str = "irradiance over pi";
+
+/// A sun that was taken out of a source before it was baked.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct TakenSun {
+    /// Unit vector towards it, in the world.
+    pub direction: [f64; 3],
+    /// Irradiance on a surface that faces it.
+    pub irradiance: [f64; 3],
+    /// Steradians.
+    pub solid_angle: f64,
+}
+
+/// What a file says of its origin and of its turning; `None` where it does not say it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    /// Name of the target.
+    pub target: Option<String>,
+    /// What the file holds, where that is not the levels of a bake.
+    pub content: Option<String>,
+    /// The axis on which the texels are flipped.
+    pub flip: Option<Flip>,
+    /// Quarters of the width by which a panorama's columns are moved to the right.
+    pub quarter_turns: Option<u32>,
+    /// Degrees by which the source was turned about +Y.
+    pub rotate_y: Option<f64>,
+    /// Whether the source was mirrored.
+    pub mirror: Option<bool>,
+    /// The sun that was taken out of the source.
+    pub sun: Option<TakenSun>,
+    /// The lobe of the levels.
+    pub lobe: Option<Lobe>,
+    /// The filter, as the command line has it.
+    pub filter: Option<String>,
+    /// The ladder, as the command line has it.
+    pub ladder: Option<String>,
+}
+
+impl Provenance {
+    /// The key/value pairs of this, in a fixed order. Every container writes these.
+    #[must_use]
+    pub fn pairs(&self) -> Vec<(String, String)> {
+        let sun = self.sun.map(|sun| {
+            let words = |values: [f64; 3]| values.map(|value| value.to_string()).join(" ");
+            format!("{}, {}, {}", words(sun.direction), words(sun.irradiance), sun.solid_angle)
+        });
+        let pairs = [
+            (TARGET_KEY, self.target.clone()),
+            (CONTENT_KEY, self.content.clone()),
+            (FLIP_KEY, self.flip.map(|flip| flip.name().to_owned())),
+            (QUARTER_TURNS_KEY, self.quarter_turns.map(|turns| turns.to_string())),
+            (ROTATE_KEY, self.rotate_y.map(|degrees| degrees.to_string())),
+            (MIRROR_KEY, self.mirror.map(|mirror| if mirror { "yes" } else { "no" }.to_owned())),
+            (SUN_KEY, sun),
+            (LOBE_KEY, self.lobe.map(|lobe| lobe.name().to_owned())),
+            (FILTER_KEY, self.filter.clone()),
+            (LADDER_KEY, self.ladder.clone()),
+        ];
+        pairs.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
+    }
+
+    /// Reads the pairs back; `text` gives the value of a key.
+    ///
+    /// # Errors
+    /// A message that names the key whose value makes no sense.
+    pub(super) fn of_texts(text: &dyn Fn(&str) -> Option<String>) -> Result<Self, String> {
+        fn parsed<T>(
+            key: &str,
+            text: Option<String>,
+            needed: &str,
+            parse: impl Fn(&str) -> Option<T>,
+        ) -> Result<Option<T>, String> {
+            let Some(text) = text else { return Ok(None) };
+            parse(text.trim()).map(Some).ok_or_else(|| {
+                let text: String = text.chars().take(40).collect();
+                format!("{key} is {text:?}; {needed} is needed, bake it anew")
+            })
+        }
+        let of = |key: &str| text(key);
+        Ok(Self {
+            target: of(TARGET_KEY),
+            content: of(CONTENT_KEY),
+            flip: parsed(FLIP_KEY, of(FLIP_KEY), "none, x or z", Flip::named)?,
+            quarter_turns: parsed(QUARTER_TURNS_KEY, of(QUARTER_TURNS_KEY), "0, 1, 2 or 3", |word| {
+                word.parse().ok().filter(|turns| *turns < 4)
+            })?,
+            rotate_y: parsed(ROTATE_KEY, of(ROTATE_KEY), "a number of degrees", finite)?,
+            mirror: parsed(MIRROR_KEY, of(MIRROR_KEY), "yes or no", |word| match word {
+                "yes" => Some(true),
+                "no" => Some(false),
+                _ => None,
+            })?,
+            sun: parsed(SUN_KEY, of(SUN_KEY), "a direction, an irradiance and a solid angle", taken_sun)?,
+            // An older or newer program may know other lobes.
+            lobe: of(LOBE_KEY).and_then(|name| Lobe::named(name.trim())),
+            filter: of(FILTER_KEY),
+            ladder: of(LADDER_KEY),
+        })
+    }
+
+    /// What this says, and what `other` says where this says nothing.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            target: self.target.or(other.target),
+            content: self.content.or(other.content),
+            flip: self.flip.or(other.flip),
+            quarter_turns: self.quarter_turns.or(other.quarter_turns),
+            rotate_y: self.rotate_y.or(other.rotate_y),
+            mirror: self.mirror.or(other.mirror),
+            sun: self.sun.or(other.sun),
+            lobe: self.lobe.or(other.lobe),
+            filter: self.filter.or(other.filter),
+            ladder: self.ladder.or(other.ladder),
+        }
+    }
+
+    /// Whether nothing is said.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Moves `texels` from where the file has them to where the world has them.
+    ///
+    /// # Errors
+    /// A message for quarter turns of what is no panorama of whole quarters.
+    pub(super) fn world_texels(&self, layout: Layout, texels: Vec<Rgb>) -> Result<Vec<Rgb>, String> {
+        let turns = self.quarter_turns.unwrap_or(0);
+        let texels = match layout {
+            _ if turns == 0 => texels,
+            Layout::Panorama { width, .. } if width % 4 == 0 => {
+                let shift = (turns * width / 4) as usize;
+                rows(texels, width, |row| row.rotate_left(shift))
+            }
+            _ => return Err(format!("{QUARTER_TURNS_KEY} is {turns}; a panorama of 4n columns is needed")),
+        };
+        let flip = self.flip.unwrap_or_default();
+        Ok(match (flip, layout) {
+            (Flip::None, _) => texels,
+            (_, Layout::Cube { size }) => {
+                flip.level(&CubeLevel { size, roughness: 0.0, texels, bounds: None }).texels
+            }
+            // Azimuths run from -Z over +X and +Z, so that -z reverses the columns.
+            (Flip::Z, Layout::Panorama { width, .. }) => rows(texels, width, <[Rgb]>::reverse),
+            (Flip::X, Layout::Panorama { width, .. }) => {
+                let half = width as usize / 2;
+                rows(texels, width, |row| {
+                    row.reverse();
+                    row.rotate_left(half);
+                })
+            }
+            // Columns run along x, rows along z.
+            (Flip::X, Layout::Octahedral { size }) => rows(texels, size, <[Rgb]>::reverse),
+            (Flip::Z, Layout::Octahedral { size }) => {
+                texels.chunks_exact(size as usize).rev().flatten().copied().collect()
+            }
+        })
+    }
+
+    /// Moves the texels of `chain` to where the world has them.
+    ///
+    /// # Errors
+    /// As [`Provenance::world_texels`].
+    pub(super) fn world_chain(&self, chain: CubeChain) -> Result<CubeChain, String> {
+        if self.quarter_turns.unwrap_or(0) != 0 {
+            return Err(format!("{QUARTER_TURNS_KEY} is for panoramas; bake it anew"));
+        }
+        Ok(match self.flip.unwrap_or_default() {
+            Flip::None => chain,
+            flip => flip.chain(&chain),
+        })
+    }
+}
+
+/// The pairs of a bake's levels as those of its irradiance: the lobe is the cosine, there is no ladder.
+#[must_use]
+pub fn irradiance_pairs(pairs: &[(String, String)]) -> Vec<(String, String)> {
+    let own = [(CONTENT_KEY, IRRADIANCE), (LOBE_KEY, Lobe::Cosine.name())];
+    let others = |key: &str| ![CONTENT_KEY, LOBE_KEY, LADDER_KEY].contains(&key);
+    let own = own.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    own.into_iter().chain(pairs.iter().filter(|(key, _)| others(key)).cloned()).collect()
+}
+
+fn rows(mut texels: Vec<Rgb>, width: u32, change: impl Fn(&mut [Rgb])) -> Vec<Rgb> {
+    texels.chunks_exact_mut(width as usize).for_each(change);
+    texels
+}
+
+fn finite(word: &str) -> Option<f64> {
+    word.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// `x y z, r g b, steradians`.
+fn taken_sun(text: &str) -> Option<TakenSun> {
+    let numbers = |part: &str| -> Option<Vec<f64>> { part.split_whitespace().map(finite).collect() };
+    let [direction, irradiance, solid_angle] =
+        <[Vec<f64>; 3]>::try_from(text.split(',').map(numbers).collect::<Option<Vec<_>>>()?).ok()?;
+    let [solid_angle] = solid_angle[..] else { return None };
+    Some(TakenSun {
+        direction: direction.try_into().ok()?,
+        irradiance: irradiance.try_into().ok()?,
+        solid_angle,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn full() -> Provenance {
+        Provenance {
+            target: Some("three".to_owned()),
+            content: Some(IRRADIANCE.to_owned()),
+            flip: Some(Flip::X),
+            quarter_turns: Some(3),
+            rotate_y: Some(-37.125),
+            mirror: Some(true),
+            sun: Some(TakenSun {
+                direction: [0.6, 0.0, -0.8],
+                irradiance: [1e-5, 2.5, 1e30],
+                solid_angle: 6.8e-5,
+            }),
+            lobe: Some(Lobe::Phong),
+            filter: Some("adaptive:0.005".to_owned()),
+            ladder: Some("linear".to_owned()),
+        }
+    }
+
+    fn read(pairs: &[(String, String)]) -> Result<Provenance, String> {
+        Provenance::of_texts(&|key| pairs.iter().find(|(own, _)| own == key).map(|(_, value)| value.clone()))
+    }
+
+    #[test]
+    fn pairs_are_read_back_whole() {
+        assert_eq!(read(&full().pairs()), Ok(full()));
+        assert_eq!(read(&[]), Ok(Provenance::default()));
+        assert!(Provenance::default().is_empty() && Provenance::default().pairs().is_empty());
+        let flipped = Provenance { flip: Some(Flip::Z), ..Provenance::default() };
+        assert_eq!(flipped.or(full()), Provenance { flip: Some(Flip::Z), ..full() });
+    }
+
+    #[test]
+    fn values_that_make_no_sense_are_named() {
+        for (key, value) in [
+            (FLIP_KEY, "y"),
+            (QUARTER_TURNS_KEY, "4"),
+            (ROTATE_KEY, "inf"),
+            (MIRROR_KEY, "true"),
+            (SUN_KEY, "0 1, 1 1 1, 1"),
+        ] {
+            let error = read(&[(key.to_owned(), value.to_owned())]).unwrap_err();
+            assert!(error.starts_with(&format!("{key} is {value:?}; ")), "{error}");
+        }
+    }
+
+    /// Every layout, flip and turn: the texel that the world has at a direction is the one that the file has
+    /// at that direction turned and flipped.
+    #[test]
+    fn texels_come_back_to_the_world() {
+        let layouts = [
+            Layout::Cube { size: 4 },
+            Layout::Octahedral { size: 6 },
+            Layout::Panorama { width: 16, height: 8 },
+        ];
+        for layout in layouts {
+            let images = if matches!(layout, Layout::Cube { .. }) { 6 } else { 1 };
+            let (width, height) = layout.sides();
+            let places =
+                (0..images).flat_map(|k| (0..height).flat_map(move |j| (0..width).map(move |i| (k, i, j))));
+            let directions: Vec<DVec3> =
+                places.map(|(k, i, j)| layout.direction_from_texel(k, i, j)).collect();
+            let turns = if matches!(layout, Layout::Panorama { .. }) { 0..4 } else { 0..1 };
+            for (flip, turns) in [Flip::None, Flip::X, Flip::Z]
+                .into_iter()
+                .flat_map(|flip| turns.clone().map(move |t| (flip, t)))
+            {
+                // The writer flips, then moves columns to the right: the azimuth grows.
+                let file_from_world = |world: DVec3| {
+                    let flipped = flip.apply(world);
+                    let (sin, cos) = (f64::from(turns) * std::f64::consts::FRAC_PI_2).sin_cos();
+                    DVec3::new(
+                        cos * flipped.x - sin * flipped.z,
+                        flipped.y,
+                        sin * flipped.x + cos * flipped.z,
+                    )
+                };
+                // A texel of the file holds its own direction.
+                let texels = directions.iter().map(|direction| direction.as_vec3().to_array()).collect();
+                let provenance =
+                    Provenance { flip: Some(flip), quarter_turns: Some(turns), ..Provenance::default() };
+                let world = provenance.world_texels(layout, texels).unwrap();
+                for (direction, texel) in directions.iter().zip(world) {
+                    let expected = file_from_world(*direction).as_vec3();
+                    let off = (glam::Vec3::from_array(texel) - expected).length();
+                    assert!(off < 1e-5, "{layout:?} {flip:?} {turns}: {texel:?} for {expected}");
+                }
+            }
+        }
+    }
+}

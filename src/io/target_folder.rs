@@ -1,0 +1,69 @@
+//! Folders as `bake --target` writes them: which of their files holds the levels.
+
+use super::side_report::{REPORT, SideReport};
+use crate::error::{Error, Result};
+use crate::target::{Content, TARGETS, Target};
+use std::path::{Path, PathBuf};
+
+/// The file in `folder` that holds the levels of a target: the one that `report.json` names, or without a
+/// report the one that is named as a target's. `None` where `folder` is no folder of a target.
+///
+/// # Errors
+/// [`Error::Input`] for a folder of several targets, and for files of several bakes.
+pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
+    let report = folder.join(REPORT);
+    if report.is_file() {
+        // What is wrong with a report is said by who reads the folder for its levels.
+        let bytes = super::decode::file_bytes(&report, super::side_report::MOST_REPORT_BYTES)?;
+        let Ok(report) = serde_json::from_slice::<SideReport>(&bytes) else { return Ok(None) };
+        let Some(first) = report.target_files().and_then(<[String]>::first) else { return Ok(None) };
+        // A report is not to lead out of its folder.
+        let within =
+            Path::new(first).components().all(|part| matches!(part, std::path::Component::Normal(_)));
+        return Ok(within.then(|| folder.join(first)));
+    }
+    let names = |folder: &Path| -> Result<Vec<String>> {
+        let fail = |error| Error::io(folder, error);
+        let entries = std::fs::read_dir(folder).map_err(fail)?;
+        let mut names = entries
+            .map(|entry| Ok(entry.map_err(fail)?.file_name().to_string_lossy().into_owned()))
+            .collect::<Result<Vec<_>>>()?;
+        names.sort();
+        Ok(names)
+    };
+    let own = names(folder)?;
+    let targets: Vec<&str> =
+        own.iter().map(String::as_str).filter(|name| Target::named(name).is_some()).collect();
+    if !targets.is_empty() {
+        return Err(Error::input(
+            folder,
+            format!("it holds the folders of targets ({}); name one of them", targets.join(", ")),
+        ));
+    }
+    // Without a report (`bake --json` prints it instead) names decide.
+    let mut paths = own.clone();
+    for name in own.iter().filter(|name| folder.join(name).is_dir()) {
+        paths.extend(
+            names(&folder.join(name)).unwrap_or_default().into_iter().map(|inner| format!("{name}/{inner}")),
+        );
+    }
+    let holds_levels = |path: &&String| {
+        let mut contents = TARGETS.iter().filter_map(|target| target.content_of(path));
+        contents.any(|content| {
+            use Content::{Env, Glb, Oem, Panorama, Specular};
+            matches!(content, Specular | Oem | Panorama | Env | Glb)
+        })
+    };
+    let found: Vec<&String> = paths.iter().filter(holds_levels).collect();
+    match found[..] {
+        [] => Ok(None),
+        [one] => Ok(Some(folder.join(one))),
+        [..] => {
+            let names: Vec<&str> = found.iter().take(4).map(|name| name.as_str()).collect();
+            Err(Error::input(
+                folder,
+                format!("it holds the levels of several bakes ({}); name one of them", names.join(", ")),
+            ))
+        }
+    }
+}

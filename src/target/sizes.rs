@@ -1,0 +1,29 @@
+//! Sizes that the containers of targets can hold.
+
+use crate::error::{Error, Result};
+
+/// Whether a chain of `levels` from `size` down can go into an `.env`.
+///
+/// # Errors
+/// [`Error::Parameter`] where the reader would refuse it.
+pub(crate) fn check_env(size: u32, levels: u32) -> Result<()> {
+    if size.is_power_of_two() && levels == size.ilog2() + 1 {
+        return Ok(());
+    }
+    Err(Error::Parameter(format!(
+        "an .env needs a --size that is a power of two and all its levels down to 1; {size} with {levels} levels is not"
+    )))
+}
+
+pub(crate) const EXTENSION: &str = "EXT_lights_image_based";
+
+/// Whether a chain from `size` down can be a light.
+///
+/// # Errors
+/// [`Error::Parameter`] where the extension forbids it.
+pub(crate) fn check_glb(size: u32) -> Result<()> {
+    if size.is_power_of_two() {
+        return Ok(());
+    }
+    Err(Error::Parameter(format!("{EXTENSION} needs a --size that is a power of two; {size} is not")))
+}

@@ -1,0 +1,197 @@
+//! What every pixel of a picture shares: the uniforms of the shaders, as they lay them out.
+
+use super::camera::Frame;
+use super::look::{Ball, Look, ROW};
+use crate::environment::Environment;
+use crate::gpu::lamp::Lamp;
+use crate::sh;
+use glam::{DMat3, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// Levels at most of a prefiltered cube.
+pub(super) const MOST_LEVELS: usize = 16;
+
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct BallUniform {
+    centre: [f32; 3],
+    radius: f32,
+    roughness: f32,
+    pad: [f32; 3],
+}
+
+/// The uniform of a picture.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct ViewFrame {
+    eye: [f32; 3],
+    exposure: f32,
+    right: [f32; 3],
+    roughness: f32,
+    up: [f32; 3],
+    backdrop: f32,
+    forward: [f32; 3],
+    levels: f32,
+    metal: [f32; 3],
+    levels_scale: f32,
+    tint: [f32; 3],
+    roughness_factor: f32,
+    size: [f32; 2],
+    pad_size: [f32; 2],
+    source_from_world: [[f32; 4]; 3],
+    levels_from_source: [[f32; 4]; 3],
+    clip_from_world: [[f32; 4]; 4],
+    ladder: [[f32; 4]; MOST_LEVELS / 4],
+    ball: [BallUniform; ROW as usize],
+}
+
+/// What a picture is looked up in besides the environment's tables.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ladder {
+    /// Levels,
+    pub(super) count: u32,
+    /// and their roughness.
+    pub(super) roughness: [f32; MOST_LEVELS],
+    /// What texels are multiplied by.
+    pub(super) scale: f32,
+    /// Turns directions of the environment's space into the levels'.
+    pub(super) levels_from_source: DMat3,
+}
+
+impl Default for Ladder {
+    fn default() -> Self {
+        let roughness = [0.0; MOST_LEVELS];
+        Self { count: 1, roughness, scale: 1.0, levels_from_source: DMat3::IDENTITY }
+    }
+}
+
+fn three(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}
+
+fn columns(matrix: DMat3) -> [[f32; 4]; 3] {
+    [0, 1, 2].map(|c| {
+        let [x, y, z] = three(matrix.col(c));
+        [x, y, z, 0.0]
+    })
+}
+
+impl ViewFrame {
+    /// The uniform of `look` by a picture's `frame`; `exposure` is in powers of two.
+    pub(super) fn new(
+        look: &Look,
+        frame: &Frame,
+        exposure: f64,
+        source_from_world: DMat3,
+        size: [u32; 2],
+        ladder: &Ladder,
+    ) -> Self {
+        let mut ball = [BallUniform::default(); ROW as usize];
+        for (uniform, Ball { centre, radius, roughness }) in ball.iter_mut().zip(look.balls()) {
+            *uniform = BallUniform {
+                centre: centre.map(|c| c as f32),
+                radius: radius as f32,
+                roughness: roughness as f32,
+                pad: [0.0; 3],
+            };
+        }
+        Self {
+            eye: three(frame.eye),
+            exposure: exposure.exp2() as f32,
+            right: three(frame.right),
+            roughness: look.roughness as f32,
+            up: three(frame.up),
+            backdrop: look.backdrop as f32,
+            forward: three(frame.forward),
+            levels: ladder.count as f32,
+            metal: look.metal,
+            levels_scale: ladder.scale,
+            tint: look.tint,
+            roughness_factor: look.roughness_factor as f32,
+            size: size.map(|side| side as f32),
+            pad_size: [0.0; 2],
+            source_from_world: columns(source_from_world),
+            levels_from_source: columns(ladder.levels_from_source),
+            clip_from_world: frame.clip_from_world.as_mat4().to_cols_array_2d(),
+            ladder: std::array::from_fn(|k| std::array::from_fn(|c| ladder.roughness[4 * k + c])),
+            ball,
+        }
+    }
+}
+
+/// The uniform of diffuse light, in the environment's space.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct Diffuse {
+    /// Harmonics of irradiance over pi.
+    harmonics: [[f32; 4]; sh::MAX_COUNT],
+    /// Where the lamp is, and its energy over pi.
+    lamp: [f32; 4],
+}
+
+impl Diffuse {
+    /// The light of `environment`, without a lamp.
+    pub(super) fn new(environment: &Environment) -> Self {
+        // What a cosine over pi leaves of each band (Ramamoorthi and Hanrahan 2001, equation 8).
+        const BANDS: [f64; 5] = [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0];
+        let mut harmonics = [[0.0; 4]; sh::MAX_COUNT];
+        let coefficients = sh::spherical_harmonics(environment, sh::MAX_ORDER);
+        for (index, (uniform, coefficient)) in harmonics.iter_mut().zip(coefficients).enumerate() {
+            let [red, green, blue] = coefficient.map(|c| (BANDS[sh::band(index)] * c) as f32);
+            *uniform = [red, green, blue, 0.0];
+        }
+        Self { harmonics, lamp: [0.0; 4] }
+    }
+
+    /// Bytes before those of [`Diffuse::lamp`].
+    pub(super) const LAMP_OFFSET: u64 = 16 * sh::MAX_COUNT as u64;
+
+    /// What the uniform holds of `lamp`.
+    pub(super) fn of_lamp(lamp: Option<Lamp>) -> [f32; 4] {
+        const STEPS: u32 = 256;
+        let Some(lamp) = lamp else { return [0.0; 4] };
+        let towards = lamp.direction();
+        let across = towards.any_orthonormal_vector();
+        // Rings around its middle, as wide as its edge.
+        let edge = lamp.edge_angle();
+        let energy: f64 = (0..STEPS)
+            .map(|k| {
+                let angle = (f64::from(k) + 0.5) / f64::from(STEPS) * edge;
+                let (sin, cos) = angle.sin_cos();
+                lamp.radiance_towards(cos * towards + sin * across) * TAU * sin * edge / f64::from(STEPS)
+            })
+            .sum();
+        let [x, y, z] = three(towards);
+        [x, y, z, (energy / PI) as f32]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Diffuse, ViewFrame};
+    use crate::gpu::lamp::Lamp;
+    use glam::DVec3;
+    use std::mem::size_of;
+
+    #[test]
+    fn the_energy_of_a_lamp_is_that_of_its_disc() {
+        let lamp = Lamp::new(DVec3::new(0.0, 2.0, 0.0), 5.0, 0.05, 0.06);
+        let [x, y, z, energy] = Diffuse::of_lamp(Some(lamp));
+        assert_eq!([x, y, z], [0.0, 1.0, 0.0]);
+        // Radiance times solid angle over pi, of discs up to where it is bright and up to where it is dark.
+        let [inner, outer] = [0.05_f64, 0.06].map(|angle| 10.0 * (1.0 - angle.cos()));
+        assert!((inner..outer).contains(&f64::from(energy)), "{energy} is not within {inner} to {outer}");
+        assert_eq!(Diffuse::of_lamp(None), [0.0; 4]);
+    }
+
+    #[test]
+    fn uniforms_are_as_large_as_the_shaders_structs() {
+        let source = crate::gpu::device::shader::source("view/levels.wgsl");
+        let module = naga::front::wgsl::parse_str(&source).expect("a shader that parses");
+        for (name, size) in [("ViewFrame", size_of::<ViewFrame>()), ("Diffuse", size_of::<Diffuse>())] {
+            let (_, found) =
+                module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).expect("a struct");
+            assert_eq!(found.inner.size(module.to_ctx()) as usize, size, "{name}");
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Prefiltered cubes on the GPU: a bake's own levels, or those of an environment.
+
+use super::frame::{Ladder, MOST_LEVELS};
+use crate::chain::CubeChain;
+use crate::error::{Error, Result};
+use crate::gpu::Context;
+use glam::DMat3;
+use half::f16;
+
+/// The levels of a bake, to be shown as they are.
+#[derive(Clone, Debug)]
+pub struct Levels {
+    chain: CubeChain,
+    levels_from_world: DMat3,
+}
+
+impl Levels {
+    /// The levels of `chain`; `levels_from_world` turns directions of the world into theirs. `None` for a
+    /// single level, which is no more than an environment.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for sizes that do not halve, roughness that falls and more levels than can be
+    /// shown.
+    pub fn new(chain: CubeChain, levels_from_world: DMat3) -> Result<Option<Self>> {
+        if chain.levels.len() < 2 {
+            return Ok(None);
+        }
+        let largest = chain.levels[0].size;
+        let wrong =
+            |message: String| Err(Error::Parameter(format!("levels that cannot be shown: {message}")));
+        if chain.levels.len() > MOST_LEVELS {
+            return wrong(format!("{} of them, and {MOST_LEVELS} can be", chain.levels.len()));
+        }
+        for (number, level) in (0..).zip(&chain.levels) {
+            let expected = largest.checked_shr(number).unwrap_or(0).max(1);
+            if level.size != expected || level.texels.len() != 6 * expected as usize * expected as usize {
+                return wrong(format!(
+                    "level {number} has {} texels a side instead of {expected}",
+                    level.size
+                ));
+            }
+        }
+        if largest.ilog2() + 1 < chain.levels.len() as u32 {
+            return wrong(format!("{} of them below a face of {largest}", chain.levels.len()));
+        }
+        if let Some([a, b]) = chain.levels.array_windows().find(|[a, b]| a.roughness > b.roughness) {
+            return wrong(format!("roughness {} follows {}", b.roughness, a.roughness));
+        }
+        Ok(Some(Self { chain, levels_from_world }))
+    }
+
+    /// The levels on the device of `context`; `source_from_world` is that of the light that they belong to.
+    pub(super) fn upload(&self, context: &Context, source_from_world: DMat3) -> Result<Cube> {
+        upload(context, &self.chain, self.levels_from_world * source_from_world.transpose())
+    }
+}
+
+/// A prefiltered cube of half floats.
+#[derive(Debug)]
+pub(super) struct Cube {
+    pub(super) view: wgpu::TextureView,
+    pub(super) ladder: Ladder,
+}
+
+/// `chain` as a texture. Texels are scaled by a power of two where half floats cannot hold them.
+pub(super) fn upload(context: &Context, chain: &CubeChain, levels_from_source: DMat3) -> Result<Cube> {
+    let size = chain.levels[0].size;
+    let most = context.device().limits().max_texture_dimension_2d;
+    if size > most {
+        return Err(Error::Limit {
+            what: format!("a cube of {size} x {size} texels a face"),
+            needed: 48 * u64::from(size).pow(2),
+            available: 48 * u64::from(most).pow(2),
+            remedy: "choose another filter than levels".to_owned(),
+        });
+    }
+    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some("prefiltered cube"),
+        size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 6 },
+        mip_level_count: chain.levels.len() as u32,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let texels = chain.levels.iter().flat_map(|level| level.texels.as_flattened());
+    let exponent = exponent_of(texels.copied().fold(0.0, f32::max));
+    // In two steps, each of which float32 can hold.
+    let (first, second) = (exponent / 2, exponent - exponent / 2);
+    let scale = |value: f32| value * (-first as f32).exp2() * (-second as f32).exp2();
+    for (mip_level, level) in (0..).zip(&chain.levels) {
+        let texels: Vec<[f16; 4]> = level
+            .texels
+            .iter()
+            .map(|[r, g, b]| [scale(*r), scale(*g), scale(*b), 1.0].map(f16::from_f32))
+            .collect();
+        context.queue().write_texture(
+            wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() },
+            bytemuck::cast_slice(&texels),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(8 * level.size),
+                rows_per_image: Some(level.size),
+            },
+            wgpu::Extent3d { width: level.size, height: level.size, depth_or_array_layers: 6 },
+        );
+    }
+    let view = texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::Cube),
+        ..Default::default()
+    });
+    let mut roughness = [0.0; MOST_LEVELS];
+    for (value, level) in roughness.iter_mut().zip(&chain.levels) {
+        *value = level.roughness as f32;
+    }
+    let count = chain.levels.len() as u32;
+    let scale = (exponent as f32).exp2();
+    Ok(Cube { view, ladder: Ladder { count, roughness, scale, levels_from_source } })
+}
+
+/// The power of two that light of at most `brightest` is divided by: 0 where half floats hold it well.
+fn exponent_of(brightest: f32) -> i32 {
+    if brightest == 0.0 || (1.0 / 16.0..=f16::MAX.to_f32()).contains(&brightest) {
+        return 0;
+    }
+    // The brightest texel lies in [2^14, 2^15).
+    (f64::from(brightest).log2().floor() as i32 - 14).clamp(-120, 120)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::exponent_of;
+
+    #[test]
+    fn half_floats_hold_what_is_scaled() {
+        for brightest in [0.0, 0.07, 1.0, 65504.0] {
+            assert_eq!(exponent_of(brightest), 0, "{brightest}");
+        }
+        for brightest in [1e-30_f32, 1e-3, 65505.0, 1e9, 3e38] {
+            let scaled = f64::from(brightest) / f64::from(exponent_of(brightest)).exp2();
+            assert!((16384.0..32768.0).contains(&scaled), "{brightest} becomes {scaled}");
+        }
+    }
+}

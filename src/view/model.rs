@@ -1,0 +1,263 @@
+//! A mesh on the GPU: its triangles, its materials and their textures.
+
+use super::material::{Image, Material, Texture, Wrap};
+use super::mesh::{Mesh, Part};
+use super::textures::texture_of;
+use crate::error::{Error, Result};
+use crate::gpu::Context;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// The uniform of a material.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct MaterialUniform {
+    base: [f32; 4],
+    metallic: f32,
+    roughness: f32,
+    cutoff: f32,
+    own: f32,
+}
+
+/// Whose a material is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Owner {
+    File,
+    Viewer,
+}
+
+/// A material on the GPU.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    uniform: wgpu::Buffer,
+    base: (wgpu::TextureView, wgpu::Sampler),
+    surface: (wgpu::TextureView, wgpu::Sampler),
+}
+
+/// What texels stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Space {
+    Srgb,
+    Linear,
+}
+
+impl Surface {
+    /// A metal as white and as rough as the uniform of the picture says.
+    pub(super) fn plain(context: &Context) -> Self {
+        Self::new(context, &Material::default(), Owner::Viewer, &white(context), &white(context))
+    }
+
+    fn new(
+        context: &Context,
+        material: &Material,
+        owner: Owner,
+        base: &(wgpu::TextureView, wgpu::Sampler),
+        surface: &(wgpu::TextureView, wgpu::Sampler),
+    ) -> Self {
+        let uniform = MaterialUniform {
+            base: material.base,
+            metallic: material.metallic,
+            roughness: material.roughness,
+            cutoff: material.cutoff.unwrap_or(-1.0),
+            own: if owner == Owner::File { 1.0 } else { 0.0 },
+        };
+        let uniform = context.uniform("material", &uniform);
+        Self { uniform, base: base.clone(), surface: surface.clone() }
+    }
+
+    /// The resources, for bindings from `first` on.
+    pub(super) fn entries(&self, first: u32) -> Vec<wgpu::BindGroupEntry<'_>> {
+        let resources = [
+            self.uniform.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&self.base.0),
+            wgpu::BindingResource::Sampler(&self.base.1),
+            wgpu::BindingResource::TextureView(&self.surface.0),
+            wgpu::BindingResource::Sampler(&self.surface.1),
+        ];
+        (first..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect()
+    }
+}
+
+/// A texture that changes nothing.
+fn white(context: &Context) -> (wgpu::TextureView, wgpu::Sampler) {
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let view = texture_of(context, "white", format, [1; 2], &[255; 4]);
+    (view, context.device().create_sampler(&wgpu::SamplerDescriptor::default()))
+}
+
+/// A mesh on the GPU.
+#[derive(Debug)]
+pub(super) struct Model {
+    pub(super) vertices: wgpu::Buffer,
+    pub(super) indices: wgpu::Buffer,
+    pub(super) parts: Vec<Part>,
+    /// The mesh's materials.
+    pub(super) surfaces: Vec<Surface>,
+}
+
+impl Model {
+    /// `mesh` on the device of `context`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] and [`Error::Parameter`] where it does not fit the device.
+    pub(super) fn new(context: &Context, mesh: &Mesh) -> Result<Self> {
+        let buffer = |label, usage, bytes: &[u8]| {
+            let most = context.device().limits().max_buffer_size;
+            if bytes.len() as u64 > most {
+                return Err(Error::Limit {
+                    what: format!("the mesh's {label}"),
+                    needed: bytes.len() as u64,
+                    available: most,
+                    remedy: "use a mesh of fewer triangles".to_owned(),
+                });
+            }
+            let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes.len() as u64,
+                usage: usage | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            context.queue().write_buffer(&buffer, 0, bytes);
+            Ok(buffer)
+        };
+        let white = white(context);
+        let mut views = HashMap::new();
+        let mut texture = |texture: Option<Texture>, space: Space| -> Result<_> {
+            let Some(Texture { image, wrap, nearest }) = texture else { return Ok(white.clone()) };
+            let view = match views.get(&(image, space)) {
+                Some(view) => wgpu::TextureView::clone(view),
+                None => {
+                    let view = upload(context, &mesh.images[image], space)?;
+                    views.insert((image, space), view.clone());
+                    view
+                }
+            };
+            Ok((view, sampler(context, wrap, nearest)))
+        };
+        let mut surfaces = Vec::with_capacity(mesh.materials.len());
+        for material in &mesh.materials {
+            let base = texture(material.base_texture, Space::Srgb)?;
+            let surface = texture(material.surface_texture, Space::Linear)?;
+            surfaces.push(Surface::new(context, material, Owner::File, &base, &surface));
+        }
+        Ok(Self {
+            vertices: buffer("corners", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&mesh.vertices))?,
+            indices: buffer("triangles", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&mesh.indices))?,
+            parts: mesh.parts.clone(),
+            surfaces,
+        })
+    }
+}
+
+fn sampler(context: &Context, wrap: [Wrap; 2], nearest: bool) -> wgpu::Sampler {
+    let mode = |wrap| match wrap {
+        Wrap::Repeat => wgpu::AddressMode::Repeat,
+        Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
+        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
+    };
+    context.device().create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("texture"),
+        address_mode_u: mode(wrap[0]),
+        address_mode_v: mode(wrap[1]),
+        mag_filter: if nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear },
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    })
+}
+
+/// `image` with all its levels.
+fn upload(context: &Context, image: &Image, space: Space) -> Result<wgpu::TextureView> {
+    let most = context.device().limits().max_texture_dimension_2d;
+    let (width, height) = (image.width, image.height);
+    if width.max(height) > most {
+        return Err(Error::Parameter(format!(
+            "a texture of {width} x {height} texels; this GPU has room for {most} a side, use a smaller one"
+        )));
+    }
+    let levels = width.max(height).ilog2() + 1;
+    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some("texture of a mesh"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: match space {
+            Space::Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
+            Space::Linear => wgpu::TextureFormat::Rgba8Unorm,
+        },
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let mut level = std::borrow::Cow::Borrowed(image);
+    for mip_level in 0..levels {
+        if mip_level > 0 {
+            level = std::borrow::Cow::Owned(halved(&level, space));
+        }
+        let size = wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * level.width),
+            rows_per_image: None,
+        };
+        let place = wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() };
+        context.queue().write_texture(place, bytemuck::cast_slice(&level.texels), layout, size);
+    }
+    Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+}
+
+/// `image` at half its sides: means of the texels below each, of light rather than of its encoding.
+fn halved(image: &Image, space: Space) -> Image {
+    let (width, height) = ((image.width / 2).max(1), (image.height / 2).max(1));
+    let light: Vec<f32> = (0..=255_u8)
+        .map(|value| {
+            let x = f32::from(value) / 255.0;
+            match space {
+                Space::Linear => x,
+                Space::Srgb if x <= 0.040_45 => x / 12.92,
+                Space::Srgb => ((x + 0.055) / 1.055).powf(2.4),
+            }
+        })
+        .collect();
+    let encoded = |x: f32| match space {
+        Space::Linear => x,
+        Space::Srgb if x <= 0.003_130_8 => 12.92 * x,
+        Space::Srgb => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+    };
+    let span = |k: u32, of: u32, from: u32| k * from / of..((k + 1) * from).div_ceil(of);
+    let texel = |index: u32| {
+        let mut sum = [0.0; 4];
+        let mut count = 0.0;
+        for y in span(index / width, height, image.height) {
+            for x in span(index % width, width, image.width) {
+                let [red, green, blue, opacity] = image.texels[(y * image.width + x) as usize];
+                let colour = [red, green, blue].map(|value| light[usize::from(value)]);
+                (0..3).for_each(|c| sum[c] += colour[c]);
+                sum[3] += f32::from(opacity) / 255.0;
+                count += 1.0;
+            }
+        }
+        let byte = |x: f32| (x * 255.0).round() as u8;
+        let [red, green, blue, opacity] = sum.map(|sum| sum / count);
+        [byte(encoded(red)), byte(encoded(green)), byte(encoded(blue)), byte(opacity)]
+    };
+    Image { width, height, texels: (0..width * height).into_par_iter().map(texel).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Space, halved};
+    use crate::view::material::Image;
+
+    #[test]
+    fn levels_are_means_of_light() {
+        let texels = vec![[0, 255, 64, 0], [255, 255, 64, 255], [0, 255, 64, 0]];
+        let image = Image { width: 3, height: 1, texels };
+        // A third of the light is 0.333, which sRGB writes as 156.
+        assert_eq!(halved(&image, Space::Srgb).texels, [[156, 255, 64, 85]]);
+        assert_eq!(halved(&image, Space::Linear).texels, [[85, 255, 64, 85]]);
+    }
+}

@@ -1,0 +1,50 @@
+//! What the fuzz targets share.
+
+use octagloss::io::{self, LayoutChoice, ReadOptions};
+use std::path::Path;
+
+/// Bytes that a reader may take for one input.
+pub const MEMORY_LIMIT: u64 = 64 << 20;
+
+/// Reads `bytes` as an environment, if they begin with `magic`; `name` has the extension that such files
+/// have.
+pub fn read_environment(name: &str, magic: &[u8], bytes: &[u8]) {
+    if bytes.starts_with(magic) {
+        read_with_layout(name, bytes, LayoutChoice::Auto);
+    }
+}
+
+/// Reads `bytes` as an environment in `layout`, and holds what is read to its promises.
+pub fn read_with_layout(name: &str, bytes: &[u8], layout: LayoutChoice) {
+    let options =
+        ReadOptions { layout, sanitize: true, memory_limit: MEMORY_LIMIT, ..ReadOptions::default() };
+    match io::read_from_memory(Path::new(name), bytes, &options) {
+        Ok(loaded) => {
+            let texels = loaded.environment.texels();
+            assert_eq!(texels.len(), loaded.environment.layout().texel_count());
+            assert!(texels.as_flattened().iter().all(|c| c.is_finite() && *c >= 0.0), "{}", loaded.format);
+            loaded.warnings.iter().chain([&loaded.format]).for_each(|text| assert_plain(text));
+        }
+        Err(error) => assert_plain(&error.to_string()),
+    }
+}
+
+/// Errors are one line of a length that a terminal shows, without control characters.
+pub fn assert_plain(message: &str) {
+    assert!(message.len() < 2000, "{} bytes", message.len());
+    assert!(!message.contains(char::is_control), "{message:?}");
+}
+
+/// Parses `bytes` as the mesh file `name`, and holds what is read to its promises.
+#[cfg(feature = "meshes")]
+pub fn read_mesh(name: &str, bytes: &[u8]) {
+    match octagloss::view::mesh::parse(name, bytes) {
+        Ok(mesh) => {
+            let corners = mesh.vertices.len();
+            assert!(mesh.indices.iter().all(|index| (*index as usize) < corners), "an index within {corners}");
+            let positions = mesh.vertices.iter().flat_map(|vertex| vertex.position);
+            assert!(positions.into_iter().all(f32::is_finite), "positions are finite");
+        }
+        Err(error) => assert_plain(&error.to_string()),
+    }
+}

@@ -1,0 +1,6 @@
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use octagloss_fuzz::read_environment;
+
+fuzz_target!(|bytes: &[u8]| read_environment("sky.ktx", b"\xabKTX 11", bytes));

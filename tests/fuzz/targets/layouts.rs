@@ -1,0 +1,22 @@
+#![no_main]
+
+//! The last byte chooses the layout; the rest is a file of any format.
+
+use libfuzzer_sys::fuzz_target;
+use octagloss::io::LayoutChoice;
+use octagloss_fuzz::read_with_layout;
+
+const LAYOUTS: [LayoutChoice; 6] = [
+    LayoutChoice::Auto,
+    LayoutChoice::Equirect,
+    LayoutChoice::Cross,
+    LayoutChoice::Strip,
+    LayoutChoice::Faces,
+    LayoutChoice::Octahedral,
+];
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Some((layout, file)) = bytes.split_last() {
+        read_with_layout("sky.hdr", file, LAYOUTS[usize::from(*layout) % LAYOUTS.len()]);
+    }
+});

@@ -1,0 +1,5 @@
+//! Bakes and the DFG table.
+
+pub(super) mod dfg;
+pub(super) mod maps;
+pub(super) mod report;

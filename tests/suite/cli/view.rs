@@ -1,0 +1,97 @@
+//! `octagloss view --screenshot`: pictures without a window, and what is refused.
+
+use crate::cli::{done, fails, names, octagloss, with_sky};
+use crate::view::meshes::triangle;
+use std::fs;
+use std::path::Path;
+
+/// A quick picture: one sample a pixel over a coarse map, by the filter that compiles fastest.
+const QUICK: [&str; 10] =
+    ["--size", "48x32", "--samples", "1", "--oem-size", "64", "--filter", "box", "--quiet", "--roughness"];
+
+fn view(folder: &Path, more: &[&str]) -> crate::cli::Ran {
+    octagloss(folder, &[&["view", "sky.exr", "--screenshot"], more].concat())
+}
+
+#[test]
+fn a_picture_is_written_whole_and_only_once() {
+    let folder = with_sky();
+    let folder = folder.path();
+    let picture = |name: &str, roughness: &str| {
+        done(folder, &[&["view", "sky.exr", "--screenshot", name], &QUICK[..], &[roughness]].concat());
+        image::open(folder.join(name)).expect("a picture").to_rgb8()
+    };
+    let first = picture("a.png", "0.4");
+    assert_eq!(first.dimensions(), (48, 32));
+    assert_eq!(first, picture("b.png", "0.4"), "the same every time");
+    assert_ne!(first, picture("c.png", "0.6"));
+    let before = fs::read(folder.join("a.png")).expect("readable");
+    let again = view(folder, &[&["a.png"], &QUICK[..], &["0.9"]].concat());
+    assert_eq!(again.code, 1);
+    assert!(again.err.contains("--force"), "{}", again.err);
+    assert_eq!(fs::read(folder.join("a.png")).expect("readable"), before);
+}
+
+#[test]
+fn what_cannot_be_shown_is_a_usage_error_and_bad_files_are_told_by_name() {
+    let folder = with_sky();
+    let folder = folder.path();
+    fs::write(folder.join("bad.obj"), "v 0 0 0\n").expect("writable");
+    fs::write(folder.join("bad.hdr"), "no picture").expect("writable");
+    let usage: [(&[&str], &str); 12] = [
+        (&["--exposure", "bright"], "auto or a number"),
+        (&["--exposure", "41"], "from -40 to 40 EV"),
+        (&["--mesh-root", "."], "--mesh"),
+        (&["--paint", "gold", "--mesh", "bad.obj"], "file or plain"),
+        (&["--roughness", "1.5"], "between 0 and 1"),
+        (&["--filter", "fitted:3"], "1, 2, 4 or 8"),
+        (&["--filter", "reference"], "box, fitted:K, levels or adaptive"),
+        (&["--metal", "1,2"], "three numbers"),
+        (&["--size", "0x10"], "WxH"),
+        (&["--distance", "0.5"], "distance 0.5"),
+        (&["--oem-size", "100"], "power of two"),
+        (&["--object", "row", "--mesh", "bad.obj"], "cannot be used with"),
+    ];
+    for (args, words) in usage {
+        fails(folder, &[&["view", "sky.exr", "--screenshot", "x.png"], args].concat(), 2, words);
+    }
+    fails(folder, &["view", "bad.hdr", "--screenshot", "x.png"], 1, "bad.hdr");
+    fails(folder, &["view", "none.exr", "--screenshot", "x.png"], 1, "none.exr");
+    fails(folder, &["view", "sky.exr", "--screenshot", "x.png", "--mesh", "bad.obj"], 1, "bad.obj");
+    fails(folder, &["view", "sky.exr", "--screenshot", "x.png", "--adapter", "no such"], 1, "no such");
+    assert!(!names(folder).contains(&"x.png".to_owned()));
+}
+
+#[test]
+fn a_mesh_that_names_other_files_is_refused_before_anything_is_drawn() {
+    let folder = with_sky();
+    let folder = folder.path();
+    let mut json = triangle(&[0; 42]);
+    for (uri, words) in [("../b.bin", "--mesh-root"), ("/dev/zero", "absolute"), ("none.bin", "none.bin")] {
+        json["buffers"][0]["uri"] = uri.into();
+        fs::write(folder.join("bad.gltf"), json.to_string()).expect("writable");
+        fails(folder, &["view", "sky.exr", "--screenshot", "x.png", "--mesh", "bad.gltf"], 1, words);
+    }
+    let below = ["view", "sky.exr", "--screenshot", "x.png", "--mesh", "bad.gltf", "--mesh-root", "none"];
+    fails(folder, &below, 1, "none");
+    assert!(!names(folder).contains(&"x.png".to_owned()));
+}
+
+#[test]
+fn a_bake_is_shown_by_its_own_levels() {
+    let folder = with_sky();
+    let folder = folder.path();
+    let base =
+        ["bake", "sky.exr", "--size", "16", "--levels", "3", "--engine", "cpu", "--quiet", "-o", "b.ktx2"];
+    done(folder, &base);
+    let picture = |name: &str, input: &str, more: &[&str]| {
+        let common =
+            ["--size", "24x16", "--samples", "1", "--oem-size", "64", "--quiet", "--roughness", "0.5"];
+        done(folder, &[&["view", input, "--screenshot", name], &common[..], more].concat());
+        image::open(folder.join(name)).expect("a picture").to_rgb8()
+    };
+    let own = picture("own.png", "b.ktx2", &[]);
+    assert_eq!(own, picture("levels.png", "b.ktx2", &["--filter", "levels"]), "the default");
+    // Level 0 alone is an environment, which another filter blurs.
+    assert_ne!(own, picture("box.png", "b.ktx2", &["--filter", "box"]));
+}

@@ -1,0 +1,389 @@
+//! Every file that a bake writes is read back into its world, whatever its target, flip, rotation and
+//! container.
+//!
+//! Lobes are radially symmetric, so every level of a bake has its light's first moment in the direction in
+//! which the source has it. A source with a moment of its own in each channel shows every wrong flip and
+//! turn.
+
+use crate::cli::targets::{done, fails, tree};
+use glam::DVec3;
+use octagloss::chain::{CubeChain, CubeLevel};
+use octagloss::format::Pixel;
+use octagloss::io::exr::write::{Samples, exr_bytes};
+use octagloss::io::{ReadOptions, load_chain, read};
+use octagloss::target::{Flip, TARGETS};
+use octagloss::{Environment, Layout, Map};
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// Degrees by which a moment may be off: texels of small levels are wide.
+const MOST: f64 = 5.0;
+
+/// Where the source is red, green and blue.
+const LAMPS: [DVec3; 3] =
+    [DVec3::new(0.6, 0.48, 0.64), DVec3::new(-0.36, -0.48, 0.8), DVec3::new(0.64, -0.6, -0.48)];
+
+fn source() -> Environment {
+    let layout = Layout::Panorama { width: 32, height: 16 };
+    let texels = (0..16)
+        .flat_map(|j| (0..32).map(move |i| layout.direction_from_texel(0, i, j)))
+        .map(|d| LAMPS.map(|lamp| (0.05 + 4.0 * (8.0 * (lamp.dot(d) - 1.0)).exp()) as f32))
+        .collect();
+    Environment::new(layout, texels).expect("sound")
+}
+
+/// A folder with the source as `a.exr`.
+fn with_source() -> TempDir {
+    let folder = TempDir::new().expect("a temporary folder");
+    let source = source();
+    let bytes = exr_bytes(32, 16, Samples::Rgb(source.texels()), Pixel::F32, &[]).expect("valid");
+    fs::write(folder.path().join("a.exr"), bytes).expect("writable");
+    folder
+}
+
+/// The direction of each channel's first moment.
+fn moments(environment: &Environment) -> [DVec3; 3] {
+    let mut sums = [DVec3::ZERO; 3];
+    environment.for_each_texel(|direction, solid_angle, radiance| {
+        for (sum, value) in sums.iter_mut().zip(radiance) {
+            *sum += direction * solid_angle * f64::from(value);
+        }
+    });
+    sums.map(DVec3::normalize)
+}
+
+fn moments_of(level: &CubeLevel) -> [DVec3; 3] {
+    let layout = Layout::Cube { size: level.size };
+    moments(&Environment::new(layout, level.texels.clone()).expect("sound"))
+}
+
+/// The greatest angle between two worlds' moments, in degrees.
+fn angle(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
+    let angles = a.iter().zip(b).map(|(a, b)| a.dot(b).clamp(-1.0, 1.0).acos().to_degrees());
+    angles.fold(0.0, f64::max)
+}
+
+/// How the source is turned.
+#[derive(Clone, Copy, Debug)]
+struct Turn(&'static [&'static str]);
+
+const TURNS: [Turn; 4] = [
+    Turn(&[]),
+    Turn(&["--rotate-y", "90"]),
+    Turn(&["--rotate-y", "37"]),
+    Turn(&["--mirror", "--rotate-y", "37"]),
+];
+
+impl Turn {
+    /// What the user of the bake sees.
+    fn world(self) -> [DVec3; 3] {
+        let mut world = source();
+        if self.0.contains(&"--mirror") {
+            world = world.mirrored();
+        }
+        if let Some(at) = self.0.iter().position(|word| *word == "--rotate-y") {
+            world = world.rotated_y(self.0[at + 1].parse().expect("a number"));
+        }
+        moments(&world)
+    }
+}
+
+/// Bakes `a.exr` into `out`, a tiny one.
+fn bake(folder: &Path, out: &str, args: &[&str]) {
+    let common = ["bake", "a.exr", "-o", out, "--force", "--quiet", "--engine", "cpu", "--oem-size", "32"];
+    done(folder, &[&common[..], args].concat());
+}
+
+/// Reads everything in `folder/out` and holds it to `world`: the files, and the folder itself where
+/// `is_whole`. Returns how many files were read.
+fn check(folder: &Path, out: &str, is_whole: bool, world: [DVec3; 3], what: &str) -> usize {
+    let at = folder.join(out);
+    let mut paths: Vec<_> =
+        if at.is_dir() { tree(&at).iter().map(|name| at.join(name)).collect() } else { Vec::new() };
+    if is_whole {
+        paths.push(at);
+    }
+    let mut count = 0;
+    for path in paths {
+        let name = path.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();
+        // A face alone is no world.
+        if name.contains("_px.") || name.contains("_nx.") || name.contains("_py.") || name.contains("_ny.") {
+            continue;
+        }
+        if name.contains("_pz.") || name.contains("_nz.") {
+            continue;
+        }
+        let unreadable = [".json", ".txt", ".wgsl", ".glsl", ".hlsl", ".env", ".glb"];
+        let loaded = read(&path, &ReadOptions::default());
+        if unreadable.iter().any(|end| name.ends_with(end)) {
+            let error = loaded.expect_err("cannot be read").to_string();
+            assert!(error.contains(&name) && error.contains("can be read"), "{what}: {error}");
+            continue;
+        }
+        let loaded = loaded.unwrap_or_else(|error| panic!("{what}: {error}"));
+        // A Charlie lobe is a band, whose first moment is small; a wrong turn is off by 20 degrees and more.
+        let most = if name.starts_with("sheen") { 12.0 } else { MOST };
+        let off = angle(moments(&loaded.environment), world);
+        assert!(off < most, "{what}: {name} is {off} degrees off its world");
+        if let Ok(bake) = load_chain(&path) {
+            for (index, level) in bake.chain.levels.iter().enumerate() {
+                let off = angle(moments_of(level), world);
+                assert!(off < most, "{what}: level {index} of {name} is {off} degrees off its world");
+            }
+        }
+        count += 1;
+    }
+    count
+}
+
+fn names(pick: impl Fn(&octagloss::target::Target) -> bool) -> String {
+    let picked = TARGETS.iter().filter(|target| pick(target)).map(|target| target.name);
+    picked.collect::<Vec<_>>().join(",")
+}
+
+/// Options of tiny bakes.
+const TINY: [&str; 4] = ["--size", "8", "--filter", "adaptive:0.02"];
+
+/// The same with two levels, for what can have fewer than all.
+const TWO_LEVELS: [&str; 6] = ["--size", "8", "--filter", "adaptive:0.02", "--levels", "2"];
+
+#[test]
+fn a_wrong_flip_is_seen() {
+    let world = moments(&source());
+    let cube = |flip: Flip| {
+        let layout = Layout::Cube { size: 8 };
+        let mut texels = Vec::new();
+        for (k, j, i) in (0..6).flat_map(|k| (0..8).flat_map(move |j| (0..8).map(move |i| (k, j, i)))) {
+            let d = flip.apply(layout.direction_from_texel(k, i, j));
+            texels.push(LAMPS.map(|lamp| (0.05 + 4.0 * (8.0 * (lamp.dot(d) - 1.0)).exp()) as f32));
+        }
+        CubeChain { levels: vec![CubeLevel { size: 8, roughness: 0.0, texels, bounds: None }] }
+    };
+    assert!(angle(moments_of(&cube(Flip::None).levels[0]), world) < MOST);
+    for flip in [Flip::X, Flip::Z] {
+        assert!(angle(moments_of(&cube(flip).levels[0]), world) > 20.0, "{flip:?}");
+    }
+    for turn in &TURNS[1..] {
+        assert!(angle(turn.world(), world) > 20.0, "{turn:?}");
+    }
+}
+
+#[test]
+fn targets_come_back_to_their_world_whatever_the_flip_and_the_turn() {
+    let folder = with_source();
+    let cubes = names(|target| target.map == Map::Cube && target.has_container() && !target.has_sheen());
+    let others = names(|target| target.map != Map::Cube);
+    let diffuse = ["--irradiance", "4"];
+    let mut count = 0;
+    for turn in TURNS {
+        for flip in [&[][..], &["--flip", "none"], &["--flip", "x"], &["--flip", "z"]] {
+            bake(
+                folder.path(),
+                "out",
+                &[&TWO_LEVELS[..], &["--target", &cubes], &diffuse, turn.0, flip].concat(),
+            );
+            count += check(folder.path(), "out", false, turn.world(), &format!("{turn:?} {flip:?}"));
+        }
+        bake(folder.path(), "out", &[&TINY[..], &["--target", &others], turn.0].concat());
+        count += check(folder.path(), "out", false, turn.world(), &format!("{turn:?} {others}"));
+    }
+    // Two files each of generic, three, bevy and unity, three of filament; oem and three panoramas.
+    assert_eq!(count, TURNS.len() * (4 * 11 + 4));
+    // Sheen lobes take seconds at a tighter error.
+    let sheen = names(octagloss::target::Target::has_sheen);
+    let args =
+        ["--size", "8", "--levels", "2", "--filter", "adaptive:0.1", "--irradiance", "4", "--flip", "x"];
+    bake(folder.path(), "out", &[&args[..], &["--target", &sheen], TURNS[3].0].concat());
+    assert_eq!(check(folder.path(), "out", true, TURNS[3].world(), &sheen), 4);
+}
+
+#[test]
+fn targets_come_back_to_their_world_whatever_the_container() {
+    let folder = with_source();
+    let turn = TURNS[3];
+    for format in ["ktx2", "ktx", "dds", "exr"] {
+        for flip in ["x", "z"] {
+            for (target, diffuse) in [("generic", "both"), ("unity", "cube")] {
+                let args = ["--target", target, "--format", format, "--flip", flip, "--pixel", "f16"];
+                let args =
+                    [&TWO_LEVELS[..], &args, turn.0, &["--diffuse", diffuse, "--irradiance", "4"]].concat();
+                let what = format!("{target} {format} {flip}");
+                bake(folder.path(), "out", &args);
+                // The specular cube, the irradiance and the folder.
+                assert_eq!(check(folder.path(), "out", true, turn.world(), &what), 3, "{what}");
+            }
+        }
+    }
+    bake(folder.path(), "out", &[&TINY[..], &["--target", "oem", "--format", "exr"], turn.0].concat());
+    assert_eq!(check(folder.path(), "out", true, turn.world(), "oem exr"), 2);
+    // A DDS file says its flip without its report as well; only its levels' roughness is not known then.
+    bake(folder.path(), "out", &[&TINY[..], &["--target", "unity", "--json"], turn.0].concat());
+    assert_eq!(check(folder.path(), "out", true, turn.world(), "unity without a report"), 2);
+    fails(
+        folder.path(),
+        &["compare", "out/a_specular.dds", "a.exr"],
+        1,
+        "does not say its levels' roughness",
+    );
+}
+
+#[test]
+fn layouts_come_back_to_their_world() {
+    let folder = with_source();
+    let turn = TURNS[3];
+    let bakes: [&[&str]; 13] = [
+        &["--format", "ktx2"],
+        &["--format", "ktx"],
+        &["--format", "dds"],
+        &["--format", "exr"],
+        &["--format", "hdr"],
+        &["--out-layout", "cross"],
+        &["--out-layout", "cross-vertical", "--format", "hdr"],
+        &["--out-layout", "strip"],
+        &["--out-layout", "strip-vertical", "--format", "hdr"],
+        &["--out-layout", "octahedral", "--format", "hdr"],
+        &["--out-layout", "equirect"],
+        &["--out-layout", "parts"],
+        &["--out-layout", "mips"],
+    ];
+    for args in bakes {
+        let out = if args.contains(&"mips") || args.contains(&"parts") { "out.exr" } else { "out" };
+        for report in [&[][..], &["--json"]] {
+            let what = format!("{args:?} {report:?}");
+            let _ = fs::remove_dir_all(folder.path().join("out"));
+            let _ = fs::remove_file(folder.path().join("out"));
+            let _ = fs::remove_file(folder.path().join("out.report.json"));
+            // MIP maps have all levels, and the corners of a tiny octahedral square are wide.
+            let size = match args[1] {
+                "mips" => &TINY[..],
+                "octahedral" => &["--size", "32", "--filter", "adaptive:0.02", "--levels", "2"],
+                _ => &TWO_LEVELS,
+            };
+            bake(folder.path(), out, &[size, args, turn.0, report].concat());
+            assert!(check(folder.path(), out, true, turn.world(), &what) >= 1, "{what}");
+        }
+    }
+}
+
+#[test]
+fn compare_gives_the_source_the_turns_and_the_sun_of_the_bake() {
+    let folder = with_source();
+    // A sun that stands out, so that all depends on its being taken out.
+    let mut texels = source().texels().to_vec();
+    texels[5 * 32 + 9] = [900.0, 800.0, 700.0];
+    let bytes = exr_bytes(32, 16, Samples::Rgb(&texels), Pixel::F32, &[]).expect("valid");
+    fs::write(folder.path().join("a.exr"), bytes).expect("writable");
+    let cubes = names(|target| target.map == Map::Cube && target.has_container() && !target.has_sheen());
+    let args = ["--levels", "3", "--target", &cubes, "--extract-sun", "--rotate-y", "37", "--mirror"];
+    bake(folder.path(), "out", &[&["--size", "16", "--irradiance", "4"], &args[..]].concat());
+    let compare = |bake: &str| {
+        let args = ["compare", bake, "a.exr", "--texels", "12", "--fail-above", "0.03", "--quiet"];
+        done(folder.path(), &args);
+    };
+    for name in tree(&folder.path().join("out")) {
+        if [".ktx2", ".ktx", ".dds"].iter().any(|end| name.ends_with(end)) && !name.contains("skybox") {
+            compare(&format!("out/{name}"));
+        }
+    }
+    compare("out/unity");
+    for (format, out) in [("hdr", "faces"), ("dds", "one.dds"), ("ktx", "one.ktx")] {
+        bake(folder.path(), out, &[&["--size", "16", "--format", format], &args[4..]].concat());
+        compare(out);
+    }
+    // A report of another file is not believed: the DDS file's orientation is unknown then.
+    let report = folder.path().join("one.dds.report.json");
+    let text = fs::read_to_string(&report).expect("readable");
+    bake(folder.path(), "one.dds", &["--size", "16", "--format", "dds"]);
+    fs::write(&report, text).expect("writable");
+    fails(
+        folder.path(),
+        &["compare", "one.dds", "a.exr"],
+        1,
+        "one.dds: it does not say its levels' roughness",
+    );
+}
+
+#[test]
+fn what_cannot_be_read_is_named_by_every_command() {
+    let folder = with_source();
+    bake(folder.path(), "out", &[&TINY[..], &["--target", "babylon,gltf-ext,oem"]].concat());
+    fs::write(folder.path().join("directions.csv"), "x,y,z\n1,0,0\n").expect("writable");
+    let query = ["--directions", "directions.csv", "--roughness", "0.5"];
+    for (path, words) in [
+        ("out/babylon/a_ibl.env", "out/babylon/a_ibl.env: a Babylon.js .env"),
+        ("out/babylon", "out/babylon/a_ibl.env: a Babylon.js .env"),
+        ("out/gltf-ext/a_ibl.glb", "a_ibl.glb: a binary glTF"),
+        ("out/oem/a_sh.json", "a_sh.json: JSON"),
+        ("out/oem/oem.wgsl", "oem.wgsl: not an image"),
+        ("out", "out: it holds the folders of targets (babylon, gltf-ext, oem); name one of them"),
+    ] {
+        if path.ends_with("sh.json") {
+            fs::write(folder.path().join(path), "{\"order\": 2}").expect("writable");
+        }
+        fails(folder.path(), &[&["query", path], &query[..]].concat(), 1, words);
+        fails(folder.path(), &["info", path], 1, words);
+        fails(folder.path(), &["bake", path, "-o", "again.ktx2"], 1, words);
+        // The place is named; a file without levels is no bake.
+        fails(folder.path(), &["compare", path, "a.exr"], 1, words.split(": ").next().expect("a path"));
+        #[cfg(feature = "view")]
+        fails(folder.path(), &["view", path, "--screenshot", "a.png"], 1, words);
+    }
+}
+
+#[test]
+fn info_says_what_a_bake_is() {
+    let folder = with_source();
+    let args = ["--target", "three", "--rotate-y", "37", "--mirror", "--extract-sun", "--levels", "2"];
+    bake(folder.path(), "out", &[&TINY[..], &args].concat());
+    let text = done(folder.path(), &["info", "out/a_pmrem.ktx2"]);
+    for words in [
+        "out/a_pmrem.ktx2: bake, 2 levels",
+        "format      KTX2 cube, RGBA16F, 2 levels",
+        "target      three",
+        "flip        x",
+        "rotation    37 degrees about +Y",
+        "mirrored    yes",
+        "lobe        ggx",
+        "filter      adaptive:0.02",
+        "ladder      filament",
+        "size        ",
+    ] {
+        assert!(text.contains(words), "{words:?} is missing in {text}");
+    }
+    let length = fs::metadata(folder.path().join("out/a_pmrem.ktx2")).expect("a file").len();
+    for path in ["out/a_pmrem.ktx2", "out"] {
+        let info: serde_json::Value =
+            serde_json::from_str(&done(folder.path(), &["info", path, "--json"])).expect("JSON");
+        assert_eq!((&info["target"], &info["flip"]), (&"three".into(), &"x".into()), "{path}");
+        assert_eq!((&info["rotate_y"], &info["mirror"]), (&37.0.into(), &true.into()), "{path}");
+        assert_eq!((&info["lobe"], &info["filter"]), (&"ggx".into(), &"adaptive:0.02".into()), "{path}");
+        assert_eq!(info["levels"].as_array().map(Vec::len), Some(2), "{path}");
+        let bytes = info["bytes"].as_u64().expect("a number");
+        assert!(if path == "out" { bytes > length } else { bytes == length }, "{path}: {bytes}");
+    }
+    // A panorama of a target is an environment, and says where it comes from.
+    bake(folder.path(), "sky", &[&TINY[..], &["--target", "godot", "--rotate-y", "90"]].concat());
+    let info: serde_json::Value =
+        serde_json::from_str(&done(folder.path(), &["info", "sky", "--json"])).expect("JSON");
+    assert_eq!((&info["kind"], &info["origin"]["target"]), (&"environment".into(), &"godot".into()));
+    assert_eq!((&info["origin"]["quarter_turns"], &info["origin"]["rotate_y"]), (&3.into(), &90.0.into()));
+}
+
+#[test]
+fn a_report_of_another_folder_is_an_error() {
+    let folder = with_source();
+    let levels = ["--format", "exr", "--size", "16", "--levels", "3", "--filter", "box"];
+    for ladder in ["linear", "filament"] {
+        bake(folder.path(), ladder, &[&levels[..], &["--ladder", ladder]].concat());
+        done(folder.path(), &["info", ladder]);
+    }
+    fs::copy(folder.path().join("filament/report.json"), folder.path().join("linear/report.json"))
+        .expect("copied");
+    for command in ["info", "query"] {
+        let query = ["query", "linear", "--directions", "d.csv", "--roughness", "1"];
+        let args = if command == "info" { &["info", "linear"][..] } else { &query[..] };
+        fs::write(folder.path().join("d.csv"), "x,y,z\n1,0,0\n").expect("writable");
+        fails(folder.path(), args, 1, "belongs to another bake");
+    }
+}

@@ -1,0 +1,210 @@
+//! Light at the ends of float32's range: no NaN, no infinity, no useless bound.
+
+use crate::cli::{done, json_file, write_panorama};
+use crate::cpu::lights::{Light, Tally, examine, examine_unbounded};
+use crate::support::bounds::luminance;
+use crate::support::common::{Random, environment, landmarks};
+use octagloss::analysis::oracle::Oracle;
+use octagloss::bake::{BakeSettings, bake};
+use octagloss::filter::{Answer, Filter};
+use octagloss::lobe::{LOBES, Lobe};
+use octagloss::reflector::{Reflector, ReflectorSettings, check_answers};
+use octagloss::{Error, Layout, Rgb};
+use proptest::prelude::*;
+
+/// Fails with what a tally holds against the answers.
+fn sound(tally: &Tally) -> Result<(), TestCaseError> {
+    let told: Vec<&str> = tally.not_finite.iter().chain(&tally.violations).map(String::as_str).collect();
+    prop_assert!(tally.is_sound(), "{}", told.join("\n"));
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, max_shrink_iters: 0, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn bounds_hold_over_all_light(seed in any::<u64>()) {
+        sound(&examine(seed, 0, &|answer| answer))?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 0, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn other_filters_stay_within_all_light(seed in any::<u64>()) {
+        sound(&examine_unbounded(seed, 0))?;
+    }
+
+    #[test]
+    fn bakes_of_all_light_are_finite(seed in any::<u64>()) {
+        let mut random = Random::new(seed);
+        let light = Light::new(&mut random);
+        let greatest = light.greatest();
+        for filter in [Filter::Adaptive(0.01), Filter::Box, Filter::Fitted(2)] {
+            let lobe = LOBES[random.below(LOBES.len() as u32) as usize];
+            let lobe = if filter.check(lobe, Some(16)).is_ok() { lobe } else { Lobe::Ggx };
+            let settings = BakeSettings {
+                size: 4,
+                levels: Some(if lobe == Lobe::Cosine { 1 } else { 3 }),
+                lobe,
+                filter,
+                oem_size: Some(16),
+                bounds: true,
+                sh_order: 4,
+                ..BakeSettings::default()
+            };
+            // A bake that is not finite is an error.
+            let baked = bake(&light.environment, &settings, &|_| ()).expect("a finite bake");
+            let most = baked.texels().flatten().copied().fold(0.0, f32::max);
+            prop_assert!(f64::from(most) <= 1.5 * f64::from(greatest), "{most} of {greatest}: {light}");
+            for stats in &baked.stats {
+                prop_assert!(stats.error_bound_max.is_none_or(f64::is_finite), "{:?}: {light}", stats);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wrong_answer_is_found_everywhere() {
+    let (mut wrong, mut lost) = (Tally::default(), Tally::default());
+    for seed in 0..40 {
+        // Half as much again as the truth and the bound allow, and a NaN.
+        let too_bright = |answer: Answer| Answer {
+            radiance: answer.radiance.map(|c| (c + 3.0 * answer.bound.unwrap_or(0.0)).min(f32::MAX)),
+            ..answer
+        };
+        wrong = wrong.join(examine(seed, 0, &too_bright));
+        lost = lost.join(examine(seed, 0, &|answer| Answer { radiance: [0.0, f32::NAN, 0.0], ..answer }));
+    }
+    // Answers of 3.4e38 have no room above them, and black has no bound.
+    let share = wrong.violations.len() as f64 / wrong.compared as f64;
+    assert!(wrong.compared > 100 && share > 0.7, "{share} of {} were found", wrong.compared);
+    assert_eq!(lost.not_finite.len(), 160);
+}
+
+/// Radiance one, but for one texel.
+fn spotted(texel: f32) -> Vec<Rgb> {
+    let mut texels = vec![[1.0; 3]; 16 * 8];
+    texels[37] = [texel; 3];
+    texels
+}
+
+/// Relative error of the answers over `texels`, and the greatest bound over the mean.
+fn error_and_bound(texels: Vec<Rgb>, lobe: Lobe) -> (f64, f64) {
+    let source = environment(Layout::Panorama { width: 16, height: 8 }, texels);
+    let settings = ReflectorSettings { oem_size: Some(64), ..ReflectorSettings::default() };
+    let reflector = Reflector::new(&source, &settings).expect("a small OEM");
+    let oracle = Oracle::new(&source);
+    let (mut squares, mut total, mut bound) = (0.0, 0.0, 0.0_f64);
+    for direction in landmarks() {
+        let answer = reflector.query(direction, 0.5, lobe, Filter::Adaptive(0.003)).expect("a finite answer");
+        let truth = luminance(oracle.reflect(lobe, 0.5, direction));
+        squares += (luminance(answer.radiance.map(f64::from)) - truth).powi(2);
+        total += truth;
+        bound = bound.max(f64::from(answer.bound.expect("a bound")));
+    }
+    let count = landmarks().len() as f64;
+    ((squares / count).sqrt() / (total / count), bound / (total / count))
+}
+
+#[test]
+fn dim_texels_spoil_nothing() {
+    for lobe in LOBES {
+        for texel in [1e-31, 1e-33, 1e-38, 1e-40, f32::from_bits(1)] {
+            let (error, bound) = error_and_bound(spotted(texel), lobe);
+            assert!(
+                error < 0.02 && bound < 0.5,
+                "{lobe:?} beside {texel:e}: off by {error:e}, bound {bound:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn light_at_both_ends_is_as_exact_as_ordinary_light() {
+    let mut random = Random::new(8);
+    let texels: Vec<Rgb> = (0..16 * 8).map(|_| [0; 3].map(|_| random.between(0.1, 1.0) as f32)).collect();
+    for lobe in LOBES {
+        let (ordinary, ordinary_bound) = error_and_bound(texels.clone(), lobe);
+        for scale in [1e-44_f64, 1e-40, 1e-36, 1e-30, 1e25, 3.4e38] {
+            let scaled = texels.iter().map(|t| t.map(|c| (f64::from(c) * scale) as f32)).collect();
+            let (error, bound) = error_and_bound(scaled, lobe);
+            // Subnormal numbers are as coarse as they are.
+            let coarse = f64::from(f32::from_bits(1)) / scale;
+            assert!(
+                error <= 1.2 * ordinary + 4.0 * coarse && bound <= 1.2 * ordinary_bound + 8.0 * coarse + 1e-6,
+                "{lobe:?} at {scale:e}: off by {error:e} for {ordinary:e}, bound {bound:e} for {ordinary_bound:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn dim_halves_beside_bright_ones_are_seen() {
+    // A cone that sees nothing of the bright half.
+    let texels = (0..32 * 16).map(|k| if k < 32 * 8 { [1.0; 3] } else { [1e-38; 3] }).collect();
+    let source = environment(Layout::Panorama { width: 32, height: 16 }, texels);
+    let settings = ReflectorSettings { oem_size: Some(64), ..ReflectorSettings::default() };
+    let reflector = Reflector::new(&source, &settings).expect("a small OEM");
+    let answer =
+        reflector.query(-glam::DVec3::Y, 0.5, Lobe::Cone, Filter::Adaptive(0.01)).expect("a finite answer");
+    assert!((answer.radiance[0] / 1e-38 - 1.0).abs() < 1e-3, "{answer:?}");
+    assert!(answer.bound.is_some_and(|bound| bound < 1e-38), "{answer:?}");
+}
+
+#[test]
+fn what_is_not_finite_is_an_error() {
+    let fine = Answer { radiance: [1.0; 3], bound: Some(0.0) };
+    let directions = [glam::DVec3::X, glam::DVec3::Y];
+    assert!(check_answers(&directions, &[fine, fine]).is_ok());
+    for wrong in [
+        Answer { radiance: [1.0, f32::NAN, 1.0], bound: None },
+        Answer { radiance: [f32::INFINITY; 3], bound: None },
+        Answer { radiance: [-1.0; 3], bound: None },
+        Answer { radiance: [1.0; 3], bound: Some(f32::NAN) },
+        Answer { radiance: [1.0; 3], bound: Some(f32::INFINITY) },
+    ] {
+        let error = check_answers(&directions, &[fine, wrong]).expect_err("it is not finite");
+        assert!(matches!(error, Error::NonFiniteResult { .. }), "{error}");
+        assert!(error.to_string().starts_with("direction 0, 1, 0: the result is"), "{error}");
+    }
+}
+
+#[test]
+fn a_bake_that_its_pixels_round_to_black_says_so() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write_panorama(&folder.path().join("dim.exr"), 16, |d| [(1e-40 * (1.5 + d.y)) as f32; 3]);
+    let small = ["bake", "dim.exr", "--size", "8", "--engine", "cpu", "-o"];
+    for pixel in ["f16", "rgb9e5", "r11g11b10f", "bc6h"] {
+        let file = format!("{pixel}.ktx2");
+        let ran = done(folder.path(), &[&small[..], &[&file, "--pixel", pixel]].concat());
+        assert!(ran.err.contains(&format!("all light is below {pixel}")), "{}", ran.err);
+        let report = json_file(&folder.path().join(format!("{file}.report.json")));
+        assert!(report["warnings"].to_string().contains("the output is black"), "{report}");
+    }
+    let ran = done(folder.path(), &[&small[..], &["f32.ktx2", "--pixel", "f32"]].concat());
+    assert!(!ran.err.contains("all light is below"), "{}", ran.err);
+    let report = json_file(&folder.path().join("f32.ktx2.report.json"));
+    for level in report["levels"].as_array().expect("levels").iter().skip(1) {
+        let bound = level["error_bound_max"].as_f64().expect("a bound");
+        assert!(bound > 0.0 && bound < 1e-40, "{level}");
+    }
+    assert!(report["energy"]["relative_difference"].as_f64().is_some_and(|part| part < 1e-3), "{report}");
+}
+
+#[test]
+fn the_brightest_light_is_clamped_and_counted() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write_panorama(&folder.path().join("bright.exr"), 16, |d| [if d.y > 0.0 { 3e38 } else { 0.0 }; 3]);
+    for (name, format) in [("hdr", "hdr"), ("half.ktx2", "ktx2")] {
+        done(
+            folder.path(),
+            &["bake", "bright.exr", "--size", "8", "--engine", "cpu", "--format", format, "-o", name],
+        );
+        let report =
+            if format == "hdr" { "hdr/report.json".to_owned() } else { format!("{name}.report.json") };
+        let report = json_file(&folder.path().join(report));
+        assert!(report["clamped"].as_u64().is_some_and(|clamped| clamped > 100), "{report}");
+    }
+}

@@ -1,0 +1,307 @@
+//! Light over the whole range of float32, mixed within one image: answers are finite and within their bounds.
+
+use crate::support::bounds::{Outcome, Question, luminance};
+use crate::support::common::{Random, environment};
+use glam::DVec3;
+use octagloss::analysis::oracle::OemOracle;
+use octagloss::filter::{Answer, Filter};
+use octagloss::lobe::{Lobe, kernel_integral};
+use octagloss::oem::OemSize;
+use octagloss::reflector::{Reflector, ReflectorSettings, Workspace};
+use octagloss::sphere::octahedral;
+use octagloss::{Environment, Layout, Rgb};
+use std::fmt::{Display, Formatter};
+
+/// Lobes below this roughness may be served as mirrors, which have no bound.
+const MIRROR: f64 = 8e-4;
+
+/// Questions asked of each environment.
+pub(crate) const QUESTIONS: u64 = 4;
+
+/// An environment whose light may lie anywhere in float32, and the OEM to ask over.
+pub(crate) struct Light {
+    pub(crate) environment: Environment,
+    pub(crate) inner: u32,
+    name: String,
+    brightest: DVec3,
+}
+
+impl Display for Light {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {:?} over {}^2", self.name, self.environment.layout(), self.inner)
+    }
+}
+
+/// Log-uniform over all positive float32, from 1e-45 to 3.4e38.
+fn any_light(random: &mut Random) -> f32 {
+    (2_f64.powf(random.between(-149.0, 128.0)) as f32).clamp(f32::from_bits(1), f32::MAX)
+}
+
+/// The texels of one of several looks, and its name.
+fn radiance(random: &mut Random, count: usize) -> (&'static str, Vec<Rgb>) {
+    let (one, other) = (any_light(random), any_light(random));
+    let near = |random: &mut Random, value: f32| {
+        (f64::from(value) * 10_f64.powf(random.between(-2.0, 2.0))).clamp(0.0, f64::from(f32::MAX)) as f32
+    };
+    let place = random.below(count as u32) as usize;
+    let (name, mut texels): (_, Vec<Rgb>) = match random.below(9) {
+        0 => ("anything", (0..count).map(|_| [0; 3].map(|_| any_light(random))).collect()),
+        1 => ("anything grey", (0..count).map(|_| [any_light(random); 3]).collect()),
+        2 => ("one magnitude", (0..count).map(|_| [0; 3].map(|_| near(random, one))).collect()),
+        3 => ("one lit texel", {
+            let mut texels = vec![[0.0; 3]; count];
+            texels[place] = [one; 3];
+            texels
+        }),
+        4 => ("a sun", {
+            let mut texels: Vec<Rgb> = (0..count).map(|_| [near(random, one); 3]).collect();
+            texels[place] = [other; 3];
+            texels
+        }),
+        5 => ("halves", (0..count).map(|k| [if k < count / 2 { one } else { other }; 3]).collect()),
+        6 => ("constant", vec![[one, other, one]; count]),
+        7 => ("ends", {
+            let ends = [0.0, f32::from_bits(1), f32::MIN_POSITIVE, 1.0, f32::MAX, 3e38];
+            (0..count).map(|_| [ends[random.below(6) as usize]; 3]).collect()
+        }),
+        _ => ("black and bright rows", {
+            (0..count).map(|k| [if k / 3 % 2 == 0 { 0.0 } else { f32::MAX }; 3]).collect()
+        }),
+    };
+    if random.below(4) == 0 {
+        for _ in 0..count / 3 {
+            texels[random.below(count as u32) as usize] = [0.0; 3];
+        }
+    }
+    if random.below(4) == 0 {
+        let only = random.below(3) as usize;
+        texels
+            .iter_mut()
+            .for_each(|texel| *texel = std::array::from_fn(|c| if c == only { texel[c] } else { 0.0 }));
+    }
+    (name, texels)
+}
+
+impl Light {
+    pub(crate) fn new(random: &mut Random) -> Self {
+        // Mostly tiny: exhaustive integration takes as long as there are texels.
+        let size = |random: &mut Random| match random.below(500) {
+            0 => 9 + random.below(8),
+            1..30 => 4 + random.below(5),
+            _ => 1 + random.below(4),
+        };
+        let (layout, inner) = match random.below(5) {
+            0 => {
+                let (width, height) = (2 + random.below(15), 1 + random.below(8));
+                (Layout::Panorama { width, height }, size(random))
+            }
+            1 => (Layout::Cube { size: 1 + random.below(4) }, size(random)),
+            _ => {
+                let size = size(random);
+                (Layout::Octahedral { size }, size)
+            }
+        };
+        let (name, texels) = radiance(random, layout.texel_count());
+        let mut brightest = (DVec3::Y, 0.0);
+        let source = environment(layout, texels);
+        source.for_each_texel(|direction, _, texel| {
+            let value = texel.into_iter().fold(0.0, f32::max);
+            if value > brightest.1 {
+                brightest = (direction, value);
+            }
+        });
+        Self { environment: source, inner, name: name.to_owned(), brightest: brightest.0 }
+    }
+
+    pub(crate) fn settings(&self) -> ReflectorSettings {
+        ReflectorSettings { oem_size: Some(self.inner), ..ReflectorSettings::default() }
+    }
+
+    /// The greatest radiance of any channel.
+    pub(crate) fn greatest(&self) -> f32 {
+        self.environment.texels().as_flattened().iter().copied().fold(0.0, f32::max)
+    }
+
+    /// Exhaustive integration over the OEM in the source's own units: where it has the source's texels, from
+    /// those; else from the reflector's OEM, whose scale is taken out in double precision.
+    fn oracle(&self, reflector: &Reflector<'_>) -> (OemOracle, [f64; 3]) {
+        let n = self.inner;
+        let exact = self.environment.layout() == (Layout::Octahedral { size: n });
+        let per_unit = f64::from(-reflector.light_exponent()).exp2();
+        assert_eq!(reflector.oem().size(), OemSize { inner: n, border: 0 });
+        let texel = |x: u32, y: u32| {
+            if exact {
+                let w = f64::from(octahedral::texel_solid_angle(n, x, y) as f32);
+                let [r, g, b] = self.environment.texels()[(y * n + x) as usize].map(f64::from);
+                [r * w, g * w, b * w, w]
+            } else {
+                let [r, g, b, w] = reflector.oem().texel(x, y).map(f64::from);
+                [r * per_unit, g * per_unit, b * per_unit, w]
+            }
+        };
+        let mut energy = [0.0; 3];
+        for (x, y) in (0..n).flat_map(|y| (0..n).map(move |x| (x, y))) {
+            let own = texel(x, y);
+            (0..3).for_each(|c| energy[c] += own[c]);
+        }
+        (OemOracle::of_texels(n, texel), energy)
+    }
+}
+
+/// What became of questions.
+#[derive(Default)]
+pub(crate) struct Tally {
+    /// Answers beside exhaustive integration.
+    pub(crate) compared: u64,
+    /// Answers that have no bound: mirrors and the other filters.
+    pub(crate) unbounded: u64,
+    /// Answers of which a radiance or a bound was not finite, or negative.
+    pub(crate) not_finite: Vec<String>,
+    /// Bounds that do not hold, and filters that leave the source's range.
+    pub(crate) violations: Vec<String>,
+    /// The greatest error over its bound.
+    pub(crate) worst: f64,
+    /// The sum of those ratios.
+    pub(crate) ratios: f64,
+}
+
+impl Tally {
+    pub(crate) fn join(mut self, other: Self) -> Self {
+        self.compared += other.compared;
+        self.unbounded += other.unbounded;
+        self.not_finite.extend(other.not_finite);
+        self.violations.extend(other.violations);
+        self.worst = self.worst.max(other.worst);
+        self.ratios += other.ratios;
+        self
+    }
+
+    pub(crate) fn is_sound(&self) -> bool {
+        self.not_finite.is_empty() && self.violations.is_empty()
+    }
+
+    /// Counts an answer that is no number; whether it is one.
+    fn is_finite(&mut self, answer: &Answer, told: &dyn Fn() -> String) -> bool {
+        let mut values = answer.radiance.into_iter().chain(answer.bound);
+        let finite = values.all(|value| value.is_finite() && value >= 0.0);
+        if !finite {
+            self.not_finite.push(format!("{answer:?}: {}", told()));
+        }
+        finite
+    }
+}
+
+/// Any lobe, the ones that a GPU has not included.
+fn question(random: &mut Random, light: &Light) -> Question {
+    let mut question = Question::new(random, light.brightest);
+    // Cones and Charlie lobes take exhaustive integration longest.
+    question.lobe = match random.below(16) {
+        0..7 => Lobe::Ggx,
+        7..11 => Lobe::Phong,
+        11..14 => Lobe::Cosine,
+        14 => Lobe::Cone,
+        _ => Lobe::Charlie,
+    };
+    match random.below(16) {
+        0 => question.roughness = 0.0,
+        1 => question.roughness = 1.0,
+        2 => question.roughness = 10_f64.powf(random.between(-4.0, -1.0)),
+        _ => {}
+    }
+    question
+}
+
+/// Asks the adaptive filter [`QUESTIONS`] questions over the `index`th environment of `seed`, and compares
+/// what `alter` makes of its answers.
+pub(crate) fn examine(seed: u64, index: u64, alter: &dyn Fn(Answer) -> Answer) -> Tally {
+    let mut random = Random::new(seed.wrapping_add(index.wrapping_mul(0x9e37_79b9)));
+    let mut light = Light::new(&mut random);
+    if random.below(2) == 0 {
+        light.environment = light.environment.rotated_y(random.between(-180.0, 180.0));
+    }
+    let source_from_world = light.environment.source_from_world();
+    let reflector = Reflector::new(&light.environment, &light.settings()).expect("a small OEM");
+    let (oracle, energy) = light.oracle(&reflector);
+    let mut tally = Tally::default();
+    for _ in 0..QUESTIONS {
+        let mut question = question(&mut random, &light);
+        let Question { lobe, roughness, error, lane, .. } = question;
+        let lobes =
+            reflector.lobes(lobe, roughness, Filter::Adaptive(error)).expect("a roughness and an error");
+        let mut answers = Vec::new();
+        lobes.evaluate(&question.directions, &mut Workspace::default(), &mut answers);
+        let answer = alter(answers[lane]);
+        let told = || format!("seed {seed} index {index} {light} {lobe:?} roughness {roughness} E {error}");
+        if !tally.is_finite(&answer, &told) {
+            continue;
+        }
+        let Some(bound) = answer.bound.filter(|_| roughness > MIRROR || !lobe.has_mirror()) else {
+            tally.unbounded += 1;
+            continue;
+        };
+        for direction in &mut question.directions {
+            *direction = source_from_world * *direction;
+        }
+        // Inside a coarse texel of even energy radiance is up to 5.2 times its mean: more than float32 holds
+        // beside f32::MAX, where answers end.
+        let truth = luminance(oracle.reflect(lobe, roughness, question.directions[lane]));
+        let truth = truth.min(f64::from(f32::MAX));
+        let outcome = Outcome::new(&light, &question, answer.radiance, bound, truth).doubting(doubt(
+            lobe,
+            roughness,
+            truth,
+            luminance(energy),
+        ));
+        tally.compared += 1;
+        tally.ratios += outcome.ratio();
+        if !outcome.holds() {
+            tally.violations.push(format!("seed {seed} index {index}: {}", outcome.told));
+        }
+        tally.worst = tally.worst.max(outcome.ratio());
+    }
+    tally
+}
+
+/// What exhaustive integration may be off by besides a relative 1e-7, where the light has more decades than
+/// its accuracies are stated for: `energy` is the whole sphere's.
+fn doubt(lobe: Lobe, roughness: f64, truth: f64, energy: f64) -> f64 {
+    let alpha = roughness * roughness;
+    match lobe {
+        // What is below 1e-30 of a Phong lobe's peak is left out, and what is faint is less exact.
+        Lobe::Phong => 1e-6 * truth + 1.1e-30 * energy / kernel_integral(lobe, alpha),
+        _ => 0.0,
+    }
+}
+
+/// Asks the filters that have no bound: their answers stay within the source's range, where they promise
+/// that.
+pub(crate) fn examine_unbounded(seed: u64, index: u64) -> Tally {
+    let mut random = Random::new(seed.wrapping_add(index.wrapping_mul(0x9e37_79b9)));
+    let mut light = Light::new(&mut random);
+    light.inner = 16;
+    let reflector = Reflector::new(&light.environment, &light.settings()).expect("a small OEM");
+    let greatest = f64::from(light.greatest());
+    let mut tally = Tally::default();
+    for filter in
+        [Filter::Box, Filter::Fitted(1), Filter::Fitted(4), Filter::Reference, Filter::Adaptive(0.01)]
+    {
+        let question = question(&mut random, &light);
+        let lobe = if filter.check(question.lobe, Some(16)).is_ok() { question.lobe } else { Lobe::Ggx };
+        let (direction, roughness) = (question.directions[0], question.roughness);
+        let lobes = reflector.lobes(lobe, roughness, filter).expect("served");
+        let mut answers = Vec::new();
+        lobes.evaluate(&[direction], &mut Workspace::default(), &mut answers);
+        let told = || format!("seed {seed} index {index} {light} {filter:?} {lobe:?} roughness {roughness}");
+        if !tally.is_finite(&answers[0], &told) {
+            continue;
+        }
+        tally.unbounded += 1;
+        let most = answers[0].radiance.into_iter().fold(0.0, f32::max);
+        // Means are; harmonics and the uneven texels of an OEM may overshoot a little.
+        let allowed = if matches!(filter, Filter::Box | Filter::Reference) { 1.0 + 1e-6 } else { 1.5 };
+        if f64::from(most) > allowed * greatest {
+            tally.violations.push(format!("{most} is above {greatest}: {}", told()));
+        }
+    }
+    tally
+}

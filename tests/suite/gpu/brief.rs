@@ -1,0 +1,212 @@
+//! Every entry point over small inputs, on every adapter: all that the drivers named in
+//! OCTAGLOSS_BRIEF_ADAPTERS run.
+
+use super::entry_points::ENTRY_POINTS;
+use super::stages::TakeOver;
+use super::{boxes, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, sat, stages, wait};
+use crate::support::common::{Look, Random, oem as oem_of, texels};
+use octagloss::Layout;
+use octagloss::gpu::copy::Copy;
+use octagloss::gpu::device::readback;
+use octagloss::gpu::sat_f32::SatF32;
+use octagloss::gpu::{Context, OemPlanes, SatPlanes};
+use octagloss::oem::{Oem, OemSize};
+use octagloss::sat::{Sat, Scan};
+
+/// The entry points that each test below runs.
+const RUN: [(&str, &[&str]); 6] = [
+    (
+        "scans",
+        &[
+            "fixed_point.wgsl finish",
+            "fixed_point.wgsl greatest",
+            "fixed_point.wgsl totals",
+            "sat_hensley.wgsl double_sums",
+            "sat_hensley.wgsl quantise_texels",
+            "sat_scan.wgsl carries",
+            "sat_scan.wgsl carry_rows",
+            "sat_scan.wgsl tables",
+            "sat_scan.wgsl tile_sums",
+        ],
+    ),
+    (
+        "maps",
+        &[
+            "lamp.wgsl lamp",
+            "reparameterise.wgsl footprints",
+            "reparameterise.wgsl footprints_by_groups",
+            "reparameterise.wgsl oem",
+            "reparameterise.wgsl oem_by_groups",
+        ],
+    ),
+    (
+        "stages",
+        &[
+            "adaptive.wgsl adaptive",
+            "box_filter.wgsl box_sums",
+            "box_filter.wgsl radiance",
+            "cells.wgsl coarser",
+            "cells.wgsl finest",
+            "least.wgsl least_of_all",
+            "least.wgsl least_of_groups",
+            "pack.wgsl pack",
+        ],
+    ),
+    (
+        "fitted lobes",
+        &[
+            "blur.wgsl blur",
+            "blur.wgsl columns",
+            "blur.wgsl rows",
+            "emitters.wgsl brightest_cells",
+            "emitters.wgsl brightest_of_lists",
+            "emitters.wgsl emitters",
+            "emitters.wgsl rest",
+            "fitted.wgsl fitted",
+            "harmonics.wgsl sum_of_all",
+            "harmonics.wgsl sums_of_groups",
+            "mirror.wgsl mirror",
+        ],
+    ),
+    (
+        "float32 tables",
+        &[
+            "sat_f32.wgsl bias",
+            "sat_f32.wgsl double_sums",
+            "sat_f32.wgsl mean_of_all",
+            "sat_f32.wgsl sums_of_groups",
+        ],
+    ),
+    ("copies", &["copy.wgsl copy"]),
+];
+
+#[test]
+fn every_entry_point_is_run() {
+    let mut run: Vec<String> =
+        RUN.iter().flat_map(|(_, names)| names.iter().map(|n| n.to_string())).collect();
+    run.sort();
+    let mut all: Vec<String> =
+        ENTRY_POINTS.iter().map(|(file, entry, ..)| format!("{file} {entry}")).collect();
+    all.sort();
+    assert_eq!(run, all, "a test below runs it, and RUN lists it there");
+}
+
+#[test]
+fn scans_of_small_tables_are_the_cpu_s() {
+    on_every_adapter("brief: scans", |context| {
+        sat::scan(context, &[1, 3, 17]);
+        sat::doubling(context, &[2, 16], &[3, 17]);
+    });
+}
+
+#[test]
+fn small_maps_are_the_cpu_s() {
+    let layouts = [Layout::Panorama { width: 64, height: 32 }, Layout::Cube { size: 7 }];
+    on_every_adapter("brief: maps", |context| {
+        // One texel of many sources is gathered by a group, sixteen a side by an invocation each.
+        oem::maps(context, &layouts, &[(1, 0), (16, 8)]);
+        oem::footprints(context, &layouts[..1], &[1, 16]);
+        lamp::lamps(context, &[(8, 8)]);
+    });
+}
+
+#[test]
+fn stages_are_the_cpu_s() {
+    on_every_adapter("brief: stages", |context| {
+        stages::take_overs(context, passes(context), &[TakeOver::Cells]);
+        boxes::integer_sums(context, passes(context), &[5]);
+    });
+}
+
+#[test]
+fn small_fitted_lobes_are_the_cpu_s() {
+    on_every_adapter("brief: fitted lobes", |context| {
+        let passes = passes(context);
+        emitters::emitters(context, passes, &[(64, 7, Look::Suns)]);
+        fitted::blurred_tables(context, passes, &[(32, 3, Look::Suns)]);
+        fitted::harmonics(context, passes, &[(16, 0, Look::Noise)]);
+        fitted::radiance(context, passes, &[(16, Look::Noise)], &[0.0, 0.15, 0.4, 1.0]);
+    });
+}
+
+#[cfg(feature = "view")]
+#[test]
+fn a_picture_is_the_cpu_s() {
+    on_every_adapter("brief: picture", super::view::one_picture);
+}
+
+/// The first entry of the GPU's table of `oem` that is not the sum of what precedes it.
+///
+/// A sum over a tree of depth d = 2 ceil(log2 n) takes d roundings of at most the absolute total, on top of
+/// the mean's and of the subtraction's: (4 d + 3) units of the total of the biased values' magnitudes bound
+/// it, as `src/analysis/sat_f32.rs` has it; the mean counts in the bias of every texel, and is compared by
+/// itself.
+fn f32_difference(oem: &Oem, entries: &[[f32; 4]], mean: [f32; 4]) -> Option<String> {
+    let side = oem.size().bordered() as usize;
+    assert_eq!(entries.len(), side * side, "entries");
+    let depth = 2.0 * (side as f64).log2().ceil();
+    let mut magnitude = [0.0_f64; 4];
+    let mut sums = vec![[0.0_f64; 4]; side * side];
+    for (k, texel) in oem.texels().iter().enumerate() {
+        let (x, y) = (k % side, k / side);
+        for c in 0..4 {
+            let biased = f64::from(texel[c]) - f64::from(mean[c]);
+            magnitude[c] += biased.abs();
+            let at = |inside: bool, k: usize| if inside { sums[k][c] } else { 0.0 };
+            sums[k][c] = biased + at(x > 0, k.wrapping_sub(1)) + at(y > 0, k.wrapping_sub(side))
+                - at(x > 0 && y > 0, k.wrapping_sub(side + 1));
+        }
+    }
+    entries.iter().zip(&sums).enumerate().find_map(|(k, (found, expected))| {
+        let far = (0..4).any(|c| {
+            let allowed = (4.0 * depth + 3.0) * super::UNIT * magnitude[c];
+            exceeds((f64::from(found[c]) - expected[c]).abs(), allowed)
+        });
+        far.then(|| format!("entry {k} is {found:?}, not {expected:?}"))
+    })
+}
+
+#[test]
+fn float32_tables_are_sums() {
+    let size = OemSize { inner: 17, border: 3 };
+    let oem = oem_of(size, &texels(&mut Random::new(140), Look::Noise, Layout::Octahedral { size: 17 }));
+    on_every_adapter("brief: float32 tables", |context| {
+        let planes = OemPlanes::upload(context, &oem).expect("small planes");
+        let (stage, table) = SatF32::new(context).stage(context, &planes).expect("a small table");
+        context.submit(|encoder| stage.record(encoder));
+        let mut entries: Vec<[f32; 4]> = wait(context, readback::read(context, &table.entries));
+        let mean: Vec<[f32; 4]> = wait(context, readback::read(context, &table.mean));
+        let count = oem.texels().len() as f64;
+        for c in 0..4 {
+            let expected = oem.texels().iter().map(|texel| f64::from(texel[c])).sum::<f64>() / count;
+            // Every one of the sums rounds once at most.
+            let off = (f64::from(mean[0][c]) / expected - 1.0).abs();
+            assert!(!exceeds(off, count * super::UNIT), "mean {c}: {} for {expected}", mean[0][c]);
+        }
+        assert_eq!(f32_difference(&oem, &entries, mean[0]), None, "on {}", context.describe());
+        entries[200][1] += 1e-3 * oem.totals()[1] as f32;
+        assert!(f32_difference(&oem, &entries, mean[0]).is_some(), "a thousandth of the total shows");
+    });
+}
+
+/// The words of each of the planes of `sat`.
+fn words(context: &Context, sat: &SatPlanes) -> Vec<Vec<u32>> {
+    sat.planes().iter().map(|plane| wait(context, readback::read(context, plane))).collect()
+}
+
+#[test]
+fn copies_are_exact() {
+    let size = OemSize { inner: 33, border: 1 };
+    let oem = oem_of(size, &texels(&mut Random::new(141), Look::Suns, Layout::Octahedral { size: 33 }));
+    let sat = Sat::new(&oem, Scan::default());
+    on_every_adapter("brief: copies", |context| {
+        let planes = SatPlanes::upload(context, &sat).expect("small planes");
+        let before = words(context, &planes);
+        let stage = Copy::new(context).stage(context, &planes);
+        context.submit(|encoder| stage.record(encoder));
+        let after = words(context, &planes);
+        // The first plane goes into the last, then the second into the first, then the third into the second.
+        assert!(before[0] != before[1] && before[1] != before[2], "planes of their own");
+        assert_eq!(after, [&before[1], &before[2], &before[2], &before[0]].map(Clone::clone));
+    });
+}

@@ -1,0 +1,86 @@
+//! Light over the whole range of float32 on every adapter, beside the CPU.
+
+use super::{wait, with_passes};
+use crate::cpu::adaptive::luminance;
+use crate::cpu::lights::Light;
+use crate::support::common::{Random, environment};
+use octagloss::bake::BakeSettings;
+use octagloss::filter::{Answer, Filter};
+use octagloss::gpu::engine::Reflector;
+use octagloss::lobe::Lobe;
+use octagloss::reflector::Reflector as CpuReflector;
+use octagloss::{Environment, Layout, Rgb};
+
+/// What the GPU's gathering and its filters in single precision may be off by, relative to the greatest
+/// radiance near.
+const RELATIVE: f64 = 1e-3;
+
+/// Whether two answers of luminance `a` and `b` agree within `allowed`.
+fn agree(a: &Answer, b: &Answer, allowed: f64) -> bool {
+    let value = |answer: &Answer| luminance(answer.radiance.map(f64::from));
+    (value(a) - value(b)).abs() <= allowed
+}
+
+#[test]
+fn all_light_is_answered_as_by_the_cpu() {
+    with_passes("light over the whole range", |context, passes| {
+        let mut random = Random::new(77);
+        let (mut compared, mut differing) = (0, 0);
+        for _ in 0..40 {
+            let mut light = Light::new(&mut random);
+            light.inner = 16;
+            let settings = light.settings();
+            let on_cpu = CpuReflector::new(&light.environment, &settings).expect("a small OEM");
+            let on_gpu = Reflector::new(passes, &light.environment, &settings).expect("a small OEM");
+            assert_eq!(on_cpu.light_exponent(), on_gpu.light_exponent());
+            let greatest = f64::from(light.greatest());
+            let directions: Vec<_> = (0..4).map(|_| random.direction()).collect();
+            let lobe = [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine][random.below(4) as usize];
+            let roughness = random.between(0.05, 1.0);
+            for filter in [Filter::Adaptive(0.01), Filter::Box, Filter::Fitted(4)] {
+                let lobe = if filter.check(lobe, Some(16)).is_ok() { lobe } else { Lobe::Ggx };
+                // The query fails where a radiance or bound is not finite.
+                let found = wait(context, on_gpu.query(&directions, lobe, roughness, filter));
+                for (direction, answer) in directions.iter().zip(&found) {
+                    let expected =
+                        on_cpu.query(*direction, roughness, lobe, filter).expect("a finite answer");
+                    let bounds =
+                        [answer.bound, expected.bound].into_iter().flatten().map(f64::from).sum::<f64>();
+                    let value = luminance(expected.radiance.map(f64::from));
+                    let allowed = match filter {
+                        Filter::Adaptive(_) => bounds + 1e-4 * value,
+                        _ => RELATIVE * greatest,
+                    };
+                    let told = format!("{light} {filter:?} {lobe:?} {roughness} on {}", context.describe());
+                    assert!(agree(answer, &expected, allowed), "{answer:?} for {expected:?}: {told}");
+                    let wrong = Answer { radiance: answer.radiance.map(|c| 0.5 * c), ..*answer };
+                    differing += u32::from(!agree(&wrong, &expected, allowed));
+                    compared += 1;
+                }
+            }
+        }
+        assert_eq!(compared, 480);
+        assert!(differing > 100, "half the light was found wrong {differing} times");
+    });
+}
+
+#[test]
+fn bakes_at_both_ends_are_those_of_ordinary_light() {
+    let layout = Layout::Panorama { width: 16, height: 8 };
+    let mut random = Random::new(78);
+    let texels: Vec<Rgb> = (0..16 * 8).map(|_| [0; 3].map(|_| random.between(0.1, 1.0) as f32)).collect();
+    let settings = BakeSettings { size: 8, levels: Some(3), oem_size: Some(32), ..BakeSettings::default() };
+    with_passes("bakes at both ends", |context, passes| {
+        let baked = |source: &Environment| wait(context, passes.bake(source, &settings, &|_| ()));
+        let ordinary = baked(&environment(layout, texels.clone()));
+        for scale in [1e-42_f64, 1e-36, 3.4e38] {
+            let scaled = texels.iter().map(|t| t.map(|c| (f64::from(c) * scale) as f32)).collect();
+            let extreme = baked(&environment(layout, scaled));
+            let coarse = f64::from(f32::from_bits(1)) / scale;
+            for (a, b) in ordinary.texels().flatten().zip(extreme.texels().flatten()) {
+                let (a, b) = (f64::from(*a), f64::from(*b) / scale);
+                assert!((a - b).abs() <= 1e-3 + 4.0 * coarse, "{b} at {scale:e} is {a} else");
+            }
+        }
+    });
+}

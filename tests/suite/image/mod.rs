@@ -1,0 +1,3 @@
+//! Pictures.
+
+pub(super) mod preview;

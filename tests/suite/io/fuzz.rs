@@ -1,0 +1,56 @@
+//! Mutated inputs: every reader ends in an environment or an error, soon and within its memory.
+
+use crate::support::mutation;
+use std::process::Command;
+use std::time::Duration;
+
+/// The whole suite shares one allocator, so the peaks are taken in a process where nothing else runs.
+#[test]
+fn mutated_inputs_neither_panic_nor_hang_nor_swell() {
+    let output = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "io::fuzz::mutated_inputs_alone", "--ignored", "--nocapture", "--test-threads=1"])
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}");
+    assert!(text.contains("1 passed"), "the inner test must have run: {text}");
+    assert!(!text.contains("panicked at"), "a contained panic must not print: {text}");
+}
+
+#[test]
+#[ignore = "run by mutated_inputs_neither_panic_nor_hang_nor_swell, in a process of its own"]
+fn mutated_inputs_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    for reader in mutation::readers(folder.path()) {
+        let tally = mutation::fuzz(&reader, 5_000, &crate::MEMORY);
+        assert_eq!(tally.mutations, 5_000, "{}: all were tried", reader.name);
+        assert_eq!(tally.errors + tally.reads, 5_000, "{}: each ended in one or the other", reader.name);
+        assert!(tally.errors > 500, "{}: the damage must be felt: {tally:?}", reader.name);
+        assert!(tally.holds(), "{}: {tally:?}", reader.name);
+    }
+}
+
+/// The judgement above must be able to fail.
+#[test]
+fn tally_detects_panics_slowness_and_swelling() {
+    let good = || mutation::Tally {
+        mutations: 1,
+        errors: 1,
+        reads: 0,
+        panics: 0,
+        slowest: Duration::from_millis(1),
+        peak_bytes: 1000,
+    };
+    assert!(good().holds(), "the good one");
+    assert!(!mutation::Tally { panics: 1, ..good() }.holds(), "a panic");
+    assert!(!mutation::Tally { slowest: Duration::from_secs(3), ..good() }.holds(), "slow");
+    assert!(!mutation::Tally { peak_bytes: mutation::PEAK_LIMIT + 1, ..good() }.holds(), "large");
+}
+
+#[test]
+fn allocator_counts() {
+    use peakmem_alloc::PeakMemAllocTrait as _;
+    crate::MEMORY.reset_peak_memory();
+    std::hint::black_box(vec![0u8; 50 << 20]);
+    assert!(crate::MEMORY.get_peak_memory() > 40 << 20, "fifty megabytes were seen");
+}

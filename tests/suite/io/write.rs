@@ -1,0 +1,302 @@
+//! The writers of images: the same bytes always, and what they write read back by other readers.
+
+use crate::support::written::{
+    chain, first_difference, metadata, names_in, noise, read_exr, read_exr_rgb, texels, to_half,
+};
+use exr::prelude::{AttributeValue, Text};
+use half::f16;
+use octagloss::chain::CubeLevel;
+use octagloss::environment::{Environment, Layout, Rgb};
+use octagloss::format::{HALF_MAX, Pixel, RGB9E5_MAX, push_halves, rgb_from_rgb9e5, rgb9e5_from_rgb};
+use octagloss::io::environment_write::write_environment;
+use octagloss::io::exr::write::{Attribute, ExrPixel, Samples, StoredLevel, exr_bytes, write_exr_folder};
+use octagloss::io::hdr::write::{hdr_bytes, write_hdr_folder};
+use octagloss::io::ktx2::write::ktx2_bytes;
+use octagloss::io::layout::CROSS_CELLS;
+use octagloss::io::ldr::write::write_png;
+use octagloss::io::output::Existing;
+use octagloss::sphere::cube::Face;
+use std::fs;
+
+#[test]
+fn every_half_float_survives_and_midpoints_round_to_even() {
+    let finite: Vec<f16> = (0..0x7c00_u16).map(f16::from_bits).collect();
+    let values: Vec<f32> = finite.iter().map(|h| h.to_f32()).collect();
+    let mut bytes = Vec::new();
+    push_halves(&values, &mut bytes);
+    let expected: Vec<u8> = finite.iter().flat_map(|h| h.to_le_bytes()).collect();
+    assert!(bytes == expected);
+
+    // Halfway between two neighbours the one with an even mantissa wins.
+    let midpoints: Vec<f32> = values.windows(2).map(|pair| f32::midpoint(pair[0], pair[1])).collect();
+    bytes.clear();
+    push_halves(&midpoints, &mut bytes);
+    for (lower, half) in bytes.chunks_exact(2).enumerate() {
+        let rounded = u16::from_le_bytes([half[0], half[1]]);
+        assert_eq!(usize::from(rounded), lower + lower % 2, "above half {lower:#06x}");
+    }
+}
+
+#[test]
+fn half_floats_clamp_at_their_greatest_and_count_it() {
+    let mut bytes = Vec::new();
+    push_halves(&[HALF_MAX, 65519.0, 65520.0, 1e30, f32::INFINITY, f32::MAX], &mut bytes);
+    assert!(bytes.chunks_exact(2).all(|h| h == f16::MAX.to_le_bytes()));
+    let texels = [[1.0, HALF_MAX, 0.0], [65504.004, 1.0, 1.0], [0.0, 1e6, 1e6]];
+    assert_eq!(Pixel::F16.clamped(&texels), 2);
+    assert_eq!(Pixel::Rgb9e5.clamped(&texels), 3);
+    assert_eq!(Pixel::F32.clamped(&texels), 0);
+}
+
+#[test]
+fn every_rgb9e5_colour_of_one_channel_survives() {
+    for exponent in 0..32_u32 {
+        for mantissa in 0..512_u32 {
+            for shift in [0, 9, 18] {
+                let colour = rgb_from_rgb9e5(exponent << 27 | mantissa << shift);
+                assert_eq!(rgb_from_rgb9e5(rgb9e5_from_rgb(colour)), colour, "{exponent} {mantissa} {shift}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rgb9e5_rounds_to_nearest_clamps_and_carries() {
+    // The specification's limits: 2^-24 is the least step, (511/512)*2^16 the greatest value.
+    assert_eq!(rgb_from_rgb9e5(1), [2_f32.powi(-24), 0.0, 0.0]);
+    assert_eq!(rgb_from_rgb9e5(0xf800_0000 | 511), [RGB9E5_MAX, 0.0, 0.0]);
+    assert_eq!(rgb9e5_from_rgb([1e9, f32::INFINITY, 0.0]), 0xf800_0000 | 511 << 9 | 511);
+    assert_eq!(rgb9e5_from_rgb([-1.0, 0.0, -0.0]), 0);
+    assert_eq!(rgb9e5_from_rgb([1e-30, f32::MIN_POSITIVE, 0.0]), 0);
+    // 511.5/512 rounds up to 512/512: the exponent carries.
+    assert_eq!(rgb_from_rgb9e5(rgb9e5_from_rgb([511.5 / 512.0, 0.0, 0.0])), [1.0, 0.0, 0.0]);
+    for at in 0..100_000_u64 {
+        let colour = [0, 1, 2].map(|c| (noise(at * 3 + c) * 44.0 - 28.0).exp2().min(RGB9E5_MAX));
+        let packed = rgb9e5_from_rgb(colour);
+        let back = rgb_from_rgb9e5(packed);
+        let step = ((packed >> 27) as f32 - 24.0).exp2();
+        for c in 0..3 {
+            assert!((back[c] - colour[c]).abs() <= step / 2.0, "{colour:?} {back:?}");
+        }
+        let greatest = colour.into_iter().fold(0.0, f32::max);
+        // 255.75 rounds up to a step of twice the size.
+        assert!(step <= (greatest / 255.75).max(2_f32.powi(-24)), "no exponent above need: {colour:?}");
+    }
+}
+
+#[test]
+fn exr_files_come_back_as_written() {
+    for (width, height) in [(1, 1), (2, 1), (1, 3), (5, 17), (16, 16), (33, 40), (64, 32)] {
+        let count = (width * height) as usize;
+        let original = texels(count, 7);
+        let attributes = [
+            ("roughness".to_owned(), Attribute::Float(0.25)),
+            ("lobe".to_owned(), Attribute::Text("ggx".to_owned())),
+        ];
+        for (pixel, expected) in [
+            (Pixel::F32, original.clone()),
+            (Pixel::F16, original.iter().map(|t| to_half(*t)).collect::<Vec<_>>()),
+        ] {
+            let bytes = exr_bytes(width, height, Samples::Rgb(&original), pixel, &attributes).unwrap();
+            let (w, h, _, found) = read_exr(&bytes, &["R", "G", "B"]);
+            assert_eq!((w, h), (width as usize, height as usize));
+            assert_eq!(first_difference(&read_exr_rgb(&bytes), &expected), None);
+            assert_eq!(found.other[&Text::from("roughness")], AttributeValue::F32(0.25));
+            assert_eq!(found.other[&Text::from("lobe")], AttributeValue::Text(Text::from("ggx")));
+            let software = found.software_name.map(|t| t.to_string());
+            assert_eq!(software, Some(format!("octagloss {}", env!("CARGO_PKG_VERSION"))));
+        }
+        let luminances: Vec<f32> = original.iter().map(|t| t[0]).collect();
+        let bytes = exr_bytes(width, height, Samples::Luminance(&luminances), Pixel::F32, &[]).unwrap();
+        assert_eq!(read_exr(&bytes, &["Y"]).2, [luminances]);
+    }
+}
+
+#[test]
+fn exr_blocks_that_do_not_shrink_and_that_do() {
+    // Random bits stay raw, a constant shrinks to almost nothing.
+    let random: Vec<f32> = (0..64 * 64).map(|at| noise(at) * 3e38 * noise(at + 9999)).collect();
+    let bytes = exr_bytes(64, 64, Samples::Luminance(&random), Pixel::F32, &[]).unwrap();
+    assert_eq!(read_exr(&bytes, &["Y"]).2, [random]);
+    let constant = vec![[0.5; 3]; 64 * 64];
+    let bytes = exr_bytes(64, 64, Samples::Rgb(&constant), Pixel::F16, &[]).unwrap();
+    assert!(bytes.len() < 1200, "{} bytes", bytes.len());
+    assert_eq!(first_difference(&read_exr_rgb(&bytes), &constant), None);
+}
+
+#[test]
+fn the_exr_comparison_detects_one_wrong_texel() {
+    let original = texels(16 * 16, 1);
+    let mut wrong = original.clone();
+    wrong[37][1] *= 1.01;
+    let bytes = exr_bytes(16, 16, Samples::Rgb(&wrong), Pixel::F32, &[]).unwrap();
+    assert_eq!(first_difference(&read_exr_rgb(&bytes), &original), Some(37));
+}
+
+#[test]
+fn exr_refuses_what_it_cannot_hold() {
+    for (width, height, count) in [(0, 4, 0), (4, 4, 15), (4, 4, 17)] {
+        let image = vec![[1.0; 3]; count];
+        assert!(exr_bytes(width, height, Samples::Rgb(&image), Pixel::F16, &[]).is_err());
+    }
+    assert!(exr_bytes(1, 1, Samples::Rgb(&[[1.0; 3]]), Pixel::Rgb9e5, &[]).is_err());
+}
+
+#[test]
+fn an_exr_folder_holds_every_face_bound_and_the_irradiance() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("bake");
+    let mut chain = chain(16, 3, true);
+    chain.levels[1].texels[3][2] = 70_000.0;
+    let irradiance = CubeLevel { size: 4, roughness: 1.0, texels: texels(96, 5), bounds: None };
+    let stored =
+        write_exr_folder(&out, Existing::Keep, &chain, Some(&irradiance), ExrPixel::Auto, &metadata())
+            .unwrap();
+    let half = StoredLevel { pixel: Pixel::F16, clamped: 0 };
+    assert_eq!(stored, [half, StoredLevel { pixel: Pixel::F32, clamped: 0 }, half, half]);
+    assert_eq!(names_in(&out).len(), 3 * 6 * 2 + 6);
+
+    for (index, level) in chain.levels.iter().enumerate() {
+        for face in Face::ALL {
+            let name = face.short_name();
+            let bytes = fs::read(out.join(format!("m{index}_{name}.exr"))).unwrap();
+            let exact = stored[index].pixel == Pixel::F32;
+            let expected: Vec<Rgb> =
+                level.face(face).iter().map(|t| if exact { *t } else { to_half(*t) }).collect();
+            assert_eq!(first_difference(&read_exr_rgb(&bytes), &expected), None, "level {index} {name}");
+            let attributes = read_exr(&bytes, &["R", "G", "B"]).3.other;
+            assert_eq!(attributes[&Text::from("roughness")], AttributeValue::F32(level.roughness as f32));
+            let bytes = fs::read(out.join(format!("m{index}_{name}_bound.exr"))).unwrap();
+            let area = (level.size * level.size) as usize;
+            let bounds = &level.bounds.as_ref().unwrap()[face.index() * area..][..area];
+            assert_eq!(read_exr(&bytes, &["Y"]).2, [bounds.to_vec()]);
+        }
+    }
+    // A face in another's place is seen.
+    let bytes = fs::read(out.join("m0_nx.exr")).unwrap();
+    let other: Vec<Rgb> = chain.levels[0].face(Face::PosX).iter().map(|t| to_half(*t)).collect();
+    assert!(first_difference(&read_exr_rgb(&bytes), &other).is_some());
+    // Asked for, half clamps and counts; float does neither.
+    let clamped = |choice| {
+        let stored = write_exr_folder(&out, Existing::Replace, &chain, None, choice, &metadata()).unwrap();
+        stored.iter().map(|s| s.clamped).sum::<u64>()
+    };
+    assert_eq!(clamped(ExrPixel::F16), 1);
+    assert_eq!(clamped(ExrPixel::F32), 0);
+    assert!(!names_in(&out).contains(&"irradiance_px.exr".to_owned()), "the old bake is gone");
+}
+
+#[test]
+fn equal_chains_give_equal_bytes_whatever_the_thread_count() {
+    let chain = chain(32, 3, true);
+    let written = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let folder = tempfile::tempdir().unwrap();
+            let (exr, hdr) = (folder.path().join("exr"), folder.path().join("hdr"));
+            write_exr_folder(&exr, Existing::Keep, &chain, None, ExrPixel::Auto, &metadata()).unwrap();
+            write_hdr_folder(&hdr, Existing::Keep, &chain, None).unwrap();
+            let mut all = Vec::new();
+            for out in [exr, hdr] {
+                all.extend(names_in(&out).into_iter().map(|n| (n.clone(), fs::read(out.join(n)).unwrap())));
+            }
+            let ktx2 = ktx2_bytes(&chain, Pixel::F16, &metadata()).unwrap().bytes;
+            (all, ktx2)
+        })
+    };
+    let one = written(1);
+    assert_eq!(one.0.len(), 3 * 6 * 3);
+    for threads in [1, 2, 5] {
+        assert!(written(threads) == one, "{threads} threads");
+    }
+}
+
+#[test]
+fn hdr_files_come_back_within_half_a_step_without_bias() {
+    let original = texels(64 * 32, 3);
+    let bytes = hdr_bytes(64, 32, &original).unwrap();
+    let decoded = image::load_from_memory_with_format(&bytes, image::ImageFormat::Hdr).unwrap().to_rgb32f();
+    assert_eq!(decoded.dimensions(), (64, 32));
+    let (mut sum, mut decoded_sum) = (0.0, 0.0);
+    for (texel, back) in original.iter().zip(decoded.pixels()) {
+        let greatest = texel.iter().copied().fold(0.0, f32::max);
+        for c in 0..3 {
+            // A mantissa has 8 bits and the greatest lies in [128, 256) steps.
+            assert!((texel[c] - back[c]).abs() <= greatest / 256.0, "{texel:?} {back:?}");
+            sum += f64::from(texel[c]);
+            decoded_sum += f64::from(back[c]);
+        }
+    }
+    assert!((decoded_sum / sum - 1.0).abs() < 3e-4, "bias {}", decoded_sum / sum - 1.0);
+}
+
+#[test]
+fn hdr_holds_extremes_without_wrapping() {
+    let original = [[0.0; 3], [1e-42; 3], [f32::MAX, 0.0, 1.0], [1e6; 3], [255.9, 0.6, 128.0]];
+    let bytes = hdr_bytes(5, 1, &original).unwrap();
+    let decoded = image::load_from_memory_with_format(&bytes, image::ImageFormat::Hdr).unwrap().to_rgb32f();
+    let back: Vec<Rgb> = decoded.pixels().map(|p| p.0).collect();
+    assert_eq!(back[0], [0.0; 3]);
+    assert_eq!(back[1], [0.0; 3]);
+    assert!(back[2][0] > 1.6e38 && back[2][1] == 0.0);
+    assert!((back[3][0] - 1e6).abs() < 1e6 / 256.0);
+    assert_eq!(back[4], [256.0, 0.0, 128.0], "the greatest rounds up into the next exponent");
+}
+
+#[test]
+fn an_hdr_folder_holds_every_face() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("bake");
+    write_hdr_folder(&out, Existing::Keep, &chain(8, 2, false), Some(&chain(4, 1, false).levels[0])).unwrap();
+    let names = names_in(&out);
+    assert_eq!(names.len(), 18);
+    assert!(names.contains(&"m1_nz.hdr".to_owned()) && names.contains(&"irradiance_py.hdr".to_owned()));
+}
+
+#[test]
+fn environments_are_written_by_extension_and_cubes_as_a_cross() {
+    let folder = tempfile::tempdir().unwrap();
+    let panorama = Environment::new(Layout::Panorama { width: 8, height: 4 }, texels(32, 2)).unwrap();
+    let path = folder.path().join("panorama.exr");
+    write_environment(&path, Existing::Keep, &panorama, "a comment").unwrap();
+    let expected: Vec<Rgb> = panorama.texels().iter().map(|t| to_half(*t)).collect();
+    assert_eq!(first_difference(&read_exr_rgb(&fs::read(&path).unwrap()), &expected), None);
+
+    let size = 3;
+    let cube = Environment::new(Layout::Cube { size }, texels(54, 4)).unwrap();
+    let path = folder.path().join("cross.exr");
+    write_environment(&path, Existing::Keep, &cube, "").unwrap();
+    let cross = read_exr_rgb(&fs::read(&path).unwrap());
+    assert_eq!(cross.len(), 12 * 9);
+    for face in Face::ALL {
+        let (column, row) = CROSS_CELLS[face.index()];
+        for j in 0..size {
+            for i in 0..size {
+                let at = ((row * size + j) * 4 * size + column * size + i) as usize;
+                let texel = cube.texels()[(face.index() as u32 * size * size + j * size + i) as usize];
+                assert_eq!(cross[at], to_half(texel));
+            }
+        }
+    }
+    assert!(write_environment(&folder.path().join("x.png"), Existing::Keep, &cube, "").is_err());
+    write_environment(&folder.path().join("x.hdr"), Existing::Keep, &cube, "").unwrap();
+    assert_eq!(names_in(folder.path()), ["cross.exr", "panorama.exr", "x.hdr"]);
+}
+
+#[test]
+fn a_bright_environment_is_written_as_float() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sun.exr");
+    let sun = Environment::new(Layout::Panorama { width: 2, height: 1 }, vec![[1e6, 3.3, 0.1]; 2]).unwrap();
+    write_environment(&path, Existing::Keep, &sun, "").unwrap();
+    assert_eq!(first_difference(&read_exr_rgb(&fs::read(&path).unwrap()), sun.texels()), None);
+}
+
+#[test]
+fn a_png_comes_back_as_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.png");
+    let picture = image::RgbImage::from_fn(7, 5, |x, y| image::Rgb([x as u8 * 30, y as u8 * 50, 255]));
+    write_png(&path, Existing::Keep, &picture).unwrap();
+    assert_eq!(image::open(&path).unwrap().to_rgb8(), picture);
+}

@@ -1,0 +1,4 @@
+//! The tier for shaders.
+
+pub(super) mod emitters;
+pub(super) mod fitted;

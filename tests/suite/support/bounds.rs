@@ -1,0 +1,133 @@
+//! Certified bounds beside exhaustive integration: questions, and what becomes of the answers.
+
+use super::common::{Random, landmarks};
+use glam::DVec3;
+use octagloss::cpu::leaves::LANES;
+use octagloss::environment::LUMINANCE;
+use octagloss::lobe::Lobe;
+use std::fmt::Display;
+
+pub(crate) fn luminance(rgb: [f64; 3]) -> f64 {
+    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
+}
+
+/// What the oracle itself may be off by, relatively.
+pub(crate) const ORACLE: f64 = 1e-7;
+
+/// A question: where and how sharp, and to what tolerance.
+pub(crate) struct Question {
+    pub(crate) directions: Vec<DVec3>,
+    pub(crate) lane: usize,
+    pub(crate) lobe: Lobe,
+    pub(crate) roughness: f64,
+    pub(crate) error: f64,
+}
+
+impl Question {
+    /// About any of the lobes that every engine has, towards `brightest` or elsewhere.
+    pub(crate) fn new(random: &mut Random, brightest: DVec3) -> Self {
+        let lobe = match random.below(10) {
+            0 => Lobe::Phong,
+            1 => Lobe::Cosine,
+            2 => Lobe::Cone,
+            _ => Lobe::Ggx,
+        };
+        let roughness = if random.below(4) == 0 {
+            10_f64.powf(random.between(-2.0, 0.0))
+        } else {
+            random.between(0.03, 1.0)
+        };
+        let axis = match random.below(4) {
+            0 => landmarks()[random.below(26) as usize],
+            1 => (brightest + random.direction() * 10_f64.powf(random.between(-3.0, 0.3))).normalize(),
+            _ => random.direction(),
+        };
+        // Alone, or in a packet up to half a lobe wide.
+        let count = if random.below(2) == 0 { 1 } else { 1 + random.below(LANES as u32) as usize };
+        let spread = 0.5 * roughness * roughness * random.unit();
+        let directions: Vec<DVec3> =
+            (0..count)
+                .map(|k| {
+                    if count == 1 || k == 0 { axis } else { (axis + random.direction() * spread).normalize() }
+                })
+                .collect();
+        Self {
+            lane: random.below(count as u32) as usize,
+            directions,
+            lobe,
+            roughness,
+            error: 10_f64.powf(random.between(-3.5, -0.7)),
+        }
+    }
+}
+
+/// One comparison of an engine with the oracle.
+pub(crate) struct Outcome {
+    /// Distance of the luminances.
+    error: f64,
+    bound: f64,
+    truth: f64,
+    /// What the oracle may be off by.
+    doubt: f64,
+    pub(crate) told: String,
+}
+
+impl Outcome {
+    /// An engine's radiance and bound over `scene` beside the `truth`.
+    pub(crate) fn new(
+        scene: &dyn Display,
+        question: &Question,
+        radiance: [f32; 3],
+        bound: f32,
+        truth: f64,
+    ) -> Self {
+        let Question { directions, lane, lobe, roughness, error } = question;
+        let (value, bound) = (luminance(radiance.map(f64::from)), f64::from(bound));
+        let told = format!(
+            "{scene} {lobe:?} roughness {roughness} E {error} {} lanes {}: {value} against {truth}, bound {bound}",
+            directions.len(),
+            directions[*lane],
+        );
+        Self { error: (value - truth).abs(), bound, truth, doubt: ORACLE * truth, told }
+    }
+
+    /// The same with what the oracle may be off by besides.
+    pub(crate) fn doubting(self, doubt: f64) -> Self {
+        Self { doubt: self.doubt + doubt, ..self }
+    }
+
+    pub(crate) fn holds(&self) -> bool {
+        self.error <= self.bound + self.doubt
+    }
+
+    /// The error over what it may be.
+    pub(crate) fn ratio(&self) -> f64 {
+        if self.error == 0.0 { 0.0 } else { self.error / (self.bound + self.doubt) }
+    }
+}
+
+/// Fails with the worst offenders; prints how tight the bounds were.
+pub(crate) fn judge(name: &str, outcomes: &[Outcome], expected: usize) {
+    assert_eq!(outcomes.len(), expected, "questions were asked");
+    let mut wrong: Vec<&Outcome> = outcomes.iter().filter(|outcome| !outcome.holds()).collect();
+    wrong.sort_by(|a, b| (b.error / b.bound).total_cmp(&(a.error / a.bound)));
+    let mut tightness: Vec<f64> = outcomes
+        .iter()
+        .filter(|outcome| outcome.error > ORACLE * outcome.truth)
+        .map(|outcome| outcome.bound / outcome.error)
+        .collect();
+    tightness.sort_by(f64::total_cmp);
+    let at = |share: f64| tightness[((tightness.len() - 1) as f64 * share) as usize];
+    println!(
+        "{name}: {} of {} bounds hold; bound/error median {:.1}, 5 % {:.2}, 95 % {:.0}, least {:.3} ({} counted)",
+        outcomes.len() - wrong.len(),
+        outcomes.len(),
+        at(0.5),
+        at(0.05),
+        at(0.95),
+        at(0.0),
+        tightness.len()
+    );
+    let told: Vec<&str> = wrong.iter().take(10).map(|outcome| outcome.told.as_str()).collect();
+    assert!(wrong.is_empty(), "{} bounds do not hold, the worst:\n{}", wrong.len(), told.join("\n"));
+}

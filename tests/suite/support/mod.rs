@@ -1,0 +1,7 @@
+//! What several tests share.
+
+pub(super) mod bounds;
+pub(super) mod common;
+pub(super) mod inputs;
+pub(super) mod mutation;
+pub(super) mod written;

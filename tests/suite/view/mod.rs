@@ -1,0 +1,3 @@
+//! The viewer.
+
+pub(super) mod meshes;
