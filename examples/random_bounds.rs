@@ -18,11 +18,14 @@ use rayon::prelude::*;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Environments between two lines of progress.
-const BATCH: u64 = 5_000;
+/// Environments that share their questions.
+const LIGHTS: u32 = 16;
 
-/// One environment in so many is also asked with the filters that have no bound.
-const UNBOUNDED: u64 = 200;
+/// Groups of environments between two lines of progress.
+const BATCH: u64 = 400;
+
+/// One group in so many is also asked with the filters that have no bound.
+const UNBOUNDED: u64 = 12;
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1).map(|argument| argument.parse::<u64>());
@@ -33,14 +36,14 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     let start = Instant::now();
-    let environments = cases.div_ceil(QUESTIONS);
+    let groups = cases.div_ceil(QUESTIONS * u64::from(LIGHTS));
     let mut all = Tally::default();
-    for first in (0..environments).step_by(BATCH as usize) {
-        let batch = first..(first + BATCH).min(environments);
+    for first in (0..groups).step_by(BATCH as usize) {
+        let batch = first..(first + BATCH).min(groups);
         let tally = batch
             .into_par_iter()
             .map(|index| {
-                let bounded = examine(seed, index, &|answer| answer);
+                let bounded = examine(seed, index, LIGHTS, &|answer| answer);
                 if index % UNBOUNDED == 0 { bounded.join(examine_unbounded(seed, index)) } else { bounded }
             })
             .reduce(Tally::default, Tally::join);

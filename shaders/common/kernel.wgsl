@@ -73,6 +73,25 @@ fn curvature(kernel: Kernel, s: f32) -> f32 {
     }
 }
 
+// Greatest |dk/ds| from s = 1/4 to the horizon, of lobes that are smooth there.
+fn grazing_slope(kernel: Kernel) -> f32 {
+    switch kernel.shape {
+        case SHAPE_GGX: {
+            let w = 1.0 / (1.0 + 0.25 * kernel.second);
+            return kernel.first * w * w * (2.0 + kernel.second * w);
+        }
+        case SHAPE_PHONG: {
+            return 2.0 * kernel.first * exp2(1.0 - kernel.first);
+        }
+        case SHAPE_COSINE: {
+            return 2.0;
+        }
+        default: {
+            return 0.0;
+        }
+    }
+}
+
 // How much k' jumps at the horizon.
 fn kink(kernel: Kernel) -> f32 {
     switch kernel.shape {

@@ -54,6 +54,11 @@ pub struct Shares {
     pub leaves: usize,
 }
 
+/// What s may be off by where it is above 1/4: a leaf's offset and a direction's are each rounded once (2^-25
+/// of up to 2 in every component, 6 2^-24 of the distance to its square's half, together), the square and the
+/// trace four times more, and a centroid found by quadrature is off by 5e-8.
+const GRAZING_ROUNDING: f64 = 8.0 / 16_777_216.0;
+
 /// Quads judged together, to fill the widest vectors.
 const QUADS: usize = 4;
 
@@ -186,15 +191,20 @@ impl<'a> Adaptive<'a> {
         let mut sums = [[0.0_f32; LANES]; 3];
         // How far the truth can lie above and below the estimate.
         let (mut above, mut below) = ([0.0_f32; LANES], [0.0_f32; LANES]);
+        // The light that s is above 1/4 for, of any lane, and that is not beyond the horizon.
+        let mut grazing = 0.0_f32;
         for leaf in &scratch.leaves {
             let [lx, ly, lz] = leaf.offset;
             let [xx, yy, zz, yz, zx, xy] = leaf.covariance;
             let trace = xx + yy + zz;
             let [red, green, blue] = leaf.energy;
             let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
+            let (distance, reach) = ((lx * lx + ly * ly + lz * lz).sqrt(), packet.radius + leaf.radius);
+            if (distance + reach > 0.999) & (distance - reach < 1.415) {
+                grazing += luminance;
+            }
             // Whether s reaches the horizon for any lane.
-            let far = (lx * lx + ly * ly + lz * lz).sqrt() + packet.radius + leaf.radius;
-            let across = 0.25 * far * far > 0.499;
+            let across = 0.25 * (distance + reach) * (distance + reach) > 0.499;
             for k in 0..LANES {
                 let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
                 let squared = x * x + y * y + z * z;
@@ -223,6 +233,7 @@ impl<'a> Adaptive<'a> {
         let underflow = (f64::from(self.kernel.underflow()) * energy + products) * per_integral;
         let omitted =
             if energy > 0.0 { self.scale * omitted_radiance(self.cells.n) + underflow } else { 0.0 };
+        let grazing = f64::from(grazing) * GRAZING_ROUNDING * self.kernel.grazing_slope() * per_integral;
         let mut shares =
             Shares { radiance: [[0.0; 3]; LANES], bound: [0.0; LANES], leaves: scratch.leaves.len() };
         for k in 0..LANES {
@@ -231,7 +242,7 @@ impl<'a> Adaptive<'a> {
             let width = (f64::from(above[k].max(below[k])) + scratch.slack) * per_integral;
             // The least radiance and every E - c w are float32 differences, 2^-22 of the whole, and twice
             // that is left out.
-            shares.bound[k] = (width + rounding * luminance(lobe) + 7.2e-7 * base + omitted) as f32;
+            shares.bound[k] = (width + rounding * luminance(lobe) + grazing + 7.2e-7 * base + omitted) as f32;
         }
         shares
     }

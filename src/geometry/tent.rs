@@ -212,7 +212,8 @@ fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
         }
         Moments::of(weighted.iter().copied())
     } else {
-        kinked(direction, reconstruction)
+        let rule: &[(f64, f64)] = if n < CURVED { &SIX_NODES } else { &THREE_NODES };
+        kinked(SQUARES, rule, direction, reconstruction)
     };
     // Kinks meet the outline at its corners and half-texel points only; between them the patch is a spherical
     // polygon, and the farthest point of a polygon is a corner.
@@ -233,24 +234,44 @@ fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
     moments
 }
 
-/// Moments where kinks cross the spread: squares of half a reach, each cut along both diagonals, Gauss points
-/// in each triangle. Axes, edges and fold diagonals all run along those cuts.
-fn kinked(direction: impl Fn(DVec2) -> DVec3, reconstruction: Reconstruction) -> Moments {
-    const NODES: [(f64, f64); 3] =
-        [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+/// Gauss and Legendre's nodes and weights on [0, 1].
+const THREE_NODES: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+const SIX_NODES: [(f64, f64); 6] = [
+    (0.033_765_242_898_423_99, 0.085_662_246_189_585_17),
+    (0.169_395_306_766_867_74, 0.180_380_786_524_069_3),
+    (0.380_690_406_958_401_56, 0.233_956_967_286_345_53),
+    (0.619_309_593_041_598_4, 0.233_956_967_286_345_53),
+    (0.830_604_693_233_132_3, 0.180_380_786_524_069_3),
+    (0.966_234_757_101_576, 0.085_662_246_189_585_17),
+];
+
+/// Squares along an edge of a spread, so that axes, edges and fold diagonals all run along their edges and
+/// diagonals.
+const SQUARES: u32 = 4;
+
+/// Moments where kinks cross the spread: `squares` a side, a multiple of [`SQUARES`], each cut along both
+/// diagonals, and the nodes of `rule` in each triangle.
+fn kinked(
+    squares: u32,
+    rule: &[(f64, f64)],
+    direction: impl Fn(DVec2) -> DVec3,
+    reconstruction: Reconstruction,
+) -> Moments {
     let reach = reconstruction.reach();
-    let mut weighted = Vec::with_capacity(16 * 4 * 9);
-    for (i, j) in (0..4).flat_map(|j| (0..4).map(move |i| (i, j))) {
-        let low = DVec2::new(f64::from(i), f64::from(j)) / 2.0 - 1.0;
-        let middle = low + 0.25;
-        let corners = [low, low + DVec2::new(0.5, 0.0), low + 0.5, low + DVec2::new(0.0, 0.5)];
+    let mut weighted = Vec::with_capacity(4 * (squares * squares) as usize * rule.len() * rule.len());
+    let side = 2.0 / f64::from(squares);
+    for (i, j) in (0..squares).flat_map(|j| (0..squares).map(move |i| (i, j))) {
+        let low = DVec2::new(f64::from(i), f64::from(j)) * side - 1.0;
+        let middle = low + 0.5 * side;
+        let corners = [low, low + DVec2::new(side, 0.0), low + side, low + DVec2::new(0.0, side)];
         for k in 0..4 {
             let (a, b) = (corners[k], corners[(k + 1) % 4]);
-            for (along, weight_along) in NODES {
-                for (across, weight_across) in NODES {
+            for (along, weight_along) in rule {
+                for (across, weight_across) in rule {
                     // Collapsed coordinates: the triangle's point shrinks towards the middle.
-                    let point = (middle + (a.lerp(b, across) - middle) * along) * reach;
-                    let area = along * 0.125 * weight_along * weight_across * reach * reach;
+                    let point = (middle + (a.lerp(b, *across) - middle) * *along) * reach;
+                    let area = along * 0.5 * weight_along * weight_across * (side * reach) * (side * reach);
                     let density = reconstruction.density(point.x) * reconstruction.density(point.y);
                     weighted.push((direction(point), density * area));
                 }
@@ -301,6 +322,34 @@ mod tests {
                     "n {n} ({x}, {y}): {reached} within {}",
                     found.radius
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn centroids_are_exact_at_every_size() {
+        for n in [1, 2, 3, 4, 5, 8, 15, 16, 31, 32, 33, 64, 511, 512] {
+            for reconstruction in [Reconstruction::Constant, Reconstruction::Bilinear] {
+                let tents = Tents::new(n, reconstruction);
+                let h = 2.0 / f64::from(n);
+                // Every texel of the small; of the others some, whose last column and row lie at the edges.
+                for (x, y) in (0..n).flat_map(|y| (0..n).map(move |x| (x, y))) {
+                    if n > 16 && (x % 31 != n % 31 || y % 15 != n % 15) {
+                        continue;
+                    }
+                    let centre = texel_centre(n, x, y);
+                    let direction = |offset: DVec2| direction_from_oct(wrap_oct(centre + offset * h));
+                    let expected = kinked(2 * SQUARES, &SIX_NODES, direction, reconstruction);
+                    let found = tents.at(x, y);
+                    let off = found.centroid.as_dvec3().distance(expected.centroid);
+                    // Three components, each rounded to 2^-24 of 1, and 2e-8.
+                    assert!(off < 7.2e-8, "n {n} ({x}, {y}) {reconstruction:?}: centroid off by {off:e}");
+                    let off = found.diagonal.as_dvec3().distance(expected.diagonal);
+                    assert!(
+                        off < 3e-5 * expected.diagonal.element_sum() + 1e-8,
+                        "n {n} ({x}, {y}) {reconstruction:?}: covariance off by {off:e}"
+                    );
+                }
             }
         }
     }

@@ -120,12 +120,31 @@ impl Kernel {
         }
     }
 
-    /// Relative rounding error of a sum over `leaves`.
+    /// Greatest |dk/ds| from s = 1/4 to the horizon of lobes that are smooth there: what an error of s costs
+    /// where k itself nears 0. Lobes that are not take the extremes over a leaf.
+    pub(crate) fn grazing_slope(&self) -> f64 {
+        match self.shape {
+            // Convex, so steepest at 1/4: k = (1 - 2 s) g, and g' = -2 steep w g.
+            Shape::Ggx(Ggx { peak, steep }) => {
+                let (peak, steep) = (f64::from(peak), f64::from(steep));
+                let w = 1.0 / (1.0 + 0.25 * steep);
+                peak * w * w * (2.0 + steep * w)
+            }
+            Shape::Phong(Phong { exponent }) => {
+                let n = f64::from(exponent);
+                2.0 * n * 0.5_f64.powf(n - 1.0)
+            }
+            // Of Charlie's two terms, which have opposite signs, neither is above 2.
+            Shape::Cosine(_) | Shape::Charlie(_) => 2.0,
+            Shape::WidePhong(_) | Shape::Cone(_) => 0.0,
+        }
+    }
+
+    /// Relative rounding error of a sum over `leaves`, but for what [`Self::grazing_slope`] tells.
     ///
     /// Float32 centroids are off by 2^-24, and k changes by at most 1/width of itself for a unit of distance
-    /// (GGX:
-    /// |dk/d(distance)|/k <= distance/(s + alpha^2) <= 1/alpha); a share takes fewer than 32 roundings and the sum
-    /// one a leaf, each 2^-24.
+    /// (GGX: |dk/d(distance)|/k <= distance/(s + alpha^2) <= 1/alpha); a share takes fewer than 32 roundings
+    /// and the sum one a leaf, each 2^-24.
     pub(crate) fn rounding(&self, leaves: usize) -> f64 {
         (2.0 / self.width + 32.0 + leaves as f64) / f64::from(1_u32 << 24)
     }

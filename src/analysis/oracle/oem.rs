@@ -66,16 +66,13 @@ impl OemOracle {
         Self { size, least, density }
     }
 
-    /// The four sites around a point of quadrant (`i`, `j`): the (u, v) of the first, and the densities at 00
-    /// 10 01 11.
-    fn sites(&self, i: usize, j: usize) -> (DVec2, [[f64; 3]; 4]) {
+    /// The densities at the four sites 00 10 01 11 around a point of quadrant (`i`, `j`).
+    fn densities(&self, i: usize, j: usize) -> [[f64; 3]; 4] {
         let side = self.size as usize + 2;
-        // Column k of the bordered table stands at texel k - 1; half-texel i lies between texels (i - 1)/2
-        // and +1.
+        // Column k of the bordered table stands at texel k - 1.
         let (x, y) = (i.div_ceil(2), j.div_ceil(2));
-        let first = (DVec2::new(x as f64, y as f64) - 0.5) * (2.0 / f64::from(self.size)) - 1.0;
         let at = |x: usize, y: usize| self.density[y * side + x];
-        (first, [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)])
+        [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)]
     }
 
     /// The lobe's radiance around `direction` (any length but zero), relative error below 1e-7 (of the cone
@@ -98,16 +95,36 @@ impl OemOracle {
         direction: DVec3,
         bilinear: f64,
     ) -> [f64; 3] {
+        Self::reflect_each(&[self], lobe, roughness, direction, bilinear)[0]
+    }
+
+    /// The same over several OEMs of one size, for little more than one costs: what is integrated depends on
+    /// the size alone.
+    ///
+    /// # Panics
+    /// Where the sizes differ.
+    #[must_use]
+    pub fn reflect_each(
+        oems: &[&Self],
+        lobe: Lobe,
+        roughness: f64,
+        direction: DVec3,
+        bilinear: f64,
+    ) -> Vec<[f64; 3]> {
+        let Some(size) = oems.first().map(|oem| oem.size) else {
+            return Vec::new();
+        };
+        assert!(oems.iter().all(|oem| oem.size == size), "OEMs of one size");
         if roughness < super::kernel::MIRROR && lobe.has_mirror() {
-            return self.mirror(direction);
+            return oems.iter().map(|oem| oem.mirror(direction)).collect();
         }
         let kernel = Kernel::new(lobe, roughness, direction.normalize());
         let accuracy = Accuracy::new(QUADRANT_ACCURACY, CONE_LEVELS);
-        let texels_per_unit = f64::from(self.size) / 2.0;
-        let mut sum = [0.0; 3];
-        for j in 0..2 * self.size as usize {
-            for i in 0..2 * self.size as usize {
-                let (first, sites) = self.sites(i, j);
+        let texels_per_unit = f64::from(size) / 2.0;
+        let mut sums = vec![[0.0; 3]; oems.len()];
+        for j in 0..2 * size as usize {
+            for i in 0..2 * size as usize {
+                let first = first_site(size, i, j);
                 // The kernel times 1, a, b and ab, (a, b) the place between the sites.
                 let mut moments = [0.0; 4];
                 let mut add = |s: Sample, value: f64| {
@@ -118,7 +135,7 @@ impl OemOracle {
                     moments[2] += weighted * place.y;
                     moments[3] += weighted * place.x * place.y;
                 };
-                for_each_flat_of_quadrant(self.size, i, j, Measure::Chart, &mut |flat| {
+                for_each_flat_of_quadrant(size, i, j, Measure::Chart, &mut |flat| {
                     integrate(&flat, &kernel, &accuracy, &mut add);
                 });
                 let [m, a, b, ab] = moments;
@@ -126,22 +143,26 @@ impl OemOracle {
                 // The quadrant's own texel is the second site of a left or upper half, the first of the
                 // other.
                 weights[(1 - i % 2) + 2 * (1 - j % 2)] += m * (1.0 - bilinear);
-                for (site, weight) in sites.iter().zip(weights) {
-                    for (sum, density) in sum.iter_mut().zip(site) {
-                        *sum += weight * density;
+                for (sum, oem) in sums.iter_mut().zip(oems) {
+                    for (density, weight) in oem.densities(i, j).iter().zip(weights) {
+                        for (sum, density) in sum.iter_mut().zip(density) {
+                            *sum += weight * density;
+                        }
                     }
                 }
             }
         }
         let integral = kernel.integral();
-        [0, 1, 2].map(|c| self.least[c] + sum[c] / integral)
+        let answer = |(oem, sum): (&&Self, [f64; 3])| [0, 1, 2].map(|c| oem.least[c] + sum[c] / integral);
+        oems.iter().zip(sums).map(answer).collect()
     }
 
     fn mirror(&self, direction: DVec3) -> [f64; 3] {
         let uv = octahedral::oct_from_direction(direction);
         let half_texel =
             |t: f64| (((t + 1.0) * f64::from(self.size)) as usize).min(2 * self.size as usize - 1);
-        let (first, sites) = self.sites(half_texel(uv.x), half_texel(uv.y));
+        let (i, j) = (half_texel(uv.x), half_texel(uv.y));
+        let (first, sites) = (first_site(self.size, i, j), self.densities(i, j));
         let place = (uv - first) * f64::from(self.size) / 2.0;
         let weights = [
             (1.0 - place.x) * (1.0 - place.y),
@@ -155,6 +176,12 @@ impl OemOracle {
             self.least[c] + density / jacobian
         })
     }
+}
+
+/// The (u, v) of the first of the four sites around a point of quadrant (`i`, `j`): half-texel i lies between
+/// texels (i - 1)/2 and (i + 1)/2.
+fn first_site(size: u32, i: usize, j: usize) -> DVec2 {
+    (DVec2::new(i.div_ceil(2) as f64, j.div_ceil(2) as f64) - 0.5) * (2.0 / f64::from(size)) - 1.0
 }
 
 /// [`OemOracle::reflect`] for a single question.

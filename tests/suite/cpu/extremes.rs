@@ -11,6 +11,7 @@ use octagloss::lobe::{LOBES, Lobe};
 use octagloss::reflector::{Reflector, ReflectorSettings, check_answers};
 use octagloss::{Error, Layout, Rgb};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 /// Fails with what a tally holds against the answers.
 fn sound(tally: &Tally) -> Result<(), TestCaseError> {
@@ -19,17 +20,29 @@ fn sound(tally: &Tally) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 100, max_shrink_iters: 0, failure_persistence: None, ..ProptestConfig::default() })]
-
-    #[test]
-    fn bounds_hold_over_all_light(seed in any::<u64>()) {
-        sound(&examine(seed, 0, &|answer| answer))?;
+/// The same `count` cases every time: a run that finds something new would fail for no change's fault, and
+/// `examples/random_bounds.rs` looks for that.
+fn cases(count: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases: count,
+        max_shrink_iters: 0,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(1),
+        ..ProptestConfig::default()
     }
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 0, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(30))]
+
+    #[test]
+    fn bounds_hold_over_all_light(seed in any::<u64>()) {
+        sound(&examine(seed, 0, 8, &|answer| answer))?;
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(24))]
 
     #[test]
     fn other_filters_stay_within_all_light(seed in any::<u64>()) {
@@ -74,8 +87,8 @@ fn a_wrong_answer_is_found_everywhere() {
             radiance: answer.radiance.map(|c| (c + 3.0 * answer.bound.unwrap_or(0.0)).min(f32::MAX)),
             ..answer
         };
-        wrong = wrong.join(examine(seed, 0, &too_bright));
-        lost = lost.join(examine(seed, 0, &|answer| Answer { radiance: [0.0, f32::NAN, 0.0], ..answer }));
+        wrong = wrong.join(examine(seed, 0, 1, &too_bright));
+        lost = lost.join(examine(seed, 0, 1, &|answer| Answer { radiance: [0.0, f32::NAN, 0.0], ..answer }));
     }
     // Answers of 3.4e38 have no room above them, and black has no bound.
     let share = wrong.violations.len() as f64 / wrong.compared as f64;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use octagloss::analysis::oracle::OemOracle;
 use octagloss::filter::{Answer, Filter};
 use octagloss::lobe::{Lobe, kernel_integral};
-use octagloss::oem::OemSize;
+use octagloss::oem::{OemSize, bilinear_share};
 use octagloss::reflector::{Reflector, ReflectorSettings, Workspace};
 use octagloss::sphere::octahedral;
 use octagloss::{Environment, Layout, Rgb};
@@ -15,8 +15,17 @@ use std::fmt::{Display, Formatter};
 /// Lobes below this roughness may be served as mirrors, which have no bound.
 const MIRROR: f64 = 8e-4;
 
-/// Questions asked of each environment.
+/// Questions asked of each group of environments.
 pub(crate) const QUESTIONS: u64 = 4;
+
+/// An OEM's size, mostly tiny: exhaustive integration takes as long as there are texels.
+fn any_size(random: &mut Random) -> u32 {
+    match random.below(500) {
+        0 => 9 + random.below(8),
+        1..30 => 4 + random.below(5),
+        _ => 1 + random.below(4),
+    }
+}
 
 /// An environment whose light may lie anywhere in float32, and the OEM to ask over.
 pub(crate) struct Light {
@@ -83,23 +92,18 @@ fn radiance(random: &mut Random, count: usize) -> (&'static str, Vec<Rgb>) {
 }
 
 impl Light {
+    /// Any light, in any layout, to be asked over any OEM.
     pub(crate) fn new(random: &mut Random) -> Self {
-        // Mostly tiny: exhaustive integration takes as long as there are texels.
-        let size = |random: &mut Random| match random.below(500) {
-            0 => 9 + random.below(8),
-            1..30 => 4 + random.below(5),
-            _ => 1 + random.below(4),
-        };
-        let (layout, inner) = match random.below(5) {
-            0 => {
-                let (width, height) = (2 + random.below(15), 1 + random.below(8));
-                (Layout::Panorama { width, height }, size(random))
-            }
-            1 => (Layout::Cube { size: 1 + random.below(4) }, size(random)),
-            _ => {
-                let size = size(random);
-                (Layout::Octahedral { size }, size)
-            }
+        let inner = any_size(random);
+        Self::over(random, inner)
+    }
+
+    /// The same over an OEM of `inner` texels.
+    fn over(random: &mut Random, inner: u32) -> Self {
+        let layout = match random.below(5) {
+            0 => Layout::Panorama { width: 2 + random.below(15), height: 1 + random.below(8) },
+            1 => Layout::Cube { size: 1 + random.below(4) },
+            _ => Layout::Octahedral { size: inner },
         };
         let (name, texels) = radiance(random, layout.texel_count());
         let mut brightest = (DVec3::Y, 0.0);
@@ -180,6 +184,38 @@ impl Tally {
         self.not_finite.is_empty() && self.violations.is_empty()
     }
 
+    /// Counts `answer` to `question` beside the `truth`.
+    fn compare(
+        &mut self,
+        (seed, group): (u64, u64),
+        asked: &Asked<'_>,
+        question: &Question,
+        answer: Answer,
+        truth: f64,
+    ) {
+        let Question { lobe, roughness, error, .. } = *question;
+        let light = asked.light;
+        let told = || format!("seed {seed} group {group} {light} {lobe:?} roughness {roughness} E {error}");
+        if !self.is_finite(&answer, &told) {
+            return;
+        }
+        let Some(bound) = answer.bound.filter(|_| roughness > MIRROR || !lobe.has_mirror()) else {
+            self.unbounded += 1;
+            return;
+        };
+        // Inside a coarse texel of even energy radiance is up to 5.2 times its mean: more than float32 holds
+        // beside f32::MAX, where answers end.
+        let truth = truth.min(f64::from(f32::MAX));
+        let doubt = doubt(lobe, roughness, truth, asked.energy);
+        let outcome = Outcome::new(light, question, answer.radiance, bound, truth).doubting(doubt);
+        self.compared += 1;
+        self.ratios += outcome.ratio();
+        if !outcome.holds() {
+            self.violations.push(format!("seed {seed} group {group}: {}", outcome.told));
+        }
+        self.worst = self.worst.max(outcome.ratio());
+    }
+
     /// Counts an answer that is no number; whether it is one.
     fn is_finite(&mut self, answer: &Answer, told: &dyn Fn() -> String) -> bool {
         let mut values = answer.radiance.into_iter().chain(answer.bound);
@@ -211,53 +247,58 @@ fn question(random: &mut Random, light: &Light) -> Question {
     question
 }
 
-/// Asks the adaptive filter [`QUESTIONS`] questions over the `index`th environment of `seed`, and compares
-/// what `alter` makes of its answers.
-pub(crate) fn examine(seed: u64, index: u64, alter: &dyn Fn(Answer) -> Answer) -> Tally {
-    let mut random = Random::new(seed.wrapping_add(index.wrapping_mul(0x9e37_79b9)));
-    let mut light = Light::new(&mut random);
-    if random.below(2) == 0 {
-        light.environment = light.environment.rotated_y(random.between(-180.0, 180.0));
-    }
-    let source_from_world = light.environment.source_from_world();
-    let reflector = Reflector::new(&light.environment, &light.settings()).expect("a small OEM");
-    let (oracle, energy) = light.oracle(&reflector);
+/// An environment made ready for questions.
+struct Asked<'a> {
+    light: &'a Light,
+    reflector: Reflector<'a>,
+    oracle: OemOracle,
+    /// Energy of the whole sphere, luminance.
+    energy: f64,
+}
+
+/// Asks the adaptive filter [`QUESTIONS`] questions over each of `count` environments, the `group`th of
+/// `seed`, which share the OEM's size and the questions, so that exhaustive integration serves them all.
+/// Compares what `alter` makes of the answers.
+pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) -> Answer) -> Tally {
+    let mut random = Random::new(seed.wrapping_add(group.wrapping_mul(0x9e37_79b9)));
+    let inner = any_size(&mut random);
+    let lights: Vec<Light> = (0..count)
+        .map(|_| {
+            let mut light = Light::over(&mut random, inner);
+            if random.below(2) == 0 {
+                light.environment = light.environment.rotated_y(random.between(-180.0, 180.0));
+            }
+            light
+        })
+        .collect();
+    let asked: Vec<Asked<'_>> = lights
+        .iter()
+        .map(|light| {
+            let reflector = Reflector::new(&light.environment, &light.settings()).expect("a small OEM");
+            let (oracle, energy) = light.oracle(&reflector);
+            Asked { light, reflector, oracle, energy: luminance(energy) }
+        })
+        .collect();
+    let oracles: Vec<&OemOracle> = asked.iter().map(|asked| &asked.oracle).collect();
     let mut tally = Tally::default();
-    for _ in 0..QUESTIONS {
-        let mut question = question(&mut random, &light);
-        let Question { lobe, roughness, error, lane, .. } = question;
-        let lobes =
-            reflector.lobes(lobe, roughness, Filter::Adaptive(error)).expect("a roughness and an error");
-        let mut answers = Vec::new();
-        lobes.evaluate(&question.directions, &mut Workspace::default(), &mut answers);
-        let answer = alter(answers[lane]);
-        let told = || format!("seed {seed} index {index} {light} {lobe:?} roughness {roughness} E {error}");
-        if !tally.is_finite(&answer, &told) {
-            continue;
+    for number in 0..QUESTIONS {
+        let first = &lights[(number % u64::from(count)) as usize];
+        // Directions in the source's space.
+        let question = question(&mut random, first);
+        let Question { lobe, roughness, lane, error, .. } = question;
+        let share = bilinear_share(lobe, roughness * roughness, inner);
+        let truths = OemOracle::reflect_each(&oracles, lobe, roughness, question.directions[lane], share);
+        for (asked, truth) in asked.iter().zip(truths) {
+            let world_from_source = asked.light.environment.source_from_world().transpose();
+            let directions: Vec<DVec3> = question.directions.iter().map(|d| world_from_source * *d).collect();
+            let lobes = asked
+                .reflector
+                .lobes(lobe, roughness, Filter::Adaptive(error))
+                .expect("a roughness and an error");
+            let mut answers = Vec::new();
+            lobes.evaluate(&directions, &mut Workspace::default(), &mut answers);
+            tally.compare((seed, group), asked, &question, alter(answers[lane]), luminance(truth));
         }
-        let Some(bound) = answer.bound.filter(|_| roughness > MIRROR || !lobe.has_mirror()) else {
-            tally.unbounded += 1;
-            continue;
-        };
-        for direction in &mut question.directions {
-            *direction = source_from_world * *direction;
-        }
-        // Inside a coarse texel of even energy radiance is up to 5.2 times its mean: more than float32 holds
-        // beside f32::MAX, where answers end.
-        let truth = luminance(oracle.reflect(lobe, roughness, question.directions[lane]));
-        let truth = truth.min(f64::from(f32::MAX));
-        let outcome = Outcome::new(&light, &question, answer.radiance, bound, truth).doubting(doubt(
-            lobe,
-            roughness,
-            truth,
-            luminance(energy),
-        ));
-        tally.compared += 1;
-        tally.ratios += outcome.ratio();
-        if !outcome.holds() {
-            tally.violations.push(format!("seed {seed} index {index}: {}", outcome.told));
-        }
-        tally.worst = tally.worst.max(outcome.ratio());
     }
     tally
 }
