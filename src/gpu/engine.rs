@@ -187,7 +187,7 @@ impl Engine {
 
 /// The error of a filter that runs on the CPU alone.
 fn cpu_s_own(filter: &str) -> Error {
-    Error::Parameter(format!("the {filter} filter is the CPU's: use --engine cpu"))
+    Error::Parameter(format!("the GPU has no {filter} filter: use --engine cpu"))
 }
 
 /// An environment's OEM on the GPU, ready to answer. Tables are built when first asked for.
@@ -440,7 +440,7 @@ impl<'a> Reflector<'a> {
 /// Checks that the shaders support `lobe`.
 fn check_lobe(lobe: Lobe) -> Result<()> {
     match lobe {
-        Lobe::Charlie => Err(Error::Parameter("the Charlie lobe is the CPU's: use --engine cpu".to_owned())),
+        Lobe::Charlie => Err(Error::Parameter("the GPU has no Charlie lobe: use --engine cpu".to_owned())),
         Lobe::Ggx | Lobe::Phong | Lobe::Cone | Lobe::Cosine => Ok(()),
     }
 }

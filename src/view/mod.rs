@@ -29,6 +29,8 @@ mod present;
 mod renderer;
 mod roughness_map;
 mod screenshot;
+#[doc(hidden)]
+pub mod shared;
 mod textures;
 mod truth;
 mod viewer;

@@ -5,19 +5,21 @@ use super::mesh::{Mesh, Part};
 use super::textures::texture_of;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
+use crate::gpu::device::shader;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// The uniform of a material.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct MaterialUniform {
+pub(super) struct MaterialUniform {
     base: [f32; 4],
     metallic: f32,
     roughness: f32,
     cutoff: f32,
     own: f32,
 }
+shader::members!(MaterialUniform { base, metallic, roughness, cutoff, own });
 
 /// Whose a material is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -33,11 +33,11 @@ fn cases(count: u32) -> ProptestConfig {
 }
 
 proptest! {
-    #![proptest_config(cases(30))]
+    #![proptest_config(cases(24))]
 
     #[test]
     fn bounds_hold_over_all_light(seed in any::<u64>()) {
-        sound(&examine(seed, 0, 8, &|answer| answer))?;
+        sound(&examine(seed, 0, 4, &|answer| answer))?;
     }
 }
 
@@ -81,7 +81,7 @@ proptest! {
 #[test]
 fn a_wrong_answer_is_found_everywhere() {
     let (mut wrong, mut lost) = (Tally::default(), Tally::default());
-    for seed in 0..40 {
+    for seed in 0..12 {
         // Half as much again as the truth and the bound allow, and a NaN.
         let too_bright = |answer: Answer| Answer {
             radiance: answer.radiance.map(|c| (c + 3.0 * answer.bound.unwrap_or(0.0)).min(f32::MAX)),
@@ -93,7 +93,7 @@ fn a_wrong_answer_is_found_everywhere() {
     // Answers of 3.4e38 have no room above them, and black has no bound.
     let share = wrong.violations.len() as f64 / wrong.compared as f64;
     assert!(wrong.compared > 100 && share > 0.7, "{share} of {} were found", wrong.compared);
-    assert_eq!(lost.not_finite.len(), 160);
+    assert!(lost.not_finite.len() >= 48 && lost.compared + lost.unbounded == 0, "every NaN is found");
 }
 
 /// Radiance one, but for one texel.
