@@ -5,6 +5,7 @@ use super::levels::{self, Cube, Levels};
 use crate::bake::{self, BakeSettings, bake};
 use crate::environment::{Environment, luminance};
 use crate::error::Result;
+use crate::filter::Filter;
 use crate::gpu::box_filter::{BoxFilter, SatTextures};
 use crate::gpu::build_fitted::BuildFitted;
 use crate::gpu::fitted::FittedTables;
@@ -14,7 +15,9 @@ use crate::gpu::reparameterise::{Reparameterise, upload};
 use crate::gpu::sat_scan::SatScan;
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
 use crate::image::exposure;
+use crate::lobe::Lobe;
 use crate::reflector::ReflectorSettings;
+use crate::table_bytes::{LIMIT, Served};
 use glam::{DMat3, DVec3};
 use std::cell::OnceCell;
 use std::f64::consts::PI;
@@ -86,8 +89,8 @@ impl Light {
     /// The tables of `environment`, on an OEM of `inner` texels or as many as suit it.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] where the tables do not
-    /// fit the device.
+    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] where the tables take more
+    /// than [`crate::memory::LIMIT`] or do not fit the device.
     pub(super) fn new(
         context: &Context,
         passes: &Passes,
@@ -101,6 +104,10 @@ impl Light {
         if inner.is_none() {
             size.inner = size.inner.min(LARGEST);
         }
+        let served =
+            [Filter::Box, Filter::Fitted(4)].map(|filter| Served { lobe: Lobe::Ggx, roughness: 1.0, filter });
+        let settled = ReflectorSettings { oem_size: Some(size.inner), ..settings };
+        settled.check_memory("this viewer", environment.layout(), &served, LIMIT)?;
         let texture = upload(context, &environment)?;
         let lamp = Lamp::default().buffer(context);
         let planes = OemPlanes::new(context, size)?;
