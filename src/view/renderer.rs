@@ -351,7 +351,7 @@ impl Renderer {
         let uniform = ViewFrame::new(
             look,
             &frame,
-            look.exposure.ev(light.exposure()),
+            light.scaled_ev(look.exposure.ev(light.exposure())),
             light.source_from_world(look.turn),
             [*width, *height],
             &cube.map_or_else(Ladder::default, |cube| cube.ladder),
