@@ -1,7 +1,7 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
 use super::args::BakeArgs;
-use super::bake_context::{Told, compress, container};
+use super::bake_context::{Told, check_source, compress, container};
 use super::console::{self, Talk};
 use super::engine::Engine;
 use super::fingerprint;
@@ -23,6 +23,7 @@ use octagloss::filter::Filter;
 use octagloss::format::Pixel;
 use octagloss::format::container::Container;
 use octagloss::io::exr::write::ExrPixel;
+use octagloss::io::hdr::write::RGBE_MAX;
 use octagloss::io::output::{self, Existing};
 use octagloss::ladder::Ladder;
 use octagloss::sphere::cube::{Face, direction_from_texel};
@@ -154,11 +155,12 @@ impl Plan {
         let fresh = self.fresh_folder()?;
         let mut text = String::new();
         for job in &self.jobs {
-            job.source.check()?;
             if self.is_up_to_date(job) {
                 continue;
             }
             job.outputs.check(fresh)?;
+            let encoded = job.outputs.encoding.texel_bytes();
+            check_source(&job.source, &self.input, std::slice::from_ref(&self.settings), encoded)?;
             let files = job.outputs.files(&self.settings)?;
             text += &foretold(&job.source, files, self.json);
         }
@@ -546,11 +548,17 @@ fn stored_warnings(stored: &Stored, clamped_share: f64, encoding: Encoding) -> V
             console::percent(clamped_share),
         ));
     }
+    if stored.clamped > 0 && matches!(encoding, Encoding::Hdr | Encoding::HdrImages(_)) {
+        warnings.push(format!(
+            "{} texels are brighter than the {:.1e} that RGBE holds and were clamped; --format exr keeps them",
+            stored.clamped, RGBE_MAX,
+        ));
+    }
     let may_be_floats =
         matches!(encoding, Encoding::Exr(ExrPixel::Auto) | Encoding::ExrImages(_, ExrPixel::Auto));
     if stored.floats > 0 && may_be_floats {
         warnings.push(format!(
-            "{} of {} levels are stored as float, having values above 65504",
+            "{} of {} levels are stored as float, being brighter or dimmer than half floats hold",
             stored.floats,
             stored.pixels.len()
         ));

@@ -1,15 +1,17 @@
 //! What both forms of the bake command share: circumstances of the report, compression, containers.
 
+use crate::cli::console::Talk;
 use crate::cli::engine::Baker;
 use crate::cli::input::{Opened, Source};
 use crate::cli::output::Stored;
 use crate::cli::shared_args::InputArgs;
 use crate::cli::values::FormatArg;
-use octagloss::bake::Bake;
 use octagloss::bake::overflow::Overflow;
 use octagloss::bake::report::{Circumstances, InputFileReport};
+use octagloss::bake::{Bake, BakeSettings};
 use octagloss::format::Pixel;
 use octagloss::format::container::Container;
+use octagloss::memory;
 use std::time::Instant;
 
 /// What a report tells of an environment and its bake, however it is stored.
@@ -57,6 +59,18 @@ impl Told<'_> {
             seconds: self.start.elapsed().as_secs_f64(),
         }
     }
+}
+
+/// Fails where a bake of `source` would before it begins: for an input that cannot be read, and for memory.
+/// `encoded` is as in [`memory::check_bake`].
+pub(super) fn check_source(
+    source: &Source,
+    input: &InputArgs,
+    settings: &[BakeSettings],
+    encoded: u64,
+) -> octagloss::Result<()> {
+    let opened = source.open(input, &Talk::new(true))?;
+    memory::check_bake(&opened.environment, settings, encoded)
 }
 
 /// Prepares every level of `baked` for `pixel`; the texels that were scaled down.

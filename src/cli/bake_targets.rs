@@ -2,7 +2,7 @@
 
 use super::args::BakeArgs;
 use super::bake::{certified, clamped_share, share_matters, vanished};
-use super::bake_context::{Told, compress, container};
+use super::bake_context::{Told, check_source, compress, container};
 use super::console::{self, Talk};
 use super::engine::Engine;
 use super::fingerprint;
@@ -144,15 +144,24 @@ impl Work {
         if self.plans.len() > 1 { plan.target.name } else { "" }
     }
 
+    fn settings(&self) -> Vec<BakeSettings> {
+        self.plans.iter().map(|(_, settings)| settings.clone()).collect()
+    }
+
+    /// Bytes of a texel where a level is encoded, of the plan that takes most.
+    fn encoded(&self) -> u64 {
+        self.plans.iter().map(|(plan, _)| texel_bytes(plan.pixel)).max().unwrap_or(0)
+    }
+
     /// Prints what would be written: a line a file, or with `--json` a line an input.
     fn foretell(&self) -> Outcome {
         let mut text = String::new();
         for job in &self.jobs {
-            job.source.check()?;
             if self.is_up_to_date(job) {
                 continue;
             }
             self.check(job)?;
+            check_source(&job.source, &self.input, &self.settings(), self.encoded())?;
             let mut files = Vec::new();
             for (plan, settings) in &self.plans {
                 let folder = job.folder.join(self.within(plan));
@@ -222,9 +231,8 @@ impl Work {
         // Before it is read: should it change meanwhile, it is found changed.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, talk)?;
-        let settings: Vec<BakeSettings> = self.plans.iter().map(|(_, settings)| settings.clone()).collect();
-        let pixels = self.plans.iter().map(|(plan, _)| texel_bytes(plan.pixel));
-        memory::check_bake(&opened.environment, &settings, pixels.max().unwrap_or(0))?;
+        let settings = self.settings();
+        memory::check_bake(&opened.environment, &settings, self.encoded())?;
         let engine = self.engine.chosen(engine, talk)?;
         let bar = talk.bar(&job.name);
         let (bakes, baker) =

@@ -97,8 +97,8 @@ impl Encoding {
     pub(super) const fn rounded_to_zero(self) -> f32 {
         match self {
             Self::Cube(_, pixel) | Self::Mips(pixel) => pixel.rounded_to_zero(),
-            Self::Exr(ExrPixel::F32) | Self::ExrImages(_, ExrPixel::F32) => Pixel::F32.rounded_to_zero(),
-            Self::Exr(_) | Self::ExrImages(..) => Pixel::F16.rounded_to_zero(),
+            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => Pixel::F16.rounded_to_zero(),
+            Self::Exr(_) | Self::ExrImages(..) => Pixel::F32.rounded_to_zero(),
             Self::Hdr | Self::HdrImages(_) => hdr::write::RGBE_ROUNDED_TO_ZERO,
         }
     }
@@ -518,7 +518,8 @@ impl Outputs {
 
     /// Bytes of all outputs.
     fn written(&self) -> u64 {
-        self.places().map(|place| bytes_in(&place)).sum()
+        let files = self.places().flat_map(|place| fingerprint::sizes(&place, "").unwrap_or_default());
+        files.map(|file| file.bytes).sum()
     }
 
     fn write_report_into(&self, folder: &Path, report: &Report) -> Result<()> {
@@ -624,16 +625,6 @@ fn write_bounds(folder: &Path, chain: &CubeChain) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Size of a file, or of the files in a folder.
-fn bytes_in(path: &Path) -> u64 {
-    let Ok(metadata) = fs::metadata(path) else { return 0 };
-    if !metadata.is_dir() {
-        return metadata.len();
-    }
-    let files = fs::read_dir(path).into_iter().flatten().flatten();
-    files.filter_map(|file| file.metadata().ok()).map(|metadata| metadata.len()).sum()
 }
 
 /// What would be written for `source`: a line a file, or one of JSON.

@@ -1,11 +1,10 @@
 //! A mesh on the GPU: its triangles, its materials and their textures.
 
-use super::material::{Image, Material, Texture, Wrap};
-use super::mesh::{Mesh, Part};
 use super::textures::texture_of;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
+use crate::mesh::{Image, Material, Mesh, Part, Texture, Wrap};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -252,7 +251,7 @@ fn halved(image: &Image, space: Space) -> Image {
 #[cfg(test)]
 mod tests {
     use super::{Space, halved};
-    use crate::view::material::Image;
+    use crate::mesh::Image;
 
     #[test]
     fn levels_are_means_of_light() {

@@ -9,6 +9,8 @@ mod gpu;
 mod image;
 mod io;
 mod ladder;
+#[cfg(feature = "mesh")]
+mod mesh;
 mod oem;
 mod realtime;
 mod sat;
@@ -16,8 +18,6 @@ mod sphere;
 mod support;
 mod synth;
 mod target;
-#[cfg(feature = "view")]
-mod view;
 
 /// Counts what is allocated, for [`io::fuzz`].
 #[global_allocator]

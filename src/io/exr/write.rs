@@ -27,7 +27,7 @@ pub const SOFTWARE: &str = concat!("octagloss ", env!("CARGO_PKG_VERSION"));
 /// How the levels of a folder are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ExrPixel {
-    /// Half; float in levels with a value that half cannot hold.
+    /// Half; float in levels with a value above what half holds, and in those that are too dim for it.
     #[default]
     Auto,
     /// Half, clamped and counted.
@@ -316,9 +316,12 @@ pub fn write_level_folder(
 /// How `texels` are stored under `choice`.
 pub(in crate::io) fn stored_level(texels: &[Rgb], choice: ExrPixel) -> StoredLevel {
     let above = Pixel::F16.clamped(texels);
+    // So dim that half floats keep less than their eleven bits of even the brightest texel.
+    let brightest = texels.as_flattened().iter().copied().fold(0.0, f32::max);
+    let dim = brightest > 0.0 && brightest < half::f16::MIN_POSITIVE.to_f32();
     match choice {
         ExrPixel::F16 => StoredLevel { pixel: Pixel::F16, clamped: above },
-        ExrPixel::Auto if above == 0 => StoredLevel { pixel: Pixel::F16, clamped: 0 },
+        ExrPixel::Auto if above == 0 && !dim => StoredLevel { pixel: Pixel::F16, clamped: 0 },
         ExrPixel::Auto | ExrPixel::F32 => StoredLevel { pixel: Pixel::F32, clamped: 0 },
     }
 }

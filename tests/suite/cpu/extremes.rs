@@ -196,6 +196,17 @@ fn a_bake_that_its_pixels_round_to_black_says_so() {
         let report = json_file(&folder.path().join(format!("{file}.report.json")));
         assert!(report["warnings"].to_string().contains("the output is black"), "{report}");
     }
+    // Where floats may be chosen, they are.
+    for layout in ["faces", "cross"] {
+        let ran =
+            done(folder.path(), &[&small[..], &[layout, "--format", "exr", "--out-layout", layout]].concat());
+        assert!(!ran.err.contains("all light is below"), "{}", ran.err);
+        let report = json_file(&folder.path().join(layout).join("report.json"));
+        let pixels = report["levels"].as_array().expect("levels").iter().map(|level| &level["pixel"]);
+        assert!(pixels.clone().all(|pixel| pixel == "f32") && pixels.count() > 1, "{report}");
+    }
+    let ran = done(folder.path(), &[&small[..], &["half", "--format", "exr", "--pixel", "f16"]].concat());
+    assert!(ran.err.contains("all light is below f16"), "{}", ran.err);
     let ran = done(folder.path(), &[&small[..], &["f32.ktx2", "--pixel", "f32"]].concat());
     assert!(!ran.err.contains("all light is below"), "{}", ran.err);
     let report = json_file(&folder.path().join("f32.ktx2.report.json"));
@@ -211,10 +222,8 @@ fn the_brightest_light_is_clamped_and_counted() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write_panorama(&folder.path().join("bright.exr"), 16, |d| [if d.y > 0.0 { 3e38 } else { 0.0 }; 3]);
     for (name, format) in [("hdr", "hdr"), ("half.ktx2", "ktx2")] {
-        done(
-            folder.path(),
-            &["bake", "bright.exr", "--size", "8", "--engine", "cpu", "--format", format, "-o", name],
-        );
+        let args = ["bake", "bright.exr", "--size", "8", "--engine", "cpu", "--format", format, "-o", name];
+        assert!(done(folder.path(), &args).err.contains("were clamped"), "{name}");
         let report =
             if format == "hdr" { "hdr/report.json".to_owned() } else { format!("{name}.report.json") };
         let report = json_file(&folder.path().join(report));
