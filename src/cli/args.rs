@@ -54,6 +54,8 @@ pub(super) enum Command {
     Dfg(DfgArgs),
     /// Measure maps of the sphere
     Analyze(super::analyze::AnalyzeArgs),
+    /// Convert an environment to another map of the sphere
+    Convert(super::convert::ConvertArgs),
     /// Look at glossy objects, in a window or as a picture
     #[cfg(feature = "view")]
     View(Box<super::view::ViewArgs>),

@@ -12,6 +12,7 @@ mod bench;
 mod bench_gpu;
 mod compare;
 mod console;
+mod convert;
 mod dfg;
 mod directions;
 mod engine;
@@ -70,6 +71,7 @@ fn run(command: Command) -> Outcome {
         Command::Synth(args) => synth::run(args),
         Command::Dfg(args) => dfg::run(args),
         Command::Analyze(args) => analyze::run(&args),
+        Command::Convert(args) => convert::run(&args),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(*args),
         #[cfg(not(feature = "view"))]
@@ -82,7 +84,7 @@ fn refuse(error: &clap::Error) -> Outcome {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => usage(
-            "a subcommand is missing: bake, query, info, compare, bench, synth, dfg, analyze or view; see octagloss --help",
+            "a subcommand is missing: bake, query, info, compare, bench, synth, dfg, analyze, convert or view; see octagloss --help",
         ),
         _ => {
             let text = error.render().to_string();
