@@ -61,11 +61,12 @@ fn printed_row(name: &str) -> Option<Printed> {
 fn note(name: &str) -> Option<&'static str> {
     match name {
         "polar-capped-conformal" => Some(
-            "The paper names no latitude: 16.5 takes caps from 42.2 degrees on, as here; from 45 degrees on it is 16.6.",
+            "The paper names no latitude: 16.5 takes caps from 42.2 degrees on, as here; from 45 \
+             degrees on it is 16.6.",
         ),
         "low-distortion" => Some(
-            "The printed row contradicts equation 6: an equal-area map has Y = 4 pi times its anisotropy, at least \
-             43.4 for 3.45. The printed 19.7 is 2 pi^2, this map's M, which Snyder and Mitchell tabulate beside Y. \
+            "The printed row contradicts equation 6: an equal-area map has Y = 4 pi times its anisotropy, \
+             43.4 for 3.45. The printed 19.7 is 2 pi^2, this map's M, which agrees with Y for most maps. \
              The printed 3.45 is not reproduced: this construction has 3.00, at the equator's four corners.",
         ),
         "octahedral-perspective" => Some(
@@ -105,8 +106,9 @@ pub fn rows() -> Vec<Row> {
         printed: printed("10.9", "1.73", "inf"),
         metrics: limit(Stretch::from_derivatives(DVec3::X, hexagonal)),
         note: Some(
-            "10.9 is no value of equation 6, which gives 4 pi sqrt(3) = 21.8. It is M, 4 pi sqrt(3)/2: texels \
-             stretched by sqrt(3) along a diagonal form a hexagonal lattice, which packs frequencies best.",
+            "10.9 is no value of equation 6, which gives 4 pi sqrt(3) = 21.8. It is M, 4 pi sqrt(3)/2: \
+             texels stretched by sqrt(3) along a diagonal form a hexagonal lattice, which packs frequencies \
+             best.",
         ),
     });
     rows

@@ -1,7 +1,8 @@
-//! How maps of the sphere stretch: singular values, sampling requirements, anisotropy, solid angles of texels.
+//! How maps of the sphere stretch: singular values, sampling requirements, anisotropy, solid angles of
+//! texels.
 //!
-//! Herron, *The Tennis-ball Map*, section 4.1, after Snyder and Mitchell, *Sampling-Efficient Mapping of Spherical
-//! Images* (2001). Everything is measured numerically, from a map's directions alone.
+//! Herron, *The Tennis-ball Map*, section 4.1, after Snyder and Mitchell, *Sampling-Efficient Mapping of
+//! Spherical Images* (2001). Everything is measured numerically, from a map's directions alone.
 
 use crate::sphere::map::SphereMap;
 use glam::{DVec2, DVec3};
@@ -15,8 +16,8 @@ pub struct Stretch {
     pub greatest: f64,
     /// The lesser one.
     pub least: f64,
-    /// The inverse length of the shortest vector of the lattice dual to that of texels of unit sides: the spacing
-    /// of isotropic samples that resolve as much as these texels do.
+    /// The inverse length of the shortest vector of the lattice dual to that of texels of unit sides: the
+    /// spacing of isotropic samples that resolve as much as these texels do.
     pub spacing: f64,
 }
 
@@ -85,15 +86,15 @@ pub struct Metrics {
     /// As `sampling`, with [`Stretch::spacing`] in place of the greatest stretch: what texels need where
     /// reconstruction is ideal and may be anisotropic. At most `sampling`.
     pub lattice: f64,
-    /// Least and greatest solid angle of a small texel in the domain, over 4 pi divided by the number of all texels
-    /// (section 5.1 of the octahedron paper).
+    /// Least and greatest solid angle of a small texel in the domain, over 4 pi divided by the number of
+    /// all texels (section 5.1 of the octahedron paper).
     pub relative_solid_angle: [f64; 2],
     /// Share of texels in a domain.
     pub used: f64,
 }
 
-/// Cells of the grid of points along each side of a component. A multiple of 2 and 3: folds along diagonals and axes
-/// pass through its corners, and so do the centres of octahedron faces.
+/// Cells of the grid of points along each side of a component. A multiple of 2 and 3: folds along diagonals
+/// and axes pass through its corners, and so do the centres of octahedron faces.
 const CELLS: u32 = 96;
 
 /// The greatest and least values over a component.
@@ -107,9 +108,9 @@ struct Extremes {
 
 /// Metrics of `map`.
 ///
-/// Extremes lie in middles, on folds and on rims. So points are taken beside every corner of a grid and in the middle
-/// of its cells, at two distances from the corners, and the limit is extrapolated; what doubles from one distance to
-/// the next is infinite.
+/// Extremes lie in middles, on folds and on rims. So points are taken beside every corner of a grid and in
+/// the middle of its cells, at two distances from the corners, and the limit is extrapolated; what doubles
+/// from one distance to the next is infinite.
 #[must_use]
 pub fn measure(map: &dyn SphereMap) -> Metrics {
     let components: Vec<_> = (0..map.components()).map(|k| map.component(k)).collect();
@@ -141,7 +142,8 @@ pub fn measure(map: &dyn SphereMap) -> Metrics {
     metrics
 }
 
-/// Extremes of `component` over points at `inset` of a cell from the grid's corners, and in the middle of cells.
+/// Extremes of `component` over points at `inset` of a cell from the grid's corners, and in the middle of
+/// cells.
 fn extremes(map: &dyn SphereMap, component: u32, inset: f64) -> Extremes {
     let rectangle = map.component(component);
     let cell = rectangle.extent() / f64::from(CELLS);

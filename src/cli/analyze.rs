@@ -10,10 +10,10 @@ use std::fmt::Write as _;
 pub(super) struct AnalyzeArgs {
     /// Print how every map stretches, beside the published values
     ///
-    /// Table 1 of the tennis-ball paper and the maps that it lacks. Y: sampling requirement, the area of the
-    /// rectangles times the square of the greatest stretch. anisotropy: greatest ratio of both stretches. M: as Y
-    /// for ideal, anisotropic reconstruction. texels: least and greatest solid angle over the mean of all texels.
-    /// used: share of texels that stand for directions.
+    /// Table 1 of the tennis-ball paper and the maps that it lacks. Y: sampling requirement, the area of
+    /// the rectangles times the square of the greatest stretch. anisotropy: greatest ratio of both
+    /// stretches. M: as Y for ideal, anisotropic reconstruction. texels: least and greatest solid angle
+    /// over the mean of all texels. used: share of texels that stand for directions.
     #[arg(long)]
     pub(super) table: bool,
     /// Print the table as CSV
@@ -50,7 +50,8 @@ fn components(row: &Row) -> String {
 
 fn text_table(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:<33}{:>13}{:>15}{:>12}{:>8}{:>14}{:>7}\n{:<33}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
+        "{:<33}{:>13}{:>15}{:>12}{:>8}{:>14}{:>7}\n\
+         {:<33}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
         "",
         "Y",
         "anisotropy",

@@ -35,8 +35,8 @@ pub(super) struct ConvertArgs {
     pub(super) output: PathBuf,
     /// The map to convert to
     ///
-    /// Components lie side by side in one picture: a cube's faces in a row, a dual map's hemispheres side by side,
-    /// a tennis ball's panels above each other. octagloss analyze --table lists the maps.
+    /// Components lie side by side in one picture: a cube's faces in a row, a dual map's hemispheres side
+    /// by side, a tennis ball's panels above each other. octagloss analyze --table lists the maps.
     #[arg(long, value_name = "MAP", value_parser = map_names())]
     pub(super) layout: String,
     /// The map of INPUT [default: by its shape]
@@ -142,8 +142,8 @@ impl Source {
                     return Err(Error::input(
                         &args.input,
                         format!(
-                            "{width}x{height} is no picture of {name}, which is {cells_wide}:{cells_high}; leave --from \
-                             out or name another map"
+                            "{width}x{height} is no picture of {name}, which is {cells_wide}:{cells_high}; \
+                             leave --from out or name another map"
                         ),
                     )
                     .into());

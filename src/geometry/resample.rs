@@ -1,11 +1,12 @@
 //! From any map of the sphere to any other, by overlaps of their texels.
 //!
-//! A source texel's corners are carried to the target's coordinates; the quadrilateral between them is walked over
-//! the target's texels, which gives the areas shared, and with the target's density the solid angles. Where the map
-//! from one to the other bends within a texel, at kinks, seams and poles, the texel is quartered until it does not, or
-//! until its parts are too small to matter. Shares are scaled to the source texel's exact solid angle, so that all its
-//! energy arrives; a target texel is the mean of what arrived, so that a constant stays one. What both together leave
-//! of the total, a few parts in a million, is made up for by one factor a channel.
+//! A source texel's corners are carried to the target's coordinates; the quadrilateral between them is
+//! walked over the target's texels, which gives the areas shared, and with the target's density the solid
+//! angles. Where the map from one to the other bends within a texel, at kinks, seams and poles, the texel
+//! is quartered until it does not, or until its parts are too small to matter. Shares are scaled to the
+//! source texel's exact solid angle, so that all its energy arrives; a target texel is the mean of what
+//! arrived, so that a constant stays one. What both together leave of the total, a few parts in a million,
+//! is made up for by one factor a channel.
 
 use super::overlap::walk_outline;
 use crate::environment::Rgb;
@@ -51,14 +52,16 @@ struct Carrier<'a> {
     target: &'a Grid,
     world_from_source: DMat3,
     component: u32,
+    /// Of the source component: least coordinates, a texel's extent, columns and rows.
+    frame: (DVec2, DVec2, DVec2),
     /// Of every target component: least coordinates, texels per unit, columns and rows, first texel.
     frames: Vec<(DVec2, DVec2, [u32; 2], usize)>,
     window: Vec<super::overlap::Accumulator>,
 }
 
-/// The radiance of `texels` of `source`, turned into the world by `world_from_source`, over every texel of `target`:
-/// the mean over the overlaps of the target texel's part in its domain. Texels outside are what the target's
-/// continuation shows there.
+/// The radiance of `texels` of `source`, turned into the world by `world_from_source`, over every texel of
+/// `target`: the mean over the overlaps of the target texel's part in its domain. Texels outside are what
+/// the target's continuation shows there.
 ///
 /// # Panics
 /// Where the count of `texels` is not that of `source`.
@@ -133,7 +136,10 @@ impl<'a> Carrier<'a> {
                 (rectangle.low, DVec2::ONE / step, target.sides(k), target.first_texel(k))
             })
             .collect();
-        Self { source, target, world_from_source, component, frames, window: Vec::new() }
+        let rectangle = source.map().component(component);
+        let sides = DVec2::from(source.sides(component).map(f64::from));
+        let frame = (rectangle.low, source.step(&rectangle), sides);
+        Self { source, target, world_from_source, component, frame, frames, window: Vec::new() }
     }
 
     /// The shares of all texels of `rows`.
@@ -148,12 +154,13 @@ impl<'a> Carrier<'a> {
         for y in rows {
             let below = line(&self, y + 1);
             for x in 0..columns {
-                let solid_angle = self.source.solid_angle(Texel { component: self.component, x, y });
+                let low = DVec2::new(f64::from(x), f64::from(y));
+                let part = Part { low, high: low + 1.0 };
+                let map = self.source.map();
+                let solid_angle = map.solid_angle(self.component, self.uv(part.low), self.uv(part.high));
                 if solid_angle <= 0.0 {
                     continue;
                 }
-                let low = DVec2::new(f64::from(x), f64::from(y));
-                let part = Part { low, high: low + 1.0 };
                 let k = x as usize;
                 let corners = [above[k], above[k + 1], below[k + 1], below[k]];
                 let start = shares.len();
@@ -168,22 +175,23 @@ impl<'a> Carrier<'a> {
         shares
     }
 
+    /// Coordinates of `at`, in texels of the source's image.
+    fn uv(&self, at: DVec2) -> DVec2 {
+        let (low, step, _) = self.frame;
+        low + step * at
+    }
+
     /// Where `at`, in texels of the source's image, lies in the target; `None` outside the source's domain.
     fn place(&self, at: DVec2) -> Option<Place> {
         let map = self.source.map();
-        let uv = self.source.uv(self.component, at.x, at.y);
-        let [width, height] = self.source.sides(self.component).map(f64::from);
-        // Rims that are the rectangle's own side count as inside.
-        let on_side = at.x == 0.0 || at.y == 0.0 || at.x == width || at.y == height;
-        let inside =
-            map.contains(self.component, uv) || (on_side && map.contains(self.component, self.nudged(uv)));
+        let uv = self.uv(at);
+        let inside = map.contains(self.component, uv) || {
+            // Rims that are the rectangle's own side count as inside: a hair towards its middle they are.
+            let (.., sides) = self.frame;
+            let on_side = at.cmpeq(DVec2::ZERO).any() || at.cmpeq(sides).any();
+            on_side && map.contains(self.component, uv.lerp(self.uv(sides / 2.0), 1e-12))
+        };
         inside.then(|| self.target.map().locate(self.world_from_source * map.direction(self.component, uv)))
-    }
-
-    /// `uv` a hair towards the middle of its rectangle.
-    fn nudged(&self, uv: DVec2) -> DVec2 {
-        let rectangle = self.source.map().component(self.component);
-        uv.lerp((rectangle.low + rectangle.high) / 2.0, 1e-12)
     }
 
     /// `place` in texels of its image.
@@ -248,12 +256,13 @@ impl<'a> Carrier<'a> {
     fn size_of(&self, part: Part) -> f64 {
         let extent = part.high - part.low;
         let middle = (part.low + part.high) / 2.0;
-        self.source.map().density(self.component, self.source.uv(self.component, middle.x, middle.y))
-            * extent.x
-            * extent.y
+        let (_, step, _) = self.frame;
+        let area = extent * step;
+        self.source.map().density(self.component, self.uv(middle)) * area.x * area.y
     }
 
-    /// Appends what the quadrilateral `outline` of `component` shares with its texels, of `solid_angle` in all.
+    /// Appends what the quadrilateral `outline` of `component` shares with its texels, of `solid_angle` in
+    /// all.
     fn walk(
         &mut self,
         component: u32,
@@ -263,6 +272,11 @@ impl<'a> Carrier<'a> {
         shares: &mut Vec<Share>,
     ) {
         let (low, per_unit, [width, height], first) = self.frames[component as usize];
+        let texel = outline[0].floor();
+        if outline.iter().all(|corner| corner.floor() == texel) {
+            let target = self.index(component, texel.x as u32, texel.y as u32);
+            return shares.push(Share { target, source, solid_angle: solid_angle as f32 });
+        }
         let start = shares.len();
         let mut window = std::mem::take(&mut self.window);
         let map = self.target.map();
@@ -281,12 +295,8 @@ impl<'a> Carrier<'a> {
         } else {
             // No area to speak of: all of it is in one texel.
             shares.truncate(start);
-            let at = outline[0];
-            shares.push(Share {
-                target: self.index(component, at.x as u32, at.y as u32),
-                source,
-                solid_angle: solid_angle as f32,
-            });
+            let target = self.index(component, texel.x as u32, texel.y as u32);
+            shares.push(Share { target, source, solid_angle: solid_angle as f32 });
         }
     }
 
@@ -297,9 +307,9 @@ impl<'a> Carrier<'a> {
     }
 }
 
-/// Fills `border` texels around every component of a picture of `target`, row by row, whose components are `texels`;
-/// black where there is no component. By the map's own gluing where that maps texels onto texels, else with the mean
-/// of 4 x 4 directions of `look`.
+/// Fills `border` texels around every component of a picture of `target`, row by row, whose components are
+/// `texels`; black where there is no component. By the map's own gluing where that maps texels onto texels,
+/// else with the mean of 4 x 4 directions of `look`.
 pub fn bordered_picture(
     target: &Grid,
     texels: &[Rgb],

@@ -35,14 +35,15 @@ pub(super) struct Disc {
     pub(super) frame: [DVec3; 3],
 }
 
-/// [`gauss_legendre`] of 16 points: exact to rounding, since all integrands are analytic well beyond the edges.
+/// [`gauss_legendre`] of 16 points: exact to rounding, since all integrands are analytic well beyond the
+/// edges.
 static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16));
 
 /// The rule of 4 points, for densities over squares of [`SMALL`].
 static SMALL_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(4));
 
-/// Rectangles up to this share of the radius have a density smooth enough for [`SMALL_RULE`]: its error is of the
-/// order of (1/64)^8 = 4e-15.
+/// Rectangles up to this share of the radius have a density smooth enough for [`SMALL_RULE`]: its error is
+/// of the order of (1/64)^8 = 4e-15.
 const SMALL: f64 = 1.0 / 32.0;
 
 impl Profile {

@@ -5,8 +5,8 @@ use super::map::{Component, Place, SphereMap, Texel};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// The map, in radians: (u, v) from (0, 0) to (2pi, pi), which are 2pi and pi times the functions' u and v. The
-/// poles are singular: a row of texels each. Outside, u goes around and v over the poles.
+/// The map, in radians: (u, v) from (0, 0) to (2pi, pi), which are 2pi and pi times the functions' u and v.
+/// The poles are singular: a row of texels each. Outside, u goes around and v over the poles.
 ///
 /// Blinn and Newell 1976; the cartographers' plane chart.
 #[derive(Clone, Copy, Debug)]

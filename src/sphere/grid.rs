@@ -70,8 +70,8 @@ impl Grid {
         sides
     }
 
-    /// The rank, from 1, of the column (`axis` 0) or row (1) that component `index` begins in, among those that
-    /// any begins in.
+    /// The rank, from 1, of the column (`axis` 0) or row (1) that component `index` begins in, among those
+    /// that any begins in.
     fn rank(&self, index: u32, axis: usize) -> u32 {
         let begins =
             |place: &u32| (0..self.map.components()).any(|k| self.map.component(k).at[axis] == *place);

@@ -1,13 +1,14 @@
 //! HEALPix: twelve squares of equal area on rings of constant latitude.
 //!
-//! Gorski et al. 2005, in the planar form of Calabretta and Roukema 2007 (*Mapping on the HEALPix grid*): longitude
-//! against Lambert's cylindrical height where |sin(latitude)| <= 2/3, Collignon's triangles above. The polar axis
-//! is y, longitude that of the panorama, atan2(z, x).
+//! Gorski et al. 2005, in the planar form of Calabretta and Roukema 2007 (*Mapping on the HEALPix grid*):
+//! longitude against Lambert's cylindrical height where |sin(latitude)| <= 2/3, Collignon's triangles
+//! above. The polar axis is y, longitude that of the panorama, atan2(z, x).
 //!
-//! Components 0 to 3 are the squares around +Y, 4 to 7 those around the equator (4 at +X, 5 at +Z), 8 to 11 those
-//! around -Y. u runs towards the north-east, v towards the north-west, as in the paper's face coordinates x and y.
-//! Outside a square the plane goes on, and beyond a polar triangle's side its parallels do. Kinks at |sin(latitude)|
-//! = 2/3 and singular directions at the poles, where four squares meet.
+//! Components 0 to 3 are the squares around +Y, 4 to 7 those around the equator (4 at +X, 5 at +Z), 8 to 11
+//! those around -Y. u runs towards the north-east, v towards the north-west, as in the paper's face
+//! coordinates x and y. Outside a square the plane goes on, and beyond a polar triangle's side its
+//! parallels do. Kinks at |sin(latitude)| = 2/3 and singular directions at the poles, where four squares
+//! meet.
 
 use super::map::{Component, Place, SphereMap};
 use glam::{DVec2, DVec3};

@@ -59,8 +59,8 @@ pub struct Texel {
 
 /// A map of the sphere onto one or more rectangles.
 ///
-/// Each component's *domain* is the part of its rectangle that stands for directions; domains cover the sphere
-/// once. Components are numbered from 0; methods may panic where there is no such component.
+/// Each component's *domain* is the part of its rectangle that stands for directions; domains cover the
+/// sphere once. Components are numbered from 0; methods may panic where there is no such component.
 pub trait SphereMap: Debug + Sync {
     /// Number of components, at least 1.
     fn components(&self) -> u32;
@@ -74,8 +74,8 @@ pub trait SphereMap: Debug + Sync {
         true
     }
 
-    /// Unit direction at `uv` of `component`. Outside the domain it goes on as the map's documentation says, to
-    /// fill borders.
+    /// Unit direction at `uv` of `component`. Outside the domain it goes on as the map's documentation
+    /// says, to fill borders.
     fn direction(&self, component: u32, uv: DVec2) -> DVec3;
 
     /// The place of `direction` (any length but zero), in a domain.
@@ -84,12 +84,12 @@ pub trait SphereMap: Debug + Sync {
     /// Steradians per unit of area at `uv`, a point of the domain of `component`.
     fn density(&self, component: u32, uv: DVec2) -> f64;
 
-    /// Exact solid angle of what the rectangle from `low` to `high`, a part of the component's own, shares with the
-    /// domain of `component`.
+    /// Exact solid angle of what the rectangle from `low` to `high`, a part of the component's own, shares
+    /// with the domain of `component`.
     fn solid_angle(&self, component: u32, low: DVec2, high: DVec2) -> f64;
 
-    /// The texel that column `x`, row `y` of the image of `component` stands for, which may lie outside, in a map
-    /// of `size`; `None` where the gluing does not map texels onto texels, and borders are resampled.
+    /// The texel that column `x`, row `y` of the image of `component` stands for, which may lie outside, in
+    /// a map of `size`; `None` where the gluing does not map texels onto texels, and borders are resampled.
     fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
         let _ = (size, component, x, y);
         None

@@ -122,11 +122,12 @@ pub fn texel_solid_angle(n: u32, x: u32, y: u32) -> f64 {
     rectangle_solid_angle(DVec2::new(edge(x), edge(y)), DVec2::new(edge(x + 1), edge(y + 1)), |p| p)
 }
 
-/// Exact solid angle of the rectangle of the square from `low` to `high`, after its points on the octahedron were
-/// moved by `project`, which must keep the octants' planes and carry straight lines to great circles.
+/// Exact solid angle of the rectangle of the square from `low` to `high`, after its points on the
+/// octahedron were moved by `project`, which must keep the octants' planes and carry straight lines to
+/// great circles.
 ///
-/// The rectangle is cut along the axes and the fold diagonals into pieces that each lie on one octahedron face;
-/// straight lines there are great circles, so every piece is a spherical polygon.
+/// The rectangle is cut along the axes and the fold diagonals into pieces that each lie on one octahedron
+/// face; straight lines there are great circles, so every piece is a spherical polygon.
 pub(super) fn rectangle_solid_angle(low: DVec2, high: DVec2, project: impl Fn(DVec3) -> DVec3) -> f64 {
     let spans_x = fold_span(low.x, high.x);
     let spans_y = fold_span(low.y, high.y);

@@ -1,11 +1,11 @@
 //! The octahedral map by perspective projections, one frustum a face.
 //!
-//! Engelhardt and Dachsbacher 2008, section 3.2. A face's frustum has its apex in the octahedron's centre and its
-//! edges through the face's three vertices; its image plane is m.p = 1 for a normal m with positive components,
-//! mirrored into the other octants. The frustum's edges meet that plane in a triangle, which goes to the layout's
-//! triangle affinely: the point of direction d has the barycentric coordinates m_k |d_k| / (m.|d|), and so
-//! (ax, by, cz) / (ax + by + cz) with (a, b, c) = m. With the face as image plane, m = (1, 1, 1), this is the
-//! planar projection. Every other plane samples less evenly: see `docs/maps.md`.
+//! Engelhardt and Dachsbacher 2008, section 3.2. A face's frustum has its apex in the octahedron's centre
+//! and its edges through the face's three vertices; its image plane is m.p = 1 for a normal m with positive
+//! components, mirrored into the other octants. The frustum's edges meet that plane in a triangle, which
+//! goes to the layout's triangle affinely: the point of direction d has the barycentric coordinates m_k
+//! |d_k| / (m.|d|), and so (ax, by, cz) / (ax + by + cz) with (a, b, c) = m. With the face as image plane,
+//! m = (1, 1, 1), this is the planar projection. Every other plane samples less evenly: see `docs/maps.md`.
 
 use super::map::{Component, Place, SphereMap, Texel};
 use super::octahedral::{
@@ -35,9 +35,9 @@ impl OctahedralPerspective {
 
     /// The least and the greatest solid angle of a texel over the mean one.
     ///
-    /// With (a, b, c) the normal and q barycentric, direction is (q1/a, q2/b, q3/c) and the density is
-    /// 1 / (abc |(q1/a, q2/b, q3/c)|^3): at the vertices a^2/(bc), b^2/(ac) and c^2/(ab), greatest where q is as
-    /// (a^2, b^2, c^2): ((a^2 + b^2 + c^2)^3)^(1/2) / (abc). The mean is pi.
+    /// With (a, b, c) the normal and q barycentric, direction is (q1/a, q2/b, q3/c) and the density is 1 /
+    /// (abc |(q1/a, q2/b, q3/c)|^3): at the vertices a^2/(bc), b^2/(ac) and c^2/(ab), greatest where q is
+    /// as (a^2, b^2, c^2): ((a^2 + b^2 + c^2)^3)^(1/2) / (abc). The mean is pi.
     #[must_use]
     pub fn relative_solid_angles(&self) -> [f64; 2] {
         let m = self.normal;

@@ -1,10 +1,10 @@
 //! The octahedral map, rectangular layout: 2:1, a hemisphere a half.
 //!
 //! Engelhardt and Dachsbacher 2008, equation 3: with p on the octahedron, (p.x - p.z - 1, p.x + p.z) where
-//! p.y >= 0 and (p.z - p.x + 1, p.x + p.z) elsewhere, on [-2, 2] x [-1, 1]. Directions are continuous across the
-//! halves' common side u = 0, and from u = 2 to u = -2; the sides v = 1 and v = -1 each glue to themselves, turned
-//! by 180 degrees about u = 0. So the rectangle, too, repeats over the plane: with period 4 along u, and turned in
-//! every other row of rectangles.
+//! p.y >= 0 and (p.z - p.x + 1, p.x + p.z) elsewhere, on [-2, 2] x [-1, 1]. Directions are continuous
+//! across the halves' common side u = 0, and from u = 2 to u = -2; the sides v = 1 and v = -1 each glue to
+//! themselves, turned by 180 degrees about u = 0. So the rectangle, too, repeats over the plane: with
+//! period 4 along u, and turned in every other row of rectangles.
 
 use super::map::{Component, Place, SphereMap, Texel};
 use super::octahedral::octahedron_from_oct;

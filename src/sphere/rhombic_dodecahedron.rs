@@ -1,12 +1,13 @@
 //! The rhombic dodecahedron: twelve rhombi, each sheared to a square.
 //!
-//! Fu, Wan, Wong and Leung 2009 (*The Rhombic Dodecahedron Map*) subdivide its spherical faces; here a face is
-//! projected to its plane, and the plane sheared to the square, which keeps great circles straight. Derived from the
-//! solid's geometry.
+//! Fu, Wan, Wong and Leung 2009 (*The Rhombic Dodecahedron Map*) subdivide its spherical faces; here a face
+//! is projected to its plane, and the plane sheared to the square, which keeps great circles straight.
+//! Derived from the solid's geometry.
 //!
-//! Component 4k + 2s + t has its axis pair k in (x, y), (y, z), (z, x), with signs s, t (0 positive, 1 negative): the
-//! face through (2, 0, 0), (1, 1, 1), (0, 2, 0) and (1, 1, -1) and its images. u = v = 0 at the pair's first axis,
-//! u = v = 1 at its second, u grows towards the third axis and v away from it. Outside a square its plane goes on.
+//! Component 4k + 2s + t has its axis pair k in (x, y), (y, z), (z, x), with signs s, t (0 positive, 1
+//! negative): the face through (2, 0, 0), (1, 1, 1), (0, 2, 0) and (1, 1, -1) and its images. u = v = 0 at
+//! the pair's first axis, u = v = 1 at its second, u grows towards the third axis and v away from it.
+//! Outside a square its plane goes on.
 
 use super::map::{Component, Place, SphereMap};
 use super::projected_solid_angle;

@@ -1,10 +1,11 @@
 //! The tennis-ball map: two congruent panels that meet along the seam of a tennis ball.
 //!
-//! Herron, *The Tennis-ball Map*: equations 1 (directions), 2 (rectangles) and 3 (the inverse), and the component
-//! test of section 2.3. Component 0 is C_1, around +Z and as far as +X and -X; component 1 is C_2, around -Z and
-//! as far as +Y and -Y. u is phi, along the panel; v is -theta, so that a picture has +Y (C_1) or +X (C_2) at its
-//! top. The domain is the rectangle with its corners rounded off by the seam, which lies in the half planes
-//! |y| = sqrt(1/2), z >= 0 and |x| = sqrt(1/2), z <= 0; outside it the panel's own spherical coordinates go on.
+//! Herron, *The Tennis-ball Map*: equations 1 (directions), 2 (rectangles) and 3 (the inverse), and the
+//! component test of section 2.3. Component 0 is C_1, around +Z and as far as +X and -X; component 1 is C_2,
+//! around -Z and as far as +Y and -Y. u is phi, along the panel; v is -theta, so that a picture has +Y (C_1)
+//! or +X (C_2) at its top. The domain is the rectangle with its corners rounded off by the seam, which lies
+//! in the half planes y = +-sqrt(1/2), z >= 0 and x = +-sqrt(1/2), z <= 0; outside it the panel's own
+//! spherical coordinates go on.
 
 use super::map::{Component, Place, SphereMap};
 use glam::{DVec2, DVec3};
@@ -35,8 +36,8 @@ pub fn seam(phi: f64) -> f64 {
 
 /// A point of the seam for `t` in [0, 1), a closed curve of four half circles.
 ///
-/// Section 2.1: segments (t, sqrt(1/2), sqrt(1/2 - t^2)), reflected and turned; here by the angle along each half
-/// circle.
+/// Section 2.1: segments (t, sqrt(1/2), sqrt(1/2 - t^2)), reflected and turned; here by the angle along
+/// each half circle.
 #[must_use]
 pub fn seam_point(t: f64) -> DVec3 {
     let quarter = (t * 4.0).floor();

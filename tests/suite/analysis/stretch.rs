@@ -7,20 +7,20 @@ use octagloss::sphere::polar_capped::PolarCapped;
 use octagloss::sphere::registry::{MAPS, named};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
-/// Extremes are extrapolated over cells of 1/96: what remains is second order, below (1e-3/96)^2 times curvatures of
-/// at most 1000, and differences round by 2^-53 / 1e-8.
+/// Extremes are extrapolated over cells of 1/96: what remains is second order, below (1e-3/96)^2 times
+/// curvatures of at most 1000, and differences round by 2^-53 / 1e-8.
 const CLOSED: f64 = 1e-6;
 
-/// Greatest anisotropy a of a map whose Jacobian has the squared Frobenius norm f and the determinant d: a + 1/a is
-/// f/d.
+/// Greatest anisotropy a of a map whose Jacobian has the squared Frobenius norm f and the determinant d: a
+/// + 1/a is f/d.
 fn anisotropy_of(ratio: f64) -> f64 {
     (ratio + (ratio * ratio - 4.0).sqrt()) / 2.0
 }
 
 /// Closed forms: sampling requirement, anisotropy, lattice requirement.
 fn closed_form(name: &str) -> [f64; 3] {
-    // Concentric squares, a wedge's edge: [[g, 0], [-pi/4, pi/4]] with g = 1 at the pole and 2 at the equator, the
-    // lower row over g there.
+    // Concentric squares, a wedge's edge: [[g, 0], [-pi/4, pi/4]] with g = 1 at the pole and 2 at the
+    // equator, the lower row over g there.
     let quarter = FRAC_PI_4 * FRAC_PI_4;
     let pole = anisotropy_of((1.0 + 2.0 * quarter) / FRAC_PI_4);
     let equator = anisotropy_of((2.0 + quarter) / FRAC_PI_4);
@@ -39,15 +39,16 @@ fn closed_form(name: &str) -> [f64; 3] {
         "sphere-map" => [f64::INFINITY; 3],
         "octahedral" | "octahedral-perspective" => [36.0, golden, 18.0],
         "octahedral-rectangular" => [36.0, golden, 36.0],
-        // Eight squares reach a pole; the others stretch most at |sin(latitude)| = 2/3: twice (2/3)^2 over 5/9.
+        // Eight squares reach a pole; the others stretch most at |sin(latitude)| = 2/3: twice (2/3)^2 over
+        // 5/9.
         "healpix" => [8.0 * PI / 3.0 * pole + 4.0 * 1.6, pole, 8.0 * PI / 3.0 * FRAC_PI_2 + 4.0 * PI / 3.0],
         "rhombic-dodecahedron" => [24.0, 3_f64.sqrt(), 16.0],
         other => panic!("no closed form for {other}"),
     }
 }
 
-/// At the poles of the equal-area squares stretch depends on the way there, and is greatest along an axis; the
-/// nearest points beside an axis are a cell off, 1/48 at most, which takes less than its square.
+/// At the poles of the equal-area squares stretch depends on the way there, and is greatest along an axis;
+/// the nearest points beside an axis are a cell off, 1/48 at most, which takes less than its square.
 const CONE: f64 = 1.0 / (48.0 * 48.0);
 
 fn agrees(measured: f64, exact: f64, bound: f64) -> bool {

@@ -10,7 +10,8 @@ use octagloss::sphere::registry::{MAPS, NamedMap, named};
 use octagloss::sphere::{cube, octahedral, tennis_ball};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-/// Error of a round trip over the map's condition number; 2^-53 and some dozen roundings are below a hundredth.
+/// Error of a round trip over the map's condition number; 2^-53 and some dozen roundings are below a
+/// hundredth.
 const ROUND_TRIP: f64 = 1e-12;
 
 /// Directions in every octant, on every axis, edge and diagonal, beside them, and `count` all over.
@@ -107,7 +108,8 @@ fn coordinates_survive_the_sphere() {
         for Place { component, uv } in points {
             let back = map.locate(map.direction(component, uv));
             assert_eq!(back.component, component, "{name}: component at {uv}");
-            // The inverse is as steep as a unit of direction is small: at most 1/1000 here, near poles and rims.
+            // The inverse is as steep as a unit of direction is small: at most 1/1000 here, near poles and
+            // rims.
             assert!(back.uv.distance(uv) <= 1e-11, "{name}: {uv} comes back as {}", back.uv);
         }
     }
@@ -130,7 +132,8 @@ fn solid_angles_sum_to_the_sphere() {
     }
 }
 
-/// The greatest difference between texels' solid angles and the mean density over them, over the greatest texel.
+/// The greatest difference between texels' solid angles and the mean density over them, over the greatest
+/// texel.
 fn solid_angle_discrepancy(map: &'static dyn SphereMap, wrong: f64) -> f64 {
     let grid = Grid::new(map, 6).expect("a size");
     let (mut worst, mut greatest): (f64, f64) = (0.0, 0.0);
@@ -237,8 +240,8 @@ fn maps_go_on_continuously_outside_their_domains() {
         for component in 0..map.components() {
             let rectangle = map.component(component);
             let step = rectangle.extent() / 64.0;
-            // Two texels around the rectangle; the mirror ball ends at its rim, the polar squares of HEALPix in a
-            // point.
+            // Two texels around the rectangle; the mirror ball ends at its rim, the polar squares of
+            // HEALPix in a point.
             for k in 0..68 * 68 {
                 let corner = rectangle.low + step * (DVec2::new(f64::from(k % 68), f64::from(k / 68)) - 2.0);
                 let at = |u: f64, v: f64| map.direction(component, corner + step * DVec2::new(u, v));
