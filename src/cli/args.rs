@@ -52,6 +52,10 @@ pub(super) enum Command {
     Synth(SynthArgs),
     /// Write the table of what rough surfaces reflect of white
     Dfg(DfgArgs),
+    /// Measure maps of the sphere
+    Analyze(super::analyze::AnalyzeArgs),
+    /// Convert an environment to another map of the sphere
+    Convert(super::convert::ConvertArgs),
     /// Look at glossy objects, in a window or as a picture
     #[cfg(feature = "view")]
     View(Box<super::view::ViewArgs>),

@@ -2,6 +2,7 @@
 
 pub mod footprints;
 pub mod overlap;
+pub mod resample;
 pub mod solid_angles;
 pub mod tent;
 pub(crate) mod tiling;

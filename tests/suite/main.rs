@@ -4,6 +4,7 @@ mod analysis;
 mod bake;
 mod cli;
 mod cpu;
+mod geometry;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod image;
