@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn a_border_that_is_too_wide_is_named() {
         let environment = environment();
-        for (border, filter) in [(5500, Filter::Box), (5500, Filter::Adaptive(0.005)), (16_384, Filter::Box)]
+        for (border, filter) in [(5500, Filter::Box), (9000, Filter::Adaptive(0.005)), (16_384, Filter::Box)]
         {
             let settings = BakeSettings { size: 64, border: Some(border), filter, ..BakeSettings::default() };
             let words = remedy(check_bake(&environment, std::slice::from_ref(&settings), 8));
