@@ -1,5 +1,6 @@
 //! Geometry that both engines use: overlaps of texels, texels' spread, solid angles.
 
+pub mod bordered;
 pub mod footprints;
 pub mod overlap;
 pub mod resample;

@@ -2,10 +2,19 @@
 
 use glam::{DVec2, DVec3};
 use octagloss::analysis::map_table::{Row, rows};
-use octagloss::analysis::stretch::{Stretch, measure};
+use octagloss::analysis::stretch::{Metrics, Stretch, measure};
 use octagloss::sphere::polar_capped::PolarCapped;
-use octagloss::sphere::registry::{MAPS, named};
+use octagloss::sphere::registry::MAPS;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
+use std::sync::LazyLock;
+
+/// The table, measured once for all tests.
+static ROWS: LazyLock<Vec<Row>> = LazyLock::new(rows);
+
+/// What was measured of the map `name`.
+fn measured(name: &str) -> Metrics {
+    ROWS.iter().find(|row| row.name == Some(name)).expect("a map").metrics
+}
 
 /// Extremes are extrapolated over cells of 1/96: what remains is second order, below (1e-3/96)^2 times
 /// curvatures of at most 1000, and differences round by 2^-53 / 1e-8.
@@ -58,7 +67,7 @@ fn agrees(measured: f64, exact: f64, bound: f64) -> bool {
 #[test]
 fn numeric_metrics_are_the_closed_forms() {
     for map in &MAPS {
-        let metrics = measure(map.map);
+        let metrics = measured(map.name);
         let [sampling, anisotropy, lattice] = closed_form(map.name);
         let name = map.name;
         let bound = if ["low-distortion", "healpix"].contains(&name) { CONE } else { CLOSED };
@@ -93,7 +102,7 @@ fn relative_solid_angles_are_the_closed_forms() {
         ("equirect", [0.0, FRAC_PI_2]),
     ];
     for (name, [least, greatest]) in expected {
-        let measured = measure(named(name).expect("a map").map).relative_solid_angle;
+        let measured = measured(name).relative_solid_angle;
         assert!(
             (measured[0] - least).abs() <= 1e-5 && (measured[1] / greatest - 1.0).abs() <= 1e-5,
             "{name}: {measured:?}"
@@ -107,7 +116,7 @@ fn domains_have_the_areas_of_their_figures() {
     for (name, share) in
         [("dual-paraboloid", FRAC_PI_4), ("sphere-map", FRAC_PI_4), ("cube", 1.0), ("octahedral", 1.0)]
     {
-        let used = measure(named(name).expect("a map").map).used;
+        let used = measured(name).used;
         assert!((used - share).abs() < 1e-3, "{name}: {used}");
     }
 }
@@ -154,9 +163,8 @@ fn prints_as(value: f64, printed: &str) -> bool {
 
 #[test]
 fn the_table_has_the_printed_digits_or_says_why_not() {
-    let rows = rows();
     let mut met = 0;
-    for Row { title, printed, metrics, note, .. } in &rows {
+    for Row { title, printed, metrics, note, .. } in ROWS.iter() {
         let Some(printed) = printed else { continue };
         let components =
             if metrics.components == u32::MAX { "inf".to_owned() } else { metrics.components.to_string() };
@@ -171,10 +179,10 @@ fn the_table_has_the_printed_digits_or_says_why_not() {
         }
     }
     assert_eq!(met, 9, "nine of the paper's eleven rows as printed");
-    assert_eq!(rows.len(), MAPS.len() + 2, "every map and two limits");
+    assert_eq!(ROWS.len(), MAPS.len() + 2, "every map and two limits");
     assert!(!prints_as(36.06, "36.0") && prints_as(f64::INFINITY, "inf"), "a wrong digit shows");
-    let planar = rows.iter().find(|row| row.name == Some("octahedral")).expect("a row");
-    assert!(prints_as(planar.metrics.sampling, "36.0") && prints_as(planar.metrics.anisotropy, "2.62"));
+    let planar = measured("octahedral");
+    assert!(prints_as(planar.sampling, "36.0") && prints_as(planar.anisotropy, "2.62"));
 }
 
 #[test]

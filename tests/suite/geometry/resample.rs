@@ -3,7 +3,8 @@
 use crate::support::common::Random;
 use glam::{DMat3, DVec3};
 use octagloss::Rgb;
-use octagloss::geometry::resample::{bordered_picture, resample};
+use octagloss::geometry::bordered::bordered_picture;
+use octagloss::geometry::resample::resample;
 use octagloss::sphere::grid::Grid;
 use octagloss::sphere::registry::{MAPS, NamedMap, named};
 
