@@ -159,7 +159,7 @@ impl EngineArgs {
             return usage("this program was built without the feature gpu; leave --engine and --adapter out");
         }
         if self.engine == EngineArg::Auto {
-            talk.note("engine: cpu, the program being built without the feature gpu");
+            talk.note("built without the gpu feature; using the CPU");
         }
         Ok(Engine::Cpu)
     }

@@ -92,7 +92,7 @@ pub(super) fn non_finite(
         if !sanitize_channel(texels, width, channel, repairs) {
             let name = ['R', 'G', 'B'][channel];
             let message =
-                format!("its channel {name} has Inf and no finite value to repair it by; render it anew");
+                format!("its channel {name} has Inf and no finite value to repair it by; render it again");
             return Err(Error::input(path, message));
         }
     }
@@ -246,11 +246,11 @@ mod tests {
     }
 
     #[test]
-    fn all_infinite_becomes_dark() {
+    fn all_infinite_is_an_error() {
         let mut texels = vec![[f32::INFINITY, 1.0, f32::NEG_INFINITY]; 12];
         let mut repairs = Repairs::default();
-        non_finite(Path::new("a"), &mut texels, 4, true, &mut repairs).unwrap();
-        assert_eq!(texels, vec![[0.0, 1.0, 0.0]; 12], "no finite neighbour anywhere");
-        assert_eq!(repairs.infinite, 24, "counted");
+        let repaired = non_finite(Path::new("a"), &mut texels, 4, true, &mut repairs);
+        let error = repaired.expect_err("nothing to repair it by");
+        assert!(error.to_string().starts_with("a: its channel R has Inf"), "{error}");
     }
 }

@@ -49,7 +49,7 @@ fn sanitize_repairs_and_counts() {
 #[test]
 fn infinity_without_anything_finite_is_no_picture() {
     let mut pixels = vec![[1.0, f32::INFINITY, 1.0]; 32];
-    let message = "a.exr: its channel G has Inf and no finite value to repair it by; render it anew";
+    let message = "a.exr: its channel G has Inf and no finite value to repair it by; render it again";
     assert_eq!(error_of(read_with("a.exr", &exr(&pixels), &sanitize())), message);
     pixels[3][1] = f32::NAN;
     assert_eq!(error_of(read_with("a.exr", &exr(&pixels), &sanitize())), message, "NaN is not finite");
