@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Form of the red and green channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum DfgForm {
     /// Specular = f0 * red + f90 * green (Karis 2013; Khronos's sampler and viewer, three.js, Bevy).
     #[default]

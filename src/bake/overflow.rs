@@ -8,6 +8,7 @@ use crate::sphere::cube::Face;
 
 /// What becomes of a texel with a channel above a pixel format's greatest value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Overflow {
     /// Each channel is clamped by itself: bright colours turn white.
     #[default]

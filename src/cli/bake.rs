@@ -1,7 +1,7 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
 use super::args::BakeArgs;
-use super::bake_context::{Told, compress, container};
+use super::bake_context::{Told, compress};
 use super::console::{self, Talk};
 use super::engine::Engine;
 use super::fingerprint;
@@ -12,7 +12,6 @@ use super::output::{
     named_format, names_folder,
 };
 use super::shared_args::{EngineArgs, InputArgs};
-use super::values::{FormatArg, LayoutArg, LobeArg, OutLayoutArg, PixelArg};
 use anyhow::anyhow;
 use blake3::Hash;
 use octagloss::analysis::oracle::Oracle;
@@ -20,11 +19,11 @@ use octagloss::bake::overflow::{self, Overflow};
 use octagloss::bake::report::Report;
 use octagloss::bake::{Bake, BakeSettings};
 use octagloss::filter::Filter;
-use octagloss::format::Pixel;
 use octagloss::format::container::Container;
-use octagloss::io::exr::write::ExrPixel;
+use octagloss::format::{OutputLayout, Pixel};
+use octagloss::io::LayoutChoice;
 use octagloss::io::output::{self, Existing};
-use octagloss::ladder::Ladder;
+use octagloss::lobe::Lobe;
 use octagloss::sphere::cube::{Face, direction_from_texel};
 use octagloss::{Environment, Layout, Map, memory};
 use rayon::prelude::*;
@@ -76,11 +75,11 @@ impl Plan {
         let sources = input::sources(std::mem::take(&mut args.inputs), &args.input)?;
         let format = encoding.format();
         let suffix = match format {
-            FormatArg::Ktx2 => ".ktx2",
-            FormatArg::Ktx => ".ktx",
-            FormatArg::Dds => ".dds",
-            FormatArg::Exr if encoding.is_single() => ".exr",
-            FormatArg::Exr | FormatArg::Hdr => "",
+            Container::Ktx2 => ".ktx2",
+            Container::Ktx1 => ".ktx",
+            Container::Dds => ".dds",
+            Container::Exr if encoding.is_single() => ".exr",
+            Container::Exr | Container::Hdr => "",
         };
 
         if let Some(path) = &args.preview {
@@ -141,7 +140,7 @@ impl Plan {
             folder,
             input: args.input,
             json: args.json,
-            overflow: args.overflow.into(),
+            overflow: args.overflow,
             engine: args.engine,
             sunless: args.sunless,
             skip_unchanged: args.skip_unchanged,
@@ -252,14 +251,10 @@ impl Plan {
         if let Some(folder) = &self.folder {
             fs::create_dir_all(folder).map_err(|e| octagloss::Error::io(folder, e))?;
         }
-        let clamping = job.outputs.encoding.clamping_pixel();
-        let compressed = match clamping {
-            Some(pixel) => compress(&mut baked, self.overflow, pixel).map_err(|error| {
-                anyhow::Error::from(error).context(job.outputs.main.display().to_string())
-            })?,
-            None => 0,
-        };
-        let clamped_share = clamping.map_or(0.0, |pixel| clamped_share(&baked, pixel));
+        let pixel = job.outputs.encoding.pixel();
+        let compressed = compress(&mut baked, self.overflow, pixel)
+            .map_err(|error| anyhow::Error::from(error).context(job.outputs.main.display().to_string()))?;
+        let clamped_share = clamped_share(&baked, pixel);
         let told = Told {
             source: &job.source,
             input_files,
@@ -272,7 +267,7 @@ impl Plan {
             start,
         };
         let encoding = job.outputs.encoding;
-        let vanished = vanished(&baked, encoding.pixel_name(), encoding.rounded_to_zero());
+        let vanished = vanished(&baked, pixel.name(), pixel.rounded_to_zero());
         let circumstances = |stored: Stored| {
             let mut warnings = opened.warnings.clone();
             for warning in
@@ -358,13 +353,13 @@ impl Job {
 }
 
 fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
-    if args.lobe == LobeArg::Cosine && args.levels.is_some_and(|levels| levels > 1) {
+    if args.lobe == Lobe::Cosine && args.levels.is_some_and(|levels| levels > 1) {
         return usage("--lobe cosine has no roughness and bakes one level; leave --levels out");
     }
     if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
-    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
+    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutputLayout::Faces) {
         let name = layout.name();
         if args.bounds {
             return usage(format!("--bounds is for --out-layout faces, not {name}"));
@@ -376,10 +371,10 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
             return usage(format!("--irradiance is a cube; leave it or --out-layout {name} out"));
         }
     }
-    let map = args.out_layout.map_or(Map::Cube, OutLayoutArg::map);
-    let (ladder, lobe) = (args.ladder.map_or(Ladder::Linear, Ladder::from), args.lobe.into());
+    let map = args.out_layout.map_or(Map::Cube, OutputLayout::map);
+    let (ladder, lobe) = (args.ladder.unwrap_or_default(), args.lobe);
     // The format has every level down to one texel, whatever a look-up makes of them.
-    let every_level = args.out_layout == Some(OutLayoutArg::Mips);
+    let every_level = args.out_layout == Some(OutputLayout::Mips);
     let size = args.size.unwrap_or(if every_level { 256 } else { ladder.default_size(map, lobe) });
     let settings = BakeSettings {
         map,
@@ -451,7 +446,7 @@ fn named_encoding(args: &BakeArgs) -> Outcome<Encoding> {
             output()
         ));
     }
-    let several = args.inputs.len() > 1 && args.input.layout != LayoutArg::Faces;
+    let several = args.inputs.len() > 1 && args.input.layout != LayoutChoice::Faces;
     if let (true, Some(_)) = (several, named) {
         return usage(format!("several inputs are written into a folder; {} names a file", output()));
     }
@@ -464,17 +459,16 @@ fn named_encoding(args: &BakeArgs) -> Outcome<Encoding> {
             ));
         }
         (said, named) => said.or(named).unwrap_or(match args.out_layout {
-            Some(layout) if layout != OutLayoutArg::Faces => FormatArg::Exr,
-            _ => FormatArg::Ktx2,
+            Some(layout) if layout != OutputLayout::Faces => Container::Exr,
+            _ => Container::Ktx2,
         }),
     };
-    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
+    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutputLayout::Faces) {
         return image_encoding(args, format, layout);
     }
     match (format, args.pixel) {
-        (FormatArg::Ktx2 | FormatArg::Ktx | FormatArg::Dds, pixel) => {
-            let container = container(format).expect("these three are");
-            let pixel = pixel.map_or(Pixel::F16, Pixel::from);
+        (container @ (Container::Ktx2 | Container::Ktx1 | Container::Dds), pixel) => {
+            let pixel = pixel.unwrap_or_default();
             if !container.holds(pixel) {
                 return usage(format!(
                     "--pixel {} does not go into {}; ktx2 and dds take it",
@@ -484,29 +478,29 @@ fn named_encoding(args: &BakeArgs) -> Outcome<Encoding> {
             }
             Ok(Encoding::Cube(container, pixel))
         }
-        (FormatArg::Exr, None) => Ok(Encoding::Exr(ExrPixel::Auto)),
-        (FormatArg::Exr, Some(PixelArg::F16)) => Ok(Encoding::Exr(ExrPixel::F16)),
-        (FormatArg::Exr, Some(PixelArg::F32)) => Ok(Encoding::Exr(ExrPixel::F32)),
-        (FormatArg::Exr, Some(other)) => {
-            usage(format!("--pixel {} is for ktx2 and dds; exr has f16 and f32", Pixel::from(other).name()))
+        (Container::Exr, None) => Ok(Encoding::Exr(Pixel::Auto)),
+        (Container::Exr, Some(Pixel::F16)) => Ok(Encoding::Exr(Pixel::F16)),
+        (Container::Exr, Some(Pixel::F32)) => Ok(Encoding::Exr(Pixel::F32)),
+        (Container::Exr, Some(other)) => {
+            usage(format!("--pixel {} is for ktx2 and dds; exr has f16 and f32", other.name()))
         }
-        (FormatArg::Hdr, None) => Ok(Encoding::Hdr),
-        (FormatArg::Hdr, Some(_)) => usage("--pixel does not go with hdr, whose pixels are always RGBE"),
+        (Container::Hdr, None) => Ok(Encoding::Hdr),
+        (Container::Hdr, Some(_)) => usage("--pixel does not go with hdr, whose pixels are always RGBE"),
     }
 }
 
 /// How `layout`, which is not faces, is stored in `format`.
-fn image_encoding(args: &BakeArgs, format: FormatArg, layout: OutLayoutArg) -> Outcome<Encoding> {
-    let single = matches!(layout, OutLayoutArg::Parts | OutLayoutArg::Mips);
-    if single && format != FormatArg::Exr {
+fn image_encoding(args: &BakeArgs, format: Container, layout: OutputLayout) -> Outcome<Encoding> {
+    let single = matches!(layout, OutputLayout::Parts | OutputLayout::Mips);
+    if single && format != Container::Exr {
         return usage(format!("--out-layout {} is an exr file, not {}", layout.name(), format.name()));
     }
     let pixel = match (format, args.pixel) {
-        (FormatArg::Exr, None) => ExrPixel::Auto,
-        (FormatArg::Exr, Some(PixelArg::F16)) => ExrPixel::F16,
-        (FormatArg::Exr, Some(PixelArg::F32)) => ExrPixel::F32,
-        (FormatArg::Hdr, None) => return Ok(Encoding::HdrImages(layout)),
-        (FormatArg::Exr | FormatArg::Hdr, Some(_)) => {
+        (Container::Exr, None) => Pixel::Auto,
+        (Container::Exr, Some(Pixel::F16)) => Pixel::F16,
+        (Container::Exr, Some(Pixel::F32)) => Pixel::F32,
+        (Container::Hdr, None) => return Ok(Encoding::HdrImages(layout)),
+        (Container::Exr | Container::Hdr, Some(_)) => {
             return usage("--pixel f16 and f32 go with exr, none with hdr");
         }
         _ => {
@@ -517,10 +511,10 @@ fn image_encoding(args: &BakeArgs, format: FormatArg, layout: OutLayoutArg) -> O
             ));
         }
     };
-    let one = if pixel == ExrPixel::F32 { Pixel::F32 } else { Pixel::F16 };
+    let one = if pixel == Pixel::F32 { Pixel::F32 } else { Pixel::F16 };
     Ok(match layout {
-        OutLayoutArg::Parts => Encoding::Cube(Container::Exr, one),
-        OutLayoutArg::Mips => Encoding::Mips(one),
+        OutputLayout::Parts => Encoding::Cube(Container::Exr, one),
+        OutputLayout::Mips => Encoding::Mips(one),
         _ => Encoding::ExrImages(layout, pixel),
     })
 }
@@ -546,8 +540,7 @@ fn stored_warnings(stored: &Stored, clamped_share: f64, encoding: Encoding) -> V
             console::percent(clamped_share),
         ));
     }
-    let may_be_floats =
-        matches!(encoding, Encoding::Exr(ExrPixel::Auto) | Encoding::ExrImages(_, ExrPixel::Auto));
+    let may_be_floats = matches!(encoding, Encoding::Exr(Pixel::Auto) | Encoding::ExrImages(_, Pixel::Auto));
     if stored.floats > 0 && may_be_floats {
         warnings.push(format!(
             "{} of {} levels are stored as float, having values above 65504",

@@ -4,12 +4,10 @@ use crate::cli::engine::Baker;
 use crate::cli::input::{Opened, Source};
 use crate::cli::output::Stored;
 use crate::cli::shared_args::InputArgs;
-use crate::cli::values::FormatArg;
 use octagloss::bake::Bake;
 use octagloss::bake::overflow::Overflow;
 use octagloss::bake::report::{Circumstances, InputFileReport};
 use octagloss::format::Pixel;
-use octagloss::format::container::Container;
 use std::time::Instant;
 
 /// What a report tells of an environment and its bake, however it is stored.
@@ -69,14 +67,4 @@ pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> oc
     let images: u64 =
         images.map(|(index, level)| overflow.apply_image(index, level, pixel)).sum::<Result<_, _>>()?;
     Ok(cubes + images)
-}
-
-/// The container that `format` is, where it holds a chain in one file.
-pub(super) const fn container(format: FormatArg) -> Option<Container> {
-    match format {
-        FormatArg::Ktx2 => Some(Container::Ktx2),
-        FormatArg::Ktx => Some(Container::Ktx1),
-        FormatArg::Dds => Some(Container::Dds),
-        FormatArg::Exr | FormatArg::Hdr => None,
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::args::BakeArgs;
 use super::bake::{certified, clamped_share, share_matters, vanished};
-use super::bake_context::{Told, compress, container};
+use super::bake_context::{Told, compress};
 use super::console::{self, Talk};
 use super::engine::Engine;
 use super::fingerprint;
@@ -12,18 +12,17 @@ use super::output::{
     Stored, SunFile, check_folder_name, cube_told, foretold, json_text, metadata, recover, texel_bytes,
 };
 use super::shared_args::{EngineArgs, InputArgs};
-use super::values::{FormatArg, LayoutArg, LobeArg};
 use anyhow::anyhow;
 use blake3::Hash;
 use octagloss::bake::BakeSettings;
 use octagloss::bake::overflow::Overflow;
 use octagloss::bake::report::{OutputFileReport, Report, TargetReport};
 use octagloss::export::files::{Made, files};
-use octagloss::format::Pixel;
 use octagloss::format::container::Container;
+use octagloss::io::LayoutChoice;
 use octagloss::io::output::{self, Existing};
 use octagloss::io::side_report::REPORT;
-use octagloss::ladder::Ladder;
+use octagloss::lobe::Lobe;
 use octagloss::target::{Content, Diffuse, Plan};
 use octagloss::{Error, Map, memory};
 use std::cell::OnceCell;
@@ -75,7 +74,7 @@ impl Work {
         if args.preview.is_some() {
             return usage("--preview does not go with --target; bake without it for a picture");
         }
-        if args.lobe == LobeArg::Cosine {
+        if args.lobe == Lobe::Cosine {
             return usage("--lobe cosine does not go with --target; --diffuse cube adds irradiance");
         }
         let mut plans: Vec<(Plan, BakeSettings)> = Vec::new();
@@ -94,7 +93,7 @@ impl Work {
             check_folder_name(path, ", and without --target one file is written")?;
         }
         let (options, sun) = (fingerprint::options(&args, ""), SunFile::asked(&args));
-        let several = args.inputs.len() > 1 && args.input.layout != LayoutArg::Faces;
+        let several = args.inputs.len() > 1 && args.input.layout != LayoutChoice::Faces;
         if several && args.name.is_some() {
             return usage("--name names one environment; several inputs were given");
         }
@@ -131,7 +130,7 @@ impl Work {
             existing: if args.force { Existing::Replace } else { Existing::Keep },
             input: args.input,
             json: args.json,
-            overflow: args.overflow.into(),
+            overflow: args.overflow,
             engine: args.engine,
             sun,
             skip_unchanged: args.skip_unchanged,
@@ -383,16 +382,12 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
         if !target.has_container() {
             return fixed("--format");
         }
-        plan.container = match (container(format), format) {
-            (Some(container), _) => container,
-            (None, FormatArg::Exr) => Container::Exr,
-            (None, _) => {
-                return usage(format!(
-                    "--format {} is a folder of faces and does not go with --target; ktx2, ktx, dds and exr do",
-                    format.name()
-                ));
-            }
-        };
+        if format == Container::Hdr {
+            return usage(
+                "--format hdr is a folder of faces and does not go with --target; ktx2, ktx, dds and exr do",
+            );
+        }
+        plan.container = format;
     }
     if target.map == Map::Octahedral && !matches!(plan.container, Container::Ktx2 | Container::Exr) {
         return usage(format!(
@@ -415,10 +410,10 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
     if target.map == Map::Panorama && args.levels.is_some() {
         return usage(format!("target {} has one level; leave --levels out", target.name));
     }
-    plan.pixel = args.pixel.map_or(plan.pixel, Pixel::from);
-    plan.flip = args.flip.map_or(plan.flip, Into::into);
-    plan.diffuse = args.diffuse.map_or(plan.diffuse, Into::into);
-    if let Err(error) = args.filter.check(args.lobe.into(), args.table.oem_size) {
+    plan.pixel = args.pixel.unwrap_or(plan.pixel);
+    plan.flip = args.flip.unwrap_or(plan.flip);
+    plan.diffuse = args.diffuse.unwrap_or(plan.diffuse);
+    if let Err(error) = args.filter.check(args.lobe, args.table.oem_size) {
         return usage(error.to_string());
     }
     let cube = matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both);
@@ -443,8 +438,8 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
         map: target.map,
         size,
         levels: Some(args.levels.unwrap_or_else(|| target.levels(size))),
-        ladder: args.ladder.map_or(target.ladder, Ladder::from),
-        lobe: args.lobe.into(),
+        ladder: args.ladder.unwrap_or(target.ladder),
+        lobe: args.lobe,
         filter: args.filter,
         oem_size: args.table.oem_size,
         border: args.table.border,

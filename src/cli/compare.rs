@@ -90,7 +90,7 @@ fn against_bake(args: &CompareArgs, bake: &CubeChain, reference: &CubeChain) -> 
 
 fn against_source(args: &CompareArgs, bake: &LoadedChain, talk: &Talk) -> Outcome<Comparison> {
     let LoadedChain { chain: bake, provenance, .. } = bake;
-    let lobe = match (args.lobe.map(Lobe::from), provenance.lobe) {
+    let lobe = match (args.lobe, provenance.lobe) {
         (Some(typed), _) => typed,
         (None, Some(told)) => told,
         (None, None) => {

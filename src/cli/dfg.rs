@@ -3,7 +3,6 @@
 use super::args::DfgArgs;
 use super::console::{self, Talk};
 use super::outcome::{Outcome, check_output, usage, write_output};
-use super::values::DfgFormArg;
 use octagloss::bake::dfg::{DfgForm, dfg_table_with};
 use octagloss::format::Pixel;
 use octagloss::io::exr::write::{Attribute, Samples, exr_bytes};
@@ -22,8 +21,8 @@ pub(super) fn run(args: DfgArgs) -> Outcome {
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     check_output(path, existing)?;
     let (form, name) = match args.form {
-        DfgFormArg::SplitSum => (DfgForm::SplitSum, "red: scale of f0, green: bias"),
-        DfgFormArg::MultipleScattering => {
+        DfgForm::SplitSum => (DfgForm::SplitSum, "red: scale of f0, green: bias"),
+        DfgForm::MultipleScattering => {
             (DfgForm::MultipleScattering, "red: reflected at f0 = 0, green: at f0 = 1")
         }
     };

@@ -5,7 +5,6 @@ use super::console::Talk;
 use super::fingerprint::{self, fingerprint};
 use super::input::Opened;
 use super::outcome::{Failure, Outcome, print_bytes};
-use super::values::{FormatArg, OutLayoutArg};
 use crate::cli::input::Source;
 use crate::cli::outcome::usage;
 use blake3::Hash;
@@ -13,14 +12,15 @@ use octagloss::bake::report::{Circumstances, FingerprintReport, OutputFileReport
 use octagloss::bake::{Bake, BakeSettings};
 use octagloss::chain::{CubeChain, CubeLevel, Rung};
 use octagloss::export::report_file::report_path;
-use octagloss::format::Pixel;
 use octagloss::format::container::Container;
+use octagloss::format::{OutputLayout, Pixel};
 use octagloss::image::exposure::Exposure;
 use octagloss::image::preview;
 use octagloss::io::cube_write::cube_bytes;
 use octagloss::io::environment_write::exact_exr_bytes;
 use octagloss::io::exr;
-use octagloss::io::exr::write::{ExrPixel, Samples};
+use octagloss::io::exr::write::Samples;
+use octagloss::io::layout::Unfolding;
 use octagloss::io::level_images::{LevelImage, mips_bytes, write_exr_images, write_hdr_images};
 use octagloss::io::output::{self, Existing, Staged};
 use octagloss::io::provenance::{Provenance, irradiance_pairs};
@@ -40,11 +40,11 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Cube(Container, Pixel),
-    Exr(ExrPixel),
+    Exr(Pixel),
     Hdr,
     /// An image a level.
-    ExrImages(OutLayoutArg, ExrPixel),
-    HdrImages(OutLayoutArg),
+    ExrImages(OutputLayout, Pixel),
+    HdrImages(OutputLayout),
     /// Panoramas as the MIP levels of one file.
     Mips(Pixel),
 }
@@ -58,15 +58,11 @@ pub(super) const fn texel_bytes(pixel: Pixel) -> u64 {
 }
 
 impl Encoding {
-    pub(super) const fn format(self) -> FormatArg {
+    pub(super) const fn format(self) -> Container {
         match self {
-            Self::Cube(Container::Ktx2, _) => FormatArg::Ktx2,
-            Self::Cube(Container::Ktx1, _) => FormatArg::Ktx,
-            Self::Cube(Container::Dds, _) => FormatArg::Dds,
-            Self::Cube(Container::Exr, _) | Self::Exr(_) | Self::ExrImages(..) | Self::Mips(_) => {
-                FormatArg::Exr
-            }
-            Self::Hdr | Self::HdrImages(_) => FormatArg::Hdr,
+            Self::Cube(container, _) => container,
+            Self::Exr(_) | Self::ExrImages(..) | Self::Mips(_) => Container::Exr,
+            Self::Hdr | Self::HdrImages(_) => Container::Hdr,
         }
     }
 
@@ -87,38 +83,17 @@ impl Encoding {
     const fn layout_name(self) -> Option<&'static str> {
         match self {
             Self::ExrImages(layout, _) | Self::HdrImages(layout) => Some(layout.name()),
-            Self::Mips(_) => Some(OutLayoutArg::Mips.name()),
-            Self::Cube(Container::Exr, _) => Some(OutLayoutArg::Parts.name()),
+            Self::Mips(_) => Some(OutputLayout::Mips.name()),
+            Self::Cube(Container::Exr, _) => Some(OutputLayout::Parts.name()),
             Self::Cube(..) | Self::Exr(_) | Self::Hdr => None,
         }
     }
 
-    /// The greatest value of a channel that every pixel of the output rounds to 0.
-    pub(super) const fn rounded_to_zero(self) -> f32 {
+    /// The pixel format asked for.
+    pub(super) const fn pixel(self) -> Pixel {
         match self {
-            Self::Cube(_, pixel) | Self::Mips(pixel) => pixel.rounded_to_zero(),
-            Self::Exr(ExrPixel::F32) | Self::ExrImages(_, ExrPixel::F32) => Pixel::F32.rounded_to_zero(),
-            Self::Exr(_) | Self::ExrImages(..) => Pixel::F16.rounded_to_zero(),
-            Self::Hdr | Self::HdrImages(_) => hdr::write::RGBE_ROUNDED_TO_ZERO,
-        }
-    }
-
-    /// The pixel format whose greatest value is a limit: those of a single kind, but floats.
-    pub(super) const fn clamping_pixel(self) -> Option<Pixel> {
-        match self {
-            Self::Cube(_, pixel) | Self::Mips(pixel) => Some(pixel),
-            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => Some(Pixel::F16),
-            Self::Exr(_) | Self::ExrImages(..) | Self::Hdr | Self::HdrImages(_) => None,
-        }
-    }
-
-    pub(super) const fn pixel_name(self) -> &'static str {
-        match self {
-            Self::Cube(_, pixel) | Self::Mips(pixel) => pixel.name(),
-            Self::Exr(ExrPixel::Auto) | Self::ExrImages(_, ExrPixel::Auto) => "auto",
-            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => "f16",
-            Self::Exr(ExrPixel::F32) | Self::ExrImages(_, ExrPixel::F32) => "f32",
-            Self::Hdr | Self::HdrImages(_) => "rgbe",
+            Self::Cube(_, pixel) | Self::Mips(pixel) | Self::Exr(pixel) | Self::ExrImages(_, pixel) => pixel,
+            Self::Hdr | Self::HdrImages(_) => Pixel::Rgbe,
         }
     }
 }
@@ -304,7 +279,7 @@ impl Outputs {
 
     /// The files that will be written, and what each will be.
     pub(super) fn files(&self, settings: &BakeSettings) -> Result<Vec<(PathBuf, String)>> {
-        let pixel = self.encoding.pixel_name();
+        let pixel = self.encoding.pixel().name();
         let rungs = settings.rungs()?;
         let faces = |folder: &Path, name: String, told: String| {
             Face::ALL.map(|face| (folder.join(name.replace("{face}", face.short_name())), told.clone()))
@@ -318,7 +293,7 @@ impl Outputs {
                     |name: String, told: String| (self.main.join(format!("{name}.{extension}")), told);
                 let levels = rungs.iter().enumerate();
                 files.extend(levels.map(|(k, rung)| image(format!("m{k}"), told("", rung.layout.sides().1))));
-                let irradiance = settings.irradiance.filter(|_| layout.unfolding().is_some());
+                let irradiance = settings.irradiance.filter(|_| unfolding(layout).is_some());
                 files
                     .extend(irradiance.map(|size| image("irradiance".to_owned(), told("irradiance ", size))));
             }
@@ -391,7 +366,7 @@ impl Outputs {
             let preview = self.preview.as_deref().zip(preview.as_deref());
             preview.map(|(path, bytes)| stage(path, bytes)).transpose()
         };
-        let (format, pixel_name) = (self.encoding.format().name(), self.encoding.pixel_name());
+        let (format, pixel_name) = (self.encoding.format().name(), self.encoding.pixel().name());
         // A single file, the files beside it in the order of `hashed`, and the report that knows their
         // hashes.
         let write_files = |main: &[u8], mut beside: Vec<Staged>, pixel: Pixel, clamped: u64| {
@@ -545,10 +520,21 @@ pub(super) fn cube_told(kind: &str, size: u32, levels: usize) -> String {
     }
 }
 
+/// How a cube's faces lie in a level's one image.
+const fn unfolding(layout: OutputLayout) -> Option<Unfolding> {
+    match layout {
+        OutputLayout::Cross => Some(Unfolding::Cross),
+        OutputLayout::CrossVertical => Some(Unfolding::CrossVertical),
+        OutputLayout::Strip => Some(Unfolding::Strip),
+        OutputLayout::StripVertical => Some(Unfolding::StripVertical),
+        _ => None,
+    }
+}
+
 /// The levels of `bake` in `layout`, and its irradiance where there is some.
-fn level_images(layout: OutLayoutArg, bake: &Bake) -> Vec<LevelImage<'_>> {
+fn level_images(layout: OutputLayout, bake: &Bake) -> Vec<LevelImage<'_>> {
     let name = |index: usize| format!("m{index}");
-    let Some(unfolding) = layout.unfolding() else {
+    let Some(unfolding) = unfolding(layout) else {
         return bake.images.iter().enumerate().map(|(k, level)| LevelImage::whole(name(k), level)).collect();
     };
     let levels = bake.chain.levels.iter().enumerate();
@@ -576,7 +562,7 @@ pub(super) struct Stored {
 
 impl Stored {
     fn rgbe(format: &'static str, pixel: &'static str, bake: &Bake) -> Self {
-        let clamped = hdr::write::clamped(bake.texels());
+        let clamped = bake.texels().filter(|texel| Pixel::Rgbe.clamped(&[**texel]) > 0).count() as u64;
         Self { format, pixel, pixels: vec!["rgbe".to_owned(); bake.stats.len()], clamped, floats: 0 }
     }
 
@@ -652,15 +638,8 @@ pub(super) const FOREIGN: [&str; 11] =
     ["basis", "bmp", "gif", "jpeg", "jpg", "pfm", "png", "tga", "tif", "tiff", "webp"];
 
 /// The format that the extension of `path` names.
-pub(super) fn named_format(path: &Path) -> Option<FormatArg> {
-    match extension(path)?.as_str() {
-        "ktx2" => Some(FormatArg::Ktx2),
-        "ktx" => Some(FormatArg::Ktx),
-        "dds" => Some(FormatArg::Dds),
-        "exr" => Some(FormatArg::Exr),
-        "hdr" => Some(FormatArg::Hdr),
-        _ => None,
-    }
+pub(super) fn named_format(path: &Path) -> Option<Container> {
+    Container::named(&extension(path)?)
 }
 
 /// Whether `path` ends in a slash, and so names a folder.

@@ -2,9 +2,11 @@
 
 pub mod bc6h;
 pub mod container;
+mod output_layout;
 mod pixel;
 pub mod r11g11b10;
 pub mod rgbd;
 pub(crate) mod texel_bytes;
 
+pub use output_layout::OutputLayout;
 pub use pixel::*;

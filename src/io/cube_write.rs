@@ -6,7 +6,7 @@ use super::exr::write::Attribute;
 use super::provenance::FLIP_KEY;
 use super::{dds, ktx1, ktx2};
 use crate::chain::{CubeChain, CubeLevel};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::format::Pixel;
 use crate::format::container::Container;
 use crate::sphere::cube::Face;
@@ -16,7 +16,7 @@ use crate::target::Flip;
 /// alone.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel format that
+/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel format that
 /// the container cannot hold ([`Container::holds`]), and for impossible keys.
 pub fn cube_bytes(
     container: Container,
@@ -35,6 +35,9 @@ pub fn cube_bytes(
             Ok(file)
         }
         Container::Exr => exr_bytes(chain, pixel, metadata),
+        Container::Hdr => {
+            Err(Error::Parameter("a cube in .hdr files is a folder of images, not one file".to_owned()))
+        }
     }
 }
 

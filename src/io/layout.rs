@@ -19,6 +19,7 @@ use std::path::Path;
 
 /// How an image covers the sphere, as the user says it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum LayoutChoice {
     /// By its shape: 2:1 panorama, 4:3 and 3:4 crosses, 6:1 and 1:6 strips, 1:1 octahedral square.
     #[default]

@@ -1,7 +1,7 @@
 //! Levels as single images: folders of `m{level}.exr` or `.hdr`, and lat-long MIP maps in one tiled EXR.
 
 use super::exr::parts::exr_mips_bytes;
-use super::exr::write::{Attribute, ExrPixel, Samples, StoredLevel, attributes_of, exr_bytes, stored_level};
+use super::exr::write::{Attribute, Samples, StoredLevel, attributes_of, exr_bytes, stored_level};
 use super::hdr::write::{hdr_bytes_with, level_pairs};
 use super::layout::Unfolding;
 use crate::chain::{CubeLevel, ImageLevel};
@@ -55,7 +55,7 @@ impl<'a> LevelImage<'a> {
 pub fn write_exr_images(
     folder: &Path,
     images: &[LevelImage<'_>],
-    choice: ExrPixel,
+    choice: Pixel,
     metadata: &[(String, String)],
 ) -> Result<Vec<StoredLevel>> {
     let write = |image: &LevelImage<'_>| {

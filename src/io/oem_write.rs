@@ -117,7 +117,7 @@ pub fn oem_bytes(
                 .collect();
             exr_parts_bytes(&parts, pixel)?
         }
-        Container::Ktx1 | Container::Dds => {
+        Container::Ktx1 | Container::Dds | Container::Hdr => {
             return Err(Error::Parameter(format!(
                 "an octahedral map is written as ktx2 or exr, not {}",
                 container.name()

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 /// The axis on which an engine negates a world direction before it looks it up in a cube map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Flip {
     /// None: the cube is looked up by the world's own directions.
     #[default]

@@ -11,7 +11,7 @@ pub use flip::Flip;
 use crate::environment::Map;
 use crate::error::{Error, Result};
 use crate::format::Pixel;
-use crate::format::container::Container;
+use crate::format::container::{CONTAINERS, Container};
 use crate::ladder::Ladder;
 use crate::lobe::Lobe;
 use crate::sh::scale::ShScale;
@@ -62,6 +62,7 @@ pub struct FileSpec {
 
 /// Which forms of diffuse light are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Diffuse {
     /// None, or what the specular levels hold anyway.
     None,
@@ -358,7 +359,6 @@ impl Target {
     /// What its file at `path`, relative to its folder, holds; `None` where it has none there.
     #[must_use]
     pub fn content_of(&self, path: &str) -> Option<Content> {
-        let extensions = [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr];
         let matches = |pattern: &str| {
             let Some((before, after)) = pattern.split_once("{name}") else { return path == pattern };
             path.strip_prefix(before)
@@ -366,7 +366,7 @@ impl Target {
                 .is_some_and(|name| !name.is_empty())
         };
         let is_at = |file: &&FileSpec| {
-            extensions.iter().any(|container| matches(&file.path.replace("{ext}", container.name())))
+            CONTAINERS.iter().any(|container| matches(&file.path.replace("{ext}", container.name())))
         };
         self.files.iter().find(is_at).map(|file| file.content)
     }

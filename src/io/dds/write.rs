@@ -22,7 +22,9 @@ pub fn dds_bytes(chain: &CubeChain, pixel: Pixel) -> Result<CubeFile> {
         Pixel::Rgb9e5 => DxgiFormat::R9G9B9E5_SharedExp,
         Pixel::R11g11b10 => DxgiFormat::R11G11B10_Float,
         Pixel::Bc6h => DxgiFormat::BC6H_UF16,
-        Pixel::Rgbd => return Err(Error::Parameter("dds files cannot hold rgbd".to_owned())),
+        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
+            return Err(Error::Parameter(format!("dds files cannot hold {}", pixel.name())));
+        }
     };
     let failed = |error: ddsfile::Error| Error::Parameter(format!("a DDS cube of {size}: {error}"));
     let mut dds = Dds::new_dxgi(NewDxgiParams {

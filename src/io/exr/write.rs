@@ -24,18 +24,6 @@ pub(in crate::io) const BLOCK_ROWS: usize = 16;
 /// The program and its version, as outputs name it.
 pub const SOFTWARE: &str = concat!("octagloss ", env!("CARGO_PKG_VERSION"));
 
-/// How the levels of a folder are stored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ExrPixel {
-    /// Half; float in levels with a value that half cannot hold.
-    #[default]
-    Auto,
-    /// Half, clamped and counted.
-    F16,
-    /// Float.
-    F32,
-}
-
 /// The value of a header attribute.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attribute {
@@ -281,7 +269,7 @@ pub fn write_level_folder(
     folder: &Path,
     chain: &CubeChain,
     irradiance: Option<&CubeLevel>,
-    choice: ExrPixel,
+    choice: Pixel,
     metadata: &[(String, String)],
 ) -> Result<Vec<StoredLevel>> {
     let levels = chain.levels.iter().enumerate().map(|(index, level)| (format!("m{index}"), level));
@@ -314,13 +302,9 @@ pub fn write_level_folder(
 }
 
 /// How `texels` are stored under `choice`.
-pub(in crate::io) fn stored_level(texels: &[Rgb], choice: ExrPixel) -> StoredLevel {
-    let above = Pixel::F16.clamped(texels);
-    match choice {
-        ExrPixel::F16 => StoredLevel { pixel: Pixel::F16, clamped: above },
-        ExrPixel::Auto if above == 0 => StoredLevel { pixel: Pixel::F16, clamped: 0 },
-        ExrPixel::Auto | ExrPixel::F32 => StoredLevel { pixel: Pixel::F32, clamped: 0 },
-    }
+pub(in crate::io) fn stored_level(texels: &[Rgb], choice: Pixel) -> StoredLevel {
+    let pixel = choice.stored(texels);
+    StoredLevel { pixel, clamped: pixel.clamped(texels) }
 }
 
 /// The attributes of an image of a level; an irradiance has no roughness to say.
@@ -348,7 +332,7 @@ pub fn write_exr_folder(
     existing: output::Existing,
     chain: &CubeChain,
     irradiance: Option<&CubeLevel>,
-    choice: ExrPixel,
+    choice: Pixel,
     metadata: &[(String, String)],
 ) -> Result<Vec<StoredLevel>> {
     output::write_folder(path, existing, |folder| {

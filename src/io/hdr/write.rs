@@ -3,6 +3,7 @@
 use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
+use crate::format::RGBE_MAX;
 use crate::io::ktx2::write::ROUGHNESS_KEY;
 use crate::io::output;
 use crate::io::provenance::irradiance_pairs;
@@ -57,18 +58,6 @@ fn plain_bytes(width: u32, height: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
         .encode(&texels, width as usize, height as usize)
         .map_err(|e| Error::Parameter(format!("a .hdr file of {width}x{height}: {e}")))?;
     Ok(bytes)
-}
-
-/// The greatest value of a channel in RGBE.
-pub const RGBE_MAX: f32 = (255.0 / 256.0) * (1_u128 << 127) as f32;
-
-/// Texels whose greatest channel is no more than this are black in RGBE: the greatest subnormal number.
-pub const RGBE_ROUNDED_TO_ZERO: f32 = f32::from_bits(0x007f_ffff);
-
-/// Number of `texels` with a channel that RGBE clamps.
-#[must_use]
-pub fn clamped<'a>(texels: impl Iterator<Item = &'a Rgb>) -> u64 {
-    texels.filter(|texel| texel.iter().any(|channel| *channel > RGBE_MAX)).count() as u64
 }
 
 /// The colour nearest to `rgb` that RGBE holds. The encoder truncates, which darkens by a quarter of a per

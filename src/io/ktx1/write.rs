@@ -88,7 +88,7 @@ fn gl_format(pixel: Pixel) -> Result<GlFormat> {
         Pixel::F32 => {
             GlFormat { kind: 0x1406, kind_bytes: 4, format: GL_RGBA, internal: 0x8814, base: GL_RGBA }
         }
-        Pixel::Bc6h | Pixel::Rgbd => {
+        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
             return Err(Error::Parameter(format!(
                 "{} is not written into KTX 1; choose ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
                 pixel.name()

@@ -65,6 +65,8 @@ pub(in crate::io) fn format_of(pixel: Pixel) -> Result<Format> {
         Pixel::Rgb9e5 => Format::E5B9G9R9_UFLOAT_PACK32,
         Pixel::R11g11b10 => Format::B10G11R11_UFLOAT_PACK32,
         Pixel::Bc6h => Format::BC6H_UFLOAT_BLOCK,
-        Pixel::Rgbd => return Err(Error::Parameter("ktx2 files cannot hold rgbd".to_owned())),
+        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
+            return Err(Error::Parameter(format!("ktx2 files cannot hold {}", pixel.name())));
+        }
     })
 }

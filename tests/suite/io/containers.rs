@@ -45,7 +45,7 @@ pub(crate) fn colours(pixel: Pixel, size: u32, bytes: &[u8]) -> Vec<Rgb> {
         Pixel::Rgb9e5 => texels.map(|at| rgb_from_rgb9e5(word(bytes, at))).collect(),
         Pixel::R11g11b10 => texels.map(|at| rgb_from_r11g11b10(word(bytes, at))).collect(),
         Pixel::Bc6h => decoded(size, bytes),
-        Pixel::Rgbd => (0..(size * size) as usize)
+        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => (0..(size * size) as usize)
             .map(|k| rgb_from_rgbd(bytes[4 * k..4 * k + 4].try_into().unwrap()))
             .collect(),
     }
@@ -62,7 +62,9 @@ pub(crate) fn parse_ktx1(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
         Pixel::F32 => (0x1406, 4, 0x1908, 0x8814),
         Pixel::Rgb9e5 => (0x8c3e, 4, 0x1907, 0x8c3d),
         Pixel::R11g11b10 => (0x8c3a, 4, 0x1907, 0x8c3a),
-        Pixel::Bc6h | Pixel::Rgbd => return Err("neither BC6H nor RGBD here".to_owned()),
+        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
+            return Err("neither BC6H nor RGBD here".to_owned());
+        }
     };
     rule(header[1..6] == [kind, kind_bytes, format, internal, format], "formats")?;
     let size = header[6];
@@ -118,7 +120,7 @@ pub(crate) fn parse_dds(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
         Pixel::R11g11b10 => 26,
         Pixel::Rgb9e5 => 67,
         Pixel::Bc6h => 95,
-        Pixel::Rgbd => return Err("no RGBD here".to_owned()),
+        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => return Err("no RGBD here".to_owned()),
     };
     rule(word(bytes, 128) == format, "DXGI format")?;
     rule(word(bytes, 132) == 3 && word(bytes, 136) == 4 && word(bytes, 140) == 1, "2D, a cube, one of it")?;
@@ -147,7 +149,7 @@ fn stored(pixel: Pixel, texel: Rgb) -> Rgb {
         Pixel::F32 => texel,
         Pixel::Rgb9e5 => rgb_from_rgb9e5(rgb9e5_from_rgb(texel)),
         Pixel::R11g11b10 => rgb_from_r11g11b10(r11g11b10_from_rgb(texel)),
-        Pixel::Bc6h | Pixel::Rgbd => unreachable!("not among the formats"),
+        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => unreachable!("not among the formats"),
     }
 }
 

@@ -9,7 +9,7 @@ use octagloss::chain::CubeLevel;
 use octagloss::environment::{Environment, Layout, Rgb};
 use octagloss::format::{HALF_MAX, Pixel, RGB9E5_MAX, push_halves, rgb_from_rgb9e5, rgb9e5_from_rgb};
 use octagloss::io::environment_write::write_environment;
-use octagloss::io::exr::write::{Attribute, ExrPixel, Samples, StoredLevel, exr_bytes, write_exr_folder};
+use octagloss::io::exr::write::{Attribute, Samples, StoredLevel, exr_bytes, write_exr_folder};
 use octagloss::io::hdr::write::{hdr_bytes, write_hdr_folder};
 use octagloss::io::ktx2::write::ktx2_bytes;
 use octagloss::io::layout::CROSS_CELLS;
@@ -150,8 +150,7 @@ fn an_exr_folder_holds_every_face_bound_and_the_irradiance() {
     chain.levels[1].texels[3][2] = 70_000.0;
     let irradiance = CubeLevel { size: 4, roughness: 1.0, texels: texels(96, 5), bounds: None };
     let stored =
-        write_exr_folder(&out, Existing::Keep, &chain, Some(&irradiance), ExrPixel::Auto, &metadata())
-            .unwrap();
+        write_exr_folder(&out, Existing::Keep, &chain, Some(&irradiance), Pixel::Auto, &metadata()).unwrap();
     let half = StoredLevel { pixel: Pixel::F16, clamped: 0 };
     assert_eq!(stored, [half, StoredLevel { pixel: Pixel::F32, clamped: 0 }, half, half]);
     assert_eq!(names_in(&out).len(), 3 * 6 * 2 + 6);
@@ -181,8 +180,8 @@ fn an_exr_folder_holds_every_face_bound_and_the_irradiance() {
         let stored = write_exr_folder(&out, Existing::Replace, &chain, None, choice, &metadata()).unwrap();
         stored.iter().map(|s| s.clamped).sum::<u64>()
     };
-    assert_eq!(clamped(ExrPixel::F16), 1);
-    assert_eq!(clamped(ExrPixel::F32), 0);
+    assert_eq!(clamped(Pixel::F16), 1);
+    assert_eq!(clamped(Pixel::F32), 0);
     assert!(!names_in(&out).contains(&"irradiance_px.exr".to_owned()), "the old bake is gone");
 }
 
@@ -194,7 +193,7 @@ fn equal_chains_give_equal_bytes_whatever_the_thread_count() {
         pool.install(|| {
             let folder = tempfile::tempdir().unwrap();
             let (exr, hdr) = (folder.path().join("exr"), folder.path().join("hdr"));
-            write_exr_folder(&exr, Existing::Keep, &chain, None, ExrPixel::Auto, &metadata()).unwrap();
+            write_exr_folder(&exr, Existing::Keep, &chain, None, Pixel::Auto, &metadata()).unwrap();
             write_hdr_folder(&hdr, Existing::Keep, &chain, None).unwrap();
             let mut all = Vec::new();
             for out in [exr, hdr] {
