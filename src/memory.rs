@@ -4,9 +4,8 @@
 //! texels took 28.4 bytes a texel, a box filter's table 47, fitted tables 64, cells of one texel 161 by one
 //! reconstruction and 246 by both, a level of a KTX2 file 20 to 23.
 
-use crate::bake::job::Order;
-use crate::bake::level;
-use crate::bake::part::Part;
+use crate::bake::job::Job;
+use crate::bake::level::LevelJob;
 use crate::bake::settings::BakeSettings;
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
@@ -122,16 +121,16 @@ fn check_query_within(
 
 /// Bytes at the peak of a bake.
 fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64) -> Result<u64> {
-    let order = Order::new(environment, settings)?;
-    let (size, block) = order.reflector_settings().plan(environment.layout())?;
-    let parts = order.parts();
+    let job = Job::new(environment, settings)?;
+    let (size, block) = job.reflector_settings().plan(environment.layout())?;
+    let parts = job.levels();
     let served =
-        |part: &Part| Served { lobe: part.lobe, roughness: part.rung.roughness, filter: part.filter };
+        |part: &LevelJob| Served { lobe: part.lobe, roughness: part.spec.roughness, filter: part.filter };
     let tables = Tables::of(size, block, &parts.iter().map(served).collect::<Vec<_>>());
     let (mut levels, mut baking, mut largest) = (0, 0, 0);
     for part in parts {
-        let texels = part.rung.layout.texel_count() as u64;
-        let each = if level::is_mirror(part.rung, part.lobe) { TEXEL } else { TEXEL_MAKING };
+        let texels = part.spec.layout.texel_count() as u64;
+        let each = if part.is_mirror() { TEXEL } else { TEXEL_MAKING };
         baking = baking.max(levels + texels * each);
         levels += texels * TEXEL;
         largest = largest.max(texels);

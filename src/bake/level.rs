@@ -1,7 +1,6 @@
 //! One level of a bake: every texel of its map, tiles of neighbours sharing their walks.
 
-use super::part::Part;
-use crate::chain::Rung;
+use crate::chain::LevelSpec;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
@@ -12,6 +11,21 @@ use crate::reflector::{Reflector, Workspace};
 use crate::sphere::cube::Face;
 use rayon::prelude::*;
 
+/// One level to bake, which several bakes may share.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct LevelJob {
+    pub(crate) spec: LevelSpec,
+    pub(crate) lobe: Lobe,
+    pub(crate) filter: Filter,
+}
+
+impl LevelJob {
+    /// Whether the level shows what its texels cover.
+    pub(crate) fn is_mirror(&self) -> bool {
+        self.spec.roughness == 0.0 && self.lobe.has_mirror()
+    }
+}
+
 /// A baked level.
 pub(crate) struct BakedLevel {
     pub(crate) texels: Vec<Rgb>,
@@ -19,22 +33,21 @@ pub(crate) struct BakedLevel {
     pub(crate) leaves_per_texel: Option<f64>,
 }
 
-/// Bakes `lobe` into `rung`; `advance` is told of texels done, from any thread.
+/// Bakes `level`; `advance` is told of texels done, from any thread.
 pub(crate) fn bake_level(
     reflector: &Reflector<'_>,
-    rung: Rung,
-    lobe: Lobe,
-    filter: Filter,
+    level: &LevelJob,
     advance: &(dyn Fn(u64) + Sync),
 ) -> Result<BakedLevel> {
-    if is_mirror(rung, lobe) {
+    let LevelJob { spec, lobe, filter } = *level;
+    if level.is_mirror() {
         // A mirror shows what each texel covers.
-        let texels = footprints_over(reflector.environment(), rung.layout)?;
+        let texels = footprints_over(reflector.environment(), spec.layout)?;
         advance(texels.len() as u64);
         return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
     }
-    let lobes = reflector.lobes(lobe, rung.roughness, filter)?;
-    let tiling = Tiling::new(reflector.oem().size().inner, rung, lobe);
+    let lobes = reflector.lobes(lobe, spec.roughness, filter)?;
+    let tiling = Tiling::new(reflector.oem().size().inner, spec, lobe);
     let rows: Vec<(Vec<Answer>, Workspace)> = (0..tiling.rows())
         .into_par_iter()
         .map_init(
@@ -58,28 +71,23 @@ pub(crate) fn bake_level(
     Ok(BakedLevel::new(answers, leaves, packets, tiling.samples()))
 }
 
-/// Whether a level of `lobe` shows what its texels cover.
-pub(crate) fn is_mirror(rung: Rung, lobe: Lobe) -> bool {
-    rung.roughness == 0.0 && lobe.has_mirror()
-}
-
 impl BakedLevel {
     /// Checks that radiance and bounds are numbers that may be written.
     ///
     /// # Errors
     /// [`Error::NonFiniteResult`] naming the first texel that is NaN, infinite or negative.
-    pub(crate) fn check(&self, part: &Part) -> Result<()> {
+    pub(crate) fn check(&self, level: &LevelJob) -> Result<()> {
         let wrong = |value: f32| !(value.is_finite() && value >= 0.0);
         let fault = |at: usize, what: &str, value: f32| {
-            let (columns, rows) = part.rung.layout.sides();
+            let (columns, rows) = level.spec.layout.sides();
             let area = columns as usize * rows as usize;
             let (image, inside) = (at / area, at % area);
-            let face = match part.rung.layout {
+            let face = match level.spec.layout {
                 Layout::Cube { .. } => format!("face {} ", Face::ALL[image].short_name()),
                 Layout::Panorama { .. } | Layout::Octahedral { .. } => String::new(),
             };
             let (x, y) = (inside % columns as usize, inside / columns as usize);
-            let (lobe, roughness) = (part.lobe.name(), part.rung.roughness);
+            let (lobe, roughness) = (level.lobe.name(), level.spec.roughness);
             let place = format!(
                 "{what} of the level of {columns} x {rows} ({lobe}, roughness {roughness}) {face}pixel ({x}, {y})"
             );

@@ -4,7 +4,6 @@ pub mod dfg;
 pub(crate) mod job;
 pub(crate) mod level;
 pub mod overflow;
-pub(crate) mod part;
 pub mod report;
 pub(crate) mod result;
 pub(crate) mod settings;
@@ -13,7 +12,7 @@ use crate::environment::Environment;
 use crate::error::Result;
 use crate::memory;
 use crate::reflector::Reflector;
-use job::Order;
+use job::Job;
 pub use result::{Bake, LevelStats, Progress};
 pub use settings::BakeSettings;
 use web_time::Instant;
@@ -44,15 +43,15 @@ pub fn bake_all(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Vec<Bake>> {
     memory::check_bake(environment, settings, 0)?;
-    let order = Order::new(environment, settings)?;
-    let meter = order.meter(progress);
-    let reflector = Reflector::new(environment, &order.reflector_settings())?;
+    let job = Job::new(environment, settings)?;
+    let meter = job.meter(progress);
+    let reflector = Reflector::new(environment, &job.reflector_settings())?;
     let mut levels = Vec::new();
-    for (index, part) in order.parts().iter().enumerate() {
+    for (index, level) in job.levels().iter().enumerate() {
         let start = Instant::now();
         let advance = |texels| meter.advance(index, texels);
-        let level = level::bake_level(&reflector, part.rung, part.lobe, part.filter, &advance)?;
-        levels.push((level, start.elapsed().as_secs_f64()));
+        let baked = level::bake_level(&reflector, level, &advance)?;
+        levels.push((baked, start.elapsed().as_secs_f64()));
     }
-    order.finish(levels, reflector.oem().size(), reflector.energy())
+    job.finish(levels, reflector.oem().size(), reflector.energy())
 }

@@ -2,8 +2,7 @@
 
 use crate::bake::level::BakedLevel;
 
-use crate::chain::{CubeChain, CubeLevel, ImageLevel, Rung};
-use crate::environment::Rgb;
+use crate::chain::{Chain, Level};
 use crate::oem::OemSize;
 use crate::sh::window::ShWindow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -26,16 +25,14 @@ pub struct LevelStats {
 /// What a bake made.
 #[derive(Clone, Debug)]
 pub struct Bake {
-    /// The prefiltered levels; none where [`super::BakeSettings::map`] is not the cube.
-    pub chain: CubeChain,
-    /// The prefiltered levels where it is another.
-    pub images: Vec<ImageLevel>,
+    /// The prefiltered levels.
+    pub chain: Chain,
     /// Figures, one a level.
     pub stats: Vec<LevelStats>,
     /// The irradiance cube, where asked for; values are irradiance/pi.
-    pub irradiance: Option<CubeLevel>,
+    pub irradiance: Option<Level>,
     /// The levels of the Charlie lobe, where asked for.
-    pub sheen: Option<CubeChain>,
+    pub sheen: Option<Chain>,
     /// Their figures.
     pub sheen_stats: Vec<LevelStats>,
     /// Spherical harmonics of the source, see [`crate::sh`], windowed.
@@ -53,11 +50,16 @@ pub struct Bake {
 }
 
 impl Bake {
-    /// The texels of all levels, sheen and irradiance included.
-    pub fn texels(&self) -> impl Iterator<Item = &Rgb> {
+    /// All levels: those of the chain, then the irradiance and the sheen where they are.
+    pub fn levels(&self) -> impl Iterator<Item = &Level> {
         let sheen = self.sheen.iter().flat_map(|sheen| &sheen.levels);
-        let cubes = self.chain.levels.iter().chain(&self.irradiance).chain(sheen);
-        cubes.flat_map(|level| &level.texels).chain(self.images.iter().flat_map(|level| &level.texels))
+        self.chain.levels.iter().chain(&self.irradiance).chain(sheen)
+    }
+
+    /// [`Bake::levels`], to be changed.
+    pub fn levels_mut(&mut self) -> impl Iterator<Item = &mut Level> {
+        let sheen = self.sheen.iter_mut().flat_map(|sheen| &mut sheen.levels);
+        self.chain.levels.iter_mut().chain(self.irradiance.as_mut()).chain(sheen)
     }
 }
 
@@ -100,9 +102,9 @@ impl LevelStats {
     }
 }
 
-/// The least roughness above 0.
-pub(super) fn sharpest(rungs: &[Rung]) -> f64 {
-    rungs.iter().map(|rung| rung.roughness).filter(|r| *r > 0.0).fold(1.0, f64::min)
+/// The least of `roughnesses` above 0.
+pub(super) fn sharpest(roughnesses: impl Iterator<Item = f64>) -> f64 {
+    roughnesses.filter(|r| *r > 0.0).fold(1.0, f64::min)
 }
 
 /// The least of `bounds` that 99 % of them do not exceed; `None` where there are none.

@@ -1,6 +1,6 @@
 //! What to bake.
 
-use crate::chain::Rung;
+use crate::chain::LevelSpec;
 use crate::environment::Map;
 use crate::error::{Error, Result};
 use crate::filter::Filter;
@@ -65,7 +65,7 @@ impl BakeSettings {
     /// # Errors
     /// [`Error::Parameter`] for no size, no levels, more levels than reach a size of 1, or a filter that the
     /// lobe does not have.
-    pub fn rungs(&self) -> Result<Vec<Rung>> {
+    pub fn level_specs(&self) -> Result<Vec<LevelSpec>> {
         if self.size == 0 {
             return Err(Error::Parameter("--size must be at least 1".to_owned()));
         }
@@ -91,7 +91,7 @@ impl BakeSettings {
         }
         let roughness = |level| self.ladder.roughness(level, levels, self.size);
         Ok((0..levels)
-            .map(|level| Rung { layout: self.map.layout(self.size, level), roughness: roughness(level) })
+            .map(|level| LevelSpec { layout: self.map.layout(self.size, level), roughness: roughness(level) })
             .collect())
     }
 }

@@ -1,7 +1,7 @@
 //! `octagloss bake`: environments into prefiltered cube chains.
 
 use super::args::BakeArgs;
-use super::bake_context::{Told, compress};
+use super::bake_context::Told;
 use super::console::{self, Talk};
 use super::engine::Engine;
 use super::fingerprint;
@@ -25,7 +25,7 @@ use octagloss::io::LayoutChoice;
 use octagloss::io::output::{self, Existing};
 use octagloss::lobe::Lobe;
 use octagloss::sphere::cube::{Face, direction_from_texel};
-use octagloss::{Environment, Layout, Map, memory};
+use octagloss::{Environment, Map, memory};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -252,9 +252,11 @@ impl Plan {
             fs::create_dir_all(folder).map_err(|e| octagloss::Error::io(folder, e))?;
         }
         let pixel = job.outputs.encoding.pixel();
-        let compressed = compress(&mut baked, self.overflow, pixel)
+        let compressed = self
+            .overflow
+            .apply_all(&mut baked, pixel)
             .map_err(|error| anyhow::Error::from(error).context(job.outputs.main.display().to_string()))?;
-        let clamped_share = clamped_share(&baked, pixel);
+        let clamped_share = overflow::clamped_share(&baked, pixel);
         let told = Told {
             source: &job.source,
             input_files,
@@ -310,18 +312,6 @@ pub(super) fn certified(report: &Report) -> String {
         percent(p99),
         percent(most),
     )
-}
-
-/// Share of the energy that clamping at the greatest value of `pixel` takes from the level that loses most.
-pub(super) fn clamped_share(baked: &Bake, pixel: Pixel) -> f64 {
-    let sheen = baked.sheen.iter().flat_map(|sheen| &sheen.levels);
-    let cubes = baked.chain.levels.iter().chain(&baked.irradiance).chain(sheen);
-    let cubes = cubes.map(|level| (Layout::Cube { size: level.size }, &level.texels));
-    let images = baked.images.iter().map(|level| (level.layout, &level.texels));
-    cubes
-        .chain(images)
-        .map(|(layout, texels)| overflow::clamped_share(layout, texels, pixel))
-        .fold(0.0, f64::max)
 }
 
 /// Whether a share of energy is worth a warning: not one that rounds to 0.00 %.
@@ -391,7 +381,7 @@ fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         sh_window: args.sh_window,
         sheen: false,
     };
-    match settings.rungs() {
+    match settings.level_specs() {
         Ok(_) => Ok(settings),
         Err(error) => usage(error.to_string()),
     }
@@ -521,7 +511,7 @@ fn image_encoding(args: &BakeArgs, format: Container, layout: OutputLayout) -> O
 
 /// A warning where light is there, but all of it is so dim that pixels called `name` round it to 0.
 pub(super) fn vanished(bake: &Bake, name: &str, rounded_to_zero: f32) -> Option<String> {
-    let greatest = bake.texels().flatten().copied().fold(0.0, f32::max);
+    let greatest = bake.levels().flat_map(|level| level.texels.as_flattened()).copied().fold(0.0, f32::max);
     (greatest > 0.0 && greatest <= rounded_to_zero).then(|| {
         format!(
             "all light is below {name}, which rounds {greatest:e} and less to 0: the output is black; --pixel f32 \
@@ -561,7 +551,7 @@ fn foretell(environment: &Environment, settings: &BakeSettings) -> octagloss::Re
     let directions: Vec<_> =
         (0..threads).map(|k| direction_from_texel(Face::ALL[k % 6], 5, (k % 5) as u32, 1)).collect();
     let (mut seconds, mut last) = (prepared, 0.0);
-    for level in settings.rungs()? {
+    for level in settings.level_specs()? {
         let texels = level.layout.texel_count() as f64;
         // Lobes cost alike from level to level: once one is slow it stands for the rest.
         if last < 1.0 {

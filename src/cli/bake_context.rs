@@ -4,10 +4,8 @@ use crate::cli::engine::Baker;
 use crate::cli::input::{Opened, Source};
 use crate::cli::output::Stored;
 use crate::cli::shared_args::InputArgs;
-use octagloss::bake::Bake;
 use octagloss::bake::overflow::Overflow;
 use octagloss::bake::report::{Circumstances, InputFileReport};
-use octagloss::format::Pixel;
 use std::time::Instant;
 
 /// What a report tells of an environment and its bake, however it is stored.
@@ -55,16 +53,4 @@ impl Told<'_> {
             seconds: self.start.elapsed().as_secs_f64(),
         }
     }
-}
-
-/// Prepares every level of `baked` for `pixel`; the texels that were scaled down.
-pub(super) fn compress(baked: &mut Bake, overflow: Overflow, pixel: Pixel) -> octagloss::Result<u64> {
-    let sheen = baked.sheen.as_mut().map_or(&mut [][..], |sheen| &mut sheen.levels);
-    let levels = baked.chain.levels.iter_mut().chain(baked.irradiance.as_mut()).chain(sheen);
-    let cubes: u64 =
-        levels.enumerate().map(|(index, level)| overflow.apply(index, level, pixel)).sum::<Result<_, _>>()?;
-    let images = baked.images.iter_mut().enumerate();
-    let images: u64 =
-        images.map(|(index, level)| overflow.apply_image(index, level, pixel)).sum::<Result<_, _>>()?;
-    Ok(cubes + images)
 }

@@ -1,8 +1,8 @@
 //! `octagloss bake --target`: the files that engines expect, in a folder for each environment.
 
 use super::args::BakeArgs;
-use super::bake::{certified, clamped_share, share_matters, vanished};
-use super::bake_context::{Told, compress};
+use super::bake::{certified, share_matters, vanished};
+use super::bake_context::Told;
 use super::console::{self, Talk};
 use super::engine::Engine;
 use super::fingerprint;
@@ -15,7 +15,7 @@ use super::shared_args::{EngineArgs, InputArgs};
 use anyhow::anyhow;
 use blake3::Hash;
 use octagloss::bake::BakeSettings;
-use octagloss::bake::overflow::Overflow;
+use octagloss::bake::overflow::{self, Overflow};
 use octagloss::bake::report::{OutputFileReport, Report, TargetReport};
 use octagloss::export::files::{Made, files};
 use octagloss::format::container::Container;
@@ -242,14 +242,14 @@ impl Work {
         };
         let mut outputs: Vec<(Vec<Made>, Report)> = Vec::with_capacity(bakes.len());
         for ((plan, settings), mut bake) in self.plans.iter().zip(bakes) {
-            let compressed = compress(&mut bake, self.overflow, plan.pixel).map_err(|error| {
+            let compressed = self.overflow.apply_all(&mut bake, plan.pixel).map_err(|error| {
                 let place = format!("{}, target {}", job.folder.display(), plan.target.name);
                 anyhow::Error::from(error).context(place)
             })?;
             let bake = &bake;
             let made = files(plan, &job.name, bake, &metadata(settings, &opened))?;
             let clamped = made.iter().flat_map(|file| &file.clamped).sum();
-            let clamped_share = clamped_share(bake, plan.pixel);
+            let clamped_share = overflow::clamped_share(bake, plan.pixel);
             let mut warnings = opened.warnings.clone();
             if clamped > 0 && share_matters(clamped_share) {
                 let warning = format!(
@@ -352,8 +352,8 @@ impl Work {
 fn told(plan: &Plan, settings: &BakeSettings, content: Content) -> octagloss::Result<String> {
     let pixel = plan.pixel.name();
     Ok(match content {
-        Content::Specular => cube_told(pixel, settings.size, settings.rungs()?.len()),
-        Content::Sheen => cube_told(&format!("{pixel} sheen"), settings.size, settings.rungs()?.len()),
+        Content::Specular => cube_told(pixel, settings.size, settings.level_specs()?.len()),
+        Content::Sheen => cube_told(&format!("{pixel} sheen"), settings.size, settings.level_specs()?.len()),
         Content::Skybox => cube_told(pixel, settings.size, 1),
         Content::Irradiance => {
             let size = settings.irradiance.unwrap_or(plan.target.irradiance_size);
@@ -361,14 +361,14 @@ fn told(plan: &Plan, settings: &BakeSettings, content: Content) -> octagloss::Re
         }
         Content::ShJson | Content::ShText => "spherical harmonics".to_owned(),
         Content::Oem => {
-            let rungs = settings.rungs()?;
-            format!("{pixel} octahedral map {}, {} levels, with borders", settings.size, rungs.len())
+            let specs = settings.level_specs()?;
+            format!("{pixel} octahedral map {}, {} levels, with borders", settings.size, specs.len())
         }
         Content::Reader => "shader code".to_owned(),
         Content::Panorama => format!("panorama {}x{}", 2 * settings.size, settings.size),
         Content::Env | Content::Glb => {
-            let rungs = settings.rungs()?;
-            format!("{pixel} cube {}, {} levels, and spherical harmonics", settings.size, rungs.len())
+            let specs = settings.level_specs()?;
+            format!("{pixel} cube {}, {} levels, and spherical harmonics", settings.size, specs.len())
         }
     })
 }
@@ -449,8 +449,8 @@ fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<(Plan, BakeSettings)> {
         sh_window: args.sh_window,
         sheen: target.has_sheen(),
     };
-    let rungs = settings.rungs().and_then(|rungs| plan.check_levels(size, rungs.len() as u32));
-    match rungs {
+    let specs = settings.level_specs().and_then(|specs| plan.check_levels(size, specs.len() as u32));
+    match specs {
         Ok(()) => Ok((plan, settings)),
         Err(error) => usage(format!("target {}: {error}", target.name)),
     }

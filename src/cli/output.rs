@@ -10,7 +10,7 @@ use crate::cli::outcome::usage;
 use blake3::Hash;
 use octagloss::bake::report::{Circumstances, FingerprintReport, OutputFileReport, Report, filter_name};
 use octagloss::bake::{Bake, BakeSettings};
-use octagloss::chain::{CubeChain, CubeLevel, Rung};
+use octagloss::chain::{Chain, Level, LevelSpec};
 use octagloss::export::report_file::report_path;
 use octagloss::format::container::Container;
 use octagloss::format::{OutputLayout, Pixel};
@@ -280,7 +280,7 @@ impl Outputs {
     /// The files that will be written, and what each will be.
     pub(super) fn files(&self, settings: &BakeSettings) -> Result<Vec<(PathBuf, String)>> {
         let pixel = self.encoding.pixel().name();
-        let rungs = settings.rungs()?;
+        let specs = settings.level_specs()?;
         let faces = |folder: &Path, name: String, told: String| {
             Face::ALL.map(|face| (folder.join(name.replace("{face}", face.short_name())), told.clone()))
         };
@@ -291,15 +291,15 @@ impl Outputs {
                 let told = |what: &str, size: u32| format!("{pixel} {what}{} {size}", layout.name());
                 let image =
                     |name: String, told: String| (self.main.join(format!("{name}.{extension}")), told);
-                let levels = rungs.iter().enumerate();
-                files.extend(levels.map(|(k, rung)| image(format!("m{k}"), told("", rung.layout.sides().1))));
+                let levels = specs.iter().enumerate();
+                files.extend(levels.map(|(k, spec)| image(format!("m{k}"), told("", spec.layout.sides().1))));
                 let irradiance = settings.irradiance.filter(|_| unfolding(layout).is_some());
                 files
                     .extend(irradiance.map(|size| image("irradiance".to_owned(), told("irradiance ", size))));
             }
             Encoding::Exr(_) | Encoding::Hdr => {
-                for (index, rung) in rungs.iter().enumerate() {
-                    let told = format!("{pixel} face {}", rung.layout.sides().0);
+                for (index, spec) in specs.iter().enumerate() {
+                    let told = format!("{pixel} face {}", spec.layout.sides().0);
                     files.extend(faces(&self.main, format!("m{index}_{{face}}.{extension}"), told));
                 }
                 if let Some(size) = settings.irradiance {
@@ -308,21 +308,22 @@ impl Outputs {
                 }
             }
             Encoding::Mips(_) => {
-                let told = format!("{pixel} panorama {}, {} levels", settings.size, rungs.len());
+                let told = format!("{pixel} panorama {}, {} levels", settings.size, specs.len());
                 files.push((self.main.clone(), told));
             }
             Encoding::Cube(..) => {
-                files.push((self.main.clone(), cube_told(pixel, settings.size, rungs.len())));
+                files.push((self.main.clone(), cube_told(pixel, settings.size, specs.len())));
                 if let (Some(path), Some(size)) = (&self.irradiance, settings.irradiance) {
                     files.push((path.clone(), cube_told(&format!("{pixel} irradiance"), size, 1)));
                 }
             }
         }
         // A mirror has no bounds.
-        let bounded = |rung: &Rung| settings.bounds && !(rung.roughness == 0.0 && settings.lobe.has_mirror());
-        for (index, rung) in rungs.iter().enumerate().filter(|(_, rung)| bounded(rung)) {
+        let bounded =
+            |spec: &LevelSpec| settings.bounds && !(spec.roughness == 0.0 && settings.lobe.has_mirror());
+        for (index, spec) in specs.iter().enumerate().filter(|(_, spec)| bounded(spec)) {
             let folder = self.bounds.as_ref().unwrap_or(&self.main);
-            let told = format!("f32 error bounds {}", rung.layout.sides().0);
+            let told = format!("f32 error bounds {}", spec.layout.sides().0);
             files.extend(faces(folder, format!("m{index}_{{face}}_bound.exr"), told));
         }
         for file in &self.sun {
@@ -434,7 +435,7 @@ impl Outputs {
                 let mut clamped = sum(&main.clamped);
                 let mut beside = Vec::new();
                 if let (Some(path), Some(level)) = (&self.irradiance, irradiance) {
-                    let chain = CubeChain { levels: vec![level.clone()] };
+                    let chain = Chain { levels: vec![level.clone()] };
                     let metadata = irradiance_pairs(&metadata);
                     let made = cube_bytes(container, &chain, pixel, &metadata)?;
                     clamped += sum(&made.clamped);
@@ -447,8 +448,8 @@ impl Outputs {
                 write_files(&main.bytes, beside, pixel, clamped)
             }
             Encoding::Mips(pixel) => {
-                let clamped = bake.images.iter().map(|level| pixel.clamped(&level.texels)).sum();
-                write_files(&mips_bytes(&bake.images, pixel, &metadata)?, Vec::new(), pixel, clamped)
+                let clamped = bake.chain.levels.iter().map(|level| pixel.clamped(&level.texels)).sum();
+                write_files(&mips_bytes(&bake.chain.levels, pixel, &metadata)?, Vec::new(), pixel, clamped)
             }
             Encoding::Exr(choice) => write_folder(&|folder| {
                 let levels =
@@ -535,7 +536,13 @@ const fn unfolding(layout: OutputLayout) -> Option<Unfolding> {
 fn level_images(layout: OutputLayout, bake: &Bake) -> Vec<LevelImage<'_>> {
     let name = |index: usize| format!("m{index}");
     let Some(unfolding) = unfolding(layout) else {
-        return bake.images.iter().enumerate().map(|(k, level)| LevelImage::whole(name(k), level)).collect();
+        return bake
+            .chain
+            .levels
+            .iter()
+            .enumerate()
+            .map(|(k, level)| LevelImage::whole(name(k), level))
+            .collect();
     };
     let levels = bake.chain.levels.iter().enumerate();
     let levels =
@@ -562,7 +569,7 @@ pub(super) struct Stored {
 
 impl Stored {
     fn rgbe(format: &'static str, pixel: &'static str, bake: &Bake) -> Self {
-        let clamped = bake.texels().filter(|texel| Pixel::Rgbe.clamped(&[**texel]) > 0).count() as u64;
+        let clamped = bake.levels().map(|level| Pixel::Rgbe.clamped(&level.texels)).sum();
         Self { format, pixel, pixels: vec!["rgbe".to_owned(); bake.stats.len()], clamped, floats: 0 }
     }
 
@@ -598,14 +605,19 @@ pub(super) fn json_text(value: &impl Serialize) -> Result<String> {
 }
 
 /// `m{level}_{face}_bound.exr` of every level.
-fn write_bounds(folder: &Path, chain: &CubeChain) -> Result<()> {
-    let bounds = |level: &'_ CubeLevel| level.bounds.clone();
+fn write_bounds(folder: &Path, chain: &Chain) -> Result<()> {
+    let bounds = |level: &'_ Level| level.bounds.clone();
     for (index, level) in chain.levels.iter().enumerate() {
         let Some(bounds) = bounds(level) else { continue };
         for (face, values) in Face::ALL.iter().zip(bounds.chunks_exact(bounds.len() / 6)) {
             let path = folder.join(format!("m{index}_{}_bound.exr", face.short_name()));
-            let bytes =
-                exr::write::exr_bytes(level.size, level.size, Samples::Luminance(values), Pixel::F32, &[])?;
+            let bytes = exr::write::exr_bytes(
+                level.size(),
+                level.size(),
+                Samples::Luminance(values),
+                Pixel::F32,
+                &[],
+            )?;
             fs::write(&path, bytes).map_err(|e| Error::io(&path, e))?;
         }
     }

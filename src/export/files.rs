@@ -2,7 +2,7 @@
 
 use super::{babylon, gltf};
 use crate::bake::Bake;
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::Pixel;
@@ -40,8 +40,8 @@ pub struct Made {
 pub fn files(plan: &Plan, stem: &str, bake: &Bake, metadata: &[(String, String)]) -> Result<Vec<Made>> {
     plan.check()?;
     let make = |(path, content): (String, Content)| {
-        let cube = |levels: &[CubeLevel], sh: bool| {
-            let chain = CubeChain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
+        let cube = |levels: &[Level], sh: bool| {
+            let chain = Chain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
             let mut pairs = cube_metadata(plan, bake, metadata, sh);
             match content {
                 Content::Sheen => {
@@ -68,7 +68,9 @@ pub fn files(plan: &Plan, stem: &str, bake: &Bake, metadata: &[(String, String)]
                 let level = bake.irradiance.as_ref().ok_or_else(|| missing("an irradiance cube"))?;
                 cube(std::slice::from_ref(level), false)?
             }
-            Content::Oem => oem_bytes(plan.container, &bake.images, plan.pixel, &of_target(plan, metadata))?,
+            Content::Oem => {
+                oem_bytes(plan.container, &bake.chain.levels, plan.pixel, &of_target(plan, metadata))?
+            }
             Content::Reader => {
                 let (_, code) =
                     READERS.iter().find(|(name, _)| *name == path).expect("a reader of that name");
@@ -88,7 +90,8 @@ pub fn files(plan: &Plan, stem: &str, bake: &Bake, metadata: &[(String, String)]
 /// Level 0 as one image, its columns where the engine looks for them.
 fn panorama(plan: &Plan, bake: &Bake, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let level = bake
-        .images
+        .chain
+        .levels
         .first()
         .ok_or_else(|| Error::Parameter("a panorama is to be written that was not baked".to_owned()))?;
     let (width, height) = level.layout.sides();

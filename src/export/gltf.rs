@@ -8,7 +8,7 @@
 //! and takes the coefficients' signs and bands otherwise than the text.
 
 use super::babylon::{clamped, png_faces};
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::io::cube_file::CubeFile;
 use crate::io::exr::write::SOFTWARE;
@@ -23,8 +23,8 @@ const NINE: usize = 9;
 ///
 /// # Errors
 /// [`Error::Parameter`] for a size that is no power of two, and for more than 4 GiB.
-pub(crate) fn glb_bytes(chain: &CubeChain, sh: &[[f64; 3]], name: &str) -> Result<CubeFile> {
-    let size = chain.levels.first().map_or(0, |level| level.size);
+pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<CubeFile> {
+    let size = chain.levels.first().map_or(0, |level| level.size());
     check_glb(size)?;
     let images = png_faces(chain)?;
     let mut binary = Vec::new();

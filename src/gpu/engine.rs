@@ -10,10 +10,9 @@ use super::fixed_point::FixedPoint;
 use super::reparameterise::{self, Reparameterise};
 use super::sat_scan::SatScan;
 use super::{Context, OemPlanes, SatPlanes, Stage};
-use crate::bake::job::Order;
-use crate::bake::level::{self, BakedLevel};
+use crate::bake::job::Job;
+use crate::bake::level::{BakedLevel, LevelJob};
 use crate::bake::{Bake, BakeSettings, Progress};
-use crate::chain::Rung;
 use crate::cpu::box_filter::single_box;
 use crate::cpu::leaves::LANES;
 use crate::environment::{Environment, Layout, Rgb};
@@ -110,24 +109,24 @@ impl Engine {
         settings: &[BakeSettings],
         progress: &(dyn Fn(Progress) + Sync),
     ) -> Result<Vec<Bake>> {
-        let order = Order::new(environment, settings)?;
-        let meter = order.meter(progress);
-        let reflector_settings = order.reflector_settings();
-        for part in order.parts() {
-            check_lobe(part.lobe)?;
-            self.check_fits(environment, &reflector_settings, part.filter)?;
+        let job = Job::new(environment, settings)?;
+        let meter = job.meter(progress);
+        let reflector_settings = job.reflector_settings();
+        for level in job.levels() {
+            check_lobe(level.lobe)?;
+            self.check_fits(environment, &reflector_settings, level.filter)?;
         }
         let reflector = Reflector::new(self, environment, &reflector_settings)?;
         let mut levels = Vec::new();
-        for (index, part) in order.parts().iter().enumerate() {
+        for (index, level) in job.levels().iter().enumerate() {
             let start = Instant::now();
-            let level = reflector.bake_level(part.rung, part.lobe, part.filter).await?;
-            meter.advance(index, level.texels.len() as u64);
-            levels.push((level, start.elapsed().as_secs_f64()));
+            let baked = reflector.bake_level(level).await?;
+            meter.advance(index, baked.texels.len() as u64);
+            levels.push((baked, start.elapsed().as_secs_f64()));
         }
         let oem = reflector.planes.read(&self.context).await?;
         let [red, green, blue, _] = oem.totals();
-        order.finish(levels, oem.size(), reflector.scale.energies([red, green, blue]))
+        job.finish(levels, oem.size(), reflector.scale.energies([red, green, blue]))
     }
 
     /// Checks, before any allocation, that the tables of `filter` fit the device; the error names the largest
@@ -160,23 +159,24 @@ impl Engine {
         let Filter::Adaptive(error) = settings.filter else {
             return Err(Error::Parameter("stages of a bake are those of the adaptive filter".to_owned()));
         };
-        let order = Order::new(environment, std::slice::from_ref(settings))?;
-        let reflector = Reflector::new(self, environment, &order.reflector_settings())?;
+        let job = Job::new(environment, std::slice::from_ref(settings))?;
+        let reflector = Reflector::new(self, environment, &job.reflector_settings())?;
         let Self { context, reparameterise, adaptive, .. } = self;
         let mut levels = Vec::new();
-        for &crate::bake::part::Part { rung, lobe, .. } in order.parts() {
-            if level::is_mirror(rung, lobe) {
+        for level in job.levels() {
+            let LevelJob { spec, lobe, .. } = *level;
+            if level.is_mirror() {
                 let texture = &reflector.texture;
-                let Layout::Cube { size } = rung.layout else {
+                let Layout::Cube { size } = spec.layout else {
                     return Err(Error::Parameter("stages of a bake are those of a cube".to_owned()));
                 };
                 levels.push(reparameterise.footprints(context, environment, texture, size)?.0);
                 continue;
             }
-            let groups = groups(&Tiling::new(reflector.planes.size().inner, rung, lobe));
+            let groups = groups(&Tiling::new(reflector.planes.size().inner, spec, lobe));
             let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
             let packets = Packets::new(context, &packets(&groups, environment.source_from_world()))?;
-            let parts = reflector.parts(lobe, rung.roughness * rung.roughness, error)?;
+            let parts = reflector.parts(lobe, spec.roughness * spec.roughness, error)?;
             levels.push(adaptive.stage(context, &parts, &packets));
         }
         let Reflector { stage, constant, bilinear, .. } = &reflector;
@@ -400,12 +400,13 @@ impl<'a> Reflector<'a> {
             .collect()
     }
 
-    async fn bake_level(&self, rung: Rung, lobe: Lobe, filter: Filter) -> Result<BakedLevel> {
+    async fn bake_level(&self, level: &LevelJob) -> Result<BakedLevel> {
+        let LevelJob { spec, lobe, filter } = *level;
         let Engine { context, reparameterise, .. } = self.engine;
-        if level::is_mirror(rung, lobe) {
+        if level.is_mirror() {
             // The CPU computes overlaps with other maps; they are used once.
-            let Layout::Cube { size } = rung.layout else {
-                let texels = footprints_over(self.environment, rung.layout)?;
+            let Layout::Cube { size } = spec.layout else {
+                let texels = footprints_over(self.environment, spec.layout)?;
                 return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
             };
             let (stage, footprints) =
@@ -415,11 +416,11 @@ impl<'a> Reflector<'a> {
             let texels = texels.iter().map(|[r, g, b, _]| self.scale.radiance([*r, *g, *b])).collect();
             return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
         }
-        let tiling = Tiling::new(self.planes.size().inner, rung, lobe);
+        let tiling = Tiling::new(self.planes.size().inner, spec, lobe);
         let groups = groups(&tiling);
         let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
         let packets = if matches!(filter, Filter::Adaptive(_)) { groups.len() as u64 } else { 0 };
-        let answers = self.evaluate(&groups, lobe, rung.roughness, filter).await?;
+        let answers = self.evaluate(&groups, lobe, spec.roughness, filter).await?;
 
         let mut rest = &answers.lanes[..];
         let mut level = Vec::new();

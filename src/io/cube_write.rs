@@ -5,7 +5,7 @@ use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::Attribute;
 use super::provenance::FLIP_KEY;
 use super::{dds, ktx1, ktx2};
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::error::{Error, Result};
 use crate::format::Pixel;
 use crate::format::container::Container;
@@ -20,7 +20,7 @@ use crate::target::Flip;
 /// the container cannot hold ([`Container::holds`]), and for impossible keys.
 pub fn cube_bytes(
     container: Container,
-    chain: &CubeChain,
+    chain: &Chain,
     pixel: Pixel,
     metadata: &[(String, String)],
 ) -> Result<CubeFile> {
@@ -42,9 +42,9 @@ pub fn cube_bytes(
 }
 
 /// `chain` as an EXR file with parts `m0_px`, `m0_nx`, ..., which tell their roughness and `metadata`.
-fn exr_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
+fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     check_sizes("EXR", chain)?;
-    let attributes = |level: &CubeLevel| {
+    let attributes = |level: &Level| {
         let text = metadata.iter().map(|(key, text)| (key.clone(), Attribute::Text(text.clone())));
         let roughness = ("roughness".to_owned(), Attribute::Float(level.roughness as f32));
         std::iter::once(roughness).chain(text).collect()
@@ -56,8 +56,8 @@ fn exr_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> 
         .flat_map(|(index, level)| Face::ALL.map(|face| (index, level, face)))
         .map(|(index, level, face)| Part {
             name: format!("m{index}_{}", face.short_name()),
-            width: level.size,
-            height: level.size,
+            width: level.size(),
+            height: level.size(),
             texels: level.face(face),
             attributes: attributes(level),
         })

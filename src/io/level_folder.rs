@@ -10,7 +10,7 @@ use super::provenance::Provenance;
 use super::side_report::MOST_REPORT_BYTES;
 use super::side_report::{REPORT, ReportLevel, SideReport};
 use super::{exr, hdr};
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Layout;
 use crate::error::{Error, Result};
 use crate::sphere::cube::Face;
@@ -42,11 +42,8 @@ pub(super) fn read_environment(folder: &Path, memory_limit: u64) -> Result<Pictu
 /// Every level, with its roughness.
 pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
     let listing = Listing::of(folder, memory_limit)?;
-    let mut stored = Stored {
-        chain: CubeChain { levels: Vec::new() },
-        provenance: listing.provenance,
-        format: String::new(),
-    };
+    let mut stored =
+        Stored { chain: Chain { levels: Vec::new() }, provenance: listing.provenance, format: String::new() };
     for level in &listing.levels {
         let ReportLevel { size, roughness, .. } = *level;
         let picture = read_level(folder, *level, memory_limit)?;
@@ -62,7 +59,7 @@ pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
         }
         let texels = picture.texels;
         check_finite(folder, level.level, size, &texels)?;
-        stored.chain.levels.push(CubeLevel { size, roughness, texels, bounds: None });
+        stored.chain.levels.push(Level::cube(size, roughness, texels));
     }
     Ok(stored)
 }

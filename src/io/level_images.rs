@@ -4,7 +4,7 @@ use super::exr::parts::exr_mips_bytes;
 use super::exr::write::{Attribute, Samples, StoredLevel, attributes_of, exr_bytes, stored_level};
 use super::hdr::write::{hdr_bytes_with, level_pairs};
 use super::layout::Unfolding;
-use crate::chain::{CubeLevel, ImageLevel};
+use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::format::Pixel;
@@ -29,15 +29,15 @@ pub struct LevelImage<'a> {
 impl<'a> LevelImage<'a> {
     /// A cube's level, unfolded.
     #[must_use]
-    pub fn unfolded(name: String, level: &CubeLevel, unfolding: Unfolding, roughness: Option<f64>) -> Self {
+    pub fn unfolded(name: String, level: &Level, unfolding: Unfolding, roughness: Option<f64>) -> Self {
         let (columns, _) = unfolding.sides();
-        let texels = unfolding.image_from_faces(level.size, &level.texels);
-        Self { name, width: columns * level.size, texels: Cow::Owned(texels), roughness }
+        let texels = unfolding.image_from_faces(level.size(), &level.texels);
+        Self { name, width: columns * level.size(), texels: Cow::Owned(texels), roughness }
     }
 
     /// A level that is an image already.
     #[must_use]
-    pub fn whole(name: String, level: &'a ImageLevel) -> Self {
+    pub fn whole(name: String, level: &'a Level) -> Self {
         let texels = Cow::Borrowed(&level.texels[..]);
         Self { name, width: level.layout.sides().0, texels, roughness: Some(level.roughness) }
     }
@@ -92,7 +92,7 @@ pub fn write_hdr_images(
 ///
 /// # Errors
 /// [`Error::Parameter`] for levels that are not so, and for pixels that EXR does not have.
-pub fn mips_bytes(levels: &[ImageLevel], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
+pub fn mips_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let Some(Layout::Panorama { width, height }) = levels.first().map(|level| level.layout) else {
         return Err(Error::Parameter("a lat-long MIP map is made of panoramas".to_owned()));
     };

@@ -11,7 +11,7 @@ use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::Attribute;
 use super::ktx2::file::{Shape, ktx2_file};
 use super::ktx2::write::{ROUGHNESS_KEY, format_of, roughness_text};
-use crate::chain::ImageLevel;
+use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::format::Pixel;
@@ -51,7 +51,7 @@ const CONVENTIONS: [(&str, &str); 4] = [
 /// hold.
 pub fn oem_bytes(
     container: Container,
-    levels: &[ImageLevel],
+    levels: &[Level],
     pixel: Pixel,
     metadata: &[(String, String)],
 ) -> Result<CubeFile> {

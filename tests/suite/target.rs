@@ -424,13 +424,13 @@ fn the_sheen_cube_holds_the_charlie_lobe() {
     for (level, stored) in sheen.levels.iter().zip(stored).take(4) {
         for _ in 0..40 {
             let at = random.below(level.texels.len() as u32) as usize;
-            let area = (level.size * level.size) as usize;
+            let area = (level.size() * level.size()) as usize;
             let place = (at % area) as u32;
             let direction = direction_from_texel(
                 Face::ALL[at / area],
-                level.size,
-                place % level.size,
-                place / level.size,
+                level.size(),
+                place % level.size(),
+                place / level.size(),
             );
             let exact = oracle.reflect(Lobe::Charlie, level.roughness, direction)[1];
             error += (f64::from(stored[at][1]) - exact).powi(2);
@@ -488,8 +488,8 @@ struct Stored<'a> {
 fn beside<'a>(plan: &Plan, bake: &'a Bake) -> Vec<Stored<'a>> {
     let made = files(plan, "a", bake, &[]).unwrap();
     if plan.target.map == Map::Octahedral {
-        let levels = bake.images.iter().zip(octahedral_levels(&made));
-        let beside = |(level, stored): (&'a octagloss::chain::ImageLevel, Vec<Rgb>)| {
+        let levels = bake.chain.levels.iter().zip(octahedral_levels(&made));
+        let beside = |(level, stored): (&'a octagloss::chain::Level, Vec<Rgb>)| {
             let n = level.layout.sides().0;
             let direction =
                 move |at: u32| octahedral::direction_from_oct(octahedral::texel_centre(n, at % n, at / n));
@@ -499,9 +499,9 @@ fn beside<'a>(plan: &Plan, bake: &'a Bake) -> Vec<Stored<'a>> {
         return levels.map(beside).collect();
     }
     let levels = bake.chain.levels.iter().zip(stored_levels(plan, &made));
-    let beside = |(level, stored): (&'a octagloss::chain::CubeLevel, Vec<Rgb>)| {
-        let stored = plan.flip.level(&octagloss::chain::CubeLevel { texels: stored, ..level.clone() }).texels;
-        let n = level.size;
+    let beside = |(level, stored): (&'a octagloss::chain::Level, Vec<Rgb>)| {
+        let stored = plan.flip.level(&octagloss::chain::Level { texels: stored, ..level.clone() }).texels;
+        let n = level.size();
         let direction =
             move |at: u32| direction_from_texel(Face::ALL[(at / (n * n)) as usize], n, at % n, at / n % n);
         let (roughness, baked) = (level.roughness, &level.texels[..]);

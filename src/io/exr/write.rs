@@ -6,7 +6,7 @@
 //! is written here.
 
 use super::deflate::Deflater;
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::{Pixel, push_halves};
@@ -267,8 +267,8 @@ pub(in crate::io) fn header_bytes(
 /// [`Error::Io`] naming the file that could not be written.
 pub fn write_level_folder(
     folder: &Path,
-    chain: &CubeChain,
-    irradiance: Option<&CubeLevel>,
+    chain: &Chain,
+    irradiance: Option<&Level>,
     choice: Pixel,
     metadata: &[(String, String)],
 ) -> Result<Vec<StoredLevel>> {
@@ -286,7 +286,7 @@ pub fn write_level_folder(
         let attributes = attributes_of((name != "irradiance").then_some(level.roughness), metadata);
         let write = |file_name: String, samples, pixel| {
             let path = folder.join(file_name);
-            let bytes = exr_bytes(level.size, level.size, samples, pixel, &attributes)?;
+            let bytes = exr_bytes(level.size(), level.size(), samples, pixel, &attributes)?;
             fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
         };
         let face_name = face.short_name();
@@ -330,8 +330,8 @@ pub(in crate::io) fn attributes_of(
 pub fn write_exr_folder(
     path: &Path,
     existing: output::Existing,
-    chain: &CubeChain,
-    irradiance: Option<&CubeLevel>,
+    chain: &Chain,
+    irradiance: Option<&Level>,
     choice: Pixel,
     metadata: &[(String, String)],
 ) -> Result<Vec<StoredLevel>> {

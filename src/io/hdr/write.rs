@@ -1,6 +1,6 @@
 //! Radiance .hdr output through the `image` crate: RGBE, run lengths, any radiance up to 2^127.
 
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::RGBE_MAX;
@@ -90,8 +90,8 @@ fn nearest_rgbe(rgb: Rgb) -> Rgb {
 pub fn write_hdr_folder(
     path: &Path,
     existing: output::Existing,
-    chain: &CubeChain,
-    irradiance: Option<&CubeLevel>,
+    chain: &Chain,
+    irradiance: Option<&Level>,
 ) -> Result<()> {
     output::write_folder(path, existing, |folder| write_level_folder(folder, chain, irradiance, &[]))
 }
@@ -103,8 +103,8 @@ pub fn write_hdr_folder(
 /// [`Error::Io`] naming the file that could not be written.
 pub fn write_level_folder(
     folder: &Path,
-    chain: &CubeChain,
-    irradiance: Option<&CubeLevel>,
+    chain: &Chain,
+    irradiance: Option<&Level>,
     metadata: &[(String, String)],
 ) -> Result<()> {
     let levels = chain.levels.iter().enumerate().map(|(index, level)| (format!("m{index}"), level));
@@ -118,7 +118,7 @@ pub fn write_level_folder(
         let path = folder.join(&file_name);
         let roughness = (!file_name.starts_with("irradiance")).then_some(level.roughness);
         let lines = level_pairs(roughness, metadata);
-        let bytes = hdr_bytes_with(level.size, level.size, level.face(face), &lines)?;
+        let bytes = hdr_bytes_with(level.size(), level.size(), level.face(face), &lines)?;
         fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
     })
 }

@@ -77,7 +77,11 @@ fn bakes_at_both_ends_are_those_of_ordinary_light() {
             let scaled = texels.iter().map(|t| t.map(|c| (f64::from(c) * scale) as f32)).collect();
             let extreme = baked(&environment(layout, scaled));
             let coarse = f64::from(f32::from_bits(1)) / scale;
-            for (a, b) in ordinary.texels().flatten().zip(extreme.texels().flatten()) {
+            for (a, b) in ordinary
+                .levels()
+                .flat_map(|level| level.texels.as_flattened())
+                .zip(extreme.levels().flat_map(|level| level.texels.as_flattened()))
+            {
                 let (a, b) = (f64::from(*a), f64::from(*b) / scale);
                 assert!((a - b).abs() <= 1e-3 + 4.0 * coarse, "{b} at {scale:e} is {a} else");
             }

@@ -4,7 +4,7 @@ use crate::io::bc6h::decoded;
 use crate::support::written::{chain, first_difference, to_half};
 use half::f16;
 use octagloss::Rgb;
-use octagloss::chain::CubeChain;
+use octagloss::chain::Chain;
 use octagloss::format::container::Container;
 use octagloss::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
 use octagloss::format::rgbd::{RGBD_MAX, rgb_from_rgbd, rgbd_from_rgb, rgbd_png_bytes};
@@ -153,11 +153,11 @@ fn stored(pixel: Pixel, texel: Rgb) -> Rgb {
     }
 }
 
-fn same(found: &Cube, chain: &CubeChain, pixel: Pixel) {
-    assert_eq!((found.size, found.levels.len()), (chain.levels[0].size, chain.levels.len()));
+fn same(found: &Cube, chain: &Chain, pixel: Pixel) {
+    assert_eq!((found.size, found.levels.len()), (chain.levels[0].size(), chain.levels.len()));
     for (found, level) in found.levels.iter().zip(&chain.levels) {
         let expected: Vec<Rgb> = level.texels.iter().map(|t| stored(pixel, *t)).collect();
-        assert_eq!(first_difference(found, &expected), None, "{pixel:?} level of {}", level.size);
+        assert_eq!(first_difference(found, &expected), None, "{pixel:?} level of {}", level.size());
     }
 }
 
@@ -227,7 +227,7 @@ fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
             let read = read_chain_from_memory(Path::new("a.ktx2"), &ktx2, 1 << 30).unwrap();
             for (found, (expected, exact)) in read.levels.iter().zip(expected.iter().zip(&chain.levels)) {
                 assert_eq!(first_difference(&found.texels, expected), None, "{size} {pixel:?}");
-                assert_eq!((found.size, found.roughness), (exact.size, exact.roughness));
+                assert_eq!((found.size(), found.roughness), (exact.size(), exact.roughness));
             }
             // A DDS file's report tells the roughness.
             let folder = tempfile::tempdir().unwrap();
@@ -236,7 +236,7 @@ fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
             let error = read_chain(&path).unwrap_err().to_string();
             assert!(error.contains("a.dds.report.json is not there"), "{error}");
             let levels: Vec<_> = (0..).zip(&chain.levels).map(|(level, l)| {
-                serde_json::json!({ "level": level, "size": l.size, "roughness": l.roughness })
+                serde_json::json!({ "level": level, "size": l.size(), "roughness": l.roughness })
             }).collect();
             let report = serde_json::json!({ "levels": levels }).to_string();
             std::fs::write(folder.path().join("a.dds.report.json"), report).unwrap();
@@ -303,7 +303,7 @@ fn impossible_requests_are_refused() {
     uneven.levels[1] = uneven.levels[0].clone();
     for container in [Container::Ktx1, Container::Dds, Container::Ktx2] {
         assert!(words(cube_bytes(container, &uneven, Pixel::F16, &[])).contains("level 1"));
-        let none = CubeChain { levels: vec![] };
+        let none = Chain { levels: vec![] };
         assert!(words(cube_bytes(container, &none, Pixel::F16, &[])).contains("at least one level"));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::support::written::{chain, first_difference, metadata, to_half};
 use half::f16;
-use octagloss::chain::CubeChain;
+use octagloss::chain::Chain;
 use octagloss::environment::Rgb;
 use octagloss::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
 use octagloss::format::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
@@ -275,7 +275,7 @@ fn ktx2_counts_what_it_clamps() {
 
 #[test]
 fn ktx2_refuses_bad_chains_and_bad_keys() {
-    assert!(ktx2_bytes(&CubeChain { levels: vec![] }, Pixel::F16, &[]).is_err());
+    assert!(ktx2_bytes(&Chain { levels: vec![] }, Pixel::F16, &[]).is_err());
     let mut uneven = chain(8, 2, false);
     uneven.levels[1] = uneven.levels[0].clone();
     assert!(ktx2_bytes(&uneven, Pixel::F16, &[]).is_err());

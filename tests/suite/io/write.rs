@@ -5,7 +5,7 @@ use crate::support::written::{
 };
 use exr::prelude::{AttributeValue, Text};
 use half::f16;
-use octagloss::chain::CubeLevel;
+use octagloss::chain::Level;
 use octagloss::environment::{Environment, Layout, Rgb};
 use octagloss::format::{HALF_MAX, Pixel, RGB9E5_MAX, push_halves, rgb_from_rgb9e5, rgb9e5_from_rgb};
 use octagloss::io::environment_write::write_environment;
@@ -148,7 +148,7 @@ fn an_exr_folder_holds_every_face_bound_and_the_irradiance() {
     let out = folder.path().join("bake");
     let mut chain = chain(16, 3, true);
     chain.levels[1].texels[3][2] = 70_000.0;
-    let irradiance = CubeLevel { size: 4, roughness: 1.0, texels: texels(96, 5), bounds: None };
+    let irradiance = Level::cube(4, 1.0, texels(96, 5));
     let stored =
         write_exr_folder(&out, Existing::Keep, &chain, Some(&irradiance), Pixel::Auto, &metadata()).unwrap();
     let half = StoredLevel { pixel: Pixel::F16, clamped: 0 };
@@ -166,7 +166,7 @@ fn an_exr_folder_holds_every_face_bound_and_the_irradiance() {
             let attributes = read_exr(&bytes, &["R", "G", "B"]).3.other;
             assert_eq!(attributes[&Text::from("roughness")], AttributeValue::F32(level.roughness as f32));
             let bytes = fs::read(out.join(format!("m{index}_{name}_bound.exr"))).unwrap();
-            let area = (level.size * level.size) as usize;
+            let area = (level.size() * level.size()) as usize;
             let bounds = &level.bounds.as_ref().unwrap()[face.index() * area..][..area];
             assert_eq!(read_exr(&bytes, &["Y"]).2, [bounds.to_vec()]);
         }
