@@ -51,6 +51,15 @@ pub enum Error {
     /// Something asked of the library that it cannot do.
     #[error("{0}")]
     Parameter(String),
+    /// Something that the GPU engine does not compute and the CPU does.
+    #[error("{what} runs on the CPU only; use the CPU engine")]
+    Unsupported {
+        /// The filter or the lobe.
+        what: String,
+    },
+    /// Work that the caller stopped.
+    #[error("cancelled")]
+    Cancelled,
     /// A GPU that is not there, that was lost, or that refused.
     #[error("GPU: {0}")]
     Gpu(String),

@@ -67,7 +67,7 @@
 //!
 //! // Three levels of roughness 0, 0.5 and 1, of 16, 8 and 4 texels a side.
 //! let settings = BakeSettings { size: 16, levels: Some(3), bounds: true, ..BakeSettings::default() };
-//! let baked = bake(&environment, &settings, &|_| ())?;
+//! let baked = bake(&environment, &settings)?;
 //! let level = &baked.chain.levels[1];
 //! assert_eq!((level.size, level.roughness), (8, 0.5));
 //!

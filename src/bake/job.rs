@@ -1,7 +1,7 @@
 //! What is baked for several settings: every level once.
 
 use super::level::{BakedLevel, LevelJob};
-use super::result::{Bake, LevelStats, Meter, Progress, sharpest};
+use super::result::{Bake, LevelStats, Meter, OnProgress, sharpest};
 use super::settings::BakeSettings;
 use crate::chain::{Chain, Level, LevelSpec};
 use crate::cpu::box_filter;
@@ -68,7 +68,7 @@ impl<'a> Job<'a> {
         Ok(Self { environment, settings, levels, bakes })
     }
 
-    pub(crate) fn meter<'p>(&self, progress: &'p (dyn Fn(Progress) + Sync)) -> Meter<'p> {
+    pub(crate) fn meter<'p>(&self, progress: OnProgress<'p>) -> Meter<'p> {
         let texels = |level: &LevelJob| level.spec.layout.texel_count() as u64;
         Meter { done: AtomicU64::new(0), total: self.levels.iter().map(texels).sum(), progress }
     }

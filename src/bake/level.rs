@@ -1,5 +1,6 @@
 //! One level of a bake: every texel of its map, tiles of neighbours sharing their walks.
 
+use super::result::Processor;
 use crate::chain::LevelSpec;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
@@ -26,8 +27,12 @@ impl LevelJob {
     }
 }
 
+/// Called with the texels that are done since the last call, from any thread; its error stops the bake.
+pub(crate) type Advance<'a> = &'a (dyn Fn(u64) -> Result<()> + Sync);
+
 /// A baked level.
 pub(crate) struct BakedLevel {
+    pub(crate) processor: Processor,
     pub(crate) texels: Vec<Rgb>,
     pub(crate) bounds: Option<Vec<f32>>,
     pub(crate) leaves_per_texel: Option<f64>,
@@ -37,18 +42,18 @@ pub(crate) struct BakedLevel {
 pub(crate) fn bake_level(
     reflector: &Reflector<'_>,
     level: &LevelJob,
-    advance: &(dyn Fn(u64) + Sync),
+    advance: Advance<'_>,
 ) -> Result<BakedLevel> {
     let LevelJob { spec, lobe, filter } = *level;
     if level.is_mirror() {
         // A mirror shows what each texel covers.
         let texels = footprints_over(reflector.environment(), spec.layout)?;
-        advance(texels.len() as u64);
-        return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
+        advance(texels.len() as u64)?;
+        return Ok(BakedLevel::unbounded(texels));
     }
     let lobes = reflector.lobes(lobe, spec.roughness, filter)?;
     let tiling = Tiling::new(reflector.oem().size().inner, spec, lobe);
-    let rows: Vec<(Vec<Answer>, Workspace)> = (0..tiling.rows())
+    let rows = (0..tiling.rows())
         .into_par_iter()
         .map_init(
             || (Tile::default(), Vec::new()),
@@ -60,18 +65,23 @@ pub(crate) fn bake_level(
                     lobes.evaluate(&tile.directions, &mut workspace, answers);
                     tile.resolve(answers, &mut line);
                 });
-                advance(line.len() as u64);
-                (line, workspace)
+                advance(line.len() as u64)?;
+                Ok((line, workspace))
             },
         )
-        .collect();
+        .collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()?;
     let leaves = rows.iter().map(|(_, workspace)| workspace.leaves).sum();
     let packets = rows.iter().map(|(_, workspace)| workspace.packets).sum();
     let answers = rows.into_iter().flat_map(|(line, _)| line);
-    Ok(BakedLevel::new(answers, leaves, packets, tiling.samples()))
+    Ok(BakedLevel::new(Processor::Cpu, answers, leaves, packets, tiling.samples()))
 }
 
 impl BakedLevel {
+    /// A level of the CPU without bounds.
+    pub(crate) const fn unbounded(texels: Vec<Rgb>) -> Self {
+        Self { processor: Processor::Cpu, texels, bounds: None, leaves_per_texel: None }
+    }
+
     /// Checks that radiance and bounds are numbers that may be written.
     ///
     /// # Errors
@@ -106,6 +116,7 @@ impl BakedLevel {
     /// A level of `answers`, one a texel, for which `packets` of directions, `samples` a texel, shared
     /// `leaves`.
     pub(crate) fn new(
+        processor: Processor,
         answers: impl Iterator<Item = Answer>,
         leaves: u64,
         packets: u64,
@@ -116,6 +127,7 @@ impl BakedLevel {
         // Every direction of a packet sums all its leaves.
         let per_texel = leaves as f64 / packets as f64 * samples as f64;
         Self {
+            processor,
             texels,
             bounds: bounds.into_iter().collect(),
             leaves_per_texel: (packets > 0).then_some(per_texel),

@@ -122,6 +122,10 @@ pub struct LevelReport {
     pub roughness: f64,
     /// Format of its texels as stored.
     pub pixel: String,
+    /// What computed it: `cpu` or `gpu`. A GPU leaves mirrors of other maps than the cube and lobes that float32
+    /// does not resolve to the CPU. Reports of version 0.2 have it not.
+    #[serde(default)]
+    pub engine: String,
     /// Wall time.
     pub seconds: f64,
     /// Leaves of the quadrature a texel, on average; `null` where the filter has none.
@@ -558,6 +562,7 @@ fn level_reports(
         size: level.size(),
         roughness: level.roughness,
         pixel: pixel.clone(),
+        engine: stats.processor.name().to_owned(),
         seconds: stats.seconds,
         leaves_per_texel: stats.leaves_per_texel,
         error_bound_max: stats.error_bound_max,

@@ -3,13 +3,37 @@
 use crate::bake::level::BakedLevel;
 
 use crate::chain::{Chain, Level};
+use crate::error::{Error, Result};
 use crate::oem::OemSize;
 use crate::sh::window::ShWindow;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What computed a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Processor {
+    /// The CPU; also in a bake of the GPU engine, for levels that it does not serve.
+    Cpu,
+    /// The GPU.
+    Gpu,
+}
+
+impl Processor {
+    /// Name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
+        }
+    }
+}
 
 /// Figures of one baked level.
 #[derive(Clone, Debug)]
 pub struct LevelStats {
+    /// What computed it.
+    pub processor: Processor,
     /// Wall time.
     pub seconds: f64,
     /// Leaves of the quadrature a texel, on average; `None` where the filter has none.
@@ -74,18 +98,27 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// Counts output texels for whoever watches.
+/// Called during a bake, from any thread; [`ControlFlow::Break`] cancels it.
+pub type OnProgress<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
+
+/// Counts output texels.
 pub(crate) struct Meter<'a> {
     pub(super) done: AtomicU64,
     pub(super) total: u64,
-    pub(super) progress: &'a (dyn Fn(Progress) + Sync),
+    pub(super) progress: OnProgress<'a>,
 }
 
 impl Meter<'_> {
-    /// Tells that `texels` more of level `level` are done.
-    pub(crate) fn advance(&self, level: usize, texels: u64) {
+    /// Reports that `texels` more of level `level` are done.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] where the caller cancels.
+    pub(crate) fn advance(&self, level: usize, texels: u64) -> Result<()> {
         let done = self.done.fetch_add(texels, Ordering::Relaxed) + texels;
-        (self.progress)(Progress { level: level as u32, done, total: self.total });
+        match (self.progress)(Progress { level: level as u32, done, total: self.total }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::Cancelled),
+        }
     }
 }
 
@@ -93,6 +126,7 @@ impl LevelStats {
     pub(super) fn new(level: &BakedLevel, seconds: f64) -> Self {
         let bounds = level.bounds.as_deref();
         Self {
+            processor: level.processor,
             seconds,
             leaves_per_texel: level.leaves_per_texel,
             error_bound_max: bounds.map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),

@@ -126,7 +126,7 @@ pub(super) struct BakeArgs {
     /// ggx, phong, cone, cosine or charlie
     ///
     /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
-    /// towards the horizon; it has no mirror, and below roughness 0.125 it is that of 0.125. It is the CPU's.
+    /// towards the horizon; it has no mirror, and below roughness 0.125 it is that of 0.125; it runs on the CPU only.
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: Lobe,
     /// adaptive:E, fitted:K, box or reference

@@ -5,7 +5,7 @@ use octagloss::cpu::adaptive::LEAST_ERROR;
 use octagloss::filter::Filter;
 use octagloss::realtime::tables::COUNTS;
 use octagloss::sh::window::ShWindow;
-use octagloss::target::{Plan, TARGETS, Target};
+use octagloss::target::{Plan, Shape, TARGETS, Target};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum EngineArg {
@@ -44,7 +44,7 @@ pub(super) fn target_help() -> String {
             None => "unverified: no test loads it into its engine".to_owned(),
         };
         text += &format!("\n\n{}: {} ({tested})\n{}\nFiles:", target.name, target.reader, target.expansion());
-        for (path, _) in Plan::new(target).files("NAME") {
+        for (path, _) in Plan::new(target).files(&Shape { name: "NAME", levels: 1, bounded: &[] }) {
             text += &format!(" {path}");
         }
     }

@@ -7,8 +7,8 @@ use super::provenance::FLIP_KEY;
 use super::{dds, ktx1, ktx2};
 use crate::chain::{Chain, Level};
 use crate::error::{Error, Result};
-use crate::format::Pixel;
 use crate::format::container::Container;
+use crate::format::{LevelName, Pixel};
 use crate::sphere::cube::Face;
 use crate::target::Flip;
 
@@ -49,13 +49,11 @@ fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Resu
         let roughness = ("roughness".to_owned(), Attribute::Float(level.roughness as f32));
         std::iter::once(roughness).chain(text).collect()
     };
-    let parts: Vec<Part<'_>> = chain
-        .levels
-        .iter()
-        .enumerate()
+    let parts: Vec<Part<'_>> = (0..)
+        .zip(&chain.levels)
         .flat_map(|(index, level)| Face::ALL.map(|face| (index, level, face)))
         .map(|(index, level, face)| Part {
-            name: format!("m{index}_{}", face.short_name()),
+            name: LevelName::face(index, face).to_string(),
             width: level.size(),
             height: level.size(),
             texels: level.face(face),

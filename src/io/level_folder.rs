@@ -13,6 +13,7 @@ use super::{exr, hdr};
 use crate::chain::{Chain, Level};
 use crate::environment::Layout;
 use crate::error::{Error, Result};
+use crate::format::LevelName;
 use crate::sphere::cube::Face;
 use std::path::{Path, PathBuf};
 
@@ -181,7 +182,9 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
 
 /// The file of a level that is one image.
 fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
-    let files = ["exr", "hdr"].into_iter().map(|extension| folder.join(format!("m{level}.{extension}")));
+    let files = ["exr", "hdr"]
+        .into_iter()
+        .map(|extension| folder.join(format!("{}.{extension}", LevelName::whole(level))));
     files.into_iter().find(|path| path.is_file())
 }
 
@@ -208,7 +211,7 @@ fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pict
 }
 
 fn face_file(folder: &Path, level: u32, face: Face) -> Result<PathBuf> {
-    let stem = format!("m{level}_{}", face.short_name());
+    let stem = LevelName::face(level, face);
     ["exr", "hdr"]
         .into_iter()
         .map(|extension| folder.join(format!("{stem}.{extension}")))

@@ -77,7 +77,7 @@ fn the_linear_ladder_ends_where_look_ups_are_exact_enough() {
 /// `roughness`.
 fn delivered(world: &Environment, levels: Option<u32>, roughness: f64) -> f64 {
     let settings = BakeSettings { size: 64, levels, ..BakeSettings::default() };
-    let chain = bake(world, &settings, &|_| ()).expect("a bake").chain;
+    let chain = bake(world, &settings).expect("a bake").chain;
     let oracle = Oracle::new(world);
     let place = roughness * (chain.levels.len() - 1) as f64;
     let low = (place as usize).min(chain.levels.len() - 2);

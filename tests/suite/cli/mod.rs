@@ -274,6 +274,7 @@ fn a_bake_is_a_ktx2_file_with_a_report_and_a_line() {
             "size",
             "roughness",
             "pixel",
+            "engine",
             "seconds",
             "leaves_per_texel",
             "error_bound_max",

@@ -68,7 +68,7 @@ proptest! {
                 ..BakeSettings::default()
             };
             // A bake that is not finite is an error.
-            let baked = bake(&light.environment, &settings, &|_| ()).expect("a finite bake");
+            let baked = bake(&light.environment, &settings).expect("a finite bake");
             let most = baked.levels().flat_map(|level| level.texels.as_flattened()).copied().fold(0.0, f32::max);
             prop_assert!(f64::from(most) <= 1.5 * f64::from(greatest), "{most} of {greatest}: {light}");
             for stats in &baked.stats {

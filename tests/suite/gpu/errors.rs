@@ -101,7 +101,7 @@ fn limits_name_the_largest_size_that_fits() {
         assert_eq!(largest(Reflector::new(&engine, &source, &settings)), 512);
         let bake = |oem_size| {
             let settings = BakeSettings { size: 2, oem_size: Some(oem_size), ..BakeSettings::default() };
-            wait_for(context, engine.bake(&source, &settings, &|_| {}))
+            wait_for(context, engine.bake(&source, &settings))
         };
         // The cells are what fits least; a bake of what is named goes through, and nothing of this hurt the
         // device.
@@ -194,7 +194,7 @@ fn a_lost_device_is_an_error() {
             BakeSettings { size: 4, oem_size: Some(8), irradiance: Some(2), ..BakeSettings::default() };
         let bake = {
             let context = context.clone();
-            move || wait_for(&context, engine.bake(&small_source(), &settings, &|_| {})).map(|_| ())
+            move || wait_for(&context, engine.bake(&small_source(), &settings)).map(|_| ())
         };
         bake().expect("a bake while the device is there");
         context.device().destroy();
