@@ -3,3 +3,4 @@
 pub(crate) mod babylon;
 pub mod files;
 pub(crate) mod gltf;
+pub mod write;
