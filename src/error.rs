@@ -24,7 +24,7 @@ pub enum Error {
         message: String,
     },
     /// A texel that is NaN or infinite where repair was not asked for.
-    #[error("{}: pixel ({x}, {y}) channel {channel} is {value}; --sanitize repairs NaN and Inf", path.display())]
+    #[error("{}: pixel ({x}, {y}) channel {channel} is {value}; `sanitize` repairs NaN and Inf", path.display())]
     NonFinite {
         /// The file.
         path: PathBuf,
@@ -40,7 +40,7 @@ pub enum Error {
     /// A result that is NaN, infinite or negative: a fault of this library, which is told rather than
     /// written.
     #[error(
-        "{place}: the result is {value}, a fault of octagloss; --filter reference avoids it, please report it"
+        "{place}: the result is {value}, a fault of octagloss; `filter` reference avoids it, please report it"
     )]
     NonFiniteResult {
         /// Level, face and texel, or direction, or the report's field.

@@ -91,10 +91,10 @@ fn check_bake_within(
     let largest = settings.iter().map(|settings| settings.size).max().unwrap_or(1);
     // Without its levels, the OEM and its tables are what is too large, or the source itself.
     let remedy = if fits(sized(Some(1), None)) {
-        at_most("--size", largest_that(largest, |size| fits(sized(Some(size), None))))
+        at_most("`size`", largest_that(largest, |size| fits(sized(Some(size), None))))
     } else {
         let fitted = settings.iter().any(|settings| matches!(settings.filter, Filter::Fitted(_)));
-        at_most("--oem-size", largest_oem(fitted, |size| fits(sized(Some(1), Some(size)))))
+        at_most("`oem_size`", largest_oem(fitted, |size| fits(sized(Some(1), Some(size)))))
     };
     Err(Error::Limit { what: "this bake".to_owned(), needed, available: limit, remedy })
 }
@@ -115,7 +115,7 @@ fn check_query_within(
         return Ok(());
     }
     let fits = |size| bytes(Some(size)).is_ok_and(|bytes: u64| bytes <= limit);
-    let remedy = at_most("--oem-size", largest_oem(settings.fitted, fits));
+    let remedy = at_most("`oem_size`", largest_oem(settings.fitted, fits));
     Err(Error::Limit { what: "this query".to_owned(), needed, available: limit, remedy })
 }
 
@@ -234,7 +234,7 @@ mod tests {
         let wide = BakeSettings { size: 16_384, ..small.clone() };
         let too_large = remedy(check_bake(&environment, &[small.clone(), wide.clone()], 8));
         let size: u32 = too_large.split(' ').nth(1).and_then(|word| word.parse().ok()).expect("a size");
-        assert!((2048..8192).contains(&size) && too_large.starts_with("--size "), "{too_large}");
+        assert!((2048..8192).contains(&size) && too_large.starts_with("`size` "), "{too_large}");
         check_bake(&environment, &[BakeSettings { size, ..wide.clone() }], 8).expect("the size named fits");
         let more = BakeSettings { size: size + 64, ..wide };
         assert_eq!(remedy(check_bake(&environment, &[more], 8)), too_large, "and none above");
@@ -242,7 +242,7 @@ mod tests {
             let settings = BakeSettings { filter, oem_size: Some(16_384), border: Some(0), ..small.clone() };
             let words = remedy(check_bake(&environment, std::slice::from_ref(&settings), 8));
             let size: u32 = words.split(' ').nth(1).and_then(|word| word.parse().ok()).expect("a size");
-            assert!(words.starts_with("--oem-size "), "{words}");
+            assert!(words.starts_with("`oem_size` "), "{words}");
             check_bake(&environment, &[BakeSettings { oem_size: Some(size), ..settings }], 8).expect("fits");
         }
     }
@@ -254,7 +254,7 @@ mod tests {
         let query = |settings: &ReflectorSettings, r| {
             check_query(layout, settings, Lobe::Ggx, r, Filter::Adaptive(0.01))
         };
-        assert!(remedy(query(&settings, 0.05)).starts_with("--oem-size "), "cells of one texel");
+        assert!(remedy(query(&settings, 0.05)).starts_with("`oem_size` "), "cells of one texel");
         query(&ReflectorSettings { sharpest: 0.5, ..settings }, 0.5).expect("coarse cells");
         let served = Served { lobe: Lobe::Ggx, roughness: 0.5, filter: Filter::Box };
         let few = check_query_within(layout, &ReflectorSettings::default(), served, 100);

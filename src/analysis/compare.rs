@@ -135,7 +135,7 @@ pub struct WorstTexel {
 pub fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec<LevelErrors>> {
     if bake.levels.len() != reference.levels.len() {
         return Err(Error::Parameter(format!(
-            "the bakes have {} and {} levels; bake both with equal --size and --levels",
+            "the bakes have {} and {} levels; bake both with equal `size` and `levels`",
             bake.levels.len(),
             reference.levels.len()
         )));
@@ -146,7 +146,7 @@ pub fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec<LevelE
             if a.size() != b.size() || (a.roughness - b.roughness).abs() > 1e-4 {
                 return Err(Error::Parameter(format!(
                     "level {index} is {0}x{0} at roughness {1:.4} in one bake and {2}x{2} at {3:.4} in the other; \
-                     bake both with equal --size, --levels and --ladder",
+                     bake both with equal `size`, `levels` and `ladder`",
                     a.size(), a.roughness, b.size(), b.roughness
                 )));
             }

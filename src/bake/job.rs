@@ -48,10 +48,10 @@ impl<'a> Job<'a> {
         for settings in settings {
             if settings.sh_order > sh::MAX_ORDER {
                 let (asked, most) = (settings.sh_order, sh::MAX_ORDER);
-                return Err(Error::Parameter(format!("--sh-order {asked} is above {most}")));
+                return Err(Error::Parameter(format!("`sh_order` {asked} is above {most}")));
             }
             if settings.irradiance == Some(0) {
-                return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
+                return Err(Error::Parameter("`irradiance` must be at least 1".to_owned()));
             }
             let (specs, beside) = (settings.level_specs()?, settings.filter.beside());
             let mut chain = |lobe: Lobe, filter: Filter| -> Vec<usize> {

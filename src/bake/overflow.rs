@@ -122,7 +122,7 @@ impl Overflow {
                 Ok(count)
             }
             Self::Error => Err(Error::Parameter(format!(
-                "{} is {:?} and {} holds up to {most}; --pixel f32 keeps it, --overflow compress scales it down",
+                "{} is {:?} and {} holds up to {most}; `pixel` f32 keeps it, `overflow` compress scales it down",
                 place(first),
                 texels[first],
                 pixel.name()
@@ -187,6 +187,6 @@ mod tests {
         let error =
             Overflow::Error.apply(3, &mut level([1.0, 7e4, 1.0]), Pixel::F16).unwrap_err().to_string();
         assert!(error.starts_with("level 3 face py pixel (1, 0) is [1.0, 70000.0, 1.0]"), "{error}");
-        assert!(error.contains("f16 holds up to 65504") && error.contains("--overflow compress"), "{error}");
+        assert!(error.contains("f16 holds up to 65504") && error.contains("`overflow` compress"), "{error}");
     }
 }

@@ -67,7 +67,7 @@ impl BakeSettings {
     /// lobe does not have.
     pub fn level_specs(&self) -> Result<Vec<LevelSpec>> {
         if self.size == 0 {
-            return Err(Error::Parameter("--size must be at least 1".to_owned()));
+            return Err(Error::Parameter("`size` must be at least 1".to_owned()));
         }
         self.filter.check(self.lobe, self.oem_size)?;
         if self.sheen {
@@ -81,11 +81,11 @@ impl BakeSettings {
         };
         let levels = self.levels.unwrap_or(own);
         if levels == 0 {
-            return Err(Error::Parameter("--levels must be at least 1".to_owned()));
+            return Err(Error::Parameter("`levels` must be at least 1".to_owned()));
         }
         if levels > most {
             return Err(Error::Parameter(format!(
-                "--levels {levels} is more than reach a size of 1 from --size {}; at most {most}",
+                "`levels` {levels} is more than reach a size of 1 from `size` {}; at most {most}",
                 self.size
             )));
         }

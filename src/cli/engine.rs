@@ -1,6 +1,8 @@
 //! What computes: the CPU, or an adapter.
 
 use super::console::Talk;
+#[cfg(feature = "gpu")]
+use super::console::with_options;
 use super::outcome::{Outcome, usage};
 use super::shared_args::EngineArgs;
 use super::values::EngineArg;
@@ -55,7 +57,7 @@ impl Baker {
 #[cfg(feature = "gpu")]
 fn fallback(error: &Error, may_fall_back: bool) -> Option<String> {
     let is_lack = matches!(error, Error::Limit { .. } | Error::Unsupported { .. });
-    (may_fall_back && is_lack).then(|| format!("{error}; the CPU takes over"))
+    (may_fall_back && is_lack).then(|| with_options(&format!("{error}; the CPU takes over")))
 }
 
 /// The first of `adapters` that has `name` in its own.

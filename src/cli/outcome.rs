@@ -28,9 +28,6 @@ impl From<anyhow::Error> for Failure {
 
 impl From<octagloss::Error> for Failure {
     fn from(error: octagloss::Error) -> Self {
-        if matches!(error, octagloss::Error::Unsupported { .. }) {
-            return Self::Failed(anyhow::Error::msg(format!("{error}: --engine cpu")));
-        }
         Self::Failed(error.into())
     }
 }

@@ -1,11 +1,12 @@
 //! The values of options: what can be chosen, what it stands for, and texts parsed.
 
 use clap::ValueEnum;
+use octagloss::Map;
 use octagloss::cpu::adaptive::LEAST_ERROR;
 use octagloss::filter::Filter;
 use octagloss::realtime::tables::COUNTS;
 use octagloss::sh::window::ShWindow;
-use octagloss::target::{Plan, Shape, TARGETS, Target};
+use octagloss::target::{Diffuse, Plan, Shape, TARGETS, Target};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum EngineArg {
@@ -43,10 +44,33 @@ pub(super) fn target_help() -> String {
             Some(reader) => format!("tested with {reader}"),
             None => "unverified: no test loads it into its engine".to_owned(),
         };
-        text += &format!("\n\n{}: {} ({tested})\n{}\nFiles:", target.name, target.reader, target.expansion());
+        text += &format!("\n\n{}: {} ({tested})\n{}\nFiles:", target.name, target.reader, expansion(target));
         for (path, _) in Plan::new(target).files(&Shape { name: "NAME", levels: 1, bounded: &[] }) {
             text += &format!(" {path}");
         }
+    }
+    text
+}
+
+/// What `target` expands to, as options.
+fn expansion(target: &Target) -> String {
+    let mut text = String::new();
+    if target.has_container() {
+        text += &format!("--format {} --pixel {} ", target.container.name(), target.pixel.name());
+    }
+    text += &format!("--size {} ", target.size);
+    if target.map != Map::Panorama {
+        text += &format!("--levels {} --ladder {} ", target.levels(target.size), target.ladder.name());
+    }
+    if target.map == Map::Cube {
+        text += &format!("--flip {} ", target.flip.name());
+    }
+    text += &format!("--diffuse {}", target.diffuse.name());
+    if matches!(target.diffuse, Diffuse::Cube | Diffuse::Both) {
+        text += &format!(" --irradiance {}", target.irradiance_size);
+    }
+    if target.has_sheen() {
+        text += ", and the same levels by --lobe charlie";
     }
     text
 }

@@ -160,7 +160,7 @@ fn panorama(plan: &Plan, bake: &Bake, path: &str, metadata: &[(String, String)])
     let (width, height) = level.layout.sides();
     if !width.is_multiple_of(4) {
         return Err(Error::Parameter(format!(
-            "target {}: --size {height} is not even, and its panorama cannot be turned by quarters",
+            "target {}: `size` {height} is not even, and its panorama cannot be turned by quarters",
             plan.target.name
         )));
     }

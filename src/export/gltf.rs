@@ -64,7 +64,7 @@ fn glb(root: &Value, binary: &[u8]) -> Result<Vec<u8>> {
     let total = 12 + 8 + text.len() + 8 + binary.len();
     let length = |bytes: usize| {
         u32::try_from(bytes)
-            .map_err(|_| Error::Parameter("a .glb holds up to 4 GiB; choose a smaller --size".to_owned()))
+            .map_err(|_| Error::Parameter("a .glb holds up to 4 GiB; choose a smaller `size`".to_owned()))
     };
     let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
     Ok([

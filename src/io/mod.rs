@@ -153,7 +153,7 @@ pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Res
 /// other.
 pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     if !matches!(options.layout, LayoutChoice::Auto | LayoutChoice::Faces) {
-        return Err(Error::Parameter("six files are one cube; use --layout faces".to_owned()));
+        return Err(Error::Parameter("six files are one cube; use `layout` faces".to_owned()));
     }
     let ordered = face_names::in_face_order(paths)?;
     let (picture, repaired) = read_square_faces(&ordered, options)?;
@@ -372,7 +372,7 @@ fn finish_finite(
     if options.strict && repaired.any() {
         return Err(Error::input(
             path,
-            format!("{repaired}; --strict allows no repair, leave it out to set them right"),
+            format!("{repaired}; `strict` allows no repair, leave it out to set them right"),
         ));
     }
     warnings.extend(repaired.matters().then(|| format!("{repaired}, set right")));

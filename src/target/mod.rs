@@ -399,30 +399,6 @@ impl Target {
     pub fn has_container(&self) -> bool {
         self.files.iter().any(|file| file.path.contains("{ext}"))
     }
-
-    /// What it expands to, as options of the command line.
-    #[must_use]
-    pub fn expansion(&self) -> String {
-        let mut text = String::new();
-        if self.has_container() {
-            text += &format!("--format {} --pixel {} ", self.container.name(), self.pixel.name());
-        }
-        text += &format!("--size {} ", self.size);
-        if self.map != Map::Panorama {
-            text += &format!("--levels {} --ladder {} ", self.levels(self.size), self.ladder.name());
-        }
-        if self.map == Map::Cube {
-            text += &format!("--flip {} ", self.flip.name());
-        }
-        text += &format!("--diffuse {}", self.diffuse.name());
-        if self.diffuse.has_cube() {
-            text += &format!(" --irradiance {}", self.irradiance_size);
-        }
-        if self.has_sheen() {
-            text += ", and the same levels by --lobe charlie";
-        }
-        text
-    }
 }
 
 /// A target with everything settled.
@@ -474,7 +450,7 @@ impl Plan {
         let target =
             if self.is_targeted() { format!("target {}: ", self.target.name) } else { String::new() };
         Err(Error::Parameter(format!(
-            "{target}{} files cannot hold {}; choose another --pixel or --format",
+            "{target}{} files cannot hold {}; choose another `pixel` or `container`",
             self.container.name(),
             self.pixel.name()
         )))

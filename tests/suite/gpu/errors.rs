@@ -149,11 +149,14 @@ fn parameters_that_cannot_be_served_are_named() {
             (0.5, Filter::Adaptive(0.0)),
             (0.5, Filter::Adaptive(1.0)),
             (0.5, Filter::Adaptive(f64::NAN)),
-            (0.5, Filter::Reference),
             (0.5, Filter::Fitted(4)),
         ] {
             let outcome = wait_for(context, reflector.query(&up, Lobe::Ggx, roughness, filter));
             assert!(matches!(outcome, Err(Error::Parameter(_))), "{roughness} {filter:?}");
+        }
+        for (lobe, filter) in [(Lobe::Ggx, Filter::Reference), (Lobe::Charlie, Filter::Adaptive(0.1))] {
+            let outcome = wait_for(context, reflector.query(&up, lobe, 0.5, filter));
+            assert!(matches!(outcome, Err(Error::Unsupported { .. })), "{lobe:?} {filter:?}");
         }
         for (inner, count) in [(64, 3), (48, 4), (8, 4)] {
             let outcome = FittedTables::new(context, inner, count);

@@ -216,8 +216,8 @@ fn impossible_maps_are_refused() {
     let words = |size, count| level_sizes(size, count).unwrap_err().to_string();
     assert!(words(100, 4).contains("choose a multiple of 8"), "{}", words(100, 4));
     assert!(
-        words(8, 0).contains("--size 8")
-            && words(0, 1).contains("--size 0")
+        words(8, 0).contains("`size` 8")
+            && words(0, 1).contains("`size` 0")
             && words(8, 40).contains("halve")
     );
     let good = levels(8, 2, 4);
@@ -229,5 +229,5 @@ fn impossible_maps_are_refused() {
     let mut uneven = good;
     uneven[1].layout = Layout::Octahedral { size: 2 };
     assert!(refused(Container::Ktx2, &uneven, Pixel::F16).contains("level 1"));
-    assert!(refused(Container::Ktx2, &[], Pixel::F16).contains("--size 0"));
+    assert!(refused(Container::Ktx2, &[], Pixel::F16).contains("`size` 0"));
 }

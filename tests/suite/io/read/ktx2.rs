@@ -89,7 +89,7 @@ fn nan_in_a_chain_is_named() {
     levels[0][64 + 9][0] = f32::INFINITY;
     let bytes = ktx2((8, 8), 6, Ktx2Pixel::Rgba32F, false, ROUGHNESS, &levels);
     let text = io::read_from_memory(Path::new("a.ktx2"), &bytes, &options).unwrap_err().to_string();
-    assert_eq!(text, "a.ktx2 face nx: pixel (1, 1) channel R is inf; --sanitize repairs NaN and Inf");
+    assert_eq!(text, "a.ktx2 face nx: pixel (1, 1) channel R is inf; `sanitize` repairs NaN and Inf");
 }
 
 #[test]
