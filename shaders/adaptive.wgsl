@@ -1,5 +1,6 @@
-// Lobes by adaptive quadrature over the cells: src/cpu/adaptive.rs and src/cpu/subtexel.rs, whose modules
-// derive it.
+// Integrates lobes by adaptive quadrature over the cells: src/cpu/adaptive.rs and src/cpu/subtexel.rs derive
+// it. Directions and distances are in units of the sphere's radius, energies radiance times solid angle, and
+// answers radiance with the certified bound of its luminance in w.
 //
 // A workgroup serves a packet of LANES directions. It walks the tree by a stack, sixteen quads at a time, an
 // invocation a sibling; what is fine enough becomes a leaf, and leaves are summed as soon as there are enough
@@ -8,6 +9,7 @@
 #include "common/kernel.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/quad.wgsl"
+#include "common/rows.wgsl"
 
 const LANES = 16u;
 const GROUP_SIZE = 64u;
@@ -22,7 +24,7 @@ const LEAVES = 2u * GROUP_SIZE;
 const DEPTH = 14u;
 const LEVELS = 16u;
 // Pieces with longer sides in (u, v) have no exact centroid.
-const SMOOTH_SIDE = 0.03125;
+const SMOOTH_SIDE = 0.03125f;
 
 struct Lobe {
     shape: u32,
@@ -325,9 +327,94 @@ fn rank(low: u32, high: u32, lane: u32) -> u32 {
     return countOneBits(low) + countOneBits(high & ((1u << (lane - 32u)) - 1u));
 }
 
+// The mean luminance over the sphere.
+fn mean_luminance() -> f32 {
+    let above_least = quads[quad_at(lobe.root, 0u, 0u) * QUAD_FIELDS + FIELD_LUMINANCE];
+    return dot(least[0].rgb, LUMINANCE) + dot(above_least, vec4<f32>(1.0)) / 12.566371;
+}
+
+// A child of a node: what it is as a leaf, and as a node of its own.
+struct Child {
+    visit: Visit,
+    node: Node,
+    // Whether it may be split further.
+    splits: bool,
+}
+
+fn child_of(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> Child {
+    let level = node.place >> 28u;
+    let i = node.place & 0x3fffu;
+    let j = (node.place >> 14u) & 0x3fffu;
+    if level == PIECES {
+        let depth = ((node.piece >> 26u) & 15u) + 1u;
+        var quadrant = node.piece >> 30u;
+        var ix = 2u * (node.piece & 0x1fffu) + (k & 1u);
+        var iy = 2u * ((node.piece >> 13u) & 0x1fffu) + (k >> 1u);
+        if depth == 1u {
+            quadrant = k;
+            ix = 0u;
+            iy = 0u;
+        }
+        return Child(
+            visit_piece(i, j, quadrant, depth, ix, iy, packet_axis, packet_radius),
+            Node(node.place, (quadrant << 30u) | (depth << 26u) | (iy << 13u) | ix),
+            depth < DEPTH,
+        );
+    }
+    let x = 2u * i + (k & 1u);
+    let y = 2u * j + (k >> 1u);
+    // Below the finest level are the pieces of texels.
+    let below = select(PIECES, level - 1u, level > 0u);
+    return Child(
+        visit_cell(quad_at(level, i, j), k, packet_axis, packet_radius),
+        Node((below << 28u) | (y << 14u) | x, 0u),
+        level > 0u || lobe.to_texels != 0u,
+    );
+}
+
+// The sums of one direction's parts, left in the leaves' memory by `leave_sums`.
+fn gather_sums(lane: u32) -> Sums {
+    var sums: Sums;
+    for (var at = lane; at < GROUP_SIZE; at += LANES) {
+        sums.radiance += vec3<f32>(leaves[at], leaves[GROUP_SIZE + at], leaves[2u * GROUP_SIZE + at]);
+        sums.above += leaves[3u * GROUP_SIZE + at];
+        sums.below += leaves[4u * GROUP_SIZE + at];
+        sums.count += bitcast<u32>(leaves[5u * GROUP_SIZE + at]) & 0x3fffffffu;
+        sums.grazing += leaves[6u * GROUP_SIZE + at];
+    }
+    return sums;
+}
+
+fn leave_sums(lane: u32, sums: Sums) {
+    leaves[lane] = sums.radiance.r;
+    leaves[GROUP_SIZE + lane] = sums.radiance.g;
+    leaves[2u * GROUP_SIZE + lane] = sums.radiance.b;
+    leaves[3u * GROUP_SIZE + lane] = sums.above;
+    leaves[4u * GROUP_SIZE + lane] = sums.below;
+    // A pattern of a normal number: drivers flush others.
+    leaves[5u * GROUP_SIZE + lane] = bitcast<f32>(sums.count | 0x40000000u);
+    leaves[6u * GROUP_SIZE + lane] = sums.grazing;
+}
+
+// Radiance, and the certified bound of its luminance, from the sums over `count` leaves.
+fn answer(sums: Sums, count: u32) -> vec4<f32> {
+    let radiance = sums.radiance * lobe.per_integral;
+    let rounding = lobe.rounding + lobe.rounding_per_leaf * f32(count);
+    // Where k nears 0 an error of s counts for more than a part of k. On the CPU s is off by 8 2^-24; here
+    // directions are off by 2^-22, and distances by as much again.
+    let grazed = sums.grazing * grazing_slope(kernel()) * 1.5e-6 * lobe.per_integral;
+    let mean = mean_luminance();
+    // The least radiance and every E - c w are float32 differences, 2^-21 of the whole, and up to as much is
+    // left out.
+    let bound = max(sums.above, sums.below) * lobe.per_integral + rounding * dot(radiance, LUMINANCE) + grazed
+        + 9.6e-7 * dot(least[0].rgb, LUMINANCE) * lobe.share
+        + select(0.0, lobe.omitted + lobe.underflow * 12.566371 * mean, mean > 0.0);
+    return vec4<f32>(lobe.share * least[0].rgb + radiance, bound);
+}
+
 @compute @workgroup_size(GROUP_SIZE)
 fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let index = group.y * 32768u + group.x;
+    let index = index_in_rows(group);
     if index >= lobe.count {
         return;
     }
@@ -335,13 +422,7 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     let radius = packets[index].radius;
     let own = lane % LANES;
     let direction = vec3<f32>(packets[index].x[own], packets[index].y[own], packets[index].z[own]);
-
-    // The mean luminance over the sphere scales the tolerance.
-    let root = quad_at(lobe.root, 0u, 0u);
-    let above_least = quads[root * QUAD_FIELDS + FIELD_LUMINANCE];
-    let base = dot(least[0].rgb, LUMINANCE);
-    let mean_luminance = base + dot(above_least, vec4<f32>(1.0)) / 12.566371;
-    let tolerance = lobe.tolerance_per_mean * mean_luminance;
+    let tolerance = lobe.tolerance_per_mean * mean_luminance();
 
     if lane == 0u {
         stack[0] = Node(lobe.root << 28u, 0u);
@@ -360,52 +441,21 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
             atomicStore(&finds[lane], 0u);
         }
         workgroupBarrier();
+        // Four invocations a node, one a child.
         let taken = min(size, BATCH);
-        let k = lane & 3u;
-        var visit: Visit;
-        var child: Node;
+        var child: Child;
         var push = false;
         if (lane >> 2u) < taken {
-            let node = stack[size - taken + (lane >> 2u)];
-            let level = node.place >> 28u;
-            let i = node.place & 0x3fffu;
-            let j = (node.place >> 14u) & 0x3fffu;
-            if level == PIECES {
-                let depth = ((node.piece >> 26u) & 15u) + 1u;
-                var quadrant = node.piece >> 30u;
-                var ix = 2u * (node.piece & 0x1fffu) + (k & 1u);
-                var iy = 2u * ((node.piece >> 13u) & 0x1fffu) + (k >> 1u);
-                if depth == 1u {
-                    quadrant = k;
-                    ix = 0u;
-                    iy = 0u;
-                }
-                visit = visit_piece(i, j, quadrant, depth, ix, iy, axis, radius);
-                child = Node(node.place, (quadrant << 30u) | (depth << 26u) | (iy << 13u) | ix);
-                push = visit.error > tolerance && depth < DEPTH;
-            } else {
-                visit = visit_cell(quad_at(level, i, j), k, axis, radius);
-                let x = 2u * i + (k & 1u);
-                let y = 2u * j + (k >> 1u);
-                if level > 0u {
-                    child = Node(((level - 1u) << 28u) | (y << 14u) | x, 0u);
-                } else {
-                    child = Node((PIECES << 28u) | (y << 14u) | x, 0u);
-                }
-                push = visit.error > tolerance && (level > 0u || lobe.to_texels != 0u);
-            }
-            // A full stack would only make leaves coarser, which the bound tells.
-            push = push && size + GROUP_SIZE <= STACK;
-            // Black cells say nothing.
-            if visit.luminance > 0.0 {
-                let bit = 1u << (lane & 31u);
-                if push {
-                    atomicOr(&pushes[lane >> 5u], bit);
-                } else {
-                    atomicOr(&finds[lane >> 5u], bit);
-                }
-            } else {
-                push = false;
+            child = child_of(stack[size - taken + (lane >> 2u)], lane & 3u, axis, radius);
+            // A full stack only makes leaves coarser, which the bound includes. Cells without luminance
+            // contribute nothing.
+            push = child.visit.error > tolerance && child.splits && size + GROUP_SIZE <= STACK
+                && child.visit.luminance > 0.0;
+            let bit = 1u << (lane & 31u);
+            if push {
+                atomicOr(&pushes[lane >> 5u], bit);
+            } else if child.visit.luminance > 0.0 {
+                atomicOr(&finds[lane >> 5u], bit);
             }
         }
         workgroupBarrier();
@@ -415,9 +465,9 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
         let find_high = atomicLoad(&finds[1]);
         let waiting = workgroupUniformLoad(&leaf_size);
         if push {
-            stack[size - taken + rank(push_low, push_high, lane)] = child;
-        } else if visit.luminance > 0.0 {
-            put_leaf(waiting + rank(find_low, find_high, lane), visit.leaf);
+            stack[size - taken + rank(push_low, push_high, lane)] = child.node;
+        } else if child.visit.luminance > 0.0 {
+            put_leaf(waiting + rank(find_low, find_high, lane), child.visit.leaf);
         }
         let found = waiting + countOneBits(find_low) + countOneBits(find_high);
         let next = size - taken + countOneBits(push_low) + countOneBits(push_high);
@@ -436,42 +486,13 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
         workgroupBarrier();
     }
 
-    // The parts of every direction, in the leaves' memory.
-    leaves[lane] = sums.radiance.r;
-    leaves[GROUP_SIZE + lane] = sums.radiance.g;
-    leaves[2u * GROUP_SIZE + lane] = sums.radiance.b;
-    leaves[3u * GROUP_SIZE + lane] = sums.above;
-    leaves[4u * GROUP_SIZE + lane] = sums.below;
-    leaves[5u * GROUP_SIZE + lane] = bitcast<f32>(sums.count | 0x40000000u);
-    leaves[6u * GROUP_SIZE + lane] = sums.grazing;
+    leave_sums(lane, sums);
     workgroupBarrier();
     if lane >= LANES {
         return;
     }
-    var radiance = vec3<f32>();
-    var above = 0.0;
-    var below = 0.0;
-    var grazing = 0.0;
-    var count = 0u;
-    for (var at = lane; at < GROUP_SIZE; at += LANES) {
-        radiance += vec3<f32>(leaves[at], leaves[GROUP_SIZE + at], leaves[2u * GROUP_SIZE + at]);
-        above += leaves[3u * GROUP_SIZE + at];
-        below += leaves[4u * GROUP_SIZE + at];
-        count += bitcast<u32>(leaves[5u * GROUP_SIZE + at]) & 0x3fffffffu;
-        grazing += leaves[6u * GROUP_SIZE + at];
-    }
-    radiance *= lobe.per_integral;
-    let rounding = lobe.rounding + lobe.rounding_per_leaf * f32(leaf_total);
-    // Where k nears 0 an error of s counts for more than a part of k. On the CPU s is off by 8 2^-24; here
-    // directions are off by 2^-22, and distances by as much again.
-    let grazed = grazing * grazing_slope(kernel()) * 1.5e-6 * lobe.per_integral;
-    // The least radiance and every E - c w are float32 differences, 2^-21 of the whole, and up to as much is
-    // left out.
-    let bound = max(above, below) * lobe.per_integral + rounding * dot(radiance, LUMINANCE) + grazed
-        + 9.6e-7 * base * lobe.share
-        + select(0.0, lobe.omitted + lobe.underflow * 12.566371 * mean_luminance,
-            mean_luminance > 0.0);
-    var result = vec4<f32>(lobe.share * least[0].rgb + radiance, bound);
+    sums = gather_sums(lane);
+    var result = answer(sums, leaf_total);
     let at = index * LANES + lane;
     if lobe.add != 0u {
         result += results[at];
@@ -479,7 +500,7 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     results[at] = result;
     if lane == 0u {
         // Some drivers end long loops without a word.
-        let complete = count == leaf_total && stack_size == 0u;
+        let complete = sums.count == leaf_total && stack_size == 0u;
         leaf_counts[index] = select(INCOMPLETE, leaf_total, complete);
     }
 }

@@ -1,9 +1,11 @@
-// The table of an OEM blurred by a tent, one an octave: `blurred` of src/cpu/blur.rs, to the last bit. Tents
-// are boxes applied twice, in integers; the tables get a border, so that soft boxes near the square's edge
-// need four reads a corner as elsewhere.
+// Summed-area tables of the OEM blurred by a tent, one an octave: `blurred` of src/cpu/blur.rs, equal to the
+// last bit. A tent is a box applied twice, in integers. The tables have a border, so that soft boxes near the
+// square's edge need four reads a corner as elsewhere. Texels and entries are 64-bit fixed point, as in
+// src/sat.rs.
 #include "common/octahedral.wgsl"
 #include "common/octaves.wgsl"
 #include "common/planes.wgsl"
+#include "common/scan.wgsl"
 #include "common/sum.wgsl"
 
 // Texels along an edge of a tile of a grid that is blurred.
@@ -27,7 +29,7 @@ fn grid_box(channel: u32, n: u32, low: vec2<i32>, side: i32) -> vec2<u32> {
     let width = i32(n);
     let first = select(vec2<i32>(0), vec2<i32>(-1), low < vec2<i32>(0));
     var sum = vec2<u32>();
-    // What of it lies in each of up to four squares.
+    // The part of it in each of up to four squares.
     for (var k = 0; k < 4; k++) {
         let square = first + vec2<i32>(k & 1, k >> 1u);
         let from_corner = clamp(low - square * width, vec2<i32>(0), vec2<i32>(width));
@@ -123,22 +125,11 @@ fn texel_before(octave: OctaglossOctave, x: u32, y: u32) -> Sum {
     return texels[octave.first_texel + at.y * octave.coarse + at.x];
 }
 
-var<workgroup> run_sums: array<Sum, LINE_SIZE>;
+const SCAN_SIZE = LINE_SIZE;
+alias Scanned = Sum;
 
-// Every invocation's `own` to the sum of those before.
-fn before(own: Sum, lane: u32) -> Sum {
-    run_sums[lane] = own;
-    for (var step = 1u; step < LINE_SIZE; step *= 2u) {
-        workgroupBarrier();
-        var left = Sum();
-        if lane >= step {
-            left = run_sums[lane - step];
-        }
-        workgroupBarrier();
-        run_sums[lane] = add_sums(run_sums[lane], left);
-    }
-    workgroupBarrier();
-    return subtract_sums(run_sums[lane], own);
+fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
+    return add_sums(a, b);
 }
 
 // Sums along the rows of the bordered squares: a workgroup a row.
@@ -153,7 +144,7 @@ fn rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var x = first; x < last; x++) {
         sum = add_sums(sum, texel_before(row.octave, x, row.place));
     }
-    var total = before(sum, lane);
+    var total = sum_before(sum, lane);
     for (var x = first; x < last; x++) {
         total = add_sums(total, texel_before(row.octave, x, row.place));
         entries[row.octave.first_entry + row.place * side + x] = total;
@@ -173,7 +164,7 @@ fn columns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     for (var y = first; y < last; y++) {
         sum = add_sums(sum, entries[top + y * side]);
     }
-    var total = before(sum, lane);
+    var total = sum_before(sum, lane);
     for (var y = first; y < last; y++) {
         total = add_sums(total, entries[top + y * side]);
         entries[top + y * side] = total;

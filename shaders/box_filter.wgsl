@@ -1,11 +1,12 @@
-// Boxes for lists of directions, and the integer sums of given boxes.
+// Box queries for lists of directions, and the integer sums of given boxes. Directions are unit vectors in the
+// OEM's space; answers are radiance; sums are 64-bit fixed point.
 @group(0) @binding(0) var<uniform> octagloss_table: OctaglossTable;
 @group(0) @binding(1) var octagloss_low: texture_2d<u32>;
 @group(0) @binding(2) var octagloss_high: texture_2d<u32>;
+#include "common/rows.wgsl"
 #include "common/sat.wgsl"
 
 const GROUP_SIZE = 64u;
-const ROW = 32768u;
 
 @group(1) @binding(0) var<storage, read> queries: array<vec4<f32>>;
 // The stack around every direction: solid angle and weight of each box.
@@ -17,7 +18,7 @@ const ROW = 32768u;
 
 @compute @workgroup_size(GROUP_SIZE)
 fn radiance(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let k = (group.y * ROW + group.x) * GROUP_SIZE + lane;
+    let k = index_in_rows(group) * GROUP_SIZE + lane;
     if k < arrayLength(&queries) {
         var energy = vec4<f32>();
         for (var b = 0u; b < arrayLength(&stack); b++) {
@@ -29,7 +30,7 @@ fn radiance(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
 
 @compute @workgroup_size(GROUP_SIZE)
 fn box_sums(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let k = (group.y * ROW + group.x) * GROUP_SIZE + lane;
+    let k = index_in_rows(group) * GROUP_SIZE + lane;
     if k < arrayLength(&boxes) {
         sums[k] = plane_box(boxes[k].xy, boxes[k].zw);
     }

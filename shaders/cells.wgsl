@@ -1,4 +1,5 @@
-// The quadtree of moments: `Cells` of src/cpu/cells.rs, whose module says what the moments are for.
+// Builds the quadtree of moments: `Cells` of src/cpu/cells.rs, which derives the moments. Planes hold energies
+// (radiance times solid angle, float32) and solid angles; distances are chords on the unit sphere.
 #include "common/quad.wgsl"
 #include "common/table.wgsl"
 
@@ -87,10 +88,10 @@ fn absorb(all: ptr<function, Union>, member: Cell) {
 
 // What is less than this share of a texel's energy above the least radiance is rounding: left in, black
 // texels would count for how far their cells reach.
-const RESIDUE = 1.0 / 2097152.0;
+const RESIDUE = 1.0f / 2097152.0f;
 
 // Energy of a channel of a texel that counts as none, 2^-94: `FAINT` of src/cpu/cells.rs.
-const FAINT = 5.0487097934144756e-29;
+const FAINT = 5.0487097934144756e-29f;
 
 fn texel_cell(x: u32, y: u32) -> Cell {
     let n = table.inner;

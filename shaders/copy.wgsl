@@ -1,14 +1,14 @@
-// A plain copy, to hold the scans' bandwidth against.
+// A plain copy, whose bandwidth the scans are compared with. Words of 16 bytes.
+#include "common/rows.wgsl"
 
 const GROUP_SIZE = 256u;
-const ROW = 32768u;
 
 @group(0) @binding(0) var<storage, read> source: array<vec4<u32>>;
 @group(0) @binding(1) var<storage, read_write> destination: array<vec4<u32>>;
 
 @compute @workgroup_size(GROUP_SIZE)
 fn copy(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let k = (group.y * ROW + group.x) * GROUP_SIZE + lane;
+    let k = index_in_rows(group) * GROUP_SIZE + lane;
     if k < arrayLength(&source) {
         destination[k] = source[k];
     }

@@ -1,4 +1,6 @@
-// The brightest cells of an OEM, taken out of it: src/realtime/emitters.rs, which says what for.
+// Extracts the brightest cells of an OEM as point emitters: src/realtime/emitters.rs explains why. Planes hold
+// energies (radiance times solid angle, float32) and solid angles; brightness is a quarter of the channels'
+// summed radiance.
 //
 // cells: the brightest of every batch, then of all -> what the others have -> rest, emitters
 #include "common/light.wgsl"
@@ -89,7 +91,7 @@ fn brightest_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
                 let own = energy(at);
                 sum += vec2<f32>(own.x + own.y + own.z, solid_angle[at]);
             }
-            // A quarter, lest three radiances overflow.
+            // A quarter, so that the sum of three radiances does not overflow.
             let own = 0.25 * sum.x / sum.y;
             brightness[cell] = own;
             batch[k].x = bitcast<u32>(own);

@@ -1,6 +1,8 @@
 // The fixed-point exponent of each channel: `FixedPoint::of_square` in src/sat.rs. Order-free: the greatest
-// bit pattern, then a 64-bit integer sum at the scale that it sets.
+// bit pattern, then a 64-bit integer sum at the scale that it sets. Planes hold float32 energies and solid
+// angles, as bit patterns.
 #include "common/fixed_point.wgsl"
+#include "common/reduce.wgsl"
 #include "common/reduction.wgsl"
 
 struct Partial {
@@ -20,30 +22,29 @@ fn texel(k: u32) -> vec4<u32> {
     return vec4<u32>(red[at], green[at], blue[at], solid_angle[at]);
 }
 
-var<workgroup> shared_greatest: array<vec4<u32>, GROUP_SIZE>;
+alias Reduced = Partial;
 
-// The greatest of every invocation's `own`, for all of them.
-fn reduce_greatest(own: vec4<u32>, lane: u32) -> vec4<u32> {
-    shared_greatest[lane] = own;
-    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
-        workgroupBarrier();
-        if lane < step {
-            shared_greatest[lane] = max(shared_greatest[lane], shared_greatest[lane + step]);
-        }
+fn combine(a: Reduced, b: Reduced) -> Reduced {
+    var both = a;
+    var other = b;
+    for (var c = 0u; c < 4u; c++) {
+        both.greatest[c] = max(both.greatest[c], other.greatest[c]);
+        both.sums[c] = add64(both.sums[c], other.sums[c]);
     }
-    workgroupBarrier();
-    return shared_greatest[0];
+    return both;
 }
 
 @compute @workgroup_size(GROUP_SIZE)
 fn greatest(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    var own = vec4<u32>(0u);
+    var most = vec4<u32>(0u);
     for (var k = group.x * GROUP_SIZE + lane; k < count(); k += groups() * GROUP_SIZE) {
-        own = max(own, texel(k));
+        most = max(most, texel(k));
     }
-    let most = reduce_greatest(own, lane);
+    var own = Partial();
+    own.greatest = array<u32, 4>(most.r, most.g, most.b, most.a);
+    own = reduce(own, lane);
     if lane < 4u {
-        partials[group.x].greatest[lane] = most[lane];
+        partials[group.x].greatest[lane] = own.greatest[lane];
     }
 }
 
@@ -53,34 +54,23 @@ fn provisional(most: u32) -> i32 {
     return 62 - count_log2 - (max(i32(most >> 23u), 1) - 126);
 }
 
-fn greatest_of_all(lane: u32) -> vec4<u32> {
-    var own = vec4<u32>(0u);
+fn greatest_of_all(lane: u32) -> array<u32, 4> {
+    var own = Partial();
     if lane < groups() {
-        for (var c = 0u; c < 4u; c++) {
-            own[c] = partials[lane].greatest[c];
-        }
+        own.greatest = partials[lane].greatest;
     }
-    return reduce_greatest(own, lane);
+    return reduce(own, lane).greatest;
 }
 
-var<workgroup> shared_sums: array<array<vec2<u32>, 4>, GROUP_SIZE>;
-
-fn reduce_sums(own: array<vec2<u32>, 4>, lane: u32) {
-    shared_sums[lane] = own;
-    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
-        workgroupBarrier();
-        if lane < step {
-            for (var c = 0u; c < 4u; c++) {
-                shared_sums[lane][c] = add64(shared_sums[lane][c], shared_sums[lane + step][c]);
-            }
-        }
-    }
-    workgroupBarrier();
+fn sum(own: array<vec2<u32>, 4>, lane: u32) -> array<vec2<u32>, 4> {
+    var partial = Partial();
+    partial.sums = own;
+    return reduce(partial, lane).sums;
 }
 
 @compute @workgroup_size(GROUP_SIZE)
 fn totals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let most = greatest_of_all(lane);
+    var most = greatest_of_all(lane);
     var sums = array<vec2<u32>, 4>();
     for (var k = group.x * GROUP_SIZE + lane; k < count(); k += groups() * GROUP_SIZE) {
         let value = texel(k);
@@ -88,20 +78,20 @@ fn totals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             sums[c] = add64(sums[c], quantise(value[c], provisional(most[c])));
         }
     }
-    reduce_sums(sums, lane);
+    sums = sum(sums, lane);
     if lane < 4u {
-        partials[group.x].sums[lane] = shared_sums[0][lane];
+        partials[group.x].sums[lane] = sums[lane];
     }
 }
 
 @compute @workgroup_size(GROUP_SIZE)
 fn finish(@builtin(local_invocation_index) lane: u32) {
-    let all = greatest_of_all(lane);
+    var all = greatest_of_all(lane);
     var sums = array<vec2<u32>, 4>();
     if lane < groups() {
         sums = partials[lane].sums;
     }
-    reduce_sums(sums, lane);
+    sums = sum(sums, lane);
     if lane >= 4u {
         return;
     }
@@ -112,7 +102,7 @@ fn finish(@builtin(local_invocation_index) lane: u32) {
     }
     // Truncation lost less than one unit a texel; each doubling doubles what it may have lost.
     let texels = vec2<u32>(count(), 0u);
-    let total = add64(shared_sums[0][lane], texels);
+    let total = add64(sums[lane], texels);
     let limit = sub64(vec2<u32>(0u, 0x40000000u), texels);
     var up = 0;
     for (var next = shift_left64(total, 1u); less64(next, limit); next = shift_left64(next, 1u)) {

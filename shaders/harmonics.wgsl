@@ -1,5 +1,5 @@
-// Harmonics of an OEM to order 4 from its exact table: `table_harmonics` of src/sh/coefficients.rs. Sums in a
-// fixed order: texels to workgroups, then all of those.
+// Spherical harmonics of an OEM to order 4 from its exact table: `table_harmonics` of src/sh/coefficients.rs.
+// Coefficients are of radiance. Sums run in a fixed order: texels to workgroups, then all of those.
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 #include "common/octahedral.wgsl"
@@ -12,8 +12,8 @@ const COUNT = 25u;
 // Odd, so that a function's values start in another bank of memory than the one's before.
 const SKEW = GROUP_SIZE + 1u;
 // 2^-28 and 2^-60.
-const HIGH_WORD = 3.7252903e-9;
-const LOW_WORD = 8.6736174e-19;
+const HIGH_WORD = 3.7252903e-9f;
+const LOW_WORD = 8.6736174e-19f;
 // Texels along an edge of the finest grid.
 const FINEST = 256u;
 

@@ -1,4 +1,6 @@
-// The least radiance of each channel of an OEM: of each workgroup, then of all.
+// The least radiance of each channel of an OEM: of each workgroup, then of all. Planes hold energies (radiance
+// times solid angle, float32) and solid angles in steradians.
+#include "common/reduce.wgsl"
 #include "common/reduction.wgsl"
 
 @group(0) @binding(1) var<storage, read> red: array<f32>;
@@ -8,15 +10,10 @@
 @group(0) @binding(5) var<storage, read_write> partials: array<vec4<f32>, GROUPS>;
 @group(0) @binding(6) var<storage, read_write> least: array<vec4<f32>, 1>;
 
-var<workgroup> shared_least: array<vec4<f32>, GROUP_SIZE>;
+alias Reduced = vec4<f32>;
 
-fn reduce_least(lane: u32) {
-    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
-        workgroupBarrier();
-        if lane < step {
-            shared_least[lane] = min(shared_least[lane], shared_least[lane + step]);
-        }
-    }
+fn combine(a: Reduced, b: Reduced) -> Reduced {
+    return min(a, b);
 }
 
 @compute @workgroup_size(GROUP_SIZE)
@@ -26,18 +23,16 @@ fn least_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
         let at = place(k);
         smallest = min(smallest, vec4<f32>(red[at], green[at], blue[at], 3.4e38) / solid_angle[at]);
     }
-    shared_least[lane] = smallest;
-    reduce_least(lane);
+    smallest = reduce(smallest, lane);
     if lane == 0u {
-        partials[group.x] = shared_least[0];
+        partials[group.x] = smallest;
     }
 }
 
 @compute @workgroup_size(GROUP_SIZE)
 fn least_of_all(@builtin(local_invocation_index) lane: u32) {
-    shared_least[lane] = partials[min(lane, groups() - 1u)];
-    reduce_least(lane);
+    let smallest = reduce(partials[min(lane, groups() - 1u)], lane);
     if lane == 0u {
-        least[0] = shared_least[0];
+        least[0] = smallest;
     }
 }

@@ -1,7 +1,9 @@
-// Environment to OEM, and to the cube of footprints: every target texel gathers its sources by the solid
-// angles that they share. The matrix is `Overlaps` of src/geometry/overlap.rs, which says how octants are
-// mirrored.
+// Resamples the environment to the OEM and to the cube of footprints: each target texel gathers its source
+// texels, weighted by the solid angle (in steradians) that both cover. The matrix is `Overlaps` of
+// src/geometry/overlap.rs, which derives the mirroring of octants. The source is radiance; the OEM gets
+// energies (radiance times solid angle).
 #include "common/octahedral.wgsl"
+#include "common/reduce.wgsl"
 
 const EDGE = 16u;
 
@@ -157,7 +159,14 @@ fn shares(rows: Rows, least: vec3<f32>, per_unit: f32, lane: u32, lanes: u32) ->
 // Where texels have few sources an invocation serves one; where they have many a workgroup does.
 const GROUP_SIZE = 256u;
 
-var<workgroup> parts: array<vec4<f32>, GROUP_SIZE>;
+struct Reduced {
+    least: vec3<f32>,
+    sum: vec4<f32>,
+}
+
+fn combine(a: Reduced, b: Reduced) -> Reduced {
+    return Reduced(min(a.least, b.least), a.sum + b.sum);
+}
 
 // Radiance of a texel's sources by one invocation.
 fn mean_radiance(rows: Rows, per_unit: f32) -> vec3<f32> {
@@ -166,26 +175,11 @@ fn mean_radiance(rows: Rows, per_unit: f32) -> vec3<f32> {
     return least + sum.rgb / sum.a;
 }
 
-// The same by the whole workgroup, for its first invocation.
+// The same by the whole workgroup.
 fn mean_radiance_of_group(rows: Rows, per_unit: f32, lane: u32) -> vec3<f32> {
-    parts[lane] = vec4<f32>(darkest(rows, lane, GROUP_SIZE), 0.0);
-    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
-        workgroupBarrier();
-        if lane < step {
-            parts[lane] = min(parts[lane], parts[lane + step]);
-        }
-    }
-    workgroupBarrier();
-    let least = parts[0].rgb;
-    workgroupBarrier();
-    parts[lane] = shares(rows, least, per_unit, lane, GROUP_SIZE);
-    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
-        workgroupBarrier();
-        if lane < step {
-            parts[lane] += parts[lane + step];
-        }
-    }
-    return least + parts[0].rgb / parts[0].a;
+    let least = reduce(Reduced(darkest(rows, lane, GROUP_SIZE), vec4<f32>()), lane).least;
+    let sum = reduce(Reduced(least, shares(rows, least, per_unit, lane, GROUP_SIZE)), lane).sum;
+    return least + sum.rgb / sum.a;
 }
 
 fn oem_texel(id: vec2<u32>) -> vec2<u32> {

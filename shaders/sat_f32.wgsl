@@ -1,5 +1,6 @@
 // The float32 table of the 2005 paper with its mean bias, radix 2: src/analysis/sat_f32.rs. For comparison;
-// see src/sat.rs for what it gets wrong.
+// see src/sat.rs for what it gets wrong. Texels are energies (radiance times solid angle) and solid angles.
+#include "common/reduce.wgsl"
 #include "common/table.wgsl"
 
 const GROUPS = 64u;
@@ -29,15 +30,10 @@ fn texel(x: u32, y: u32) -> vec4<f32> {
     return vec4<f32>(red[at], green[at], blue[at], solid_angle[at]);
 }
 
-var<workgroup> sums: array<vec4<f32>, GROUP_SIZE>;
+alias Reduced = vec4<f32>;
 
-fn reduce(lane: u32) {
-    for (var step = GROUP_SIZE / 2u; step > 0u; step /= 2u) {
-        workgroupBarrier();
-        if lane < step {
-            sums[lane] += sums[lane + step];
-        }
-    }
+fn combine(a: Reduced, b: Reduced) -> Reduced {
+    return a + b;
 }
 
 @compute @workgroup_size(GROUP_SIZE)
@@ -51,10 +47,9 @@ fn sums_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
         }
         sum += row;
     }
-    sums[lane] = sum;
-    reduce(lane);
+    sum = reduce(sum, lane);
     if lane == 0u {
-        partials[group.x] = sums[0];
+        partials[group.x] = sum;
     }
 }
 
@@ -64,10 +59,9 @@ fn mean_of_all(@builtin(local_invocation_index) lane: u32) {
     if lane < GROUPS {
         own = partials[lane];
     }
-    sums[lane] = own;
-    reduce(lane);
+    let sum = reduce(own, lane);
     if lane == 0u {
-        mean[0] = sums[0] / (f32(table.side) * f32(table.side));
+        mean[0] = sum / (f32(table.side) * f32(table.side));
     }
 }
 

@@ -1,6 +1,15 @@
-// Recursive doubling of two channels (Hensley et al. 2005, section 3): passes of
+// The summed-area table of two channels by recursive doubling (Hensley et al. 2005, section 3). Each pass is
 //   back[i] = sum over k < RADIX of front[i - k * stride],
-// along rows until they are summed, then along columns, ping-pong.
+// with stride 1, RADIX, RADIX^2, ... below the side: ceil(log_RADIX(side)) passes along rows, as many along
+// columns, after one that quantises the texels. Buffers are exchanged between passes (ping-pong).
+//
+// A dispatch is one pass: an invocation an entry, workgroups of 16 x 16 over the side x side entries of the
+// bordered table, rows `pitch` apart. Two channels share it: their four tables and two planes are six of the
+// eight storage buffers that WebGPU guarantees a stage, and four channels would need twelve.
+//
+// Texels are float32 energies (radiance times solid angle), as bit patterns. Entries are 64-bit integers, low
+// word first, in units of 2^-exponent of their channel. Sums are exact modulo 2^64, and exponents are chosen so
+// that the whole sum stays below 2^62 (src/sat.rs), so that every box is exact.
 #include "common/fixed_point.wgsl"
 
 override RADIX: u32 = 2u;

@@ -7,6 +7,7 @@
 // above(x, J) + sum over the tile's rows y' <= y of (rows_left(y', I) + texels of row y' in the tile up to
 // x).
 #include "common/fixed_point.wgsl"
+#include "common/scan.wgsl"
 
 const TILE = 64u;
 // Texels along an edge of one invocation's part of a tile.
@@ -118,7 +119,12 @@ fn carries(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     }
 }
 
-var<workgroup> run_sums: array<vec2<u32>, GROUP_SIZE>;
+const SCAN_SIZE = GROUP_SIZE;
+alias Scanned = vec2<u32>;
+
+fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
+    return add64(a, b);
+}
 
 // Sums of the columns above a tile row to sums of all columns up to each: a workgroup a tile row.
 @compute @workgroup_size(GROUP_SIZE)
@@ -132,18 +138,7 @@ fn carry_rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     for (var x = first; x < last; x++) {
         sum = add64(sum, above[carry(group.z, group.x, x)]);
     }
-    run_sums[lane] = sum;
-    for (var step = 1u; step < GROUP_SIZE; step *= 2u) {
-        workgroupBarrier();
-        var before = vec2<u32>();
-        if lane >= step {
-            before = run_sums[lane - step];
-        }
-        workgroupBarrier();
-        run_sums[lane] = add64(run_sums[lane], before);
-    }
-    workgroupBarrier();
-    var total = sub64(run_sums[lane], sum);
+    var total = sum_before(sum, lane);
     for (var x = first; x < last; x++) {
         let at = carry(group.z, group.x, x);
         total = add64(total, above[at]);

@@ -37,8 +37,7 @@ pub enum Error {
         /// What stands there.
         value: f32,
     },
-    /// A result that is NaN, infinite or negative: a fault of this library, which is told rather than
-    /// written.
+    /// A result that is NaN, infinite or negative: a fault of this library, reported instead of written.
     #[error(
         "{place}: the result is {value}, a fault of octagloss; `filter` reference avoids it, please report it"
     )]

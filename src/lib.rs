@@ -122,6 +122,8 @@ pub mod ladder;
 mod light_scale;
 pub mod lobe;
 pub mod memory;
+#[cfg(feature = "mesh")]
+pub mod mesh;
 pub mod oem;
 pub mod realtime;
 pub mod reflector;
@@ -129,6 +131,7 @@ pub mod sat;
 pub mod sh;
 pub mod sphere;
 pub mod synth;
+mod table_bytes;
 pub mod target;
 #[cfg(feature = "view")]
 pub mod view;

@@ -1,8 +1,7 @@
-//! Memory that a bake or a query takes at its peak, computed before any of it is allocated.
+//! Memory that a bake, a query or a bench takes at its peak, computed before any of it is allocated.
 //!
-//! The figures are those of the types, and were held to the resident size of the program: an OEM of 8192
-//! texels took 28.4 bytes a texel, a box filter's table 47, fitted tables 64, cells of one texel 161 by one
-//! reconstruction and 246 by both, a level of a KTX2 file 20 to 23.
+//! The figures are those of the types, and were held to the resident size of the program: a level of a KTX2
+//! file took 20 to 23 bytes a texel.
 
 use crate::bake::job::Job;
 use crate::bake::level::LevelJob;
@@ -11,36 +10,14 @@ use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::lobe::Lobe;
-use crate::oem::{OemSize, bilinear_share};
 use crate::reflector::ReflectorSettings;
+pub use crate::table_bytes::LIMIT;
+use crate::table_bytes::{SOURCE, Served, Tables, at_most, largest_oem, largest_that};
 
-/// The most bytes that a bake or a query may take: 4 GiB.
-pub const LIMIT: u64 = 4 << 30;
-
-/// Bytes of a source's texel.
-const SOURCE: u64 = 12;
-/// Bytes of an OEM's texel while it is made: its mean radiance, itself, and a quarter of a solid angle.
-const OEM_MAKING: u64 = 12 + 16 + 1;
-/// Bytes of an OEM's texel.
-const OEM: u64 = 16;
-/// Bytes of an entry of an exact table.
-const TABLE: u64 = 32;
-/// Bytes of a finest cell: its share of all quads, and its energy.
-const CELL: u64 = 75 + 12;
-/// Bytes of a finest cell while the tree is made: itself and its share of the next level.
-const CELL_MAKING: u64 = 70;
 /// Bytes of a texel of a finished level: radiance and bound.
 const TEXEL: u64 = 16;
 /// Bytes of a texel of the level that is baked: its answer, radiance and bound.
 const TEXEL_MAKING: u64 = 44;
-
-/// One lobe to be served.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Served {
-    pub(crate) lobe: Lobe,
-    pub(crate) roughness: f64,
-    pub(crate) filter: Filter,
-}
 
 /// Fails where baking `environment` by all of `settings` at once would take more than [`LIMIT`]. `encoded` is
 /// the bytes that a texel takes in an output that is encoded as a whole, 0 where none is.
@@ -63,7 +40,21 @@ pub fn check_query(
     roughness: f64,
     filter: Filter,
 ) -> Result<()> {
-    check_query_within(layout, settings, Served { lobe, roughness, filter }, LIMIT)
+    settings.check_memory("this query", layout, &[Served { lobe, roughness, filter }], LIMIT)
+}
+
+/// Fails where `what`, which takes `bytes_a_texel` of a square of `size` texels along an edge, would take more
+/// than [`LIMIT`]; `option` sets the size.
+///
+/// # Errors
+/// [`Error::Limit`], which names the largest size that fits.
+pub fn check_square(what: &str, option: &str, size: u32, bytes_a_texel: u64) -> Result<()> {
+    let bytes = |size: u32| u64::from(size) * u64::from(size) * bytes_a_texel;
+    if bytes(size) <= LIMIT {
+        return Ok(());
+    }
+    let remedy = at_most(option, largest_that(1, size, |size| bytes(size) <= LIMIT));
+    Err(Error::Limit { what: what.to_owned(), needed: bytes(size), available: LIMIT, remedy })
 }
 
 fn check_bake_within(
@@ -72,51 +63,50 @@ fn check_bake_within(
     encoded: u64,
     limit: u64,
 ) -> Result<()> {
-    let sized = |size: Option<u32>, oem_size: Option<u32>| {
+    let bytes = |change: &dyn Fn(&mut BakeSettings)| {
         let mut settings = settings.to_vec();
-        for settings in &mut settings {
-            if let Some(size) = size {
-                settings.size = settings.size.min(size);
-                settings.levels = settings.levels.map(|l| l.min(settings.map.most_levels(settings.size)));
-            }
-            settings.oem_size = oem_size.or(settings.oem_size);
-        }
+        settings.iter_mut().for_each(change);
         bake_bytes(environment, &settings, encoded)
     };
-    let needed = bake_bytes(environment, settings, encoded)?;
-    if needed <= limit {
-        return Ok(());
-    }
-    let fits = |bytes: Result<u64>| bytes.is_ok_and(|bytes| bytes <= limit);
+    let needed = match bytes(&|_| ()) {
+        Ok(needed) if needed <= limit => return Ok(()),
+        // An OEM beyond all indices.
+        Ok(needed) | Err(Error::Limit { needed, .. }) => needed,
+        Err(other) => return Err(other),
+    };
+    let fits = |change: &dyn Fn(&mut BakeSettings)| bytes(change).is_ok_and(|bytes| bytes <= limit);
+    let shrink = |settings: &mut BakeSettings, size: u32| {
+        settings.size = settings.size.min(size);
+        settings.levels = settings.levels.map(|l| l.min(settings.map.most_levels(settings.size)));
+    };
+    let narrow = |settings: &mut BakeSettings, border: u32| {
+        settings.border = settings.border.map(|own| own.min(border));
+    };
     let largest = settings.iter().map(|settings| settings.size).max().unwrap_or(1);
+    let border = settings.iter().filter_map(|settings| settings.border).max().unwrap_or(0);
     // Without its levels, the OEM and its tables are what is too large, or the source itself.
-    let remedy = if fits(sized(Some(1), None)) {
-        at_most("`size`", largest_that(largest, |size| fits(sized(Some(size), None))))
+    let remedy = if fits(&|settings| shrink(settings, 1)) {
+        at_most("`size`", largest_that(1, largest, |size| fits(&|settings| shrink(settings, size))))
     } else {
+        let narrowed = largest_that(0, border, |border| {
+            fits(&|settings| {
+                shrink(settings, 1);
+                narrow(settings, border);
+            })
+        });
         let fitted = settings.iter().any(|settings| matches!(settings.filter, Filter::Fitted(_)));
-        at_most("`oem_size`", largest_oem(fitted, |size| fits(sized(Some(1), Some(size)))))
+        let oem = |size: u32| {
+            fits(&|settings| {
+                shrink(settings, 1);
+                settings.oem_size = Some(size);
+            })
+        };
+        match narrowed {
+            Some(border) => at_most("`border`", Some(border)),
+            None => at_most("`oem_size`", largest_oem(fitted, oem)),
+        }
     };
     Err(Error::Limit { what: "this bake".to_owned(), needed, available: limit, remedy })
-}
-
-fn check_query_within(
-    layout: Layout,
-    settings: &ReflectorSettings,
-    served: Served,
-    limit: u64,
-) -> Result<()> {
-    let bytes = |oem_size: Option<u32>| {
-        let settings = ReflectorSettings { oem_size: oem_size.or(settings.oem_size), ..*settings };
-        let (size, block) = settings.plan(layout)?;
-        Ok(layout.texel_count() as u64 * SOURCE + Tables::of(size, block, &[served]).peak())
-    };
-    let needed = bytes(None)?;
-    if needed <= limit {
-        return Ok(());
-    }
-    let fits = |size| bytes(Some(size)).is_ok_and(|bytes: u64| bytes <= limit);
-    let remedy = at_most("`oem_size`", largest_oem(settings.fitted, fits));
-    Err(Error::Limit { what: "this query".to_owned(), needed, available: limit, remedy })
 }
 
 /// Bytes at the peak of a bake.
@@ -139,76 +129,6 @@ fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64
     let encoding = levels + encoded * (largest + levels / TEXEL);
     let peak = tables.making.max(tables.resident + baking).max(encoding);
     Ok(environment.layout().texel_count() as u64 * SOURCE + peak)
-}
-
-/// Bytes of an OEM and of what lobes are read from.
-struct Tables {
-    /// While the OEM is made.
-    making: u64,
-    /// With all tables.
-    resident: u64,
-}
-
-impl Tables {
-    fn of(size: OemSize, block: u32, served: &[Served]) -> Self {
-        let square = |side: u32| u64::from(side) * u64::from(side);
-        let (inner, bordered) = (square(size.inner), square(size.bordered()));
-        let border = if size.border > 0 { OEM * bordered } else { 0 };
-        let (mut bilinear, mut constant, mut boxes, mut fitted) = (false, false, false, false);
-        for &Served { lobe, roughness, filter } in served {
-            match filter {
-                Filter::Adaptive(_) if lobe.has_mirror() && roughness == 0.0 => {}
-                Filter::Adaptive(_) => {
-                    let share = bilinear_share(lobe, roughness * roughness, size.inner);
-                    bilinear |= share > 0.0;
-                    constant |= share < 1.0;
-                }
-                Filter::Fitted(_) => fitted = true,
-                Filter::Box => boxes = true,
-                Filter::Reference => {}
-            }
-        }
-        let trees = u64::from(bilinear) + u64::from(constant);
-        let cells = square(size.inner.div_ceil(block.max(1)));
-        let resident = OEM * bordered
-            + cells * (CELL * trees + CELL_MAKING * trees.min(1))
-            + if boxes { TABLE * bordered } else { 0 }
-            // The map without its emitters, its table, and blurred tables, which are coarse.
-            + if fitted { (OEM + TABLE + 4) * bordered } else { 0 };
-        Self { making: OEM_MAKING * inner + border, resident }
-    }
-
-    fn peak(&self) -> u64 {
-        self.making.max(self.resident)
-    }
-}
-
-/// The largest size of at most `most` that fits, by bisection; round where it is not small.
-fn largest_that(most: u32, fits: impl Fn(u32) -> bool) -> Option<u32> {
-    if !fits(1) {
-        return None;
-    }
-    let (mut low, mut high) = (1, most);
-    while low < high {
-        let middle = low + (high - low).div_ceil(2);
-        if fits(middle) { low = middle } else { high = middle - 1 }
-    }
-    Some(if low >= 64 { low / 64 * 64 } else { low })
-}
-
-/// The largest OEM that fits; a power of two for fitted lobes.
-fn largest_oem(fitted: bool, fits: impl Fn(u32) -> bool) -> Option<u32> {
-    if fitted {
-        return (4..=14).rev().map(|log2| 1 << log2).find(|size| fits(*size));
-    }
-    largest_that(16_384, fits)
-}
-
-fn at_most(option: &str, size: Option<u32>) -> String {
-    size.map_or_else(
-        || "scale the source down first".to_owned(),
-        |size| format!("{option} {size} is the largest that fits"),
-    )
 }
 
 #[cfg(test)]
@@ -248,6 +168,33 @@ mod tests {
     }
 
     #[test]
+    fn a_border_that_is_too_wide_is_named() {
+        let environment = environment();
+        for (border, filter) in [(5500, Filter::Box), (9000, Filter::Adaptive(0.005)), (16_384, Filter::Box)]
+        {
+            let settings = BakeSettings { size: 64, border: Some(border), filter, ..BakeSettings::default() };
+            let words = remedy(check_bake(&environment, std::slice::from_ref(&settings), 8));
+            let largest = words.strip_prefix("`border` ").and_then(|rest| rest.split(' ').next());
+            let largest: u32 = largest.and_then(|word| word.parse().ok()).expect("a border");
+            check_bake(&environment, &[BakeSettings { border: Some(largest), ..settings.clone() }], 8)
+                .expect("the border named fits");
+            let query = ReflectorSettings { border: Some(border), ..ReflectorSettings::default() };
+            let words = remedy(check_query(environment.layout(), &query, Lobe::Ggx, 0.5, filter));
+            assert!(words.starts_with("`border` "), "{words}");
+        }
+        // The border fits beside a smaller map.
+        let settings = BakeSettings { oem_size: Some(16_384), border: Some(8), ..BakeSettings::default() };
+        assert!(remedy(check_bake(&environment, &[settings], 8)).starts_with("`oem_size` "));
+    }
+
+    #[test]
+    fn squares_are_refused_with_the_largest_that_fits() {
+        check_square("this", "`size`", 4096, 256).expect("4 GiB");
+        let words = remedy(check_square("this", "`size`", 4097, 256));
+        assert_eq!(words, "`size` 4096 is the largest that fits");
+    }
+
+    #[test]
     fn queries_and_sources_count() {
         let layout = environment().layout();
         let settings = ReflectorSettings { oem_size: Some(8192), ..ReflectorSettings::default() };
@@ -257,7 +204,7 @@ mod tests {
         assert!(remedy(query(&settings, 0.05)).starts_with("`oem_size` "), "cells of one texel");
         query(&ReflectorSettings { sharpest: 0.5, ..settings }, 0.5).expect("coarse cells");
         let served = Served { lobe: Lobe::Ggx, roughness: 0.5, filter: Filter::Box };
-        let few = check_query_within(layout, &ReflectorSettings::default(), served, 100);
+        let few = ReflectorSettings::default().check_memory("this query", layout, &[served], 100);
         assert_eq!(remedy(few), "scale the source down first");
     }
 }

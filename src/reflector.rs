@@ -19,6 +19,7 @@ use crate::realtime::emitters::{self, Emitter};
 use crate::realtime::tables::Table;
 use crate::sat::{Sat, Scan};
 use crate::sh;
+use crate::table_bytes::{LIMIT, SOURCE, Served, Tables, at_most, largest_oem, largest_that};
 use glam::{DMat3, DVec3};
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -66,6 +67,48 @@ impl ReflectorSettings {
             });
         }
         Ok((OemSize { inner, border }, self.block(inner)))
+    }
+
+    /// Fails where the OEM of a source of `layout`, and the tables that lobes `served` at once are read from,
+    /// take more than `limit` bytes.
+    ///
+    /// # Errors
+    /// [`Error::Limit`], which names the largest size that fits; [`Error::Parameter`] for an OEM of no texels.
+    pub(crate) fn check_memory(
+        &self,
+        what: &str,
+        layout: Layout,
+        served: &[Served],
+        limit: u64,
+    ) -> Result<()> {
+        let bytes = |settings: &Self| {
+            let (size, block) = settings.plan(layout)?;
+            Ok(layout.texel_count() as u64 * SOURCE + Tables::of(size, block, served).peak())
+        };
+        let needed = match bytes(self) {
+            Ok(needed) if needed <= limit => return Ok(()),
+            // Beyond all indices.
+            Ok(needed) | Err(Error::Limit { needed, .. }) => needed,
+            Err(other) => return Err(other),
+        };
+        let fits = |settings: &Self| bytes(settings).is_ok_and(|bytes| bytes <= limit);
+        let narrowed =
+            largest_that(0, self.border.unwrap_or(0), |border| fits(&Self { border: Some(border), ..*self }));
+        let remedy = match narrowed {
+            Some(border) => at_most("`border`", Some(border)),
+            None => at_most("`oem_size`", self.largest_oem(layout, served, limit)),
+        };
+        Err(Error::Limit { what: what.to_owned(), needed, available: limit, remedy })
+    }
+
+    /// The largest OEM that takes at most `limit` bytes with the tables of lobes `served` at once.
+    pub(crate) fn largest_oem(&self, layout: Layout, served: &[Served], limit: u64) -> Option<u32> {
+        let source = layout.texel_count() as u64 * SOURCE;
+        largest_oem(self.fitted, |size| {
+            let settings = Self { oem_size: Some(size), ..*self };
+            let plan = settings.plan(layout);
+            plan.is_ok_and(|(size, block)| source + Tables::of(size, block, served).peak() <= limit)
+        })
     }
 
     /// Texels along an edge of the finest cells of an OEM of `inner` texels.
@@ -129,8 +172,7 @@ pub struct Reflector<'a> {
     /// What the OEM's light is scaled by.
     scale: LightScale,
     oem: Oem,
-    /// Texels along an edge of the finest cells.
-    block: u32,
+    settings: ReflectorSettings,
     constant: OnceLock<Cells>,
     bilinear: OnceLock<Cells>,
     sat: OnceLock<Sat>,
@@ -141,11 +183,11 @@ impl<'a> Reflector<'a> {
     /// Makes `environment` ready.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
+    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where making it would take more than
+    /// [`crate::memory::LIMIT`].
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
-        let (size, block) = settings.plan(environment.layout())?;
-        let (scale, oem) = scaled_oem(environment, size)?;
-        Ok(Self::of(Cow::Borrowed(environment), scale, oem, block))
+        let (scale, oem) = scaled_oem(environment, settings)?;
+        Ok(Self::of(Cow::Borrowed(environment), scale, oem, *settings))
     }
 
     /// [`Reflector::new`] for an environment that the reflector keeps.
@@ -153,24 +195,27 @@ impl<'a> Reflector<'a> {
     /// # Errors
     /// Those of [`Reflector::new`].
     pub fn owning(environment: Environment, settings: &ReflectorSettings) -> Result<Reflector<'static>> {
-        let (size, block) = settings.plan(environment.layout())?;
-        let (scale, oem) = scaled_oem(&environment, size)?;
-        Ok(Reflector::of(Cow::Owned(environment), scale, oem, block))
+        let (scale, oem) = scaled_oem(&environment, settings)?;
+        Ok(Reflector::of(Cow::Owned(environment), scale, oem, *settings))
     }
 
-    /// A reflector over an OEM that is there already, with cells down to `block` texels. Answers are in the
-    /// OEM's units.
+    /// A reflector over an OEM that is there already, made by `settings`. Answers are in the OEM's units.
     #[cfg(feature = "gpu")]
-    pub(crate) fn over(environment: &'a Environment, oem: Oem, block: u32) -> Self {
-        Self::of(Cow::Borrowed(environment), LightScale::default(), oem, block)
+    pub(crate) fn over(environment: &'a Environment, oem: Oem, settings: ReflectorSettings) -> Self {
+        Self::of(Cow::Borrowed(environment), LightScale::default(), oem, settings)
     }
 
-    const fn of(environment: Cow<'a, Environment>, scale: LightScale, oem: Oem, block: u32) -> Self {
+    const fn of(
+        environment: Cow<'a, Environment>,
+        scale: LightScale,
+        oem: Oem,
+        settings: ReflectorSettings,
+    ) -> Self {
         Self {
             environment,
             scale,
             oem,
-            block,
+            settings,
             constant: OnceLock::new(),
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
@@ -216,7 +261,8 @@ impl<'a> Reflector<'a> {
             Reconstruction::Constant => &self.constant,
             Reconstruction::Bilinear => &self.bilinear,
         };
-        cells.get_or_init(|| Cells::new(&self.oem, self.block, reconstruction))
+        let block = self.settings.block(self.oem.size().inner);
+        cells.get_or_init(|| Cells::new(&self.oem, block, reconstruction))
     }
 
     /// Emitters, and blurred tables and harmonics of the rest, over an OEM that is a power of two wide.
@@ -237,14 +283,18 @@ impl<'a> Reflector<'a> {
     /// Lobes of one family and roughness by one filter.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a roughness outside [0, 1] or an adaptive error outside (0, 1), for a filter
+    /// [`Error::Parameter`] for a roughness outside [0, 1] or an adaptive error outside [1e-6, 1), for a filter
     /// that the lobe does not have, and for fitted lobes of a count of boxes that there is not or over an OEM
-    /// that is no power of two from 16 on.
+    /// that is no power of two from 16 on; [`Error::Limit`] where the lobes' tables would take more than
+    /// [`crate::memory::LIMIT`].
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
         filter.check(lobe, Some(self.oem.size().inner))?;
+        let settings = ReflectorSettings { oem_size: Some(self.oem.size().inner), ..self.settings };
+        let served = [Served { lobe, roughness, filter }];
+        settings.check_memory("this reflector", self.environment.layout(), &served, LIMIT)?;
         let alpha = roughness * roughness;
         let mirror = lobe.has_mirror() && alpha < MIRROR_ALPHA;
         let method = match filter {
@@ -288,7 +338,9 @@ impl<'a> Reflector<'a> {
 }
 
 /// The OEM of `environment` under the scale that its light needs.
-fn scaled_oem(environment: &Environment, size: OemSize) -> Result<(LightScale, Oem)> {
+fn scaled_oem(environment: &Environment, settings: &ReflectorSettings) -> Result<(LightScale, Oem)> {
+    settings.check_memory("this reflector", environment.layout(), &[], LIMIT)?;
+    let (size, _) = settings.plan(environment.layout())?;
     let scale = LightScale::of(environment);
     Ok((scale, reparameterise::oem_from_environment(&scale.scaled(environment), size)?))
 }

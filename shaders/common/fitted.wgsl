@@ -14,19 +14,19 @@ const NODES = 78u;
 // Knots of an octave, the first and last of them and how far apart they are, in octaves of alpha over the
 // blur.
 const KNOTS = 4u;
-const FIRST_KNOT = 0.25;
-const KNOT_STEP = 0.41666667;
+const FIRST_KNOT = 0.25f;
+const KNOT_STEP = 0.41666667f;
 // How far beyond its own octave, which begins at the first knot, the parameters of one reach.
-const OVERLAP = 0.25;
+const OVERLAP = 0.25f;
 // The coarsest octave of parameters.
 const FIRST_OCTAVE = 2u;
 // Roughness from which on harmonics join the boxes, and from which on they are alone.
-const HARMONICS_FROM = 0.65;
-const HARMONICS_ALONE = 0.75;
+const HARMONICS_FROM = 0.65f;
+const HARMONICS_ALONE = 0.75f;
 // Roughness from which on the polynomial of peaks holds.
-const PEAK_FROM = 0.13;
+const PEAK_FROM = 0.13f;
 // 2^-60: entries to the harmonics' units.
-const UNIT = 8.6736174e-19;
+const UNIT = 8.6736174e-19f;
 
 // What each order of the harmonics is around one direction.
 struct Orders {

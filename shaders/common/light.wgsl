@@ -1,4 +1,4 @@
-// What of the light is the same for every lobe: `LIGHT` of src/gpu/fitted.rs.
+// The lighting data that every lobe shares: `LIGHT` of src/gpu/fitted.rs.
 
 const EMITTERS = 127u;
 

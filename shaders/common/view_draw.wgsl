@@ -4,7 +4,7 @@
 #include "common/view_scene.wgsl"
 
 // Half floats end there.
-const GREATEST = 65504.0;
+const GREATEST = 65504.0f;
 
 struct Corner {
     @location(0) position: vec3<f32>,

@@ -1,6 +1,6 @@
-// What every pixel of the viewer looks at: the uniforms of src/view/frame.rs and the pictures beside them. No
-// branch depends on the uniform alone: Mesa's lavapipe puts what such branches read into the code, and
-// compiles it anew while the camera moves.
+// Uniforms and textures of every pixel of the viewer: src/view/frame.rs. Radiance is linear; roughness is
+// perceptual. No branch depends on the uniform alone: Mesa's lavapipe specialises the code for what such
+// branches read, and would recompile it whenever the camera moves.
 
 #include "common/harmonics.wgsl"
 
@@ -85,7 +85,7 @@ struct Sample {
     direction: vec3<f32>,
     roughness: f32,
     factor: vec3<f32>,
-    // Of the world, unit, and what of the irradiance over pi around it comes back.
+    // Unit normal in world space, and the diffuse albedo: reflected radiance over (irradiance / pi).
     normal: vec3<f32>,
     albedo: vec3<f32>,
 }

@@ -1,7 +1,9 @@
-//! Measurements: exhaustive integration, comparison, statistics, the sun, the float32 table.
+//! Measurements: exhaustive integration, comparison, statistics, the sun, the float32 table, maps of the sphere.
 
 pub mod compare;
+pub mod map_table;
 pub mod oracle;
 pub mod sat_f32;
 pub mod statistics;
+pub mod stretch;
 pub mod sun;

@@ -87,8 +87,8 @@ impl Brightest {
 /// An environment parted into its sun and the rest.
 #[derive(Clone, Debug)]
 pub struct Extraction {
-    /// The light that was taken out: its irradiance is what the region shone with above what replaces it,
-    /// which also weighs its direction.
+    /// The extracted sun. Its irradiance is that of the region's radiance above what replaces it, which also
+    /// weights its direction.
     pub sun: Sun,
     /// Its share of the environment's energy, by luminance.
     pub energy_share: f64,
@@ -141,7 +141,7 @@ impl Sun {
     /// Parts `environment` into its sun and the rest; their energies add up to its own. `None` where there is
     /// no sun: where nothing stands out, and where [`Sun::find`] finds a [`Brightest::Region`].
     ///
-    /// What is taken out is the region of [`Sun::find`] with the glow that is connected to it: texels of at
+    /// Extracts the region of [`Sun::find`] with the glow that is connected to it: texels of at
     /// least eight times the surroundings' luminance, up to where the surroundings begin; and one texel more
     /// all around, where edges are blurred and compression rings. They take on the mean of the texels around
     /// the region, weighted by one over the squared distance, which in a disc is the harmonic (smoothest)

@@ -57,6 +57,10 @@ pub(super) enum Command {
     Synth(SynthArgs),
     /// Write the table of what rough surfaces reflect of white
     Dfg(DfgArgs),
+    /// Measure maps of the sphere
+    Analyze(super::analyze::AnalyzeArgs),
+    /// Convert an environment to another map of the sphere
+    Convert(super::convert::ConvertArgs),
     /// Look at glossy objects, in a window or as a picture
     #[cfg(feature = "view")]
     View(Box<super::view::ViewArgs>),
@@ -152,8 +156,8 @@ pub(super) struct BakeArgs {
     pub(super) out_layout: Option<OutputLayout>,
     /// f16, f32, rgb9e5, r11g11b10f, bc6h [default: f16]
     ///
-    /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels as floats, and
-    /// has f16 and f32 only. bc6h is for ktx2 and dds. hdr has a format of its own and takes none.
+    /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels, and those too dim
+    /// for it, as floats, and has f16 and f32 only. bc6h is for ktx2 and dds. hdr has a format of its own and takes none.
     #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
     pub(super) pixel: Option<Pixel>,
     /// Too bright texels: clamp, compress or error
@@ -201,8 +205,8 @@ pub(super) struct BakeArgs {
     pub(super) name: Option<String>,
     /// Say what would be written, and write nothing
     ///
-    /// A line a file on standard output, with --json a line an input; inputs are looked for, but read only
-    /// for --skip-unchanged.
+    /// A line a file on standard output, with --json a line an input. Inputs are read, and memory is checked:
+    /// it fails where the bake would before it begins.
     #[arg(long)]
     pub(super) dry_run: bool,
     /// Write a picture of spheres down the ladder

@@ -16,7 +16,7 @@ use octagloss::bake::report::{Circumstances, InputFileReport, Report, TargetRepo
 use octagloss::bake::{Bake, BakeSettings};
 use octagloss::export::files::{Made, files};
 use octagloss::filter::Filter;
-use octagloss::format::Pixel;
+use octagloss::format::{Pixel, RGBE_MAX};
 use octagloss::image::exposure::Exposure;
 use octagloss::image::preview;
 use octagloss::io::LayoutChoice;
@@ -166,11 +166,12 @@ impl Work {
         let fresh = self.fresh_folder()?;
         let mut text = String::new();
         for job in &self.jobs {
-            job.source.check()?;
             if self.is_up_to_date(job) {
                 continue;
             }
             job.outputs.check(&self.common, fresh)?;
+            let opened = job.source.open(&self.input, &Talk::new(true))?;
+            self.check_memory(&opened)?;
             text += &job.outputs.foretold(&self.common, &job.source)?;
         }
         print(&text)
@@ -236,10 +237,7 @@ impl Work {
         // Before it is read: should it change meanwhile, it is found changed.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, talk)?;
-        let settings: Vec<BakeSettings> =
-            self.common.plans.iter().map(|BakePlan { settings, .. }| settings.clone()).collect();
-        let encoded = self.common.plans.iter().map(|BakePlan { plan, .. }| texel_bytes(plan.pixel)).max();
-        memory::check_bake(&opened.environment, &settings, encoded.unwrap_or(0))?;
+        let settings = self.check_memory(&opened)?;
         let engine = self.engine.chosen(engine, talk)?;
         if settings[0].filter == Filter::Reference {
             let seconds = reference_seconds(&opened.environment, &settings[0])?;
@@ -321,6 +319,15 @@ impl Work {
             }
         }
         Ok(())
+    }
+
+    /// The settings of the bakes, which fit into memory.
+    fn check_memory(&self, opened: &Opened) -> octagloss::Result<Vec<BakeSettings>> {
+        let plans = &self.common.plans;
+        let settings: Vec<BakeSettings> = plans.iter().map(|plan| plan.settings.clone()).collect();
+        let encoded = plans.iter().map(|plan| texel_bytes(plan.plan.pixel)).max();
+        memory::check_bake(&opened.environment, &settings, encoded.unwrap_or(0))?;
+        Ok(settings)
     }
 
     /// What messages about one plan's files begin with.
@@ -419,7 +426,7 @@ impl Stored {
         let clamped = made.iter().flat_map(|file| &file.clamped).sum();
         let clamped_share = clamped_share(bake, pixel);
         let mut warnings = Vec::new();
-        if clamped > 0 && share_matters(clamped_share) {
+        if clamped > 0 && pixel != Pixel::Rgbe && share_matters(clamped_share) {
             let remedy = if plan.target.has_container() { "; --pixel f32 keeps them" } else { "" };
             warnings.push(format!(
                 "{clamped} texels are brighter than {} can hold and were clamped, {} of a level's energy{remedy}",
@@ -427,10 +434,16 @@ impl Stored {
                 console::percent(clamped_share),
             ));
         }
+        if clamped > 0 && pixel == Pixel::Rgbe {
+            warnings.push(format!(
+                "{clamped} texels are brighter than the {RGBE_MAX:.1e} that RGBE holds and were clamped; --format exr \
+                 keeps them",
+            ));
+        }
         let floats = pixels.iter().filter(|pixel| **pixel == Pixel::F32).count();
         if floats > 0 && pixel == Pixel::Auto {
             warnings.push(format!(
-                "{floats} of {} levels are stored as float, having values above 65504",
+                "{floats} of {} levels are stored as float, being brighter or dimmer than half floats hold",
                 pixels.len()
             ));
         }

@@ -11,6 +11,7 @@ use octagloss::cpu::reparameterise::oem_from_environment;
 use octagloss::cpu::sat_scan;
 use octagloss::filter::Filter;
 use octagloss::ladder::Ladder;
+use octagloss::memory;
 use octagloss::oem::{Oem, OemSize};
 use octagloss::sat::{FixedPoint, Scan};
 use rayon::prelude::*;
@@ -69,6 +70,9 @@ struct Ratios {
     oem_two_threads_speedup: f64,
 }
 
+/// Bytes of a texel of the table at the peak: half a texel of the panorama, the map, and two tables.
+const BYTES_A_TEXEL: u64 = 6 + 16 + 2 * 32;
+
 pub(super) fn run(args: BenchArgs) -> Outcome {
     args.engine.check()?;
     if args.engine.engine == EngineArg::Gpu || args.engine.adapter.is_some() {
@@ -78,6 +82,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
         return super::outcome::usage("this program was built without the feature gpu");
     }
     let (size, runs) = (args.size, args.runs);
+    memory::check_square("this bench", "--size", size, BYTES_A_TEXEL)?;
     let environment = sky(size)?;
     let oem = oem_from_environment(&environment, OemSize { inner: size, border: 0 })?;
 

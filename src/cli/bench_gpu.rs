@@ -20,6 +20,7 @@ use octagloss::gpu::sat_hensley::SatHensley;
 use octagloss::gpu::sat_scan::SatScan;
 use octagloss::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on, box_filter};
 use octagloss::ladder::Ladder;
+use octagloss::memory;
 use octagloss::oem::OemSize;
 use octagloss::sphere::equirect::direction_from_equirect;
 use octagloss::{Environment, Layout};
@@ -76,6 +77,10 @@ impl Clock<'_> {
     }
 }
 
+/// Bytes of a texel of the table on the CPU at the peak: the panorama, twice as large, and a cube with faces
+/// half as large, as it is made and as it is uploaded.
+const BYTES_A_TEXEL: u64 = 2 * 12 + 3 * (12 + 16) / 2;
+
 pub(super) fn run(args: &BenchArgs) -> Outcome {
     let Engine::Gpu { engine, .. } = args.engine.choose(&Talk::new(true))? else {
         return super::outcome::usage(
@@ -86,6 +91,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let clock = Clock { context, timer: Timer::new(context, 32)?, runs: args.runs };
 
     let size = args.size;
+    memory::check_square("this bench", "--size", size, BYTES_A_TEXEL)?;
     let planes = OemPlanes::new(context, OemSize { inner: size, border: 0 })?;
     let sat = SatPlanes::new(context, planes.size())?;
     let source = cube(size / 2)?;

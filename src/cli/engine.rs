@@ -117,7 +117,7 @@ impl EngineArgs {
             return Ok(Engine::Cpu);
         }
         let on_cpu = || {
-            talk.note("engine: cpu (no hardware GPU found)");
+            talk.note("no hardware GPU found; using the CPU");
             Ok(Engine::Cpu)
         };
         if self.engine == EngineArg::Auto && self.adapter.is_none() && !may_have_hardware() {

@@ -69,13 +69,6 @@ impl Source {
         &self.0
     }
 
-    /// Fails where a file is missing.
-    pub(super) fn check(&self) -> octagloss::Result<()> {
-        self.0.iter().try_for_each(|file| {
-            fs::metadata(file).map(drop).map_err(|error| octagloss::Error::io(file, error))
-        })
-    }
-
     /// What outputs are named after: the file's stem or the folder's name; of six faces what their stems
     /// begin with, or else the name of their folder.
     pub(super) fn stem(&self) -> String {

@@ -2,6 +2,7 @@
 //!
 //! Standard output is data and standard error is talk. Exit status: 0 done, 1 failed, 2 usage.
 
+mod analyze;
 mod args;
 mod bake;
 mod bake_plan;
@@ -10,6 +11,7 @@ mod bench;
 mod bench_gpu;
 mod compare;
 mod console;
+mod convert;
 mod dfg;
 mod directions;
 mod engine;
@@ -66,6 +68,8 @@ fn run(command: Command) -> Outcome {
         Command::Bench(args) => bench::run(args),
         Command::Synth(args) => synth::run(args),
         Command::Dfg(args) => dfg::run(args),
+        Command::Analyze(args) => analyze::run(&args),
+        Command::Convert(args) => convert::run(&args),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(*args),
         #[cfg(not(feature = "view"))]
@@ -78,7 +82,7 @@ fn refuse(error: &clap::Error) -> Outcome {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => usage(
-            "a subcommand is missing: bake, query, info, compare, bench, synth, dfg or view; see octagloss --help",
+            "a subcommand is missing: bake, query, info, compare, bench, synth, dfg, analyze, convert or view; see octagloss --help",
         ),
         _ => {
             let text = error.render().to_string();

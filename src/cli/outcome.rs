@@ -1,5 +1,6 @@
 //! How a subcommand ends, and what it prints.
 
+use anyhow::anyhow;
 use octagloss::io::output as output_file;
 use octagloss::io::output::Existing;
 use std::io::{IsTerminal as _, Write as _};
@@ -44,15 +45,43 @@ pub(super) fn print(text: &str) -> Outcome {
 
 /// Writes data to standard output. A reader that has closed it is no error.
 pub(super) fn print_bytes(bytes: &[u8]) -> Outcome {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(bytes).and_then(|()| out.flush()) {
+    match write_stdout(bytes) {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::Closed),
         Err(error) => Err(anyhow::Error::new(error).context("standard output").into()),
     }
 }
 
-/// Whether the output `path` is standard output, which must not be a terminal.
+/// Writes to the descriptor itself: the standard library takes one that cannot be written for a sink.
+#[cfg(unix)]
+fn write_stdout(bytes: &[u8]) -> std::io::Result<()> {
+    use std::os::fd::AsFd as _;
+    std::fs::File::from(std::io::stdout().as_fd().try_clone_to_owned()?).write_all(bytes)
+}
+
+#[cfg(not(unix))]
+fn write_stdout(bytes: &[u8]) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(bytes)?;
+    out.flush()
+}
+
+/// Whether standard output was closed when the program began. The standard library then opens the null device
+/// in its place, for reading and writing; shells open it for writing alone.
+#[cfg(unix)]
+fn stdout_was_closed() -> bool {
+    use rustix::fs::{OFlags, fcntl_getfl, fstat, stat};
+    let out = std::io::stdout();
+    let is_null = fstat(&out).ok().zip(stat("/dev/null").ok()).is_some_and(|(a, b)| a.st_rdev == b.st_rdev);
+    is_null && fcntl_getfl(&out).is_ok_and(|flags| flags.contains(OFlags::RDWR))
+}
+
+#[cfg(not(unix))]
+const fn stdout_was_closed() -> bool {
+    false
+}
+
+/// Whether the output `path` is standard output, which must neither be a terminal nor closed.
 pub(super) fn is_stdout(path: &Path) -> Outcome<bool> {
     // As it was typed: `./-` is a file.
     let is_stdout = path.as_os_str() == "-";
@@ -60,6 +89,9 @@ pub(super) fn is_stdout(path: &Path) -> Outcome<bool> {
         return usage(
             "-o - writes binary data, and standard output is a terminal; send it to a file or a pipe",
         );
+    }
+    if is_stdout && stdout_was_closed() {
+        return Err(anyhow!("standard output is closed, and -o - writes there; name a file with -o").into());
     }
     Ok(is_stdout)
 }

@@ -119,7 +119,7 @@ pub(super) fn filter(text: &str) -> Result<Filter, String> {
         ("adaptive", Some(value)) => match value.parse() {
             Ok(error) if (LEAST_ERROR..1.0).contains(&error) => Ok(Filter::Adaptive(error)),
             _ => Err(format!(
-                "the error of adaptive:E must be a number from {LEAST_ERROR:e}, the least that float32 reaches, to 1"
+                "the error of adaptive:E must be at least {LEAST_ERROR:e}, the least that float32 reaches, and below 1"
             )),
         },
         ("fitted", None) => Ok(Filter::Fitted(4)),

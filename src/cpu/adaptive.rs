@@ -164,7 +164,7 @@ impl<'a> Adaptive<'a> {
             let errors = expected_errors(kernel, packet, &quads);
             for ((quad, errors), (level, i, j)) in quads.iter().zip(&errors).zip(places).take(count) {
                 for k in 0..4 {
-                    // Black cells say nothing.
+                    // Cells without luminance contribute nothing.
                     if quad.luminance[k] == 0.0 {
                         continue;
                     }

@@ -30,14 +30,31 @@ pub(super) struct Quad {
     pub(super) blue: [f32; 4],
 }
 
+/// The fields of [`Quad`] as `shaders/common/quad.wgsl` counts them, in vectors of four floats.
+#[cfg(feature = "gpu")]
+pub(crate) const FIELDS: [(&str, usize); 9] = {
+    use std::mem::offset_of;
+    [
+        ("FIELD_X", offset_of!(Quad, x) / 16),
+        ("FIELD_Y", offset_of!(Quad, y) / 16),
+        ("FIELD_Z", offset_of!(Quad, z) / 16),
+        ("FIELD_COVARIANCE", offset_of!(Quad, covariance) / 16),
+        ("FIELD_RADIUS", offset_of!(Quad, radius) / 16),
+        ("FIELD_LUMINANCE", offset_of!(Quad, luminance) / 16),
+        ("FIELD_RED", offset_of!(Quad, red) / 16),
+        ("FIELD_GREEN", offset_of!(Quad, green) / 16),
+        ("FIELD_BLUE", offset_of!(Quad, blue) / 16),
+    ]
+};
+
 /// What is less than this share of a texel's energy above the least radiance is rounding: left in, black
 /// texels would count for how far their cells reach.
-const RESIDUE: f32 = 1.0 / (1 << 21) as f32;
+pub(crate) const RESIDUE: f32 = 1.0 / (1 << 21) as f32;
 
 /// Energy of a channel of a texel that counts as none: its product with a difference of directions, 2^-24,
 /// would be subnormal, which GPUs flush, and the reciprocal of a subnormal luminance infinite.
 /// [`omitted_radiance`] is what it may add to an answer.
-pub(super) const FAINT: f32 = 1.0 / (1_u128 << 94) as f32;
+pub(crate) const FAINT: f32 = 1.0 / (1_u128 << 94) as f32;
 
 /// The radiance that energies up to [`FAINT`] in texels of an OEM of `inner` texels may have in the answer
 /// for any lobe.

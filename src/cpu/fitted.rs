@@ -14,9 +14,9 @@ use crate::sphere::octahedral::{oct_from_direction, solid_angle_density};
 use glam::{DVec2, DVec3};
 
 /// Roughness from which harmonics contribute beside the boxes.
-const HARMONICS_FROM: f64 = 0.65;
+pub(crate) const HARMONICS_FROM: f64 = 0.65;
 /// Roughness from which harmonics alone contribute.
-const HARMONICS_ALONE: f64 = 0.75;
+pub(crate) const HARMONICS_ALONE: f64 = 0.75;
 
 /// The finest octave in use. The parameters of the next one, for roughness 0.1 to 0.14, are no better than
 /// mixing with the mirror.

@@ -10,4 +10,4 @@ pub mod box_filter;
 pub mod cells;
 pub(crate) mod fitted;
 pub mod mirror;
-mod subtexel;
+pub(crate) mod subtexel;

@@ -24,7 +24,7 @@ struct Piece {
 /// Longer sides in (u, v) have no centroid that two nodes find exactly enough: what those miss, |d^4 l/du^4|
 /// <= 216 over 4320 times the fourth power of the side, is below 5e-8 here. Texels of 64 and more along an
 /// edge are never so large.
-const SMOOTH_SIDE: f64 = 1.0 / 32.0;
+pub(crate) const SMOOTH_SIDE: f64 = 1.0 / 32.0;
 
 /// The spread's density on [a, b], 0 <= a <= b, along one axis: its mass, and two nodes with their shares of
 /// it, which have its first three moments.

@@ -37,7 +37,7 @@ pub enum Pixel {
     /// Three 8-bit mantissas and a shared 8-bit exponent, clamped at [`RGBE_MAX`]; in .hdr images only.
     #[cfg_attr(feature = "cli", value(skip))]
     Rgbe,
-    /// [`Pixel::F16`], but [`Pixel::F32`] for an image with a value that half floats cannot hold: see
+    /// [`Pixel::F16`], but [`Pixel::F32`] for an image that is too bright or too dim for half floats: see
     /// [`Pixel::stored`].
     #[cfg_attr(feature = "cli", value(skip))]
     Auto,
@@ -77,8 +77,8 @@ impl Pixel {
     pub const fn rounded_to_zero(self) -> f32 {
         match self {
             // Half of the least step, which goes to the even number.
-            Self::F16 | Self::Bc6h | Self::Auto => 1.0 / (1_u32 << 25) as f32,
-            Self::F32 => 0.0,
+            Self::F16 | Self::Bc6h => 1.0 / (1_u32 << 25) as f32,
+            Self::F32 | Self::Auto => 0.0,
             // Below half of the least step.
             Self::Rgb9e5 => f32::from_bits((1.0 / (1_u32 << 25) as f32).to_bits() - 1),
             Self::R11g11b10 => 1.0 / (1_u32 << 21) as f32,
@@ -94,8 +94,12 @@ impl Pixel {
     #[must_use]
     pub fn stored(self, texels: &[Rgb]) -> Self {
         match self {
-            Self::Auto if Self::F16.clamped(texels) == 0 => Self::F16,
-            Self::Auto => Self::F32,
+            Self::Auto => {
+                // So dim that half floats keep less than their eleven bits of even the brightest texel.
+                let brightest = texels.as_flattened().iter().copied().fold(0.0, f32::max);
+                let dim = brightest > 0.0 && brightest < f16::MIN_POSITIVE.to_f32();
+                if dim || Self::F16.clamped(texels) > 0 { Self::F32 } else { Self::F16 }
+            }
             other => other,
         }
     }

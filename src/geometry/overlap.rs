@@ -23,6 +23,7 @@ use glam::{DMat3, DVec3};
 use index::SourceMap;
 use rayon::prelude::*;
 
+pub(super) use grid::{Accumulator, walk_outline};
 pub use index::Target;
 
 /// One entry of the matrix before it is sorted.

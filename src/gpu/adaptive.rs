@@ -1,7 +1,7 @@
 //! Adaptive quadrature of lobes over the cells: one workgroup for each packet of directions.
 
 use super::cells::CellTree;
-use super::device::stage::Dispatch;
+use super::device::stage::{Dispatch, in_rows};
 use super::device::{readback, shader};
 use super::{Context, Stage};
 use crate::cpu::cells::omitted_radiance;
@@ -14,9 +14,6 @@ use glam::DVec3;
 /// Invocations of a workgroup.
 pub const GROUP_SIZE: u32 = 64;
 
-/// Packets along a row of the dispatch.
-const ROW: u32 = 32_768;
-
 /// Packets in one batch of buffers: 27 MB of directions.
 const BATCH: usize = 1 << 17;
 
@@ -24,7 +21,7 @@ const BATCH: usize = 1 << 17;
 pub const LEVELS: usize = 16;
 
 /// Leaf count that the shader stores for a packet whose walk was cut short.
-const INCOMPLETE: u32 = 1 << 31;
+pub(super) const INCOMPLETE: u32 = 1 << 31;
 
 /// The uniform of one part of a lobe.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -234,7 +231,7 @@ impl Adaptive {
                     (4, results.as_entire_binding()),
                     (5, leaves.as_entire_binding()),
                 ],
-                [(*count).min(ROW), count.div_ceil(ROW), 1],
+                in_rows(*count),
             )
         });
         Stage::new("adaptive", dispatches.collect())

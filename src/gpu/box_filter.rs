@@ -1,6 +1,6 @@
 //! Box queries over the exact SAT in textures: for lists of directions, and as WGSL for the caller's shaders.
 
-use super::device::stage::Dispatch;
+use super::device::stage::{Dispatch, in_rows};
 use super::device::{readback, shader};
 use super::oem::Table;
 use super::{Context, SatPlanes, Stage};
@@ -13,9 +13,6 @@ pub const EDGE: u32 = 16;
 
 /// Invocations of a workgroup that queries.
 pub const GROUP_SIZE: u32 = 64;
-
-/// Workgroups along a row of the dispatch.
-const ROW: u32 = 32_768;
 
 /// An exact table as shaders query it: two textures of words, and a header with exponents and sizes.
 ///
@@ -231,7 +228,8 @@ async fn ask<A: bytemuck::Pod>(
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &table, &[]);
         pass.set_bind_group(1, &lists, &[]);
-        pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
+        let [x, y, z] = in_rows(groups);
+        pass.dispatch_workgroups(x, y, z);
     });
     readback::read(context, &answered).await
 }

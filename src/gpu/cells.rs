@@ -13,7 +13,10 @@ use crate::geometry::tent::{Reconstruction, Tents};
 pub const EDGE: u32 = 8;
 
 /// Bytes of a quad: fifteen vectors of four.
-const QUAD: u64 = 240;
+const QUAD: u64 = 16 * QUAD_FIELDS as u64;
+
+/// Vectors of four floats in a quad: the fields of the CPU's, and one to spare.
+pub(super) const QUAD_FIELDS: usize = 15;
 
 /// Bytes of a texel's moments.
 const TENT: u64 = 48;
@@ -103,7 +106,7 @@ impl CellTree {
     pub fn of_leaves(context: &Context, leaves: &[[f32; 14]], least: [f32; 3]) -> Self {
         let cells = (leaves.len().max(1) as f64).sqrt().ceil() as u32;
         let (levels, count) = levels_over(cells);
-        let mut quads = vec![[[0.0; 4]; 15]; count as usize];
+        let mut quads = vec![[[0.0; 4]; QUAD_FIELDS]; count as usize];
         let place = |level: usize, i: u32, j: u32| {
             let [first, width] = levels[level];
             ((first + j / 2 * width + i / 2) as usize, (i % 2 + 2 * (j % 2)) as usize)
@@ -137,7 +140,7 @@ impl CellTree {
         reconstruction: Reconstruction,
         [red, green, blue]: [f32; 3],
         levels: Vec<[u32; 2]>,
-        quads: &[[[f32; 4]; 15]],
+        quads: &[[[f32; 4]; QUAD_FIELDS]],
     ) -> Self {
         let least = context.storage_of("least radiance", &[red, green, blue, 0.0]);
         Self { inner, block, reconstruction, least, quads: context.storage_of("quads", quads), levels }

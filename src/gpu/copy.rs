@@ -1,14 +1,11 @@
 //! A plain copy kernel, the reference for the bandwidth of the scans.
 
 use super::device::shader;
-use super::device::stage::Dispatch;
+use super::device::stage::{Dispatch, in_rows};
 use super::{Context, SatPlanes, Stage};
 
 /// Invocations of a workgroup.
 pub const GROUP_SIZE: u32 = 256;
-
-/// Workgroups along a row of the dispatch.
-const ROW: u32 = 32_768;
 
 /// The pipeline.
 #[derive(Clone, Debug)]
@@ -35,7 +32,7 @@ impl Copy {
                 context,
                 &self.pipeline,
                 &[(0, sat.planes()[from].as_entire_binding()), (1, sat.planes()[to].as_entire_binding())],
-                [groups.min(ROW), groups.div_ceil(ROW), 1],
+                in_rows(groups),
             )
         });
         Stage::new("copy", dispatches.into())

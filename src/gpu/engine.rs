@@ -180,7 +180,7 @@ pub struct Reflector<'a> {
     planes: OemPlanes,
     /// What fills the planes.
     stage: Stage,
-    block: u32,
+    settings: ReflectorSettings,
     constant: OnceLock<(CellTree, Stage)>,
     bilinear: OnceLock<(CellTree, Stage)>,
     sat: OnceLock<SatTextures>,
@@ -197,7 +197,7 @@ impl<'a> Reflector<'a> {
         environment: &'a Environment,
         settings: &ReflectorSettings,
     ) -> Result<Self> {
-        let (size, block) = settings.plan(environment.layout())?;
+        let (size, _) = settings.plan(environment.layout())?;
         let context = &engine.context;
         let scale = LightScale::of(environment);
         let texture = reparameterise::upload(context, &scale.scaled(environment))?;
@@ -212,7 +212,7 @@ impl<'a> Reflector<'a> {
             texture,
             planes,
             stage,
-            block,
+            settings: *settings,
             constant: OnceLock::new(),
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
@@ -242,7 +242,8 @@ impl<'a> Reflector<'a> {
             return Ok(tree);
         }
         let Engine { context, cells, .. } = self.engine;
-        let (stage, tree) = cells.stage(context, &self.planes, self.block, reconstruction)?;
+        let block = self.settings.block(self.planes.size().inner);
+        let (stage, tree) = cells.stage(context, &self.planes, block, reconstruction)?;
         context.submit(|encoder| stage.record(encoder));
         Ok(&place.get_or_init(|| (tree, stage)).0)
     }
@@ -346,7 +347,7 @@ impl<'a> Reflector<'a> {
         };
         if is_near_mirror(lobe, alpha) {
             let oem = self.planes.read(context).await?;
-            let reflector = crate::reflector::Reflector::over(self.environment, oem, self.block);
+            let reflector = crate::reflector::Reflector::over(self.environment, oem, self.settings);
             let lobes = reflector.lobes(lobe, roughness, filter)?;
             let (mut workspace, mut lanes) = (Workspace::default(), Vec::new());
             for group in groups {

@@ -8,10 +8,10 @@
 
 use super::device::readback;
 use super::device::shader::{self, Queries};
-use super::device::stage::Dispatch;
+use super::device::stage::{Dispatch, in_rows};
 use super::octaves::{BORDER, Octave};
-
 use super::{Context, Stage};
+use crate::cpu::fitted::HARMONICS_FROM;
 use crate::error::{Error, Result};
 use crate::lobe::{Lobe, kernel_integral, zonal_weights};
 use crate::realtime::emitters;
@@ -23,20 +23,14 @@ use std::f64::consts::PI;
 /// Invocations of a workgroup.
 pub const GROUP_SIZE: u32 = 64;
 
-/// Workgroups along a row of the dispatch.
-const ROW: u32 = 32_768;
-
-/// Coefficients of a polynomial over the roughness range in which harmonics contribute.
+/// Coefficients of a polynomial over the roughness range from [`HARMONICS_FROM`] to 1.
 const ZONAL: usize = 8;
-
-/// Least roughness of that range.
-const HARMONICS_FROM: f64 = 0.65;
 
 /// Coefficients of a polynomial, four to a vector, over the roughness range of boxes and emitters.
 const PEAK: usize = 12;
 
 /// Least roughness of that range, slightly below that of the finest octave's sharpest lobe.
-const PEAK_FROM: f64 = 0.13;
+pub(super) const PEAK_FROM: f64 = 0.13;
 
 /// Byte offset of the emitter array in `OctaglossLight`: it follows least radiance, units and harmonics.
 pub(super) const EMITTERS_OFFSET: u64 = 16 * (1 + 2 + 25);
@@ -357,7 +351,7 @@ impl Fitted {
                 wgpu::BindGroupEntry { binding: 1, resource: answers.as_entire_binding() },
             ],
         });
-        let workgroups = [groups.min(ROW), groups.div_ceil(ROW), 1];
+        let workgroups = in_rows(groups);
         let dispatch = Dispatch::with_groups(&self.pipeline, vec![tables, lists], workgroups);
         (Stage::new("fitted", vec![dispatch]), answers)
     }

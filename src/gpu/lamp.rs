@@ -43,7 +43,7 @@ impl Lamp {
         }
     }
 
-    /// A uniform buffer that holds it, to be written anew when it moves.
+    /// Creates the uniform buffer; write it again when the lamp moves.
     #[must_use]
     pub fn buffer(&self, context: &Context) -> wgpu::Buffer {
         context.uniform("lamp", self)

@@ -41,6 +41,8 @@ pub mod reparameterise;
 pub mod sat_f32;
 pub mod sat_hensley;
 pub mod sat_scan;
+#[doc(hidden)]
+pub mod shared;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use device::block_on::block_on;

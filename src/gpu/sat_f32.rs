@@ -20,8 +20,8 @@ pub struct Doubling {
     side: u32,
     axis: u32,
     stride: u32,
-    padding: u32,
 }
+shader::members!(Doubling { side, axis, stride });
 
 /// Pipelines of the pass.
 #[derive(Clone, Debug)]
@@ -101,7 +101,7 @@ impl SatF32 {
             ),
         ];
         for (pass, (axis, stride)) in strides.iter().enumerate() {
-            let uniform = Doubling { side, axis: *axis, stride: *stride, padding: 0 };
+            let uniform = Doubling { side, axis: *axis, stride: *stride };
             dispatches.push(Dispatch::new(
                 context,
                 &self.double_sums,

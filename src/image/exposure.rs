@@ -22,8 +22,8 @@ pub const RANGE: std::ops::RangeInclusive<f64> = -40.0..=40.0;
 /// The luminance that the log-average is shown at.
 const MIDDLE_GREY: f64 = 0.18;
 
-/// Automatic exposures stay within this range either way, which float32 has room for.
-const MOST: f64 = 100.0;
+/// Automatic exposures stay within this range either way: more than all of float32's radiance asks for.
+const MOST: f64 = 160.0;
 
 impl Exposure {
     /// The power of two, `automatic` being that of [`Exposure::Auto`].
@@ -124,9 +124,7 @@ mod tests {
             let ev = of_level(&level);
             assert!((ev - of_environment(&environment)).abs() < 1e-9, "one rule");
             let shown = f64::from(radiance) * ev.exp2();
-            let held = (1e-30..1e30).contains(&radiance);
-            assert!(!held || (shown - 0.18).abs() < 1e-6, "{radiance} is shown as {shown}");
-            assert!((ev.exp2() as f32).is_normal(), "{ev} fits float32");
+            assert!((shown - 0.18).abs() < 1e-6, "{radiance} is shown as {shown}");
         }
         let black = Level::cube(1, 0.0, vec![[0.0; 3]; 6]);
         assert_eq!(of_level(&black), 0.0);

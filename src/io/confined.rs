@@ -1,10 +1,13 @@
 //! Reads the files that another file names, and no others.
 
 use super::regular::open_regular;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, quoted};
 use std::fs;
 use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
+
+/// Bytes of the longest relative path that messages show whole.
+const MOST_PATH: usize = 255;
 
 /// Reads what a file refers to by URIs: data inside them, and regular files below one folder.
 #[derive(Debug)]
@@ -55,7 +58,7 @@ impl<'a> Confined<'a> {
     }
 
     fn file(&self, uri: &str) -> Result<Vec<u8>> {
-        let refuse = |why: &str| Error::input(self.path, format!("refers to {}: {why}", shortened(uri)));
+        let refuse = |why: &str| Error::input(self.path, format!("refers to {}: {why}", quoted(uri)));
         let name = urlencoding::decode(uri).map_err(|_| refuse("not text in UTF-8"))?;
         // A letter and a colon would be a drive.
         if name.contains([':', '\0']) {
@@ -84,7 +87,13 @@ impl<'a> Confined<'a> {
             }
         }
         // Links are followed as far as they stay inside.
-        let missing = |error| Error::io(&place, error);
+        let missing = |error: std::io::Error| {
+            if name.len() > MOST_PATH || name.contains(char::is_control) {
+                refuse(&error.to_string())
+            } else {
+                Error::io(&place, error)
+            }
+        };
         let real = fs::canonicalize(&place).map_err(missing)?;
         if !real.starts_with(top) {
             return Err(refuse("a link out of the mesh's folder; `mesh_root` DIR allows files below DIR"));
@@ -97,7 +106,7 @@ impl<'a> Confined<'a> {
 
     fn too_large(&self, uri: &str) -> Error {
         Error::Limit {
-            what: format!("{}: {} with the files before it", self.path.display(), shortened(uri)),
+            what: format!("{}: {} with the files before it", self.path.display(), quoted(uri)),
             needed: self.limit.saturating_add(1),
             available: self.limit,
             remedy: "use a smaller mesh".to_owned(),
@@ -115,14 +124,4 @@ fn decoded(data: &str) -> Result<Vec<u8>, String> {
     } else {
         Ok(urlencoding::decode_binary(data.as_bytes()).into_owned())
     }
-}
-
-/// `text` as a message can hold it: quoted, control characters escaped, at most 80 characters.
-pub(crate) fn shortened(text: &str) -> String {
-    const MOST: usize = 80;
-    let mut start: String = text.chars().take(MOST).collect();
-    if start.len() < text.len() {
-        start.push_str("...");
-    }
-    format!("{start:?}")
 }

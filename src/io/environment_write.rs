@@ -30,14 +30,23 @@ pub fn write_environment(
 /// [`Error::Input`] for another extension.
 pub fn environment_bytes(path: &Path, environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
+    picture_bytes(path, width, height, &texels, comment)
+}
+
+/// The file of a picture of `width` x `height` texels, row by row, its format by the extension of `path`: `exr`
+/// (halves, or floats where halves cannot hold a value) or `hdr`.
+///
+/// # Errors
+/// [`Error::Input`] for another extension.
+pub fn picture_bytes(path: &Path, width: u32, height: u32, texels: &[Rgb], comment: &str) -> Result<Vec<u8>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("exr") => {
-            let pixel = if Pixel::F16.clamped(&texels) == 0 { Pixel::F16 } else { Pixel::F32 };
+            let pixel = if Pixel::F16.clamped(texels) == 0 { Pixel::F16 } else { Pixel::F32 };
             let attributes = [("comments".to_owned(), Attribute::Text(comment.to_owned()))];
-            exr_bytes(width, height, Samples::Rgb(&texels), pixel, &attributes)
+            exr_bytes(width, height, Samples::Rgb(texels), pixel, &attributes)
         }
-        Some("hdr") => hdr_bytes(width, height, &texels),
+        Some("hdr") => hdr_bytes(width, height, texels),
         _ => Err(Error::input(path, "an environment is written as .exr or .hdr")),
     }
 }

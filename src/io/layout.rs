@@ -34,6 +34,8 @@ pub enum LayoutChoice {
     Faces,
     /// An octahedral square, 1:1.
     Octahedral,
+    /// A picture of any shape, its texels in rows as those of a panorama: to be cut up by the caller.
+    Picture,
 }
 
 /// A face's place in the image, in units of its size.
@@ -179,6 +181,7 @@ pub(super) fn arrangement(
             (None, "one image is not six faces; give six files, or say `layout` cross or strip")
         }
         LayoutChoice::Octahedral => (octahedral(), "an octahedral square must be 1:1; say another `layout`"),
+        LayoutChoice::Picture => (Some(whole(Layout::Panorama { width, height }, "picture")), ""),
     };
     found.ok_or_else(|| Error::input(path, format!("{width}x{height}: {needed}")))
 }

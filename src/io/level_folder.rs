@@ -7,6 +7,7 @@ use super::layout::{LayoutChoice, arrangement};
 use super::panics::contained;
 use super::picture::{Content, Picture, Source, Stored, check_finite};
 use super::provenance::Provenance;
+use super::regular::open_regular;
 use super::side_report::MOST_REPORT_BYTES;
 use super::side_report::{REPORT, ReportLevel, SideReport};
 use super::{exr, hdr};
@@ -15,7 +16,11 @@ use crate::environment::Layout;
 use crate::error::{Error, Result};
 use crate::format::LevelName;
 use crate::sphere::cube::Face;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
+
+/// Bytes that the header of a level's file may have: those that are written have a few thousand.
+const MOST_HEADER_BYTES: u64 = 64 << 10;
 
 /// Files hold roughness in single precision or as text.
 const SAME_ROUGHNESS: f64 = 1e-5;
@@ -74,7 +79,7 @@ impl Listing {
     fn of(folder: &Path, memory_limit: u64) -> Result<Self> {
         let path = folder.join(REPORT);
         if !path.is_file() {
-            return Self::of_files(folder, memory_limit)?.ok_or_else(|| {
+            return Self::of_files(folder)?.ok_or_else(|| {
                 Error::input(
                     folder,
                     "a directory without a report.json; give an image, or a level folder that octagloss bake wrote",
@@ -86,36 +91,30 @@ impl Listing {
         let report: SideReport = serde_json::from_slice(source.bytes)
             .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
         check_levels(&source, &report.levels)?;
-        if let Some(files) = Self::of_files(folder, memory_limit)? {
-            let mut pairs = report.levels.iter().zip(&files.levels);
-            let differs = |said: f64, found: f64| (said - found).abs() > SAME_ROUGHNESS;
-            if let Some((said, found)) = pairs.find(|(said, found)| differs(said.roughness, found.roughness))
-            {
-                return Err(source.error(format!(
-                    "it says roughness {} of level {}, whose files say {}: it belongs to another bake; remove it",
-                    said.roughness, said.level, found.roughness
-                )));
-            }
+        let files = Self::of_files(folder)?.map_or_else(Vec::new, |files| files.levels);
+        let differ = |(said, found): &(&ReportLevel, &ReportLevel)| {
+            (said.roughness - found.roughness).abs() > SAME_ROUGHNESS
+        };
+        if let Some((said, found)) = report.levels.iter().zip(&files).find(differ) {
+            return Err(source.error(format!(
+                "it says roughness {} of level {}, whose files say {}: it belongs to another bake; remove it",
+                said.roughness, said.level, found.roughness
+            )));
         }
         Ok(Self { provenance: report.provenance(), levels: report.levels })
     }
 
     /// What the headers of the files say; `None` where the first does not say its roughness.
-    fn of_files(folder: &Path, memory_limit: u64) -> Result<Option<Self>> {
+    fn of_files(folder: &Path) -> Result<Option<Self>> {
         let mut levels = Vec::new();
         for level in 0u32.. {
             let image = image_file(folder, level);
             let Some(path) = image.clone().or_else(|| face_file(folder, level, Face::PosX).ok()) else {
                 break;
             };
-            let bytes = super::decode::file_bytes(&path, memory_limit)?;
-            let source = Source { path: &path, bytes: &bytes, memory_limit };
-            let header = || match Format::sniff(source.bytes) {
-                Some(Format::OpenExr) => exr::read::level_told(&source),
-                Some(Format::Radiance) => hdr::read::level_told(&source),
-                _ => Ok(None),
-            };
-            let Some((width, height, roughness)) = contained(&path, header)? else { break };
+            let bytes = header_bytes(&path)?;
+            let source = Source { path: &path, bytes: &bytes, memory_limit: MOST_HEADER_BYTES };
+            let Some((width, height, roughness)) = level_told(&source)? else { break };
             let size = match image {
                 Some(_) => {
                     let place = arrangement(&path, width, height, Content::Image, LayoutChoice::Auto)?;
@@ -128,6 +127,23 @@ impl Listing {
         }
         Ok((!levels.is_empty()).then(|| Self { levels, provenance: Provenance::default() }))
     }
+}
+
+/// The beginning of the file `path`, with its header.
+fn header_bytes(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let file = open_regular(path)?.take(MOST_HEADER_BYTES).read_to_end(&mut bytes);
+    file.map_err(|error| Error::io(path, error))?;
+    Ok(bytes)
+}
+
+/// Columns, rows and roughness of a level's image, where its header says the roughness.
+fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
+    contained(source.path, || match Format::sniff(source.bytes) {
+        Some(Format::OpenExr) => exr::read::level_told(source),
+        Some(Format::Radiance) => hdr::read::level_told(source),
+        _ => Ok(None),
+    })
 }
 
 /// Levels are numbered from 0, each half the size of the one before.

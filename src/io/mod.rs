@@ -6,7 +6,7 @@
 //! against [`ReadOptions::memory_limit`].
 
 mod color;
-#[cfg(feature = "view")]
+#[cfg(feature = "mesh")]
 pub(crate) mod confined;
 pub mod cube_file;
 pub mod cube_write;

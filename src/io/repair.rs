@@ -89,14 +89,20 @@ pub(super) fn non_finite(
         });
     }
     for channel in 0..3 {
-        sanitize_channel(texels, width, channel, repairs);
+        if !sanitize_channel(texels, width, channel, repairs) {
+            let name = ['R', 'G', 'B'][channel];
+            let message =
+                format!("its channel {name} has Inf and no finite value to repair it by; render it anew");
+            return Err(Error::input(path, message));
+        }
     }
     Ok(())
 }
 
 /// NaN and minus infinity to 0, infinity to the largest finite value around, rings growing until one is
-/// found.
-fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &mut Repairs) {
+/// found. Returns whether there was one for every infinity.
+#[must_use]
+fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &mut Repairs) -> bool {
     let height = texels.len() / width;
     // A value grows inwards from the rim of each region, a ring a round: each texel is settled once.
     let mut open: Vec<usize> = (0..texels.len()).filter(|&at| !texels[at][channel].is_finite()).collect();
@@ -131,7 +137,9 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
             .collect();
         if settled.is_empty() {
             // Nothing finite in the whole channel.
-            open.iter().for_each(|&at| texels[at][channel] = 0.0);
+            if !infinite.is_empty() {
+                return false;
+            }
             break;
         }
         rim.clear();
@@ -161,6 +169,7 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
     for at in infinite {
         texels[at][channel] = texels[at][channel].max(0.0);
     }
+    true
 }
 
 /// Sets negative values to 0, counts them and weighs their energy against that of the rest.

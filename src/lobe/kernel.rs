@@ -27,6 +27,16 @@ pub(crate) enum Shape {
     Charlie(Charlie),
 }
 
+/// Numbers of the shapes in `shaders/common/kernel.wgsl`.
+#[cfg(feature = "gpu")]
+pub(crate) mod shape {
+    pub(crate) const GGX: u32 = 0;
+    pub(crate) const PHONG: u32 = 1;
+    pub(crate) const WIDE_PHONG: u32 = 2;
+    pub(crate) const CONE: u32 = 3;
+    pub(crate) const COSINE: u32 = 4;
+}
+
 /// Evaluates `$body` with `$radial` bound to whichever kernel `$shape` holds.
 macro_rules! with_radial {
     ($shape:expr, $radial:ident => $body:expr) => {
@@ -102,11 +112,11 @@ impl Kernel {
     #[cfg(feature = "gpu")]
     pub(crate) fn parameters(&self) -> (u32, f32, f32) {
         match self.shape {
-            Shape::Ggx(Ggx { peak, steep }) => (0, peak, steep),
-            Shape::Phong(Phong { exponent }) => (1, exponent, 0.0),
-            Shape::WidePhong(WidePhong { exponent }) => (2, exponent, 0.0),
-            Shape::Cone(Cone { edge }) => (3, edge, 0.0),
-            Shape::Cosine(Cosine) => (4, 0.0, 0.0),
+            Shape::Ggx(Ggx { peak, steep }) => (shape::GGX, peak, steep),
+            Shape::Phong(Phong { exponent }) => (shape::PHONG, exponent, 0.0),
+            Shape::WidePhong(WidePhong { exponent }) => (shape::WIDE_PHONG, exponent, 0.0),
+            Shape::Cone(Cone { edge }) => (shape::CONE, edge, 0.0),
+            Shape::Cosine(Cosine) => (shape::COSINE, 0.0, 0.0),
             Shape::Charlie(_) => unreachable!("the engine refuses it"),
         }
     }
@@ -140,7 +150,7 @@ impl Kernel {
         }
     }
 
-    /// Relative rounding error of a sum over `leaves`, but for what [`Self::grazing_slope`] tells.
+    /// Relative rounding error of a sum over `leaves`, without the term of [`Self::grazing_slope`].
     ///
     /// Float32 centroids are off by 2^-24, and k changes by at most 1/width of itself for a unit of distance
     /// (GGX: |dk/d(distance)|/k <= distance/(s + alpha^2) <= 1/alpha); a share takes fewer than 32 roundings
@@ -172,7 +182,7 @@ pub(crate) trait Radial: Copy {
     /// the sharp bounds from mean and variance ask for.
     const SMOOTH: bool;
 
-    /// Whether what the kink at the horizon leaves open is told apart from the rest.
+    /// Whether the error from the kink at the horizon is estimated separately.
     const SPLIT: bool = true;
 
     /// k at `s`.
@@ -490,7 +500,7 @@ impl Radial for Charlie {
         let beyond = s - 0.5;
         let over = if b > 1.0 { rise_b * ((most + beyond * beyond).sqrt() + beyond) } else { 0.0 };
         let under = (2.0 * beyond).max(0.0);
-        // Below s = 0 there is no bend to speak of, and far beyond the horizon it says nothing.
+        // The second derivative is not bounded at s = 0.
         let sharp = a > 0.0;
         let greatest = if sharp { crest.min(upper + over) } else { crest }.max(0.0) + NOTHING;
         let least = (if sharp { trough.max(lower + under) } else { trough } - NOTHING).max(0.0).min(greatest);
@@ -511,7 +521,7 @@ impl Radial for Charlie {
     }
 }
 
-/// x^p to a relative (2 p (2 + |log2(x)|) + 4) 2^-24 where it is above 2^-100 and nothing to speak of below,
+/// x^p to a relative (2 p (2 + |log2(x)|) + 4) 2^-24 where it is above 2^-100, and below 1.1e-30 elsewhere,
 /// for x in [0, 2]: without branches, so that it goes into vectors, which the standard library's does not.
 #[inline(always)]
 fn power(x: f32, p: f32) -> f32 {
@@ -577,7 +587,7 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     let [inner, outer] = kernel.values([s + step_up, s - step_down]);
     let lengths = [down + step_up, up + step_down];
     let [per_above, per_below] = reciprocals(lengths);
-    // Where products of lengths vanish their reciprocals say nothing, and k is as good as constant.
+    // Reciprocals of vanishing products overflow; there k is constant to float32.
     let sharp = (down * up).min(lengths[0] * lengths[1]) > 1e-36;
     let (share_above, share_below) = (step_up * per_above, step_down * per_below);
     if !ACROSS {

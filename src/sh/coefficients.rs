@@ -70,11 +70,11 @@ pub fn name(index: usize) -> String {
 /// Describes the order of the first `count` coefficients.
 #[must_use]
 pub fn order_text(count: usize) -> String {
-    let told = |(index, polynomial): (usize, &&str)| match index {
+    let entry = |(index, polynomial): (usize, &&str)| match index {
         0 => name(0),
         _ => format!("{} ({polynomial})", name(index)),
     };
-    POLYNOMIALS[..count].iter().enumerate().map(told).collect::<Vec<_>>().join(", ")
+    POLYNOMIALS[..count].iter().enumerate().map(entry).collect::<Vec<_>>().join(", ")
 }
 
 /// The basis functions at `direction` (unit length).

@@ -1,7 +1,41 @@
 //! The cube map: six faces in the order +X -X +Y -Y +Z -Z, each with the s_c/t_c axes of OpenGL, Vulkan and
 //! Direct3D. Texel (i, j) of an n x n face lies at s = (i + 1/2)/n*2 - 1, t likewise and downwards.
 
-use glam::DVec3;
+use super::map::{Component, Place, SphereMap};
+use glam::{DVec2, DVec3};
+
+/// The map: component k is face k, u is s and v is t; outside a face its plane goes on, to 90 degrees from
+/// its centre.
+#[derive(Clone, Copy, Debug)]
+pub struct Cube;
+
+impl SphereMap for Cube {
+    fn components(&self) -> u32 {
+        6
+    }
+
+    fn component(&self, index: u32) -> Component {
+        Component::square(1.0, [index, 0])
+    }
+
+    fn direction(&self, component: u32, uv: DVec2) -> DVec3 {
+        direction_from_cube(Face::ALL[component as usize], uv.x, uv.y)
+    }
+
+    fn locate(&self, direction: DVec3) -> Place {
+        let (face, s, t) = cube_from_direction(direction);
+        Place { component: face as u32, uv: DVec2::new(s, t) }
+    }
+
+    fn density(&self, _: u32, uv: DVec2) -> f64 {
+        let squared = 1.0 + uv.length_squared();
+        1.0 / (squared * squared.sqrt())
+    }
+
+    fn solid_angle(&self, _: u32, low: DVec2, high: DVec2) -> f64 {
+        rectangle_solid_angle(low, high)
+    }
+}
 
 /// A face of the cube, in storage order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -86,11 +120,17 @@ fn quadrant_solid_angle(s: f64, t: f64) -> f64 {
     (s * t).atan2((s * s + t * t + 1.0).sqrt())
 }
 
+/// Exact solid angle of the rectangle of a face from `low` to `high`.
+fn rectangle_solid_angle(low: DVec2, high: DVec2) -> f64 {
+    quadrant_solid_angle(high.x, high.y)
+        - quadrant_solid_angle(low.x, high.y)
+        - quadrant_solid_angle(high.x, low.y)
+        + quadrant_solid_angle(low.x, low.y)
+}
+
 /// Exact solid angle of texel (`i`, `j`) of an `n` x `n` face, in steradians.
 #[must_use]
 pub fn texel_solid_angle(n: u32, i: u32, j: u32) -> f64 {
     let edge = |k: u32| f64::from(k) / f64::from(n) * 2.0 - 1.0;
-    let (s0, s1, t0, t1) = (edge(i), edge(i + 1), edge(j), edge(j + 1));
-    quadrant_solid_angle(s1, t1) - quadrant_solid_angle(s0, t1) - quadrant_solid_angle(s1, t0)
-        + quadrant_solid_angle(s0, t0)
+    rectangle_solid_angle(DVec2::new(edge(i), edge(j)), DVec2::new(edge(i + 1), edge(j + 1)))
 }

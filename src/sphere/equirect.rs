@@ -1,8 +1,52 @@
 //! The panorama (equirectangular map): u = 1/2 + atan2(z, x)/2pi to the right, v = acos(y)/pi downwards.
 //! Its centre looks along +X, its right half along +Z, its top along +Y.
 
-use glam::DVec3;
+use super::map::{Component, Place, SphereMap, Texel};
+use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
+
+/// The map, in radians: (u, v) from (0, 0) to (2pi, pi), which are 2pi and pi times the functions' u and v.
+/// The poles are singular: a row of texels each. Outside, u goes around and v over the poles.
+///
+/// Blinn and Newell 1976; the cartographers' plane chart.
+#[derive(Clone, Copy, Debug)]
+pub struct Equirect;
+
+impl SphereMap for Equirect {
+    fn components(&self) -> u32 {
+        1
+    }
+
+    fn component(&self, _: u32) -> Component {
+        Component { low: DVec2::ZERO, high: DVec2::new(TAU, PI), cells: [2, 1], at: [0, 0] }
+    }
+
+    fn direction(&self, _: u32, uv: DVec2) -> DVec3 {
+        direction_from_equirect(uv.x / TAU, uv.y / PI)
+    }
+
+    fn locate(&self, direction: DVec3) -> Place {
+        let (u, v) = equirect_from_direction(direction);
+        Place { component: 0, uv: DVec2::new(u * TAU, v * PI) }
+    }
+
+    fn density(&self, _: u32, uv: DVec2) -> f64 {
+        uv.y.sin()
+    }
+
+    fn solid_angle(&self, _: u32, low: DVec2, high: DVec2) -> f64 {
+        band_height(low.y, high.y) * (high.x - low.x)
+    }
+
+    fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
+        let (height, width) = (i64::from(size), 2 * i64::from(size));
+        // Over a pole and down on the other side, half way around.
+        let turn = y.rem_euclid(2 * height);
+        let (x, y) = if turn < height { (x, turn) } else { (x + height, 2 * height - 1 - turn) };
+        let index = |k: i64| u32::try_from(k).expect("inside the panorama");
+        Some(Texel { component, x: index(x.rem_euclid(width)), y: index(y) })
+    }
+}
 
 /// Unit direction at `u`, `v` in [0, 1].
 #[must_use]
@@ -26,7 +70,10 @@ pub fn equirect_from_direction(direction: DVec3) -> (f64, f64) {
 #[must_use]
 pub fn texel_solid_angle(width: u32, height: u32, j: u32) -> f64 {
     let edge = |k: u32| f64::from(k) / f64::from(height) * PI;
-    // cos a - cos b as a product: no cancellation at the poles.
-    let (a, b) = (edge(j), edge(j + 1));
-    2.0 * ((a + b) / 2.0).sin() * ((b - a) / 2.0).sin() * TAU / f64::from(width)
+    band_height(edge(j), edge(j + 1)) * TAU / f64::from(width)
+}
+
+/// cos(`a`) - cos(`b`) as a product: no cancellation at the poles.
+fn band_height(a: f64, b: f64) -> f64 {
+    2.0 * ((a + b) / 2.0).sin() * ((b - a) / 2.0).sin()
 }

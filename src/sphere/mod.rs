@@ -1,11 +1,29 @@
-//! Maps of the sphere: each a pair `x_from_direction` / `direction_from_x`, with its texels' exact solid
-//! angles.
+//! Maps of the sphere, one file each: both direction maps, domains, components, texels' exact solid angles
+//! and what lies across an edge.
+//!
+//! [`map::SphereMap`] is what all of them offer, [`registry::MAPS`] lists them, [`grid::Grid`] is one with
+//! texels. The three that environments are stored in have functions of their own besides,
+//! `x_from_direction` and `direction_from_x`.
 //!
 //! Directions are unit vectors in a right-handed space with y up. Texel centres are half-integer everywhere.
 
+mod azimuthal;
 pub mod cube;
+pub mod dual;
 pub mod equirect;
+pub mod grid;
+pub mod healpix;
+pub mod low_distortion;
+pub mod map;
 pub mod octahedral;
+pub mod octahedral_perspective;
+pub mod octahedral_rectangular;
+pub mod polar_capped;
+pub(crate) mod quadrature;
+pub mod registry;
+pub mod rhombic_dodecahedron;
+pub mod sphere_map;
+pub mod tennis_ball;
 
 use glam::DVec3;
 

@@ -9,8 +9,44 @@
 //! where i + j is even, and the square turned by 180 degrees where it is odd. [`wrap_oct`] and [`wrap_texel`]
 //! bring any point and any texel of that plane back to the square.
 
+use super::map::{Component, Place, SphereMap, Texel};
 use super::projected_solid_angle;
 use glam::{DVec2, DVec3};
+
+/// The map.
+#[derive(Clone, Copy, Debug)]
+pub struct Octahedral;
+
+impl SphereMap for Octahedral {
+    fn components(&self) -> u32 {
+        1
+    }
+
+    fn component(&self, _: u32) -> Component {
+        Component::square(1.0, [0, 0])
+    }
+
+    fn direction(&self, _: u32, uv: DVec2) -> DVec3 {
+        direction_from_oct(wrap_oct(uv))
+    }
+
+    fn locate(&self, direction: DVec3) -> Place {
+        Place { component: 0, uv: oct_from_direction(direction) }
+    }
+
+    fn density(&self, _: u32, uv: DVec2) -> f64 {
+        solid_angle_density(uv)
+    }
+
+    fn solid_angle(&self, _: u32, low: DVec2, high: DVec2) -> f64 {
+        rectangle_solid_angle(low, high, |p| p)
+    }
+
+    fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
+        let (x, y) = wrap_texel(size, x, y);
+        Some(Texel { component, x, y })
+    }
+}
 
 /// Point on the octahedron |x| + |y| + |z| = 1 at `uv` in [-1, 1]^2.
 #[must_use]
@@ -80,19 +116,30 @@ pub fn texel_centre(n: u32, x: u32, y: u32) -> DVec2 {
 }
 
 /// Exact solid angle of texel (`x`, `y`) of the `n` x `n` square, in steradians.
-///
-/// The texel is cut along the axes and the fold diagonals into pieces that each lie on one octahedron face;
-/// straight lines there are great circles, so every piece is a spherical polygon.
 #[must_use]
 pub fn texel_solid_angle(n: u32, x: u32, y: u32) -> f64 {
     let edge = |k: u32| (2.0 * f64::from(k) - f64::from(n)) / f64::from(n);
-    let spans_x = fold_span(edge(x), edge(x + 1));
-    let spans_y = fold_span(edge(y), edge(y + 1));
+    rectangle_solid_angle(DVec2::new(edge(x), edge(y)), DVec2::new(edge(x + 1), edge(y + 1)), |p| p)
+}
+
+/// Exact solid angle of the rectangle of the square from `low` to `high`, after its points on the
+/// octahedron were moved by `project`, which must keep the octants' planes and carry straight lines to
+/// great circles.
+///
+/// The rectangle is cut along the axes and the fold diagonals into pieces that each lie on one octahedron
+/// face; straight lines there are great circles, so every piece is a spherical polygon.
+pub(super) fn rectangle_solid_angle(low: DVec2, high: DVec2, project: impl Fn(DVec3) -> DVec3) -> f64 {
+    let spans_x = fold_span(low.x, high.x);
+    let spans_y = fold_span(low.y, high.y);
     let mut total = 0.0;
     for &(u0, u1) in spans_x.iter().flatten() {
         for &(v0, v1) in spans_y.iter().flatten() {
             let corners = [DVec2::new(u0, v0), DVec2::new(u1, v0), DVec2::new(u1, v1), DVec2::new(u0, v1)];
-            for_each_face_piece(corners, |piece| total += projected_solid_angle(piece));
+            for_each_face_piece(corners, |piece| {
+                let mut moved = [DVec3::ZERO; 6];
+                moved.iter_mut().zip(piece).for_each(|(moved, corner)| *moved = project(*corner));
+                total += projected_solid_angle(&moved[..piece.len()]);
+            });
         }
     }
     total

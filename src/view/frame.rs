@@ -3,6 +3,7 @@
 use super::camera::Frame;
 use super::look::{Ball, Look, ROW};
 use crate::environment::Environment;
+use crate::gpu::device::shader;
 use crate::gpu::lamp::Lamp;
 use crate::sh;
 use glam::{DMat3, DVec3};
@@ -13,12 +14,13 @@ pub(super) const MOST_LEVELS: usize = 16;
 
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct BallUniform {
+pub(super) struct BallUniform {
     centre: [f32; 3],
     radius: f32,
     roughness: f32,
     pad: [f32; 3],
 }
+shader::members!(BallUniform { centre, radius, roughness, pad });
 
 /// The uniform of a picture.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -44,6 +46,27 @@ pub(super) struct ViewFrame {
     ladder: [[f32; 4]; MOST_LEVELS / 4],
     ball: [BallUniform; ROW as usize],
 }
+shader::members!(ViewFrame {
+    eye,
+    exposure,
+    right,
+    roughness,
+    up,
+    backdrop,
+    forward,
+    levels,
+    metal,
+    levels_scale,
+    tint,
+    roughness_factor,
+    size,
+    pad_size,
+    source_from_world,
+    levels_from_source,
+    clip_from_world,
+    ladder,
+    ball
+});
 
 /// What a picture is looked up in besides the environment's tables.
 #[derive(Clone, Copy, Debug)]
@@ -128,6 +151,7 @@ pub(super) struct Diffuse {
     /// Where the lamp is, and its energy over pi.
     lamp: [f32; 4],
 }
+shader::members!(Diffuse { harmonics, lamp });
 
 impl Diffuse {
     /// The light of `environment`, without a lamp.

@@ -59,7 +59,18 @@ impl Levels {
 #[derive(Debug)]
 pub(super) struct Cube {
     pub(super) view: wgpu::TextureView,
+    /// Radiance is a texel times two to the power of this, which is the ladder's scale.
+    exponent: i32,
     pub(super) ladder: Ladder,
+}
+
+impl Cube {
+    /// The cube in a world whose light is multiplied by 2^`exponent`.
+    pub(super) fn scaled(mut self, exponent: i32) -> Self {
+        self.exponent += exponent;
+        self.ladder.scale = (self.exponent as f32).exp2();
+        self
+    }
 }
 
 /// `chain` as a texture. Texels are scaled by a power of two where half floats cannot hold them.
@@ -116,7 +127,7 @@ pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3
     }
     let count = chain.levels.len() as u32;
     let scale = (exponent as f32).exp2();
-    Ok(Cube { view, ladder: Ladder { count, roughness, scale, levels_from_source } })
+    Ok(Cube { view, exponent, ladder: Ladder { count, roughness, scale, levels_from_source } })
 }
 
 /// The power of two that light of at most `brightest` is divided by: 0 where half floats hold it well.

@@ -5,6 +5,7 @@ use super::levels::{self, Cube, Levels};
 use crate::bake::{self, BakeSettings, bake};
 use crate::environment::{Environment, luminance};
 use crate::error::Result;
+use crate::filter::Filter;
 use crate::gpu::box_filter::{BoxFilter, SatTextures};
 use crate::gpu::build_fitted::BuildFitted;
 use crate::gpu::fitted::FittedTables;
@@ -14,7 +15,10 @@ use crate::gpu::reparameterise::{Reparameterise, upload};
 use crate::gpu::sat_scan::SatScan;
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
 use crate::image::exposure;
+use crate::light_scale::LightScale;
+use crate::lobe::Lobe;
 use crate::reflector::ReflectorSettings;
+use crate::table_bytes::{LIMIT, Served};
 use glam::{DMat3, DVec3};
 use std::cell::OnceCell;
 use std::f64::consts::PI;
@@ -47,12 +51,14 @@ impl Passes {
 /// An environment and its tables on the GPU.
 #[derive(Debug)]
 pub struct Light {
-    /// In its own space: directions are turned into it by `source_from_world`.
+    /// In its own space: directions are turned into it by `source_from_world`. Its light is `scale`d, as all
+    /// that is made of it.
     environment: Environment,
+    scale: LightScale,
     source_from_world: DMat3,
     lamp: wgpu::Buffer,
     mean_luminance: f64,
-    /// The automatic exposure, in powers of two.
+    /// The automatic exposure of the source, in powers of two.
     exposure: f64,
     diffuse: wgpu::Buffer,
     /// Those of a bake, or made when they are first asked for.
@@ -86,8 +92,8 @@ impl Light {
     /// The tables of `environment`, on an OEM of `inner` texels or as many as suit it.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] where the tables do not
-    /// fit the device.
+    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] where the tables take more
+    /// than [`crate::memory::LIMIT`] or do not fit the device.
     pub(super) fn new(
         context: &Context,
         passes: &Passes,
@@ -95,12 +101,18 @@ impl Light {
         inner: Option<u32>,
     ) -> Result<Self> {
         let source_from_world = environment.source_from_world();
-        let environment = Environment::of_sound(environment.layout(), environment.texels().to_vec())?;
+        let scale = LightScale::of(environment);
+        let texels = scale.scaled(environment).texels().to_vec();
+        let environment = Environment::of_sound(environment.layout(), texels)?;
         let settings = ReflectorSettings { oem_size: inner, fitted: true, ..ReflectorSettings::default() };
         let (mut size, _) = settings.plan(environment.layout())?;
         if inner.is_none() {
             size.inner = size.inner.min(LARGEST);
         }
+        let served =
+            [Filter::Box, Filter::Fitted(4)].map(|filter| Served { lobe: Lobe::Ggx, roughness: 1.0, filter });
+        let settled = ReflectorSettings { oem_size: Some(size.inner), ..settings };
+        settled.check_memory("this viewer", environment.layout(), &served, LIMIT)?;
         let texture = upload(context, &environment)?;
         let lamp = Lamp::default().buffer(context);
         let planes = OemPlanes::new(context, size)?;
@@ -120,11 +132,12 @@ impl Light {
         let mut sum = 0.0;
         environment.for_each_texel(|_, solid_angle, rgb| sum += solid_angle * f64::from(luminance(rgb)));
         let mean_luminance = sum / (4.0 * PI);
-        let exposure = exposure::of_environment(&environment);
+        let exposure = exposure::of_environment(&environment) + f64::from(scale.exponent());
         let diffuse = context.uniform("diffuse light", &Diffuse::new(&environment));
         let levels = OnceCell::new();
         Ok(Self {
             environment,
+            scale,
             source_from_world,
             lamp,
             mean_luminance,
@@ -138,7 +151,8 @@ impl Light {
         })
     }
 
-    /// The environment, in its own space.
+    /// The environment, in its own space. Light that float32 could not compute with is scaled by a power of
+    /// two, which exposures undo.
     #[must_use]
     pub const fn environment(&self) -> &Environment {
         &self.environment
@@ -185,6 +199,11 @@ impl Light {
         self.exposure
     }
 
+    /// `ev` of the source's light as that of the scaled light, within what float32 holds.
+    pub(super) fn scaled_ev(&self, ev: f64) -> f64 {
+        (ev - f64::from(self.scale.exponent())).clamp(-100.0, 100.0)
+    }
+
     pub(super) const fn diffuse(&self) -> &wgpu::Buffer {
         &self.diffuse
     }
@@ -194,7 +213,8 @@ impl Light {
     /// # Errors
     /// [`crate::Error::Limit`] where they do not fit the device.
     pub fn set_levels(&mut self, context: &Context, levels: &Levels) -> Result<()> {
-        self.levels = OnceCell::from(levels.upload(context, self.source_from_world)?);
+        let cube = levels.upload(context, self.source_from_world)?;
+        self.levels = OnceCell::from(cube.scaled(self.scale.exponent()));
         self.own_levels = true;
         Ok(())
     }

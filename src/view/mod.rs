@@ -13,22 +13,19 @@
 //! multiple scattering included; and for dielectrics the irradiance of the environment's harmonics. Spheres
 //! and knots are metals, meshes have the materials of their files.
 
-mod accessor;
 mod camera;
 mod frame;
-mod gltf;
 mod levels;
 mod light;
 mod look;
-mod material;
-pub mod mesh;
 mod model;
-mod obj;
 mod panel;
 mod present;
 mod renderer;
 mod roughness_map;
 mod screenshot;
+#[doc(hidden)]
+pub mod shared;
 mod textures;
 mod truth;
 mod viewer;
@@ -36,12 +33,11 @@ mod viewer;
 pub mod web;
 mod window;
 
+pub use crate::mesh::{Image, Material, Mesh, Part, Texture, Vertex, Wrap};
 pub use camera::{Camera, FRONT};
 pub use levels::Levels;
 pub use light::Light;
 pub use look::{Filter, Look, Object, Paint, Show, Tone};
-pub use material::{Image, Material, Texture, Wrap};
-pub use mesh::{Mesh, Part, Vertex};
 pub use present::Viewport;
 pub use renderer::Renderer;
 pub use screenshot::{Screenshot, screenshot};

@@ -1,23 +1,24 @@
 //! A mesh on the GPU: its triangles, its materials and their textures.
 
-use super::material::{Image, Material, Texture, Wrap};
-use super::mesh::{Mesh, Part};
 use super::textures::texture_of;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
+use crate::gpu::device::shader;
+use crate::mesh::{Image, Material, Mesh, Part, Texture, Wrap};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// The uniform of a material.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct MaterialUniform {
+pub(super) struct MaterialUniform {
     base: [f32; 4],
     metallic: f32,
     roughness: f32,
     cutoff: f32,
     own: f32,
 }
+shader::members!(MaterialUniform { base, metallic, roughness, cutoff, own });
 
 /// Whose a material is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -250,7 +251,7 @@ fn halved(image: &Image, space: Space) -> Image {
 #[cfg(test)]
 mod tests {
     use super::{Space, halved};
-    use crate::view::material::Image;
+    use crate::mesh::Image;
 
     #[test]
     fn levels_are_means_of_light() {

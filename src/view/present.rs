@@ -8,13 +8,14 @@ use std::collections::HashMap;
 /// The uniform of what a display shows.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct Present {
+pub(super) struct Present {
     origin: [f32; 2],
     size: [f32; 2],
     source: [f32; 2],
     tone: u32,
     pad: u32,
 }
+shader::members!(Present { origin, size, source, tone, pad });
 
 /// Where a picture goes in its target, in pixels from the upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]

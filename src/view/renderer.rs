@@ -4,7 +4,6 @@
 use super::frame::{Ladder, ViewFrame};
 use super::light::{Light, Passes};
 use super::look::{Filter, Look, Object, Show};
-use super::mesh::{Mesh, Part, Vertex};
 use super::model::{Model, Surface};
 use super::present::{Presenter, Viewport};
 use super::roughness_map::RoughnessMap;
@@ -18,6 +17,7 @@ use crate::gpu::box_filter::SatTextures;
 use crate::gpu::device::timer::Timer;
 use crate::gpu::device::{readback, shader};
 use crate::gpu::fitted::FittedTables;
+use crate::mesh::{Mesh, Part, Vertex};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -351,7 +351,7 @@ impl Renderer {
         let uniform = ViewFrame::new(
             look,
             &frame,
-            look.exposure.ev(light.exposure()),
+            light.scaled_ev(look.exposure.ev(light.exposure())),
             light.source_from_world(look.turn),
             [*width, *height],
             &cube.map_or_else(Ladder::default, |cube| cube.ladder),

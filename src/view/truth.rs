@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::reflector::{Reflector, ReflectorSettings, Workspace};
+use crate::table_bytes::{LIMIT, Served};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -33,12 +34,20 @@ pub(super) const fn tolerance(show: Show) -> f64 {
 }
 
 impl Truth {
-    /// Lobes over `environment`, in its own space.
+    /// Lobes over `environment`, in its own space. The map is the default one, or where the cells of all lobes
+    /// together would not fit beside a large source, the largest that does.
     ///
     /// # Errors
     /// Those of [`Reflector::new`].
     pub fn new(environment: &Environment) -> Result<Self> {
-        let reflector = Reflector::owning(environment.clone(), &ReflectorSettings::default())?;
+        // Sharp lobes read bilinear cells, wide ones constant ones.
+        let served = |roughness| Served { lobe: Lobe::Ggx, roughness, filter: Filter::Adaptive(1e-3) };
+        let all = [served(1e-3), served(1.0)];
+        let (layout, default) = (environment.layout(), ReflectorSettings::default());
+        let (size, _) = default.plan(layout)?;
+        let inner = default.largest_oem(layout, &all, LIMIT).map(|largest| largest.min(size.inner));
+        let settings = ReflectorSettings { oem_size: inner, ..default };
+        let reflector = Reflector::owning(environment.clone(), &settings)?;
         Ok(Self { reflector })
     }
 

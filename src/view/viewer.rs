@@ -4,7 +4,6 @@
 use super::levels::Levels;
 use super::light::Light;
 use super::look::{Filter, Look, Object};
-use super::mesh::Mesh;
 use super::panel::{Motion, Status, panel};
 use super::present::Viewport;
 use super::renderer::Renderer;
@@ -15,6 +14,7 @@ use crate::error::Result;
 use crate::gpu::Context;
 use crate::io::regular::open_regular;
 use crate::io::{self, ReadOptions};
+use crate::mesh::Mesh;
 use glam::DMat3;
 use std::cell::RefCell;
 use std::io::Read as _;

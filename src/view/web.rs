@@ -1,12 +1,12 @@
 //! The window in a page: what the page calls.
 
 use super::look::{Filter, Look, Object, Paint};
-use super::mesh::Mesh;
 use super::viewer::{Viewer, is_mesh, options};
 use super::window::{Application, Ready, Shown, Start};
 use crate::gpu::device::shader;
 use crate::image::exposure::Exposure;
 use crate::io;
+use crate::mesh::Mesh;
 use js_sys::Function;
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;

@@ -2,12 +2,12 @@
 
 use super::levels::Levels;
 use super::look::Look;
-use super::mesh::Mesh;
 use super::renderer::Renderer;
 use super::viewer::Viewer;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
+use crate::mesh::Mesh;
 use glam::DVec2;
 use std::sync::Arc;
 use winit::application::ApplicationHandler;

@@ -4,11 +4,14 @@ mod analysis;
 mod bake;
 mod cli;
 mod cpu;
+mod geometry;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod image;
 mod io;
 mod ladder;
+#[cfg(feature = "mesh")]
+mod mesh;
 mod oem;
 mod realtime;
 mod sat;
@@ -16,8 +19,6 @@ mod sphere;
 mod support;
 mod synth;
 mod target;
-#[cfg(feature = "view")]
-mod view;
 
 /// Counts what is allocated, for [`io::fuzz`].
 #[global_allocator]

@@ -1,5 +1,7 @@
 //! The maps of the sphere: round trips, solid angles, wrapping.
 
+mod maps;
+
 use crate::support::common::{Random, landmarks};
 use glam::{DVec2, DVec3};
 use octagloss::sphere::{cube, equirect, octahedral};

@@ -208,7 +208,7 @@ impl Kernel {
                 // smooth, and panels of width below 1/4 leave Gauss's eighth order nothing to miss.
                 let end = (0.5 / alpha_squared).ln_1p();
                 let panels = (4.0 * end).ceil();
-                let rule = super::quadrature::gauss_legendre(8);
+                let rule = super::gauss_legendre(8);
                 let mut sum = 0.0;
                 for panel in 0..panels as u32 {
                     for &(node, weight) in &rule {

@@ -13,12 +13,11 @@
 mod kernel;
 mod oem;
 mod patch;
-mod quadrature;
 mod texels;
 
+pub(crate) use crate::sphere::quadrature::gauss_legendre;
 use kernel::MIRROR;
 pub use oem::{OemOracle, reflect_oem};
-pub(crate) use quadrature::gauss_legendre;
 pub(crate) use texels::SourceTexels;
 
 use crate::environment::{Environment, Layout, Rgb};

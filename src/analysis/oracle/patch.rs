@@ -5,7 +5,7 @@
 //! Gauss's rule.
 
 use super::kernel::{Kernel, Side};
-use super::quadrature::gauss_legendre;
+use crate::sphere::quadrature::gauss_legendre;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::LazyLock;

@@ -12,7 +12,7 @@ const WIDEST: f64 = 1.0 / 40.0;
 
 /// Area and first moments of a grid cell's overlap, and what the cells to its right inherit.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Accumulator {
+pub(in crate::geometry) struct Accumulator {
     area: f64,
     moment: DVec2,
     cover: f64,
@@ -193,8 +193,8 @@ impl OctantClipper {
 
 /// What a polygon and a grid cell share.
 #[derive(Clone, Copy)]
-pub(super) struct Overlap {
-    pub(super) area: f64,
+pub(in crate::geometry) struct Overlap {
+    pub(in crate::geometry) area: f64,
     /// First moments about the cell's own corner.
     pub(super) moment: DVec2,
 }
@@ -202,14 +202,14 @@ pub(super) struct Overlap {
 impl Overlap {
     /// The centroid, in cell (`x`, `y`).
     #[inline]
-    fn centroid(self, x: u32, y: u32) -> DVec2 {
+    pub(in crate::geometry) fn centroid(self, x: u32, y: u32) -> DVec2 {
         let inside = if self.area == 0.0 { DVec2::splat(0.5) } else { self.moment / self.area };
         DVec2::new(f64::from(x), f64::from(y)) + inside.clamp(DVec2::ZERO, DVec2::ONE)
     }
 }
 
 /// Calls `emit` with every grid cell (x, y) that `outline` meets and the overlap.
-pub(super) fn walk_outline(
+pub(in crate::geometry) fn walk_outline(
     outline: &[DVec2],
     window: &mut Vec<Accumulator>,
     mut emit: impl FnMut(u32, u32, Overlap),

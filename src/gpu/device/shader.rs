@@ -13,7 +13,7 @@ macro_rules! members {
     ($name:ident { $($field:ident),* $(,)? }) => {
         impl $name {
             /// Every field with its offset in bytes.
-            pub const MEMBERS: &'static [(&'static str, usize)] = {
+            pub(crate) const MEMBERS: &'static [(&'static str, usize)] = {
                 // No field is left out.
                 let _ = |whole: Self| {
                     let Self { $($field: _),* } = whole;
@@ -23,7 +23,7 @@ macro_rules! members {
         }
     };
 }
-pub(in crate::gpu) use members;
+pub(crate) use members;
 
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
@@ -37,8 +37,11 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/plane.wgsl",
     "common/planes.wgsl",
     "common/quad.wgsl",
+    "common/reduce.wgsl",
     "common/reduction.wgsl",
+    "common/rows.wgsl",
     "common/sat.wgsl",
+    "common/scan.wgsl",
     "common/sum.wgsl",
     "common/table.wgsl",
     "common/u64.wgsl",

@@ -2,6 +2,14 @@
 
 use super::context::Context;
 
+/// Workgroups of a row, as `shaders/common/rows.wgsl` has it: one dimension of a dispatch holds 65,535.
+pub(in crate::gpu) const ROW: u32 = 32_768;
+
+/// The workgroups of a dispatch of `count`, in rows of [`ROW`]; the last may have some to spare.
+pub(in crate::gpu) fn in_rows(count: u32) -> [u32; 3] {
+    [count.min(ROW), count.div_ceil(ROW), 1]
+}
+
 /// One dispatch: a pipeline, what it is bound to, and how many workgroups.
 #[derive(Clone, Debug)]
 pub(in crate::gpu) struct Dispatch {

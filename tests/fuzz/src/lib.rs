@@ -36,9 +36,8 @@ pub fn assert_plain(message: &str) {
 }
 
 /// Parses `bytes` as the mesh file `name`, and holds what is read to its promises.
-#[cfg(feature = "meshes")]
 pub fn read_mesh(name: &str, bytes: &[u8]) {
-    match octagloss::view::mesh::parse(name, bytes) {
+    match octagloss::mesh::parse(name, bytes) {
         Ok(mesh) => {
             let corners = mesh.vertices.len();
             assert!(mesh.indices.iter().all(|index| (*index as usize) < corners), "an index within {corners}");

@@ -1,3 +1,4 @@
 //! Measurements.
 
 pub(super) mod oracle;
+mod stretch;

@@ -152,6 +152,18 @@ fn too_much_memory_is_refused_before_work_with_what_fits() {
             &["query", "sky.exr", "--directions", "d.csv", "--roughness", "0.5", "--oem-size", "16384"],
             "--oem-size",
         ),
+        (&["bake", "sky.exr", "-o", "a.ktx2", "--size", "16384", "--dry-run"], "--size"),
+        (
+            &["bake", "sky.exr", "-o", "b", "--target", "three", "--oem-size", "16384", "--dry-run"],
+            "--oem-size",
+        ),
+        (&["bake", "sky.exr", "-o", "a.ktx2", "--border", "9000"], "--border"),
+        (&["bake", "sky.exr", "-o", "a.ktx2", "--border", "5500", "--filter", "box"], "--border"),
+        (
+            &["query", "sky.exr", "--directions", "d.csv", "--roughness", "0.5", "--border", "9000"],
+            "--border",
+        ),
+        (&["bench", "--engine", "cpu", "--size", "8192"], "--size"),
     ] {
         let (code, text) = soon(folder.path(), args, &[]);
         assert_eq!(code, 1, "{args:?}: {text}");
@@ -172,7 +184,11 @@ fn errors_below_float32_are_usage_errors() {
     sky(folder.path());
     for filter in ["adaptive:1e-9", "adaptive:9.9e-7"] {
         let (code, text) = soon(folder.path(), &["bake", "sky.exr", "-o", "a.ktx2", "--filter", filter], &[]);
-        assert!(code == 2 && text.contains("from 1e-6, the least that float32 reaches"), "{text}");
+        assert!(code == 2 && text.contains("at least 1e-6, the least that float32 reaches"), "{text}");
+    }
+    for filter in ["adaptive:1", "adaptive:nan"] {
+        let (code, text) = soon(folder.path(), &["bake", "sky.exr", "-o", "a.ktx2", "--filter", filter], &[]);
+        assert!(code == 2 && text.contains("and below 1"), "{text}");
     }
     let least =
         ["query", "sky.exr", "--directions", "d.csv", "--roughness", "0.5", "--filter", "adaptive:1e-6"];

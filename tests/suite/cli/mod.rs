@@ -3,6 +3,7 @@
 pub(super) mod full;
 pub(super) mod layouts;
 pub(super) mod limits;
+pub(super) mod maps;
 pub(super) mod outputs;
 pub(super) mod sun;
 pub(super) mod targets;

@@ -107,6 +107,33 @@ fn a_dash_is_standard_output_and_takes_one_file() {
     assert_eq!(names(folder.path()), before);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn what_standard_output_does_not_take_is_an_error() {
+    let folder = with_sky();
+    let run = |redirect: &str, args: &[&str]| {
+        let mut sh = Command::new("sh");
+        sh.args(["-c", &format!(r#"exec "$0" "$@" {redirect}"#), env!("CARGO_BIN_EXE_octagloss")]).args(args);
+        let ran = sh.current_dir(folder.path()).stdout(Stdio::null()).output().expect("sh starts");
+        (ran.status.code().expect("no signal"), String::from_utf8_lossy(&ran.stderr).into_owned())
+    };
+    let bake = small(&["-o", "-"]);
+    for args in [&bake[..], &["synth", "furnace", "-o", "-"], &["dfg", "--size", "2", "-o", "-"]] {
+        let (code, text) = run(">&-", args);
+        assert!(code == 1 && text.contains("standard output is closed"), "{args:?}: {code} {text}");
+        // Open for reading alone.
+        let (code, text) = run("1<sky.exr", args);
+        assert!(code == 1 && text.contains("standard output: "), "{args:?}: {code} {text}");
+        let (code, text) = run(">/dev/full", args);
+        assert!(code == 1 && text.contains("standard output: "), "{args:?}: {code} {text}");
+        assert_eq!(run(">/dev/null", args).0, 0, "{args:?}: the data is not wanted");
+        assert_eq!(run("| true", args).0, 0, "{args:?}: a broken pipe");
+    }
+    // What is told rather than written.
+    assert_eq!(run(">&-", &["info", "sky.exr"]).0, 0);
+    assert_eq!(run("1<sky.exr", &["info", "sky.exr"]).0, 1);
+}
+
 #[test]
 fn folders_are_not_named_as_files_and_a_slash_names_a_folder() {
     let folder = with_sky();

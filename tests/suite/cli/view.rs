@@ -1,7 +1,7 @@
 //! `octagloss view --screenshot`: pictures without a window, and what is refused.
 
 use crate::cli::{done, fails, names, octagloss, with_sky};
-use crate::view::meshes::triangle;
+use crate::mesh::triangle;
 use std::fs;
 use std::path::Path;
 

@@ -10,6 +10,7 @@ use glam::DVec3;
 use octagloss::chain::{Chain, Level};
 use octagloss::format::Pixel;
 use octagloss::io::exr::write::{Samples, exr_bytes};
+use octagloss::io::ktx2::write::ktx2_bytes;
 use octagloss::io::{ReadOptions, load_chain, read};
 use octagloss::target::{Flip, TARGETS};
 use octagloss::{Environment, Layout, Map};
@@ -68,11 +69,12 @@ fn angle(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
 #[derive(Clone, Copy, Debug)]
 struct Turn(&'static [&'static str]);
 
-const TURNS: [Turn; 4] = [
+const TURNS: [Turn; 5] = [
     Turn(&[]),
     Turn(&["--rotate-y", "90"]),
     Turn(&["--rotate-y", "37"]),
     Turn(&["--mirror", "--rotate-y", "37"]),
+    Turn(&["--mirror"]),
 ];
 
 impl Turn {
@@ -386,4 +388,119 @@ fn a_report_of_another_folder_is_an_error() {
         fs::write(folder.path().join("d.csv"), "x,y,z\n1,0,0\n").expect("writable");
         fails(folder.path(), args, 1, "belongs to another bake");
     }
+}
+
+/// The keys of `value` that `kept` names.
+fn keep(value: &mut serde_json::Value, kept: &[&str]) {
+    value.as_object_mut().expect("an object").retain(|key, _| kept.contains(&key.as_str()));
+}
+
+/// Makes the report `path` one of version 0.1: without a schema version, hashes of files, sizes and the
+/// options that came later.
+fn make_report_old(path: &Path) {
+    let mut report = crate::cli::json_file(path);
+    let kept = [
+        "generator",
+        "input",
+        "engine",
+        "adapter",
+        "oem",
+        "levels",
+        "energy",
+        "sh",
+        "sun",
+        "repaired",
+        "clamped",
+        "warnings",
+        "options",
+        "conventions",
+        "target",
+        "fingerprint",
+        "seconds",
+    ];
+    keep(&mut report, &kept);
+    report["generator"] = "octagloss 0.1.0".into();
+    let kept = [
+        "size",
+        "ladder",
+        "lobe",
+        "filter",
+        "format",
+        "pixel",
+        "layout",
+        "rotate_y",
+        "mirror",
+        "sanitize",
+        "extract_sun",
+        "irradiance",
+    ];
+    keep(&mut report["options"], &kept);
+    keep(&mut report["fingerprint"], &["request", "outputs"]);
+    if report["target"].is_object() {
+        keep(&mut report["target"], &["name", "flip", "diffuse", "verified", "files"]);
+    }
+    fs::write(path, report.to_string()).expect("writable");
+}
+
+/// Makes the KTX2 file `path` one of version 0.1, which says nothing of rotation, mirror and ladder.
+fn make_ktx2_old(path: &Path, flip: Flip, target: Option<&str>) {
+    let bake = load_chain(path).expect("a bake");
+    let mut pairs = vec![
+        ("octaglossConventions", "right-handed, y up"),
+        ("octaglossFilter", "adaptive:0.02"),
+        ("octaglossLobe", "ggx"),
+    ];
+    if let Some(target) = target {
+        pairs.extend([("octaglossTarget", target), ("octaglossFlip", flip.name())]);
+    }
+    let pairs: Vec<_> = pairs.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    let bytes = ktx2_bytes(&flip.chain(&bake.chain), Pixel::F16, &pairs).expect("valid").bytes;
+    assert!(fs::read(path).expect("readable").len() > bytes.len(), "it says less");
+    fs::write(path, bytes).expect("writable");
+}
+
+#[test]
+fn files_of_version_0_1_come_back_to_their_world() {
+    let folder = with_source();
+    let at = |name: &str| folder.path().join(name);
+    let turn = TURNS[3];
+    let compare = |bake: &str| {
+        let args = ["compare", bake, "a.exr", "--texels", "12", "--fail-above", "0.05"];
+        let ran = crate::cli::done(folder.path(), &args);
+        assert!(!ran.err.contains("does not say how"), "{bake}: {}", ran.err);
+    };
+    for (flip, name) in [(Flip::None, "none"), (Flip::X, "x"), (Flip::Z, "z")] {
+        let args =
+            [&TWO_LEVELS[..], &["--target", "generic", "--pixel", "f16", "--flip", name], turn.0].concat();
+        bake(folder.path(), "cube", &args);
+        make_ktx2_old(&at("cube/specular.ktx2"), flip, Some("generic"));
+        make_report_old(&at("cube/report.json"));
+        assert_eq!(check(folder.path(), "cube", true, turn.world(), name), 2);
+        compare("cube/specular.ktx2");
+        // DDS files had no mark of their flip: the report has it.
+        let args = [&args[..], &["--format", "dds"]].concat();
+        bake(folder.path(), "dds", &args);
+        let mut bytes = fs::read(at("dds/specular.dds")).expect("readable");
+        bytes[32..76].fill(0);
+        fs::write(at("dds/specular.dds"), bytes).expect("writable");
+        make_report_old(&at("dds/report.json"));
+        assert_eq!(check(folder.path(), "dds", true, turn.world(), name), 2);
+        compare("dds");
+    }
+    // A single file with its report beside it, and a folder whose files say nothing.
+    bake(folder.path(), "one.ktx2", &[&TWO_LEVELS[..], turn.0].concat());
+    make_ktx2_old(&at("one.ktx2"), Flip::None, None);
+    make_report_old(&at("one.ktx2.report.json"));
+    compare("one.ktx2");
+    bake(folder.path(), "levels", &[&TWO_LEVELS[..], turn.0, &["--format", "hdr"]].concat());
+    for name in tree(&at("levels")).iter().filter(|name| name.ends_with(".hdr")) {
+        let bytes = fs::read(at("levels").join(name)).expect("readable");
+        let lines = bytes.split_inclusive(|byte| *byte == b'\n');
+        let old: Vec<u8> = lines.filter(|line| !line.starts_with(b"octagloss")).flatten().copied().collect();
+        assert!(old.len() < bytes.len(), "{name}");
+        fs::write(at("levels").join(name), old).expect("writable");
+    }
+    make_report_old(&at("levels/report.json"));
+    assert_eq!(check(folder.path(), "levels", true, turn.world(), "levels"), 1);
+    compare("levels");
 }

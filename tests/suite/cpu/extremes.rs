@@ -33,11 +33,11 @@ fn cases(count: u32) -> ProptestConfig {
 }
 
 proptest! {
-    #![proptest_config(cases(30))]
+    #![proptest_config(cases(24))]
 
     #[test]
     fn bounds_hold_over_all_light(seed in any::<u64>()) {
-        sound(&examine(seed, 0, 8, &|answer| answer))?;
+        sound(&examine(seed, 0, 4, &|answer| answer))?;
     }
 }
 
@@ -81,7 +81,7 @@ proptest! {
 #[test]
 fn a_wrong_answer_is_found_everywhere() {
     let (mut wrong, mut lost) = (Tally::default(), Tally::default());
-    for seed in 0..40 {
+    for seed in 0..12 {
         // Half as much again as the truth and the bound allow, and a NaN.
         let too_bright = |answer: Answer| Answer {
             radiance: answer.radiance.map(|c| (c + 3.0 * answer.bound.unwrap_or(0.0)).min(f32::MAX)),
@@ -93,7 +93,7 @@ fn a_wrong_answer_is_found_everywhere() {
     // Answers of 3.4e38 have no room above them, and black has no bound.
     let share = wrong.violations.len() as f64 / wrong.compared as f64;
     assert!(wrong.compared > 100 && share > 0.7, "{share} of {} were found", wrong.compared);
-    assert_eq!(lost.not_finite.len(), 160);
+    assert!(lost.not_finite.len() >= 48 && lost.compared + lost.unbounded == 0, "every NaN is found");
 }
 
 /// Radiance one, but for one texel.
@@ -196,6 +196,17 @@ fn a_bake_that_its_pixels_round_to_black_says_so() {
         let report = json_file(&folder.path().join(format!("{file}.report.json")));
         assert!(report["warnings"].to_string().contains("the output is black"), "{report}");
     }
+    // Where floats may be chosen, they are.
+    for layout in ["faces", "cross"] {
+        let ran =
+            done(folder.path(), &[&small[..], &[layout, "--format", "exr", "--out-layout", layout]].concat());
+        assert!(!ran.err.contains("all light is below"), "{}", ran.err);
+        let report = json_file(&folder.path().join(layout).join("report.json"));
+        let pixels = report["levels"].as_array().expect("levels").iter().map(|level| &level["pixel"]);
+        assert!(pixels.clone().all(|pixel| pixel == "f32") && pixels.count() > 1, "{report}");
+    }
+    let ran = done(folder.path(), &[&small[..], &["half", "--format", "exr", "--pixel", "f16"]].concat());
+    assert!(ran.err.contains("all light is below f16"), "{}", ran.err);
     let ran = done(folder.path(), &[&small[..], &["f32.ktx2", "--pixel", "f32"]].concat());
     assert!(!ran.err.contains("all light is below"), "{}", ran.err);
     let report = json_file(&folder.path().join("f32.ktx2.report.json"));
@@ -211,10 +222,8 @@ fn the_brightest_light_is_clamped_and_counted() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write_panorama(&folder.path().join("bright.exr"), 16, |d| [if d.y > 0.0 { 3e38 } else { 0.0 }; 3]);
     for (name, format) in [("hdr", "hdr"), ("half.ktx2", "ktx2")] {
-        done(
-            folder.path(),
-            &["bake", "bright.exr", "--size", "8", "--engine", "cpu", "--format", format, "-o", name],
-        );
+        let args = ["bake", "bright.exr", "--size", "8", "--engine", "cpu", "--format", format, "-o", name];
+        assert!(done(folder.path(), &args).err.contains("were clamped"), "{name}");
         let report =
             if format == "hdr" { "hdr/report.json".to_owned() } else { format!("{name}.report.json") };
         let report = json_file(&folder.path().join(report));

@@ -16,7 +16,7 @@ use std::fmt::{Display, Formatter};
 const MIRROR: f64 = 8e-4;
 
 /// Questions asked of each group of environments.
-pub(crate) const QUESTIONS: u64 = 4;
+const QUESTIONS: u64 = 4;
 
 /// An OEM's size, mostly tiny: exhaustive integration takes as long as there are texels.
 fn any_size(random: &mut Random) -> u32 {
@@ -258,7 +258,7 @@ struct Asked<'a> {
 
 /// Asks the adaptive filter [`QUESTIONS`] questions over each of `count` environments, the `group`th of
 /// `seed`, which share the OEM's size and the questions, so that exhaustive integration serves them all.
-/// Compares what `alter` makes of the answers.
+/// Compares what `alter` makes of the answers to every direction of a question.
 pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) -> Answer) -> Tally {
     let mut random = Random::new(seed.wrapping_add(group.wrapping_mul(0x9e37_79b9)));
     let inner = any_size(&mut random);
@@ -284,11 +284,15 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
     for number in 0..QUESTIONS {
         let first = &lights[(number % u64::from(count)) as usize];
         // Directions in the source's space.
-        let question = question(&mut random, first);
-        let Question { lobe, roughness, lane, error, .. } = question;
+        let mut question = question(&mut random, first);
+        let Question { lobe, roughness, error, .. } = question;
         let share = bilinear_share(lobe, roughness * roughness, inner);
-        let truths = OemOracle::reflect_each(&oracles, lobe, roughness, question.directions[lane], share);
-        for (asked, truth) in asked.iter().zip(truths) {
+        let truths: Vec<_> = question
+            .directions
+            .iter()
+            .map(|direction| OemOracle::reflect_each(&oracles, lobe, roughness, *direction, share))
+            .collect();
+        for (k, asked) in asked.iter().enumerate() {
             let world_from_source = asked.light.environment.source_from_world().transpose();
             let directions: Vec<DVec3> = question.directions.iter().map(|d| world_from_source * *d).collect();
             let lobes = asked
@@ -297,7 +301,10 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
                 .expect("a roughness and an error");
             let mut answers = Vec::new();
             lobes.evaluate(&directions, &mut Workspace::default(), &mut answers);
-            tally.compare((seed, group), asked, &question, alter(answers[lane]), luminance(truth));
+            for (lane, answer) in answers.into_iter().enumerate() {
+                question.lane = lane;
+                tally.compare((seed, group), asked, &question, alter(answer), luminance(truths[lane][k]));
+            }
         }
     }
     tally

@@ -4,18 +4,12 @@
 use super::entry_points::ENTRY_POINTS;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, ImageClass, Literal, Module, Type, TypeInner};
-use octagloss::cpu::leaves::LANES;
-use octagloss::environment::LUMINANCE;
 use octagloss::gpu::device::shader;
 use octagloss::gpu::device::shader::Queries;
-use octagloss::gpu::{
-    adaptive, blur, box_filter, cells, copy, emitters, fitted, fixed_point, harmonics, lamp,
-};
-use octagloss::gpu::{mirror, oem, reparameterise, sat_f32, sat_hensley, sat_scan};
-use octagloss::realtime::emitters::{COUNT, GRID};
-use octagloss::realtime::tables::{KNOTS, OCTAVES, triangle};
+use octagloss::gpu::shared::Struct;
+use octagloss::gpu::{box_filter, fitted};
 use octagloss::target::READERS;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A shader, parsed and validated with nothing but what every WebGPU has.
@@ -94,71 +88,96 @@ fn layout_difference(shader: &Shader, name: &str, members: &[(&str, usize)], siz
         .then(|| format!("{name}: {found:?} of {span} bytes, in Rust {expected:?} of {size}"))
 }
 
-/// A struct of a shader: its file, its name there, and Rust's members and size.
-type Struct = (&'static str, &'static str, &'static [(&'static str, usize)], usize);
+/// A file of `shaders/` and those that it includes.
+fn closure(path: &str, found: &mut Vec<&'static str>) {
+    let (path, text) = shader::FILES.iter().find(|(listed, _)| *listed == path).expect("a listed file");
+    if found.contains(path) {
+        return;
+    }
+    found.push(path);
+    for line in text.lines() {
+        if let Some(included) = line.strip_prefix("#include \"").and_then(|rest| rest.strip_suffix('"')) {
+            closure(included, found);
+        }
+    }
+}
+
+/// The file in which `file` declares what begins with `declaration`.
+fn declaring(file: &str, declaration: &str) -> &'static str {
+    let mut paths = Vec::new();
+    closure(file, &mut paths);
+    let declares = |path: &&&str| {
+        let (_, text) = shader::FILES.iter().find(|(listed, _)| listed == *path).expect("a listed file");
+        text.lines().any(|line| line.starts_with(declaration))
+    };
+    let found: Vec<_> = paths.iter().filter(declares).collect();
+    assert_eq!(found.len(), 1, "{file}: {declaration} is declared in {found:?}");
+    found[0]
+}
+
+/// Fails unless every name of `declared` is in `expected`, and the other way round.
+fn assert_same_names(kind: &str, declared: &BTreeSet<(&str, String)>, expected: &BTreeSet<(&str, String)>) {
+    let untold: Vec<_> = declared.difference(expected).collect();
+    let stale: Vec<_> = expected.difference(declared).collect();
+    assert!(untold.is_empty(), "{kind} that shared.rs does not list: {untold:?}");
+    assert!(stale.is_empty(), "{kind} that no shader declares: {stale:?}");
+}
 
 fn structs() -> Vec<Struct> {
-    let table = (oem::Table::MEMBERS, size_of::<oem::Table>());
-    vec![
-        ("adaptive.wgsl", "Lobe", adaptive::Lobe::MEMBERS, size_of::<adaptive::Lobe>()),
-        ("adaptive.wgsl", "Packet", adaptive::Packet::MEMBERS, size_of::<adaptive::Packet>()),
-        ("cells.wgsl", "Level", cells::Level::MEMBERS, size_of::<cells::Level>()),
-        ("cells.wgsl", "Tent", cells::Tent::MEMBERS, size_of::<cells::Tent>()),
-        ("cells.wgsl", "Table", table.0, table.1),
-        (
-            "blur.wgsl",
-            "OctaglossOctave",
-            octagloss::gpu::octaves::Octave::MEMBERS,
-            size_of::<octagloss::gpu::octaves::Octave>(),
-        ),
-        ("blur.wgsl", "OctaglossOctaves", fitted::Octaves::MEMBERS, size_of::<fitted::Octaves>()),
-        ("blur.wgsl", "Table", table.0, table.1),
-        ("fitted.wgsl", "OctaglossOctaves", fitted::Octaves::MEMBERS, size_of::<fitted::Octaves>()),
-        ("fixed_point.wgsl", "Table", table.0, table.1),
-        ("harmonics.wgsl", "Table", table.0, table.1),
-        ("lamp.wgsl", "Lamp", lamp::Lamp::MEMBERS, size_of::<lamp::Lamp>()),
-        ("lamp.wgsl", "Table", table.0, table.1),
-        ("least.wgsl", "Table", table.0, table.1),
-        ("mirror.wgsl", "Table", table.0, table.1),
-        ("pack.wgsl", "Table", table.0, table.1),
-        (
-            "reparameterise.wgsl",
-            "Gather",
-            reparameterise::Gather::MEMBERS,
-            size_of::<reparameterise::Gather>(),
-        ),
-        ("sat_hensley.wgsl", "Doubling", sat_hensley::Doubling::MEMBERS, size_of::<sat_hensley::Doubling>()),
-        ("sat_scan.wgsl", "Scan", sat_scan::Scan::MEMBERS, size_of::<sat_scan::Scan>()),
-        // Four exponents, then the sizes, in a header of 32 bytes; sums as four low and four high words; four
-        // greatest patterns and four 64-bit sums.
-        ("box_filter.wgsl", "OctaglossTable", &[("exponents", 0), ("inner", 16), ("border", 20)], 32),
-        ("box_filter.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
-        ("emitters.wgsl", "Table", table.0, table.1),
-        ("fitted.wgsl", "OctaglossEmitter", fitted::EmitterWords::MEMBERS, size_of::<fitted::EmitterWords>()),
-        // Least radiance, two vectors of units, 25 harmonics, emitters.
-        (
-            "harmonics.wgsl",
-            "OctaglossLight",
-            &[("least", 0), ("scale", 16), ("harmonics", 48), ("emitters", 448)],
-            fitted::LIGHT as usize,
-        ),
-        ("blur.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
-        ("fixed_point.wgsl", "Partial", &[("greatest", 0), ("sums", 16)], 48),
-    ]
+    [octagloss::gpu::shared::structs(), octagloss::view::shared::structs()].concat()
+}
+
+impl Shader {
+    /// Names of the structs that lie in uniforms and storage buffers.
+    fn structs_in_buffers(&self) -> BTreeSet<String> {
+        let mut found = BTreeSet::new();
+        let mut waiting: Vec<Handle<Type>> = self
+            .module
+            .global_variables
+            .iter()
+            .filter(|(_, global)| {
+                matches!(global.space, AddressSpace::Uniform | AddressSpace::Storage { .. })
+            })
+            .map(|(_, global)| global.ty)
+            .collect();
+        while let Some(ty) = waiting.pop() {
+            match &self.module.types[ty].inner {
+                TypeInner::Array { base, .. } => waiting.push(*base),
+                TypeInner::Struct { members, .. } => {
+                    found.insert(self.module.types[ty].name.clone().expect("a struct's name"));
+                    waiting.extend(members.iter().map(|member| member.ty));
+                }
+                _ => {}
+            }
+        }
+        found
+    }
 }
 
 #[test]
 fn structs_lie_as_rust_writes_them() {
-    for (file, name, members, size) in structs() {
-        assert_eq!(layout_difference(&Shader::of_file(file), name, members, size), None, "{file}");
+    let expected = structs();
+    let mut declared = BTreeSet::new();
+    for file in files() {
+        let shader = Shader::of_file(file);
+        for name in shader.structs_in_buffers() {
+            let path = declaring(file, &format!("struct {name} {{"));
+            if let Some((_, _, members, size)) = expected.iter().find(|s| (s.0, s.1) == (path, name.as_str()))
+            {
+                assert_eq!(layout_difference(&shader, &name, members, *size), None, "{file}");
+            }
+            declared.insert((path, name));
+        }
     }
+    let names = expected.iter().map(|(path, name, ..)| (*path, (*name).to_owned())).collect();
+    assert_same_names("structs", &declared, &names);
     // One member too early, one renamed, one padded away.
     let seen = |from: &str, to: &str| {
         let source = shader::source("sat_scan.wgsl");
         assert!(source.contains(from), "{from} is in the source");
         let wrong = Shader::parse("a wrong scan", &source.replace(from, to));
-        let size = size_of::<sat_scan::Scan>();
-        layout_difference(&wrong, "Scan", sat_scan::Scan::MEMBERS, size).is_some()
+        let (.., members, size) = expected.iter().find(|s| s.1 == "Scan").expect("the scan's uniform");
+        layout_difference(&wrong, "Scan", members, *size).is_some()
     };
     assert!(!seen("// Tiles along an edge.", "// Tiles."), "a comment changes nothing");
     assert!(seen("    side: u32,\n    pitch: u32,", "    pitch: u32,\n    side: u32,"), "swapped members");
@@ -166,63 +185,58 @@ fn structs_lie_as_rust_writes_them() {
     assert!(seen("    channel: u32,\n", "    channel: u32,\n    more: u32,\n"), "a member more");
 }
 
-/// Constants that a shader shares with Rust.
-fn constants() -> Vec<(&'static str, &'static str, Vec<f64>)> {
-    let one = |value: u32| vec![f64::from(value)];
-    vec![
-        ("adaptive.wgsl", "LANES", one(LANES as u32)),
-        ("adaptive.wgsl", "GROUP_SIZE", one(adaptive::GROUP_SIZE)),
-        ("adaptive.wgsl", "LEVELS", one(adaptive::LEVELS as u32)),
-        ("adaptive.wgsl", "QUAD_FIELDS", one(15)),
-        ("adaptive.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
-        ("box_filter.wgsl", "GROUP_SIZE", one(box_filter::GROUP_SIZE)),
-        ("blur.wgsl", "EDGE", one(octagloss::gpu::octaves::EDGE)),
-        ("blur.wgsl", "GROUP_SIZE", one(blur::GROUP_SIZE)),
-        ("blur.wgsl", "LINE_SIZE", one(blur::LINE_SIZE)),
-        ("blur.wgsl", "REACH", one(blur::REACH)),
-        ("cells.wgsl", "EDGE", one(cells::EDGE)),
-        ("cells.wgsl", "QUAD_FIELDS", one(15)),
-        ("copy.wgsl", "GROUP_SIZE", one(copy::GROUP_SIZE)),
-        ("emitters.wgsl", "BATCH", one(emitters::BATCH)),
-        ("emitters.wgsl", "EDGE", one(emitters::EDGE)),
-        ("emitters.wgsl", "GRID", one(GRID)),
-        ("emitters.wgsl", "GROUP_SIZE", one(emitters::GROUP_SIZE)),
-        ("emitters.wgsl", "KEPT", one(emitters::KEPT)),
-        ("fitted.wgsl", "EMITTERS", one(COUNT as u32)),
-        ("fitted.wgsl", "FIRST_OCTAVE", one(*OCTAVES.start())),
-        ("fitted.wgsl", "GROUP_SIZE", one(fitted::GROUP_SIZE)),
-        ("fitted.wgsl", "INTERVALS", one(triangle::INTERVALS as u32)),
-        ("fitted.wgsl", "KNOTS", one(KNOTS.len() as u32)),
-        ("fitted.wgsl", "NODES", one(triangle::NODES as u32)),
-        ("fixed_point.wgsl", "GROUPS", one(fixed_point::GROUPS)),
-        ("fixed_point.wgsl", "GROUP_SIZE", one(fixed_point::GROUP_SIZE)),
-        ("fixed_point.wgsl", "TEXELS", one(fixed_point::TEXELS)),
-        ("harmonics.wgsl", "BATCHES", one(harmonics::BATCHES)),
-        ("harmonics.wgsl", "FINEST", one(harmonics::FINEST)),
-        ("harmonics.wgsl", "GROUP_SIZE", one(harmonics::GROUP_SIZE)),
-        ("lamp.wgsl", "EDGE", one(lamp::EDGE)),
-        ("lamp.wgsl", "PLACES", one(lamp::PLACES)),
-        ("least.wgsl", "GROUPS", one(fixed_point::GROUPS)),
-        ("least.wgsl", "GROUP_SIZE", one(fixed_point::GROUP_SIZE)),
-        ("least.wgsl", "TEXELS", one(fixed_point::TEXELS)),
-        ("mirror.wgsl", "EDGE", one(mirror::EDGE)),
-        ("pack.wgsl", "EDGE", one(box_filter::EDGE)),
-        ("reparameterise.wgsl", "EDGE", one(reparameterise::EDGE)),
-        ("reparameterise.wgsl", "GROUP_SIZE", one(reparameterise::GROUP_SIZE)),
-        ("sat_f32.wgsl", "EDGE", one(sat_f32::EDGE)),
-        ("sat_f32.wgsl", "GROUPS", one(sat_f32::GROUPS)),
-        ("sat_scan.wgsl", "TILE", one(sat_scan::TILE)),
-        ("sat_scan.wgsl", "GROUP_SIZE", one(sat_scan::GROUP_SIZE)),
-    ]
-}
+/// Constants that are a shader's own affair, or follow from others.
+const OWN_CONSTANTS: &[(&str, &[&str])] = &[
+    ("adaptive.wgsl", &["BATCH", "DEPTH", "LEAF_FIELDS", "LEAVES", "PARTS", "PIECES", "STACK"]),
+    ("blur.wgsl", &["SCAN_SIZE"]),
+    ("common/fitted.wgsl", &["UNIT"]),
+    ("common/quad.wgsl", &["FIELD_SPARE"]),
+    ("common/view_draw.wgsl", &["GREATEST"]),
+    ("harmonics.wgsl", &["HIGH_WORD", "LOW_WORD", "SKEW"]),
+    ("reparameterise.wgsl", &["CHUNK"]),
+    ("sat_f32.wgsl", &["GROUP_SIZE"]),
+    ("sat_scan.wgsl", &["EDGE", "PART", "SCAN_SIZE", "SKEW"]),
+];
 
 #[test]
 fn constants_are_rust_s() {
-    for (file, name, expected) in constants() {
-        assert_eq!(Shader::of_file(file).constant(name), Some(expected), "{name} of {file}");
+    let expected = [octagloss::gpu::shared::constants(), octagloss::view::shared::constants()].concat();
+    let mut declared = BTreeSet::new();
+    for file in files() {
+        let shader = Shader::of_file(file);
+        for name in shader.module.constants.iter().filter_map(|(_, constant)| constant.name.clone()) {
+            let path = declaring(file, &format!("const {name} "));
+            if let Some((_, _, numbers)) = expected.iter().find(|c| (c.0, c.1) == (path, name.as_str())) {
+                // Shaders have float32.
+                let numbers: Vec<f64> = numbers.iter().map(|number| f64::from(*number as f32)).collect();
+                assert_eq!(shader.constant(&name), Some(numbers), "{name} of {path}");
+            }
+            declared.insert((path, name));
+        }
     }
+    // The compiler drops constants without a concrete type, which would go unseen.
+    let lines = shader::FILES.iter().flat_map(|(path, text)| text.lines().map(move |line| (*path, line)));
+    for (path, line) in lines.filter(|(_, line)| line.starts_with("const ")) {
+        let seen = declared.iter().any(|(file, name)| {
+            *file == path
+                && line.strip_prefix("const ").is_some_and(|rest| rest.starts_with(&format!("{name} ")))
+        });
+        assert!(seen, "{path}: give this constant a concrete type: {line}");
+    }
+    let own = OWN_CONSTANTS.iter().flat_map(|(path, names)| names.iter().map(|name| (*path, *name)));
+    let names = expected.iter().map(|(path, name, _)| (*path, *name)).chain(own);
+    let names = names.map(|(path, name)| (path, name.to_owned())).collect();
+    assert_same_names("constants", &declared, &names);
     let source = shader::source("sat_scan.wgsl").replace("const TILE = 64u;", "const TILE = 32u;");
     assert_eq!(Shader::parse("smaller tiles", &source).constant("TILE"), Some(vec![32.0]), "read, not known");
+    let fails = |declared: &BTreeSet<_>| {
+        std::panic::catch_unwind(|| assert_same_names("constants", declared, &names)).is_err()
+    };
+    let mut more = declared.clone();
+    more.insert(("copy.wgsl", "NEW".to_owned()));
+    let mut fewer = declared;
+    fewer.pop_first();
+    assert!(fails(&more) && fails(&fewer), "what is new and what is gone is seen");
 }
 
 /// What one entry point uses.
@@ -333,16 +347,80 @@ fn every_entry_point_keeps_to_baseline_limits() {
     assert_eq!(first(large).as_deref(), Some("invocations, workgroup memory"));
 }
 
+/// The viewer's entry points.
+const VIEW_ENTRY_POINTS: &[(&str, &[&str])] = &[
+    (
+        "view/box.wgsl",
+        &[
+            "cover",
+            "cover_error",
+            "cover_picture",
+            "cover_samples",
+            "mesh_error",
+            "mesh_picture",
+            "mesh_samples",
+            "oem",
+            "sat",
+            "transform",
+        ],
+    ),
+    (
+        "view/fitted.wgsl",
+        &[
+            "cover",
+            "cover_error",
+            "cover_picture",
+            "cover_samples",
+            "mesh_error",
+            "mesh_picture",
+            "mesh_samples",
+            "transform",
+        ],
+    ),
+    (
+        "view/levels.wgsl",
+        &[
+            "cover",
+            "cover_error",
+            "cover_picture",
+            "cover_samples",
+            "mesh_error",
+            "mesh_picture",
+            "mesh_samples",
+            "transform",
+        ],
+    ),
+    ("view/present.wgsl", &["cover", "show"]),
+    (
+        "view/truth.wgsl",
+        &[
+            "cover",
+            "cover_error",
+            "cover_picture",
+            "cover_samples",
+            "mesh_error",
+            "mesh_picture",
+            "mesh_samples",
+            "transform",
+        ],
+    ),
+];
+
 #[test]
-fn the_viewer_s_shaders_are_baseline_s() {
-    for (file, fragments) in [("box", 8), ("fitted", 6), ("levels", 6), ("truth", 6), ("present", 1)] {
-        let file = format!("view/{file}.wgsl");
-        assert!(files().any(|path| path == file), "{file} is listed");
+fn the_viewer_s_entry_points_are_those_that_it_draws_with() {
+    let mut found = Vec::new();
+    for file in files().filter(|path| path.starts_with("view/")) {
         // What is parsed is validated with nothing but what every WebGPU has.
-        let shader = Shader::of_file(&file);
-        let stage = |entry: &&naga::EntryPoint| entry.stage == naga::ShaderStage::Fragment;
-        assert_eq!(shader.module.entry_points.iter().filter(stage).count(), fragments, "{file}");
+        let module = Shader::of_file(file).module;
+        let mut names: Vec<String> = module.entry_points.iter().map(|entry| entry.name.clone()).collect();
+        names.sort();
+        found.push((file, names));
     }
+    let expected: Vec<(&str, Vec<String>)> = VIEW_ENTRY_POINTS
+        .iter()
+        .map(|(file, names)| (*file, names.iter().map(|name| (*name).to_owned()).collect()))
+        .collect();
+    assert_eq!(found, expected);
 }
 
 #[test]

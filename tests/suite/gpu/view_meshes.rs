@@ -11,11 +11,10 @@ use octagloss::chain::{Chain, Level};
 use octagloss::filter::Filter as Bake;
 use octagloss::image::exposure::{self, Exposure};
 use octagloss::lobe::Lobe;
+use octagloss::mesh;
 use octagloss::reflector::{Reflector, ReflectorSettings};
 use octagloss::sphere::cube::Face;
-use octagloss::view::{
-    Filter, Levels, Light, Look, Object, Paint, Renderer, Screenshot, Tone, mesh, screenshot,
-};
+use octagloss::view::{Filter, Levels, Light, Look, Object, Paint, Renderer, Screenshot, Tone, screenshot};
 use octagloss::{Environment, Layout, Rgb};
 use serde_json::{Value, json};
 

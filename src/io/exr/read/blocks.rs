@@ -33,8 +33,16 @@ fn batch_size(header: &Header) -> u64 {
     (IN_FLIGHT_BYTES / block).clamp(1, 4 * rayon::current_num_threads() as u64)
 }
 
-/// Refuses a file whose blocks would not fit beside the texels.
-pub(super) fn check_block_memory(source: &Source<'_>, header: &Header, window: &Window) -> Result<()> {
+/// Refuses a file that is too short for its blocks, before texels are allocated, and one whose blocks would
+/// not fit beside the texels.
+pub(super) fn check_blocks(source: &Source<'_>, header: &Header, window: &Window) -> Result<()> {
+    let (count, least) = least_bytes(header);
+    if least > source.bytes.len() as u64 {
+        return Err(source.error(format!(
+            "truncated: its {count} blocks take at least {least} bytes and the file has {}; copy it anew",
+            source.bytes.len()
+        )));
+    }
     let texels = u64::from(window.width) * u64::from(window.height) * TEXEL_BYTES;
     let blocks = (batch_size(header) * BLOCK_COPIES).saturating_mul(header.max_block_byte_size() as u64);
     let needed = texels.saturating_add(blocks).saturating_add(source.bytes.len() as u64);
@@ -43,6 +51,28 @@ pub(super) fn check_block_memory(source: &Source<'_>, header: &Header, window: &
         return Err(picture::limit(source.path, &what, needed, source.memory_limit));
     }
     Ok(())
+}
+
+/// The blocks of the largest level, and the fewest bytes that they take in a file.
+fn least_bytes(header: &Header) -> (u64, u64) {
+    // An entry of the offset table; a block's place and length; a byte of data.
+    const LEAST_BLOCK: u64 = 8 + 8 + 1;
+    let (width, height) = (header.layer_size.x() as u64, header.layer_size.y() as u64);
+    let block = header.max_block_pixel_size();
+    let across = |side: u64, block: usize| side.div_ceil((block as u64).max(1));
+    let count = across(width, block.x()).saturating_mul(across(height, block.y()));
+    // How many bytes of samples a byte of data stands for at most; 0 where there is no such limit.
+    let most = match header.compression {
+        Compression::Uncompressed => 1,
+        // Two bytes for a run of 128.
+        Compression::RLE => 64,
+        // Two bits for a match of 258 bytes; of a float in PXR24 three bytes are kept.
+        Compression::ZIP1 | Compression::ZIP16 => 1032,
+        Compression::PXR24 => 1376,
+        _ => 0,
+    };
+    let samples = width.saturating_mul(height).saturating_mul(header.channels.bytes_per_pixel as u64);
+    (count, count.saturating_mul(LEAST_BLOCK).max(samples.checked_div(most).unwrap_or(0)))
 }
 
 /// Decodes the selected channels of the largest level into `texels`, rows of the display window.

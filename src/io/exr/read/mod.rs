@@ -50,7 +50,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     let header = &metadata.headers[selection.header];
     let window = Window::of(source, header)?;
     source.check_memory(window.width, window.height, TEXEL_BYTES)?;
-    blocks::check_block_memory(source, header, &window)?;
+    blocks::check_blocks(source, header, &window)?;
 
     let count = window.width as usize * window.height as usize;
     let mut texels = Vec::new();
@@ -159,7 +159,7 @@ fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result
         }
         size = window.width;
         source.check_memory(size, 6 * size, TEXEL_BYTES)?;
-        blocks::check_block_memory(source, header, &window)?;
+        blocks::check_blocks(source, header, &window)?;
         let reader = ::exr::block::read(Cursor::new(source.bytes), false)
             .map_err(|error| exr_error(source, &error))?;
         let mut own = vec![Rgb::default(); size as usize * size as usize];

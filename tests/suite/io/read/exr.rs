@@ -50,6 +50,41 @@ fn incompressible_blocks_are_read_exactly() {
     assert_panorama(&read("a.exr", &bytes).unwrap(), size, &pixels);
 }
 
+/// A file that ends long before its blocks could is refused before its texels are allocated.
+#[test]
+fn files_too_short_for_their_blocks_are_refused() {
+    let black = vec![[0.0; 3]; 64 * 32];
+    // Lines of a block; bytes of samples that a byte of data stands for at most, or 17 bytes for each block.
+    for (compression, lines, least) in [
+        (Compression::Uncompressed, 1, 16_384 * 8192 * 6),
+        (Compression::RLE, 1, 16_384 * 8192 * 6 / 64),
+        (Compression::ZIP16, 16, 16_384 * 8192 * 6 / 1032),
+        (Compression::PXR24, 16, 16_384 * 8192 * 6 / 1376),
+        (Compression::PIZ, 32, 8192 / 32 * 17),
+    ] {
+        let whole = exr_rgb((64, 32), Sample::Half, compression, &black);
+        read("a.exr", &whole).expect("as small as such files are");
+        // The same header, as of a picture of 16384 x 8192.
+        let mut vast = whole.clone();
+        let mut set = |name: &[u8], offset: usize, value: i32| {
+            let at = vast.windows(name.len()).position(|window| window == name).expect("an attribute");
+            vast[at + name.len() + offset..][..4].copy_from_slice(&value.to_le_bytes());
+        };
+        for window in [&b"dataWindow\0box2i\0\x10\0\0\0"[..], b"displayWindow\0box2i\0\x10\0\0\0"] {
+            set(window, 8, 16_383);
+            set(window, 12, 8191);
+        }
+        set(b"chunkCount\0int\0\x04\0\0\0", 0, 8192 / lines);
+        let error = error_of(read("a.exr", &vast));
+        let wanted = format!(
+            "a.exr: truncated: its {} blocks take at least {least} bytes and the file has {}; copy it anew",
+            8192 / lines,
+            vast.len()
+        );
+        assert_eq!(error, wanted);
+    }
+}
+
 /// Lossy ones come close: a smooth picture within two per cent.
 #[test]
 fn lossy_compressions_are_read_closely() {

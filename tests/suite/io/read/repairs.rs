@@ -47,6 +47,22 @@ fn sanitize_repairs_and_counts() {
 }
 
 #[test]
+fn infinity_without_anything_finite_is_no_picture() {
+    let mut pixels = vec![[1.0, f32::INFINITY, 1.0]; 32];
+    let message = "a.exr: its channel G has Inf and no finite value to repair it by; render it anew";
+    assert_eq!(error_of(read_with("a.exr", &exr(&pixels), &sanitize())), message);
+    pixels[3][1] = f32::NAN;
+    assert_eq!(error_of(read_with("a.exr", &exr(&pixels), &sanitize())), message, "NaN is not finite");
+    pixels[31][1] = 7.0;
+    let loaded = read_with("a.exr", &exr(&pixels), &sanitize()).unwrap();
+    let green: Vec<f32> = loaded.environment.texels().iter().map(|texel| texel[1]).collect();
+    assert!(
+        green.iter().enumerate().all(|(at, value)| *value == if at == 3 { 0.0 } else { 7.0 }),
+        "{green:?}"
+    );
+}
+
+#[test]
 fn non_finite_faces_are_named_by_their_file() {
     let folder = tempfile::tempdir().unwrap();
     let paths: Vec<_> = (0..6).map(|k| folder.path().join(format!("{k}.exr"))).collect();

@@ -1,7 +1,12 @@
 //! Triangle meshes: a torus knot, and what glTF and OBJ files hold.
 
-use super::material::{Image, Material};
-use super::{gltf, obj};
+mod accessor;
+mod gltf;
+mod material;
+mod obj;
+
+pub use material::{Image, Material, Texture, Wrap};
+
 use crate::error::{Error, Result};
 use crate::io::confined::Confined;
 use crate::io::panics::contained;
@@ -148,7 +153,7 @@ impl Mesh {
     /// Moves the mesh to the origin and scales it to 1; refuses one that cannot be seen.
     fn normalised(mut self, path: &Path) -> Result<Self> {
         if self.indices.is_empty() {
-            return Err(Error::input(path, "no triangles"));
+            return Err(Error::input(path, "no triangles; export its surfaces, points and lines have none"));
         }
         let place = |vertex: &Vertex| DVec3::from_array(vertex.position.map(f64::from));
         let (low, high) = self
@@ -198,17 +203,17 @@ impl Kind {
 
 /// Attributes of the corners of some triangles, all finite.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corners<'a> {
-    pub(super) positions: &'a [[f32; 3]],
-    pub(super) normals: Option<&'a [[f32; 3]]>,
-    pub(super) colours: Option<&'a [[f32; 4]]>,
-    pub(super) uv: Option<&'a [[f32; 2]]>,
-    pub(super) surface_uv: Option<&'a [[f32; 2]]>,
+pub(crate) struct Corners<'a> {
+    pub(crate) positions: &'a [[f32; 3]],
+    pub(crate) normals: Option<&'a [[f32; 3]]>,
+    pub(crate) colours: Option<&'a [[f32; 4]]>,
+    pub(crate) uv: Option<&'a [[f32; 2]]>,
+    pub(crate) surface_uv: Option<&'a [[f32; 2]]>,
 }
 
 /// A mesh while it is read.
 #[derive(Debug, Default)]
-pub(super) struct Builder {
+pub(crate) struct Builder {
     vertices: Vec<Vertex>,
     materials: Vec<Material>,
     /// Indices of each material, after those without any.
@@ -218,12 +223,12 @@ pub(super) struct Builder {
 
 impl Builder {
     /// Corners and indices that may still be added.
-    pub(super) fn room(&self) -> (usize, usize) {
+    pub(crate) fn room(&self) -> (usize, usize) {
         (MOST_VERTICES - self.vertices.len(), MOST_INDICES - self.count)
     }
 
     /// Adds `material`; its index.
-    pub(super) fn add_material(&mut self, material: Material) -> usize {
+    pub(crate) fn add_material(&mut self, material: Material) -> usize {
         self.materials.push(material);
         self.materials.len() - 1
     }
@@ -233,7 +238,7 @@ impl Builder {
     ///
     /// # Errors
     /// Why they are refused.
-    pub(super) fn add(
+    pub(crate) fn add(
         &mut self,
         corners: &Corners<'_>,
         indices: &[u32],
@@ -320,7 +325,7 @@ impl Builder {
     ///
     /// # Errors
     /// [`Error::Input`] where there is nothing to see.
-    pub(super) fn finished(self, path: &Path, images: Vec<Image>) -> Result<Mesh> {
+    pub(crate) fn finished(self, path: &Path, images: Vec<Image>) -> Result<Mesh> {
         let mut indices = Vec::with_capacity(self.count);
         let mut parts = Vec::new();
         for (list, material) in self.indices.into_iter().zip(std::iter::once(None).chain((0..).map(Some))) {

@@ -1,7 +1,7 @@
 //! Meshes of files: what is read, and what is refused.
 
 use octagloss::Error;
-use octagloss::view::{Material, Mesh, Texture, Wrap, mesh};
+use octagloss::mesh::{self, Material, Mesh, Texture, Wrap};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -241,6 +241,12 @@ fn faults_of_gltf_are_named_with_their_values() {
 }
 
 #[test]
+fn lines_beside_faces_are_left_out() {
+    let mesh = read("both.obj", format!("l 1 2 3\n{CUBE} l 1 2\np 4\nl 1 2 3 4").as_bytes()).expect("a mesh");
+    assert_eq!(mesh, read("cube.obj", CUBE.as_bytes()).expect("a mesh"));
+}
+
+#[test]
 fn long_chains_of_nodes_end() {
     let nodes: Vec<Value> =
         (1..100_000).map(|next| json!({"children": [next]})).chain([json!({"mesh": 0})]).collect();
@@ -251,9 +257,10 @@ fn long_chains_of_nodes_end() {
 #[test]
 fn what_is_no_mesh_is_refused_by_name() {
     let whole = glb(&triangle(&buffer(&CORNERS)), &buffer(&CORNERS));
-    let cases: [(&str, Vec<u8>, &str); 12] = [
+    let cases: [(&str, Vec<u8>, &str); 13] = [
         ("nothing.obj", Vec::new(), "no triangles"),
         ("points.obj", b"v 0 0 0\nv 1 0 0\n".to_vec(), "no triangles"),
+        ("lines.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\np 1\n".to_vec(), "export its surfaces"),
         ("wild.obj", b"v 0 0 0\nf 1 2 900\n".to_vec(), "bounds"),
         ("nan.obj", b"v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), "NaN in a line v"),
         ("inf.obj", b"v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), "inf in a line v"),
@@ -304,6 +311,12 @@ fn other_files_are_read_below_the_mesh_s_folder_only() {
     refused("../../../../../../../../etc/passwd", "`mesh_root`");
     refused("/dev/zero", "an absolute path");
     refused("none.bin", "none.bin");
+    // A name that no system has is not echoed whole.
+    for long in [format!("{}.bin", "x".repeat(100_000)), "x/".repeat(50_000)] {
+        refused(&long, "bytes): ");
+        let error = Mesh::read(&with_uri(&inside, &long)).expect_err("no such file").to_string();
+        assert!(error.len() < inside.as_os_str().len() + 300, "{} bytes", error.len());
+    }
     refused("a part", "a directory where a file is needed");
     refused("b.bin\u{0}", "only files by their relative paths");
     refused("c:b.bin", "only files by their relative paths");

@@ -1,16 +1,18 @@
 //! OBJ files. Their material libraries are not read.
 
-use super::mesh::{Builder, Corners, Mesh};
+use super::{Builder, Corners, Mesh};
 use crate::error::{Error, Result};
 use glam::DMat4;
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 
 /// The mesh in `bytes`, the OBJ file `path`.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh> {
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
+    let bytes = without_lines(bytes);
     let no_materials = |_: &Path| Ok(Default::default());
-    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, no_materials)
+    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(&*bytes), &options, no_materials)
         .map_err(|error| Error::input(path, error.to_string()))?;
     let mut builder = Builder::default();
     for (number, model) in models.iter().enumerate() {
@@ -40,4 +42,19 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh> {
             .map_err(|message| Error::input(path, format!("group {number}: {message}")))?;
     }
     builder.finished(path, Vec::new())
+}
+
+/// `bytes` without lines and points, which have no surface: the parser takes those of three corners for
+/// triangles.
+fn without_lines(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let is_bare = |line: &[u8]| {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        matches!(words.next(), Some(b"l" | b"p"))
+    };
+    let lines = || bytes.split_inclusive(|byte| *byte == b'\n');
+    if lines().any(is_bare) {
+        lines().filter(|line| !is_bare(line)).flatten().copied().collect()
+    } else {
+        Cow::Borrowed(bytes)
+    }
 }

@@ -2,9 +2,9 @@
 
 use super::accessor::{Buffers, Fractions, Refusal};
 use super::material::{Image, MOST_TEXTURES, Material, Texture, Wrap};
-use super::mesh::{Builder, Corners, Mesh};
-use crate::error::{Error, Result};
-use crate::io::confined::{Confined, shortened};
+use super::{Builder, Corners, Mesh};
+use crate::error::{Error, Result, quoted};
+use crate::io::confined::Confined;
 use ::gltf::json::accessor::Type;
 use ::gltf::json::material::AlphaMode;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -70,7 +70,7 @@ fn buffers(
         };
         let length = buffer.byte_length.0;
         if length > bytes.len() as u64 {
-            let what = buffer.uri.as_deref().map_or_else(|| "its binary chunk".to_owned(), shortened);
+            let what = buffer.uri.as_deref().map_or_else(|| "its binary chunk".to_owned(), quoted);
             let held = bytes.len();
             let message = format!("buffer {index} has {length} bytes, and {what} holds {held}");
             return Err(Error::input(path, message));
@@ -276,7 +276,7 @@ impl Scene<'_> {
                     (name, decoded)
                 }
                 (None, Some(uri)) => {
-                    let name = format!("image {index} ({})", shortened(uri));
+                    let name = format!("image {index} ({})", quoted(uri));
                     let decoded = Image::decoded(path, &name, &files.read(uri)?)?;
                     (name, decoded)
                 }

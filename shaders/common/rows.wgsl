@@ -1,0 +1,8 @@
+// Workgroups in rows, for dispatches larger than one dimension holds: `in_rows` of src/gpu/device/stage.rs.
+
+const ROW = 32768u;
+
+// The index of a workgroup.
+fn index_in_rows(group: vec3<u32>) -> u32 {
+    return group.y * ROW + group.x;
+}

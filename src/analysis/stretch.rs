@@ -1,0 +1,198 @@
+//! How maps of the sphere stretch: singular values, sampling requirements, anisotropy, solid angles of
+//! texels.
+//!
+//! Herron, *The Tennis-ball Map*, section 4.1, after Snyder and Mitchell, *Sampling-Efficient Mapping of
+//! Spherical Images* (2001). Everything is measured numerically, from a map's directions alone.
+
+use crate::sphere::map::SphereMap;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// How a map stretches at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// The greater singular value of the Jacobian (equation 5): radians per unit of (u, v).
+    pub greatest: f64,
+    /// The lesser one.
+    pub least: f64,
+    /// The inverse length of the shortest vector of the lattice dual to that of texels of unit sides: the
+    /// spacing of isotropic samples that resolve as much as these texels do.
+    pub spacing: f64,
+}
+
+impl Stretch {
+    /// From the derivatives of the direction by u and v.
+    #[must_use]
+    pub fn from_derivatives(by_u: DVec3, by_v: DVec3) -> Self {
+        let (a, b, c) = (by_u.length_squared(), by_u.dot(by_v), by_v.length_squared());
+        let root = ((a - c) * (a - c) + 4.0 * b * b).sqrt();
+        let greatest = ((a + c + root) / 2.0).sqrt();
+        // The product of both is the area; equation 5's difference cancels where they differ much.
+        let area = by_u.cross(by_v).length();
+        let shortest = shortest_vector_squared(c, -b, a);
+        Self { greatest, least: area / greatest, spacing: area / shortest.sqrt() }
+    }
+
+    /// At `uv` of `component`, by central differences of `step`; the map must be smooth that far around.
+    #[must_use]
+    pub fn at(map: &dyn SphereMap, component: u32, uv: DVec2, step: f64) -> Self {
+        let by = |way: DVec2| {
+            (map.direction(component, uv + way * step) - map.direction(component, uv - way * step))
+                / (2.0 * step)
+        };
+        Self::from_derivatives(by(DVec2::X), by(DVec2::Y))
+    }
+
+    /// Greater over lesser singular value, at least 1.
+    #[must_use]
+    pub fn anisotropy(&self) -> f64 {
+        self.greatest / self.least
+    }
+
+    /// Steradians per unit of area.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.greatest * self.least
+    }
+}
+
+/// The least value other than 0 of a x^2 + 2 b x y + c y^2 over integers: Lagrange's reduction.
+fn shortest_vector_squared(mut a: f64, mut b: f64, mut c: f64) -> f64 {
+    // Each round at least halves c; a form as long as 2^60 to 1 is as good as degenerate.
+    for _ in 0..60 {
+        if a > c {
+            (a, c) = (c, a);
+        }
+        let turns = (b / a).round();
+        if turns == 0.0 || !turns.is_finite() {
+            break;
+        }
+        c += turns * (turns * a - 2.0 * b);
+        b -= turns * a;
+    }
+    a.min(c)
+}
+
+/// What a map costs, over its whole domain. Infinite where stretch grows without bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Metrics {
+    /// Equation 6, summed over components: area of the rectangle times the square of the greatest stretch.
+    pub sampling: f64,
+    /// Greatest ratio of both singular values.
+    pub anisotropy: f64,
+    /// Number of components.
+    pub components: u32,
+    /// As `sampling`, with [`Stretch::spacing`] in place of the greatest stretch: what texels need where
+    /// reconstruction is ideal and may be anisotropic. At most `sampling`.
+    pub lattice: f64,
+    /// Least and greatest solid angle of a small texel in the domain, over 4 pi divided by the number of
+    /// all texels (section 5.1 of the octahedron paper).
+    pub relative_solid_angle: [f64; 2],
+    /// Share of texels in a domain.
+    pub used: f64,
+}
+
+/// Cells of the grid of points along each side of a component. A multiple of 2 and 3: folds along diagonals
+/// and axes pass through its corners, and so do the centres of octahedron faces.
+const CELLS: u32 = 96;
+
+/// The greatest and least values over a component.
+#[derive(Clone, Copy, Debug)]
+struct Extremes {
+    greatest: f64,
+    spacing: f64,
+    anisotropy: f64,
+    area: [f64; 2],
+}
+
+/// Metrics of `map`.
+///
+/// Extremes lie in middles, on folds and on rims. So points are taken beside every corner of a grid and in
+/// the middle of its cells, at two distances from the corners, and the limit is extrapolated; what doubles
+/// from one distance to the next is infinite.
+#[must_use]
+pub fn measure(map: &dyn SphereMap) -> Metrics {
+    let components: Vec<_> = (0..map.components()).map(|k| map.component(k)).collect();
+    let cells: f64 = components.iter().map(|c| f64::from(c.cells[0] * c.cells[1])).sum();
+    let mut metrics = Metrics {
+        sampling: 0.0,
+        anisotropy: 1.0,
+        components: map.components(),
+        lattice: 0.0,
+        relative_solid_angle: [f64::INFINITY, 0.0],
+        used: 0.0,
+    };
+    for (component, index) in components.iter().zip(0..) {
+        let [far, near] = [1e-3, 1e-4].map(|inset| extremes(map, index, inset));
+        let limit = |value: fn(&Extremes) -> f64| {
+            let (far, near) = (value(&far), value(&near));
+            if near > 2.0 * far { f64::INFINITY } else { near + (near - far) / 9.0 }
+        };
+        metrics.sampling += component.area() * limit(|e| e.greatest).powi(2);
+        metrics.lattice += component.area() * limit(|e| e.spacing).powi(2);
+        metrics.anisotropy = metrics.anisotropy.max(limit(|e| e.anisotropy));
+        let own_cells = f64::from(component.cells[0] * component.cells[1]);
+        let per_texel = component.area() / own_cells * cells / (4.0 * PI);
+        let [least, greatest] = &mut metrics.relative_solid_angle;
+        *least = least.min(limit(|e| e.area[0]).max(0.0) * per_texel);
+        *greatest = greatest.max(limit(|e| e.area[1]) * per_texel);
+        metrics.used += used_share(map, index) * own_cells / cells;
+    }
+    metrics
+}
+
+/// Extremes of `component` over points at `inset` of a cell from the grid's corners, and in the middle of
+/// cells.
+fn extremes(map: &dyn SphereMap, component: u32, inset: f64) -> Extremes {
+    let rectangle = map.component(component);
+    let cell = rectangle.extent() / f64::from(CELLS);
+    // Beside a cone point derivatives change over the distance to it.
+    let step = cell.min_element() * inset / 100.0;
+    // Two different offsets: none lies on a diagonal.
+    let (a, b) = (inset, 2.0 * inset);
+    let offsets = [(a, b), (1.0 - b, a), (b, 1.0 - a), (1.0 - a, 1.0 - b), (0.5 + a, 0.5 + b)];
+    let row = |y: u32| {
+        let mut row = Extremes { greatest: 0.0, spacing: 0.0, anisotropy: 1.0, area: [f64::INFINITY, 0.0] };
+        for x in 0..CELLS {
+            for (right, down) in offsets {
+                let at = DVec2::new(f64::from(x) + right, f64::from(y) + down);
+                let uv = rectangle.low + cell * at;
+                if !map.contains(component, uv) {
+                    continue;
+                }
+                let stretch = Stretch::at(map, component, uv, step);
+                row.greatest = row.greatest.max(stretch.greatest);
+                row.spacing = row.spacing.max(stretch.spacing);
+                row.anisotropy = row.anisotropy.max(stretch.anisotropy());
+                row.area = [row.area[0].min(stretch.area()), row.area[1].max(stretch.area())];
+            }
+        }
+        row
+    };
+    let all = (0..CELLS).into_par_iter().map(row);
+    let neutral = Extremes { greatest: 0.0, spacing: 0.0, anisotropy: 1.0, area: [f64::INFINITY, 0.0] };
+    all.reduce(
+        || neutral,
+        |p, q| Extremes {
+            greatest: p.greatest.max(q.greatest),
+            spacing: p.spacing.max(q.spacing),
+            anisotropy: p.anisotropy.max(q.anisotropy),
+            area: [p.area[0].min(q.area[0]), p.area[1].max(q.area[1])],
+        },
+    )
+}
+
+/// Share of the rectangle of `component` in its domain, counted over 1024 x 1024 points.
+fn used_share(map: &dyn SphereMap, component: u32) -> f64 {
+    let rectangle = map.component(component);
+    let n = 1024;
+    let row = |y: u32| {
+        let inside = |x: &u32| {
+            let share = DVec2::new(f64::from(*x) + 0.5, f64::from(y) + 0.5) / f64::from(n);
+            map.contains(component, rectangle.low + rectangle.extent() * share)
+        };
+        (0..n).filter(inside).count()
+    };
+    (0..n).into_par_iter().map(row).sum::<usize>() as f64 / f64::from(n * n)
+}

@@ -1,0 +1,172 @@
+//! `octagloss analyze`: maps of the sphere, measured.
+
+use super::outcome::{Outcome, print, usage};
+use clap::Args as ClapArgs;
+use octagloss::analysis::map_table::{Row, rows};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct AnalyzeArgs {
+    /// Print how every map stretches, beside the published values
+    ///
+    /// Table 1 of the tennis-ball paper and the maps that it lacks. Y: sampling requirement, the area of
+    /// the rectangles times the square of the greatest stretch. anisotropy: greatest ratio of both
+    /// stretches. M: as Y for ideal, anisotropic reconstruction. texels: least and greatest solid angle
+    /// over the mean of all texels. used: share of texels that stand for directions.
+    #[arg(long)]
+    pub(super) table: bool,
+    /// Print the table as CSV
+    #[arg(long, conflicts_with = "json")]
+    pub(super) csv: bool,
+    /// Print the table as JSON, on one line
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
+    if !(args.table || args.csv || args.json) {
+        return usage("analyze has nothing to do; ask for --table, --csv or --json");
+    }
+    let rows = rows();
+    if args.json {
+        let rows: Vec<Value> = rows.iter().map(json_row).collect();
+        return print(&format!("{}\n", json!({ "maps": rows })));
+    }
+    if args.csv {
+        return print(&csv_table(&rows)?);
+    }
+    print(&text_table(&rows))
+}
+
+/// `value` with `digits` after the point, or inf.
+fn fixed(value: f64, digits: usize) -> String {
+    if value.is_finite() { format!("{value:.digits$}") } else { "inf".to_owned() }
+}
+
+fn components(row: &Row) -> String {
+    if row.metrics.components == u32::MAX { "inf".to_owned() } else { row.metrics.components.to_string() }
+}
+
+fn text_table(rows: &[Row]) -> String {
+    let mut text = format!(
+        "{:<33}{:>13}{:>15}{:>12}{:>8}{:>14}{:>7}\n\
+         {:<33}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
+        "",
+        "Y",
+        "anisotropy",
+        "components",
+        "M",
+        "texels",
+        "used",
+        "",
+        "paper",
+        "ours",
+        "paper",
+        "ours",
+        "paper",
+        "ours",
+        "ours",
+        "least",
+        "most",
+        "%"
+    );
+    let mut notes = Vec::new();
+    for row in rows {
+        let metrics = &row.metrics;
+        let paper = row.printed.map_or([""; 3], |p| [p.sampling, p.anisotropy, p.components]);
+        let title = match row.note {
+            Some(note) => {
+                notes.push(note);
+                format!("{} [{}]", row.title, notes.len())
+            }
+            None => row.title.to_owned(),
+        };
+        let [least, greatest] = metrics.relative_solid_angle;
+        writeln!(
+            text,
+            "{title:<33}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}",
+            paper[0],
+            fixed(metrics.sampling, 2),
+            paper[1],
+            fixed(metrics.anisotropy, 2),
+            paper[2],
+            components(row),
+            fixed(metrics.lattice, 2),
+            fixed(least, 3),
+            fixed(greatest, 3),
+            fixed(metrics.used * 100.0, 1),
+        )
+        .expect("a string takes all");
+    }
+    for (number, note) in (1..).zip(notes) {
+        writeln!(text, "\n[{number}] {note}").expect("a string takes all");
+    }
+    text
+}
+
+fn csv_table(rows: &[Row]) -> Outcome<String> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    let header = [
+        "name",
+        "title",
+        "source",
+        "sampling_printed",
+        "sampling",
+        "anisotropy_printed",
+        "anisotropy",
+        "components_printed",
+        "components",
+        "lattice",
+        "texel_least",
+        "texel_greatest",
+        "used",
+        "note",
+    ];
+    let mut write = |record: &[String]| csv.write_record(record).map_err(anyhow::Error::new);
+    write(&header.map(str::to_owned))?;
+    for row in rows {
+        let metrics = &row.metrics;
+        let paper = row.printed.map_or([""; 3], |p| [p.sampling, p.anisotropy, p.components]);
+        let [least, greatest] = metrics.relative_solid_angle;
+        write(&[
+            row.name.unwrap_or_default().to_owned(),
+            row.title.to_owned(),
+            row.source.to_owned(),
+            paper[0].to_owned(),
+            metrics.sampling.to_string(),
+            paper[1].to_owned(),
+            metrics.anisotropy.to_string(),
+            paper[2].to_owned(),
+            components(row),
+            metrics.lattice.to_string(),
+            least.to_string(),
+            greatest.to_string(),
+            metrics.used.to_string(),
+            row.note.unwrap_or_default().to_owned(),
+        ])?;
+    }
+    let bytes = csv.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;
+    Ok(String::from_utf8(bytes).map_err(anyhow::Error::new)?)
+}
+
+/// A row as an object; what is infinite is null.
+fn json_row(row: &Row) -> Value {
+    let metrics = &row.metrics;
+    let infinite = metrics.components == u32::MAX;
+    json!({
+        "name": row.name,
+        "title": row.title,
+        "source": row.source,
+        "printed": row.printed.map(|p| json!({
+            "sampling": p.sampling, "anisotropy": p.anisotropy, "components": p.components,
+        })),
+        "sampling": metrics.sampling,
+        "anisotropy": metrics.anisotropy,
+        "components": (!infinite).then_some(metrics.components),
+        "lattice": metrics.lattice,
+        "relative_solid_angle": metrics.relative_solid_angle,
+        "used": metrics.used,
+        "note": row.note,
+    })
+}

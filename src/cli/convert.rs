@@ -1,0 +1,207 @@
+//! `octagloss convert`: an environment from any map of the sphere to any other.
+
+use super::console::{self, Talk};
+use super::outcome::{Outcome, check_not_input, check_output, on_threads, usage, write_output};
+use super::shared_args::MAX_THREADS;
+use super::values::finite;
+use clap::Args as ClapArgs;
+use clap::builder::PossibleValuesParser;
+use glam::{DMat3, DVec3};
+use octagloss::geometry::bordered::bordered_picture;
+use octagloss::geometry::overlap::{Target, mean_radiances, panorama_mean_radiances};
+use octagloss::geometry::resample::resample;
+use octagloss::io::environment_write::picture_bytes;
+use octagloss::io::output::Existing;
+use octagloss::io::{self, LayoutChoice, ReadOptions};
+use octagloss::sphere::grid::Grid;
+use octagloss::sphere::map::Texel;
+use octagloss::sphere::registry::{MAPS, NamedMap, named};
+use octagloss::{Environment, Error, Layout, Rgb};
+use std::path::{Path, PathBuf};
+
+/// The most texels along the shorter side.
+const MAX_SIZE: i64 = 8192;
+
+fn map_names() -> PossibleValuesParser {
+    PossibleValuesParser::new(MAPS.iter().map(|map| map.name))
+}
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct ConvertArgs {
+    /// The environment: whatever bake reads, or a picture of --from
+    #[arg(value_name = "INPUT")]
+    pub(super) input: PathBuf,
+    /// Where to, .exr or .hdr, or - (as EXR)
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+    /// The map to convert to
+    ///
+    /// Components lie side by side in one picture: a cube's faces in a row, a dual map's hemispheres side
+    /// by side, a tennis ball's panels above each other. octagloss analyze --table lists the maps.
+    #[arg(long, value_name = "MAP", value_parser = map_names())]
+    pub(super) layout: String,
+    /// The map of INPUT [default: by its shape]
+    ///
+    /// A picture as convert writes it, without a border.
+    #[arg(long, value_name = "MAP", value_parser = map_names(), hide_possible_values = true)]
+    pub(super) from: Option<String>,
+    /// Texels along the shorter side of a component
+    ///
+    /// 1 to 8192. By default about as many texels in all as INPUT has.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
+    pub(super) size: Option<u32>,
+    /// Texels around every component [default: 0]
+    ///
+    /// At most N. They show what lies across the edge: by the map's own gluing where that carries texels onto
+    /// texels (octahedral, low-distortion, equirect), else resampled.
+    #[arg(long, value_name = "B", default_value_t = 0, hide_default_value = true)]
+    pub(super) border: u32,
+    /// Turn about +Y; +90 carries +Z to +X [default: 0]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
+    pub(super) rotate_y: Option<f64>,
+    /// Repair NaN (to 0) and Inf (to a finite neighbour)
+    #[arg(long)]
+    pub(super) sanitize: bool,
+    /// Threads, 1 to 256 [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS))]
+    pub(super) threads: Option<u32>,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+    /// Replace the file if it exists
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+pub(super) fn run(args: &ConvertArgs) -> Outcome {
+    let path = &args.output;
+    // Standard output takes EXR.
+    let as_named = if path.as_os_str() == "-" { Path::new("-.exr") } else { path };
+    let extension = as_named.extension().map(|extension| extension.to_ascii_lowercase());
+    if !extension.is_some_and(|extension| extension == "exr" || extension == "hdr") {
+        return usage(format!("-o {} must end in .exr or .hdr", path.display()));
+    }
+    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    check_not_input(path, [&args.input])?;
+    check_output(path, existing)?;
+    let map = named(&args.layout).expect("clap knows the names");
+    let talk = Talk::new(args.quiet);
+    on_threads(args.threads, || {
+        let options = ReadOptions {
+            layout: if args.from.is_some() { LayoutChoice::Picture } else { LayoutChoice::Auto },
+            sanitize: args.sanitize,
+            ..ReadOptions::default()
+        };
+        let loaded = io::read(&args.input, &options)?;
+        for warning in &loaded.warnings {
+            talk.warn(&format!("{}: {warning}", args.input.display()));
+        }
+        let environment = match args.rotate_y {
+            Some(degrees) => loaded.environment.rotated_y(degrees),
+            None => loaded.environment,
+        };
+        let source = Source::new(args, environment)?;
+        let size = args.size.unwrap_or_else(|| source.equal_size(map));
+        if args.border > size {
+            return usage(format!("--border {} is wider than the map, {size} texels a side", args.border));
+        }
+        let target = Grid::new(map.map, size)?;
+        let texels = source.converted(map, &target)?;
+        let picture = bordered_picture(&target, &texels, args.border, |direction| source.look(direction));
+        let [width, height] = target.picture_sides(args.border);
+        let comment = format!("{} of {size} texels a side, border {}", map.title, args.border);
+        let bytes = picture_bytes(as_named, width, height, &picture, &comment)?;
+        write_output(path, existing, &bytes)?;
+        talk.note(&format!(
+            "{}: {}, {width} x {height}, {}",
+            path.display(),
+            map.title,
+            console::bytes(bytes.len() as u64)
+        ));
+        Ok(())
+    })
+}
+
+/// What is converted.
+struct Source {
+    grid: Grid,
+    texels: Vec<Rgb>,
+    world_from_source: DMat3,
+    /// The same as an environment, where it is one that the exact sweeps of `geometry::overlap` know.
+    environment: Option<Environment>,
+}
+
+impl Source {
+    fn new(args: &ConvertArgs, environment: Environment) -> Outcome<Self> {
+        let world_from_source = environment.source_from_world().transpose();
+        let (map, size) = match (environment.layout(), &args.from) {
+            (Layout::Panorama { width, height }, Some(name)) => {
+                let map = named(name).expect("clap knows the names");
+                let [cells_wide, cells_high] = Grid::new(map.map, 1)?.picture_sides(0);
+                let size = width / cells_wide;
+                if size == 0 || width != size * cells_wide || height != size * cells_high {
+                    return Err(Error::input(
+                        &args.input,
+                        format!(
+                            "{width}x{height} is no picture of {name}, which is {cells_wide}:{cells_high}; \
+                             leave --from out or name another map"
+                        ),
+                    )
+                    .into());
+                }
+                (map, size)
+            }
+            (_, Some(name)) => {
+                return usage(format!(
+                    "{} holds a cube already; leave --from {name} out",
+                    args.input.display()
+                ));
+            }
+            (Layout::Panorama { height, .. }, None) => (known("equirect"), height),
+            (Layout::Cube { size }, None) => (known("cube"), size),
+            (Layout::Octahedral { size }, None) => (known("octahedral"), size),
+        };
+        let grid = Grid::new(map.map, size)?;
+        if args.from.is_none() {
+            let texels = environment.texels().to_vec();
+            return Ok(Self { grid, texels, world_from_source, environment: Some(environment) });
+        }
+        // The picture's components, one after another.
+        let Layout::Panorama { width, .. } = environment.layout() else { unreachable!("matched above") };
+        let at = |Texel { component, x, y }: Texel| {
+            let [left, top] = grid.picture_origin(component, 0);
+            environment.texels()[(top + y) as usize * width as usize + (left + x) as usize]
+        };
+        let texels = grid.texels().map(at).collect();
+        Ok(Self { grid, texels, world_from_source, environment: None })
+    }
+
+    /// The size at which `map` has about as many texels as this, even where it is more than one.
+    fn equal_size(&self, map: &NamedMap) -> u32 {
+        let cells = Grid::new(map.map, 1).map_or(1, |grid| grid.texel_count());
+        let side = (self.grid.texel_count() as f64 / cells as f64).sqrt().ceil() as u32;
+        side.next_multiple_of(2).clamp(1, MAX_SIZE as u32)
+    }
+
+    /// The mean radiance over every texel of `target`, which is `map`'s.
+    fn converted(&self, map: &NamedMap, target: &Grid) -> octagloss::Result<Vec<Rgb>> {
+        let size = target.size();
+        match (&self.environment, map.name) {
+            (Some(environment), "octahedral") => mean_radiances(environment, Target::Octahedral(size), true),
+            (Some(environment), "cube") => mean_radiances(environment, Target::Cube(size), true),
+            (Some(environment), "equirect") => panorama_mean_radiances(environment, 2 * size, size),
+            _ => Ok(resample(&self.grid, &self.texels, self.world_from_source, target)),
+        }
+    }
+
+    /// Radiance from `direction`.
+    fn look(&self, direction: DVec3) -> Rgb {
+        let local = self.world_from_source.transpose() * direction;
+        self.texels[self.grid.index(self.grid.texel_from_direction(local))]
+    }
+}
+
+/// A map that this file names.
+fn known(name: &str) -> &'static NamedMap {
+    named(name).expect("one of the maps")
+}

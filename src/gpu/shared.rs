@@ -1,0 +1,127 @@
+//! What shaders declare a second time: the values of constants and the layouts of structs, by the file that
+//! declares them. A test compares them with what the shader compiler reads, and fails on what is missing here.
+
+use super::{
+    adaptive, blur, box_filter, cells, copy, device::stage, emitters, fitted, fixed_point, harmonics, lamp,
+    mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan,
+};
+use crate::cpu::cells::{FAINT, FIELDS, RESIDUE};
+use crate::cpu::fitted::{HARMONICS_ALONE, HARMONICS_FROM};
+use crate::cpu::leaves::LANES;
+use crate::cpu::subtexel::SMOOTH_SIDE;
+use crate::environment::LUMINANCE;
+use crate::lobe::kernel::shape;
+use crate::realtime::emitters::{COUNT, GRID};
+use crate::realtime::tables::{KNOTS, OCTAVES, triangle};
+
+/// A constant: the file under `shaders/` that declares it, its name there, and Rust's numbers.
+pub type Constant = (&'static str, &'static str, Vec<f64>);
+
+/// A struct: the file under `shaders/` that declares it, its name there, and the names, offsets and size, in
+/// bytes, of Rust's.
+pub type Struct = (&'static str, &'static str, &'static [(&'static str, usize)], usize);
+
+/// The constants that the stages' shaders share with Rust.
+#[must_use]
+pub fn constants() -> Vec<Constant> {
+    let one = |file, name, value: u32| (file, name, vec![f64::from(value)]);
+    let float = |file, name, value: f64| (file, name, vec![value]);
+    let mut all = vec![
+        one("adaptive.wgsl", "LANES", LANES as u32),
+        one("adaptive.wgsl", "GROUP_SIZE", adaptive::GROUP_SIZE),
+        one("adaptive.wgsl", "LEVELS", adaptive::LEVELS as u32),
+        one("adaptive.wgsl", "INCOMPLETE", adaptive::INCOMPLETE),
+        float("adaptive.wgsl", "SMOOTH_SIDE", SMOOTH_SIDE),
+        one("blur.wgsl", "EDGE", octaves::EDGE),
+        one("blur.wgsl", "GROUP_SIZE", blur::GROUP_SIZE),
+        one("blur.wgsl", "LINE_SIZE", blur::LINE_SIZE),
+        one("blur.wgsl", "REACH", blur::REACH),
+        one("box_filter.wgsl", "GROUP_SIZE", box_filter::GROUP_SIZE),
+        one("cells.wgsl", "EDGE", cells::EDGE),
+        float("cells.wgsl", "FAINT", f64::from(FAINT)),
+        float("cells.wgsl", "RESIDUE", f64::from(RESIDUE)),
+        one("common/fitted.wgsl", "FIRST_OCTAVE", *OCTAVES.start()),
+        float("common/fitted.wgsl", "FIRST_KNOT", KNOTS[0]),
+        float("common/fitted.wgsl", "KNOT_STEP", KNOTS[1] - KNOTS[0]),
+        float("common/fitted.wgsl", "OVERLAP", KNOTS[3] - KNOTS[0] - 1.0),
+        float("common/fitted.wgsl", "HARMONICS_ALONE", HARMONICS_ALONE),
+        float("common/fitted.wgsl", "HARMONICS_FROM", HARMONICS_FROM),
+        one("common/fitted.wgsl", "INTERVALS", triangle::INTERVALS as u32),
+        one("common/fitted.wgsl", "KNOTS", KNOTS.len() as u32),
+        one("common/fitted.wgsl", "NODES", triangle::NODES as u32),
+        float("common/fitted.wgsl", "PEAK_FROM", fitted::PEAK_FROM),
+        one("common/kernel.wgsl", "SHAPE_GGX", shape::GGX),
+        one("common/kernel.wgsl", "SHAPE_PHONG", shape::PHONG),
+        one("common/kernel.wgsl", "SHAPE_WIDE_PHONG", shape::WIDE_PHONG),
+        one("common/kernel.wgsl", "SHAPE_CONE", shape::CONE),
+        one("common/kernel.wgsl", "SHAPE_COSINE", shape::COSINE),
+        one("common/light.wgsl", "EMITTERS", COUNT as u32),
+        ("common/quad.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
+        one("common/quad.wgsl", "QUAD_FIELDS", cells::QUAD_FIELDS as u32),
+        one("common/reduction.wgsl", "GROUPS", fixed_point::GROUPS),
+        one("common/reduction.wgsl", "GROUP_SIZE", fixed_point::GROUP_SIZE),
+        one("common/reduction.wgsl", "TEXELS", fixed_point::TEXELS),
+        one("common/rows.wgsl", "ROW", stage::ROW),
+        one("copy.wgsl", "GROUP_SIZE", copy::GROUP_SIZE),
+        one("emitters.wgsl", "BATCH", emitters::BATCH),
+        one("emitters.wgsl", "EDGE", emitters::EDGE),
+        one("emitters.wgsl", "GRID", GRID),
+        one("emitters.wgsl", "GROUP_SIZE", emitters::GROUP_SIZE),
+        one("emitters.wgsl", "KEPT", emitters::KEPT),
+        one("fitted.wgsl", "GROUP_SIZE", fitted::GROUP_SIZE),
+        one("harmonics.wgsl", "BATCHES", harmonics::BATCHES),
+        one("harmonics.wgsl", "COUNT", crate::sh::MAX_COUNT as u32),
+        one("harmonics.wgsl", "FINEST", harmonics::FINEST),
+        one("harmonics.wgsl", "GROUP_SIZE", harmonics::GROUP_SIZE),
+        one("lamp.wgsl", "EDGE", lamp::EDGE),
+        one("lamp.wgsl", "PLACES", lamp::PLACES),
+        one("mirror.wgsl", "EDGE", mirror::EDGE),
+        one("pack.wgsl", "EDGE", box_filter::EDGE),
+        one("reparameterise.wgsl", "EDGE", reparameterise::EDGE),
+        one("reparameterise.wgsl", "GROUP_SIZE", reparameterise::GROUP_SIZE),
+        one("sat_f32.wgsl", "EDGE", sat_f32::EDGE),
+        one("sat_f32.wgsl", "GROUPS", sat_f32::GROUPS),
+        one("sat_scan.wgsl", "GROUP_SIZE", sat_scan::GROUP_SIZE),
+        one("sat_scan.wgsl", "TILE", sat_scan::TILE),
+    ];
+    all.extend(FIELDS.map(|(name, field)| one("common/quad.wgsl", name, field as u32)));
+    all
+}
+
+/// The structs of uniforms and buffers that the stages' shaders share with Rust.
+#[must_use]
+pub fn structs() -> Vec<Struct> {
+    macro_rules! layout {
+        ($file:literal, $name:literal, $rust:ty) => {
+            ($file, $name, <$rust>::MEMBERS, size_of::<$rust>())
+        };
+    }
+    vec![
+        layout!("adaptive.wgsl", "Lobe", adaptive::Lobe),
+        layout!("adaptive.wgsl", "Packet", adaptive::Packet),
+        layout!("cells.wgsl", "Level", cells::Level),
+        layout!("cells.wgsl", "Tent", cells::Tent),
+        layout!("common/light.wgsl", "OctaglossEmitter", fitted::EmitterWords),
+        // Least radiance, two vectors of units, 25 harmonics, emitters.
+        (
+            "common/light.wgsl",
+            "OctaglossLight",
+            &[("least", 0), ("scale", 16), ("harmonics", 48), ("emitters", 448)],
+            fitted::LIGHT as usize,
+        ),
+        layout!("common/octaves.wgsl", "OctaglossOctave", octaves::Octave),
+        layout!("common/octaves.wgsl", "OctaglossOctaves", fitted::Octaves),
+        // Four exponents, then the sizes, in a header of 32 bytes.
+        ("common/sat.wgsl", "OctaglossTable", &[("exponents", 0), ("inner", 16), ("border", 20)], 32),
+        // Four low words and four high ones.
+        ("common/sum.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
+        layout!("common/table.wgsl", "Table", oem::Table),
+        // Four greatest patterns and four 64-bit sums.
+        ("fixed_point.wgsl", "Partial", &[("greatest", 0), ("sums", 16)], 48),
+        layout!("lamp.wgsl", "Lamp", lamp::Lamp),
+        layout!("reparameterise.wgsl", "Gather", reparameterise::Gather),
+        layout!("sat_f32.wgsl", "Doubling", sat_f32::Doubling),
+        layout!("sat_hensley.wgsl", "Doubling", sat_hensley::Doubling),
+        layout!("sat_scan.wgsl", "Scan", sat_scan::Scan),
+    ]
+}

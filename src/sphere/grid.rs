@@ -1,0 +1,148 @@
+//! A map of the sphere divided into texels.
+
+use super::map::{Component, SphereMap, Texel};
+use crate::error::{Error, Result};
+use glam::{DVec2, DVec3};
+
+/// A map whose images are divided into texels. Texels are numbered component by component, row by row.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid {
+    map: &'static dyn SphereMap,
+    size: u32,
+}
+
+/// The greatest size, so that positions in a picture of all components stay exact.
+pub const MOST_SIZE: u32 = 16_384;
+
+impl Grid {
+    /// `map` with `size` texels along the shorter side of each component, 1 to [`MOST_SIZE`].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for another size.
+    pub fn new(map: &'static dyn SphereMap, size: u32) -> Result<Self> {
+        if size == 0 || size > MOST_SIZE {
+            return Err(Error::Parameter(format!("a map of {size} texels a side; choose 1 to {MOST_SIZE}")));
+        }
+        Ok(Self { map, size })
+    }
+
+    /// The map.
+    #[must_use]
+    pub fn map(&self) -> &'static dyn SphereMap {
+        self.map
+    }
+
+    /// Texels along the shorter side of each component.
+    #[must_use]
+    pub const fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// Columns and rows of the image of `component`.
+    #[must_use]
+    pub fn sides(&self, component: u32) -> [u32; 2] {
+        self.map.component(component).cells.map(|cells| cells * self.size)
+    }
+
+    /// Texels in all.
+    #[must_use]
+    pub fn texel_count(&self) -> usize {
+        self.first_texel(self.map.components())
+    }
+
+    /// Number of the first texel of `component`, or of one past the last component: the count.
+    #[must_use]
+    pub fn first_texel(&self, component: u32) -> usize {
+        (0..component).map(|k| self.sides(k).map(|side| side as usize).iter().product::<usize>()).sum()
+    }
+
+    /// Columns and rows of a picture of all components, in texels, each with `border` texels around it.
+    #[must_use]
+    pub fn picture_sides(&self, border: u32) -> [u32; 2] {
+        let mut sides = [0; 2];
+        for index in 0..self.map.components() {
+            let component = self.map.component(index);
+            for (axis, side) in sides.iter_mut().enumerate() {
+                let end = component.at[axis] + component.cells[axis];
+                *side = (*side).max(end * self.size + 2 * border * self.rank(index, axis));
+            }
+        }
+        sides
+    }
+
+    /// The rank, from 1, of the column (`axis` 0) or row (1) that component `index` begins in, among those
+    /// that any begins in.
+    fn rank(&self, index: u32, axis: usize) -> u32 {
+        let begins =
+            |place: &u32| (0..self.map.components()).any(|k| self.map.component(k).at[axis] == *place);
+        u32::try_from((0..=self.map.component(index).at[axis]).filter(begins).count())
+            .expect("few components")
+    }
+
+    /// Where column 0, row 0 of `component` lies in [`Grid::picture_sides`], its border left out.
+    #[must_use]
+    pub fn picture_origin(&self, component: u32, border: u32) -> [u32; 2] {
+        let at = self.map.component(component).at;
+        [0, 1].map(|axis| at[axis] * self.size + border * (2 * self.rank(component, axis) - 1))
+    }
+
+    /// Width and height of a texel of `component` in the map's own coordinates.
+    #[must_use]
+    pub fn step(&self, component: &Component) -> DVec2 {
+        component.extent() / DVec2::from(component.cells.map(|cells| f64::from(cells * self.size)))
+    }
+
+    /// Coordinates of the point (`x`, `y`), in texels from the image's corner, of `component`.
+    #[must_use]
+    pub fn uv(&self, component: u32, x: f64, y: f64) -> DVec2 {
+        let component = self.map.component(component);
+        component.low + self.step(&component) * DVec2::new(x, y)
+    }
+
+    /// Unit direction of the centre of `texel`.
+    #[must_use]
+    pub fn direction_from_texel(&self, texel: Texel) -> DVec3 {
+        let uv = self.uv(texel.component, f64::from(texel.x) + 0.5, f64::from(texel.y) + 0.5);
+        self.map.direction(texel.component, uv)
+    }
+
+    /// The texel that `direction` (any length but zero) falls into.
+    #[must_use]
+    pub fn texel_from_direction(&self, direction: DVec3) -> Texel {
+        let place = self.map.locate(direction);
+        let component = self.map.component(place.component);
+        let at = (place.uv - component.low) / self.step(&component);
+        let [width, height] = self.sides(place.component);
+        // Casts of what is negative or too large saturate.
+        Texel {
+            component: place.component,
+            x: (at.x as u32).min(width - 1),
+            y: (at.y as u32).min(height - 1),
+        }
+    }
+
+    /// Number of `texel`.
+    #[must_use]
+    pub fn index(&self, texel: Texel) -> usize {
+        let width = self.sides(texel.component)[0] as usize;
+        self.first_texel(texel.component) + texel.y as usize * width + texel.x as usize
+    }
+
+    /// Exact solid angle, in steradians, of the part of `texel` in its component's domain.
+    #[must_use]
+    pub fn solid_angle(&self, texel: Texel) -> f64 {
+        let (x, y) = (f64::from(texel.x), f64::from(texel.y));
+        let low = self.uv(texel.component, x, y);
+        let high = self.uv(texel.component, x + 1.0, y + 1.0);
+        self.map.solid_angle(texel.component, low, high)
+    }
+
+    /// All texels, in order.
+    pub fn texels(&self) -> impl Iterator<Item = Texel> + use<> {
+        let grid = *self;
+        (0..self.map.components()).flat_map(move |component| {
+            let [width, height] = grid.sides(component);
+            (0..height).flat_map(move |y| (0..width).map(move |x| Texel { component, x, y }))
+        })
+    }
+}

@@ -1,0 +1,97 @@
+//! What every map of the sphere offers: components, both direction maps, solid angles, and what lies across
+//! an edge.
+
+use glam::{DVec2, DVec3};
+use std::fmt::Debug;
+
+/// A flat rectangle that a map fills, wholly or in part, with directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Component {
+    /// Least coordinates; row 0, column 0 of its image.
+    pub low: DVec2,
+    /// Greatest coordinates.
+    pub high: DVec2,
+    /// Columns and rows of its image, in units of the map's size.
+    pub cells: [u32; 2],
+    /// Its place in a picture of the whole map, from the left and from the top, in the same units.
+    pub at: [u32; 2],
+}
+
+impl Component {
+    /// Width and height of the rectangle.
+    #[must_use]
+    pub fn extent(&self) -> DVec2 {
+        self.high - self.low
+    }
+
+    /// Area of the rectangle.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        let extent = self.extent();
+        extent.x * extent.y
+    }
+
+    /// The square [-`half`, `half`]^2 as one cell at `at`.
+    pub(super) const fn square(half: f64, at: [u32; 2]) -> Self {
+        Self { low: DVec2::splat(-half), high: DVec2::splat(half), cells: [1, 1], at }
+    }
+}
+
+/// A point of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Which component.
+    pub component: u32,
+    /// Coordinates in its rectangle.
+    pub uv: DVec2,
+}
+
+/// A texel of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Texel {
+    /// Which component.
+    pub component: u32,
+    /// Column.
+    pub x: u32,
+    /// Row.
+    pub y: u32,
+}
+
+/// A map of the sphere onto one or more rectangles.
+///
+/// Each component's *domain* is the part of its rectangle that stands for directions; domains cover the
+/// sphere once. Components are numbered from 0; methods may panic where there is no such component.
+pub trait SphereMap: Debug + Sync {
+    /// Number of components, at least 1.
+    fn components(&self) -> u32;
+
+    /// Rectangle and image of component `index`.
+    fn component(&self, index: u32) -> Component;
+
+    /// Whether `uv`, a point of the rectangle, is in the domain of `component`.
+    fn contains(&self, component: u32, uv: DVec2) -> bool {
+        let _ = (component, uv);
+        true
+    }
+
+    /// Unit direction at `uv` of `component`. Outside the domain it goes on as the map's documentation
+    /// says, to fill borders.
+    fn direction(&self, component: u32, uv: DVec2) -> DVec3;
+
+    /// The place of `direction` (any length but zero), in a domain.
+    fn locate(&self, direction: DVec3) -> Place;
+
+    /// Steradians per unit of area at `uv`, a point of the domain of `component`.
+    fn density(&self, component: u32, uv: DVec2) -> f64;
+
+    /// Exact solid angle of what the rectangle from `low` to `high`, a part of the component's own, shares
+    /// with the domain of `component`.
+    fn solid_angle(&self, component: u32, low: DVec2, high: DVec2) -> f64;
+
+    /// The texel that column `x`, row `y` of the image of `component` stands for, which may lie outside, in
+    /// a map of `size`; `None` where the gluing does not map texels onto texels, and borders are resampled.
+    fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
+        let _ = (size, component, x, y);
+        None
+    }
+}

@@ -1,0 +1,81 @@
+//! The octahedral map by perspective projections, one frustum a face.
+//!
+//! Engelhardt and Dachsbacher 2008, section 3.2. A face's frustum has its apex in the octahedron's centre
+//! and its edges through the face's three vertices; its image plane is m.p = 1 for a normal m with positive
+//! components, mirrored into the other octants. The frustum's edges meet that plane in a triangle, which
+//! goes to the layout's triangle affinely: the point of direction d has the barycentric coordinates m_k
+//! |d_k| / (m.|d|), and so (ax, by, cz) / (ax + by + cz) with (a, b, c) = m. With the face as image plane,
+//! m = (1, 1, 1), this is the planar projection. Every other plane samples less evenly: see `docs/maps.md`.
+
+use super::map::{Component, Place, SphereMap, Texel};
+use super::octahedral::{
+    oct_from_direction, octahedron_from_oct, rectangle_solid_angle, wrap_oct, wrap_texel,
+};
+use glam::{DVec2, DVec3};
+
+/// The map by its image plane's normal. Wrapping is that of [`super::octahedral`].
+#[derive(Clone, Copy, Debug)]
+pub struct OctahedralPerspective {
+    normal: DVec3,
+}
+
+/// With the faces as image planes.
+pub const ON_FACES: OctahedralPerspective = OctahedralPerspective::with_image_plane(DVec3::ONE);
+
+impl OctahedralPerspective {
+    /// The map whose image plane in the octant x, y, z >= 0 has the normal `normal`, of any length.
+    ///
+    /// # Panics
+    /// Where a component is not positive: the frustum would not meet the plane.
+    #[must_use]
+    pub const fn with_image_plane(normal: DVec3) -> Self {
+        assert!(normal.x > 0.0 && normal.y > 0.0 && normal.z > 0.0, "the image plane crosses the frustum");
+        Self { normal }
+    }
+
+    /// The least and the greatest solid angle of a texel over the mean one.
+    ///
+    /// With (a, b, c) the normal and q barycentric, direction is (q1/a, q2/b, q3/c) and the density is 1 /
+    /// (abc |(q1/a, q2/b, q3/c)|^3): at the vertices a^2/(bc), b^2/(ac) and c^2/(ab), greatest where q is
+    /// as (a^2, b^2, c^2): ((a^2 + b^2 + c^2)^3)^(1/2) / (abc). The mean is pi.
+    #[must_use]
+    pub fn relative_solid_angles(&self) -> [f64; 2] {
+        let m = self.normal;
+        let product = m.x * m.y * m.z;
+        let squared = m.length_squared();
+        [m.min_element().powi(3) / product, squared * squared.sqrt() / product]
+            .map(|d| d / std::f64::consts::PI)
+    }
+}
+
+impl SphereMap for OctahedralPerspective {
+    fn components(&self) -> u32 {
+        1
+    }
+
+    fn component(&self, _: u32) -> Component {
+        Component::square(1.0, [0, 0])
+    }
+
+    fn direction(&self, _: u32, uv: DVec2) -> DVec3 {
+        (octahedron_from_oct(wrap_oct(uv)) / self.normal).normalize()
+    }
+
+    fn locate(&self, direction: DVec3) -> Place {
+        Place { component: 0, uv: oct_from_direction(direction * self.normal) }
+    }
+
+    fn density(&self, _: u32, uv: DVec2) -> f64 {
+        let squared = (octahedron_from_oct(uv) / self.normal).length_squared();
+        1.0 / (squared * squared.sqrt() * self.normal.x * self.normal.y * self.normal.z)
+    }
+
+    fn solid_angle(&self, _: u32, low: DVec2, high: DVec2) -> f64 {
+        rectangle_solid_angle(low, high, |p| p / self.normal)
+    }
+
+    fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
+        let (x, y) = wrap_texel(size, x, y);
+        Some(Texel { component, x, y })
+    }
+}

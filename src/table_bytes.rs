@@ -1,0 +1,102 @@
+//! Memory that an octahedral map and the tables of lobes take, computed before any of it is allocated.
+//!
+//! The figures are those of the types, and were held to the resident size of the program: an OEM of 8192
+//! texels took 28.4 bytes a texel, a box filter's table 47, fitted tables 64, cells of one texel 161 by one
+//! reconstruction and 246 by both.
+
+use crate::filter::Filter;
+use crate::lobe::Lobe;
+use crate::oem::{OemSize, bilinear_share};
+
+/// The most bytes that a bake, a query or a viewer's tables may take: 4 GiB.
+pub const LIMIT: u64 = 4 << 30;
+
+/// Bytes of a source's texel.
+pub(crate) const SOURCE: u64 = 12;
+/// Bytes of an OEM's texel while it is made: its mean radiance, itself, and a quarter of a solid angle.
+const OEM_MAKING: u64 = 12 + 16 + 1;
+/// Bytes of an OEM's texel.
+const OEM: u64 = 16;
+/// Bytes of an entry of an exact table.
+const TABLE: u64 = 32;
+/// Bytes of a finest cell: its share of all quads, and its energy.
+const CELL: u64 = 75 + 12;
+/// Bytes of a finest cell while the tree is made: itself and its share of the next level.
+const CELL_MAKING: u64 = 70;
+/// One lobe to be served.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Served {
+    pub(crate) lobe: Lobe,
+    pub(crate) roughness: f64,
+    pub(crate) filter: Filter,
+}
+
+/// Bytes of an OEM and of what lobes are read from.
+pub(crate) struct Tables {
+    /// While the OEM is made.
+    pub(crate) making: u64,
+    /// With all tables.
+    pub(crate) resident: u64,
+}
+
+impl Tables {
+    pub(crate) fn of(size: OemSize, block: u32, served: &[Served]) -> Self {
+        let square = |side: u32| u64::from(side) * u64::from(side);
+        let (inner, bordered) = (square(size.inner), square(size.bordered()));
+        let border = if size.border > 0 { OEM * bordered } else { 0 };
+        let (mut bilinear, mut constant, mut boxes, mut fitted) = (false, false, false, false);
+        for &Served { lobe, roughness, filter } in served {
+            match filter {
+                Filter::Adaptive(_) if lobe.has_mirror() && roughness == 0.0 => {}
+                Filter::Adaptive(_) => {
+                    let share = bilinear_share(lobe, roughness * roughness, size.inner);
+                    bilinear |= share > 0.0;
+                    constant |= share < 1.0;
+                }
+                Filter::Fitted(_) => fitted = true,
+                Filter::Box => boxes = true,
+                Filter::Reference => {}
+            }
+        }
+        let trees = u64::from(bilinear) + u64::from(constant);
+        let cells = square(size.inner.div_ceil(block.max(1)));
+        let resident = OEM * bordered
+            + cells * (CELL * trees + CELL_MAKING * trees.min(1))
+            + if boxes { TABLE * bordered } else { 0 }
+            // The map without its emitters, its table, and blurred tables, which are coarse.
+            + if fitted { (OEM + TABLE + 4) * bordered } else { 0 };
+        Self { making: OEM_MAKING * inner + border, resident }
+    }
+
+    pub(crate) fn peak(&self) -> u64 {
+        self.making.max(self.resident)
+    }
+}
+
+/// The largest number from `least` to `most` that fits, by bisection; round where it is not small.
+pub(crate) fn largest_that(least: u32, most: u32, fits: impl Fn(u32) -> bool) -> Option<u32> {
+    if !fits(least) {
+        return None;
+    }
+    let (mut low, mut high) = (least, most);
+    while low < high {
+        let middle = low + (high - low).div_ceil(2);
+        if fits(middle) { low = middle } else { high = middle - 1 }
+    }
+    Some(if low >= 64 { low / 64 * 64 } else { low })
+}
+
+/// The largest OEM that fits; a power of two for fitted lobes.
+pub(crate) fn largest_oem(fitted: bool, fits: impl Fn(u32) -> bool) -> Option<u32> {
+    if fitted {
+        return (4..=14).rev().map(|log2| 1 << log2).find(|size| fits(*size));
+    }
+    largest_that(1, 16_384, fits)
+}
+
+pub(crate) fn at_most(option: &str, size: Option<u32>) -> String {
+    size.map_or_else(
+        || "scale the source down first".to_owned(),
+        |size| format!("{option} {size} is the largest that fits"),
+    )
+}

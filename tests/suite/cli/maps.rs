@@ -1,0 +1,91 @@
+//! `octagloss analyze` and `octagloss convert`.
+
+use crate::cli::{done, fails, names, write_panorama};
+use octagloss::io::{self, ReadOptions};
+use serde_json::Value;
+use tempfile::TempDir;
+
+#[test]
+fn analyze_prints_one_table_in_three_forms() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let folder = folder.path();
+    let text = done(folder, &["analyze", "--table"]).out;
+    assert!(
+        text.contains("Tennis-ball                        14.8  14.80    1.41   1.41     2     2"),
+        "{text}"
+    );
+    let json: Value = serde_json::from_str(&done(folder, &["analyze", "--json"]).out).expect("JSON");
+    let maps = json["maps"].as_array().expect("an array");
+    let csv = done(folder, &["analyze", "--csv"]).out;
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let records: Vec<csv::StringRecord> = reader.records().map(|record| record.expect("a record")).collect();
+    assert_eq!((maps.len(), records.len()), (16, 16), "fourteen maps and two limits");
+    for (map, record) in maps.iter().zip(&records) {
+        assert_eq!(map["title"], record[1], "the same order");
+        let written: f64 = record[4].parse().expect("a number or inf");
+        assert_eq!(map["sampling"].as_f64().unwrap_or(f64::INFINITY), written, "{}", &record[1]);
+    }
+    fails(folder, &["analyze", "--json", "--csv"], 2, "--csv");
+    assert_eq!(names(folder), [""; 0]);
+}
+
+#[test]
+fn convert_goes_to_another_map_and_back() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let folder = folder.path();
+    write_panorama(&folder.join("in.exr"), 64, |d| {
+        [(2.0 + d.x) as f32, (2.0 + d.y) as f32, (2.0 + d.z) as f32]
+    });
+    for (map, size, sides) in
+        [("tennis-ball", "24", (72, 48)), ("healpix", "16", (64, 48)), ("cube", "16", (96, 16))]
+    {
+        let file = format!("{map}.exr");
+        done(folder, &["convert", "in.exr", "-o", &file, "--layout", map, "--size", size]);
+        let options = ReadOptions { layout: io::LayoutChoice::Picture, ..ReadOptions::default() };
+        let picture = io::read(&folder.join(&file), &options).expect("readable");
+        assert_eq!((picture.width, picture.height), sides, "{map}");
+        let back = format!("{map}-back.exr");
+        done(folder, &["convert", &file, "--from", map, "-o", &back, "--layout", "equirect", "--size", "32"]);
+        let before = io::read(&folder.join("in.exr"), &ReadOptions::default()).expect("readable");
+        let after = io::read(&folder.join(&back), &ReadOptions::default()).expect("readable");
+        let texels = before.environment.texels().iter().zip(after.environment.texels());
+        let worst = texels.flat_map(|(a, b)| (0..3).map(move |c| (a[c] - b[c]).abs())).fold(0.0, f32::max);
+        // Two means over texels of at most 0.11, of slopes up to 1.
+        assert!(worst < 0.2, "{map}: {worst} off");
+    }
+    done(
+        folder,
+        &[
+            "convert",
+            "in.exr",
+            "-o",
+            "bordered.hdr",
+            "--layout",
+            "dual-paraboloid",
+            "--size",
+            "8",
+            "--border",
+            "2",
+        ],
+    );
+    let options = ReadOptions { layout: io::LayoutChoice::Picture, ..ReadOptions::default() };
+    let picture = io::read(&folder.join("bordered.hdr"), &options).expect("readable");
+    assert_eq!((picture.width, picture.height), (24, 12), "two discs of 8 texels with borders of 2");
+}
+
+#[test]
+fn convert_names_what_it_cannot_do() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let folder = folder.path();
+    write_panorama(&folder.join("in.exr"), 16, |_| [1.0; 3]);
+    let convert = |more: &[&str], words: &str, code: i32| {
+        fails(folder, &[&["convert", "in.exr", "-o", "out.exr"], more].concat(), code, words);
+    };
+    convert(&["--layout", "globe"], "globe", 2);
+    convert(&["--layout", "cube", "--size", "0"], "--size", 2);
+    convert(&["--layout", "cube", "--size", "4", "--border", "5"], "--border 5", 2);
+    convert(&["--layout", "cube", "--from", "healpix"], "16x8 is no picture of healpix, which is 4:3", 1);
+    fails(folder, &["convert", "in.exr", "-o", "out.png", "--layout", "cube"], 2, ".exr or .hdr");
+    fails(folder, &["convert", "in.exr", "-o", "in.exr", "--layout", "cube", "--force"], 2, "is an input");
+    assert_eq!(names(folder), ["in.exr"]);
+}

@@ -1,0 +1,3 @@
+//! Geometry that both engines use.
+
+mod resample;

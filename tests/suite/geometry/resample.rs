@@ -1,0 +1,150 @@
+//! From any map to any other: constants, energy, and where light arrives.
+
+use crate::support::common::Random;
+use glam::{DMat3, DVec3};
+use octagloss::Rgb;
+use octagloss::geometry::bordered::bordered_picture;
+use octagloss::geometry::resample::resample;
+use octagloss::sphere::grid::Grid;
+use octagloss::sphere::registry::{MAPS, NamedMap, named};
+
+fn grid(name: &str, size: u32) -> Grid {
+    Grid::new(named(name).expect("a map").map, size).expect("a size")
+}
+
+/// Energy of each channel over the texels' exact solid angles.
+fn energy(grid: &Grid, texels: &[Rgb]) -> [f64; 3] {
+    let mut sums = [0.0; 3];
+    for texel in grid.texels() {
+        let solid_angle = grid.solid_angle(texel);
+        for (sum, value) in sums.iter_mut().zip(texels[grid.index(texel)]) {
+            *sum += solid_angle * f64::from(value);
+        }
+    }
+    sums
+}
+
+/// Noise, a constant, and black but for a few suns, a channel each.
+fn noise(grid: &Grid, seed: u64) -> Vec<Rgb> {
+    let mut random = Random::new(seed);
+    let count = grid.texel_count();
+    (0..count).map(|k| [random.unit() as f32, 1.0, if k % 11 == 5 { 1e4 } else { 0.0 }]).collect()
+}
+
+/// Rounding of halves of a unit in the last place of single precision, in shares, sums and results.
+const ROUNDING: f64 = 4.0 / (1_u64 << 24) as f64;
+
+#[test]
+fn energy_and_constants_survive_from_every_map_to_every_map() {
+    for NamedMap { name, map, .. } in &MAPS {
+        let source = Grid::new(*map, 10).expect("a size");
+        let texels = noise(&source, 7);
+        let sent = energy(&source, &texels);
+        for NamedMap { name: other, map, .. } in &MAPS {
+            let target = Grid::new(*map, 7).expect("a size");
+            let result = resample(&source, &texels, DMat3::IDENTITY, &target);
+            for (c, arrived) in energy(&target, &result).into_iter().enumerate() {
+                let off = (arrived / sent[c] - 1.0).abs();
+                assert!(off <= ROUNDING, "{name} to {other}, channel {c}: {off:e} of the energy");
+            }
+            let off = result.iter().map(|[_, green, _]| (f64::from(*green) - 1.0).abs()).fold(0.0, f64::max);
+            assert!(off <= ROUNDING, "{name} to {other}: a constant is {off:e} off");
+        }
+    }
+}
+
+/// The greatest difference between a map's texels after a conversion and the same function's own, over the
+/// function's range, with the function turned by `turn` at the source.
+fn worst_of_smooth(from: &str, to: &str, turn: DMat3) -> f64 {
+    worst_between(from, to, turn, turn)
+}
+
+/// [`worst_of_smooth`] with the conversion turned by another rotation than the function.
+fn worst_between(from: &str, to: &str, turn: DMat3, applied: DMat3) -> f64 {
+    let light = |d: DVec3| 1.0 + 0.5 * d.x + 0.3 * d.y * d.z + 0.2 * d.z;
+    let (source, target) = (grid(from, 32), grid(to, 16));
+    let texels: Vec<Rgb> =
+        source.texels().map(|texel| [light(turn * source.direction_from_texel(texel)) as f32; 3]).collect();
+    let result = resample(&source, &texels, applied, &target);
+    let mut worst: f64 = 0.0;
+    for texel in target.texels() {
+        let middle = target.uv(texel.component, f64::from(texel.x) + 0.5, f64::from(texel.y) + 0.5);
+        if target.map().contains(texel.component, middle) {
+            let expected = light(target.map().direction(texel.component, middle));
+            worst = worst.max((f64::from(result[target.index(texel)][0]) - expected).abs());
+        }
+    }
+    worst
+}
+
+#[test]
+fn light_arrives_where_it_comes_from() {
+    // The function's slope is below 1.2; a texel of 16 is at most pi/16 long and stretched by 3 at most
+    // where it is cut by a rim, which moves its mean by a fraction of that.
+    let bound = 0.16;
+    let turn = DMat3::from_rotation_y(0.7);
+    for NamedMap { name, .. } in &MAPS {
+        for (from, to) in [("equirect", *name), (*name, "octahedral")] {
+            let off = worst_of_smooth(from, to, turn);
+            assert!(off <= bound, "{from} to {to}, turned: {off}");
+        }
+    }
+    let off = worst_of_smooth("cube", "tennis-ball", DMat3::IDENTITY);
+    assert!(off <= bound, "not turned: {off}");
+    let wrong = worst_between("cube", "tennis-ball", turn, DMat3::IDENTITY);
+    assert!(wrong > 2.0 * bound, "a rotation left out shows: {wrong}");
+}
+
+#[test]
+fn a_map_onto_itself_is_the_same() {
+    for NamedMap { name, map, .. } in &MAPS {
+        let source = Grid::new(*map, 16).expect("a size");
+        let texels = noise(&source, 3);
+        let same = resample(&source, &texels, DMat3::IDENTITY, &source);
+        let (mut changed, mut inside) = (0, 0);
+        for texel in source.texels() {
+            if source.solid_angle(texel) > 0.0 {
+                inside += 1;
+                let (a, b) = (texels[source.index(texel)][0], same[source.index(texel)][0]);
+                changed += usize::from((a - b).abs() > 1e-3);
+            }
+        }
+        // Texels on folds and rims trade a little with their neighbours where corners are another
+        // component's.
+        assert!(changed * 3 <= inside, "{name}: {changed} of {inside} texels changed");
+    }
+}
+
+#[test]
+fn borders_show_what_lies_across_the_edge() {
+    let light = |d: DVec3| [(2.0 + d.x) as f32, (2.0 + d.y) as f32, (2.0 + d.z) as f32];
+    for NamedMap { name, map, .. } in &MAPS {
+        let target = Grid::new(*map, 16).expect("a size");
+        let texels: Vec<Rgb> =
+            target.texels().map(|texel| light(target.direction_from_texel(texel))).collect();
+        let border = 2;
+        let picture = bordered_picture(&target, &texels, border, light);
+        let [width, _] = target.picture_sides(border);
+        let mut compared = 0;
+        for component in 0..map.components() {
+            let ([left, top], [columns, rows]) =
+                (target.picture_origin(component, border), target.sides(component));
+            for y in -2..i64::from(rows) + 2 {
+                for x in -2..i64::from(columns) + 2 {
+                    let at = (i64::from(top) + y) * i64::from(width) + i64::from(left) + x;
+                    let uv = target.uv(component, x as f64 + 0.5, y as f64 + 0.5);
+                    let expected = light(map.direction(component, uv));
+                    let off =
+                        (0..3).map(|c| (picture[at as usize][c] - expected[c]).abs()).fold(0.0, f32::max);
+                    // A texel is at most 0.4 long.
+                    assert!(
+                        off < 0.1 || *name == "healpix",
+                        "{name}: ({x}, {y}) of {component} is {off} off"
+                    );
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared >= 400, "{name}: {compared} texels");
+    }
+}

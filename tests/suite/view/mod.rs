@@ -1,3 +1,0 @@
-//! The viewer.
-
-pub(super) mod meshes;
