@@ -3,50 +3,51 @@
 use crate::environment::{Layout, Rgb};
 use crate::sphere::cube::Face;
 
-/// One level: six faces of `size` x `size` texels.
+/// One level of a chain: its texels and what they are.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CubeLevel {
-    /// Texels along an edge of a face.
-    pub size: u32,
+pub struct Level {
+    /// How its texels cover the sphere.
+    pub layout: Layout,
     /// Perceptual roughness in [0, 1].
     pub roughness: f64,
-    /// Linear radiance, row-major, the faces one after the other in the order of [`Face::ALL`].
+    /// Linear radiance, row-major; the faces of a cube one after the other in the order of [`Face::ALL`].
     pub texels: Vec<Rgb>,
     /// The certified error bound of each texel in absolute luminance, same order; `None` where the filter has
     /// none.
     pub bounds: Option<Vec<f32>>,
 }
 
-impl CubeLevel {
-    /// The texels of one face, row-major.
+impl Level {
+    /// A cube with faces of `size` x `size` texels and no bounds.
+    #[must_use]
+    pub const fn cube(size: u32, roughness: f64, texels: Vec<Rgb>) -> Self {
+        Self { layout: Layout::Cube { size }, roughness, texels, bounds: None }
+    }
+
+    /// Texels along an edge of a face or square; the height of a panorama.
+    #[must_use]
+    pub const fn size(&self) -> u32 {
+        self.layout.sides().1
+    }
+
+    /// The texels of one face of a cube, row-major.
     #[must_use]
     pub fn face(&self, face: Face) -> &[Rgb] {
-        let area = self.size as usize * self.size as usize;
+        let area = self.size() as usize * self.size() as usize;
         &self.texels[face.index() * area..][..area]
     }
 }
 
-/// One level as a single image: a panorama or an octahedral square.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ImageLevel {
-    /// How its texels cover the sphere.
-    pub layout: Layout,
-    /// Perceptual roughness in [0, 1].
-    pub roughness: f64,
-    /// Linear radiance, row-major.
-    pub texels: Vec<Rgb>,
-}
-
 /// Levels from the sharpest to the roughest.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CubeChain {
+pub struct Chain {
     /// At least one; level l has max(1, size >> l) texels along an edge.
-    pub levels: Vec<CubeLevel>,
+    pub levels: Vec<Level>,
 }
 
-/// A level to be baked.
+/// Texels and roughness of a level to be baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rung {
+pub struct LevelSpec {
     /// Its texels.
     pub layout: Layout,
     /// Perceptual roughness in [0, 1].

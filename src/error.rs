@@ -24,7 +24,7 @@ pub enum Error {
         message: String,
     },
     /// A texel that is NaN or infinite where repair was not asked for.
-    #[error("{}: pixel ({x}, {y}) channel {channel} is {value}; --sanitize repairs NaN and Inf", path.display())]
+    #[error("{}: pixel ({x}, {y}) channel {channel} is {value}; `sanitize` repairs NaN and Inf", path.display())]
     NonFinite {
         /// The file.
         path: PathBuf,
@@ -39,7 +39,7 @@ pub enum Error {
     },
     /// A result that is NaN, infinite or negative: a fault of this library, reported instead of written.
     #[error(
-        "{place}: the result is {value}, a fault of octagloss; --filter reference avoids it, please report it"
+        "{place}: the result is {value}, a fault of octagloss; `filter` reference avoids it, please report it"
     )]
     NonFiniteResult {
         /// Level, face and texel, or direction, or the report's field.
@@ -50,6 +50,15 @@ pub enum Error {
     /// Something asked of the library that it cannot do.
     #[error("{0}")]
     Parameter(String),
+    /// Something that the GPU engine does not compute and the CPU does.
+    #[error("{what} runs on the CPU only; use the CPU engine")]
+    Unsupported {
+        /// The filter or the lobe.
+        what: String,
+    },
+    /// Work that the caller stopped.
+    #[error("cancelled")]
+    Cancelled,
     /// A GPU that is not there, that was lost, or that refused.
     #[error("GPU: {0}")]
     Gpu(String),

@@ -44,7 +44,7 @@ impl Filter {
                 "adaptive:{error} is outside [{LEAST_ERROR:e}, 1): float32 sums reach no smaller error"
             )),
             Self::Box if lobe == Lobe::Charlie => wrong(
-                "one box around a direction is no Charlie lobe, which is dark there; use --filter adaptive:E"
+                "one box around a direction is no Charlie lobe, which is dark there; use `filter` adaptive:E"
                     .to_owned(),
             ),
             Self::Fitted(count) if !COUNTS.contains(&count) => {
@@ -55,7 +55,7 @@ impl Filter {
             }
             Self::Fitted(count) => match inner {
                 Some(inner) if !inner.is_power_of_two() || inner < 16 => wrong(format!(
-                    "an OEM of {inner} texels: fitted:{count} needs --oem-size to be a power of two from 16 on"
+                    "an OEM of {inner} texels: fitted:{count} needs `oem_size` to be a power of two from 16 on"
                 )),
                 _ => Ok(()),
             },

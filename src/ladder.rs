@@ -5,6 +5,7 @@ use crate::lobe::Lobe;
 
 /// How a level's roughness follows from its index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Ladder {
     /// r = level/(levels - 1): glTF, Bevy, the Khronos sampler.
     #[default]

@@ -48,6 +48,20 @@
 //! | other lobes | Phong cos^n, n = 2/alpha^2 - 2; cone of half-angle r\*pi/2; cosine (irradiance over pi; no roughness); Charlie (sheen), sin(theta/2)^(1/alpha) cos(theta) |
 //! | angles | radians |
 //!
+//! # Bake and write
+//!
+//! ```
+//! use octagloss::{BakeSettings, Environment, Layout, WriteOptions, bake};
+//!
+//! let environment = Environment::new(Layout::Panorama { width: 32, height: 16 }, vec![[1.0; 3]; 512])?;
+//! let settings = BakeSettings { size: 16, levels: Some(3), ..BakeSettings::default() };
+//! # let folder = tempfile::tempdir().expect("a folder");
+//! # std::env::set_current_dir(folder.path()).expect("a folder");
+//! bake(&environment, &settings)?.write("sky.ktx2", &WriteOptions::default())?;
+//! # assert_eq!(octagloss::io::read_chain("sky.ktx2".as_ref())?.levels.len(), 3);
+//! # Ok::<(), octagloss::Error>(())
+//! ```
+//!
 //! # From an environment to a chain
 //!
 //! ```
@@ -67,7 +81,7 @@
 //!
 //! // Three levels of roughness 0, 0.5 and 1, of 16, 8 and 4 texels a side.
 //! let settings = BakeSettings { size: 16, levels: Some(3), bounds: true, ..BakeSettings::default() };
-//! let baked = bake(&environment, &settings, &|_| ())?;
+//! let baked = bake(&environment, &settings)?;
 //! let level = &baked.chain.levels[1];
 //! assert_eq!((level.size, level.roughness), (8, 0.5));
 //!
@@ -122,7 +136,9 @@ pub mod target;
 #[cfg(feature = "view")]
 pub mod view;
 
+pub use bake::{BakeSettings, bake};
 pub use environment::{Environment, Layout, Map, Rgb};
 pub use error::{Error, Result};
+pub use export::write::WriteOptions;
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 /// A family of lobes; the roughness selects one member.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Lobe {
     /// GGX with N = V = R (the split sum): D(theta/2) * cos(theta), alpha = roughness^2.
     #[default]

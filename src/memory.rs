@@ -3,9 +3,8 @@
 //! The figures are those of the types, and were held to the resident size of the program: a level of a KTX2
 //! file took 20 to 23 bytes a texel.
 
-use crate::bake::job::Order;
-use crate::bake::level;
-use crate::bake::part::Part;
+use crate::bake::job::Job;
+use crate::bake::level::LevelJob;
 use crate::bake::settings::BakeSettings;
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
@@ -87,7 +86,7 @@ fn check_bake_within(
     let border = settings.iter().filter_map(|settings| settings.border).max().unwrap_or(0);
     // Without its levels, the OEM and its tables are what is too large, or the source itself.
     let remedy = if fits(&|settings| shrink(settings, 1)) {
-        at_most("--size", largest_that(1, largest, |size| fits(&|settings| shrink(settings, size))))
+        at_most("`size`", largest_that(1, largest, |size| fits(&|settings| shrink(settings, size))))
     } else {
         let narrowed = largest_that(0, border, |border| {
             fits(&|settings| {
@@ -103,8 +102,8 @@ fn check_bake_within(
             })
         };
         match narrowed {
-            Some(border) => at_most("--border", Some(border)),
-            None => at_most("--oem-size", largest_oem(fitted, oem)),
+            Some(border) => at_most("`border`", Some(border)),
+            None => at_most("`oem_size`", largest_oem(fitted, oem)),
         }
     };
     Err(Error::Limit { what: "this bake".to_owned(), needed, available: limit, remedy })
@@ -112,16 +111,16 @@ fn check_bake_within(
 
 /// Bytes at the peak of a bake.
 fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64) -> Result<u64> {
-    let order = Order::new(environment, settings)?;
-    let (size, block) = order.reflector_settings().plan(environment.layout())?;
-    let parts = order.parts();
+    let job = Job::new(environment, settings)?;
+    let (size, block) = job.reflector_settings().plan(environment.layout())?;
+    let parts = job.levels();
     let served =
-        |part: &Part| Served { lobe: part.lobe, roughness: part.rung.roughness, filter: part.filter };
+        |part: &LevelJob| Served { lobe: part.lobe, roughness: part.spec.roughness, filter: part.filter };
     let tables = Tables::of(size, block, &parts.iter().map(served).collect::<Vec<_>>());
     let (mut levels, mut baking, mut largest) = (0, 0, 0);
     for part in parts {
-        let texels = part.rung.layout.texel_count() as u64;
-        let each = if level::is_mirror(part.rung, part.lobe) { TEXEL } else { TEXEL_MAKING };
+        let texels = part.spec.layout.texel_count() as u64;
+        let each = if part.is_mirror() { TEXEL } else { TEXEL_MAKING };
         baking = baking.max(levels + texels * each);
         levels += texels * TEXEL;
         largest = largest.max(texels);
@@ -155,7 +154,7 @@ mod tests {
         let wide = BakeSettings { size: 16_384, ..small.clone() };
         let too_large = remedy(check_bake(&environment, &[small.clone(), wide.clone()], 8));
         let size: u32 = too_large.split(' ').nth(1).and_then(|word| word.parse().ok()).expect("a size");
-        assert!((2048..8192).contains(&size) && too_large.starts_with("--size "), "{too_large}");
+        assert!((2048..8192).contains(&size) && too_large.starts_with("`size` "), "{too_large}");
         check_bake(&environment, &[BakeSettings { size, ..wide.clone() }], 8).expect("the size named fits");
         let more = BakeSettings { size: size + 64, ..wide };
         assert_eq!(remedy(check_bake(&environment, &[more], 8)), too_large, "and none above");
@@ -163,7 +162,7 @@ mod tests {
             let settings = BakeSettings { filter, oem_size: Some(16_384), border: Some(0), ..small.clone() };
             let words = remedy(check_bake(&environment, std::slice::from_ref(&settings), 8));
             let size: u32 = words.split(' ').nth(1).and_then(|word| word.parse().ok()).expect("a size");
-            assert!(words.starts_with("--oem-size "), "{words}");
+            assert!(words.starts_with("`oem_size` "), "{words}");
             check_bake(&environment, &[BakeSettings { oem_size: Some(size), ..settings }], 8).expect("fits");
         }
     }
@@ -175,24 +174,24 @@ mod tests {
         {
             let settings = BakeSettings { size: 64, border: Some(border), filter, ..BakeSettings::default() };
             let words = remedy(check_bake(&environment, std::slice::from_ref(&settings), 8));
-            let largest = words.strip_prefix("--border ").and_then(|rest| rest.split(' ').next());
+            let largest = words.strip_prefix("`border` ").and_then(|rest| rest.split(' ').next());
             let largest: u32 = largest.and_then(|word| word.parse().ok()).expect("a border");
             check_bake(&environment, &[BakeSettings { border: Some(largest), ..settings.clone() }], 8)
                 .expect("the border named fits");
             let query = ReflectorSettings { border: Some(border), ..ReflectorSettings::default() };
             let words = remedy(check_query(environment.layout(), &query, Lobe::Ggx, 0.5, filter));
-            assert!(words.starts_with("--border "), "{words}");
+            assert!(words.starts_with("`border` "), "{words}");
         }
         // The border fits beside a smaller map.
         let settings = BakeSettings { oem_size: Some(16_384), border: Some(8), ..BakeSettings::default() };
-        assert!(remedy(check_bake(&environment, &[settings], 8)).starts_with("--oem-size "));
+        assert!(remedy(check_bake(&environment, &[settings], 8)).starts_with("`oem_size` "));
     }
 
     #[test]
     fn squares_are_refused_with_the_largest_that_fits() {
-        check_square("this", "--size", 4096, 256).expect("4 GiB");
-        let words = remedy(check_square("this", "--size", 4097, 256));
-        assert_eq!(words, "--size 4096 is the largest that fits");
+        check_square("this", "`size`", 4096, 256).expect("4 GiB");
+        let words = remedy(check_square("this", "`size`", 4097, 256));
+        assert_eq!(words, "`size` 4096 is the largest that fits");
     }
 
     #[test]
@@ -202,7 +201,7 @@ mod tests {
         let query = |settings: &ReflectorSettings, r| {
             check_query(layout, settings, Lobe::Ggx, r, Filter::Adaptive(0.01))
         };
-        assert!(remedy(query(&settings, 0.05)).starts_with("--oem-size "), "cells of one texel");
+        assert!(remedy(query(&settings, 0.05)).starts_with("`oem_size` "), "cells of one texel");
         query(&ReflectorSettings { sharpest: 0.5, ..settings }, 0.5).expect("coarse cells");
         let served = Served { lobe: Lobe::Ggx, roughness: 0.5, filter: Filter::Box };
         let few = ReflectorSettings::default().check_memory("this query", layout, &[served], 100);

@@ -152,8 +152,8 @@ pub fn level_sizes(size: u32, levels: u32) -> Result<Vec<OemSize>> {
     let halvings = levels.saturating_sub(1);
     if levels == 0 || halvings > 14 || size == 0 || !size.is_multiple_of(1 << halvings) {
         return Err(Error::Parameter(format!(
-            "an octahedral map of --size {size} does not halve {halvings} times; choose a multiple of {}, or fewer \
-             --levels",
+            "an octahedral map of `size` {size} does not halve {halvings} times; choose a multiple of {}, or fewer \
+             `levels`",
             1_u32 << halvings.min(14)
         )));
     }

@@ -54,7 +54,7 @@ impl ReflectorSettings {
             if self.fitted { inner.next_power_of_two() } else { inner }
         });
         if inner == 0 {
-            return Err(Error::Parameter("an OEM of 0 texels: --oem-size must be at least 1".to_owned()));
+            return Err(Error::Parameter("an OEM of 0 texels: `oem_size` must be at least 1".to_owned()));
         }
         // Indices are 32 bits wide, and a table entry takes 32 bytes.
         let side = u64::from(inner) + 2 * u64::from(border);
@@ -63,7 +63,7 @@ impl ReflectorSettings {
                 what: format!("an OEM of {inner} texels with a border of {border}"),
                 needed: side * side * 48,
                 available: 16384 * 16384 * 48,
-                remedy: "choose --oem-size and --border to make at most 16384".to_owned(),
+                remedy: "choose `oem_size` and `border` to make at most 16384".to_owned(),
             });
         }
         Ok((OemSize { inner, border }, self.block(inner)))
@@ -95,8 +95,8 @@ impl ReflectorSettings {
         let narrowed =
             largest_that(0, self.border.unwrap_or(0), |border| fits(&Self { border: Some(border), ..*self }));
         let remedy = match narrowed {
-            Some(border) => at_most("--border", Some(border)),
-            None => at_most("--oem-size", self.largest_oem(layout, served, limit)),
+            Some(border) => at_most("`border`", Some(border)),
+            None => at_most("`oem_size`", self.largest_oem(layout, served, limit)),
         };
         Err(Error::Limit { what: what.to_owned(), needed, available: limit, remedy })
     }

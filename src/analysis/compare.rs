@@ -2,7 +2,7 @@
 
 use crate::analysis::oracle::Oracle;
 use crate::analysis::sun::{beside, texel_width};
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::{Environment, LUMINANCE, Layout};
 use crate::error::{Error, Result};
 use crate::finite::finite;
@@ -65,10 +65,10 @@ fn grid_places(size: u32, grid: u32) -> Vec<usize> {
 
 /// The texels of `level` that a [`LevelErrors::reference`] of `size` was compared with.
 #[must_use]
-pub fn grid_of(level: &CubeLevel, size: u32) -> CubeLevel {
+pub fn grid_of(level: &Level, size: u32) -> Level {
     let texels =
-        grid_places(level.size, size.min(level.size)).into_iter().map(|at| level.texels[at]).collect();
-    CubeLevel { size: size.min(level.size), roughness: level.roughness, texels, bounds: None }
+        grid_places(level.size(), size.min(level.size())).into_iter().map(|at| level.texels[at]).collect();
+    Level::cube(size.min(level.size()), level.roughness, texels)
 }
 
 /// The errors of one level. Reds, greens and blues are weighed into luminance first.
@@ -103,7 +103,7 @@ pub struct LevelErrors {
     /// The reference itself, where all texels or a grid of them were compared; of a grid, [`grid_of`] is its
     /// like.
     #[serde(skip)]
-    pub reference: Option<CubeLevel>,
+    pub reference: Option<Level>,
 }
 
 /// A texel and what both sides have there.
@@ -132,10 +132,10 @@ pub struct WorstTexel {
 ///
 /// # Errors
 /// [`Error::Parameter`] where they differ in levels, sizes or roughness.
-pub fn errors_against_bake(bake: &CubeChain, reference: &CubeChain) -> Result<Vec<LevelErrors>> {
+pub fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec<LevelErrors>> {
     if bake.levels.len() != reference.levels.len() {
         return Err(Error::Parameter(format!(
-            "the bakes have {} and {} levels; bake both with equal --size and --levels",
+            "the bakes have {} and {} levels; bake both with equal `size` and `levels`",
             bake.levels.len(),
             reference.levels.len()
         )));
@@ -143,11 +143,11 @@ pub fn errors_against_bake(bake: &CubeChain, reference: &CubeChain) -> Result<Ve
     let pairs = bake.levels.iter().zip(&reference.levels).enumerate();
     pairs
         .map(|(index, (a, b))| {
-            if a.size != b.size || (a.roughness - b.roughness).abs() > 1e-4 {
+            if a.size() != b.size() || (a.roughness - b.roughness).abs() > 1e-4 {
                 return Err(Error::Parameter(format!(
                     "level {index} is {0}x{0} at roughness {1:.4} in one bake and {2}x{2} at {3:.4} in the other; \
-                     bake both with equal --size, --levels and --ladder",
-                    a.size, a.roughness, b.size, b.roughness
+                     bake both with equal `size`, `levels` and `ladder`",
+                    a.size(), a.roughness, b.size(), b.roughness
                 )));
             }
             let value = |at: usize| b.texels[at].map(f64::from);
@@ -160,11 +160,11 @@ pub fn errors_against_bake(bake: &CubeChain, reference: &CubeChain) -> Result<Ve
 ///
 /// Below that the answer would be how a texel is reconstructed, on which bake and integration need not agree.
 #[must_use]
-pub fn is_measurable(level: &CubeLevel, lobe: Lobe, layout: Layout) -> bool {
+pub fn is_measurable(level: &Level, lobe: Lobe, layout: Layout) -> bool {
     lobe == Lobe::Cosine || lobe_width(level, lobe) >= NARROW * texel_width(layout)
 }
 
-fn lobe_width(level: &CubeLevel, lobe: Lobe) -> f64 {
+fn lobe_width(level: &Level, lobe: Lobe) -> f64 {
     full_width_at_half_maximum(lobe, level.roughness * level.roughness)
 }
 
@@ -174,7 +174,7 @@ fn lobe_width(level: &CubeLevel, lobe: Lobe) -> f64 {
 /// and their number, from any thread.
 #[must_use]
 pub fn errors_against_source(
-    bake: &CubeChain,
+    bake: &Chain,
     source: &Environment,
     lobe: Lobe,
     sampling: Sampling,
@@ -207,24 +207,19 @@ pub fn errors_against_source(
 
 /// Mean of `radiance` over as much of texel `at` as has joined the lobe: none where the texel is narrower
 /// than a third of the lobe's full width at half maximum, all of it from a half on.
-fn footprint_mean(
-    level: &CubeLevel,
-    lobe: Lobe,
-    at: usize,
-    radiance: &dyn Fn(DVec3) -> [f64; 3],
-) -> [f64; 3] {
-    let (face, i, j) = place(level.size, at);
-    let share = texel_solid_angle(level.size, i, j).sqrt() / lobe_width(level, lobe);
+fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3) -> [f64; 3]) -> [f64; 3] {
+    let (face, i, j) = place(level.size(), at);
+    let share = texel_solid_angle(level.size(), i, j).sqrt() / lobe_width(level, lobe);
     let fade = ((share - 1.0 / 3.0) * 6.0).clamp(0.0, 1.0);
     if fade == 0.0 {
-        return radiance(direction(level.size, at));
+        return radiance(direction(level.size(), at));
     }
     let extent = fade * fade * (3.0 - 2.0 * fade);
     // Points at most a quarter of a lobe apart, weighted by the solid angle they stand for.
     let count = (4.0 * share).ceil().clamp(4.0, 64.0) as u32;
     let coordinate = |texel: u32, k: u32| {
         let offset = ((f64::from(k) + 0.5) / f64::from(count) - 0.5) * extent;
-        (f64::from(texel) + 0.5 + offset) * 2.0 / f64::from(level.size) - 1.0
+        (f64::from(texel) + 0.5 + offset) * 2.0 / f64::from(level.size()) - 1.0
     };
     let (mut sum, mut whole) = ([0.0; 3], 0.0);
     for (a, b) in (0..count).flat_map(|b| (0..count).map(move |a| (a, b))) {
@@ -238,12 +233,15 @@ fn footprint_mean(
     sum.map(|c| c / whole)
 }
 
-fn integrations(level: &CubeLevel, sampling: Sampling) -> u64 {
-    let picks = sampling.picks(level.size).len();
+fn integrations(level: &Level, sampling: Sampling) -> u64 {
+    let picks = sampling.picks(level.size()).len();
     let Some(count) = sampling.most().filter(|_| picks < level.texels.len()) else { return picks as u64 };
     let steps = |steps: usize| 2 * count.div_ceil(4).min(steps);
-    let steps =
-        if level.size < 2 { 0 } else { steps(steps_within(level.size)) + steps(steps_across(level.size)) };
+    let steps = if level.size() < 2 {
+        0
+    } else {
+        steps(steps_within(level.size())) + steps(steps_across(level.size()))
+    };
     (picks + steps) as u64
 }
 
@@ -254,11 +252,11 @@ fn sampled_steps(texels: Option<usize>) -> Option<usize> {
 
 fn level_errors(
     index: usize,
-    level: &CubeLevel,
+    level: &Level,
     reference: &(dyn Fn(usize) -> [f64; 3] + Sync),
     sampling: Sampling,
 ) -> LevelErrors {
-    let picks = sampling.picks(level.size);
+    let picks = sampling.picks(level.size());
     let texels = sampling.most();
     let references: Vec<[f64; 3]> = picks.par_iter().map(|at| reference(*at)).collect();
 
@@ -276,14 +274,14 @@ fn level_errors(
         }
     }
     let (at, count) = (picks[worst.0], picks.len() as f64);
-    let (face, i, j) = place(level.size, at);
+    let (face, i, j) = place(level.size(), at);
     let bake = |at: usize| weigh(level.texels[at].map(f64::from));
     // With all texels at hand nothing is integrated twice.
     let all = picks.len() == level.texels.len();
     let wanted = |at: usize| weigh(if all { references[at] } else { reference(at) });
     LevelErrors {
         level: index,
-        size: level.size,
+        size: level.size(),
         roughness: level.roughness,
         texels: picks.len(),
         rel_rmse: relative((squares / count).sqrt(), whole / count),
@@ -292,18 +290,16 @@ fn level_errors(
             face: face.short_name(),
             i,
             j,
-            direction: direction(level.size, at).to_array(),
+            direction: direction(level.size(), at).to_array(),
             value: level.texels[at].map(f64::from),
             reference: references[worst.0],
             relative: worst.1,
         },
-        seam: seam(level.size, texels, &bake),
-        reference_seam: seam(level.size, texels, &wanted),
-        reference: sampling.grid(level.size).map(|size| CubeLevel {
-            texels: references.iter().map(|rgb| rgb.map(|c| c as f32)).collect(),
-            bounds: None,
-            size,
-            roughness: level.roughness,
+        seam: seam(level.size(), texels, &bake),
+        reference_seam: seam(level.size(), texels, &wanted),
+        reference: sampling.grid(level.size()).map(|size| {
+            let texels = references.iter().map(|rgb| rgb.map(|c| c as f32)).collect();
+            Level::cube(size, level.roughness, texels)
         }),
     }
 }
@@ -426,15 +422,15 @@ mod tests {
     use crate::environment::Rgb;
     use std::f64::consts::PI;
 
-    fn level(size: u32, value: impl Fn(DVec3) -> f32) -> CubeLevel {
+    fn level(size: u32, value: impl Fn(DVec3) -> f32) -> Level {
         let count = 6 * size as usize * size as usize;
         let texels: Vec<Rgb> = (0..count).map(|at| [value(direction(size, at)); 3]).collect();
-        CubeLevel { size, roughness: 0.5, texels, bounds: None }
+        Level::cube(size, 0.5, texels)
     }
 
     #[test]
     fn one_wrong_texel_is_found() {
-        let good = CubeChain { levels: vec![level(8, |d| 2.0 + d.x as f32)] };
+        let good = Chain { levels: vec![level(8, |d| 2.0 + d.x as f32)] };
         let same = &errors_against_bake(&good, &good).expect("equal shapes")[0];
         assert_eq!((same.rel_rmse, same.l1, same.worst.relative), (0.0, 0.0, 0.0));
 
@@ -457,8 +453,8 @@ mod tests {
         for texel in &mut patched.texels[..32 * 32] {
             *texel = texel.map(|c| c + 0.5);
         }
-        let of = |level: &CubeLevel| {
-            let chain = CubeChain { levels: vec![level.clone()] };
+        let of = |level: &Level| {
+            let chain = Chain { levels: vec![level.clone()] };
             errors_against_bake(&chain, &chain).expect("equal shapes")[0].seam.expect("steps")
         };
         assert!((0.7..1.3).contains(&of(&smooth)), "{}", of(&smooth));
@@ -501,7 +497,7 @@ mod tests {
             let errors =
                 level_errors(0, &level, &|at| level.texels[at].map(f64::from), Sampling::Grid(asked));
             let reference = errors.reference.expect("a grid has a picture");
-            assert_eq!((reference.size, errors.rel_rmse), (size, 0.0));
+            assert_eq!((reference.size(), errors.rel_rmse), (size, 0.0));
             assert_eq!(reference.texels, grid_of(&level, size).texels);
         }
         assert_eq!(grid_places(8, 8), (0..384).collect::<Vec<_>>());

@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Form of the red and green channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum DfgForm {
     /// Specular = f0 * red + f90 * green (Karis 2013; Khronos's sampler and viewer, three.js, Bevy).
     #[default]
@@ -33,12 +34,21 @@ pub struct DfgTable {
     pub texels: Vec<[f32; 3]>,
 }
 
-/// The table of `size` texels a side, with Charlie's lobe in blue where `charlie`.
+/// What the blue channel holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DfgBlue {
+    /// 0.
+    Empty,
+    /// The reflectance of a Charlie lobe (sheen).
+    Charlie,
+}
+
+/// The table of `size` texels a side.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a size of 0 or above 1024.
-pub fn dfg_table(size: u32, form: DfgForm, charlie: bool) -> Result<DfgTable> {
-    dfg_table_with(size, form, charlie, &|_, _| ())
+pub fn dfg_table(size: u32, form: DfgForm, blue: DfgBlue) -> Result<DfgTable> {
+    dfg_table_with(size, form, blue, &|_, _| ())
 }
 
 /// [`dfg_table`], which calls `progress` with the rows that are done and their number, from any thread.
@@ -48,7 +58,7 @@ pub fn dfg_table(size: u32, form: DfgForm, charlie: bool) -> Result<DfgTable> {
 pub fn dfg_table_with(
     size: u32,
     form: DfgForm,
-    charlie: bool,
+    blue: DfgBlue,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<DfgTable> {
     if !(1..=1024).contains(&size) {
@@ -63,7 +73,10 @@ pub fn dfg_table_with(
             DfgForm::SplitSum => [scale, bias],
             DfgForm::MultipleScattering => [bias, scale + bias],
         };
-        let blue = if charlie { charlie_with(cosine, roughness, &fine) } else { 0.0 };
+        let blue = match blue {
+            DfgBlue::Charlie => charlie_with(cosine, roughness, &fine),
+            DfgBlue::Empty => 0.0,
+        };
         [red, green, blue].map(|value| value as f32)
     };
     let mut texels = vec![[0.0; 3]; size as usize * size as usize];
@@ -305,15 +318,15 @@ mod tests {
             let near = ggx(cosine, 0.01);
             assert!((near[0] + near[1] - 1.0).abs() < 1e-3, "{cosine}: {near:?}");
         }
-        let split = dfg_table(8, DfgForm::SplitSum, true).unwrap();
-        let multiple = dfg_table(8, DfgForm::MultipleScattering, false).unwrap();
+        let split = dfg_table(8, DfgForm::SplitSum, DfgBlue::Charlie).unwrap();
+        let multiple = dfg_table(8, DfgForm::MultipleScattering, DfgBlue::Empty).unwrap();
         for (a, b) in split.texels.iter().zip(&multiple.texels) {
             assert!((a[1] - b[0]).abs() < 1e-6 && (a[0] + a[1] - b[1]).abs() < 1e-6, "{a:?} {b:?}");
             assert!(a[2] > 0.0 && b[2] == 0.0 && a.iter().all(|v| v.is_finite()), "{a:?} {b:?}");
         }
-        assert!(dfg_table(0, DfgForm::SplitSum, false).is_err());
+        assert!(dfg_table(0, DfgForm::SplitSum, DfgBlue::Empty).is_err());
         let rows = AtomicU64::new(0);
-        dfg_table_with(8, DfgForm::SplitSum, false, &|_, total| {
+        dfg_table_with(8, DfgForm::SplitSum, DfgBlue::Empty, &|_, total| {
             assert_eq!(total, 8);
             rows.fetch_add(1, Ordering::Relaxed);
         })

@@ -1,12 +1,11 @@
 //! What is baked for several settings: every level once.
 
-use super::part::Part;
-use crate::bake::level::BakedLevel;
-use crate::bake::result::{Bake, LevelStats, Meter, Progress, sharpest};
-use crate::bake::settings::BakeSettings;
-use crate::chain::{CubeChain, CubeLevel, ImageLevel, Rung};
+use super::level::{BakedLevel, LevelJob};
+use super::result::{Bake, LevelStats, Meter, OnProgress, sharpest};
+use super::settings::BakeSettings;
+use crate::chain::{Chain, Level, LevelSpec};
 use crate::cpu::box_filter;
-use crate::environment::{Environment, Layout, Map};
+use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::lobe::Lobe;
@@ -15,82 +14,87 @@ use crate::reflector::{ReflectorSettings, default_oem_size, source_oem_size};
 use crate::sh;
 use std::sync::atomic::AtomicU64;
 
-/// Bakes as they are ordered of an engine: which levels, over which OEM.
-pub(crate) struct Order<'a> {
-    pub(crate) environment: &'a Environment,
-    pub(crate) settings: &'a [BakeSettings],
-    pub(crate) parts: Vec<Part>,
-    /// Which parts each bake takes: its ladder, then that of its sheen and its irradiance where they are
-    /// asked for.
-    wanted: Vec<Vec<usize>>,
-    /// The rungs of all ladders.
-    pub(crate) rungs: Vec<Rung>,
+/// Several bakes of one environment over one OEM: the levels to bake, each once, and which of them each bake
+/// takes.
+pub(crate) struct Job<'a> {
+    environment: &'a Environment,
+    settings: &'a [BakeSettings],
+    levels: Vec<LevelJob>,
+    /// One for each of the settings.
+    bakes: Vec<BakeParts>,
 }
 
-impl<'a> Order<'a> {
+/// The parts of one bake, as indices of [`Job::levels`].
+struct BakeParts {
+    levels: Vec<usize>,
+    /// The levels of the Charlie lobe, where they are asked for.
+    sheen: Option<Vec<usize>>,
+    irradiance: Option<usize>,
+}
+
+impl<'a> Job<'a> {
     pub(crate) fn new(environment: &'a Environment, settings: &'a [BakeSettings]) -> Result<Self> {
         if settings.is_empty() {
             return Err(Error::Parameter("there is nothing to bake".to_owned()));
         }
-        let mut parts: Vec<Part> = Vec::new();
-        let mut wanted = Vec::with_capacity(settings.len());
-        let mut all_rungs = Vec::new();
+        let mut levels: Vec<LevelJob> = Vec::new();
+        let mut index_of = |level: LevelJob| {
+            levels.iter().position(|other| *other == level).unwrap_or_else(|| {
+                levels.push(level);
+                levels.len() - 1
+            })
+        };
+        let mut bakes = Vec::with_capacity(settings.len());
         for settings in settings {
             if settings.sh_order > sh::MAX_ORDER {
                 let (asked, most) = (settings.sh_order, sh::MAX_ORDER);
-                return Err(Error::Parameter(format!("--sh-order {asked} is above {most}")));
+                return Err(Error::Parameter(format!("`sh_order` {asked} is above {most}")));
             }
             if settings.irradiance == Some(0) {
-                return Err(Error::Parameter("--irradiance must be at least 1".to_owned()));
+                return Err(Error::Parameter("`irradiance` must be at least 1".to_owned()));
             }
-            let filter = settings.filter;
-            let rungs = settings.rungs()?;
-            let sheen = settings.sheen.then_some((Lobe::Charlie, filter.beside()));
-            let lobes = std::iter::once((settings.lobe, filter)).chain(sheen);
-            let levels: Vec<Part> = lobes
-                .flat_map(|(lobe, filter)| rungs.iter().map(move |rung| Part { rung: *rung, lobe, filter }))
-                .collect();
-            all_rungs.extend(levels.iter().map(|Part { rung, lobe, .. }| Rung {
-                roughness: lobe.served_roughness(rung.roughness),
-                ..*rung
-            }));
+            let (specs, beside) = (settings.level_specs()?, settings.filter.beside());
+            let mut chain = |lobe: Lobe, filter: Filter| -> Vec<usize> {
+                specs.iter().map(|spec| index_of(LevelJob { spec: *spec, lobe, filter })).collect()
+            };
+            let levels = chain(settings.lobe, settings.filter);
+            let sheen = settings.sheen.then(|| chain(Lobe::Charlie, beside));
             let irradiance = settings.irradiance.map(|size| {
-                let rung = Rung { layout: Layout::Cube { size }, roughness: 1.0 };
-                Part { rung, lobe: Lobe::Cosine, filter: filter.beside() }
+                let spec = LevelSpec { layout: Layout::Cube { size }, roughness: 1.0 };
+                index_of(LevelJob { spec, lobe: Lobe::Cosine, filter: beside })
             });
-            let places: Vec<usize> = levels
-                .into_iter()
-                .chain(irradiance)
-                .map(|part| {
-                    parts.iter().position(|other| *other == part).unwrap_or_else(|| {
-                        parts.push(part);
-                        parts.len() - 1
-                    })
-                })
-                .collect();
-            wanted.push(places);
+            bakes.push(BakeParts { levels, sheen, irradiance });
         }
-        Ok(Self { environment, settings, parts, wanted, rungs: all_rungs })
+        Ok(Self { environment, settings, levels, bakes })
     }
 
-    pub(crate) fn meter<'p>(&self, progress: &'p (dyn Fn(Progress) + Sync)) -> Meter<'p> {
-        let texels = |part: &Part| part.rung.layout.texel_count() as u64;
-        Meter { done: AtomicU64::new(0), total: self.parts.iter().map(texels).sum(), progress }
+    pub(crate) fn meter<'p>(&self, progress: OnProgress<'p>) -> Meter<'p> {
+        let texels = |level: &LevelJob| level.spec.layout.texel_count() as u64;
+        Meter { done: AtomicU64::new(0), total: self.levels.iter().map(texels).sum(), progress }
     }
 
-    /// The levels to bake, each once.
-    pub(crate) fn parts(&self) -> &[Part] {
-        &self.parts
+    /// The levels to bake.
+    pub(crate) fn levels(&self) -> &[LevelJob] {
+        &self.levels
+    }
+
+    /// The roughnesses of all chains, as their lobes have them.
+    fn roughnesses(&self) -> impl Iterator<Item = f64> {
+        let chains = self.bakes.iter().flat_map(|bake| bake.levels.iter().chain(bake.sheen.iter().flatten()));
+        chains.map(|index| {
+            let LevelJob { spec, lobe, .. } = self.levels[*index];
+            lobe.served_roughness(spec.roughness)
+        })
     }
 
     /// What the reflector must serve.
     pub(crate) fn reflector_settings(&self) -> ReflectorSettings {
-        let Self { environment, settings, rungs, .. } = self;
-        let sharpest = sharpest(rungs);
+        let Self { environment, settings, .. } = self;
+        let sharpest = sharpest(self.roughnesses());
         let oem_size = settings.iter().filter_map(|settings| settings.oem_size).max();
         // The safety border: plain four-corner reads for the widest box of the ladders.
         let inner = oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0, sharpest));
-        let roughest = rungs.iter().map(|rung| rung.roughness).fold(0.0, f64::max);
+        let roughest = self.roughnesses().fold(0.0, f64::max);
         let own = |settings: &BakeSettings| {
             settings.border.or_else(|| {
                 (settings.filter == Filter::Box)
@@ -110,25 +114,24 @@ impl<'a> Order<'a> {
     /// Every bake of either engine comes through here.
     pub(crate) fn finish(
         self,
-        mut levels: Vec<(BakedLevel, f64)>,
+        mut baked: Vec<(BakedLevel, f64)>,
         oem: OemSize,
         oem_energy: [f64; 3],
     ) -> Result<Vec<Bake>> {
-        let Self { environment, settings, parts, wanted, rungs } = self;
-        for (part, (level, _)) in parts.iter().zip(&levels) {
-            level.check(part)?;
+        for (level, (baked, _)) in self.levels.iter().zip(&baked) {
+            baked.check(level)?;
         }
         let mut warnings = Vec::new();
-        let asked = default_oem_size(environment.layout(), 0, sharpest(&rungs))
-            .min(source_oem_size(environment.layout()));
+        let source = self.environment.layout();
+        let asked = default_oem_size(source, 0, sharpest(self.roughnesses())).min(source_oem_size(source));
         if oem.inner < asked {
             warnings.push(format!(
                 "the OEM of {} texels is coarser than source and lobes ask for, {asked}",
                 oem.inner
             ));
         }
-        let highest = settings.iter().map(|settings| settings.sh_order).max().unwrap_or(0);
-        let sh = sh::spherical_harmonics(environment, highest);
+        let highest = self.settings.iter().map(|settings| settings.sh_order).max().unwrap_or(0);
+        let sh = sh::spherical_harmonics(self.environment, highest);
         // L0 is the integral of the radiance times the constant 1/sqrt(4 pi).
         let source_energy = sh[0].map(|coefficient| coefficient * (4.0 * std::f64::consts::PI).sqrt());
         let sums = sh.as_flattened().iter().chain(&oem_energy);
@@ -137,56 +140,39 @@ impl<'a> Order<'a> {
             return Err(Error::NonFiniteResult { place, value: *value });
         }
         let stats: Vec<LevelStats> =
-            levels.iter().map(|(level, seconds)| LevelStats::new(level, *seconds)).collect();
-        // The last bake to want a level gets the level itself.
-        let mut uses = vec![0_u32; parts.len()];
-        wanted.iter().flatten().for_each(|place| uses[*place] += 1);
-        let mut taken = |place: usize| {
-            let level = &mut levels[place].0;
-            uses[place] -= 1;
-            if uses[place] == 0 {
+            baked.iter().map(|(level, seconds)| LevelStats::new(level, *seconds)).collect();
+        // The last bake to use a level gets the level itself.
+        let mut uses = vec![0_u32; baked.len()];
+        for BakeParts { levels, sheen, irradiance } in &self.bakes {
+            levels.iter().chain(sheen.iter().flatten()).chain(irradiance).for_each(|index| uses[*index] += 1);
+        }
+        let Self { settings, levels: jobs, bakes, .. } = self;
+        let mut taken = |index: usize, bounds: Bounds| {
+            let level = &mut baked[index].0;
+            uses[index] -= 1;
+            let (texels, found) = if uses[index] == 0 {
                 (std::mem::take(&mut level.texels), level.bounds.take())
             } else {
                 (level.texels.clone(), level.bounds.clone())
-            }
+            };
+            let LevelSpec { layout, roughness } = jobs[index].spec;
+            Level { layout, roughness, texels, bounds: found.filter(|_| bounds == Bounds::Keep) }
         };
-        let assemble = |(settings, mut places): (&BakeSettings, Vec<usize>)| {
-            let irradiance = settings.irradiance.and_then(|_| places.pop());
-            let sheen = if settings.sheen { places.split_off(places.len() / 2) } else { Vec::new() };
+        let assemble = |(settings, parts): (&BakeSettings, BakeParts)| {
             let sh = &sh[..sh::count(settings.sh_order)];
             let sh_window = settings.sh_window.settled(sh);
-            let mut cube_level = |place: usize, keep_bounds: bool| {
-                let Rung { layout, roughness } = parts[place].rung;
-                let (texels, bounds) = taken(place);
-                CubeLevel {
-                    size: layout.sides().0,
-                    roughness,
-                    texels,
-                    bounds: bounds.filter(|_| keep_bounds),
-                }
+            let bounds = if settings.bounds { Bounds::Keep } else { Bounds::Drop };
+            let stats_of = |indices: &[usize]| indices.iter().map(|index| stats[*index].clone()).collect();
+            let sheen_stats = stats_of(parts.sheen.as_deref().unwrap_or_default());
+            let mut chain = |indices: &[usize], bounds: Bounds| Chain {
+                levels: indices.iter().map(|index| taken(*index, bounds)).collect(),
             };
-            let irradiance = irradiance.map(|place| cube_level(place, false));
-            let sheen_stats = sheen.iter().map(|place| stats[*place].clone()).collect();
-            let sheen = settings
-                .sheen
-                .then(|| CubeChain { levels: sheen.iter().map(|place| cube_level(*place, false)).collect() });
-            let mut chain = CubeChain { levels: Vec::new() };
-            let mut images = Vec::new();
-            if settings.map == Map::Cube {
-                chain.levels.extend(places.iter().map(|place| cube_level(*place, settings.bounds)));
-            } else {
-                images.extend(places.iter().map(|place| {
-                    let Rung { layout, roughness } = parts[*place].rung;
-                    ImageLevel { layout, roughness, texels: taken(*place).0 }
-                }));
-            }
             Bake {
-                chain,
-                images,
-                stats: places.iter().map(|place| stats[*place].clone()).collect(),
-                irradiance,
-                sheen,
+                chain: chain(&parts.levels, bounds),
+                stats: stats_of(&parts.levels),
+                sheen: parts.sheen.map(|sheen| chain(&sheen, Bounds::Drop)),
                 sheen_stats,
+                irradiance: parts.irradiance.map(|index| taken(index, Bounds::Drop)),
                 sh: sh_window.apply(sh),
                 sh_window,
                 oem,
@@ -195,6 +181,13 @@ impl<'a> Order<'a> {
                 warnings: warnings.clone(),
             }
         };
-        Ok(settings.iter().zip(wanted).map(assemble).collect())
+        Ok(settings.iter().zip(bakes).map(assemble).collect())
     }
+}
+
+/// What becomes of a level's bounds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Bounds {
+    Keep,
+    Drop,
 }

@@ -1,7 +1,7 @@
 //! One level of a bake: every texel of its map, tiles of neighbours sharing their walks.
 
-use super::part::Part;
-use crate::chain::Rung;
+use super::result::Processor;
+use crate::chain::LevelSpec;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
@@ -12,30 +12,48 @@ use crate::reflector::{Reflector, Workspace};
 use crate::sphere::cube::Face;
 use rayon::prelude::*;
 
+/// One level to bake, which several bakes may share.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct LevelJob {
+    pub(crate) spec: LevelSpec,
+    pub(crate) lobe: Lobe,
+    pub(crate) filter: Filter,
+}
+
+impl LevelJob {
+    /// Whether the level shows what its texels cover.
+    pub(crate) fn is_mirror(&self) -> bool {
+        self.spec.roughness == 0.0 && self.lobe.has_mirror()
+    }
+}
+
+/// Called with the texels that are done since the last call, from any thread; its error stops the bake.
+pub(crate) type Advance<'a> = &'a (dyn Fn(u64) -> Result<()> + Sync);
+
 /// A baked level.
 pub(crate) struct BakedLevel {
+    pub(crate) processor: Processor,
     pub(crate) texels: Vec<Rgb>,
     pub(crate) bounds: Option<Vec<f32>>,
     pub(crate) leaves_per_texel: Option<f64>,
 }
 
-/// Bakes `lobe` into `rung`; `advance` is told of texels done, from any thread.
+/// Bakes `level`; `advance` is told of texels done, from any thread.
 pub(crate) fn bake_level(
     reflector: &Reflector<'_>,
-    rung: Rung,
-    lobe: Lobe,
-    filter: Filter,
-    advance: &(dyn Fn(u64) + Sync),
+    level: &LevelJob,
+    advance: Advance<'_>,
 ) -> Result<BakedLevel> {
-    if is_mirror(rung, lobe) {
+    let LevelJob { spec, lobe, filter } = *level;
+    if level.is_mirror() {
         // A mirror shows what each texel covers.
-        let texels = footprints_over(reflector.environment(), rung.layout)?;
-        advance(texels.len() as u64);
-        return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
+        let texels = footprints_over(reflector.environment(), spec.layout)?;
+        advance(texels.len() as u64)?;
+        return Ok(BakedLevel::unbounded(texels));
     }
-    let lobes = reflector.lobes(lobe, rung.roughness, filter)?;
-    let tiling = Tiling::new(reflector.oem().size().inner, rung, lobe);
-    let rows: Vec<(Vec<Answer>, Workspace)> = (0..tiling.rows())
+    let lobes = reflector.lobes(lobe, spec.roughness, filter)?;
+    let tiling = Tiling::new(reflector.oem().size().inner, spec, lobe);
+    let rows = (0..tiling.rows())
         .into_par_iter()
         .map_init(
             || (Tile::default(), Vec::new()),
@@ -47,39 +65,39 @@ pub(crate) fn bake_level(
                     lobes.evaluate(&tile.directions, &mut workspace, answers);
                     tile.resolve(answers, &mut line);
                 });
-                advance(line.len() as u64);
-                (line, workspace)
+                advance(line.len() as u64)?;
+                Ok((line, workspace))
             },
         )
-        .collect();
+        .collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()?;
     let leaves = rows.iter().map(|(_, workspace)| workspace.leaves).sum();
     let packets = rows.iter().map(|(_, workspace)| workspace.packets).sum();
     let answers = rows.into_iter().flat_map(|(line, _)| line);
-    Ok(BakedLevel::new(answers, leaves, packets, tiling.samples()))
-}
-
-/// Whether a level of `lobe` shows what its texels cover.
-pub(crate) fn is_mirror(rung: Rung, lobe: Lobe) -> bool {
-    rung.roughness == 0.0 && lobe.has_mirror()
+    Ok(BakedLevel::new(Processor::Cpu, answers, leaves, packets, tiling.samples()))
 }
 
 impl BakedLevel {
+    /// A level of the CPU without bounds.
+    pub(crate) const fn unbounded(texels: Vec<Rgb>) -> Self {
+        Self { processor: Processor::Cpu, texels, bounds: None, leaves_per_texel: None }
+    }
+
     /// Checks that radiance and bounds are numbers that may be written.
     ///
     /// # Errors
     /// [`Error::NonFiniteResult`] naming the first texel that is NaN, infinite or negative.
-    pub(crate) fn check(&self, part: &Part) -> Result<()> {
+    pub(crate) fn check(&self, level: &LevelJob) -> Result<()> {
         let wrong = |value: f32| !(value.is_finite() && value >= 0.0);
         let fault = |at: usize, what: &str, value: f32| {
-            let (columns, rows) = part.rung.layout.sides();
+            let (columns, rows) = level.spec.layout.sides();
             let area = columns as usize * rows as usize;
             let (image, inside) = (at / area, at % area);
-            let face = match part.rung.layout {
+            let face = match level.spec.layout {
                 Layout::Cube { .. } => format!("face {} ", Face::ALL[image].short_name()),
                 Layout::Panorama { .. } | Layout::Octahedral { .. } => String::new(),
             };
             let (x, y) = (inside % columns as usize, inside / columns as usize);
-            let (lobe, roughness) = (part.lobe.name(), part.rung.roughness);
+            let (lobe, roughness) = (level.lobe.name(), level.spec.roughness);
             let place = format!(
                 "{what} of the level of {columns} x {rows} ({lobe}, roughness {roughness}) {face}pixel ({x}, {y})"
             );
@@ -98,6 +116,7 @@ impl BakedLevel {
     /// A level of `answers`, one a texel, for which `packets` of directions, `samples` a texel, shared
     /// `leaves`.
     pub(crate) fn new(
+        processor: Processor,
         answers: impl Iterator<Item = Answer>,
         leaves: u64,
         packets: u64,
@@ -108,6 +127,7 @@ impl BakedLevel {
         // Every direction of a packet sums all its leaves.
         let per_texel = leaves as f64 / packets as f64 * samples as f64;
         Self {
+            processor,
             texels,
             bounds: bounds.into_iter().collect(),
             leaves_per_texel: (packets > 0).then_some(per_texel),

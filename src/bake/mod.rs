@@ -4,7 +4,6 @@ pub mod dfg;
 pub(crate) mod job;
 pub(crate) mod level;
 pub mod overflow;
-pub(crate) mod part;
 pub mod report;
 pub(crate) mod result;
 pub(crate) mod settings;
@@ -12,23 +11,24 @@ pub(crate) mod settings;
 use crate::environment::Environment;
 use crate::error::Result;
 use crate::memory;
+use crate::oem::OemSize;
 use crate::reflector::Reflector;
-use job::Order;
-pub use result::{Bake, LevelStats, Progress};
+use job::Job;
+use level::{Advance, BakedLevel, LevelJob};
+pub use result::{Bake, LevelStats, OnProgress, Processor, Progress};
 pub use settings::BakeSettings;
+use std::ops::ControlFlow;
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
 use web_time::Instant;
 
-/// Bakes `environment` on the CPU; calls `progress` now and then, from any thread.
+/// Bakes `environment` on the CPU.
 ///
 /// # Errors
 /// [`crate::Error::Parameter`] for settings that make no sense together, [`crate::Error::Limit`] where it
 /// would take more than [`memory::LIMIT`].
-pub fn bake(
-    environment: &Environment,
-    settings: &BakeSettings,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<Bake> {
-    let mut bakes = bake_all(environment, std::slice::from_ref(settings), progress)?;
+pub fn bake(environment: &Environment, settings: &BakeSettings) -> Result<Bake> {
+    let mut bakes = bake_all(environment, std::slice::from_ref(settings), &unwatched)?;
     Ok(bakes.pop().expect("one bake for one settings"))
 }
 
@@ -37,22 +37,65 @@ pub fn bake(
 /// settings name its size or border, the largest counts.
 ///
 /// # Errors
-/// As [`bake`]; [`crate::Error::Parameter`] for no settings.
+/// As [`bake`]; [`crate::Error::Parameter`] for no settings, [`crate::Error::Cancelled`] where `progress`
+/// returns [`ControlFlow::Break`].
 pub fn bake_all(
     environment: &Environment,
     settings: &[BakeSettings],
-    progress: &(dyn Fn(Progress) + Sync),
+    progress: OnProgress<'_>,
 ) -> Result<Vec<Bake>> {
     memory::check_bake(environment, settings, 0)?;
-    let order = Order::new(environment, settings)?;
-    let meter = order.meter(progress);
-    let reflector = Reflector::new(environment, &order.reflector_settings())?;
-    let mut levels = Vec::new();
-    for (index, part) in order.parts().iter().enumerate() {
-        let start = Instant::now();
-        let advance = |texels| meter.advance(index, texels);
-        let level = level::bake_level(&reflector, part.rung, part.lobe, part.filter, &advance)?;
-        levels.push((level, start.elapsed().as_secs_f64()));
+    let job = Job::new(environment, settings)?;
+    let reflector = Reflector::new(environment, &job.reflector_settings())?;
+    ready(bake_job(job, &reflector, progress))
+}
+
+/// The progress of a bake that nobody watches: it goes on.
+pub fn unwatched(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// What a bake needs of an engine: an environment's OEM, ready to answer. Futures of the CPU are ready at
+/// once.
+pub(crate) trait BakeEngine {
+    /// Bakes `level`; calls `advance` with the texels that are done, and stops at its error.
+    async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel>;
+
+    /// The OEM's size, and its energy in the source's units.
+    async fn oem(&self) -> Result<(OemSize, [f64; 3])>;
+}
+
+impl BakeEngine for Reflector<'_> {
+    async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
+        level::bake_level(self, level, advance)
     }
-    order.finish(levels, reflector.oem().size(), reflector.energy())
+
+    async fn oem(&self) -> Result<(OemSize, [f64; 3])> {
+        Ok((Self::oem(self).size(), self.energy()))
+    }
+}
+
+/// Bakes every level of `job` by `engine`.
+pub(crate) async fn bake_job(
+    job: Job<'_>,
+    engine: &impl BakeEngine,
+    progress: OnProgress<'_>,
+) -> Result<Vec<Bake>> {
+    let meter = job.meter(progress);
+    let mut levels = Vec::new();
+    for (index, level) in job.levels().iter().enumerate() {
+        let start = Instant::now();
+        let baked = engine.bake_level(level, &|texels| meter.advance(index, texels)).await?;
+        levels.push((baked, start.elapsed().as_secs_f64()));
+    }
+    let (oem, energy) = engine.oem().await?;
+    job.finish(levels, oem, energy)
+}
+
+/// The output of a future of the CPU.
+fn ready<T>(future: impl Future<Output = T>) -> T {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(output) => output,
+        Poll::Pending => unreachable!("the CPU waits for nothing"),
+    }
 }

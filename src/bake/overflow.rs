@@ -1,6 +1,7 @@
 //! Radiance above what a pixel format can hold: clamped, compressed, or refused.
 
-use crate::chain::{CubeLevel, ImageLevel};
+use crate::bake::result::Bake;
+use crate::chain::Level;
 use crate::environment::{LUMINANCE, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::format::Pixel;
@@ -8,6 +9,7 @@ use crate::sphere::cube::Face;
 
 /// What becomes of a texel with a channel above a pixel format's greatest value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Overflow {
     /// Each channel is clamped by itself: bright colours turn white.
     #[default]
@@ -36,10 +38,15 @@ pub fn compressed(value: f64, most: f64) -> f64 {
     knee + room * above / (room + above)
 }
 
-/// Share of the luminance's energy that clamping takes from `texels`, laid out as `layout`, in `pixel`; 0
-/// where nothing is clamped.
+/// Share of the luminance's energy that clamping in `pixel` takes from the level of `bake` that loses most.
 #[must_use]
-pub fn clamped_share(layout: Layout, texels: &[Rgb], pixel: Pixel) -> f64 {
+pub fn clamped_share(bake: &Bake, pixel: Pixel) -> f64 {
+    bake.levels().map(|level| level_clamped_share(level, pixel)).fold(0.0, f64::max)
+}
+
+/// [`clamped_share`] of one level; 0 where nothing is clamped.
+fn level_clamped_share(level: &Level, pixel: Pixel) -> f64 {
+    let Level { layout, texels, .. } = level;
     if pixel.clamped(texels) == 0 {
         return 0.0;
     }
@@ -69,28 +76,29 @@ impl Overflow {
         }
     }
 
-    /// Prepares `level`, the level `index` of a chain, for `pixel`; returns the texels that were compressed.
-    /// A level without a texel above the format's greatest value stays as it is, and so does every level
-    /// under [`Overflow::Clamp`], which is what the writers do.
+    /// Prepares every level of `bake` for `pixel`; returns the texels that were compressed. A level without a
+    /// texel above the format's greatest value stays as it is, and so does every level under
+    /// [`Overflow::Clamp`], which is what the writers do.
     ///
     /// # Errors
     /// [`Error::Parameter`] for [`Overflow::Error`] where a texel is too bright, naming it.
-    pub fn apply(self, index: usize, level: &mut CubeLevel, pixel: Pixel) -> Result<u64> {
-        let n = level.size as usize;
-        let place = |at: usize| {
-            let face = Face::ALL[at / (n * n)].short_name();
-            format!("level {index} face {face} pixel ({}, {})", at % n, at / n % n)
-        };
-        self.apply_to(&mut level.texels, pixel, place)
+    pub fn apply_all(self, bake: &mut Bake, pixel: Pixel) -> Result<u64> {
+        bake.levels_mut().enumerate().map(|(index, level)| self.apply(index, level, pixel)).sum()
     }
 
-    /// [`Overflow::apply`] for a level that is one image.
+    /// [`Overflow::apply_all`] for `level`, the level `index` of a bake.
     ///
     /// # Errors
-    /// As [`Overflow::apply`].
-    pub fn apply_image(self, index: usize, level: &mut ImageLevel, pixel: Pixel) -> Result<u64> {
-        let width = level.layout.sides().0 as usize;
-        let place = |at: usize| format!("level {index} pixel ({}, {})", at % width, at / width);
+    /// As [`Overflow::apply_all`].
+    pub fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
+        let (width, height) = level.layout.sides();
+        let (width, area) = (width as usize, width as usize * height as usize);
+        let face = |at: usize| match level.layout {
+            Layout::Cube { .. } => format!("face {} ", Face::ALL[at / area].short_name()),
+            Layout::Panorama { .. } | Layout::Octahedral { .. } => String::new(),
+        };
+        let place =
+            |at: usize| format!("level {index} {}pixel ({}, {})", face(at), at % width, at % area / width);
         self.apply_to(&mut level.texels, pixel, place)
     }
 
@@ -114,7 +122,7 @@ impl Overflow {
                 Ok(count)
             }
             Self::Error => Err(Error::Parameter(format!(
-                "{} is {:?} and {} holds up to {most}; --pixel f32 keeps it, --overflow compress scales it down",
+                "{} is {:?} and {} holds up to {most}; `pixel` f32 keeps it, `overflow` compress scales it down",
                 place(first),
                 texels[first],
                 pixel.name()
@@ -127,10 +135,10 @@ impl Overflow {
 mod tests {
     use super::*;
 
-    fn level(bright: [f32; 3]) -> CubeLevel {
+    fn level(bright: [f32; 3]) -> Level {
         let mut texels = vec![[1.0, 2.0, 3.0]; 24];
         texels[9] = bright;
-        CubeLevel { size: 2, roughness: 0.5, texels, bounds: None }
+        Level::cube(2, 0.5, texels)
     }
 
     #[test]
@@ -152,15 +160,14 @@ mod tests {
 
     #[test]
     fn what_clamping_takes_is_a_share_of_the_energy() {
-        let layout = Layout::Cube { size: 2 };
-        let mut texels = vec![[1.0; 3]; 24];
-        assert_eq!(clamped_share(layout, &texels, Pixel::F16), 0.0);
-        texels[5] = [2.0 * Pixel::F16.max(); 3];
+        let mut level = Level::cube(2, 0.5, vec![[1.0; 3]; 24]);
+        assert_eq!(level_clamped_share(&level, Pixel::F16), 0.0);
+        level.texels[5] = [2.0 * Pixel::F16.max(); 3];
         // The texels of a face of four are alike: 65504 of 2 * 65504 + 23.
         let expected = 65504.0 / (2.0 * 65504.0 + 23.0);
-        let share = clamped_share(layout, &texels, Pixel::F16);
+        let share = level_clamped_share(&level, Pixel::F16);
         assert!((share / expected - 1.0).abs() < 1e-6, "{share}");
-        assert_eq!(clamped_share(layout, &texels, Pixel::F32), 0.0);
+        assert_eq!(level_clamped_share(&level, Pixel::F32), 0.0);
     }
 
     #[test]
@@ -180,6 +187,6 @@ mod tests {
         let error =
             Overflow::Error.apply(3, &mut level([1.0, 7e4, 1.0]), Pixel::F16).unwrap_err().to_string();
         assert!(error.starts_with("level 3 face py pixel (1, 0) is [1.0, 70000.0, 1.0]"), "{error}");
-        assert!(error.contains("f16 holds up to 65504") && error.contains("--overflow compress"), "{error}");
+        assert!(error.contains("f16 holds up to 65504") && error.contains("`overflow` compress"), "{error}");
     }
 }

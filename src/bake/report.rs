@@ -8,6 +8,7 @@ use crate::analysis::sun::Sun;
 use crate::bake::overflow::Overflow;
 use crate::bake::result::{Bake, LevelStats};
 use crate::bake::settings::BakeSettings;
+use crate::chain::Level;
 use crate::environment::{LUMINANCE, Map};
 use crate::filter::Filter;
 use crate::finite::finite;
@@ -121,6 +122,10 @@ pub struct LevelReport {
     pub roughness: f64,
     /// Format of its texels as stored.
     pub pixel: String,
+    /// What computed it: `cpu` or `gpu`. A GPU leaves mirrors of other maps than the cube and lobes that float32
+    /// does not resolve to the CPU. Reports of version 0.2 have it not.
+    #[serde(default)]
+    pub engine: String,
     /// Wall time.
     pub seconds: f64,
     /// Leaves of the quadrature a texel, on average; `null` where the filter has none.
@@ -431,16 +436,12 @@ impl Report {
     /// The report of `bake`.
     #[must_use]
     pub fn new(settings: &BakeSettings, bake: &Bake, told: Circumstances) -> Self {
-        let cubes = bake.chain.levels.iter().map(|level| (level.size, level.roughness));
-        let images = bake.images.iter().map(|level| (level.layout.sides().1, level.roughness));
-        let sheen = bake.sheen.iter().flat_map(|sheen| &sheen.levels);
-        let sheen = sheen.map(|level| (level.size, level.roughness));
         let mean_luminance = mean_luminance(bake);
-        let reports = |levels: &mut dyn Iterator<Item = (u32, f64)>, stats: &[LevelStats]| {
+        let reports = |levels: &[Level], stats: &[LevelStats]| {
             level_reports(levels, stats, &told.level_pixels, mean_luminance)
         };
-        let levels = reports(&mut cubes.chain(images), &bake.stats);
-        let sheen = reports(&mut { sheen }, &bake.sheen_stats);
+        let levels = reports(&bake.chain.levels, &bake.stats);
+        let sheen = bake.sheen.as_ref().map(|sheen| reports(&sheen.levels, &bake.sheen_stats));
         Self {
             schema_version: SCHEMA_VERSION,
             generator: concat!("octagloss ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -450,7 +451,7 @@ impl Report {
             adapter: told.adapter,
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
             levels,
-            sheen,
+            sheen: sheen.unwrap_or_default(),
             energy: EnergyReport {
                 source: bake.source_energy,
                 oem: bake.oem_energy,
@@ -547,20 +548,21 @@ const fn out_layout(map: Map) -> &'static str {
     }
 }
 
-/// Reports of levels by their sizes and roughnesses.
+/// Reports of levels.
 fn level_reports(
-    levels: impl Iterator<Item = (u32, f64)>,
+    levels: &[Level],
     stats: &[LevelStats],
     pixels: &[String],
     mean_luminance: f64,
 ) -> Vec<LevelReport> {
     let over_mean = |bound: Option<f64>| bound.map(|bound| relative(bound, mean_luminance));
-    let levels = (0..).zip(levels.zip(stats).zip(pixels));
-    let report = levels.map(|(level, (((size, roughness), stats), pixel))| LevelReport {
-        level,
-        size,
-        roughness,
+    let levels = (0..).zip(levels.iter().zip(stats).zip(pixels));
+    let report = levels.map(|(index, ((level, stats), pixel))| LevelReport {
+        level: index,
+        size: level.size(),
+        roughness: level.roughness,
         pixel: pixel.clone(),
+        engine: stats.processor.name().to_owned(),
         seconds: stats.seconds,
         leaves_per_texel: stats.leaves_per_texel,
         error_bound_max: stats.error_bound_max,

@@ -2,15 +2,38 @@
 
 use crate::bake::level::BakedLevel;
 
-use crate::chain::{CubeChain, CubeLevel, ImageLevel, Rung};
-use crate::environment::Rgb;
+use crate::chain::{Chain, Level};
+use crate::error::{Error, Result};
 use crate::oem::OemSize;
 use crate::sh::window::ShWindow;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What computed a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Processor {
+    /// The CPU; also in a bake of the GPU engine, for levels that it does not serve.
+    Cpu,
+    /// The GPU.
+    Gpu,
+}
+
+impl Processor {
+    /// Name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
+        }
+    }
+}
 
 /// Figures of one baked level.
 #[derive(Clone, Debug)]
 pub struct LevelStats {
+    /// What computed it.
+    pub processor: Processor,
     /// Wall time.
     pub seconds: f64,
     /// Leaves of the quadrature a texel, on average; `None` where the filter has none.
@@ -26,16 +49,14 @@ pub struct LevelStats {
 /// What a bake made.
 #[derive(Clone, Debug)]
 pub struct Bake {
-    /// The prefiltered levels; none where [`super::BakeSettings::map`] is not the cube.
-    pub chain: CubeChain,
-    /// The prefiltered levels where it is another.
-    pub images: Vec<ImageLevel>,
+    /// The prefiltered levels.
+    pub chain: Chain,
     /// Figures, one a level.
     pub stats: Vec<LevelStats>,
     /// The irradiance cube, where asked for; values are irradiance/pi.
-    pub irradiance: Option<CubeLevel>,
+    pub irradiance: Option<Level>,
     /// The levels of the Charlie lobe, where asked for.
-    pub sheen: Option<CubeChain>,
+    pub sheen: Option<Chain>,
     /// Their figures.
     pub sheen_stats: Vec<LevelStats>,
     /// Spherical harmonics of the source, see [`crate::sh`], windowed.
@@ -53,11 +74,16 @@ pub struct Bake {
 }
 
 impl Bake {
-    /// The texels of all levels, sheen and irradiance included.
-    pub fn texels(&self) -> impl Iterator<Item = &Rgb> {
+    /// All levels: those of the chain, then the irradiance and the sheen where they are.
+    pub fn levels(&self) -> impl Iterator<Item = &Level> {
         let sheen = self.sheen.iter().flat_map(|sheen| &sheen.levels);
-        let cubes = self.chain.levels.iter().chain(&self.irradiance).chain(sheen);
-        cubes.flat_map(|level| &level.texels).chain(self.images.iter().flat_map(|level| &level.texels))
+        self.chain.levels.iter().chain(&self.irradiance).chain(sheen)
+    }
+
+    /// [`Bake::levels`], to be changed.
+    pub fn levels_mut(&mut self) -> impl Iterator<Item = &mut Level> {
+        let sheen = self.sheen.iter_mut().flat_map(|sheen| &mut sheen.levels);
+        self.chain.levels.iter_mut().chain(self.irradiance.as_mut()).chain(sheen)
     }
 }
 
@@ -72,18 +98,27 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// Counts output texels for whoever watches.
+/// Called during a bake, from any thread; [`ControlFlow::Break`] cancels it.
+pub type OnProgress<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
+
+/// Counts output texels.
 pub(crate) struct Meter<'a> {
     pub(super) done: AtomicU64,
     pub(super) total: u64,
-    pub(super) progress: &'a (dyn Fn(Progress) + Sync),
+    pub(super) progress: OnProgress<'a>,
 }
 
 impl Meter<'_> {
-    /// Tells that `texels` more of level `level` are done.
-    pub(crate) fn advance(&self, level: usize, texels: u64) {
+    /// Reports that `texels` more of level `level` are done.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] where the caller cancels.
+    pub(crate) fn advance(&self, level: usize, texels: u64) -> Result<()> {
         let done = self.done.fetch_add(texels, Ordering::Relaxed) + texels;
-        (self.progress)(Progress { level: level as u32, done, total: self.total });
+        match (self.progress)(Progress { level: level as u32, done, total: self.total }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::Cancelled),
+        }
     }
 }
 
@@ -91,6 +126,7 @@ impl LevelStats {
     pub(super) fn new(level: &BakedLevel, seconds: f64) -> Self {
         let bounds = level.bounds.as_deref();
         Self {
+            processor: level.processor,
             seconds,
             leaves_per_texel: level.leaves_per_texel,
             error_bound_max: bounds.map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),
@@ -100,9 +136,9 @@ impl LevelStats {
     }
 }
 
-/// The least roughness above 0.
-pub(super) fn sharpest(rungs: &[Rung]) -> f64 {
-    rungs.iter().map(|rung| rung.roughness).filter(|r| *r > 0.0).fold(1.0, f64::min)
+/// The least of `roughnesses` above 0.
+pub(super) fn sharpest(roughnesses: impl Iterator<Item = f64>) -> f64 {
+    roughnesses.filter(|r| *r > 0.0).fold(1.0, f64::min)
 }
 
 /// The least of `bounds` that 99 % of them do not exceed; `None` where there are none.

@@ -1,6 +1,6 @@
 //! What to bake.
 
-use crate::chain::Rung;
+use crate::chain::LevelSpec;
 use crate::environment::Map;
 use crate::error::{Error, Result};
 use crate::filter::Filter;
@@ -65,9 +65,9 @@ impl BakeSettings {
     /// # Errors
     /// [`Error::Parameter`] for no size, no levels, more levels than reach a size of 1, or a filter that the
     /// lobe does not have.
-    pub fn rungs(&self) -> Result<Vec<Rung>> {
+    pub fn level_specs(&self) -> Result<Vec<LevelSpec>> {
         if self.size == 0 {
-            return Err(Error::Parameter("--size must be at least 1".to_owned()));
+            return Err(Error::Parameter("`size` must be at least 1".to_owned()));
         }
         self.filter.check(self.lobe, self.oem_size)?;
         if self.sheen {
@@ -81,17 +81,17 @@ impl BakeSettings {
         };
         let levels = self.levels.unwrap_or(own);
         if levels == 0 {
-            return Err(Error::Parameter("--levels must be at least 1".to_owned()));
+            return Err(Error::Parameter("`levels` must be at least 1".to_owned()));
         }
         if levels > most {
             return Err(Error::Parameter(format!(
-                "--levels {levels} is more than reach a size of 1 from --size {}; at most {most}",
+                "`levels` {levels} is more than reach a size of 1 from `size` {}; at most {most}",
                 self.size
             )));
         }
         let roughness = |level| self.ladder.roughness(level, levels, self.size);
         Ok((0..levels)
-            .map(|level| Rung { layout: self.map.layout(self.size, level), roughness: roughness(level) })
+            .map(|level| LevelSpec { layout: self.map.layout(self.size, level), roughness: roughness(level) })
             .collect())
     }
 }

@@ -2,15 +2,20 @@
 
 use super::shared_args::{EngineArgs, InputArgs, MAX_THREADS};
 use super::values::{
-    DfgFormArg, DiffuseArg, FlipArg, FormatArg, LadderArg, LobeArg, OutLayoutArg, OverflowArg, PixelArg,
     Texels, file_name, filter, roughness, sh_window, target, target_help, texels, threshold,
 };
 use clap::{Args as ClapArgs, Parser, Subcommand};
+use octagloss::bake::dfg::DfgForm;
+use octagloss::bake::overflow::Overflow;
 use octagloss::filter::Filter;
+use octagloss::format::container::Container;
+use octagloss::format::{OutputLayout, Pixel};
 use octagloss::image::exposure::Exposure;
+use octagloss::ladder::Ladder;
+use octagloss::lobe::Lobe;
 use octagloss::sh::MAX_ORDER;
 use octagloss::sh::window::ShWindow;
-use octagloss::target::Target;
+use octagloss::target::{Diffuse, Flip, Target};
 use std::path::PathBuf;
 
 /// Texels along an edge of a cube or of an OEM.
@@ -121,13 +126,13 @@ pub(super) struct BakeArgs {
     /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it. unity: seven levels of
     /// r (1.7 - 0.7 r) = level/(levels-1). babylon: alpha = 2^(level/0.8)/size.
     #[arg(long, value_name = "LADDER", hide_possible_values = true)]
-    pub(super) ladder: Option<LadderArg>,
+    pub(super) ladder: Option<Ladder>,
     /// ggx, phong, cone, cosine or charlie
     ///
     /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
-    /// towards the horizon; it has no mirror, and below roughness 0.125 it is that of 0.125. It is the CPU's.
+    /// towards the horizon; it has no mirror, and below roughness 0.125 it is that of 0.125; it runs on the CPU only.
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
-    pub(super) lobe: LobeArg,
+    pub(super) lobe: Lobe,
     /// adaptive:E, fitted:K, box or reference
     ///
     /// adaptive:E is quadrature with a certified bound, E from 1e-6 to 1 the relative RMS error aimed at;
@@ -140,7 +145,7 @@ pub(super) struct BakeArgs {
     ///
     /// By default what OUT's extension says. ktx is KTX 1.
     #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
-    pub(super) format: Option<FormatArg>,
+    pub(super) format: Option<Container>,
     /// How levels lie in exr and hdr [default: faces]
     ///
     /// faces: m{level}_{face}, six images a level. cross, cross-vertical, strip, strip-vertical: m{level},
@@ -148,20 +153,20 @@ pub(super) struct BakeArgs {
     /// squares of N x N. parts: one EXR file OUT, a part a face. mips: one EXR file OUT, a panorama with MIP
     /// levels down to one texel. Every texel is a lobe of its own, not resampled.
     #[arg(long, value_name = "LAYOUT", conflicts_with = "target", hide_possible_values = true)]
-    pub(super) out_layout: Option<OutLayoutArg>,
+    pub(super) out_layout: Option<OutputLayout>,
     /// f16, f32, rgb9e5, r11g11b10f, bc6h [default: f16]
     ///
     /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels, and those too dim
     /// for it, as floats, and has f16 and f32 only. bc6h is for ktx2 and dds. hdr has a format of its own and takes none.
     #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
-    pub(super) pixel: Option<PixelArg>,
+    pub(super) pixel: Option<Pixel>,
     /// Too bright texels: clamp, compress or error
     ///
     /// What becomes of radiance above the pixel format's greatest value. clamp cuts each channel; compress
     /// scales such levels' brightest texels down smoothly, keeping their colour; error fails. Counted in the
     /// report.
     #[arg(long, value_name = "HOW", default_value = "clamp", hide_possible_values = true)]
-    pub(super) overflow: OverflowArg,
+    pub(super) overflow: Overflow,
     /// Add an irradiance cube of edge N, 1 to 1024
     ///
     /// Its values are irradiance over pi. exr and hdr: irradiance_{face} beside the levels; other formats: a
@@ -187,12 +192,12 @@ pub(super) struct BakeArgs {
     /// Cubes for engines that negate a coordinate before they look into a cube map; with --target only, whose
     /// own it replaces.
     #[arg(long, value_name = "AXIS", requires = "target", hide_possible_values = true)]
-    pub(super) flip: Option<FlipArg>,
+    pub(super) flip: Option<Flip>,
     /// Diffuse light: none, cube, sh or both
     ///
     /// An irradiance cube, spherical harmonics, or both; with --target only, whose own it replaces.
     #[arg(long, value_name = "FORM", requires = "target", hide_possible_values = true)]
-    pub(super) diffuse: Option<DiffuseArg>,
+    pub(super) diffuse: Option<Diffuse>,
     /// Name in the files' names [default: INPUT's]
     ///
     /// With --target only.
@@ -269,7 +274,7 @@ pub(super) struct QueryArgs {
     pub(super) roughness: Option<f64>,
     /// ggx, phong, cone, cosine or charlie
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
-    pub(super) lobe: LobeArg,
+    pub(super) lobe: Lobe,
     /// adaptive:E, fitted:K, box or reference
     ///
     /// As in bake.
@@ -320,7 +325,7 @@ pub(super) struct CompareArgs {
     pub(super) texels: Option<Texels>,
     /// Reflection lobe of the bake [default: what it says, or ggx]
     #[arg(long, value_name = "LOBE", hide_possible_values = true)]
-    pub(super) lobe: Option<LobeArg>,
+    pub(super) lobe: Option<Lobe>,
     /// Write a picture of the errors
     ///
     /// In false colour, from 0.01 % to 100 %; no exposure applies. Against a source it shows a grid of at
@@ -397,7 +402,7 @@ pub(super) struct DfgArgs {
     /// mix(red, green, f0), times 1 + f0 (1/green - 1) (Filament). GGX with height-correlated Smith
     /// visibility.
     #[arg(long, value_name = "FORM", default_value = "split-sum", hide_possible_values = true)]
-    pub(super) form: DfgFormArg,
+    pub(super) form: DfgForm,
     /// Blue: what a Charlie lobe (sheen) reflects
     #[arg(long)]
     pub(super) charlie: bool,

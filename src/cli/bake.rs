@@ -1,57 +1,54 @@
-//! `octagloss bake`: environments into prefiltered cube chains.
+//! `octagloss bake`: environments into prefiltered levels, for a target of the table or without one.
 
 use super::args::BakeArgs;
-use super::bake_context::{Told, check_source, compress, container};
+use super::bake_plan::{self, BakePlan};
 use super::console::{self, Talk};
-use super::engine::Engine;
+use super::engine::{Baker, Engine};
 use super::fingerprint;
-use super::input::{self, Source};
+use super::input::{self, Opened, Source};
 use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
-use super::output::{
-    Encoding, Extras, FOREIGN, Outputs, Stored, Stream, SunFile, check_folder_name, extension, foretold,
-    named_format, names_folder,
-};
+use super::output::{Common, Outputs, Place, SunFile, metadata, names_folder};
 use super::shared_args::{EngineArgs, InputArgs};
-use super::values::{FormatArg, LayoutArg, LobeArg, OutLayoutArg, PixelArg};
 use anyhow::anyhow;
-use blake3::Hash;
 use octagloss::analysis::oracle::Oracle;
-use octagloss::bake::overflow::{self, Overflow};
-use octagloss::bake::report::Report;
+use octagloss::bake::overflow::{Overflow, clamped_share};
+use octagloss::bake::report::{Circumstances, InputFileReport, Report, TargetReport};
 use octagloss::bake::{Bake, BakeSettings};
+use octagloss::export::files::{Made, files};
 use octagloss::filter::Filter;
-use octagloss::format::Pixel;
-use octagloss::format::container::Container;
-use octagloss::io::exr::write::ExrPixel;
-use octagloss::io::hdr::write::RGBE_MAX;
+use octagloss::format::{Pixel, RGBE_MAX};
+use octagloss::image::exposure::Exposure;
+use octagloss::image::preview;
+use octagloss::io::LayoutChoice;
+use octagloss::io::ldr::write::png_bytes;
 use octagloss::io::output::{self, Existing};
-use octagloss::ladder::Ladder;
 use octagloss::sphere::cube::{Face, direction_from_texel};
-use octagloss::{Environment, Layout, Map, memory};
+use octagloss::target::Plan;
+use octagloss::{Environment, Error, memory};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// What is to be done, checked.
-struct Plan {
-    settings: BakeSettings,
+struct Work {
+    common: Common,
     jobs: Vec<Job>,
     /// The folder for several outputs.
     folder: Option<PathBuf>,
     input: InputArgs,
-    json: bool,
     overflow: Overflow,
     engine: EngineArgs,
-    sunless: bool,
+    exposure: Exposure,
     skip_unchanged: bool,
     /// All that the outputs depend on besides their inputs.
     options: String,
 }
 
-/// One environment and where it goes.
+/// One environment and where its files go.
 struct Job {
     source: Source,
     outputs: Outputs,
@@ -61,37 +58,33 @@ pub(super) fn run(args: BakeArgs) -> Outcome {
     let talk = Talk::new(args.quiet);
     args.engine.check()?;
     let (threads, dry_run) = (args.engine.threads, args.dry_run);
-    let plan = Plan::new(args)?;
+    let work = Work::new(args)?;
     if dry_run {
-        return plan.foretell();
+        return work.foretell();
     }
-    on_threads(threads, || plan.run(&talk))
+    on_threads(threads, || work.run(&talk))
 }
 
-impl Plan {
+impl Work {
     fn new(mut args: BakeArgs) -> Outcome<Self> {
-        let settings = settings(&args)?;
-        let encoding = encoding(&args)?;
-        let options = fingerprint::options(&args, &format!("{encoding:?}"));
-        let existing = if args.force { Existing::Replace } else { Existing::Keep };
+        let plans = bake_plan::plans(&args)?;
+        let options = fingerprint::options(&plans, &args)?;
+        let several = args.inputs.len() > 1 && args.input.layout != LayoutChoice::Faces;
+        if several && args.name.is_some() {
+            return usage("--name names one environment; several inputs were given");
+        }
         let sources = input::sources(std::mem::take(&mut args.inputs), &args.input)?;
-        let format = encoding.format();
-        let suffix = match format {
-            FormatArg::Ktx2 => ".ktx2",
-            FormatArg::Ktx => ".ktx",
-            FormatArg::Dds => ".dds",
-            FormatArg::Exr if encoding.is_single() => ".exr",
-            FormatArg::Exr | FormatArg::Hdr => "",
-        };
-
         if let Some(path) = &args.preview {
-            if extension(path) != Some("png".to_owned()) {
+            if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
                 return usage(format!("--preview {} must end in .png", path.display()));
             }
             if sources.len() > 1 {
                 return usage("--preview takes one input, since it names one picture");
             }
         }
+        let first = &plans[0].plan;
+        let is_file = !first.is_targeted() && first.is_single();
+        let suffix = if is_file { format!(".{}", first.container.name()) } else { String::new() };
         let mut by_stem = BTreeMap::new();
         for source in &sources {
             if let Some(other) = by_stem.insert(source.stem(), source.path()) {
@@ -103,51 +96,69 @@ impl Plan {
                 ));
             }
         }
-        let stdout = match &args.output {
-            Some(path) => is_stdout(path)?,
-            None => false,
+        let place = match &args.output {
+            Some(path) if is_stdout(path)? => {
+                bake_plan::check_stdout(&args, first, sources.len())?;
+                Place::Stdout
+            }
+            _ if is_file => Place::File,
+            _ => Place::Folder,
         };
-        if stdout {
-            check_stdout(&args, encoding, sources.len())?;
-        }
-        let several = sources.len() > 1;
-        let within = several || (encoding.is_single() && args.output.as_deref().is_some_and(names_folder));
+        let within = several || (is_file && args.output.as_deref().is_some_and(names_folder));
         let folder = args.output.clone().filter(|_| within);
-        let jobs: Vec<Job> = sources
-            .into_iter()
-            .map(|source| {
-                let name = PathBuf::from(source.stem() + suffix);
-                let main = match &args.output {
-                    Some(folder) if within => folder.join(name),
-                    Some(path) => path.clone(),
-                    None => name,
-                };
-                let extras = Extras {
-                    stream: if stdout { Stream::Stdout } else { Stream::Place },
-                    json: args.json,
-                    sun: SunFile::asked(&args),
-                    preview: args.preview.clone(),
-                    exposure: args.exposure,
-                };
-                let outputs = Outputs::around(main, encoding, existing, &settings, extras);
-                Job { source, outputs }
-            })
-            .collect();
-        for job in &jobs {
-            job.check_places(&jobs)?;
-        }
-        Ok(Self {
-            settings,
+        let job = |source: Source| {
+            let name = PathBuf::from(source.stem() + &suffix);
+            let main = match &args.output {
+                Some(folder) if within => folder.join(name),
+                Some(path) => path.clone(),
+                None => name,
+            };
+            let environment = args.name.clone().unwrap_or_else(|| source.stem());
+            Job { outputs: Outputs::new(main, place, environment, args.preview.clone()), source }
+        };
+        let jobs: Vec<Job> = sources.into_iter().map(job).collect();
+        let common = Common {
+            sun: bake_plan::sun_files(&args),
+            existing: if args.force { Existing::Replace } else { Existing::Keep },
+            json: args.json,
+            plans,
+        };
+        let work = Self {
+            common,
             jobs,
             folder,
             input: args.input,
-            json: args.json,
-            overflow: args.overflow.into(),
+            overflow: args.overflow,
             engine: args.engine,
-            sunless: args.sunless,
+            exposure: args.exposure,
             skip_unchanged: args.skip_unchanged,
             options,
-        })
+        };
+        work.check_places()?;
+        Ok(work)
+    }
+
+    /// Outputs must differ from one another and from every input.
+    fn check_places(&self) -> Outcome {
+        let mut all: Vec<PathBuf> = Vec::new();
+        for job in &self.jobs {
+            for place in job.outputs.places(&self.common)? {
+                let place = place.path;
+                if all.contains(&place) {
+                    return usage(format!("{} is named for two outputs", place.display()));
+                }
+                if let Ok(real) = place.canonicalize() {
+                    let inputs = self.jobs.iter().flat_map(|job| job.source.files());
+                    let mut inputs = inputs.filter_map(|input| input.canonicalize().ok());
+                    if let Some(input) = inputs.find(|input| input.starts_with(&real)) {
+                        let what = if input == real { "is an input" } else { "holds an input" };
+                        return usage(format!("{} {what}; name another output with -o", place.display()));
+                    }
+                }
+                all.push(place);
+            }
+        }
+        Ok(())
     }
 
     /// Prints what would be written: a line a file, or with `--json` a line an input.
@@ -158,11 +169,10 @@ impl Plan {
             if self.is_up_to_date(job) {
                 continue;
             }
-            job.outputs.check(fresh)?;
-            let encoded = job.outputs.encoding.texel_bytes();
-            check_source(&job.source, &self.input, std::slice::from_ref(&self.settings), encoded)?;
-            let files = job.outputs.files(&self.settings)?;
-            text += &foretold(&job.source, files, self.json);
+            job.outputs.check(&self.common, fresh)?;
+            let opened = job.source.open(&self.input, &Talk::new(true))?;
+            self.check_memory(&opened)?;
+            text += &job.outputs.foretold(&self.common, &job.source)?;
         }
         print(&text)
     }
@@ -183,7 +193,8 @@ impl Plan {
 
     /// Whether `job` is to be left alone.
     fn is_up_to_date(&self, job: &Job) -> bool {
-        self.skip_unchanged && self.request(job).is_ok_and(|request| job.outputs.holds(request))
+        let request = || fingerprint::request(&job.source, &self.options).ok();
+        self.skip_unchanged && request().is_some_and(|request| job.outputs.holds(&self.common, request))
     }
 
     fn run(&self, talk: &Talk) -> Outcome {
@@ -197,7 +208,7 @@ impl Plan {
             other => Err(other),
         };
         for job in &self.jobs {
-            job.outputs.recover(talk);
+            job.outputs.recover(&self.common, talk)?;
         }
         // What cannot be written is told before anything is baked.
         let fresh = self.fresh_folder()?;
@@ -207,9 +218,9 @@ impl Plan {
                 talk.note(&format!("{}: unchanged", job.outputs.main.display()));
                 continue;
             }
-            match job.outputs.check(fresh) {
+            match job.outputs.check(&self.common, fresh) {
                 Ok(()) => ready.push(job),
-                Err(error) => tell(error.into())?,
+                Err(failure) => tell(failure)?,
             }
         }
         let engine = OnceCell::new();
@@ -221,21 +232,15 @@ impl Plan {
         if failed { Err(Failure::Told) } else { Ok(()) }
     }
 
-    /// The hash of what `job` is made of.
-    fn request(&self, job: &Job) -> octagloss::Result<Hash> {
-        fingerprint::request(&job.source, &self.options)
-    }
-
     fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
         let start = Instant::now();
         // Before it is read: should it change meanwhile, it is found changed.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, talk)?;
-        let encoded = job.outputs.encoding.texel_bytes();
-        memory::check_bake(&opened.environment, std::slice::from_ref(&self.settings), encoded)?;
+        let settings = self.check_memory(&opened)?;
         let engine = self.engine.chosen(engine, talk)?;
-        if self.settings.filter == Filter::Reference {
-            let seconds = foretell(&opened.environment, &self.settings)?;
+        if settings[0].filter == Filter::Reference {
+            let seconds = reference_seconds(&opened.environment, &settings[0])?;
             talk.note(&format!(
                 "{}: the reference filter will take about {}",
                 job.source.path().display(),
@@ -243,71 +248,223 @@ impl Plan {
             ));
         }
         let bar = talk.bar(&job.source.stem());
-        let (mut baked, baker) =
-            engine.bake(&opened.environment, &self.settings, talk, &|progress| bar.bake(progress))?;
+        let progress = |progress| {
+            bar.bake(progress);
+            ControlFlow::Continue(())
+        };
+        let (bakes, baker) = engine.bake_all(&opened.environment, &settings, &progress)?;
         drop(bar);
-        baked.warnings.dedup();
-        for warning in &baked.warnings {
-            talk.warn(&format!("{}: {warning}", job.source.path().display()));
+        if let Some(why) = &baker.fallback {
+            talk.note(why);
         }
-
-        if let Some(folder) = &self.folder {
-            fs::create_dir_all(folder).map_err(|e| octagloss::Error::io(folder, e))?;
-        }
-        let clamping = job.outputs.encoding.clamping_pixel();
-        let compressed = match clamping {
-            Some(pixel) => compress(&mut baked, self.overflow, pixel).map_err(|error| {
-                anyhow::Error::from(error).context(job.outputs.main.display().to_string())
-            })?,
-            None => 0,
-        };
-        let clamped_share = clamping.map_or(0.0, |pixel| clamped_share(&baked, pixel));
-        let told = Told {
-            source: &job.source,
-            input_files,
-            opened: &opened,
-            input: &self.input,
-            sunless: self.sunless,
-            overflow: self.overflow,
-            preview: job.outputs.preview.is_some(),
-            baker: &baker,
-            start,
-        };
-        let encoding = job.outputs.encoding;
-        let vanished = vanished(&baked, encoding.pixel_name(), encoding.rounded_to_zero());
-        let circumstances = |stored: Stored| {
-            let mut warnings = opened.warnings.clone();
-            for warning in
-                stored_warnings(&stored, clamped_share, encoding).into_iter().chain(vanished.clone())
-            {
-                talk.warn(&format!("{}: {warning}", job.outputs.main.display()));
-                warnings.push(warning);
+        let mut warned: Vec<&String> = Vec::new();
+        for warning in bakes.iter().flat_map(|bake| &bake.warnings) {
+            if !warned.contains(&warning) {
+                talk.warn(&format!("{}: {warning}", job.source.path().display()));
+                warned.push(warning);
             }
-            told.circumstances(stored, clamped_share, warnings)
-        };
-        let (report, bytes) =
-            job.outputs.write(&self.settings, &baked, compressed, request, &opened, circumstances)?;
+        }
+        drop(warned);
+        let mut picture = None;
+        let (mut all_made, mut reports) = (Vec::new(), Vec::new());
+        let circumstances = Baked { job, input_files, opened: &opened, baker: &baker, start };
+        for (plan, mut bake) in self.common.plans.iter().zip(bakes) {
+            let name = self.place_name(job, plan);
+            bake.warnings.dedup();
+            let compressed = self
+                .overflow
+                .apply_all(&mut bake, plan.plan.pixel)
+                .map_err(|error| anyhow::Error::from(error).context(name.clone()))?;
+            if job.outputs.preview.is_some() {
+                picture = Some(png_bytes(&preview::contact_sheet(&bake.chain, self.exposure)?)?);
+            }
+            let made = files(&plan.plan, &job.outputs.name, &bake, &metadata(&plan.settings, &opened))?;
+            let stored = Stored::new(&plan.plan, &bake, &made);
+            for warning in &stored.warnings {
+                talk.warn(&format!("{name}: {warning}"));
+            }
+            let report = self.report(&circumstances, plan, &bake, &made, stored);
+            reports.push(Report { compressed, ..report });
+            all_made.push(made);
+        }
+        if let Some(folder) = &self.folder {
+            fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+        }
+        let bytes = job.outputs.write(
+            &self.common,
+            (&all_made, &mut reports),
+            picture.as_deref(),
+            request,
+            &opened,
+        )?;
+        let bound = |report: &&Report| report.error_bound_max().unwrap_or(-1.0);
+        let Some(report) = reports.iter().max_by(|a, b| bound(a).total_cmp(&bound(b))) else { return Ok(()) };
+        let targets: Vec<_> = self.common.plans.iter().map(|plan| plan.plan.target.name).collect();
+        let targets =
+            if report.target.is_some() { format!(" for {}", targets.join(", ")) } else { String::new() };
         talk.note(&format!(
-            "{}: {} in {:.2} s on {}, OEM {} + {}, {}",
+            "{}: {}{targets} in {:.2} s on {}, OEM {} + {}, {}",
             job.outputs.main.display(),
             console::bytes(bytes),
             start.elapsed().as_secs_f64(),
             report.engine,
             report.oem.size,
             report.oem.border,
-            certified(&report),
+            certified(report),
         ));
-        if self.json {
-            let line = serde_json::to_string(&report).map_err(anyhow::Error::from)?;
-            print(&(line + "\n"))?;
+        if self.common.json {
+            for report in &reports {
+                let line = serde_json::to_string(report).map_err(anyhow::Error::from)?;
+                print(&(line + "\n"))?;
+            }
         }
         Ok(())
+    }
+
+    /// The settings of the bakes, which fit into memory.
+    fn check_memory(&self, opened: &Opened) -> octagloss::Result<Vec<BakeSettings>> {
+        let plans = &self.common.plans;
+        let settings: Vec<BakeSettings> = plans.iter().map(|plan| plan.settings.clone()).collect();
+        let encoded = plans.iter().map(|plan| texel_bytes(plan.plan.pixel)).max();
+        memory::check_bake(&opened.environment, &settings, encoded.unwrap_or(0))?;
+        Ok(settings)
+    }
+
+    /// What messages about one plan's files begin with.
+    fn place_name(&self, job: &Job, plan: &BakePlan) -> String {
+        let main = job.outputs.main.display();
+        if plan.plan.is_targeted() {
+            format!("{main}, target {}", plan.plan.target.name)
+        } else {
+            main.to_string()
+        }
+    }
+
+    /// The report of one plan's files, but for what is known when they are written.
+    fn report(
+        &self,
+        baked: &Baked<'_>,
+        BakePlan { plan, settings }: &BakePlan,
+        bake: &Bake,
+        made: &[Made],
+        stored: Stored,
+    ) -> Report {
+        let Baked { job, input_files, opened, baker, start } = baked;
+        let circumstances = Circumstances {
+            input: job.source.path().display().to_string(),
+            input_files: input_files.clone(),
+            engine: baker.engine.to_owned(),
+            adapter: baker.adapter.clone(),
+            repaired: opened.repaired.into(),
+            layout: opened.layout.to_owned(),
+            rotate_y: self.input.rotate_y.unwrap_or(0.0),
+            mirror: self.input.mirror,
+            sanitize: self.input.sanitize,
+            strict: self.input.strict,
+            extract_sun: self.input.extract_sun,
+            sunless: self.common.sun.contains(&SunFile::Sunless),
+            overflow: self.overflow,
+            preview: job.outputs.preview.is_some(),
+            sun: opened.sun.clone(),
+            format: plan.format_name().to_owned(),
+            pixel: plan.pixel.name().to_owned(),
+            level_pixels: stored.pixels,
+            clamped: stored.clamped,
+            clamped_energy_share: stored.clamped_share,
+            warnings: [&opened.warnings[..], baker.fallback.as_slice(), &stored.warnings].concat(),
+            seconds: start.elapsed().as_secs_f64(),
+        };
+        let mut report = Report::new(settings, bake, circumstances);
+        if plan.is_targeted() {
+            report.target = Some(TargetReport {
+                name: plan.target.name.to_owned(),
+                environment: job.outputs.name.clone(),
+                flip: plan.flip.name().to_owned(),
+                diffuse: plan.diffuse.name().to_owned(),
+                verified: plan.target.verified.is_some(),
+                files: made.iter().map(|file| file.path.clone()).collect(),
+            });
+        } else {
+            report.options.out_layout = Some(plan.layout.name().to_owned());
+        }
+        report
+    }
+}
+
+/// A bake and what it was made of.
+struct Baked<'a> {
+    job: &'a Job,
+    input_files: Vec<InputFileReport>,
+    opened: &'a Opened,
+    baker: &'a Baker,
+    start: Instant,
+}
+
+/// Bytes of a texel of `pixel`, for estimates: formats of four bytes have copies of their own on the way.
+const fn texel_bytes(pixel: Pixel) -> u64 {
+    match pixel {
+        Pixel::F32 | Pixel::Auto => 16,
+        _ => 8,
+    }
+}
+
+/// How a bake was stored.
+struct Stored {
+    /// Pixel format of each level.
+    pixels: Vec<String>,
+    /// Texels clamped.
+    clamped: u64,
+    /// Share of the energy that clamping took from the level that lost most.
+    clamped_share: f64,
+    warnings: Vec<String>,
+}
+
+impl Stored {
+    fn new(plan: &Plan, bake: &Bake, made: &[Made]) -> Self {
+        let pixel = plan.pixel;
+        let pixels: Vec<Pixel> = bake.chain.levels.iter().map(|level| pixel.stored(&level.texels)).collect();
+        let clamped = made.iter().flat_map(|file| &file.clamped).sum();
+        let clamped_share = clamped_share(bake, pixel);
+        let mut warnings = Vec::new();
+        if clamped > 0 && pixel != Pixel::Rgbe && share_matters(clamped_share) {
+            let remedy = if plan.target.has_container() { "; --pixel f32 keeps them" } else { "" };
+            warnings.push(format!(
+                "{clamped} texels are brighter than {} can hold and were clamped, {} of a level's energy{remedy}",
+                pixel.name(),
+                console::percent(clamped_share),
+            ));
+        }
+        if clamped > 0 && pixel == Pixel::Rgbe {
+            warnings.push(format!(
+                "{clamped} texels are brighter than the {RGBE_MAX:.1e} that RGBE holds and were clamped; --format exr \
+                 keeps them",
+            ));
+        }
+        let floats = pixels.iter().filter(|pixel| **pixel == Pixel::F32).count();
+        if floats > 0 && pixel == Pixel::Auto {
+            warnings.push(format!(
+                "{floats} of {} levels are stored as float, being brighter or dimmer than half floats hold",
+                pixels.len()
+            ));
+        }
+        // All light that there is, rounded to 0.
+        let texels = bake.levels().flat_map(|level| level.texels.as_flattened());
+        let (greatest, rounded_to_zero) = (texels.copied().fold(0.0, f32::max), pixel.rounded_to_zero());
+        if greatest > 0.0 && greatest <= rounded_to_zero {
+            warnings.push(format!(
+                "all light is below {}, which rounds {rounded_to_zero:e} and less to 0: the output is black; --pixel \
+                 f32 with ktx2 or exr keeps it",
+                pixel.name()
+            ));
+        }
+        let pixels = pixels.iter().map(|pixel| pixel.name().to_owned()).collect();
+        Self { pixels, clamped, clamped_share, warnings }
     }
 }
 
 /// What the bounds of `report` certify: how far from exact the texels are at most, relative to the
 /// environment's mean luminance, and the greatest bound itself.
-pub(super) fn certified(report: &Report) -> String {
+fn certified(report: &Report) -> String {
     let (Some(most), Some(p99)) = (report.error_bound_max(), report.error_bound_p99()) else {
         return "nothing certified".to_owned();
     };
@@ -319,255 +476,13 @@ pub(super) fn certified(report: &Report) -> String {
     )
 }
 
-/// Share of the energy that clamping at the greatest value of `pixel` takes from the level that loses most.
-pub(super) fn clamped_share(baked: &Bake, pixel: Pixel) -> f64 {
-    let sheen = baked.sheen.iter().flat_map(|sheen| &sheen.levels);
-    let cubes = baked.chain.levels.iter().chain(&baked.irradiance).chain(sheen);
-    let cubes = cubes.map(|level| (Layout::Cube { size: level.size }, &level.texels));
-    let images = baked.images.iter().map(|level| (level.layout, &level.texels));
-    cubes
-        .chain(images)
-        .map(|(layout, texels)| overflow::clamped_share(layout, texels, pixel))
-        .fold(0.0, f64::max)
-}
-
 /// Whether a share of energy is worth a warning: not one that rounds to 0.00 %.
-pub(super) fn share_matters(share: f64) -> bool {
+fn share_matters(share: f64) -> bool {
     share >= 5e-5
 }
 
-impl Job {
-    /// Outputs must differ from one another and from every input of `jobs`.
-    fn check_places(&self, jobs: &[Self]) -> Outcome {
-        let places: Vec<PathBuf> = self.outputs.places().collect();
-        for (index, place) in places.iter().enumerate() {
-            let others = jobs.iter().filter(|job| !std::ptr::eq(*job, self));
-            if places[..index].contains(place)
-                || others.flat_map(|job| job.outputs.places()).any(|p| p == *place)
-            {
-                return usage(format!("{} is named for two outputs", place.display()));
-            }
-            let Ok(real) = place.canonicalize() else { continue };
-            let inputs = jobs.iter().flat_map(|job| job.source.files());
-            let mut inputs = inputs.filter_map(|input| input.canonicalize().ok());
-            if let Some(input) = inputs.find(|input| input.starts_with(&real)) {
-                let what = if input == real { "is an input" } else { "holds an input" };
-                return usage(format!("{} {what}; name another output with -o", place.display()));
-            }
-        }
-        Ok(())
-    }
-}
-
-fn settings(args: &BakeArgs) -> Outcome<BakeSettings> {
-    if args.lobe == LobeArg::Cosine && args.levels.is_some_and(|levels| levels > 1) {
-        return usage("--lobe cosine has no roughness and bakes one level; leave --levels out");
-    }
-    if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
-        return usage("--bounds needs --filter adaptive:E; the others certify nothing");
-    }
-    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
-        let name = layout.name();
-        if args.bounds {
-            return usage(format!("--bounds is for --out-layout faces, not {name}"));
-        }
-        if args.preview.is_some() && layout.map() != Map::Cube {
-            return usage(format!("--preview shows cubes; leave it or --out-layout {name} out"));
-        }
-        if args.irradiance.is_some() && layout.map() != Map::Cube {
-            return usage(format!("--irradiance is a cube; leave it or --out-layout {name} out"));
-        }
-    }
-    let map = args.out_layout.map_or(Map::Cube, OutLayoutArg::map);
-    let (ladder, lobe) = (args.ladder.map_or(Ladder::Linear, Ladder::from), args.lobe.into());
-    // The format has every level down to one texel, whatever a look-up makes of them.
-    let every_level = args.out_layout == Some(OutLayoutArg::Mips);
-    let size = args.size.unwrap_or(if every_level { 256 } else { ladder.default_size(map, lobe) });
-    let settings = BakeSettings {
-        map,
-        size,
-        levels: args.levels.or(every_level.then(|| map.most_levels(size))),
-        ladder,
-        lobe,
-        filter: args.filter,
-        oem_size: args.table.oem_size,
-        border: args.table.border,
-        bounds: args.bounds,
-        irradiance: args.irradiance,
-        sh_order: args.sh_order,
-        sh_window: args.sh_window,
-        sheen: false,
-    };
-    match settings.rungs() {
-        Ok(_) => Ok(settings),
-        Err(error) => usage(error.to_string()),
-    }
-}
-
-/// Refuses what does not go to standard output.
-fn check_stdout(args: &BakeArgs, encoding: Encoding, inputs: usize) -> Outcome {
-    if inputs > 1 {
-        return usage("-o - takes one input; name a folder with -o for several");
-    }
-    if !encoding.is_single() {
-        return usage(
-            "-o - takes an output of one file: ktx2, ktx, dds, or exr with --out-layout parts or mips; name a \
-             folder with -o",
-        );
-    }
-    let beside = [
-        (args.json, "--json"),
-        (args.skip_unchanged, "--skip-unchanged"),
-        (args.preview.is_some(), "--preview"),
-        (args.irradiance.is_some(), "--irradiance"),
-        (args.bounds, "--bounds"),
-        (args.input.extract_sun, "--extract-sun"),
-    ];
-    match beside.into_iter().find(|(asked, _)| *asked) {
-        Some((_, option)) => usage(format!(
-            "-o - writes one file to standard output, and nothing beside it; leave {option} out or name a file with -o"
-        )),
-        None => Ok(()),
-    }
-}
-
-/// The format as said, else by the output's extension, else ktx2, and the pixels it can have.
-fn encoding(args: &BakeArgs) -> Outcome<Encoding> {
-    let encoding = named_encoding(args)?;
-    if let Some(path) = args.output.as_deref().filter(|_| !encoding.is_single()) {
-        let name = encoding.format().name();
-        let remedy = format!(" (with --format {name}), and --out-layout parts writes one .exr file");
-        check_folder_name(path, &remedy)?;
-    }
-    Ok(encoding)
-}
-
-fn named_encoding(args: &BakeArgs) -> Outcome<Encoding> {
-    let file = args.output.as_deref().filter(|path| !names_folder(path));
-    let named = file.and_then(named_format);
-    let output = || args.output.as_deref().unwrap_or(Path::new("")).display().to_string();
-    let foreign = file.and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
-    if let Some(foreign) = foreign {
-        return usage(format!(
-            "the output {} is named .{foreign}, which cannot be written; ktx2, ktx, dds, exr and hdr can",
-            output()
-        ));
-    }
-    let several = args.inputs.len() > 1 && args.input.layout != LayoutArg::Faces;
-    if let (true, Some(_)) = (several, named) {
-        return usage(format!("several inputs are written into a folder; {} names a file", output()));
-    }
-    let format = match (args.format, named) {
-        (Some(said), Some(named)) if said != named => {
-            return usage(format!(
-                "--format {} and the output {} contradict each other; leave one out",
-                said.name(),
-                output()
-            ));
-        }
-        (said, named) => said.or(named).unwrap_or(match args.out_layout {
-            Some(layout) if layout != OutLayoutArg::Faces => FormatArg::Exr,
-            _ => FormatArg::Ktx2,
-        }),
-    };
-    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutLayoutArg::Faces) {
-        return image_encoding(args, format, layout);
-    }
-    match (format, args.pixel) {
-        (FormatArg::Ktx2 | FormatArg::Ktx | FormatArg::Dds, pixel) => {
-            let container = container(format).expect("these three are");
-            let pixel = pixel.map_or(Pixel::F16, Pixel::from);
-            if !container.holds(pixel) {
-                return usage(format!(
-                    "--pixel {} does not go into {}; ktx2 and dds take it",
-                    pixel.name(),
-                    container.name()
-                ));
-            }
-            Ok(Encoding::Cube(container, pixel))
-        }
-        (FormatArg::Exr, None) => Ok(Encoding::Exr(ExrPixel::Auto)),
-        (FormatArg::Exr, Some(PixelArg::F16)) => Ok(Encoding::Exr(ExrPixel::F16)),
-        (FormatArg::Exr, Some(PixelArg::F32)) => Ok(Encoding::Exr(ExrPixel::F32)),
-        (FormatArg::Exr, Some(other)) => {
-            usage(format!("--pixel {} is for ktx2 and dds; exr has f16 and f32", Pixel::from(other).name()))
-        }
-        (FormatArg::Hdr, None) => Ok(Encoding::Hdr),
-        (FormatArg::Hdr, Some(_)) => usage("--pixel does not go with hdr, whose pixels are always RGBE"),
-    }
-}
-
-/// How `layout`, which is not faces, is stored in `format`.
-fn image_encoding(args: &BakeArgs, format: FormatArg, layout: OutLayoutArg) -> Outcome<Encoding> {
-    let single = matches!(layout, OutLayoutArg::Parts | OutLayoutArg::Mips);
-    if single && format != FormatArg::Exr {
-        return usage(format!("--out-layout {} is an exr file, not {}", layout.name(), format.name()));
-    }
-    let pixel = match (format, args.pixel) {
-        (FormatArg::Exr, None) => ExrPixel::Auto,
-        (FormatArg::Exr, Some(PixelArg::F16)) => ExrPixel::F16,
-        (FormatArg::Exr, Some(PixelArg::F32)) => ExrPixel::F32,
-        (FormatArg::Hdr, None) => return Ok(Encoding::HdrImages(layout)),
-        (FormatArg::Exr | FormatArg::Hdr, Some(_)) => {
-            return usage("--pixel f16 and f32 go with exr, none with hdr");
-        }
-        _ => {
-            return usage(format!(
-                "--out-layout {} is for exr and hdr, not {}",
-                layout.name(),
-                format.name()
-            ));
-        }
-    };
-    let one = if pixel == ExrPixel::F32 { Pixel::F32 } else { Pixel::F16 };
-    Ok(match layout {
-        OutLayoutArg::Parts => Encoding::Cube(Container::Exr, one),
-        OutLayoutArg::Mips => Encoding::Mips(one),
-        _ => Encoding::ExrImages(layout, pixel),
-    })
-}
-
-/// A warning where light is there, but all of it is so dim that pixels called `name` round it to 0.
-pub(super) fn vanished(bake: &Bake, name: &str, rounded_to_zero: f32) -> Option<String> {
-    let greatest = bake.texels().flatten().copied().fold(0.0, f32::max);
-    (greatest > 0.0 && greatest <= rounded_to_zero).then(|| {
-        format!(
-            "all light is below {name}, which rounds {greatest:e} and less to 0: the output is black; --pixel f32 \
-             with ktx2 or exr keeps it"
-        )
-    })
-}
-
-fn stored_warnings(stored: &Stored, clamped_share: f64, encoding: Encoding) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if stored.clamped > 0 && share_matters(clamped_share) {
-        warnings.push(format!(
-            "{} texels are brighter than the pixel format can hold and were clamped, {} of a level's energy; --pixel f32 \
-             keeps them",
-            stored.clamped,
-            console::percent(clamped_share),
-        ));
-    }
-    if stored.clamped > 0 && matches!(encoding, Encoding::Hdr | Encoding::HdrImages(_)) {
-        warnings.push(format!(
-            "{} texels are brighter than the {:.1e} that RGBE holds and were clamped; --format exr keeps them",
-            stored.clamped, RGBE_MAX,
-        ));
-    }
-    let may_be_floats =
-        matches!(encoding, Encoding::Exr(ExrPixel::Auto) | Encoding::ExrImages(_, ExrPixel::Auto));
-    if stored.floats > 0 && may_be_floats {
-        warnings.push(format!(
-            "{} of {} levels are stored as float, being brighter or dimmer than half floats hold",
-            stored.floats,
-            stored.pixels.len()
-        ));
-    }
-    warnings
-}
-
 /// Seconds that the reference filter will take: a few texels of each level are timed.
-fn foretell(environment: &Environment, settings: &BakeSettings) -> octagloss::Result<f64> {
+fn reference_seconds(environment: &Environment, settings: &BakeSettings) -> octagloss::Result<f64> {
     let start = Instant::now();
     let oracle = Oracle::new(environment);
     let prepared = start.elapsed().as_secs_f64();
@@ -576,7 +491,7 @@ fn foretell(environment: &Environment, settings: &BakeSettings) -> octagloss::Re
     let directions: Vec<_> =
         (0..threads).map(|k| direction_from_texel(Face::ALL[k % 6], 5, (k % 5) as u32, 1)).collect();
     let (mut seconds, mut last) = (prepared, 0.0);
-    for level in settings.rungs()? {
+    for level in settings.level_specs()? {
         let texels = level.layout.texel_count() as f64;
         // Lobes cost alike from level to level: once one is slow it stands for the rest.
         if last < 1.0 {

@@ -173,7 +173,7 @@ fn time_bake(source_width: u32, runs: u32) -> Outcome<BakeTiming> {
     let (mut whole, mut levels) = (Vec::new(), Vec::new());
     for _ in 0..runs {
         let start = Instant::now();
-        let baked = bake(&environment, &settings, &|_| ())?;
+        let baked = bake(&environment, &settings)?;
         whole.push(start.elapsed().as_secs_f64());
         levels.resize(baked.stats.len(), Vec::new());
         for (level, stats) in levels.iter_mut().zip(&baked.stats) {

@@ -11,7 +11,7 @@ use image::RgbImage;
 use octagloss::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, grid_of, is_measurable,
 };
-use octagloss::chain::CubeChain;
+use octagloss::chain::Chain;
 use octagloss::image::preview::error_picture;
 use octagloss::io::ldr::write::write_png;
 use octagloss::io::regular::open_regular;
@@ -77,7 +77,7 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
     })
 }
 
-fn against_bake(args: &CompareArgs, bake: &CubeChain, reference: &CubeChain) -> Outcome<Comparison> {
+fn against_bake(args: &CompareArgs, bake: &Chain, reference: &Chain) -> Outcome<Comparison> {
     Ok(Comparison {
         bake: args.bake.display().to_string(),
         against: args.against.display().to_string(),
@@ -90,7 +90,7 @@ fn against_bake(args: &CompareArgs, bake: &CubeChain, reference: &CubeChain) -> 
 
 fn against_source(args: &CompareArgs, bake: &LoadedChain, talk: &Talk) -> Outcome<Comparison> {
     let LoadedChain { chain: bake, provenance, .. } = bake;
-    let lobe = match (args.lobe.map(Lobe::from), provenance.lobe) {
+    let lobe = match (args.lobe, provenance.lobe) {
         (Some(typed), _) => typed,
         (None, Some(told)) => told,
         (None, None) => {
@@ -163,10 +163,10 @@ fn sampling(args: &CompareArgs, lobe: Lobe) -> Sampling {
 }
 
 /// The levels' error pictures, one below the other.
-fn picture(bake: &CubeChain, levels: &[LevelErrors]) -> octagloss::Result<RgbImage> {
+fn picture(bake: &Chain, levels: &[LevelErrors]) -> octagloss::Result<RgbImage> {
     let pictures = levels.iter().filter_map(|errors| {
         let reference = errors.reference.as_ref()?;
-        Some(error_picture(&grid_of(&bake.levels[errors.level], reference.size), reference))
+        Some(error_picture(&grid_of(&bake.levels[errors.level], reference.size()), reference))
     });
     let pictures = pictures.collect::<octagloss::Result<Vec<_>>>()?;
     let width = pictures.iter().map(RgbImage::width).max().unwrap_or(1);

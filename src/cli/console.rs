@@ -128,7 +128,37 @@ pub(super) fn error(text: &str) {
     line("error: ", text);
 }
 
+/// Settings of the library as its errors name them, and the options that set them.
+const OPTIONS: [(&str, &str); 19] = [
+    ("`border`", "--border"),
+    ("`container`", "--format"),
+    ("`filter`", "--filter"),
+    ("`irradiance`", "--irradiance"),
+    ("`ladder`", "--ladder"),
+    ("`layout`", "--layout"),
+    ("`levels`", "--levels"),
+    ("`mesh_root`", "--mesh-root"),
+    ("`oem_size`", "--oem-size"),
+    ("`overflow`", "--overflow"),
+    ("`pixel`", "--pixel"),
+    ("`sanitize`", "--sanitize"),
+    ("`screenshot`", "--screenshot"),
+    ("`sh_order`", "--sh-order"),
+    ("`size`", "--size"),
+    ("`strict`", "--strict"),
+    ("`Existing::Replace`", "--force"),
+    ("`gpu::adapters`", "octagloss info --adapters"),
+    ("the CPU engine", "--engine cpu"),
+];
+
+/// `text` of the library with the options of this program in place of the library's settings.
+pub(super) fn with_options(text: &str) -> String {
+    let replace = |text: String, (setting, option): &(&str, &str)| text.replace(setting, option);
+    OPTIONS.iter().fold(text.to_owned(), replace)
+}
+
 fn line(kind: &str, text: &str) {
+    let text = &with_options(text);
     let text: Vec<_> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     // There is no one left to tell when standard error is closed.
     writeln!(std::io::stderr(), "octagloss: {kind}{}", printable(&text.join(" "))).ok();

@@ -3,8 +3,7 @@
 use super::args::DfgArgs;
 use super::console::{self, Talk};
 use super::outcome::{Outcome, check_output, usage, write_output};
-use super::values::DfgFormArg;
-use octagloss::bake::dfg::{DfgForm, dfg_table_with};
+use octagloss::bake::dfg::{DfgBlue, DfgForm, dfg_table_with};
 use octagloss::format::Pixel;
 use octagloss::io::exr::write::{Attribute, Samples, exr_bytes};
 use octagloss::io::ktx2::lookup_table::{Channels, table_bytes};
@@ -22,19 +21,22 @@ pub(super) fn run(args: DfgArgs) -> Outcome {
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     check_output(path, existing)?;
     let (form, name) = match args.form {
-        DfgFormArg::SplitSum => (DfgForm::SplitSum, "red: scale of f0, green: bias"),
-        DfgFormArg::MultipleScattering => {
+        DfgForm::SplitSum => (DfgForm::SplitSum, "red: scale of f0, green: bias"),
+        DfgForm::MultipleScattering => {
             (DfgForm::MultipleScattering, "red: reflected at f0 = 0, green: at f0 = 1")
         }
     };
-    let blue = if args.charlie { ", blue: Charlie" } else { "" };
-    let description = format!("{name}{blue}; columns: cosine 0 to 1, rows: perceptual roughness 0 to 1");
+    let (blue, blue_name, channels) = if args.charlie {
+        (DfgBlue::Charlie, ", blue: Charlie", Channels::Four)
+    } else {
+        (DfgBlue::Empty, "", Channels::Two)
+    };
+    let description = format!("{name}{blue_name}; columns: cosine 0 to 1, rows: perceptual roughness 0 to 1");
     let talk = Talk::new(args.quiet);
     let bar = talk.bar("integrating");
-    let table = dfg_table_with(args.size, form, args.charlie, &|done, total| bar.at(done, total))?;
+    let table = dfg_table_with(args.size, form, blue, &|done, total| bar.at(done, total))?;
     drop(bar);
     let bytes = if is_ktx2 {
-        let channels = if args.charlie { Channels::Four } else { Channels::Two };
         table_bytes(table.size, &table.texels, channels, &description)?
     } else {
         let attributes = [("comments".to_owned(), Attribute::Text(description))];

@@ -1,6 +1,8 @@
 //! What computes: the CPU, or an adapter.
 
 use super::console::Talk;
+#[cfg(feature = "gpu")]
+use super::console::with_options;
 use super::outcome::{Outcome, usage};
 use super::shared_args::EngineArgs;
 use super::values::EngineArg;
@@ -8,7 +10,7 @@ use glam::DVec3;
 use octagloss::Environment;
 #[cfg(feature = "gpu")]
 use octagloss::Error;
-use octagloss::bake::{Bake, BakeSettings, Progress, bake_all};
+use octagloss::bake::{Bake, BakeSettings, OnProgress, bake_all};
 use octagloss::filter::{Answer, Filter};
 use octagloss::lobe::Lobe;
 use octagloss::memory;
@@ -41,24 +43,21 @@ pub(super) struct Query {
 pub(super) struct Baker {
     pub(super) engine: &'static str,
     pub(super) adapter: Option<String>,
+    /// Why the CPU baked in place of the GPU that was chosen.
+    pub(super) fallback: Option<String>,
 }
 
-/// What the GPU answered; or the CPU's answer, where the GPU was asked for more than it has and
-/// `may_fall_back`.
-#[cfg(feature = "gpu")]
-fn or_on_cpu<T>(
-    on_gpu: octagloss::Result<T>,
-    may_fall_back: bool,
-    talk: &Talk,
-    on_cpu: impl FnOnce() -> octagloss::Result<T>,
-) -> octagloss::Result<T> {
-    match on_gpu {
-        Err(error @ (Error::Limit { .. } | Error::Parameter(_))) if may_fall_back => {
-            talk.note(&format!("{error}; the CPU takes over"));
-            on_cpu()
-        }
-        answered => answered,
+impl Baker {
+    const fn cpu(fallback: Option<String>) -> Self {
+        Self { engine: "cpu", adapter: None, fallback }
     }
+}
+
+/// Why the CPU takes over after `error`, where it may: the GPU lacks what it was asked for, or the room.
+#[cfg(feature = "gpu")]
+fn fallback(error: &Error, may_fall_back: bool) -> Option<String> {
+    let is_lack = matches!(error, Error::Limit { .. } | Error::Unsupported { .. });
+    (may_fall_back && is_lack).then(|| with_options(&format!("{error}; the CPU takes over")))
 }
 
 /// The first of `adapters` that has `name` in its own.
@@ -171,37 +170,27 @@ impl Engine {
         &self,
         environment: &Environment,
         settings: &[BakeSettings],
-        #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU falls back"))]
-        talk: &Talk,
-        progress: &(dyn Fn(Progress) + Sync),
+        progress: OnProgress<'_>,
     ) -> octagloss::Result<(Vec<Bake>, Baker)> {
-        let on_cpu =
-            || Ok((bake_all(environment, settings, progress)?, Baker { engine: "cpu", adapter: None }));
+        let on_cpu = |why| Ok((bake_all(environment, settings, progress)?, Baker::cpu(why)));
         match self {
-            Self::Cpu => on_cpu(),
+            Self::Cpu => on_cpu(None),
             #[cfg(feature = "gpu")]
             Self::Gpu { engine, may_fall_back } => {
                 let context = engine.context();
                 let baked = engine.bake_all(environment, settings, progress);
-                let baked = octagloss::gpu::block_on(Some(context), baked).and_then(|baked| {
-                    Ok((baked?, Baker { engine: "gpu", adapter: Some(context.describe()) }))
-                });
-                or_on_cpu(baked, *may_fall_back, talk, on_cpu)
+                match octagloss::gpu::block_on(Some(context), baked)? {
+                    Ok(bakes) => {
+                        let adapter = Some(context.describe());
+                        Ok((bakes, Baker { engine: "gpu", adapter, fallback: None }))
+                    }
+                    Err(error) => match fallback(&error, *may_fall_back) {
+                        Some(why) => on_cpu(Some(why)),
+                        None => Err(error),
+                    },
+                }
             }
         }
-    }
-
-    /// [`Engine::bake_all`] for one.
-    pub(super) fn bake(
-        &self,
-        environment: &Environment,
-        settings: &BakeSettings,
-        talk: &Talk,
-        progress: &(dyn Fn(Progress) + Sync),
-    ) -> octagloss::Result<(Bake, Baker)> {
-        let (mut bakes, baker) =
-            self.bake_all(environment, std::slice::from_ref(settings), talk, progress)?;
-        Ok((bakes.pop().expect("one bake for one settings"), baker))
     }
 
     /// Answers to each of `directions` on its own, so that none depends on what else is asked.
@@ -238,9 +227,16 @@ impl Engine {
                     let reflector = octagloss::gpu::engine::Reflector::new(engine, environment, settings)?;
                     reflector.query(directions, lobe, roughness, filter).await
                 };
-                let answers =
-                    octagloss::gpu::block_on(Some(engine.context()), on_gpu).and_then(|answers| answers);
-                or_on_cpu(answers, *may_fall_back, talk, on_cpu)
+                match octagloss::gpu::block_on(Some(engine.context()), on_gpu)? {
+                    Err(error) => match fallback(&error, *may_fall_back) {
+                        Some(why) => {
+                            talk.note(&why);
+                            on_cpu()
+                        }
+                        None => Err(error),
+                    },
+                    answers => answers,
+                }
             }
         }
     }

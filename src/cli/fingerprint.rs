@@ -1,34 +1,70 @@
 //! Bakes that need not be done again: what was asked for and what was written, as hashes in the report.
 
 use super::args::BakeArgs;
+use super::bake_plan::BakePlan;
 use super::input::Source;
+use super::outcome::Outcome;
+use super::shared_args::InputArgs;
 use blake3::{Hash, Hasher};
-use octagloss::bake::report::{FingerprintReport, InputFileReport, OutputFileReport, Report};
+use octagloss::bake::BakeSettings;
+use octagloss::bake::report::{FingerprintReport, InputFileReport, Report, filter_name};
+use octagloss::format::LevelName;
 use octagloss::io::exr::write::SOFTWARE;
 use octagloss::io::regular::{open_regular, read_regular};
 use octagloss::io::side_report::MOST_REPORT_BYTES;
 use octagloss::io::side_report::REPORT;
 use octagloss::io::{DEFAULT_MEMORY_LIMIT, levels_path, reported_pairs};
+use octagloss::target::Plan;
 use octagloss::{Error, Result};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Everything in `args` that outputs depend on, as text: all options but those that say where, how loud or
-/// how fast. `resolved` is what follows from names, such as the format from an extension.
-pub(super) fn options(args: &BakeArgs, resolved: &str) -> String {
-    let mut args = BakeArgs {
-        inputs: Vec::new(),
-        output: None,
-        preview: args.preview.as_ref().map(|_| PathBuf::new()),
-        json: false,
-        quiet: false,
-        force: false,
-        dry_run: false,
-        skip_unchanged: false,
-        ..args.clone()
-    };
-    args.engine.threads = None;
-    format!("{resolved} {args:?}")
+/// Everything that outputs depend on besides their input, a line `key=value` each with defaults filled in: all
+/// but where, how loud and how fast.
+pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
+    let InputArgs { layout, rotate_y, mirror, sanitize, strict, extract_sun } = &args.input;
+    let mut lines = vec![
+        format!("layout={layout:?}"),
+        format!("rotate_y={}", rotate_y.unwrap_or(0.0)),
+        format!("mirror={mirror}"),
+        format!("sanitize={sanitize}"),
+        format!("strict={strict}"),
+        format!("extract_sun={extract_sun}"),
+        format!("sunless={}", args.sunless),
+        format!("overflow={}", args.overflow.name()),
+        format!("name={:?}", args.name),
+        format!("preview={:?}", args.preview.as_ref().map(|_| args.exposure.to_string())),
+        format!("engine={:?}", args.engine.engine),
+        format!("adapter={:?}", args.engine.adapter),
+    ];
+    for BakePlan { plan, settings } in plans {
+        let Plan { target, container, pixel, flip, diffuse, layout } = plan;
+        let BakeSettings { map, size, levels: _, ladder, lobe, filter, oem_size, border, .. } = settings;
+        let BakeSettings { bounds, irradiance, sh_order, sh_window, sheen, .. } = settings;
+        lines.extend([
+            format!("target={}", target.name),
+            format!("container={}", container.name()),
+            format!("pixel={}", pixel.name()),
+            format!("flip={}", flip.name()),
+            format!("diffuse={}", diffuse.name()),
+            format!("out_layout={}", layout.name()),
+            format!("map={map:?}"),
+            format!("size={size}"),
+            format!("levels={}", settings.level_specs()?.len()),
+            format!("ladder={}", ladder.name()),
+            format!("lobe={}", lobe.name()),
+            format!("filter={}", filter_name(*filter)),
+            format!("oem_size={oem_size:?}"),
+            format!("border={border:?}"),
+            format!("bounds={bounds}"),
+            format!("irradiance={irradiance:?}"),
+            format!("sh_order={sh_order}"),
+            format!("sh_window={sh_window}"),
+            format!("sheen={sheen}"),
+        ]);
+    }
+    Ok(lines.join("\n"))
 }
 
 /// The hash of the content of `source`, of `options` and of the program's version.
@@ -50,7 +86,10 @@ pub(super) fn requested(source: &Source, options: &str) -> Result<(Hash, Vec<Inp
         add(path.file_name().unwrap_or_default().as_encoded_bytes());
         // A bake is read for its level 0.
         let levels = levels_path(path)?;
-        let counts = |name: &str| name.starts_with("m0_") || name.starts_with("m0.");
+        let counts = |name: &str| {
+            let stem = name.split_once('.').map_or(name, |(stem, _)| stem);
+            LevelName::parse(stem).is_some_and(|name| name.level == Some(0))
+        };
         let hash = hash_where(&levels, &counts)?;
         add(hash.as_bytes());
         // How a file is turned may be in its report alone.
@@ -63,29 +102,6 @@ pub(super) fn requested(source: &Source, options: &str) -> Result<(Hash, Vec<Inp
         });
     }
     Ok((hasher.finalize(), files))
-}
-
-/// The sizes of the file `path`, or of all files in the folder `path` in the order of their names, under the
-/// name `name`.
-///
-/// # Errors
-/// [`Error::Io`] for what cannot be looked at.
-pub(super) fn sizes(path: &Path, name: &str) -> Result<Vec<OutputFileReport>> {
-    let fail = |error| Error::io(path, error);
-    let metadata = fs::metadata(path).map_err(fail)?;
-    if !metadata.is_dir() {
-        return Ok(vec![OutputFileReport { path: name.to_owned(), bytes: metadata.len() }]);
-    }
-    let entries = fs::read_dir(path).map_err(fail)?;
-    let names = entries.map(|entry| Ok(entry.map_err(fail)?.file_name().to_string_lossy().into_owned()));
-    let mut names = names.collect::<Result<Vec<String>>>()?;
-    names.sort();
-    let mut all = Vec::new();
-    for entry in names {
-        let inside = if name.is_empty() { entry.clone() } else { format!("{name}/{entry}") };
-        all.extend(sizes(&path.join(entry), &inside)?);
-    }
-    Ok(all)
 }
 
 /// The size of a file, or of those in a folder whose name `counts`.
@@ -108,6 +124,24 @@ fn bytes_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<u64> {
 /// The hash of an output, file or folder, reports left out.
 pub(super) fn hash_of(output: &Path) -> Result<Hash> {
     hash_where(output, &|name| name != REPORT)
+}
+
+/// [`hash_of`] a folder of `files`, by their paths within it, with `/` between folders.
+pub(super) fn hash_of_files(files: &[(String, &[u8])]) -> Hash {
+    let mut entries: BTreeMap<&str, Vec<(String, &[u8])>> = BTreeMap::new();
+    let mut hashes = BTreeMap::new();
+    for (path, bytes) in files {
+        match path.split_once('/') {
+            Some((folder, rest)) => entries.entry(folder).or_default().push((rest.to_owned(), bytes)),
+            None => drop(hashes.insert(&path[..], blake3::hash(bytes))),
+        }
+    }
+    hashes.extend(entries.into_iter().map(|(folder, files)| (folder, hash_of_files(&files))));
+    let mut hasher = Hasher::new();
+    for (name, hash) in hashes.iter().filter(|(name, _)| **name != REPORT) {
+        hasher.update(&(name.len() as u64).to_le_bytes()).update(name.as_bytes()).update(hash.as_bytes());
+    }
+    hasher.finalize()
 }
 
 /// The hash of several outputs, of their hashes.

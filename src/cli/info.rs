@@ -9,7 +9,7 @@ use super::shared_args::InputArgs;
 use octagloss::analysis::statistics::Survey;
 use octagloss::analysis::sun::Brightest;
 use octagloss::bake::report::SunReport;
-use octagloss::chain::{CubeChain, CubeLevel};
+use octagloss::chain::{Chain, Level};
 use octagloss::environment::LUMINANCE;
 use octagloss::io::Repairs;
 use octagloss::io::provenance::{Provenance, TakenSun};
@@ -153,17 +153,17 @@ fn bytes_in(path: &Path) -> u64 {
     }
 }
 
-fn levels_info(chain: &CubeChain) -> Vec<LevelInfo> {
-    let level = |(index, level): (usize, &CubeLevel)| {
+fn levels_info(chain: &Chain) -> Vec<LevelInfo> {
+    let level = |(index, level): (usize, &Level)| {
         let mut info = LevelInfo {
             level: index,
-            size: level.size,
+            size: level.size(),
             roughness: level.roughness,
             min: [f32::INFINITY; 3],
             max: [f32::NEG_INFINITY; 3],
             mean: [0.0; 3],
         };
-        let (n, sphere) = (level.size, 4.0 * std::f64::consts::PI);
+        let (n, sphere) = (level.size(), 4.0 * std::f64::consts::PI);
         let places = (0..6).flat_map(|_| (0..n).flat_map(|j| (0..n).map(move |i| (i, j))));
         for (texel, (i, j)) in level.texels.iter().zip(places) {
             let share = cube::texel_solid_angle(n, i, j) / sphere;

@@ -3,7 +3,6 @@
 use super::console::Talk;
 use super::outcome::{Outcome, usage};
 use super::shared_args::InputArgs;
-use super::values::LayoutArg;
 use octagloss::analysis::sun::Sun;
 use octagloss::bake::report::SunReport;
 use octagloss::environment::luminance;
@@ -40,8 +39,8 @@ pub(super) struct Opened {
 pub(super) fn sources(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Vec<Source>> {
     match (args.layout, paths.len()) {
         // A single KTX2 cube or level folder holds its faces already.
-        (LayoutArg::Faces, 6 | 1) => Ok(vec![Source(paths)]),
-        (LayoutArg::Faces, count) => usage(format!(
+        (LayoutChoice::Faces, 6 | 1) => Ok(vec![Source(paths)]),
+        (LayoutChoice::Faces, count) => usage(format!(
             "--layout faces takes the six files of one cube, or one file that holds a cube; {count} were given"
         )),
         _ => Ok(paths.into_iter().map(|path| Source(vec![path])).collect()),
@@ -107,14 +106,7 @@ impl Source {
     /// Reads, turns, flips and takes the sun out; warnings are said here.
     pub(super) fn open(&self, args: &InputArgs, talk: &Talk) -> octagloss::Result<Opened> {
         let options = ReadOptions {
-            layout: match args.layout {
-                LayoutArg::Auto => LayoutChoice::Auto,
-                LayoutArg::Equirect => LayoutChoice::Equirect,
-                LayoutArg::Cross => LayoutChoice::Cross,
-                LayoutArg::Strip => LayoutChoice::Strip,
-                LayoutArg::Faces => LayoutChoice::Faces,
-                LayoutArg::Octahedral => LayoutChoice::Octahedral,
-            },
+            layout: args.layout,
             sanitize: args.sanitize,
             strict: args.strict,
             ..ReadOptions::default()

@@ -5,8 +5,7 @@
 mod analyze;
 mod args;
 mod bake;
-mod bake_context;
-mod bake_targets;
+mod bake_plan;
 mod bench;
 #[cfg(feature = "gpu")]
 mod bench_gpu;
@@ -62,8 +61,7 @@ pub(crate) fn main() -> ExitCode {
 fn run(command: Command) -> Outcome {
     cap_environment_threads()?;
     match command {
-        Command::Bake(args) if args.target.is_empty() => bake::run(args),
-        Command::Bake(args) => bake_targets::run(args),
+        Command::Bake(args) => bake::run(args),
         Command::Query(args) => query::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),

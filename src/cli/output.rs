@@ -1,34 +1,22 @@
-//! Outputs of a bake: where they go, and writing them.
+//! Outputs of a bake: where its files go, what they will be, and putting them in place together.
 
-use super::args::BakeArgs;
+use super::bake_plan::BakePlan;
 use super::console::Talk;
 use super::fingerprint::{self, fingerprint};
-use super::input::Opened;
-use super::outcome::{Failure, Outcome, print_bytes};
-use super::values::{FormatArg, OutLayoutArg};
-use crate::cli::input::Source;
-use crate::cli::outcome::usage;
+use super::input::{Opened, Source};
+use super::outcome::{Outcome, print_bytes, usage};
 use blake3::Hash;
-use octagloss::bake::report::{Circumstances, FingerprintReport, OutputFileReport, Report, filter_name};
-use octagloss::bake::{Bake, BakeSettings};
-use octagloss::chain::{CubeChain, CubeLevel, Rung};
-use octagloss::export::report_file::report_path;
-use octagloss::format::Pixel;
+use octagloss::bake::BakeSettings;
+use octagloss::bake::report::{OutputFileReport, Report, filter_name};
+use octagloss::export::files::Made;
+use octagloss::format::LevelName;
 use octagloss::format::container::Container;
-use octagloss::image::exposure::Exposure;
-use octagloss::image::preview;
-use octagloss::io::cube_write::cube_bytes;
 use octagloss::io::environment_write::exact_exr_bytes;
-use octagloss::io::exr;
-use octagloss::io::exr::write::{ExrPixel, Samples};
-use octagloss::io::level_images::{LevelImage, mips_bytes, write_exr_images, write_hdr_images};
-use octagloss::io::output::{self, Existing, Staged};
-use octagloss::io::provenance::{Provenance, irradiance_pairs};
+use octagloss::io::output::{self, Existing, Output};
+use octagloss::io::provenance::Provenance;
 use octagloss::io::regular::read_regular;
-use octagloss::io::side_report::MOST_REPORT_BYTES;
-use octagloss::io::side_report::REPORT;
-use octagloss::io::{hdr, ldr};
-use octagloss::sphere::cube::Face;
+use octagloss::io::side_report::{MOST_REPORT_BYTES, REPORT};
+use octagloss::target::{Content, Shape};
 use octagloss::{Error, Result};
 use serde::Serialize;
 use serde_json::json;
@@ -36,131 +24,48 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How the levels are stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
-    Cube(Container, Pixel),
-    Exr(ExrPixel),
-    Hdr,
-    /// An image a level.
-    ExrImages(OutLayoutArg, ExrPixel),
-    HdrImages(OutLayoutArg),
-    /// Panoramas as the MIP levels of one file.
-    Mips(Pixel),
-}
-
-/// Bytes of a texel of `pixel`, for estimates: formats of four bytes have copies of their own on the way.
-pub(super) const fn texel_bytes(pixel: Pixel) -> u64 {
-    match pixel {
-        Pixel::F32 => 16,
-        _ => 8,
-    }
-}
-
-impl Encoding {
-    pub(super) const fn format(self) -> FormatArg {
-        match self {
-            Self::Cube(Container::Ktx2, _) => FormatArg::Ktx2,
-            Self::Cube(Container::Ktx1, _) => FormatArg::Ktx,
-            Self::Cube(Container::Dds, _) => FormatArg::Dds,
-            Self::Cube(Container::Exr, _) | Self::Exr(_) | Self::ExrImages(..) | Self::Mips(_) => {
-                FormatArg::Exr
-            }
-            Self::Hdr | Self::HdrImages(_) => FormatArg::Hdr,
-        }
-    }
-
-    /// Whether all levels are in one file.
-    pub(super) const fn is_single(self) -> bool {
-        matches!(self, Self::Cube(..) | Self::Mips(_))
-    }
-
-    /// Bytes of a texel where a whole level is encoded at once.
-    pub(super) const fn texel_bytes(self) -> u64 {
-        match self {
-            Self::Cube(_, pixel) | Self::Mips(pixel) => texel_bytes(pixel),
-            _ => texel_bytes(Pixel::F16),
-        }
-    }
-
-    /// How the levels lie in images, where it is not by faces.
-    const fn layout_name(self) -> Option<&'static str> {
-        match self {
-            Self::ExrImages(layout, _) | Self::HdrImages(layout) => Some(layout.name()),
-            Self::Mips(_) => Some(OutLayoutArg::Mips.name()),
-            Self::Cube(Container::Exr, _) => Some(OutLayoutArg::Parts.name()),
-            Self::Cube(..) | Self::Exr(_) | Self::Hdr => None,
-        }
-    }
-
-    /// The greatest value of a channel that every pixel of the output rounds to 0.
-    pub(super) const fn rounded_to_zero(self) -> f32 {
-        match self {
-            Self::Cube(_, pixel) | Self::Mips(pixel) => pixel.rounded_to_zero(),
-            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => Pixel::F16.rounded_to_zero(),
-            Self::Exr(_) | Self::ExrImages(..) => Pixel::F32.rounded_to_zero(),
-            Self::Hdr | Self::HdrImages(_) => hdr::write::RGBE_ROUNDED_TO_ZERO,
-        }
-    }
-
-    /// The pixel format whose greatest value is a limit: those of a single kind, but floats.
-    pub(super) const fn clamping_pixel(self) -> Option<Pixel> {
-        match self {
-            Self::Cube(_, pixel) | Self::Mips(pixel) => Some(pixel),
-            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => Some(Pixel::F16),
-            Self::Exr(_) | Self::ExrImages(..) | Self::Hdr | Self::HdrImages(_) => None,
-        }
-    }
-
-    pub(super) const fn pixel_name(self) -> &'static str {
-        match self {
-            Self::Cube(_, pixel) | Self::Mips(pixel) => pixel.name(),
-            Self::Exr(ExrPixel::Auto) | Self::ExrImages(_, ExrPixel::Auto) => "auto",
-            Self::Exr(ExrPixel::F16) | Self::ExrImages(_, ExrPixel::F16) => "f16",
-            Self::Exr(ExrPixel::F32) | Self::ExrImages(_, ExrPixel::F32) => "f32",
-            Self::Hdr | Self::HdrImages(_) => "rgbe",
-        }
-    }
-}
-
-/// Everything that one bake writes.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Outputs {
-    pub(super) encoding: Encoding,
+/// What the outputs of all inputs have in common.
+pub(super) struct Common {
+    pub(super) plans: Vec<BakePlan>,
+    pub(super) sun: Vec<SunFile>,
     pub(super) existing: Existing,
-    /// The file or folder itself; `-` is standard output where `stream` says so.
-    pub(super) main: PathBuf,
-    stream: Stream,
-    /// The report, where it has a file of its own or one in the folder.
-    pub(super) report: Option<PathBuf>,
-    /// The irradiance, where it is a file of its own.
-    pub(super) irradiance: Option<PathBuf>,
-    /// The bounds, where they have a folder of their own.
-    pub(super) bounds: Option<PathBuf>,
-    /// What is told of the sun.
-    sun: Vec<SunFile>,
-    pub(super) preview: Option<PathBuf>,
-    /// The picture's exposure.
-    pub(super) exposure: Exposure,
+    /// Whether reports are printed instead of written.
+    pub(super) json: bool,
 }
 
-/// Where the main output goes.
+/// Where the files of one bake go.
+pub(super) struct Outputs {
+    /// The file or folder itself; `-` is standard output where `place` says so.
+    pub(super) main: PathBuf,
+    place: Place,
+    /// What the files are named after: the environment, or `main` where that is a file.
+    pub(super) name: String,
+    pub(super) preview: Option<PathBuf>,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stream {
-    /// Into a file or folder.
-    Place,
-    /// To standard output.
+pub(super) enum Place {
+    /// A file, and others beside it that have its name with endings.
+    File,
+    /// A folder that holds all files.
+    Folder,
     Stdout,
 }
 
-/// What a bake writes besides what its settings ask for.
-pub(super) struct Extras {
-    pub(super) stream: Stream,
-    /// Whether the report is printed instead.
-    pub(super) json: bool,
-    pub(super) sun: Vec<SunFile>,
-    pub(super) preview: Option<PathBuf>,
-    pub(super) exposure: Exposure,
+/// A file or folder that is put into place as a whole.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct OutputPlace {
+    pub(super) path: PathBuf,
+    is_folder: bool,
+}
+
+/// A file to come.
+struct Planned {
+    /// Relative to [`Outputs::base`]; of a picture, as it was named.
+    path: PathBuf,
+    /// What it will hold, in a few words.
+    told: String,
+    is_report: bool,
 }
 
 /// A file about the sun that was taken out.
@@ -173,12 +78,6 @@ pub(super) enum SunFile {
 }
 
 impl SunFile {
-    /// Those that `args` ask for.
-    pub(super) fn asked(args: &BakeArgs) -> Vec<Self> {
-        let asked = [(Self::Sun, args.input.extract_sun), (Self::Sunless, args.sunless)];
-        asked.into_iter().filter_map(|(file, asked)| asked.then_some(file)).collect()
-    }
-
     /// Its name in a folder, and the end of its name beside a file.
     pub(super) const fn name(self) -> &'static str {
         match self {
@@ -201,390 +100,331 @@ impl SunFile {
             Self::Sunless => exact_exr_bytes(&opened.environment, "an environment without its sun"),
         }
     }
-
-    pub(super) fn write_into(self, folder: &Path, opened: &Opened) -> Result<()> {
-        let path = folder.join(self.name());
-        fs::write(&path, self.bytes(opened)?).map_err(|e| Error::io(&path, e))
-    }
-}
-
-/// `path` with `suffix` after its whole name.
-fn suffixed(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(suffix);
-    name.into()
 }
 
 impl Outputs {
-    /// The outputs around `main`, for a bake that keeps its report unless `json` prints it.
-    pub(super) fn around(
-        main: PathBuf,
-        encoding: Encoding,
-        existing: Existing,
-        settings: &BakeSettings,
-        extras: Extras,
-    ) -> Self {
-        let Extras { stream, json, sun, preview, exposure } = extras;
-        let single = encoding.is_single();
-        let report = if single { report_path(&main) } else { main.join(REPORT) };
-        Self {
-            encoding,
-            existing,
-            stream,
-            report: (!json && stream == Stream::Place).then_some(report),
-            irradiance: (single && settings.irradiance.is_some())
-                .then(|| main.with_extension(format!("irradiance.{}", encoding.format().name()))),
-            bounds: (single && settings.bounds).then(|| suffixed(&main, ".bounds")),
-            sun,
-            preview,
-            exposure,
-            main,
+    pub(super) fn new(main: PathBuf, place: Place, environment: String, preview: Option<PathBuf>) -> Self {
+        let file_name = || main.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = if place == Place::Folder { environment } else { file_name() };
+        Self { main, place, name, preview }
+    }
+
+    /// The folder that the files' paths are relative to.
+    fn base(&self) -> &Path {
+        match self.place {
+            Place::Folder => &self.main,
+            Place::File | Place::Stdout => self.main.parent().unwrap_or(Path::new("")),
         }
     }
 
-    /// Where a file about the sun goes that has a place of its own.
-    fn sun_place(&self, file: SunFile) -> PathBuf {
-        suffixed(&self.main, &format!(".{}", file.name()))
+    /// The path of a file beside the levels.
+    fn beside(&self, file: &str) -> String {
+        if self.place == Place::Folder { file.to_owned() } else { format!("{}.{file}", self.name) }
     }
 
-    /// Whether the only output is standard output.
-    pub(super) fn is_stdout(&self) -> bool {
-        self.stream == Stream::Stdout
+    /// The path of the file `path` of `plan`: the folder of the target, where there are several.
+    fn within(common: &Common, plan: &BakePlan, path: &str) -> String {
+        if common.plans.len() > 1 { format!("{}/{path}", plan.plan.target.name) } else { path.to_owned() }
     }
 
-    const fn is_folder(&self) -> bool {
-        !self.encoding.is_single()
+    fn report_path(&self, common: &Common, plan: &BakePlan) -> String {
+        Self::within(common, plan, &self.beside(REPORT))
+    }
+
+    /// Every file that will be written.
+    fn planned(&self, common: &Common) -> Result<Vec<Planned>> {
+        let file = |path: String, told: String| Planned { path: path.into(), told, is_report: false };
+        let mut planned = Vec::new();
+        let mut reports = Vec::new();
+        for plan in &common.plans {
+            let BakePlan { plan: files, settings } = plan;
+            let specs = settings.level_specs()?;
+            // A mirror has no bounds.
+            let bounded =
+                |roughness: f64| settings.bounds && !(roughness == 0.0 && settings.lobe.has_mirror());
+            let bounded: Vec<u32> = (0..)
+                .zip(&specs)
+                .filter(|(_, spec)| bounded(spec.roughness))
+                .map(|(level, _)| level)
+                .collect();
+            let shape = Shape { name: &self.name, levels: specs.len() as u32, bounded: &bounded };
+            for (path, content) in files.files(&shape) {
+                planned.push(file(Self::within(common, plan, &path), told(plan, content)?));
+            }
+            if !common.json && self.place != Place::Stdout {
+                let path = self.report_path(common, plan).into();
+                reports.push(Planned { path, told: "report".to_owned(), is_report: true });
+            }
+        }
+        let sun = common.sun.iter();
+        planned.extend(sun.map(|sun| file(self.beside(sun.name()), sun.content().to_owned())));
+        let preview = self.preview.iter().cloned();
+        planned.extend(preview.map(|path| Planned { path, told: "picture".to_owned(), is_report: false }));
+        planned.extend(reports);
+        Ok(planned)
+    }
+
+    /// Where the file `path` is put in place: itself, or the folder that is put in place as a whole.
+    fn place_of(&self, path: &Path) -> OutputPlace {
+        if self.preview.as_deref() == Some(path) {
+            return OutputPlace { path: path.to_owned(), is_folder: false };
+        }
+        if self.place == Place::Folder {
+            return OutputPlace { path: self.main.clone(), is_folder: true };
+        }
+        let mut components = path.components();
+        let first = components.next().map_or(path, |first| Path::new(first.as_os_str()));
+        let own =
+            if first.as_os_str() == self.name.as_str() { self.main.clone() } else { self.base().join(first) };
+        OutputPlace { path: own, is_folder: components.next().is_some() }
     }
 
     /// Files and folders beside one another.
-    pub(super) fn places(&self) -> impl Iterator<Item = PathBuf> {
-        let report = self.report.as_ref().filter(|_| !self.is_folder());
-        let others = [report, self.irradiance.as_ref(), self.bounds.as_ref(), self.preview.as_ref()];
-        let sun = self.sun.iter().filter(|_| !self.is_folder()).map(|file| self.sun_place(*file));
-        let main = Some(&self.main).filter(|_| !self.is_stdout());
-        main.into_iter().chain(others.into_iter().flatten()).cloned().chain(sun)
+    pub(super) fn places(&self, common: &Common) -> Result<Vec<OutputPlace>> {
+        self.places_where(common, |_| true)
+    }
+
+    /// The places of the files that `counts`.
+    fn places_where(&self, common: &Common, counts: impl Fn(&Planned) -> bool) -> Result<Vec<OutputPlace>> {
+        let mut places = Vec::new();
+        if self.place == Place::Stdout {
+            return Ok(places);
+        }
+        for file in self.planned(common)?.iter().filter(|file| counts(file)) {
+            let place = self.place_of(&file.path);
+            if !places.contains(&place) || !place.is_folder {
+                places.push(place);
+            }
+        }
+        Ok(places)
     }
 
     /// Whether all is there as it was written for `request`.
-    pub(super) fn holds(&self, request: Hash) -> bool {
-        self.report.as_deref().is_some_and(|report| fingerprint::holds(report, request, self.hashed()))
-    }
-
-    /// The places without the report.
-    fn hashed(&self) -> impl Iterator<Item = PathBuf> {
-        self.places().filter(|place| Some(place) != self.report.as_ref())
+    pub(super) fn holds(&self, common: &Common, request: Hash) -> bool {
+        let Ok(places) = self.places_where(common, |file| !file.is_report) else { return false };
+        common.plans.iter().all(|plan| {
+            let report = self.base().join(self.report_path(common, plan));
+            fingerprint::holds(&report, request, places.iter().map(|place| place.path.clone()))
+        })
     }
 
     /// Cleans up after killed runs beside the outputs.
-    pub(super) fn recover(&self, talk: &Talk) {
+    pub(super) fn recover(&self, common: &Common, talk: &Talk) -> Outcome {
         let mut folders = BTreeSet::new();
-        for place in self.places() {
-            if folders.insert(place.parent().map(Path::to_owned)) {
-                recover(&place, talk);
+        for place in self.places(common)? {
+            if folders.insert(place.path.parent().map(Path::to_owned)) {
+                for restored in output::recover(&place.path) {
+                    talk.note(&format!("{}: put back, as a killed run had set it aside", restored.display()));
+                }
             }
         }
+        Ok(())
     }
 
     /// Fails where writing would before it begins. What is to stand in `fresh`, a folder that is yet to be
     /// made, replaces nothing.
-    pub(super) fn check(&self, fresh: Option<&Path>) -> Result<()> {
-        for place in self.places() {
-            if fresh.is_some() && place.parent() == fresh {
+    pub(super) fn check(&self, common: &Common, fresh: Option<&Path>) -> Outcome {
+        for OutputPlace { path, is_folder } in self.places(common)? {
+            if fresh.is_some() && path.parent() == fresh {
                 continue;
             }
-            let folder = (place == self.main && self.is_folder()) || Some(&place) == self.bounds.as_ref();
-            if folder {
-                output::check_folder(&place, self.existing)?;
+            if is_folder {
+                output::check_folder(&path, common.existing)?;
             } else {
-                output::check_file(&place, self.existing)?;
+                output::check_file(&path, common.existing)?;
             }
         }
         Ok(())
     }
 
-    /// The files that will be written, and what each will be.
-    pub(super) fn files(&self, settings: &BakeSettings) -> Result<Vec<(PathBuf, String)>> {
-        let pixel = self.encoding.pixel_name();
-        let rungs = settings.rungs()?;
-        let faces = |folder: &Path, name: String, told: String| {
-            Face::ALL.map(|face| (folder.join(name.replace("{face}", face.short_name())), told.clone()))
+    /// What would be written for `source`: a line a file, or with `--json` one of JSON.
+    pub(super) fn foretold(&self, common: &Common, source: &Source) -> Result<String> {
+        let full = |file: &Planned| {
+            if self.preview.as_deref() == Some(&file.path) {
+                return file.path.display().to_string();
+            }
+            if file.path.as_os_str() == self.name.as_str() && self.place != Place::Folder {
+                return self.main.display().to_string();
+            }
+            self.base().join(&file.path).display().to_string()
         };
-        let mut files = Vec::new();
-        let extension = self.encoding.format().name();
-        match self.encoding {
-            Encoding::ExrImages(layout, _) | Encoding::HdrImages(layout) => {
-                let told = |what: &str, size: u32| format!("{pixel} {what}{} {size}", layout.name());
-                let image =
-                    |name: String, told: String| (self.main.join(format!("{name}.{extension}")), told);
-                let levels = rungs.iter().enumerate();
-                files.extend(levels.map(|(k, rung)| image(format!("m{k}"), told("", rung.layout.sides().1))));
-                let irradiance = settings.irradiance.filter(|_| layout.unfolding().is_some());
-                files
-                    .extend(irradiance.map(|size| image("irradiance".to_owned(), told("irradiance ", size))));
-            }
-            Encoding::Exr(_) | Encoding::Hdr => {
-                for (index, rung) in rungs.iter().enumerate() {
-                    let told = format!("{pixel} face {}", rung.layout.sides().0);
-                    files.extend(faces(&self.main, format!("m{index}_{{face}}.{extension}"), told));
-                }
-                if let Some(size) = settings.irradiance {
-                    let told = format!("{pixel} irradiance face {size}");
-                    files.extend(faces(&self.main, format!("irradiance_{{face}}.{extension}"), told));
-                }
-            }
-            Encoding::Mips(_) => {
-                let told = format!("{pixel} panorama {}, {} levels", settings.size, rungs.len());
-                files.push((self.main.clone(), told));
-            }
-            Encoding::Cube(..) => {
-                files.push((self.main.clone(), cube_told(pixel, settings.size, rungs.len())));
-                if let (Some(path), Some(size)) = (&self.irradiance, settings.irradiance) {
-                    files.push((path.clone(), cube_told(&format!("{pixel} irradiance"), size, 1)));
-                }
-            }
+        let planned = self.planned(common)?;
+        if common.json {
+            let files: Vec<_> =
+                planned.iter().map(|file| json!({"path": full(file), "content": file.told})).collect();
+            let input = source.path().display().to_string();
+            return Ok(json!({"input": input, "files": files}).to_string() + "\n");
         }
-        // A mirror has no bounds.
-        let bounded = |rung: &Rung| settings.bounds && !(rung.roughness == 0.0 && settings.lobe.has_mirror());
-        for (index, rung) in rungs.iter().enumerate().filter(|(_, rung)| bounded(rung)) {
-            let folder = self.bounds.as_ref().unwrap_or(&self.main);
-            let told = format!("f32 error bounds {}", rung.layout.sides().0);
-            files.extend(faces(folder, format!("m{index}_{{face}}_bound.exr"), told));
-        }
-        for file in &self.sun {
-            let path = if self.is_folder() { self.main.join(file.name()) } else { self.sun_place(*file) };
-            files.push((path, file.content().to_owned()));
-        }
-        files.extend(self.preview.iter().map(|path| (path.clone(), "picture".to_owned())));
-        files.extend(self.report.iter().map(|path| (path.clone(), "report".to_owned())));
-        Ok(files)
+        Ok(planned.iter().map(|file| format!("{}\t{}\n", full(file), file.told)).collect())
     }
 
-    /// Writes all aside, then puts it into place. `told` is completed with how it is stored. Returns the
-    /// report and the bytes written.
+    /// Writes the files `made` of each plan, completes the `reports` and writes them, and puts everything in place together.
+    /// Returns the bytes written.
     pub(super) fn write(
         &self,
-        settings: &BakeSettings,
-        bake: &Bake,
-        compressed: u64,
+        common: &Common,
+        (made, reports): (&[Vec<Made>], &mut [Report]),
+        picture: Option<&[u8]>,
         request: Hash,
         opened: &Opened,
-        told: impl Fn(Stored) -> Circumstances,
-    ) -> Outcome<(Report, u64)> {
-        let report_of =
-            |stored: Stored, outputs: Vec<OutputFileReport>, fingerprint: Option<FingerprintReport>| {
-                let report = Report::new(settings, bake, told(stored));
-                let mut report = Report { compressed, fingerprint, outputs, ..report };
-                if let Some(layout) = self.encoding.layout_name() {
-                    report.options.out_layout = Some(layout.to_owned());
-                }
-                report
-            };
-        let preview = match &self.preview {
-            Some(_) => Some(ldr::write::png_bytes(&preview::contact_sheet(&bake.chain, self.exposure)?)?),
-            None => None,
-        };
-        let metadata = metadata(settings, opened);
-        let irradiance = bake.irradiance.as_ref();
-        let stage =
-            |path: &Path, bytes: &[u8]| output::stage_file(path, self.existing, |file| file.write_all(bytes));
-        let stage_preview = || {
-            let preview = self.preview.as_deref().zip(preview.as_deref());
-            preview.map(|(path, bytes)| stage(path, bytes)).transpose()
-        };
-        let (format, pixel_name) = (self.encoding.format().name(), self.encoding.pixel_name());
-        // A single file, the files beside it in the order of `hashed`, and the report that knows their
-        // hashes.
-        let write_files = |main: &[u8], mut beside: Vec<Staged>, pixel: Pixel, clamped: u64| {
-            let pixels = vec![pixel; bake.stats.len()];
-            let stored = Stored::new(format, pixel_name, &pixels, clamped);
-            if self.is_stdout() {
-                print_bytes(main)?;
-                let output = OutputFileReport { path: "-".to_owned(), bytes: main.len() as u64 };
-                return Ok((report_of(stored, vec![output], None), main.len() as u64));
-            }
-            let mut staged = vec![stage(&self.main, main)?];
-            staged.append(&mut beside);
-            staged.extend(stage_preview()?);
-            for file in &self.sun {
-                staged.push(stage(&self.sun_place(*file), &file.bytes(opened)?)?);
-            }
-            let hashes = staged.iter().map(|output| fingerprint::hash_of(&output.path()));
-            let hashes = hashes.collect::<Result<Vec<_>>>()?;
-            let named = staged.iter().zip(&hashes).map(|(output, hash)| {
-                let name = output.named().file_name().unwrap_or_default().to_string_lossy();
-                (name.into_owned(), *hash)
-            });
-            let outputs = fingerprint::joined(hashes.iter().copied().map(Ok))?;
-            let mut sizes = Vec::new();
-            for output in &staged {
-                let name = if Some(output.named()) == self.preview.as_deref() {
-                    output.named().display().to_string()
-                } else {
-                    output.named().file_name().unwrap_or_default().to_string_lossy().into_owned()
-                };
-                sizes.extend(fingerprint::sizes(&output.path(), &name)?);
-            }
-            let report = report_of(stored, sizes, Some(fingerprint(request, outputs, named)));
-            if let Some(path) = &self.report {
-                staged.push(stage(path, json_text(&report)?.as_bytes())?);
-            }
-            self.remove_report_without_hashes()?;
-            output::commit(staged)?;
-            Ok::<_, Failure>((report, self.written()))
-        };
-        // A folder, which is complete but for its report when `fill` returns how it is stored.
-        let write_folder = |fill: &dyn Fn(&Path) -> Result<Stored>| {
-            let (staged, report) = output::stage_folder(&self.main, self.existing, |folder| {
-                let stored = fill(folder)?;
-                self.sun.iter().try_for_each(|file| file.write_into(folder, opened))?;
-                let hash = preview.iter().map(|bytes| Ok(blake3::hash(bytes)));
-                let outputs = fingerprint::joined(std::iter::once(fingerprint::hash_of(folder)).chain(hash))?;
-                let mut sizes = fingerprint::sizes(folder, "")?;
-                let preview = self.preview.as_deref().zip(preview.as_deref());
-                sizes.extend(preview.map(|(path, bytes)| OutputFileReport {
-                    path: path.display().to_string(),
-                    bytes: bytes.len() as u64,
-                }));
-                let report = report_of(stored, sizes, Some(fingerprint(request, outputs, [])));
-                self.write_report_into(folder, &report)?;
-                Ok(report)
-            })?;
-            output::commit(std::iter::once(staged).chain(stage_preview()?).collect())?;
-            Ok((report, self.written()))
-        };
-        let sum = |clamped: &[u64]| clamped.iter().sum::<u64>();
-        match self.encoding {
-            Encoding::Cube(container, pixel) => {
-                let main = cube_bytes(container, &bake.chain, pixel, &metadata)?;
-                let mut clamped = sum(&main.clamped);
-                let mut beside = Vec::new();
-                if let (Some(path), Some(level)) = (&self.irradiance, irradiance) {
-                    let chain = CubeChain { levels: vec![level.clone()] };
-                    let metadata = irradiance_pairs(&metadata);
-                    let made = cube_bytes(container, &chain, pixel, &metadata)?;
-                    clamped += sum(&made.clamped);
-                    beside.push(stage(path, &made.bytes)?);
-                }
-                if let Some(path) = &self.bounds {
-                    let write = |folder: &Path| write_bounds(folder, &bake.chain);
-                    beside.push(output::stage_folder(path, self.existing, write)?.0);
-                }
-                write_files(&main.bytes, beside, pixel, clamped)
-            }
-            Encoding::Mips(pixel) => {
-                let clamped = bake.images.iter().map(|level| pixel.clamped(&level.texels)).sum();
-                write_files(&mips_bytes(&bake.images, pixel, &metadata)?, Vec::new(), pixel, clamped)
-            }
-            Encoding::Exr(choice) => write_folder(&|folder| {
-                let levels =
-                    exr::write::write_level_folder(folder, &bake.chain, irradiance, choice, &metadata)?;
-                let pixels: Vec<Pixel> = levels.iter().map(|level| level.pixel).collect();
-                let clamped = levels.iter().map(|level| level.clamped).sum();
-                Ok(Stored::new(format, pixel_name, &pixels, clamped))
-            }),
-            Encoding::ExrImages(layout, choice) => write_folder(&|folder| {
-                let images = write_exr_images(folder, &level_images(layout, bake), choice, &metadata)?;
-                let levels = &images[..bake.stats.len()];
-                let pixels: Vec<Pixel> = levels.iter().map(|level| level.pixel).collect();
-                let clamped = images.iter().map(|level| level.clamped).sum();
-                Ok(Stored::new(format, pixel_name, &pixels, clamped))
-            }),
-            Encoding::HdrImages(layout) => write_folder(&|folder| {
-                write_hdr_images(folder, &level_images(layout, bake), &metadata)?;
-                Ok(Stored::rgbe(format, pixel_name, bake))
-            }),
-            Encoding::Hdr => write_folder(&|folder| {
-                hdr::write::write_level_folder(folder, &bake.chain, irradiance, &metadata)?;
-                if settings.bounds {
-                    write_bounds(folder, &bake.chain)?;
-                }
-                Ok(Stored::rgbe(format, pixel_name, bake))
-            }),
+    ) -> Outcome<u64> {
+        if self.place == Place::Stdout {
+            let main = &made[0][0];
+            print_bytes(&main.bytes)?;
+            return Ok(main.bytes.len() as u64);
         }
+        let mut beside: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+        for sun in &common.sun {
+            beside.push((self.beside(sun.name()).into(), sun.bytes(opened)?));
+        }
+        beside.extend(self.preview.iter().cloned().zip(picture.map(<[u8]>::to_vec)));
+        let mut report_files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+        let mut files: Files<'_> = Vec::new();
+        for (plan, made) in common.plans.iter().zip(made) {
+            files.extend(made.iter().map(|m| (Self::within(common, plan, &m.path).into(), &m.bytes[..])));
+        }
+        files.extend(beside.iter().map(|(path, bytes)| (path.clone(), &bytes[..])));
+        let places = self.in_places(files);
+        let hash = |(place, files): &(OutputPlace, Files<'_>)| match files[..] {
+            [(_, bytes)] if !place.is_folder => blake3::hash(bytes),
+            _ => fingerprint::hash_of_files(&self.inside(files)),
+        };
+        let hashes: Vec<Hash> = places.iter().map(hash).collect();
+        let joined = fingerprint::joined(hashes.iter().copied().map(Ok))?;
+        // Readers look for a file by its name beside the report.
+        let by_name =
+            |place: &OutputPlace| place.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let own_files: Vec<OutputFileReport> = places
+            .iter()
+            .flat_map(|(_, files)| files.iter().map(|(path, bytes)| (path, bytes.len() as u64)))
+            .map(|(path, bytes)| OutputFileReport { path: slashed(path), bytes })
+            .collect();
+        let own_hashes: Vec<(String, Hash)> = match self.place {
+            Place::Folder => Vec::new(),
+            _ => places.iter().zip(&hashes).map(|((place, _), hash)| (by_name(place), *hash)).collect(),
+        };
+        let mut bytes: u64 = own_files.iter().map(|file| file.bytes).sum();
+        for ((plan, made), report) in common.plans.iter().zip(made).zip(reports) {
+            if plan.plan.is_targeted() {
+                let of = |file: &Made| (file.path.clone(), blake3::hash(&file.bytes));
+                report.fingerprint = Some(fingerprint(request, joined, made.iter().map(of)));
+                let of = |file: &Made| OutputFileReport {
+                    path: file.path.clone(),
+                    bytes: file.bytes.len() as u64,
+                };
+                report.outputs = made.iter().map(of).collect();
+            } else {
+                report.fingerprint = Some(fingerprint(request, joined, own_hashes.iter().cloned()));
+                report.outputs.clone_from(&own_files);
+            }
+            if !common.json {
+                report_files.push((self.report_path(common, plan).into(), json_text(report)?.into_bytes()));
+            }
+        }
+        bytes += report_files.iter().map(|(_, bytes)| bytes.len() as u64).sum::<u64>();
+        let files = places.into_iter().flat_map(|(_, files)| files);
+        let all = files.chain(report_files.iter().map(|(path, bytes)| (path.clone(), &bytes[..]))).collect();
+        let all = self.in_places(all);
+        let inside: Vec<Vec<(String, &[u8])>> = all.iter().map(|(_, files)| self.inside(files)).collect();
+        let mut outputs = Vec::with_capacity(all.len());
+        for ((place, files), inside) in all.iter().zip(inside) {
+            let output = if place.is_folder { Output::Folder(inside) } else { Output::File(files[0].1) };
+            outputs.push((place.path.clone(), output));
+        }
+        let staged = output::stage_all(&outputs, common.existing)?;
+        self.remove_report_without_hashes(common)?;
+        output::commit(staged)?;
+        Ok(bytes)
+    }
+
+    /// `files` by their places, sorted within each.
+    fn in_places<'a>(&self, files: Vec<(PathBuf, &'a [u8])>) -> Vec<(OutputPlace, Files<'a>)> {
+        let mut places: Vec<(OutputPlace, Files<'a>)> = Vec::new();
+        for (path, bytes) in files {
+            let place = self.place_of(&path);
+            match places.iter_mut().find(|(other, _)| *other == place) {
+                Some((_, files)) => files.push((path, bytes)),
+                None => places.push((place, vec![(path, bytes)])),
+            }
+        }
+        places.iter_mut().for_each(|(_, files)| files.sort());
+        places
+    }
+
+    /// `files` of a folder that is put in place as a whole, by their paths within it.
+    fn inside<'a>(&self, files: &Files<'a>) -> Vec<(String, &'a [u8])> {
+        let outer = usize::from(self.place != Place::Folder);
+        let within = |path: &Path| path.components().skip(outer).collect::<PathBuf>();
+        files.iter().map(|(path, bytes)| (slashed(&within(path)), *bytes)).collect()
     }
 
     /// Removes the old report where it holds no hash of its file, as those of version 0.1, and so could be
     /// taken for the new file's.
-    fn remove_report_without_hashes(&self) -> Result<()> {
-        let path = report_path(&self.main);
+    fn remove_report_without_hashes(&self, common: &Common) -> Result<()> {
+        if self.place != Place::File || common.existing != Existing::Replace {
+            return Ok(());
+        }
+        let path = self.base().join(self.beside(REPORT));
         let text = read_regular(&path, MOST_REPORT_BYTES).unwrap_or_default();
         let old = serde_json::from_slice::<Report>(&text).ok();
         let believed = old.is_some_and(|old| old.fingerprint.is_none_or(|hashes| hashes.files.is_empty()));
-        if believed && self.existing == Existing::Replace {
-            return fs::remove_file(&path).map_err(|e| Error::io(&path, e));
-        }
-        Ok(())
-    }
-
-    /// Bytes of all outputs.
-    fn written(&self) -> u64 {
-        let files = self.places().flat_map(|place| fingerprint::sizes(&place, "").unwrap_or_default());
-        files.map(|file| file.bytes).sum()
-    }
-
-    fn write_report_into(&self, folder: &Path, report: &Report) -> Result<()> {
-        if self.report.is_none() {
-            return Ok(());
-        }
-        let path = folder.join(REPORT);
-        fs::write(&path, json_text(report)?).map_err(|e| Error::io(&path, e))
+        if believed { fs::remove_file(&path).map_err(|e| Error::io(&path, e)) } else { Ok(()) }
     }
 }
 
-/// Cleans up after killed runs beside `place`.
-pub(super) fn recover(place: &Path, talk: &Talk) {
-    for restored in output::recover(place) {
-        talk.note(&format!("{}: put back, as a killed run had set it aside", restored.display()));
-    }
+/// `path` with `/` between folders.
+fn slashed(path: &Path) -> String {
+    path.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/")
+}
+
+/// Files by their paths.
+type Files<'a> = Vec<(PathBuf, &'a [u8])>;
+
+/// What a file of `plan` will be.
+fn told(BakePlan { plan, settings }: &BakePlan, content: Content) -> Result<String> {
+    let pixel = plan.pixel.name();
+    Ok(match content {
+        Content::Specular => cube_told(pixel, settings.size, settings.level_specs()?.len()),
+        Content::Sheen => cube_told(&format!("{pixel} sheen"), settings.size, settings.level_specs()?.len()),
+        Content::Skybox => cube_told(pixel, settings.size, 1),
+        Content::Irradiance => {
+            let size = settings.irradiance.unwrap_or(plan.target.irradiance_size);
+            cube_told(&format!("{pixel} irradiance"), size, 1)
+        }
+        Content::ShJson | Content::ShText => "spherical harmonics".to_owned(),
+        Content::Oem => {
+            let specs = settings.level_specs()?;
+            format!("{pixel} octahedral map {}, {} levels, with borders", settings.size, specs.len())
+        }
+        Content::Reader => "shader code".to_owned(),
+        Content::Panorama => format!("panorama {}x{}", 2 * settings.size, settings.size),
+        Content::Mips => {
+            format!("{pixel} panorama {}, {} levels", settings.size, settings.level_specs()?.len())
+        }
+        Content::Image(LevelName { level, face, is_bound }) => {
+            let specs = settings.level_specs()?;
+            let size = level
+                .map_or(settings.irradiance.unwrap_or(0), |level| specs[level as usize].layout.sides().1);
+            let what = match (is_bound, level, face) {
+                (true, ..) => return Ok(format!("f32 error bounds {size}")),
+                (_, None, _) => "irradiance ",
+                _ => "",
+            };
+            let layout = if face.is_some() { "face" } else { plan.layout.name() };
+            format!("{pixel} {what}{layout} {size}")
+        }
+        Content::Env | Content::Glb => {
+            let specs = settings.level_specs()?;
+            format!("{pixel} cube {}, {} levels, and spherical harmonics", settings.size, specs.len())
+        }
+    })
 }
 
 /// What a cube is, in a few words.
-pub(super) fn cube_told(kind: &str, size: u32, levels: usize) -> String {
+fn cube_told(kind: &str, size: u32, levels: usize) -> String {
     match levels {
         1 => format!("{kind} cube {size}"),
         _ => format!("{kind} cube {size}, {levels} levels"),
-    }
-}
-
-/// The levels of `bake` in `layout`, and its irradiance where there is some.
-fn level_images(layout: OutLayoutArg, bake: &Bake) -> Vec<LevelImage<'_>> {
-    let name = |index: usize| format!("m{index}");
-    let Some(unfolding) = layout.unfolding() else {
-        return bake.images.iter().enumerate().map(|(k, level)| LevelImage::whole(name(k), level)).collect();
-    };
-    let levels = bake.chain.levels.iter().enumerate();
-    let levels =
-        levels.map(|(k, level)| LevelImage::unfolded(name(k), level, unfolding, Some(level.roughness)));
-    let irradiance = bake.irradiance.iter();
-    let irradiance =
-        irradiance.map(|level| LevelImage::unfolded("irradiance".to_owned(), level, unfolding, None));
-    levels.chain(irradiance).collect()
-}
-
-/// How a bake was stored.
-pub(super) struct Stored {
-    /// Format of the output.
-    pub(super) format: &'static str,
-    /// Pixel format asked for.
-    pub(super) pixel: &'static str,
-    /// Pixel format of each level.
-    pub(super) pixels: Vec<String>,
-    /// Texels clamped.
-    pub(super) clamped: u64,
-    /// Levels stored as floats.
-    pub(super) floats: usize,
-}
-
-impl Stored {
-    fn rgbe(format: &'static str, pixel: &'static str, bake: &Bake) -> Self {
-        let clamped = hdr::write::clamped(bake.texels());
-        Self { format, pixel, pixels: vec!["rgbe".to_owned(); bake.stats.len()], clamped, floats: 0 }
-    }
-
-    pub(super) fn new(format: &'static str, pixel: &'static str, pixels: &[Pixel], clamped: u64) -> Self {
-        let floats = pixels.iter().filter(|pixel| **pixel == Pixel::F32).count();
-        let pixels = pixels.iter().map(|pixel| pixel.name().to_owned()).collect();
-        Self { format, pixel, pixels, clamped, floats }
     }
 }
 
@@ -606,36 +446,10 @@ pub(super) fn metadata(settings: &BakeSettings, opened: &Opened) -> Vec<(String,
 ///
 /// # Errors
 /// [`Error::NonFiniteResult`] where a number of it is NaN or infinite.
-pub(super) fn json_text(value: &impl Serialize) -> Result<String> {
+fn json_text(value: &impl Serialize) -> Result<String> {
     let text = serde_json::to_string_pretty(value)
         .map_err(|error| Error::NonFiniteResult { place: format!("JSON, {error}"), value: f64::NAN })?;
     Ok(text + "\n")
-}
-
-/// `m{level}_{face}_bound.exr` of every level.
-fn write_bounds(folder: &Path, chain: &CubeChain) -> Result<()> {
-    let bounds = |level: &'_ CubeLevel| level.bounds.clone();
-    for (index, level) in chain.levels.iter().enumerate() {
-        let Some(bounds) = bounds(level) else { continue };
-        for (face, values) in Face::ALL.iter().zip(bounds.chunks_exact(bounds.len() / 6)) {
-            let path = folder.join(format!("m{index}_{}_bound.exr", face.short_name()));
-            let bytes =
-                exr::write::exr_bytes(level.size, level.size, Samples::Luminance(values), Pixel::F32, &[])?;
-            fs::write(&path, bytes).map_err(|e| Error::io(&path, e))?;
-        }
-    }
-    Ok(())
-}
-
-/// What would be written for `source`: a line a file, or one of JSON.
-pub(super) fn foretold(source: &Source, files: Vec<(PathBuf, String)>, json: bool) -> String {
-    let text = |path: &Path| path.display().to_string();
-    if json {
-        let files = files.iter().map(|(path, content)| json!({"path": text(path), "content": content}));
-        let files: Vec<_> = files.collect();
-        return json!({"input": text(source.path()), "files": files}).to_string() + "\n";
-    }
-    files.iter().map(|(path, content)| format!("{}\t{content}\n", text(path))).collect()
 }
 
 /// Extensions of formats that are not written: a file so named would belie its content.
@@ -643,15 +457,8 @@ pub(super) const FOREIGN: [&str; 11] =
     ["basis", "bmp", "gif", "jpeg", "jpg", "pfm", "png", "tga", "tif", "tiff", "webp"];
 
 /// The format that the extension of `path` names.
-pub(super) fn named_format(path: &Path) -> Option<FormatArg> {
-    match extension(path)?.as_str() {
-        "ktx2" => Some(FormatArg::Ktx2),
-        "ktx" => Some(FormatArg::Ktx),
-        "dds" => Some(FormatArg::Dds),
-        "exr" => Some(FormatArg::Exr),
-        "hdr" => Some(FormatArg::Hdr),
-        _ => None,
-    }
+pub(super) fn named_format(path: &Path) -> Option<Container> {
+    Container::named(&extension(path)?)
 }
 
 /// Whether `path` ends in a slash, and so names a folder.

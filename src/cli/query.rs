@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 
 pub(super) fn run(args: QueryArgs) -> Outcome {
     args.engine.check()?;
-    let lobe = Lobe::from(args.lobe);
+    let lobe = args.lobe;
     let roughness = match (lobe, args.roughness) {
         (Lobe::Cosine, None) => 1.0,
         (Lobe::Cosine, Some(_)) => return usage("--lobe cosine has no roughness; leave --roughness out"),

@@ -1,7 +1,8 @@
 //! Arguments that several subcommands share.
 
-use crate::cli::values::{EngineArg, LayoutArg, finite};
+use crate::cli::values::{EngineArg, finite};
 use clap::Args as ClapArgs;
+use octagloss::io::LayoutChoice;
 
 /// The most threads that --threads takes.
 pub(super) const MAX_THREADS: i64 = 256;
@@ -15,7 +16,7 @@ pub(super) struct InputArgs {
     /// auto goes by the shape: 2:1 is a panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces
     /// takes six files as one cube, in the order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...).
     #[arg(long, value_name = "LAYOUT", default_value = "auto", hide_default_value = true)]
-    pub(super) layout: LayoutArg,
+    pub(super) layout: LayoutChoice,
     /// Turn about +Y; +90 carries +Z to +X [default: 0]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
     pub(super) rotate_y: Option<f64>,

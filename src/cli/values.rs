@@ -2,38 +2,11 @@
 
 use clap::ValueEnum;
 use octagloss::Map;
-use octagloss::bake::overflow::Overflow;
 use octagloss::cpu::adaptive::LEAST_ERROR;
 use octagloss::filter::Filter;
-use octagloss::format::Pixel;
-use octagloss::io::layout::Unfolding;
-use octagloss::ladder::Ladder;
-use octagloss::lobe::Lobe;
 use octagloss::realtime::tables::COUNTS;
 use octagloss::sh::window::ShWindow;
-use octagloss::target::{Diffuse, Flip, Plan, TARGETS, Target};
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum DfgFormArg {
-    SplitSum,
-    MultipleScattering,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum LayoutArg {
-    /// By the image's shape
-    Auto,
-    /// Panorama, 2:1
-    Equirect,
-    /// Horizontal 4:3 or vertical 3:4 cross
-    Cross,
-    /// Six faces in a row or a column
-    Strip,
-    /// Six files
-    Faces,
-    /// Octahedral square
-    Octahedral,
-}
+use octagloss::target::{Diffuse, Plan, Shape, TARGETS, Target};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum EngineArg {
@@ -45,195 +18,11 @@ pub(super) enum EngineArg {
     Gpu,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum LadderArg {
-    Linear,
-    Filament,
-    Unity,
-    Babylon,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum LobeArg {
-    Ggx,
-    Phong,
-    Cone,
-    Cosine,
-    Charlie,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum FormatArg {
-    Ktx2,
-    Ktx,
-    Dds,
-    Exr,
-    Hdr,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum OutLayoutArg {
-    Faces,
-    Cross,
-    CrossVertical,
-    Strip,
-    StripVertical,
-    Equirect,
-    Octahedral,
-    Parts,
-    Mips,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum PixelArg {
-    F16,
-    F32,
-    Rgb9e5,
-    R11g11b10f,
-    Bc6h,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum OverflowArg {
-    Clamp,
-    Compress,
-    Error,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum FlipArg {
-    None,
-    X,
-    Z,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum DiffuseArg {
-    None,
-    Cube,
-    Sh,
-    Both,
-}
-
 /// How many texels of a level to compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Texels {
     Some(usize),
     All,
-}
-
-impl From<LadderArg> for Ladder {
-    fn from(ladder: LadderArg) -> Self {
-        match ladder {
-            LadderArg::Linear => Self::Linear,
-            LadderArg::Filament => Self::Filament,
-            LadderArg::Unity => Self::Unity,
-            LadderArg::Babylon => Self::Babylon,
-        }
-    }
-}
-
-impl From<LobeArg> for Lobe {
-    fn from(lobe: LobeArg) -> Self {
-        match lobe {
-            LobeArg::Ggx => Self::Ggx,
-            LobeArg::Phong => Self::Phong,
-            LobeArg::Cone => Self::Cone,
-            LobeArg::Cosine => Self::Cosine,
-            LobeArg::Charlie => Self::Charlie,
-        }
-    }
-}
-
-impl From<PixelArg> for Pixel {
-    fn from(pixel: PixelArg) -> Self {
-        match pixel {
-            PixelArg::F16 => Self::F16,
-            PixelArg::F32 => Self::F32,
-            PixelArg::Rgb9e5 => Self::Rgb9e5,
-            PixelArg::R11g11b10f => Self::R11g11b10,
-            PixelArg::Bc6h => Self::Bc6h,
-        }
-    }
-}
-
-impl From<OverflowArg> for Overflow {
-    fn from(overflow: OverflowArg) -> Self {
-        match overflow {
-            OverflowArg::Clamp => Self::Clamp,
-            OverflowArg::Compress => Self::Compress,
-            OverflowArg::Error => Self::Error,
-        }
-    }
-}
-
-impl From<FlipArg> for Flip {
-    fn from(flip: FlipArg) -> Self {
-        match flip {
-            FlipArg::None => Self::None,
-            FlipArg::X => Self::X,
-            FlipArg::Z => Self::Z,
-        }
-    }
-}
-
-impl From<DiffuseArg> for Diffuse {
-    fn from(diffuse: DiffuseArg) -> Self {
-        match diffuse {
-            DiffuseArg::None => Self::None,
-            DiffuseArg::Cube => Self::Cube,
-            DiffuseArg::Sh => Self::Sh,
-            DiffuseArg::Both => Self::Both,
-        }
-    }
-}
-
-impl OutLayoutArg {
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Faces => "faces",
-            Self::Cross => "cross",
-            Self::CrossVertical => "cross-vertical",
-            Self::Strip => "strip",
-            Self::StripVertical => "strip-vertical",
-            Self::Equirect => "equirect",
-            Self::Octahedral => "octahedral",
-            Self::Parts => "parts",
-            Self::Mips => "mips",
-        }
-    }
-
-    /// What its levels' texels cover.
-    pub(super) const fn map(self) -> Map {
-        match self {
-            Self::Equirect | Self::Mips => Map::Panorama,
-            Self::Octahedral => Map::Octahedral,
-            _ => Map::Cube,
-        }
-    }
-
-    /// How a cube's faces lie in a level's one image.
-    pub(super) const fn unfolding(self) -> Option<Unfolding> {
-        match self {
-            Self::Cross => Some(Unfolding::Cross),
-            Self::CrossVertical => Some(Unfolding::CrossVertical),
-            Self::Strip => Some(Unfolding::Strip),
-            Self::StripVertical => Some(Unfolding::StripVertical),
-            _ => None,
-        }
-    }
-}
-
-impl FormatArg {
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Ktx2 => "ktx2",
-            Self::Ktx => "ktx",
-            Self::Dds => "dds",
-            Self::Exr => "exr",
-            Self::Hdr => "hdr",
-        }
-    }
 }
 
 /// The target of that name.
@@ -255,10 +44,33 @@ pub(super) fn target_help() -> String {
             Some(reader) => format!("tested with {reader}"),
             None => "unverified: no test loads it into its engine".to_owned(),
         };
-        text += &format!("\n\n{}: {} ({tested})\n{}\nFiles:", target.name, target.reader, target.expansion());
-        for (path, _) in Plan::new(target).files("NAME") {
+        text += &format!("\n\n{}: {} ({tested})\n{}\nFiles:", target.name, target.reader, expansion(target));
+        for (path, _) in Plan::new(target).files(&Shape { name: "NAME", levels: 1, bounded: &[] }) {
             text += &format!(" {path}");
         }
+    }
+    text
+}
+
+/// What `target` expands to, as options.
+fn expansion(target: &Target) -> String {
+    let mut text = String::new();
+    if target.has_container() {
+        text += &format!("--format {} --pixel {} ", target.container.name(), target.pixel.name());
+    }
+    text += &format!("--size {} ", target.size);
+    if target.map != Map::Panorama {
+        text += &format!("--levels {} --ladder {} ", target.levels(target.size), target.ladder.name());
+    }
+    if target.map == Map::Cube {
+        text += &format!("--flip {} ", target.flip.name());
+    }
+    text += &format!("--diffuse {}", target.diffuse.name());
+    if matches!(target.diffuse, Diffuse::Cube | Diffuse::Both) {
+        text += &format!(" --irradiance {}", target.irradiance_size);
+    }
+    if target.has_sheen() {
+        text += ", and the same levels by --lobe charlie";
     }
     text
 }

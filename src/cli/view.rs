@@ -283,7 +283,7 @@ fn environment(args: &ViewArgs, talk: &Talk) -> Outcome<(Environment, String)> {
 fn levels(args: &ViewArgs, environment: &Environment, talk: &Talk) -> Outcome<Option<Levels>> {
     let ([path], false) = (&args.inputs[..], args.input.extract_sun) else { return Ok(None) };
     let Some(LoadedChain { chain, .. }) = input::read_bake(path)? else { return Ok(None) };
-    if environment.layout() != (Layout::Cube { size: chain.levels[0].size }) {
+    if environment.layout() != (Layout::Cube { size: chain.levels[0].size() }) {
         return Ok(None);
     }
     let mut turned = Environment::new(Layout::Cube { size: 1 }, vec![[0.0; 3]; 6])?;

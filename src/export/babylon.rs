@@ -5,7 +5,7 @@
 //! the header's end. Images are upside down: the reader draws them into a render target, whose rows run
 //! upwards.
 
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::error::Result;
 use crate::format::Pixel;
 use crate::format::container::ENV_MAGIC;
@@ -22,8 +22,8 @@ use serde_json::{Value, json};
 ///
 /// # Errors
 /// [`crate::Error::Parameter`] for a size that is no power of two, and where levels are missing.
-pub(crate) fn env_bytes(chain: &CubeChain, sh: &[[f64; 3]], flip: Flip) -> Result<CubeFile> {
-    let size = chain.levels.first().map_or(0, |level| level.size);
+pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<CubeFile> {
+    let size = chain.levels.first().map_or(0, |level| level.size());
     check_env(size, chain.levels.len() as u32)?;
     let images = png_faces(chain)?;
     let mut position = 0;
@@ -49,14 +49,17 @@ pub(crate) fn env_bytes(chain: &CubeChain, sh: &[[f64; 3]], flip: Flip) -> Resul
 }
 
 /// Texels that RGBD clamps, a level each.
-pub(crate) fn clamped(chain: &CubeChain) -> Vec<u64> {
+pub(crate) fn clamped(chain: &Chain) -> Vec<u64> {
     chain.levels.iter().map(|level| Pixel::Rgbd.clamped(&level.texels)).collect()
 }
 
 /// A PNG for every face of every level, rows upwards.
-pub(crate) fn png_faces(chain: &CubeChain) -> Result<Vec<Vec<u8>>> {
-    let faces: Vec<_> =
-        chain.levels.iter().flat_map(|level| Face::ALL.map(|face| (level.size, level.face(face)))).collect();
+pub(crate) fn png_faces(chain: &Chain) -> Result<Vec<Vec<u8>>> {
+    let faces: Vec<_> = chain
+        .levels
+        .iter()
+        .flat_map(|level| Face::ALL.map(|face| (level.size(), level.face(face))))
+        .collect();
     let png = |(size, texels): (u32, &[[f32; 3]])| {
         let texels: Vec<_> = texels.chunks_exact(size as usize).rev().flatten().copied().collect();
         rgbd_png_bytes(size, &texels)

@@ -1,27 +1,32 @@
-//! The files of a target, made of a bake.
+//! The files of a plan, made of a bake.
 
 use super::{babylon, gltf};
 use crate::bake::Bake;
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
-use crate::format::Pixel;
 use crate::format::container::Container;
+use crate::format::{LevelName, OutputLayout, Pixel};
 use crate::io::cube_file::CubeFile;
 use crate::io::cube_write::cube_bytes;
 use crate::io::exr::write::{Attribute, Samples, exr_bytes};
 use crate::io::hdr::write::hdr_bytes_with;
+use crate::io::layout::Unfolding;
+use crate::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::io::oem_write::oem_bytes;
 use crate::io::provenance::{Provenance, QUARTER_TURNS_KEY, irradiance_pairs};
 use crate::lobe::{LOBE_KEY, Lobe};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{name, order_text};
-use crate::target::{Content, Plan, READERS};
+use crate::sphere::cube::Face;
+use crate::target::{Content, Plan, READERS, Shape};
+use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// A file in memory.
 #[derive(Clone, Debug)]
 pub struct Made {
-    /// Where it belongs in the target's folder.
+    /// Where it belongs in the output's folder.
     pub path: String,
     /// What is in it.
     pub content: Content,
@@ -31,70 +36,131 @@ pub struct Made {
     pub clamped: Vec<u64>,
 }
 
-/// The files of `plan` for the environment called `stem`, made of `bake`. `metadata` are key/value pairs for
+/// The files of `plan` for the environment called `name`, made of `bake`. `metadata` are key/value pairs for
 /// containers that have a place for them.
 ///
 /// # Errors
 /// [`Error::Parameter`] where the container cannot hold the pixels or the levels, and where the plan asks for
 /// an irradiance or a sheen cube that was not baked.
-pub fn files(plan: &Plan, stem: &str, bake: &Bake, metadata: &[(String, String)]) -> Result<Vec<Made>> {
+pub fn files(plan: &Plan, name: &str, bake: &Bake, metadata: &[(String, String)]) -> Result<Vec<Made>> {
     plan.check()?;
+    let levels = &bake.chain.levels;
+    let bounded: Vec<u32> = (0..).zip(levels).filter(|(_, l)| l.bounds.is_some()).map(|(k, _)| k).collect();
+    let shape = Shape { name, levels: levels.len() as u32, bounded: &bounded };
     let make = |(path, content): (String, Content)| {
-        let cube = |levels: &[CubeLevel], sh: bool| {
-            let chain = CubeChain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
-            let mut pairs = cube_metadata(plan, bake, metadata, sh);
-            match content {
-                Content::Sheen => {
-                    let lobe = pairs.iter_mut().filter(|(key, _)| key == LOBE_KEY);
-                    lobe.for_each(|(_, value)| Lobe::Charlie.name().clone_into(value));
-                }
-                Content::Irradiance => pairs = irradiance_pairs(&pairs),
-                _ => {}
-            }
-            cube_bytes(plan.container, &chain, plan.pixel, &pairs)
-        };
-        let missing = |what: &str| Error::Parameter(format!("{what} is to be written that was not baked"));
-        let text = |text: String| CubeFile { bytes: text.into_bytes(), clamped: Vec::new() };
-        let file = match content {
-            Content::ShJson => text(sh_json(plan, bake)),
-            Content::ShText => text(sh_text(bake)),
-            Content::Specular => cube(&bake.chain.levels, plan.diffuse.has_sh())?,
-            Content::Skybox => cube(&bake.chain.levels[..1], false)?,
-            Content::Sheen => {
-                let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
-                cube(&sheen.levels, false)?
-            }
-            Content::Irradiance => {
-                let level = bake.irradiance.as_ref().ok_or_else(|| missing("an irradiance cube"))?;
-                cube(std::slice::from_ref(level), false)?
-            }
-            Content::Oem => oem_bytes(plan.container, &bake.images, plan.pixel, &of_target(plan, metadata))?,
-            Content::Reader => {
-                let (_, code) =
-                    READERS.iter().find(|(name, _)| *name == path).expect("a reader of that name");
-                text((*code).to_owned())
-            }
-            Content::Panorama => {
-                CubeFile { bytes: panorama(plan, bake, &path, metadata)?, clamped: Vec::new() }
-            }
-            Content::Env => babylon::env_bytes(&plan.flip.chain(&bake.chain), &bake.sh, plan.flip)?,
-            Content::Glb => gltf::glb_bytes(&plan.flip.chain(&bake.chain), &bake.sh, stem)?,
-        };
+        let file = file_of(plan, name, bake, metadata, (&path, content))?;
         Ok(Made { path, content, bytes: file.bytes, clamped: file.clamped })
     };
-    plan.files(stem).into_iter().map(make).collect()
+    plan.files(&shape).into_par_iter().map(make).collect()
+}
+
+/// The file at `path` of `plan`, which holds `content`.
+fn file_of(
+    plan: &Plan,
+    name: &str,
+    bake: &Bake,
+    metadata: &[(String, String)],
+    (path, content): (&str, Content),
+) -> Result<CubeFile> {
+    let cube = |levels: &[Level], sh: bool| {
+        let chain = Chain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
+        let mut pairs = cube_metadata(plan, bake, metadata, sh);
+        match content {
+            Content::Sheen => {
+                let lobe = pairs.iter_mut().filter(|(key, _)| key == LOBE_KEY);
+                lobe.for_each(|(_, value)| Lobe::Charlie.name().clone_into(value));
+            }
+            Content::Irradiance => pairs = irradiance_pairs(&pairs),
+            _ => {}
+        }
+        cube_bytes(plan.container, &chain, plan.pixel, &pairs)
+    };
+    let levels = &bake.chain.levels[..];
+    let text = |text: String| CubeFile { bytes: text.into_bytes(), clamped: Vec::new() };
+    Ok(match content {
+        Content::ShJson => text(sh_json(plan, bake)),
+        Content::ShText => text(sh_text(bake)),
+        Content::Specular => cube(levels, plan.diffuse.has_sh())?,
+        Content::Skybox => cube(&levels[..1], false)?,
+        Content::Sheen => {
+            let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
+            cube(&sheen.levels, false)?
+        }
+        Content::Irradiance => cube(std::slice::from_ref(irradiance(bake)?), false)?,
+        Content::Oem => oem_bytes(plan.container, levels, plan.pixel, &of_target(plan, metadata))?,
+        Content::Reader => {
+            let (_, code) = READERS.iter().find(|(name, _)| *name == path).expect("a reader of that name");
+            text((*code).to_owned())
+        }
+        Content::Panorama => CubeFile { bytes: panorama(plan, bake, path, metadata)?, clamped: Vec::new() },
+        Content::Env => babylon::env_bytes(&plan.flip.chain(&bake.chain), &bake.sh, plan.flip)?,
+        Content::Glb => gltf::glb_bytes(&plan.flip.chain(&bake.chain), &bake.sh, name)?,
+        Content::Mips => CubeFile {
+            bytes: mips_bytes(levels, plan.pixel, metadata)?,
+            clamped: levels.iter().map(|level| plan.pixel.clamped(&level.texels)).collect(),
+        },
+        Content::Image(image) => image_file(plan, bake, metadata, image)?,
+    })
+}
+
+fn missing(what: &str) -> Error {
+    Error::Parameter(format!("{what} is to be written that was not baked"))
+}
+
+fn irradiance(bake: &Bake) -> Result<&Level> {
+    bake.irradiance.as_ref().ok_or_else(|| missing("an irradiance cube"))
+}
+
+/// The image `name` of a level.
+fn image_file(plan: &Plan, bake: &Bake, metadata: &[(String, String)], name: LevelName) -> Result<CubeFile> {
+    let level = match name.level {
+        Some(level) => bake.chain.levels.get(level as usize).ok_or_else(|| missing("a level"))?,
+        None => irradiance(bake)?,
+    };
+    let (size, area) = (level.size(), level.size() as usize * level.size() as usize);
+    let roughness = name.level.map(|_| level.roughness);
+    if name.is_bound {
+        let bounds = level.bounds.as_ref().ok_or_else(|| missing("a bound"))?;
+        let bounds = &bounds[name.face.map_or(0, Face::index) * area..][..area];
+        let samples = Samples::Luminance(bounds);
+        // Bounds say what they belong to where they stand beside EXR levels.
+        let bytes = if plan.container == Container::Exr {
+            let format = ImageFormat { container: Container::Exr, pixel: Pixel::F32, roughness, metadata };
+            image_bytes(size, samples, &format)?
+        } else {
+            exr_bytes(size, size, samples, Pixel::F32, &[])?
+        };
+        return Ok(CubeFile { bytes, clamped: Vec::new() });
+    }
+    let unfolded = |unfolding: Unfolding| {
+        (unfolding.sides().0 * size, Cow::Owned(unfolding.image_from_faces(size, &level.texels)))
+    };
+    let (width, texels) = match (name.face, plan.layout) {
+        (Some(face), _) => (size, Cow::Borrowed(level.face(face))),
+        (None, OutputLayout::Cross) => unfolded(Unfolding::Cross),
+        (None, OutputLayout::CrossVertical) => unfolded(Unfolding::CrossVertical),
+        (None, OutputLayout::Strip) => unfolded(Unfolding::Strip),
+        (None, OutputLayout::StripVertical) => unfolded(Unfolding::StripVertical),
+        (None, _) => (level.layout.sides().0, Cow::Borrowed(&level.texels[..])),
+    };
+    // The faces of a level are stored alike.
+    let pixel = plan.pixel.stored(&level.texels);
+    let format = ImageFormat { container: plan.container, pixel, roughness, metadata };
+    let bytes = image_bytes(width, Samples::Rgb(&texels), &format)?;
+    Ok(CubeFile { bytes, clamped: vec![pixel.clamped(&texels)] })
 }
 
 /// Level 0 as one image, its columns where the engine looks for them.
 fn panorama(plan: &Plan, bake: &Bake, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let level = bake
-        .images
+        .chain
+        .levels
         .first()
         .ok_or_else(|| Error::Parameter("a panorama is to be written that was not baked".to_owned()))?;
     let (width, height) = level.layout.sides();
     if !width.is_multiple_of(4) {
         return Err(Error::Parameter(format!(
-            "target {}: --size {height} is not even, and its panorama cannot be turned by quarters",
+            "target {}: `size` {height} is not even, and its panorama cannot be turned by quarters",
             plan.target.name
         )));
     }
@@ -130,8 +196,11 @@ fn cube_metadata(plan: &Plan, bake: &Bake, metadata: &[(String, String)], sh: bo
     pairs
 }
 
-/// `metadata` with the target's name and its flip.
+/// `metadata` with the target's name and its flip, where there is a target.
 fn of_target(plan: &Plan, metadata: &[(String, String)]) -> Vec<(String, String)> {
+    if !plan.is_targeted() {
+        return metadata.to_vec();
+    }
     let own = Provenance {
         target: Some(plan.target.name.to_owned()),
         flip: Some(plan.flip),

@@ -8,7 +8,7 @@
 //! and takes the coefficients' signs and bands otherwise than the text.
 
 use super::babylon::{clamped, png_faces};
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::io::cube_file::CubeFile;
 use crate::io::exr::write::SOFTWARE;
@@ -23,8 +23,8 @@ const NINE: usize = 9;
 ///
 /// # Errors
 /// [`Error::Parameter`] for a size that is no power of two, and for more than 4 GiB.
-pub(crate) fn glb_bytes(chain: &CubeChain, sh: &[[f64; 3]], name: &str) -> Result<CubeFile> {
-    let size = chain.levels.first().map_or(0, |level| level.size);
+pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<CubeFile> {
+    let size = chain.levels.first().map_or(0, |level| level.size());
     check_glb(size)?;
     let images = png_faces(chain)?;
     let mut binary = Vec::new();
@@ -64,7 +64,7 @@ fn glb(root: &Value, binary: &[u8]) -> Result<Vec<u8>> {
     let total = 12 + 8 + text.len() + 8 + binary.len();
     let length = |bytes: usize| {
         u32::try_from(bytes)
-            .map_err(|_| Error::Parameter("a .glb holds up to 4 GiB; choose a smaller --size".to_owned()))
+            .map_err(|_| Error::Parameter("a .glb holds up to 4 GiB; choose a smaller `size`".to_owned()))
     };
     let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
     Ok([

@@ -3,4 +3,4 @@
 pub(crate) mod babylon;
 pub mod files;
 pub(crate) mod gltf;
-pub mod report_file;
+pub mod write;

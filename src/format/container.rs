@@ -1,18 +1,22 @@
-//! File formats that hold a whole cube chain.
+//! File formats that bakes are written in.
 
 use crate::format::Pixel;
 
-/// A file format that holds a whole cube chain.
+/// A file format that a bake is written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Container {
     /// KTX 2, Zstandard.
     Ktx2,
     /// KTX 1, plain.
+    #[cfg_attr(feature = "cli", value(name = "ktx"))]
     Ktx1,
     /// DDS with the DX10 header.
     Dds,
-    /// OpenEXR, a part for each face of each level.
+    /// OpenEXR: a part for each face of each level, or an image a file.
     Exr,
+    /// Radiance .hdr, an image a file.
+    Hdr,
 }
 
 impl Container {
@@ -24,19 +28,37 @@ impl Container {
             Self::Ktx1 => "ktx",
             Self::Dds => "dds",
             Self::Exr => "exr",
+            Self::Hdr => "hdr",
         }
+    }
+
+    /// The container that files with the extension `extension`, in lower case, are in.
+    #[must_use]
+    pub fn named(extension: &str) -> Option<Self> {
+        CONTAINERS.into_iter().find(|container| container.name() == extension)
+    }
+
+    /// Whether files of this kind hold a whole cube chain each.
+    #[must_use]
+    pub const fn is_single(self) -> bool {
+        matches!(self, Self::Ktx2 | Self::Ktx1 | Self::Dds)
     }
 
     /// Whether files of this kind can hold `pixel`.
     #[must_use]
     pub fn holds(self, pixel: Pixel) -> bool {
         match self {
-            Self::Ktx2 | Self::Dds => pixel != Pixel::Rgbd,
-            Self::Ktx1 => !matches!(pixel, Pixel::Bc6h | Pixel::Rgbd),
+            Self::Ktx2 | Self::Dds => !matches!(pixel, Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto),
+            Self::Ktx1 => pixel != Pixel::Bc6h && Self::Ktx2.holds(pixel),
             Self::Exr => matches!(pixel, Pixel::F16 | Pixel::F32),
+            Self::Hdr => pixel == Pixel::Rgbe,
         }
     }
 }
+
+/// Every container.
+pub const CONTAINERS: [Container; 5] =
+    [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr, Container::Hdr];
 
 /// What an `.env` begins with.
 pub const ENV_MAGIC: [u8; 8] = [0x86, 0x16, 0x87, 0x96, 0xf6, 0xd6, 0x96, 0x36];

@@ -2,9 +2,13 @@
 
 pub mod bc6h;
 pub mod container;
+mod level_name;
+mod output_layout;
 mod pixel;
 pub mod r11g11b10;
 pub mod rgbd;
 pub(crate) mod texel_bytes;
 
+pub use level_name::LevelName;
+pub use output_layout::OutputLayout;
 pub use pixel::*;

@@ -12,8 +12,12 @@ pub const HALF_MAX: f32 = 65504.0;
 /// The greatest value of a channel in RGB9E5: (511/512) * 2^16.
 pub const RGB9E5_MAX: f32 = 65408.0;
 
+/// The greatest value of a channel in RGBE.
+pub const RGBE_MAX: f32 = (255.0 / 256.0) * (1_u128 << 127) as f32;
+
 /// How a texel is stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Pixel {
     /// Half float, clamped at [`HALF_MAX`].
     #[default]
@@ -23,11 +27,20 @@ pub enum Pixel {
     /// Three 9-bit mantissas and a shared 5-bit exponent, clamped at [`RGB9E5_MAX`].
     Rgb9e5,
     /// Unsigned floats of 11, 11 and 10 bits, clamped at [`super::r11g11b10::R11G11B10_MAX`].
+    #[cfg_attr(feature = "cli", value(name = "r11g11b10f"))]
     R11g11b10,
     /// Blocks of 4 x 4 texels in BC6H, unsigned, clamped at [`HALF_MAX`].
     Bc6h,
     /// Eight bits a channel and a divisor, clamped at [`super::rgbd::RGBD_MAX`]; in PNG images only.
+    #[cfg_attr(feature = "cli", value(skip))]
     Rgbd,
+    /// Three 8-bit mantissas and a shared 8-bit exponent, clamped at [`RGBE_MAX`]; in .hdr images only.
+    #[cfg_attr(feature = "cli", value(skip))]
+    Rgbe,
+    /// [`Pixel::F16`], but [`Pixel::F32`] for an image that is too bright or too dim for half floats: see
+    /// [`Pixel::stored`].
+    #[cfg_attr(feature = "cli", value(skip))]
+    Auto,
 }
 
 impl Pixel {
@@ -41,6 +54,8 @@ impl Pixel {
             Self::R11g11b10 => "r11g11b10f",
             Self::Bc6h => "bc6h",
             Self::Rgbd => "rgbd",
+            Self::Rgbe => "rgbe",
+            Self::Auto => "auto",
         }
     }
 
@@ -49,10 +64,11 @@ impl Pixel {
     pub const fn max(self) -> f32 {
         match self {
             Self::F16 | Self::Bc6h => HALF_MAX,
-            Self::F32 => f32::MAX,
+            Self::F32 | Self::Auto => f32::MAX,
             Self::Rgb9e5 => RGB9E5_MAX,
             Self::R11g11b10 => R11G11B10_MAX,
             Self::Rgbd => RGBD_MAX,
+            Self::Rgbe => RGBE_MAX,
         }
     }
 
@@ -62,12 +78,29 @@ impl Pixel {
         match self {
             // Half of the least step, which goes to the even number.
             Self::F16 | Self::Bc6h => 1.0 / (1_u32 << 25) as f32,
-            Self::F32 => 0.0,
+            Self::F32 | Self::Auto => 0.0,
             // Below half of the least step.
             Self::Rgb9e5 => f32::from_bits((1.0 / (1_u32 << 25) as f32).to_bits() - 1),
             Self::R11g11b10 => 1.0 / (1_u32 << 21) as f32,
             // Below (0.5/255)^2.2.
             Self::Rgbd => 1.1e-6,
+            // The greatest subnormal number.
+            Self::Rgbe => f32::from_bits(0x007f_ffff),
+        }
+    }
+
+    /// The format that an image of `texels` is stored in: what [`Pixel::Auto`] stands for, else the format
+    /// itself.
+    #[must_use]
+    pub fn stored(self, texels: &[Rgb]) -> Self {
+        match self {
+            Self::Auto => {
+                // So dim that half floats keep less than their eleven bits of even the brightest texel.
+                let brightest = texels.as_flattened().iter().copied().fold(0.0, f32::max);
+                let dim = brightest > 0.0 && brightest < f16::MIN_POSITIVE.to_f32();
+                if dim || Self::F16.clamped(texels) > 0 { Self::F32 } else { Self::F16 }
+            }
+            other => other,
         }
     }
 

@@ -30,6 +30,8 @@ pub(crate) fn texel_bytes(size: u32, texels: &[Rgb], pixel: Pixel) -> Vec<u8> {
         }
         Pixel::Rgb9e5 => bytes.extend(texels.iter().flat_map(|t| rgb9e5_from_rgb(*t).to_le_bytes())),
         Pixel::R11g11b10 => bytes.extend(texels.iter().flat_map(|t| r11g11b10_from_rgb(*t).to_le_bytes())),
+        Pixel::Auto => return texel_bytes(size, texels, pixel.stored(texels)),
+        Pixel::Rgbe => unreachable!("the .hdr writer alone has RGBE, and encodes it itself"),
         Pixel::Rgbd => bytes.extend(texels.iter().flat_map(|t| rgbd_from_rgb(*t))),
         Pixel::Bc6h => return bc6h_blocks(size, texels),
     }

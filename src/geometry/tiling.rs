@@ -1,6 +1,6 @@
 //! Tiles of neighbouring texels whose directions share packets, and the footprints of texels.
 
-use crate::chain::Rung;
+use crate::chain::LevelSpec;
 use crate::environment::Layout;
 use crate::filter::Answer;
 use crate::light_scale::rounded_up;
@@ -50,12 +50,12 @@ pub(crate) struct Tile {
 }
 
 impl Tiling {
-    /// The tiles of `rung` for `lobe` over an OEM of `oem` texels.
-    pub(crate) fn new(oem: u32, rung: Rung, lobe: Lobe) -> Self {
-        let footprint = Footprint::new(oem, rung, lobe);
+    /// The tiles of `spec` for `lobe` over an OEM of `oem` texels.
+    pub(crate) fn new(oem: u32, spec: LevelSpec, lobe: Lobe) -> Self {
+        let footprint = Footprint::new(oem, spec, lobe);
         let tile = (TILE / footprint.divisions).max(1);
-        let sides = rung.layout.sides();
-        Self { layout: rung.layout, sides, footprint, tile, tiles: sides.1.div_ceil(tile) }
+        let sides = spec.layout.sides();
+        Self { layout: spec.layout, sides, footprint, tile, tiles: sides.1.div_ceil(tile) }
     }
 
     /// Rows of tiles, of all images.
@@ -210,18 +210,18 @@ struct Footprint {
 }
 
 impl Footprint {
-    pub(crate) fn new(oem: u32, rung: Rung, lobe: Lobe) -> Self {
-        let alpha = rung.roughness * rung.roughness;
+    pub(crate) fn new(oem: u32, spec: LevelSpec, lobe: Lobe) -> Self {
+        let alpha = spec.roughness * spec.roughness;
         // An OEM texel is nowhere narrower than 2/n.
         let width = lobe::full_width_at_half_maximum(lobe, alpha).max(2.0 / f64::from(oem));
-        let share = longest_edge(rung.layout) / width;
+        let share = longest_edge(spec.layout) / width;
         let divisions = if extent(share) < NEGLIGIBLE_EXTENT {
             1
         } else {
             // Samples at most a quarter of a lobe apart.
             ((4.0 * share).ceil() as u32).next_power_of_two().clamp(2, 64)
         };
-        Self { layout: rung.layout, width, divisions }
+        Self { layout: spec.layout, width, divisions }
     }
 
     pub(crate) const fn samples(&self) -> usize {

@@ -261,7 +261,7 @@ impl Adaptive {
                 for count in readback::read::<u32>(context, leaves).await? {
                     if count == INCOMPLETE {
                         return Err(Error::Gpu(format!(
-                            "{} ended a loop before its end; use --engine cpu or a larger error",
+                            "{} ended a loop before its end; use the CPU engine or a larger error",
                             context.describe()
                         )));
                     }

@@ -45,7 +45,7 @@ impl SatTextures {
                 what: format!("a table of {side} x {side} as textures"),
                 needed: 32 * u64::from(side) * u64::from(side),
                 available: 32 * u64::from(most) * u64::from(most),
-                remedy: format!("choose --oem-size and --border to make at most {most}"),
+                remedy: format!("choose `oem_size` and `border` to make at most {most}"),
             });
         }
         let [low, high] = ["SAT low words", "SAT high words"].map(|label| {

@@ -161,7 +161,7 @@ impl CellTree {
         let what = format!("a tree of cells over {inner} x {inner} texels");
         context.fits(&what, bytes(inner), |available| {
             let fitting = (1..inner).rev().find(|inner| bytes(*inner) <= available);
-            format!("choose --oem-size at most {}, or --engine cpu", fitting.unwrap_or(0))
+            format!("choose `oem_size` at most {}, or the CPU engine", fitting.unwrap_or(0))
         })
     }
 

@@ -10,10 +10,9 @@ use super::fixed_point::FixedPoint;
 use super::reparameterise::{self, Reparameterise};
 use super::sat_scan::SatScan;
 use super::{Context, OemPlanes, SatPlanes, Stage};
-use crate::bake::job::Order;
-use crate::bake::level::{self, BakedLevel};
-use crate::bake::{Bake, BakeSettings, Progress};
-use crate::chain::Rung;
+use crate::bake::job::Job;
+use crate::bake::level::{Advance, BakedLevel, LevelJob};
+use crate::bake::{self, Bake, BakeEngine, BakeSettings, OnProgress, Processor};
 use crate::cpu::box_filter::single_box;
 use crate::cpu::leaves::LANES;
 use crate::environment::{Environment, Layout, Rgb};
@@ -25,12 +24,11 @@ use crate::geometry::tiling::{Tile, Tiling};
 use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
 use crate::lobe::kernel::Kernel;
-use crate::oem::bilinear_share;
+use crate::oem::{OemSize, bilinear_share};
 use crate::reflector::{ReflectorSettings, Workspace, check_answers};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
-use web_time::Instant;
 
 /// Float32 directions do not resolve lobes of a smaller alpha, nor mirrors: the CPU evaluates them over the
 /// OEM read back.
@@ -89,52 +87,37 @@ impl Engine {
     /// Bakes `environment` as [`crate::bake::bake`] does.
     ///
     /// # Errors
-    /// Those of the CPU, and [`Error::Gpu`].
-    pub async fn bake(
-        &self,
-        environment: &Environment,
-        settings: &BakeSettings,
-        progress: &(dyn Fn(Progress) + Sync),
-    ) -> Result<Bake> {
-        let mut bakes = self.bake_all(environment, std::slice::from_ref(settings), progress).await?;
+    /// Those of the CPU, [`Error::Unsupported`] for what the shaders do not compute, and [`Error::Gpu`].
+    pub async fn bake(&self, environment: &Environment, settings: &BakeSettings) -> Result<Bake> {
+        let mut bakes = self.bake_all(environment, std::slice::from_ref(settings), &bake::unwatched).await?;
         Ok(bakes.pop().expect("one bake for one settings"))
     }
 
     /// Bakes `environment` several times from one octahedral map, as [`crate::bake::bake_all`] does.
     ///
     /// # Errors
-    /// Those of the CPU, and [`Error::Gpu`].
+    /// Those of the CPU, [`Error::Unsupported`] for what the shaders do not compute, and [`Error::Gpu`].
     pub async fn bake_all(
         &self,
         environment: &Environment,
         settings: &[BakeSettings],
-        progress: &(dyn Fn(Progress) + Sync),
+        progress: OnProgress<'_>,
     ) -> Result<Vec<Bake>> {
-        let order = Order::new(environment, settings)?;
-        let meter = order.meter(progress);
-        let reflector_settings = order.reflector_settings();
-        for part in order.parts() {
-            check_lobe(part.lobe)?;
-            self.check_fits(environment, &reflector_settings, part.filter)?;
+        let job = Job::new(environment, settings)?;
+        let reflector_settings = job.reflector_settings();
+        for level in job.levels() {
+            check_lobe(level.lobe)?;
+            self.check_fits(environment, &reflector_settings, level.filter)?;
         }
         let reflector = Reflector::new(self, environment, &reflector_settings)?;
-        let mut levels = Vec::new();
-        for (index, part) in order.parts().iter().enumerate() {
-            let start = Instant::now();
-            let level = reflector.bake_level(part.rung, part.lobe, part.filter).await?;
-            meter.advance(index, level.texels.len() as u64);
-            levels.push((level, start.elapsed().as_secs_f64()));
-        }
-        let oem = reflector.planes.read(&self.context).await?;
-        let [red, green, blue, _] = oem.totals();
-        order.finish(levels, oem.size(), reflector.scale.energies([red, green, blue]))
+        bake::bake_job(job, &reflector, progress).await
     }
 
     /// Checks, before any allocation, that the tables of `filter` fit the device; the error names the largest
     /// size that does.
     ///
     /// # Errors
-    /// [`Error::Limit`] where they do not.
+    /// [`Error::Limit`] where they do not, [`Error::Unsupported`] for a filter that runs on the CPU only.
     pub fn check_fits(
         &self,
         environment: &Environment,
@@ -147,7 +130,7 @@ impl Engine {
             Filter::Box => SatPlanes::check_fits(&self.context, size),
             Filter::Fitted(_) => SatPlanes::check_fits(&self.context, size)
                 .and_then(|()| FittedTables::check_fits(&self.context, size.inner)),
-            Filter::Reference => Ok(()),
+            Filter::Reference => Err(unsupported("the reference filter")),
         }
     }
 
@@ -160,34 +143,30 @@ impl Engine {
         let Filter::Adaptive(error) = settings.filter else {
             return Err(Error::Parameter("stages of a bake are those of the adaptive filter".to_owned()));
         };
-        let order = Order::new(environment, std::slice::from_ref(settings))?;
-        let reflector = Reflector::new(self, environment, &order.reflector_settings())?;
+        let job = Job::new(environment, std::slice::from_ref(settings))?;
+        let reflector = Reflector::new(self, environment, &job.reflector_settings())?;
         let Self { context, reparameterise, adaptive, .. } = self;
         let mut levels = Vec::new();
-        for &crate::bake::part::Part { rung, lobe, .. } in order.parts() {
-            if level::is_mirror(rung, lobe) {
+        for level in job.levels() {
+            let LevelJob { spec, lobe, .. } = *level;
+            if level.is_mirror() {
                 let texture = &reflector.texture;
-                let Layout::Cube { size } = rung.layout else {
+                let Layout::Cube { size } = spec.layout else {
                     return Err(Error::Parameter("stages of a bake are those of a cube".to_owned()));
                 };
                 levels.push(reparameterise.footprints(context, environment, texture, size)?.0);
                 continue;
             }
-            let groups = groups(&Tiling::new(reflector.planes.size().inner, rung, lobe));
+            let groups = groups(&Tiling::new(reflector.planes.size().inner, spec, lobe));
             let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
             let packets = Packets::new(context, &packets(&groups, environment.source_from_world()))?;
-            let parts = reflector.parts(lobe, rung.roughness * rung.roughness, error)?;
+            let parts = reflector.parts(lobe, spec.roughness * spec.roughness, error)?;
             levels.push(adaptive.stage(context, &parts, &packets));
         }
         let Reflector { stage, constant, bilinear, .. } = &reflector;
         let cells = [constant, bilinear].into_iter().filter_map(OnceLock::get).map(|(_, stage)| stage);
         Ok(std::iter::once(stage).chain(cells).cloned().chain(levels).collect())
     }
-}
-
-/// The error of a filter that runs on the CPU alone.
-fn cpu_s_own(filter: &str) -> Error {
-    Error::Parameter(format!("the GPU has no {filter} filter: use --engine cpu"))
 }
 
 /// An environment's OEM on the GPU, ready to answer. Tables are built when first asked for.
@@ -355,7 +334,7 @@ impl<'a> Reflector<'a> {
             Ok(Answers { lanes, leaves: 0 })
         };
         let error = match filter {
-            Filter::Reference => return Err(cpu_s_own("reference")),
+            Filter::Reference => return Err(unsupported("the reference filter")),
             Filter::Fitted(count) => {
                 let queries: Vec<_> = directions().into_iter().map(|d| (d, roughness)).collect();
                 return unbounded(fitted.radiance(context, self.fitted(count)?, &queries).await?);
@@ -366,7 +345,7 @@ impl<'a> Reflector<'a> {
             }
             Filter::Adaptive(error) => error,
         };
-        if lobe.has_mirror() && alpha < SHARPEST_ALPHA {
+        if is_near_mirror(lobe, alpha) {
             let oem = self.planes.read(context).await?;
             let reflector = crate::reflector::Reflector::over(self.environment, oem, self.settings);
             let lobes = reflector.lobes(lobe, roughness, filter)?;
@@ -400,30 +379,38 @@ impl<'a> Reflector<'a> {
             })
             .collect()
     }
+}
 
-    async fn bake_level(&self, rung: Rung, lobe: Lobe, filter: Filter) -> Result<BakedLevel> {
+impl BakeEngine for Reflector<'_> {
+    async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
+        let LevelJob { spec, lobe, filter } = *level;
         let Engine { context, reparameterise, .. } = self.engine;
-        if level::is_mirror(rung, lobe) {
+        if level.is_mirror() {
             // The CPU computes overlaps with other maps; they are used once.
-            let Layout::Cube { size } = rung.layout else {
-                let texels = footprints_over(self.environment, rung.layout)?;
-                return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
+            let Layout::Cube { size } = spec.layout else {
+                let texels = footprints_over(self.environment, spec.layout)?;
+                advance(texels.len() as u64)?;
+                return Ok(BakedLevel::unbounded(texels));
             };
             let (stage, footprints) =
                 reparameterise.footprints(context, self.environment, &self.texture, size)?;
             context.submit(|encoder| stage.record(encoder));
             let texels: Vec<[f32; 4]> = readback::read(context, &footprints).await?;
             let texels = texels.iter().map(|[r, g, b, _]| self.scale.radiance([*r, *g, *b])).collect();
-            return Ok(BakedLevel { texels, bounds: None, leaves_per_texel: None });
+            advance(level.spec.layout.texel_count() as u64)?;
+            return Ok(BakedLevel { processor: Processor::Gpu, ..BakedLevel::unbounded(texels) });
         }
-        let tiling = Tiling::new(self.planes.size().inner, rung, lobe);
+        let is_sharp = is_near_mirror(lobe, spec.roughness * spec.roughness);
+        let on_cpu = is_sharp && matches!(filter, Filter::Adaptive(_));
+        let processor = if on_cpu { Processor::Cpu } else { Processor::Gpu };
+        let tiling = Tiling::new(self.planes.size().inner, spec, lobe);
         let groups = groups(&tiling);
         let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
         let packets = if matches!(filter, Filter::Adaptive(_)) { groups.len() as u64 } else { 0 };
-        let answers = self.evaluate(&groups, lobe, rung.roughness, filter).await?;
+        let answers = self.evaluate(&groups, lobe, spec.roughness, filter).await?;
 
         let mut rest = &answers.lanes[..];
-        let mut level = Vec::new();
+        let mut texels = Vec::new();
         let mut tile = Tile::default();
         for row in 0..tiling.rows() {
             let mut line = tiling.line(row);
@@ -432,18 +419,34 @@ impl<'a> Reflector<'a> {
                 tile.resolve(own, &mut line);
                 rest = others;
             });
-            level.extend(line);
+            texels.extend(line);
         }
-        Ok(BakedLevel::new(level.into_iter(), answers.leaves, packets, tiling.samples()))
+        advance(texels.len() as u64)?;
+        Ok(BakedLevel::new(processor, texels.into_iter(), answers.leaves, packets, tiling.samples()))
     }
+
+    async fn oem(&self) -> Result<(OemSize, [f64; 3])> {
+        let oem = self.planes.read(&self.engine.context).await?;
+        let [red, green, blue, _] = oem.totals();
+        Ok((oem.size(), self.scale.energies([red, green, blue])))
+    }
+}
+
+/// Whether float32 directions do not resolve `lobe`, which the CPU then evaluates.
+fn is_near_mirror(lobe: Lobe, alpha: f64) -> bool {
+    lobe.has_mirror() && alpha < SHARPEST_ALPHA
 }
 
 /// Checks that the shaders support `lobe`.
 fn check_lobe(lobe: Lobe) -> Result<()> {
     match lobe {
-        Lobe::Charlie => Err(Error::Parameter("the GPU has no Charlie lobe: use --engine cpu".to_owned())),
+        Lobe::Charlie => Err(unsupported("the Charlie lobe")),
         Lobe::Ggx | Lobe::Phong | Lobe::Cone | Lobe::Cosine => Ok(()),
     }
+}
+
+fn unsupported(what: &str) -> Error {
+    Error::Unsupported { what: what.to_owned() }
 }
 
 /// The directions of all tiles of a level, in packets, as the CPU groups them.

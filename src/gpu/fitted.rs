@@ -222,14 +222,14 @@ impl FittedTables {
                 what: format!("an OEM of {inner} x {inner} as a texture"),
                 needed: 16 * u64::from(inner) * u64::from(inner),
                 available: 16 * u64::from(most) * u64::from(most),
-                remedy: format!("choose --oem-size at most {most}"),
+                remedy: format!("choose `oem_size` at most {most}"),
             });
         }
         let bytes = |inner| 32 * u64::from(super::octaves::Layout::new(inner).entries);
         context.fits("tables of blurred octaves", bytes(inner), |available| {
             let sizes = (4..u32::BITS).map(|log2| 1 << log2).take_while(|smaller| *smaller < inner);
             let fitting = sizes.filter(|smaller| bytes(*smaller) <= available).last();
-            format!("choose --oem-size at most {}, or --engine cpu", fitting.unwrap_or(0))
+            format!("choose `oem_size` at most {}, or the CPU engine", fitting.unwrap_or(0))
         })
     }
 

@@ -83,7 +83,7 @@ impl Table {
 fn largest_that_fits(bytes: u64) -> impl FnOnce(u64) -> String {
     move |available| {
         let edge = (available / bytes).isqrt() / 4 * 4;
-        format!("choose --oem-size and --border to make at most {edge}")
+        format!("choose `oem_size` and `border` to make at most {edge}")
     }
 }
 

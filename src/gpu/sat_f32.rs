@@ -63,7 +63,7 @@ impl SatF32 {
         let Table { side, .. } = oem.table();
         let bytes = 16 * u64::from(side) * u64::from(side);
         context.fits(&format!("a float32 table of {side} x {side}"), bytes, |available| {
-            format!("choose --oem-size and --border to make at most {}", (available / 16).isqrt())
+            format!("choose `oem_size` and `border` to make at most {}", (available / 16).isqrt())
         })?;
         let buffers = [(); 2].map(|()| context.storage("float32 table", bytes));
         let partials = context.storage("sums of groups", 16 * u64::from(GROUPS));

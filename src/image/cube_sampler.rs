@@ -1,6 +1,6 @@
 //! Bilinear look-up in a cube level without seams: faces carry a border of their neighbours' texels.
 
-use crate::chain::CubeLevel;
+use crate::chain::Level;
 use crate::environment::Rgb;
 use crate::sphere::cube::{self, Face};
 use glam::DVec3;
@@ -17,8 +17,8 @@ impl SeamlessLevel {
     /// Copies `level` with its borders: across an edge the neighbour's texel, at a corner the mean of the
     /// three texels that meet there, as Vulkan filters cubes.
     #[must_use]
-    pub fn new(level: &CubeLevel) -> Self {
-        let (n, side) = (level.size as usize, level.size as usize + 2);
+    pub fn new(level: &Level) -> Self {
+        let (n, side) = (level.size() as usize, level.size() as usize + 2);
         let mut bordered = vec![[0.0; 3]; 6 * side * side];
         for face in Face::ALL {
             let to = &mut bordered[face.index() * side * side..][..side * side];
@@ -61,8 +61,8 @@ impl SeamlessLevel {
 }
 
 /// The texel of another face beside place (`x`, `y`) on the border of the bordered `face`.
-fn neighbour(level: &CubeLevel, face: Face, x: usize, y: usize) -> Rgb {
-    let n = level.size as usize;
+fn neighbour(level: &Level, face: Face, x: usize, y: usize) -> Rgb {
+    let n = level.size() as usize;
     // Just outside the face, so little that the place along the edge does not shift.
     let outside = |k: usize| match k {
         0 => -1.0 - 1e-9,

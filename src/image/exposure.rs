@@ -1,6 +1,6 @@
 //! The exposure of pictures: chosen from the light, or a number.
 
-use crate::chain::CubeLevel;
+use crate::chain::Level;
 use crate::environment::{Environment, Rgb, exact_luminance};
 use crate::sphere::cube::{self, Face};
 use std::fmt::{self, Display, Formatter};
@@ -71,9 +71,9 @@ pub fn of_environment(environment: &Environment) -> f64 {
 
 /// The automatic exposure for `level`, in powers of two.
 #[must_use]
-pub fn of_level(level: &CubeLevel) -> f64 {
+pub fn of_level(level: &Level) -> f64 {
     let mut average = LogAverage::new(&level.texels);
-    let n = level.size;
+    let n = level.size();
     for face in Face::ALL {
         for (texel, at) in (0..).zip(level.face(face)).map(|(at, texel)| (texel, at)) {
             average.add(cube::texel_solid_angle(n, at % n, at / n), *texel);
@@ -112,21 +112,21 @@ impl LogAverage {
 #[cfg(test)]
 mod tests {
     use super::{Exposure, of_environment, of_level};
-    use crate::chain::CubeLevel;
+    use crate::chain::Level;
     use crate::environment::{Environment, Layout};
 
     #[test]
     fn an_even_light_is_shown_as_middle_grey() {
         for radiance in [1e-40_f32, 1e-6, 0.18, 3.0, 3e38] {
             let texels = vec![[radiance; 3]; 6 * 16];
-            let level = CubeLevel { size: 4, roughness: 0.0, texels: texels.clone(), bounds: None };
+            let level = Level::cube(4, 0.0, texels.clone());
             let environment = Environment::new(Layout::Cube { size: 4 }, texels).expect("sound texels");
             let ev = of_level(&level);
             assert!((ev - of_environment(&environment)).abs() < 1e-9, "one rule");
             let shown = f64::from(radiance) * ev.exp2();
             assert!((shown - 0.18).abs() < 1e-6, "{radiance} is shown as {shown}");
         }
-        let black = CubeLevel { size: 1, roughness: 0.0, texels: vec![[0.0; 3]; 6], bounds: None };
+        let black = Level::cube(1, 0.0, vec![[0.0; 3]; 6]);
         assert_eq!(of_level(&black), 0.0);
     }
 

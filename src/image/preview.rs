@@ -1,7 +1,7 @@
 //! Pictures to look at: a contact sheet of lit spheres down the roughness ladder, and the error of one level
 //! in false colour. 8-bit sRGB; equal inputs give equal pictures.
 
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::{Rgb, exact_luminance};
 use crate::error::{Error, Result};
 use crate::image::cube_sampler::SeamlessLevel;
@@ -40,8 +40,8 @@ const BACKDROP_ROUGHNESS: f64 = 0.35;
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels.
-pub fn contact_sheet(chain: &CubeChain, exposure: Exposure) -> Result<RgbImage> {
-    let distance = |level: &CubeLevel| (level.roughness - BACKDROP_ROUGHNESS).abs();
+pub fn contact_sheet(chain: &Chain, exposure: Exposure) -> Result<RgbImage> {
+    let distance = |level: &Level| (level.roughness - BACKDROP_ROUGHNESS).abs();
     let Some(backdrop) = chain.levels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
         return Err(Error::Parameter("a preview needs at least one level".to_owned()));
     };
@@ -54,7 +54,7 @@ pub fn contact_sheet(chain: &CubeChain, exposure: Exposure) -> Result<RgbImage> 
     for (level, index) in chain.levels.iter().zip(0..) {
         let (x, y) = (GAP + index % COLUMNS * (TILE + GAP), GAP + index / COLUMNS * cell_height);
         draw_text(&mut sheet, x, y, 2, &format!("R {:.3}", level.roughness));
-        let size = level.size.to_string();
+        let size = level.size().to_string();
         draw_text(&mut sheet, x + TILE - 2 * font::text_width(&size), y, 2, &size);
         draw_sphere(&mut sheet, x, y + LABEL, level, &backdrop, exposure);
         draw_cross(&mut sheet, x, y + LABEL + TILE + GAP, FACE, level, |texel| display(texel, exposure));
@@ -71,11 +71,12 @@ const ERROR_RANGE: (f64, f64) = (1e-4, 1.0);
 ///
 /// # Errors
 /// [`Error::Parameter`] where the two have not the same size.
-pub fn error_picture(level: &CubeLevel, reference: &CubeLevel) -> Result<RgbImage> {
-    if level.size != reference.size || level.texels.len() != reference.texels.len() || level.size == 0 {
+pub fn error_picture(level: &Level, reference: &Level) -> Result<RgbImage> {
+    if level.size() != reference.size() || level.texels.len() != reference.texels.len() || level.size() == 0 {
         return Err(Error::Parameter(format!(
             "cannot compare a level of {} with one of {}",
-            level.size, reference.size
+            level.size(),
+            reference.size()
         )));
     }
     let total: f64 = reference.texels.iter().map(|t| exact_luminance(*t)).sum();
@@ -88,7 +89,7 @@ pub fn error_picture(level: &CubeLevel, reference: &CubeLevel) -> Result<RgbImag
         *error = [relative as f32; 3];
     }
     // Faces of at least 96 pixels, whole pixels a texel.
-    let face = level.size * 96_u32.div_ceil(level.size);
+    let face = level.size() * 96_u32.div_ceil(level.size());
     let (width, legend) = (4 * face + 2 * GAP, 54);
     let mut picture = RgbImage::from_pixel(width, 3 * face + 3 * GAP + legend, PAPER);
     draw_cross(&mut picture, GAP, GAP, face, &errors, |texel| error_colour(f64::from(texel[0])));
@@ -151,7 +152,7 @@ fn draw_sphere(
     sheet: &mut RgbImage,
     left: u32,
     top: u32,
-    level: &CubeLevel,
+    level: &Level,
     backdrop: &SeamlessLevel,
     exposure: f64,
 ) {
@@ -186,10 +187,10 @@ fn draw_cross(
     left: u32,
     top: u32,
     face_pixels: u32,
-    level: &CubeLevel,
+    level: &Level,
     colour: impl Fn(Rgb) -> Pixel<u8>,
 ) {
-    let n = level.size as usize;
+    let n = level.size() as usize;
     let span = |k: u32| {
         let edge = |k: u32| k as usize * n / face_pixels as usize;
         edge(k)..edge(k + 1).max(edge(k) + 1)

@@ -32,7 +32,7 @@ impl<'a> Confined<'a> {
         let base = resolved(parent.unwrap_or_else(|| Path::new(".")))?;
         let top = root.map(resolved).transpose()?.unwrap_or_else(|| base.clone());
         if !base.starts_with(&top) {
-            let message = format!("outside of --mesh-root {}; give a folder above it", top.display());
+            let message = format!("outside of `mesh_root` {}; give a folder above it", top.display());
             return Err(Error::input(path, message));
         }
         Ok(Self { path, folders: Some((base, top)), limit, left: limit })
@@ -78,7 +78,7 @@ impl<'a> Confined<'a> {
                 }
                 Component::ParentDir => {
                     return Err(refuse(
-                        "outside of the mesh's folder; --mesh-root DIR allows files below DIR",
+                        "outside of the mesh's folder; `mesh_root` DIR allows files below DIR",
                     ));
                 }
                 Component::RootDir | Component::Prefix(_) => {
@@ -96,7 +96,7 @@ impl<'a> Confined<'a> {
         };
         let real = fs::canonicalize(&place).map_err(missing)?;
         if !real.starts_with(top) {
-            return Err(refuse("a link out of the mesh's folder; --mesh-root DIR allows files below DIR"));
+            return Err(refuse("a link out of the mesh's folder; `mesh_root` DIR allows files below DIR"));
         }
         let file = open_regular(&real)?;
         let mut bytes = Vec::new();

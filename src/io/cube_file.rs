@@ -1,6 +1,6 @@
 //! A cube chain as one file in memory, and what all containers check of it.
 
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::format::Pixel;
 
@@ -14,35 +14,35 @@ pub struct CubeFile {
 }
 
 impl CubeFile {
-    pub(super) fn new(bytes: Vec<u8>, chain: &CubeChain, pixel: Pixel) -> Self {
+    pub(super) fn new(bytes: Vec<u8>, chain: &Chain, pixel: Pixel) -> Self {
         let clamped = chain.levels.iter().map(|level| pixel.clamped(&level.texels)).collect();
         Self { bytes, clamped }
     }
 }
 
 /// The edge of level 0 of a chain that a file of `format` can hold: sizes halve, every face is whole.
-pub(super) fn check_sizes(format: &str, chain: &CubeChain) -> Result<u32> {
+pub(super) fn check_sizes(format: &str, chain: &Chain) -> Result<u32> {
     let Some(first) = chain.levels.first() else {
         return Err(Error::Parameter(format!("a {format} file needs at least one level")));
     };
-    let most = first.size.checked_ilog2().map_or(0, |log2| log2 as usize + 1);
+    let most = first.size().checked_ilog2().map_or(0, |log2| log2 as usize + 1);
     if chain.levels.len() > most {
         return Err(Error::Parameter(format!(
             "{} levels are more than the {most} that {format} allows a cube of {}",
             chain.levels.len(),
-            first.size
+            first.size()
         )));
     }
     for (index, level) in chain.levels.iter().enumerate() {
-        let size = first.size >> index;
-        if level.size != size || level.texels.len() != 6 * size as usize * size as usize {
+        let size = first.size() >> index;
+        if level.size() != size || level.texels.len() != 6 * size as usize * size as usize {
             return Err(Error::Parameter(format!(
                 "level {index} of a {format} cube of {} must have 6 faces of {size}, not {} texels in faces of {}",
-                first.size,
+                first.size(),
                 level.texels.len(),
-                level.size
+                level.size()
             )));
         }
     }
-    Ok(first.size)
+    Ok(first.size())
 }

@@ -5,10 +5,10 @@ use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::Attribute;
 use super::provenance::FLIP_KEY;
 use super::{dds, ktx1, ktx2};
-use crate::chain::{CubeChain, CubeLevel};
-use crate::error::Result;
-use crate::format::Pixel;
+use crate::chain::{Chain, Level};
+use crate::error::{Error, Result};
 use crate::format::container::Container;
+use crate::format::{LevelName, Pixel};
 use crate::sphere::cube::Face;
 use crate::target::Flip;
 
@@ -16,11 +16,11 @@ use crate::target::Flip;
 /// alone.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel format that
+/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel format that
 /// the container cannot hold ([`Container::holds`]), and for impossible keys.
 pub fn cube_bytes(
     container: Container,
-    chain: &CubeChain,
+    chain: &Chain,
     pixel: Pixel,
     metadata: &[(String, String)],
 ) -> Result<CubeFile> {
@@ -35,26 +35,27 @@ pub fn cube_bytes(
             Ok(file)
         }
         Container::Exr => exr_bytes(chain, pixel, metadata),
+        Container::Hdr => {
+            Err(Error::Parameter("a cube in .hdr files is a folder of images, not one file".to_owned()))
+        }
     }
 }
 
 /// `chain` as an EXR file with parts `m0_px`, `m0_nx`, ..., which tell their roughness and `metadata`.
-fn exr_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
+fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     check_sizes("EXR", chain)?;
-    let attributes = |level: &CubeLevel| {
+    let attributes = |level: &Level| {
         let text = metadata.iter().map(|(key, text)| (key.clone(), Attribute::Text(text.clone())));
         let roughness = ("roughness".to_owned(), Attribute::Float(level.roughness as f32));
         std::iter::once(roughness).chain(text).collect()
     };
-    let parts: Vec<Part<'_>> = chain
-        .levels
-        .iter()
-        .enumerate()
+    let parts: Vec<Part<'_>> = (0..)
+        .zip(&chain.levels)
         .flat_map(|(index, level)| Face::ALL.map(|face| (index, level, face)))
         .map(|(index, level, face)| Part {
-            name: format!("m{index}_{}", face.short_name()),
-            width: level.size,
-            height: level.size,
+            name: LevelName::face(index, face).to_string(),
+            width: level.size(),
+            height: level.size(),
             texels: level.face(face),
             attributes: attributes(level),
         })

@@ -19,6 +19,7 @@ use std::path::Path;
 
 /// How an image covers the sphere, as the user says it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum LayoutChoice {
     /// By its shape: 2:1 panorama, 4:3 and 3:4 crosses, 6:1 and 1:6 strips, 1:1 octahedral square.
     #[default]
@@ -164,22 +165,22 @@ pub(super) fn arrangement(
     if content == Content::Cube {
         return match choice {
             LayoutChoice::Auto | LayoutChoice::Faces => Ok(cube(width, "cube", &[])),
-            _ => Err(Error::input(path, "it holds a cube; leave --layout out or say --layout faces")),
+            _ => Err(Error::input(path, "it holds a cube; leave `layout` out or say `layout` faces")),
         };
     }
     let (found, needed) = match choice {
         LayoutChoice::Auto => (
             equirect().or_else(cross).or_else(strip).or_else(octahedral),
             "no known layout has that shape: a panorama is 2:1, crosses 4:3 or 3:4, strips 6:1 or 1:6, an octahedral \
-             square 1:1; resize it, then say which with --layout",
+             square 1:1; resize it, then say which with `layout`",
         ),
-        LayoutChoice::Equirect => (equirect(), "a panorama must be 2:1; resize it or say another --layout"),
-        LayoutChoice::Cross => (cross(), "a cross must be 4:3 or 3:4; say another --layout"),
-        LayoutChoice::Strip => (strip(), "a strip must be 6:1 or 1:6; say another --layout"),
+        LayoutChoice::Equirect => (equirect(), "a panorama must be 2:1; resize it or say another `layout`"),
+        LayoutChoice::Cross => (cross(), "a cross must be 4:3 or 3:4; say another `layout`"),
+        LayoutChoice::Strip => (strip(), "a strip must be 6:1 or 1:6; say another `layout`"),
         LayoutChoice::Faces => {
-            (None, "one image is not six faces; give six files, or say --layout cross or strip")
+            (None, "one image is not six faces; give six files, or say `layout` cross or strip")
         }
-        LayoutChoice::Octahedral => (octahedral(), "an octahedral square must be 1:1; say another --layout"),
+        LayoutChoice::Octahedral => (octahedral(), "an octahedral square must be 1:1; say another `layout`"),
         LayoutChoice::Picture => (Some(whole(Layout::Panorama { width, height }, "picture")), ""),
     };
     found.ok_or_else(|| Error::input(path, format!("{width}x{height}: {needed}")))

@@ -11,9 +11,10 @@ use super::regular::open_regular;
 use super::side_report::MOST_REPORT_BYTES;
 use super::side_report::{REPORT, ReportLevel, SideReport};
 use super::{exr, hdr};
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Layout;
 use crate::error::{Error, Result};
+use crate::format::LevelName;
 use crate::sphere::cube::Face;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -47,11 +48,8 @@ pub(super) fn read_environment(folder: &Path, memory_limit: u64) -> Result<Pictu
 /// Every level, with its roughness.
 pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
     let listing = Listing::of(folder, memory_limit)?;
-    let mut stored = Stored {
-        chain: CubeChain { levels: Vec::new() },
-        provenance: listing.provenance,
-        format: String::new(),
-    };
+    let mut stored =
+        Stored { chain: Chain { levels: Vec::new() }, provenance: listing.provenance, format: String::new() };
     for level in &listing.levels {
         let ReportLevel { size, roughness, .. } = *level;
         let picture = read_level(folder, *level, memory_limit)?;
@@ -67,7 +65,7 @@ pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
         }
         let texels = picture.texels;
         check_finite(folder, level.level, size, &texels)?;
-        stored.chain.levels.push(CubeLevel { size, roughness, texels, bounds: None });
+        stored.chain.levels.push(Level::cube(size, roughness, texels));
     }
     Ok(stored)
 }
@@ -200,7 +198,9 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
 
 /// The file of a level that is one image.
 fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
-    let files = ["exr", "hdr"].into_iter().map(|extension| folder.join(format!("m{level}.{extension}")));
+    let files = ["exr", "hdr"]
+        .into_iter()
+        .map(|extension| folder.join(format!("{}.{extension}", LevelName::whole(level))));
     files.into_iter().find(|path| path.is_file())
 }
 
@@ -227,7 +227,7 @@ fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pict
 }
 
 fn face_file(folder: &Path, level: u32, face: Face) -> Result<PathBuf> {
-    let stem = format!("m{level}_{}", face.short_name());
+    let stem = LevelName::face(level, face);
     ["exr", "hdr"]
         .into_iter()
         .map(|extension| folder.join(format!("{stem}.{extension}")))

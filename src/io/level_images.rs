@@ -1,90 +1,62 @@
-//! Levels as single images: folders of `m{level}.exr` or `.hdr`, and lat-long MIP maps in one tiled EXR.
+//! Levels as images of their own: one image in EXR or Radiance, and lat-long MIP maps in one tiled EXR.
 
 use super::exr::parts::exr_mips_bytes;
-use super::exr::write::{Attribute, ExrPixel, Samples, StoredLevel, attributes_of, exr_bytes, stored_level};
-use super::hdr::write::{hdr_bytes_with, level_pairs};
-use super::layout::Unfolding;
-use crate::chain::{CubeLevel, ImageLevel};
+use super::exr::write::{Attribute, Samples, exr_bytes};
+use super::hdr::write::hdr_bytes_with;
+use super::ktx2::write::ROUGHNESS_KEY;
+use super::provenance::irradiance_pairs;
+use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::format::Pixel;
-use rayon::prelude::*;
-use std::borrow::Cow;
-use std::fs;
-use std::path::Path;
+use crate::format::container::Container;
 
-/// A level as one image.
-#[derive(Clone, Debug)]
-pub struct LevelImage<'a> {
-    /// The file's name, without its extension.
-    pub name: String,
-    /// Columns.
-    pub width: u32,
-    /// Row-major.
-    pub texels: Cow<'a, [Rgb]>,
-    /// Perceptual roughness; `None` where it has none.
+/// What an image is stored as, and what its header says.
+#[derive(Clone, Copy, Debug)]
+pub struct ImageFormat<'a> {
+    /// OpenEXR or Radiance.
+    pub container: Container,
+    /// Its pixels.
+    pub pixel: Pixel,
+    /// Perceptual roughness of its level; `None` for an irradiance, which has none.
     pub roughness: Option<f64>,
+    /// Further key/value pairs.
+    pub metadata: &'a [(String, String)],
 }
 
-impl<'a> LevelImage<'a> {
-    /// A cube's level, unfolded.
-    #[must_use]
-    pub fn unfolded(name: String, level: &CubeLevel, unfolding: Unfolding, roughness: Option<f64>) -> Self {
-        let (columns, _) = unfolding.sides();
-        let texels = unfolding.image_from_faces(level.size, &level.texels);
-        Self { name, width: columns * level.size, texels: Cow::Owned(texels), roughness }
-    }
-
-    /// A level that is an image already.
-    #[must_use]
-    pub fn whole(name: String, level: &'a ImageLevel) -> Self {
-        let texels = Cow::Borrowed(&level.texels[..]);
-        Self { name, width: level.layout.sides().0, texels, roughness: Some(level.roughness) }
-    }
-
-    fn height(&self) -> u32 {
-        (self.texels.len() / self.width.max(1) as usize) as u32
-    }
-}
-
-/// Writes `images` into `folder` as EXR files that tell their `roughness` and `metadata`; returns how each
-/// was stored.
+/// A file with an image `width` texels wide: EXR with its roughness and metadata in attributes, Radiance with
+/// the same in header lines.
 ///
 /// # Errors
-/// [`Error::Io`] naming the file that could not be written.
-pub fn write_exr_images(
-    folder: &Path,
-    images: &[LevelImage<'_>],
-    choice: ExrPixel,
-    metadata: &[(String, String)],
-) -> Result<Vec<StoredLevel>> {
-    let write = |image: &LevelImage<'_>| {
-        let stored = stored_level(&image.texels, choice);
-        let attributes = attributes_of(image.roughness, metadata);
-        let samples = Samples::Rgb(&image.texels);
-        let bytes = exr_bytes(image.width, image.height(), samples, stored.pixel, &attributes)?;
-        let path = folder.join(format!("{}.exr", image.name));
-        fs::write(&path, bytes).map_err(|e| Error::io(&path, e))?;
-        Ok(stored)
+/// [`Error::Parameter`] for other containers, for pixels that the container does not have, and where the
+/// samples do not fill the image.
+pub fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat<'_>) -> Result<Vec<u8>> {
+    let ImageFormat { container, pixel, roughness, metadata } = *format;
+    let count = match samples {
+        Samples::Rgb(texels) => texels.len(),
+        Samples::Luminance(values) => values.len(),
     };
-    images.par_iter().map(write).collect()
-}
-
-/// Writes `images` into `folder` as Radiance files with their roughness and `metadata` in their headers.
-///
-/// # Errors
-/// [`Error::Io`] naming the file that could not be written.
-pub fn write_hdr_images(
-    folder: &Path,
-    images: &[LevelImage<'_>],
-    metadata: &[(String, String)],
-) -> Result<()> {
-    images.par_iter().try_for_each(|image| {
-        let lines = level_pairs(image.roughness, metadata);
-        let bytes = hdr_bytes_with(image.width, image.height(), &image.texels, &lines)?;
-        let path = folder.join(format!("{}.hdr", image.name));
-        fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
-    })
+    let height = (count / width.max(1) as usize) as u32;
+    match (container, samples) {
+        (Container::Exr, _) => {
+            let roughness = roughness.map(|r| ("roughness".to_owned(), Attribute::Float(r as f32)));
+            let pairs = if roughness.is_some() { metadata.to_vec() } else { irradiance_pairs(metadata) };
+            let pairs = pairs.into_iter().map(|(key, text)| (key, Attribute::Text(text)));
+            let attributes: Vec<_> = roughness.into_iter().chain(pairs).collect();
+            exr_bytes(width, height, samples, pixel, &attributes)
+        }
+        (Container::Hdr, Samples::Rgb(texels)) => {
+            let pairs = match roughness {
+                Some(roughness) => {
+                    let own = (ROUGHNESS_KEY.to_owned(), roughness.to_string());
+                    std::iter::once(own).chain(metadata.iter().cloned()).collect()
+                }
+                None => irradiance_pairs(metadata),
+            };
+            hdr_bytes_with(width, height, texels, &pairs)
+        }
+        _ => Err(Error::Parameter(format!("an image of a level is exr or hdr, not {}", container.name()))),
+    }
 }
 
 /// A tiled EXR of `levels`, panoramas that halve down to one texel, with each level's roughness and
@@ -92,7 +64,7 @@ pub fn write_hdr_images(
 ///
 /// # Errors
 /// [`Error::Parameter`] for levels that are not so, and for pixels that EXR does not have.
-pub fn mips_bytes(levels: &[ImageLevel], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
+pub fn mips_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let Some(Layout::Panorama { width, height }) = levels.first().map(|level| level.layout) else {
         return Err(Error::Parameter("a lat-long MIP map is made of panoramas".to_owned()));
     };

@@ -39,7 +39,7 @@ pub use layout::LayoutChoice;
 pub use picture::DEFAULT_MEMORY_LIMIT;
 pub use repair::Repairs;
 
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::environment::Environment;
 use crate::error::{Error, Result, printable};
 use panics::contained;
@@ -99,7 +99,7 @@ pub struct Loaded {
 #[derive(Clone, Debug)]
 pub struct LoadedChain {
     /// The chain in the file's world, see [`provenance`].
-    pub chain: CubeChain,
+    pub chain: Chain,
     /// What the file says of its origin.
     pub provenance: Provenance,
     /// The encoding in words, such as `KTX2 cube, RGBA16F, 9 levels`.
@@ -153,7 +153,7 @@ pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Res
 /// other.
 pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     if !matches!(options.layout, LayoutChoice::Auto | LayoutChoice::Faces) {
-        return Err(Error::Parameter("six files are one cube; use --layout faces".to_owned()));
+        return Err(Error::Parameter("six files are one cube; use `layout` faces".to_owned()));
     }
     let ordered = face_names::in_face_order(paths)?;
     let (picture, repaired) = read_square_faces(&ordered, options)?;
@@ -166,7 +166,7 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
 ///
 /// # Errors
 /// As [`read`]; NaN and Inf are always refused.
-pub fn read_chain(path: &Path) -> Result<CubeChain> {
+pub fn read_chain(path: &Path) -> Result<Chain> {
     Ok(load_chain(path)?.chain)
 }
 
@@ -209,7 +209,7 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
 ///
 /// # Errors
 /// As [`read_chain`].
-pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<CubeChain> {
+pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<Chain> {
     let source = Source { path, bytes, memory_limit };
     Ok(in_world(path, contained(path, || decode_chain(&source))?)?.chain)
 }
@@ -372,7 +372,7 @@ fn finish_finite(
     if options.strict && repaired.any() {
         return Err(Error::input(
             path,
-            format!("{repaired}; --strict allows no repair, leave it out to set them right"),
+            format!("{repaired}; `strict` allows no repair, leave it out to set them right"),
         ));
     }
     warnings.extend(repaired.matters().then(|| format!("{repaired}, set right")));

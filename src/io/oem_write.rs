@@ -11,12 +11,12 @@ use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::Attribute;
 use super::ktx2::file::{Shape, ktx2_file};
 use super::ktx2::write::{ROUGHNESS_KEY, format_of, roughness_text};
-use crate::chain::ImageLevel;
+use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
-use crate::format::Pixel;
 use crate::format::container::Container;
 use crate::format::texel_bytes::texel_bytes;
+use crate::format::{LevelName, Pixel};
 use crate::oem::{OemSize, level_sizes};
 use crate::sphere::octahedral::wrap_texel;
 
@@ -51,7 +51,7 @@ const CONVENTIONS: [(&str, &str); 4] = [
 /// hold.
 pub fn oem_bytes(
     container: Container,
-    levels: &[ImageLevel],
+    levels: &[Level],
     pixel: Pixel,
     metadata: &[(String, String)],
 ) -> Result<CubeFile> {
@@ -100,14 +100,14 @@ pub fn oem_bytes(
                 .iter()
                 .zip(&sizes)
                 .zip(&bordered)
-                .enumerate()
-                .map(|(index, ((level, size), texels))| {
+                .zip(0..)
+                .map(|(((level, size), texels), index)| {
                     let text = pairs
                         .iter()
                         .map(|(key, value)| ((*key).to_owned(), Attribute::Text((*value).to_owned())));
                     let roughness = ("roughness".to_owned(), Attribute::Float(level.roughness as f32));
                     Part {
-                        name: format!("m{index}"),
+                        name: LevelName::whole(index).to_string(),
                         width: size.bordered(),
                         height: size.bordered(),
                         texels,
@@ -117,7 +117,7 @@ pub fn oem_bytes(
                 .collect();
             exr_parts_bytes(&parts, pixel)?
         }
-        Container::Ktx1 | Container::Dds => {
+        Container::Ktx1 | Container::Dds | Container::Hdr => {
             return Err(Error::Parameter(format!(
                 "an octahedral map is written as ktx2 or exr, not {}",
                 container.name()

@@ -8,6 +8,7 @@ use super::regular::open_regular;
 use super::side_report::REPORT;
 use super::temporary::{Live, Temporary, exchange, exists, refused, rename_new, resolved, with_path};
 use crate::error::{Error, Result};
+use crate::format::LevelName;
 use crate::target::{self, Target};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read as _, Write};
@@ -79,6 +80,37 @@ pub fn write_folder<T>(path: &Path, existing: Existing, write: impl FnOnce(&Path
     let (staged, value) = stage_folder(path, existing, write)?;
     commit(vec![staged])?;
     Ok(value)
+}
+
+/// One output of several that are put in place together.
+#[derive(Clone, Debug)]
+pub enum Output<'a> {
+    /// A file and its bytes.
+    File(&'a [u8]),
+    /// A folder and its files: their paths within it, with `/` between folders, and their bytes.
+    Folder(Vec<(String, &'a [u8])>),
+}
+
+/// Writes `outputs`, each to become what its path names; [`commit`] puts them there.
+///
+/// # Errors
+/// As [`write_file`] and [`write_folder`].
+pub fn stage_all(outputs: &[(PathBuf, Output<'_>)], existing: Existing) -> Result<Vec<Staged>> {
+    let stage = |(place, output): &(PathBuf, Output<'_>)| match output {
+        Output::File(bytes) => stage_file(place, existing, |file| file.write_all(bytes)),
+        Output::Folder(files) => {
+            let write = |folder: &Path| {
+                files.iter().try_for_each(|(path, bytes)| {
+                    let path = folder.join(path);
+                    let parent = path.parent().expect("within a folder");
+                    fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
+                    fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
+                })
+            };
+            stage_folder(place, existing, write).map(|(staged, ())| staged)
+        }
+    };
+    outputs.iter().map(stage).collect()
 }
 
 /// Writes the file that is to become `path`; [`commit`] puts it there.
@@ -228,10 +260,10 @@ pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
     let place = resolved(path)?;
     match fs::metadata(&place) {
         Ok(found) if found.is_dir() => Err(refused(path, "is a folder; name a file")),
-        Ok(found) if !found.is_file() => {
-            Err(refused(path, "is not a regular file; name one, or -o - for standard output"))
+        Ok(found) if !found.is_file() => Err(refused(path, "is not a regular file; name one")),
+        Ok(_) if existing == Existing::Keep => {
+            Err(refused(path, "already exists; `Existing::Replace` replaces it"))
         }
-        Ok(_) if existing == Existing::Keep => Err(refused(path, "already exists; --force replaces it")),
         Ok(_) => Ok(()),
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(e) => Err(Error::io(path, e)),
@@ -246,12 +278,14 @@ pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
     let place = resolved(path)?;
     match fs::metadata(&place) {
         Ok(found) if !found.is_dir() => Err(refused(path, "is a file; name a folder")),
-        Ok(_) if existing == Existing::Keep => Err(refused(path, "already exists; --force replaces it")),
+        Ok(_) if existing == Existing::Keep => {
+            Err(refused(path, "already exists; `Existing::Replace` replaces it"))
+        }
         Ok(_) => match stranger_in(&place)? {
             Some(name) => Err(refused(
                 path,
                 &format!(
-                    "holds {name}, which no bake wrote; --force replaces bakes only, name another folder"
+                    "holds {name}, which no bake wrote; `Existing::Replace` replaces bakes only, name another folder"
                 ),
             )),
             None => Ok(()),
@@ -339,18 +373,8 @@ fn is_bake_file(name: &str) -> bool {
     if ["report.json", "sun.json", "sunless.exr"].contains(&name) {
         return true;
     }
-    let Some(stem) = name.strip_suffix(".exr").or_else(|| name.strip_suffix(".hdr")) else { return false };
-    let known_level = |level: &str| {
-        level == "irradiance"
-            || level
-                .strip_prefix('m')
-                .is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()))
-    };
-    let known_face = |face: &str| crate::sphere::cube::Face::ALL.iter().any(|f| f.short_name() == face);
-    match stem.strip_suffix("_bound").unwrap_or(stem).rsplit_once('_') {
-        Some((level, face)) => known_level(level) && known_face(face),
-        None => known_level(stem),
-    }
+    let stem = name.strip_suffix(".exr").or_else(|| name.strip_suffix(".hdr"));
+    stem.is_some_and(|stem| LevelName::parse(stem).is_some())
 }
 
 /// A temporary that could not be made: the kind alone, because `tempfile` puts the temporary name into its

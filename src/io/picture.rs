@@ -1,7 +1,7 @@
 //! What the codecs take and give: a file in memory, and its pixels.
 
 use super::provenance::Provenance;
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::sphere::cube::Face;
@@ -118,7 +118,7 @@ pub(super) fn limit(path: &Path, what: &str, needed: u64, available: u64) -> Err
 
 /// A chain as the files have it: flips are not undone.
 pub(super) struct Stored {
-    pub(super) chain: CubeChain,
+    pub(super) chain: Chain,
     pub(super) provenance: Provenance,
     /// The encoding in words.
     pub(super) format: String,

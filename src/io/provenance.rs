@@ -15,7 +15,7 @@
 //! BLAKE3 hash of every file. A report that lists another hash for a file is ignored. What a file itself says
 //! comes before what its report says.
 
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::{Layout, Rgb};
 use crate::lobe::{LOBE_KEY, Lobe};
 use crate::target::Flip;
@@ -182,9 +182,7 @@ impl Provenance {
         let flip = self.flip.unwrap_or_default();
         Ok(match (flip, layout) {
             (Flip::None, _) => texels,
-            (_, Layout::Cube { size }) => {
-                flip.level(&CubeLevel { size, roughness: 0.0, texels, bounds: None }).texels
-            }
+            (_, Layout::Cube { size }) => flip.level(&Level::cube(size, 0.0, texels)).texels,
             // Azimuths run from -Z over +X and +Z, so that -z reverses the columns.
             (Flip::Z, Layout::Panorama { width, .. }) => rows(texels, width, <[Rgb]>::reverse),
             (Flip::X, Layout::Panorama { width, .. }) => {
@@ -206,7 +204,7 @@ impl Provenance {
     ///
     /// # Errors
     /// As [`Provenance::world_texels`].
-    pub(super) fn world_chain(&self, chain: CubeChain) -> Result<CubeChain, String> {
+    pub(super) fn world_chain(&self, chain: Chain) -> Result<Chain, String> {
         if self.quarter_turns.unwrap_or(0) != 0 {
             return Err(format!("{QUARTER_TURNS_KEY} is for panoramas; bake it anew"));
         }

@@ -1,11 +1,12 @@
 //! Mirrored cubes: for engines that turn a coordinate about when they look into a cube map.
 
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
 use glam::DVec3;
 
 /// The axis on which an engine negates a world direction before it looks it up in a cube map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Flip {
     /// None: the cube is looked up by the world's own directions.
     #[default]
@@ -46,11 +47,11 @@ impl Flip {
     /// `level` such that what it showed at a direction it shows at that direction flipped: texels change
     /// places and keep their values.
     #[must_use]
-    pub fn level(self, level: &CubeLevel) -> CubeLevel {
+    pub fn level(self, level: &Level) -> Level {
         if self == Self::None {
             return level.clone();
         }
-        let n = level.size as usize;
+        let n = level.size() as usize;
         // A face's image lands on one face, rows and columns staying such: found at the middles of texels.
         let coordinate = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
         let texel = |c: f64| ((c + 1.0) / 2.0 * n as f64) as usize;
@@ -63,8 +64,8 @@ impl Flip {
                 (face.index() * n + texel(t)) * n + texel(s)
             })
             .collect();
-        CubeLevel {
-            size: level.size,
+        Level {
+            layout: level.layout,
             roughness: level.roughness,
             texels: sources.iter().map(|at| level.texels[*at]).collect(),
             bounds: level.bounds.as_ref().map(|bounds| sources.iter().map(|at| bounds[*at]).collect()),
@@ -73,8 +74,8 @@ impl Flip {
 
     /// Every level of `chain`, by [`Flip::level`].
     #[must_use]
-    pub fn chain(self, chain: &CubeChain) -> CubeChain {
-        CubeChain { levels: chain.levels.iter().map(|level| self.level(level)).collect() }
+    pub fn chain(self, chain: &Chain) -> Chain {
+        Chain { levels: chain.levels.iter().map(|level| self.level(level)).collect() }
     }
 }
 
@@ -90,7 +91,7 @@ mod tests {
                 direction_from_texel(Face::ALL[(k / (size * size)) as usize], size, k % size, k / size % size)
             };
             let texels = (0..6 * size * size).map(|k| direction(k).as_vec3().to_array()).collect();
-            let level = CubeLevel { size, roughness: 0.0, texels, bounds: None };
+            let level = Level::cube(size, 0.0, texels);
             for flip in [Flip::None, Flip::X, Flip::Z] {
                 let flipped = flip.level(&level);
                 for (k, texel) in (0..).zip(&flipped.texels) {

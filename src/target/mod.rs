@@ -10,11 +10,12 @@ pub use flip::Flip;
 
 use crate::environment::Map;
 use crate::error::{Error, Result};
-use crate::format::Pixel;
-use crate::format::container::Container;
+use crate::format::container::{CONTAINERS, Container};
+use crate::format::{LevelName, OutputLayout, Pixel};
 use crate::ladder::Ladder;
 use crate::lobe::Lobe;
 use crate::sh::scale::ShScale;
+use crate::sphere::cube::Face;
 
 /// What a file of a target holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +42,10 @@ pub enum Content {
     Env,
     /// Levels and harmonics as a glTF light.
     Glb,
+    /// The levels as a lat-long MIP map.
+    Mips,
+    /// One image of a level.
+    Image(LevelName),
 }
 
 /// Shader code that reads an octahedral map, by the file's name.
@@ -62,6 +67,7 @@ pub struct FileSpec {
 
 /// Which forms of diffuse light are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Diffuse {
     /// None, or what the specular levels hold anyway.
     None,
@@ -130,7 +136,9 @@ pub struct Target {
     pub verified: Option<&'static str>,
 }
 
-use Content::{Env, Glb, Irradiance, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox, Specular};
+use Content::{
+    Env, Glb, Image, Irradiance, Mips, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox, Specular,
+};
 
 /// This program's own conventions, which the other rows depart from.
 const GENERIC: Target = Target {
@@ -153,6 +161,16 @@ const GENERIC: Target = Target {
         FileSpec { path: "sh.json", content: ShJson },
     ],
     verified: Some("this program"),
+};
+
+/// A bake without a target: `{name}` is that of the output, extension included, and `{stem}` without it.
+pub const UNTARGETED: Target = Target {
+    name: "",
+    files: &[
+        FileSpec { path: "{name}", content: Specular },
+        FileSpec { path: "{stem}.irradiance.{ext}", content: Irradiance },
+    ],
+    ..GENERIC
 };
 
 /// What the rows of engines share: the size that their own bakers have, and all levels down to one texel.
@@ -358,7 +376,6 @@ impl Target {
     /// What its file at `path`, relative to its folder, holds; `None` where it has none there.
     #[must_use]
     pub fn content_of(&self, path: &str) -> Option<Content> {
-        let extensions = [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr];
         let matches = |pattern: &str| {
             let Some((before, after)) = pattern.split_once("{name}") else { return path == pattern };
             path.strip_prefix(before)
@@ -366,7 +383,7 @@ impl Target {
                 .is_some_and(|name| !name.is_empty())
         };
         let is_at = |file: &&FileSpec| {
-            extensions.iter().any(|container| matches(&file.path.replace("{ext}", container.name())))
+            CONTAINERS.iter().any(|container| matches(&file.path.replace("{ext}", container.name())))
         };
         self.files.iter().find(is_at).map(|file| file.content)
     }
@@ -381,30 +398,6 @@ impl Target {
     #[must_use]
     pub fn has_container(&self) -> bool {
         self.files.iter().any(|file| file.path.contains("{ext}"))
-    }
-
-    /// What it expands to, as options of the command line.
-    #[must_use]
-    pub fn expansion(&self) -> String {
-        let mut text = String::new();
-        if self.has_container() {
-            text += &format!("--format {} --pixel {} ", self.container.name(), self.pixel.name());
-        }
-        text += &format!("--size {} ", self.size);
-        if self.map != Map::Panorama {
-            text += &format!("--levels {} --ladder {} ", self.levels(self.size), self.ladder.name());
-        }
-        if self.map == Map::Cube {
-            text += &format!("--flip {} ", self.flip.name());
-        }
-        text += &format!("--diffuse {}", self.diffuse.name());
-        if self.diffuse.has_cube() {
-            text += &format!(" --irradiance {}", self.irradiance_size);
-        }
-        if self.has_sheen() {
-            text += ", and the same levels by --lobe charlie";
-        }
-        text
     }
 }
 
@@ -421,6 +414,19 @@ pub struct Plan {
     pub flip: Flip,
     /// Its diffuse light.
     pub diffuse: Diffuse,
+    /// How its cubes lie in files. The files of targets hold whole cubes: [`OutputLayout::Parts`].
+    pub layout: OutputLayout,
+}
+
+/// What the files of a plan depend on besides the plan.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape<'a> {
+    /// Name of the environment, or of the output where there is no target.
+    pub name: &'a str,
+    /// Number of levels.
+    pub levels: u32,
+    /// The levels whose bounds are written.
+    pub bounded: &'a [u32],
 }
 
 impl Plan {
@@ -428,7 +434,7 @@ impl Plan {
     #[must_use]
     pub const fn new(target: &'static Target) -> Self {
         let Target { container, pixel, flip, diffuse, .. } = *target;
-        Self { target, container, pixel, flip, diffuse }
+        Self { target, container, pixel, flip, diffuse, layout: OutputLayout::Parts }
     }
 
     /// Whether the container can hold the pixels.
@@ -436,12 +442,15 @@ impl Plan {
     /// # Errors
     /// [`Error::Parameter`] where it cannot.
     pub fn check(&self) -> Result<()> {
-        if !self.target.has_container() || self.container.holds(self.pixel) {
+        // Images are floats where half floats do not do.
+        let is_chosen_later = self.pixel == Pixel::Auto && !self.is_single();
+        if !self.target.has_container() || is_chosen_later || self.container.holds(self.pixel) {
             return Ok(());
         }
+        let target =
+            if self.is_targeted() { format!("target {}: ", self.target.name) } else { String::new() };
         Err(Error::Parameter(format!(
-            "target {}: {} files cannot hold {}; choose another --pixel or --format",
-            self.target.name,
+            "{target}{} files cannot hold {}; choose another `pixel` or `container`",
             self.container.name(),
             self.pixel.name()
         )))
@@ -467,17 +476,50 @@ impl Plan {
         if self.target.has_container() { self.container.name() } else { own }
     }
 
-    /// The files that are to be written, with their paths in the target's folder, for the environment `name`.
+    /// Whether this is a target's, and not that of a bake without one.
     #[must_use]
-    pub fn files(&self, name: &str) -> Vec<(String, Content)> {
-        let wanted = |content| match content {
-            Specular | Skybox | Sheen | Oem | Reader | Panorama | Env | Glb => true,
-            Irradiance => self.diffuse.has_cube(),
-            ShJson | ShText => self.diffuse.has_sh(),
+    pub const fn is_targeted(&self) -> bool {
+        !self.target.name.is_empty()
+    }
+
+    /// Whether each cube is one file, and not a folder of images.
+    #[must_use]
+    pub const fn is_single(&self) -> bool {
+        self.container.is_single() || matches!(self.layout, OutputLayout::Parts | OutputLayout::Mips)
+    }
+
+    /// The files that are to be written, with their paths in the output's folder.
+    #[must_use]
+    pub fn files(&self, shape: &Shape<'_>) -> Vec<(String, Content)> {
+        let Shape { name, levels, bounded } = *shape;
+        let extension = self.container.name();
+        let stem = name.rsplit_once('.').map_or(name, |(stem, _)| if stem.is_empty() { name } else { stem });
+        let path = |file: &FileSpec| {
+            file.path.replace("{name}", name).replace("{stem}", stem).replace("{ext}", extension)
         };
-        let path =
-            |file: &FileSpec| file.path.replace("{name}", name).replace("{ext}", self.container.name());
-        self.target.files.iter().filter(|f| wanted(f.content)).map(|f| (path(f), f.content)).collect()
+        let image = |name: LevelName| (format!("{name}.{extension}"), Image(name));
+        let images = |level: Option<u32>| -> Vec<(String, Content)> {
+            let name = LevelName { level, face: None, is_bound: false };
+            match self.layout {
+                OutputLayout::Faces => {
+                    Face::ALL.map(|face| image(LevelName { face: Some(face), ..name })).to_vec()
+                }
+                _ => vec![image(name)],
+            }
+        };
+        let of = |file: &FileSpec| match file.content {
+            Irradiance if !self.diffuse.has_cube() => Vec::new(),
+            ShJson | ShText if !self.diffuse.has_sh() => Vec::new(),
+            Specular if self.layout == OutputLayout::Mips => vec![(path(file), Mips)],
+            Specular if !self.is_single() => (0..levels).flat_map(|level| images(Some(level))).collect(),
+            Irradiance if !self.is_single() => images(None),
+            content => vec![(path(file), content)],
+        };
+        let folder = if self.is_single() { format!("{name}.bounds/") } else { String::new() };
+        let bounds = bounded.iter().flat_map(|level| Face::ALL.map(|face| LevelName::face(*level, face)));
+        let bounds = bounds.map(|name| LevelName { is_bound: true, ..name });
+        let bounds = bounds.map(|name| (format!("{folder}{name}.exr"), Image(name)));
+        self.target.files.iter().flat_map(of).chain(bounds).collect()
     }
 }
 

@@ -11,7 +11,7 @@ pub(crate) fn check_env(size: u32, levels: u32) -> Result<()> {
         return Ok(());
     }
     Err(Error::Parameter(format!(
-        "an .env needs a --size that is a power of two and all its levels down to 1; {size} with {levels} levels is not"
+        "an .env needs a `size` that is a power of two and all its levels down to 1; {size} with {levels} levels is not"
     )))
 }
 
@@ -25,5 +25,5 @@ pub(crate) fn check_glb(size: u32) -> Result<()> {
     if size.is_power_of_two() {
         return Ok(());
     }
-    Err(Error::Parameter(format!("{EXTENSION} needs a --size that is a power of two; {size} is not")))
+    Err(Error::Parameter(format!("{EXTENSION} needs a `size` that is a power of two; {size} is not")))
 }

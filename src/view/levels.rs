@@ -1,7 +1,7 @@
 //! Prefiltered cubes on the GPU: a bake's own levels, or those of an environment.
 
 use super::frame::{Ladder, MOST_LEVELS};
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use glam::DMat3;
@@ -10,7 +10,7 @@ use half::f16;
 /// The levels of a bake, to be shown as they are.
 #[derive(Clone, Debug)]
 pub struct Levels {
-    chain: CubeChain,
+    chain: Chain,
     levels_from_world: DMat3,
 }
 
@@ -21,11 +21,11 @@ impl Levels {
     /// # Errors
     /// [`Error::Parameter`] for sizes that do not halve, roughness that falls and more levels than can be
     /// shown.
-    pub fn new(chain: CubeChain, levels_from_world: DMat3) -> Result<Option<Self>> {
+    pub fn new(chain: Chain, levels_from_world: DMat3) -> Result<Option<Self>> {
         if chain.levels.len() < 2 {
             return Ok(None);
         }
-        let largest = chain.levels[0].size;
+        let largest = chain.levels[0].size();
         let wrong =
             |message: String| Err(Error::Parameter(format!("levels that cannot be shown: {message}")));
         if chain.levels.len() > MOST_LEVELS {
@@ -33,10 +33,10 @@ impl Levels {
         }
         for (number, level) in (0..).zip(&chain.levels) {
             let expected = largest.checked_shr(number).unwrap_or(0).max(1);
-            if level.size != expected || level.texels.len() != 6 * expected as usize * expected as usize {
+            if level.size() != expected || level.texels.len() != 6 * expected as usize * expected as usize {
                 return wrong(format!(
                     "level {number} has {} texels a side instead of {expected}",
-                    level.size
+                    level.size()
                 ));
             }
         }
@@ -74,8 +74,8 @@ impl Cube {
 }
 
 /// `chain` as a texture. Texels are scaled by a power of two where half floats cannot hold them.
-pub(super) fn upload(context: &Context, chain: &CubeChain, levels_from_source: DMat3) -> Result<Cube> {
-    let size = chain.levels[0].size;
+pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3) -> Result<Cube> {
+    let size = chain.levels[0].size();
     let most = context.device().limits().max_texture_dimension_2d;
     if size > most {
         return Err(Error::Limit {
@@ -111,10 +111,10 @@ pub(super) fn upload(context: &Context, chain: &CubeChain, levels_from_source: D
             bytemuck::cast_slice(&texels),
             wgpu::TexelCopyBufferLayout {
                 offset: 0,
-                bytes_per_row: Some(8 * level.size),
-                rows_per_image: Some(level.size),
+                bytes_per_row: Some(8 * level.size()),
+                rows_per_image: Some(level.size()),
             },
-            wgpu::Extent3d { width: level.size, height: level.size, depth_or_array_layers: 6 },
+            wgpu::Extent3d { width: level.size(), height: level.size(), depth_or_array_layers: 6 },
         );
     }
     let view = texture.create_view(&wgpu::TextureViewDescriptor {

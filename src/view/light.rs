@@ -231,7 +231,7 @@ impl Light {
             return Ok(cube);
         }
         let settings = BakeSettings { size: LEVELS_SIZE, ..BakeSettings::default() };
-        let bake::Bake { chain, .. } = bake(&self.environment, &settings, &|_| ())?;
+        let bake::Bake { chain, .. } = bake(&self.environment, &settings)?;
         let cube = levels::upload(context, &chain, DMat3::IDENTITY)?;
         Ok(self.levels.get_or_init(|| cube))
     }

@@ -9,7 +9,7 @@ use super::present::{Presenter, Viewport};
 use super::roughness_map::RoughnessMap;
 use super::textures::{roughness_texture, target, texture_of};
 use super::truth::Asked;
-use crate::bake::dfg::{DfgForm, dfg_table};
+use crate::bake::dfg::{DfgBlue, DfgForm, dfg_table};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
@@ -148,7 +148,7 @@ impl Renderer {
             .zip([buffer, flat, flat, flat, buffer, buffer, image, sampler, image, sampler])
             .map(|(binding, ty)| entry(binding, ty))
             .collect();
-        let table = dfg_table(SPLIT_SUM, DfgForm::SplitSum, false)?;
+        let table = dfg_table(SPLIT_SUM, DfgForm::SplitSum, DfgBlue::Empty)?;
         let split_sum: Vec<[f32; 2]> = table.texels.iter().map(|[scale, bias, _]| [*scale, *bias]).collect();
         let renderer = Self {
             passes: Passes::new(&context),

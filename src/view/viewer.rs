@@ -8,7 +8,7 @@ use super::panel::{Motion, Status, panel};
 use super::present::Viewport;
 use super::renderer::Renderer;
 use super::truth::{Asked, Truth, tolerance};
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::environment::Environment;
 use crate::error::Result;
 use crate::gpu::Context;
@@ -309,7 +309,7 @@ impl Viewer {
     fn take_environment(
         &mut self,
         environment: &Environment,
-        chain: Option<CubeChain>,
+        chain: Option<Chain>,
         path: &Path,
     ) -> Result<()> {
         let levels = chain.and_then(|chain| Levels::new(chain, DMat3::IDENTITY).transpose());

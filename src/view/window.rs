@@ -51,7 +51,7 @@ pub fn run(start: Start) -> Result<()> {
     let refused = |error: winit::error::EventLoopError| {
         let said = error.to_string();
         let said = said.rsplit(": ").next().unwrap_or(&said).trim_end_matches('.');
-        Error::Gpu(format!("no window can be opened: {said}; --screenshot FILE.png needs none"))
+        Error::Gpu(format!("no window can be opened: {said}; `screenshot` FILE.png needs none"))
     };
     let (width, height) = start.size;
     let attributes = Window::default_attributes()
@@ -333,7 +333,7 @@ async fn adapter(
         };
         let found = adapters.into_iter().find(called);
         return found.ok_or_else(|| {
-            Error::Gpu(format!("no adapter called {name} shows windows; see octagloss info --adapters"))
+            Error::Gpu(format!("no adapter called {name} shows windows; see `gpu::adapters`"))
         });
     }
     let options = wgpu::RequestAdapterOptions {

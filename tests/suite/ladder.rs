@@ -34,14 +34,17 @@ fn the_linear_ladder_ends_where_look_ups_are_exact_enough() {
     }
     for size in 1..2000 {
         let settings = BakeSettings { size, ..BakeSettings::default() };
-        let rungs = settings.rungs().expect("a default for every size");
+        let specs = settings.level_specs().expect("a default for every size");
         assert_eq!(
-            rungs.last().map(|rung| rung.roughness),
+            specs.last().map(|spec| spec.roughness),
             Some(if size == 1 { 0.0 } else { 1.0 }),
             "{size}"
         );
         for map in [Map::Panorama, Map::Octahedral] {
-            assert!(BakeSettings { map, size, ..BakeSettings::default() }.rungs().is_ok(), "{map:?} {size}");
+            assert!(
+                BakeSettings { map, size, ..BakeSettings::default() }.level_specs().is_ok(),
+                "{map:?} {size}"
+            );
         }
     }
     // Other maps are as fine as a cube at two and three times its edge, by default as well.
@@ -74,7 +77,7 @@ fn the_linear_ladder_ends_where_look_ups_are_exact_enough() {
 /// `roughness`.
 fn delivered(world: &Environment, levels: Option<u32>, roughness: f64) -> f64 {
     let settings = BakeSettings { size: 64, levels, ..BakeSettings::default() };
-    let chain = bake(world, &settings, &|_| ()).expect("a bake").chain;
+    let chain = bake(world, &settings).expect("a bake").chain;
     let oracle = Oracle::new(world);
     let place = roughness * (chain.levels.len() - 1) as f64;
     let low = (place as usize).min(chain.levels.len() - 2);

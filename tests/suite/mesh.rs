@@ -305,10 +305,10 @@ fn other_files_are_read_below_the_mesh_s_folder_only() {
         let error = Mesh::read(&with_uri(&inside, uri)).expect_err(uri).to_string();
         assert!(error.contains(words) && !error.contains('\n'), "{uri}: {error}");
     };
-    refused("../b.bin", "--mesh-root");
-    refused("a%20part/../../b.bin", "--mesh-root");
-    refused("%2e%2e/b.bin", "--mesh-root");
-    refused("../../../../../../../../etc/passwd", "--mesh-root");
+    refused("../b.bin", "`mesh_root`");
+    refused("a%20part/../../b.bin", "`mesh_root`");
+    refused("%2e%2e/b.bin", "`mesh_root`");
+    refused("../../../../../../../../etc/passwd", "`mesh_root`");
     refused("/dev/zero", "an absolute path");
     refused("none.bin", "none.bin");
     // A name that no system has is not echoed whole.
@@ -324,7 +324,7 @@ fn other_files_are_read_below_the_mesh_s_folder_only() {
     Mesh::read_within(&path, Some(outside.path())).expect("below the root");
     let elsewhere =
         Mesh::read_within(&path, Some(&inside.join("a part"))).expect_err("not below").to_string();
-    assert!(elsewhere.contains("--mesh-root"), "{elsewhere}");
+    assert!(elsewhere.contains("`mesh_root`"), "{elsewhere}");
     // An image is confined as a buffer is.
     let mut json = changed("/buffers/0/uri", json!("b.bin"));
     json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 0}}}]);
@@ -337,7 +337,7 @@ fn other_files_are_read_below_the_mesh_s_folder_only() {
     json["meshes"][0]["primitives"][0]["material"] = json!(0);
     json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(2);
     for (uri, words) in
-        [("../secret.png", "--mesh-root"), ("none.png", "none.png"), ("b.bin", "neither PNG nor JPEG")]
+        [("../secret.png", "`mesh_root`"), ("none.png", "none.png"), ("b.bin", "neither PNG nor JPEG")]
     {
         json["images"][0]["uri"] = json!(uri);
         fs::write(inside.join("image.gltf"), json.to_string()).expect("a file");

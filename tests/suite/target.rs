@@ -6,7 +6,7 @@ use crate::io::oem_file::read_ktx2;
 use crate::support::common::Random;
 use glam::DVec3;
 use octagloss::analysis::oracle::Oracle;
-use octagloss::bake::{Bake, BakeSettings, bake, bake_all};
+use octagloss::bake::{Bake, BakeSettings, bake, bake_all, unwatched};
 use octagloss::export::files::{Made, files};
 use octagloss::format::Pixel;
 use octagloss::format::container::Container;
@@ -18,6 +18,7 @@ use octagloss::sphere::octahedral;
 use octagloss::synth::synth;
 use octagloss::target::{Content, Diffuse, Flip, Plan, TARGETS, Target, is_target_file};
 use octagloss::{Map, Rgb};
+use std::ops::ControlFlow;
 
 /// KTX2 levels, by the `ktx2` crate and zstd.
 fn parse_ktx2(bytes: &[u8], pixel: Pixel) -> Vec<Vec<Rgb>> {
@@ -30,7 +31,7 @@ fn parse_ktx2(bytes: &[u8], pixel: Pixel) -> Vec<Vec<Rgb>> {
         Pixel::Rgb9e5 => 123,
         Pixel::R11g11b10 => 122,
         Pixel::Bc6h => 143,
-        Pixel::Rgbd => panic!("not in KTX2"),
+        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => panic!("not in KTX2"),
     };
     assert_eq!(header.format.map(|format| format.value()), Some(vk_format));
     let level = |(index, level): (usize, ktx2::Level<'_>)| {
@@ -52,7 +53,7 @@ fn levels(container: Container, pixel: Pixel, bytes: &[u8]) -> Vec<Vec<Rgb>> {
         Container::Ktx2 => parse_ktx2(bytes, pixel),
         Container::Ktx1 => parse_ktx1(bytes, pixel).unwrap().levels,
         Container::Dds => parse_dds(bytes, pixel).unwrap().levels,
-        Container::Exr => panic!("read elsewhere"),
+        Container::Exr | Container::Hdr => panic!("read elsewhere"),
     }
 }
 
@@ -200,7 +201,7 @@ fn every_letter_is_upright_on_its_side_of_every_engines_world() {
     let labelled = synth("labelled").unwrap();
     for target in TARGETS.iter().filter(|target| target.map == Map::Cube) {
         let (plan, settings) = small(target);
-        let bake = bake(&labelled, &settings, &|_| ()).unwrap();
+        let bake = bake(&labelled, &settings).unwrap();
         let exact = &bake.chain.levels[0].texels;
         let level = specular_level0(target, &plan, &bake);
         assert_eq!(misplaced(target, &level, exact), 0, "{}", target.name);
@@ -253,13 +254,12 @@ fn renamed(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
 #[test]
 fn every_letter_is_upright_in_every_square_and_panorama() {
     let labelled = synth("labelled").unwrap();
-    let cube =
-        bake(&labelled, &BakeSettings { size: 64, levels: Some(1), ..Default::default() }, &|_| ()).unwrap();
+    let cube = bake(&labelled, &BakeSettings { size: 64, levels: Some(1), ..Default::default() }).unwrap();
     let exact = &cube.chain.levels[0].texels;
     for target in TARGETS.iter().filter(|target| target.map != Map::Cube) {
         let (plan, mut settings) = small(target);
         settings.size = 128;
-        let bake = bake(&labelled, &settings, &|_| ()).unwrap();
+        let bake = bake(&labelled, &settings).unwrap();
         let made = files(&plan, "labelled", &bake, &[]).unwrap();
         let (width, height, texels) = if target.name == "oem" {
             (128, 128, octahedral_levels(&made).swap_remove(0))
@@ -300,7 +300,7 @@ fn babylons_and_gltfs_headers_say_what_their_readers_ask_for() {
     let studio = synth("studio").unwrap();
     let made = |name: &str| {
         let (plan, settings) = small(Target::named(name).unwrap());
-        let bake = bake(&studio, &settings, &|_| ()).unwrap();
+        let bake = bake(&studio, &settings).unwrap();
         (files(&plan, "studio", &bake, &[]).unwrap().swap_remove(0), bake)
     };
     let (env, bake) = made("babylon");
@@ -334,7 +334,7 @@ fn irradiance_cubes_and_spherical_harmonics_agree_in_the_engines_world() {
     let sky = synth("labelled").unwrap();
     let bevy = Target::named("bevy").unwrap();
     let (plan, settings) = small(bevy);
-    let bake = bake(&sky, &settings, &|_| ()).unwrap();
+    let bake = bake(&sky, &settings).unwrap();
     let made = files(&plan, "sky", &bake, &[]).unwrap();
     let diffuse = made.iter().find(|file| file.content == Content::Irradiance).unwrap();
     let level = &levels(plan.container, plan.pixel, &diffuse.bytes)[0];
@@ -355,7 +355,7 @@ fn irradiance_cubes_and_spherical_harmonics_agree_in_the_engines_world() {
 fn filaments_key_holds_what_its_parser_reads() {
     let target = Target::named("filament").unwrap();
     let (plan, settings) = small(target);
-    let bake = bake(&synth("studio").unwrap(), &settings, &|_| ()).unwrap();
+    let bake = bake(&synth("studio").unwrap(), &settings).unwrap();
     let made = files(&plan, "studio", &bake, &[]).unwrap();
     let paths: Vec<&str> = made.iter().map(|file| file.path.as_str()).collect();
     assert_eq!(paths, ["studio_ibl.ktx", "studio_skybox.ktx", "sh.txt"]);
@@ -376,7 +376,7 @@ fn filaments_key_holds_what_its_parser_reads() {
 fn overrides_replace_what_the_preset_says() {
     let (mut plan, mut settings) = small(Target::named("three").unwrap());
     settings.irradiance = Some(8);
-    let bake = bake(&synth("labelled").unwrap(), &settings, &|_| ()).unwrap();
+    let bake = bake(&synth("labelled").unwrap(), &settings).unwrap();
     plan.diffuse = Diffuse::Both;
     for (container, pixel) in [
         (Container::Dds, Pixel::Bc6h),
@@ -406,7 +406,7 @@ fn overrides_replace_what_the_preset_says() {
 fn the_sheen_cube_holds_the_charlie_lobe() {
     let studio = synth("studio").unwrap();
     let (plan, settings) = small(Target::named("khronos").unwrap());
-    let baked = bake(&studio, &settings, &|_| ()).unwrap();
+    let baked = bake(&studio, &settings).unwrap();
     let made = files(&plan, "a", &baked, &[(LOBE_KEY.to_owned(), "ggx".to_owned())]).unwrap();
     let paths: Vec<&str> = made.iter().map(|file| file.path.as_str()).collect();
     assert_eq!(paths, ["ggx/specular.ktx2", "charlie/sheen.ktx2", "lambertian/diffuse.ktx2"]);
@@ -424,13 +424,13 @@ fn the_sheen_cube_holds_the_charlie_lobe() {
     for (level, stored) in sheen.levels.iter().zip(stored).take(4) {
         for _ in 0..40 {
             let at = random.below(level.texels.len() as u32) as usize;
-            let area = (level.size * level.size) as usize;
+            let area = (level.size() * level.size()) as usize;
             let place = (at % area) as u32;
             let direction = direction_from_texel(
                 Face::ALL[at / area],
-                level.size,
-                place % level.size,
-                place / level.size,
+                level.size(),
+                place % level.size(),
+                place / level.size(),
             );
             let exact = oracle.reflect(Lobe::Charlie, level.roughness, direction)[1];
             error += (f64::from(stored[at][1]) - exact).powi(2);
@@ -439,8 +439,7 @@ fn the_sheen_cube_holds_the_charlie_lobe() {
     }
     let error = (error / power).sqrt();
     assert!(error < 0.01, "relRMSE {error}");
-    let other =
-        bake(&studio, &BakeSettings { lobe: Lobe::Charlie, sheen: false, ..settings }, &|_| ()).unwrap();
+    let other = bake(&studio, &BakeSettings { lobe: Lobe::Charlie, sheen: false, ..settings }).unwrap();
     if other.oem == baked.oem {
         assert_eq!(other.chain, *sheen);
     }
@@ -454,7 +453,11 @@ fn several_targets_share_their_levels_and_cost_them_once() {
         ["generic", "bevy", "khronos"].map(|name| small(Target::named(name).unwrap()).1);
     let settings = [generic, bevy, khronos];
     let total = std::sync::Mutex::new(0);
-    let bakes = bake_all(&studio, &settings, &|progress| *total.lock().unwrap() = progress.total).unwrap();
+    let bakes = bake_all(&studio, &settings, &|progress| {
+        *total.lock().unwrap() = progress.total;
+        ControlFlow::Continue(())
+    })
+    .unwrap();
     // generic and bevy have the same five levels; khronos has six of other roughness but the first, and six
     // of sheen.
     let texels = |sizes: &[u64]| sizes.iter().map(|n| 6 * n * n).sum::<u64>();
@@ -467,13 +470,13 @@ fn several_targets_share_their_levels_and_cost_them_once() {
     );
     assert_eq!(bakes[0].chain, bakes[1].chain);
     for (together, settings) in bakes.iter().zip(&settings) {
-        let alone = bake(&studio, settings, &|_| ()).unwrap();
+        let alone = bake(&studio, settings).unwrap();
         assert_eq!(together.chain.levels.len(), alone.chain.levels.len());
         if together.oem == alone.oem {
             assert_eq!(together.irradiance, alone.irradiance);
         }
     }
-    assert!(bake_all(&studio, &[], &|_| ()).is_err());
+    assert!(bake_all(&studio, &[], &unwatched).is_err());
 }
 
 /// A level as baked and as stored, and where its texels look.
@@ -488,8 +491,8 @@ struct Stored<'a> {
 fn beside<'a>(plan: &Plan, bake: &'a Bake) -> Vec<Stored<'a>> {
     let made = files(plan, "a", bake, &[]).unwrap();
     if plan.target.map == Map::Octahedral {
-        let levels = bake.images.iter().zip(octahedral_levels(&made));
-        let beside = |(level, stored): (&'a octagloss::chain::ImageLevel, Vec<Rgb>)| {
+        let levels = bake.chain.levels.iter().zip(octahedral_levels(&made));
+        let beside = |(level, stored): (&'a octagloss::chain::Level, Vec<Rgb>)| {
             let n = level.layout.sides().0;
             let direction =
                 move |at: u32| octahedral::direction_from_oct(octahedral::texel_centre(n, at % n, at / n));
@@ -499,9 +502,9 @@ fn beside<'a>(plan: &Plan, bake: &'a Bake) -> Vec<Stored<'a>> {
         return levels.map(beside).collect();
     }
     let levels = bake.chain.levels.iter().zip(stored_levels(plan, &made));
-    let beside = |(level, stored): (&'a octagloss::chain::CubeLevel, Vec<Rgb>)| {
-        let stored = plan.flip.level(&octagloss::chain::CubeLevel { texels: stored, ..level.clone() }).texels;
-        let n = level.size;
+    let beside = |(level, stored): (&'a octagloss::chain::Level, Vec<Rgb>)| {
+        let stored = plan.flip.level(&octagloss::chain::Level { texels: stored, ..level.clone() }).texels;
+        let n = level.size();
         let direction =
             move |at: u32| direction_from_texel(Face::ALL[(at / (n * n)) as usize], n, at % n, at / n % n);
         let (roughness, baked) = (level.roughness, &level.texels[..]);
@@ -555,7 +558,7 @@ fn encodings_add_to_the_error_what_the_readme_says() {
                 ..BakeSettings::default()
             })
             .collect();
-        let bakes = bake_all(&environment, &settings, &|_| ()).unwrap();
+        let bakes = bake_all(&environment, &settings, &unwatched).unwrap();
         for (plan, bake) in plans.iter().zip(&bakes) {
             let [baked, stored] = errors(plan, bake, &oracle);
             println!("{name} | {} {} | {baked:.5} | {stored:.5}", plan.target.name, plan.pixel.name());
@@ -566,6 +569,7 @@ fn encodings_add_to_the_error_what_the_readme_says() {
                 Pixel::Rgb9e5 => 0.002,
                 Pixel::R11g11b10 => 0.006,
                 Pixel::Rgbd => 0.012,
+                Pixel::Rgbe | Pixel::Auto => panic!("no target has them"),
                 Pixel::Bc6h => 0.02,
             };
             assert!(stored < baked + most_added, "{name} {}: {stored} of {baked}", plan.target.name);

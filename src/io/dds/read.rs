@@ -1,7 +1,7 @@
 //! DDS files with the DX10 header: RGBA16F, RGBA32F, RGB9E5, R11G11B10F and BC6H cubes and 2D images.
 
 use super::write::marked_flip;
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::Result;
 use crate::format::bc6h;
@@ -45,11 +45,11 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Res
         .map(|(level, roughness)| {
             let (size, texels) = ((texture.width >> level).max(1), texture.level(level));
             crate::io::picture::check_finite(source.path, level, size, &texels)?;
-            Ok(CubeLevel { size, roughness: *roughness, texels, bounds: None })
+            Ok(Level::cube(size, *roughness, texels))
         })
         .collect::<Result<_>>()?;
     let format = texture.format_name();
-    Ok(Stored { chain: CubeChain { levels }, provenance: provenance(source), format })
+    Ok(Stored { chain: Chain { levels }, provenance: provenance(source), format })
 }
 
 /// The flip that the writer's mark says.

@@ -2,7 +2,7 @@
 //!
 //! "Programming Guide for DDS" (Microsoft): faces one after the other, each with all its levels.
 
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
@@ -14,7 +14,7 @@ use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, DxgiFormat, NewDxgi
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve.
-pub fn dds_bytes(chain: &CubeChain, pixel: Pixel) -> Result<CubeFile> {
+pub fn dds_bytes(chain: &Chain, pixel: Pixel) -> Result<CubeFile> {
     let size = check_sizes("DDS", chain)?;
     let format = match pixel {
         Pixel::F16 => DxgiFormat::R16G16B16A16_Float,
@@ -22,7 +22,9 @@ pub fn dds_bytes(chain: &CubeChain, pixel: Pixel) -> Result<CubeFile> {
         Pixel::Rgb9e5 => DxgiFormat::R9G9B9E5_SharedExp,
         Pixel::R11g11b10 => DxgiFormat::R11G11B10_Float,
         Pixel::Bc6h => DxgiFormat::BC6H_UF16,
-        Pixel::Rgbd => return Err(Error::Parameter("dds files cannot hold rgbd".to_owned())),
+        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
+            return Err(Error::Parameter(format!("dds files cannot hold {}", pixel.name())));
+        }
     };
     let failed = |error: ddsfile::Error| Error::Parameter(format!("a DDS cube of {size}: {error}"));
     let mut dds = Dds::new_dxgi(NewDxgiParams {
@@ -40,7 +42,7 @@ pub fn dds_bytes(chain: &CubeChain, pixel: Pixel) -> Result<CubeFile> {
     })
     .map_err(failed)?;
     let levels: Vec<Vec<u8>> =
-        chain.levels.iter().map(|level| texel_bytes(level.size, &level.texels, pixel)).collect();
+        chain.levels.iter().map(|level| texel_bytes(level.size(), &level.texels, pixel)).collect();
     dds.data.clear();
     for face in 0..6 {
         for level in &levels {

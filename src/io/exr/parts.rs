@@ -105,7 +105,7 @@ pub fn exr_mips_bytes(
     let needed = width.max(height).checked_ilog2().map_or(0, |log2| log2 as usize + 1);
     if levels.len() != needed {
         return Err(Error::Parameter(format!(
-            "a MIP map of {width}x{height} has {needed} levels, not {}; leave --levels out",
+            "a MIP map of {width}x{height} has {needed} levels, not {}; leave `levels` out",
             levels.len()
         )));
     }

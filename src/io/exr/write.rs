@@ -1,4 +1,4 @@
-//! OpenEXR output: single-part scan lines, half or float, ZIP; and the level folders of a bake.
+//! OpenEXR output: single-part scan lines, half or float, ZIP.
 //!
 //! The container is laid out here, after "OpenEXR File Layout" (openexr.com): the `exr` crate compresses by
 //! miniz_oxide at a fixed level, which takes three to four times as long and makes larger files, and it
@@ -6,35 +6,16 @@
 //! is written here.
 
 use super::deflate::Deflater;
-use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::{Pixel, push_halves};
-use crate::io::output;
-use crate::io::provenance::irradiance_pairs;
-use crate::sphere::cube::Face;
-use rayon::prelude::*;
-use std::fs;
 use std::ops::Range;
-use std::path::Path;
 
 /// Rows of a ZIP block.
 pub(in crate::io) const BLOCK_ROWS: usize = 16;
 
 /// The program and its version, as outputs name it.
 pub const SOFTWARE: &str = concat!("octagloss ", env!("CARGO_PKG_VERSION"));
-
-/// How the levels of a folder are stored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ExrPixel {
-    /// Half; float in levels with a value above what half holds, and in those that are too dim for it.
-    #[default]
-    Auto,
-    /// Half, clamped and counted.
-    F16,
-    /// Float.
-    F32,
-}
 
 /// The value of a header attribute.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,15 +33,6 @@ pub enum Samples<'a> {
     Rgb(&'a [Rgb]),
     /// The single channel Y.
     Luminance(&'a [f32]),
-}
-
-/// How one level was stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StoredLevel {
-    /// Format of its texels.
-    pub pixel: Pixel,
-    /// Texels with a channel that was clamped.
-    pub clamped: u64,
 }
 
 /// The bytes of an EXR file of `width` x `height` row-major samples with `attributes` in the order given.
@@ -267,94 +239,4 @@ pub(in crate::io) fn header_bytes(
         }
     }
     out.push(0);
-}
-
-/// Writes a chain's levels into `folder`: `m{level}_{face}.exr`, where there are bounds
-/// `m{level}_{face}_bound.exr` (float, channel Y), and `irradiance_{face}.exr`. Each file tells its
-/// `roughness` and `metadata` in attributes.
-///
-/// Returns how each level was stored, the irradiance last.
-///
-/// # Errors
-/// [`Error::Io`] naming the file that could not be written.
-pub fn write_level_folder(
-    folder: &Path,
-    chain: &CubeChain,
-    irradiance: Option<&CubeLevel>,
-    choice: ExrPixel,
-    metadata: &[(String, String)],
-) -> Result<Vec<StoredLevel>> {
-    let levels = chain.levels.iter().enumerate().map(|(index, level)| (format!("m{index}"), level));
-    let levels: Vec<_> = levels.chain(irradiance.map(|level| ("irradiance".to_owned(), level))).collect();
-    let stored: Vec<StoredLevel> =
-        levels.iter().map(|(_, level)| stored_level(&level.texels, choice)).collect();
-
-    let files: Vec<_> = levels
-        .iter()
-        .zip(&stored)
-        .flat_map(|((name, level), stored)| Face::ALL.map(|face| (name, *level, stored.pixel, face)))
-        .collect();
-    files.into_par_iter().try_for_each(|(name, level, pixel, face)| {
-        let attributes = attributes_of((name != "irradiance").then_some(level.roughness), metadata);
-        let write = |file_name: String, samples, pixel| {
-            let path = folder.join(file_name);
-            let bytes = exr_bytes(level.size, level.size, samples, pixel, &attributes)?;
-            fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
-        };
-        let face_name = face.short_name();
-        write(format!("{name}_{face_name}.exr"), Samples::Rgb(level.face(face)), pixel)?;
-        if let Some(bounds) = &level.bounds {
-            let area = level.face(face).len();
-            let bounds = &bounds[face.index() * area..][..area];
-            write(format!("{name}_{face_name}_bound.exr"), Samples::Luminance(bounds), Pixel::F32)?;
-        }
-        Ok(())
-    })?;
-    Ok(stored)
-}
-
-/// How `texels` are stored under `choice`.
-pub(in crate::io) fn stored_level(texels: &[Rgb], choice: ExrPixel) -> StoredLevel {
-    let above = Pixel::F16.clamped(texels);
-    // So dim that half floats keep less than their eleven bits of even the brightest texel.
-    let brightest = texels.as_flattened().iter().copied().fold(0.0, f32::max);
-    let dim = brightest > 0.0 && brightest < half::f16::MIN_POSITIVE.to_f32();
-    match choice {
-        ExrPixel::F16 => StoredLevel { pixel: Pixel::F16, clamped: above },
-        ExrPixel::Auto if above == 0 && !dim => StoredLevel { pixel: Pixel::F16, clamped: 0 },
-        ExrPixel::Auto | ExrPixel::F32 => StoredLevel { pixel: Pixel::F32, clamped: 0 },
-    }
-}
-
-/// The attributes of an image of a level; an irradiance has no roughness to say.
-pub(in crate::io) fn attributes_of(
-    roughness: Option<f64>,
-    metadata: &[(String, String)],
-) -> Vec<(String, Attribute)> {
-    let text =
-        |pairs: Vec<(String, String)>| pairs.into_iter().map(|(key, text)| (key, Attribute::Text(text)));
-    match roughness {
-        Some(roughness) => {
-            let own = ("roughness".to_owned(), Attribute::Float(roughness as f32));
-            std::iter::once(own).chain(text(metadata.to_vec())).collect()
-        }
-        None => text(irradiance_pairs(metadata)).collect(),
-    }
-}
-
-/// [`write_level_folder`] into a folder that appears whole or not at all.
-///
-/// # Errors
-/// As [`output::write_folder`].
-pub fn write_exr_folder(
-    path: &Path,
-    existing: output::Existing,
-    chain: &CubeChain,
-    irradiance: Option<&CubeLevel>,
-    choice: ExrPixel,
-    metadata: &[(String, String)],
-) -> Result<Vec<StoredLevel>> {
-    output::write_folder(path, existing, |folder| {
-        write_level_folder(folder, chain, irradiance, choice, metadata)
-    })
 }

@@ -1,16 +1,9 @@
 //! Radiance .hdr output through the `image` crate: RGBE, run lengths, any radiance up to 2^127.
 
-use crate::chain::{CubeChain, CubeLevel};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
-use crate::io::ktx2::write::ROUGHNESS_KEY;
-use crate::io::output;
-use crate::io::provenance::irradiance_pairs;
-use crate::sphere::cube::Face;
+use crate::format::RGBE_MAX;
 use image::codecs::hdr::HdrEncoder;
-use rayon::prelude::*;
-use std::fs;
-use std::path::Path;
 
 /// The bytes of a .hdr file of `width` x `height` row-major texels.
 ///
@@ -59,18 +52,6 @@ fn plain_bytes(width: u32, height: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The greatest value of a channel in RGBE.
-pub const RGBE_MAX: f32 = (255.0 / 256.0) * (1_u128 << 127) as f32;
-
-/// Texels whose greatest channel is no more than this are black in RGBE: the greatest subnormal number.
-pub const RGBE_ROUNDED_TO_ZERO: f32 = f32::from_bits(0x007f_ffff);
-
-/// Number of `texels` with a channel that RGBE clamps.
-#[must_use]
-pub fn clamped<'a>(texels: impl Iterator<Item = &'a Rgb>) -> u64 {
-    texels.filter(|texel| texel.iter().any(|channel| *channel > RGBE_MAX)).count() as u64
-}
-
 /// The colour nearest to `rgb` that RGBE holds. The encoder truncates, which darkens by a quarter of a per
 /// cent on average, and wraps its exponent outside of 2^-127..2^127.
 fn nearest_rgbe(rgb: Rgb) -> Rgb {
@@ -90,60 +71,5 @@ fn nearest_rgbe(rgb: Rgb) -> Rgb {
         rounded(exponent + 1)
     } else {
         nearest
-    }
-}
-
-/// Writes a chain's levels as `m{level}_{face}.hdr`, and `irradiance_{face}.hdr`, into a folder that appears
-/// whole or not at all.
-///
-/// # Errors
-/// As [`output::write_folder`].
-pub fn write_hdr_folder(
-    path: &Path,
-    existing: output::Existing,
-    chain: &CubeChain,
-    irradiance: Option<&CubeLevel>,
-) -> Result<()> {
-    output::write_folder(path, existing, |folder| write_level_folder(folder, chain, irradiance, &[]))
-}
-
-/// [`write_hdr_folder`] into a folder that is there. Each file has its roughness and `metadata` in its
-/// header.
-///
-/// # Errors
-/// [`Error::Io`] naming the file that could not be written.
-pub fn write_level_folder(
-    folder: &Path,
-    chain: &CubeChain,
-    irradiance: Option<&CubeLevel>,
-    metadata: &[(String, String)],
-) -> Result<()> {
-    let levels = chain.levels.iter().enumerate().map(|(index, level)| (format!("m{index}"), level));
-    let files: Vec<_> = levels
-        .chain(irradiance.map(|level| ("irradiance".to_owned(), level)))
-        .flat_map(|(name, level)| {
-            Face::ALL.map(|face| (format!("{name}_{}.hdr", face.short_name()), level, face))
-        })
-        .collect();
-    files.into_par_iter().try_for_each(|(file_name, level, face)| {
-        let path = folder.join(&file_name);
-        let roughness = (!file_name.starts_with("irradiance")).then_some(level.roughness);
-        let lines = level_pairs(roughness, metadata);
-        let bytes = hdr_bytes_with(level.size, level.size, level.face(face), &lines)?;
-        fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
-    })
-}
-
-/// The header lines of an image of a level; an irradiance has no roughness to say.
-pub(in crate::io) fn level_pairs(
-    roughness: Option<f64>,
-    metadata: &[(String, String)],
-) -> Vec<(String, String)> {
-    match roughness {
-        Some(roughness) => {
-            let own = (ROUGHNESS_KEY.to_owned(), roughness.to_string());
-            std::iter::once(own).chain(metadata.iter().cloned()).collect()
-        }
-        None => irradiance_pairs(metadata),
     }
 }

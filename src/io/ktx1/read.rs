@@ -4,7 +4,7 @@
 //! "KTX File Format Specification" (Khronos, version 1.0). No crate for it is kept up.
 
 use super::write::MAGIC;
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::ktx2::read::{Pixel, parse_roughness, texels_from};
@@ -46,9 +46,9 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     for (level, roughness) in (0u32..).zip(roughness) {
         let (size, texels) = ((texture.size >> level).max(1), texture.level(level as usize));
         check_finite(source.path, level, size, &texels)?;
-        levels.push(CubeLevel { size, roughness, texels, bounds: None });
+        levels.push(Level::cube(size, roughness, texels));
     }
-    Ok(Stored { chain: CubeChain { levels }, provenance: texture.provenance()?, format: texture.format() })
+    Ok(Stored { chain: Chain { levels }, provenance: texture.provenance()?, format: texture.format() })
 }
 
 impl<'a> Texture<'a> {

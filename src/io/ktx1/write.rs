@@ -3,7 +3,7 @@
 //! "KTX File Format Specification" (Khronos, version 1.0), and Filament's libs/image/src/Ktx1Bundle.cpp and
 //! libs/ktxreader/src/Ktx1Reader.cpp for what its reader asks for beyond that.
 
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
@@ -31,7 +31,7 @@ const GL_RGBA: u32 = 0x1908;
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, for BC6H, and for keys that
 /// are empty, double or hold a NUL.
-pub fn ktx1_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
+pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     let size = check_sizes("KTX", chain)?;
     let gl = gl_format(pixel)?;
     let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
@@ -57,7 +57,7 @@ pub fn ktx1_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]
     bytes.extend(header.iter().flat_map(|word: &u32| word.to_le_bytes()));
     bytes.extend(pairs);
     for (index, level) in chain.levels.iter().enumerate() {
-        let texels = texel_bytes(level.size, &level.texels, pixel);
+        let texels = texel_bytes(level.size(), &level.texels, pixel);
         // imageSize is that of one face in a cube that is no array; texels are multiples of four bytes, so
         // nothing is padded.
         let face = u32::try_from(texels.len() / 6).map_err(|_| {
@@ -88,7 +88,7 @@ fn gl_format(pixel: Pixel) -> Result<GlFormat> {
         Pixel::F32 => {
             GlFormat { kind: 0x1406, kind_bytes: 4, format: GL_RGBA, internal: 0x8814, base: GL_RGBA }
         }
-        Pixel::Bc6h | Pixel::Rgbd => {
+        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
             return Err(Error::Parameter(format!(
                 "{} is not written into KTX 1; choose ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
                 pixel.name()

@@ -3,7 +3,7 @@
 
 use super::write::ROUGHNESS_KEY;
 use super::zstandard;
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::Result;
 use crate::format::bc6h;
@@ -92,14 +92,10 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
             let size = (container.width >> level).max(1);
             let texels = container.level(level as usize)?;
             crate::io::picture::check_finite(source.path, level, size, &texels)?;
-            Ok(CubeLevel { size, roughness, texels, bounds: None })
+            Ok(Level::cube(size, roughness, texels))
         })
         .collect::<Result<_>>()?;
-    Ok(Stored {
-        chain: CubeChain { levels },
-        provenance: container.provenance()?,
-        format: container.format(),
-    })
+    Ok(Stored { chain: Chain { levels }, provenance: container.provenance()?, format: container.format() })
 }
 
 impl<'a> Container<'a> {

@@ -1,7 +1,7 @@
 //! KTX2 output: cube maps with their levels.
 
 use super::file::{Shape, ktx2_file};
-use crate::chain::CubeChain;
+use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
@@ -22,7 +22,7 @@ pub const ROUGHNESS_KEY: &str = "octaglossRoughness";
 pub fn write_ktx2(
     path: &Path,
     existing: Existing,
-    chain: &CubeChain,
+    chain: &Chain,
     pixel: Pixel,
     metadata: &[(String, String)],
 ) -> Result<Vec<u64>> {
@@ -38,7 +38,7 @@ pub fn write_ktx2(
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, and for keys that are empty,
 /// double, hold a NUL, or are reserved ("KTX", "ktx").
-pub fn ktx2_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
+pub fn ktx2_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     let size = check_sizes("KTX2", chain)?;
     let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
     let mut pairs = vec![(ROUGHNESS_KEY, roughness.as_str())];
@@ -47,7 +47,7 @@ pub fn ktx2_bytes(chain: &CubeChain, pixel: Pixel, metadata: &[(String, String)]
         Shape { format: format_of(pixel)?, width: size, height: size, faces: 6, levels: chain.levels.len() };
     let bytes = ktx2_file(&shape, &pairs, |index| {
         let level = &chain.levels[index];
-        texel_bytes(level.size, &level.texels, pixel)
+        texel_bytes(level.size(), &level.texels, pixel)
     })?;
     Ok(CubeFile::new(bytes, chain, pixel))
 }
@@ -65,6 +65,8 @@ pub(in crate::io) fn format_of(pixel: Pixel) -> Result<Format> {
         Pixel::Rgb9e5 => Format::E5B9G9R9_UFLOAT_PACK32,
         Pixel::R11g11b10 => Format::B10G11R11_UFLOAT_PACK32,
         Pixel::Bc6h => Format::BC6H_UFLOAT_BLOCK,
-        Pixel::Rgbd => return Err(Error::Parameter("ktx2 files cannot hold rgbd".to_owned())),
+        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
+            return Err(Error::Parameter(format!("ktx2 files cannot hold {}", pixel.name())));
+        }
     })
 }

@@ -1,7 +1,7 @@
 //! The DFG table as files.
 
 use half::f16;
-use octagloss::bake::dfg::{DfgForm, dfg_table};
+use octagloss::bake::dfg::{DfgBlue, DfgForm, dfg_table};
 use octagloss::io::ktx2::lookup_table::{Channels, table_bytes};
 use std::process::Command;
 
@@ -23,7 +23,7 @@ fn parse(bytes: &[u8], channels: usize) -> (u32, Vec<Vec<f32>>) {
 
 #[test]
 fn tables_come_back_as_half_floats() {
-    let table = dfg_table(16, DfgForm::SplitSum, true).unwrap();
+    let table = dfg_table(16, DfgForm::SplitSum, DfgBlue::Charlie).unwrap();
     for (channels, count, vk_format) in [(Channels::Two, 2, 83), (Channels::Four, 4, 97)] {
         let bytes = table_bytes(16, &table.texels, channels, "a table").unwrap();
         let (format, texels) = parse(&bytes, count);

@@ -255,7 +255,7 @@ fn a_bake_is_a_ktx2_file_with_a_report_and_a_line() {
         assert!(last.contains(word), "{last} lacks {word}");
     }
     let chain = io::read_chain(&folder.path().join("sky.ktx2")).expect("a bake");
-    let levels: Vec<_> = chain.levels.iter().map(|level| (level.size, level.roughness)).collect();
+    let levels: Vec<_> = chain.levels.iter().map(|level| (level.size(), level.roughness)).collect();
     assert_eq!(levels, [(8, 0.0), (4, 0.5), (2, 1.0)]);
 
     let report = json_file(&folder.path().join("sky.ktx2.report.json"));
@@ -275,6 +275,7 @@ fn a_bake_is_a_ktx2_file_with_a_report_and_a_line() {
             "size",
             "roughness",
             "pixel",
+            "engine",
             "seconds",
             "leaves_per_texel",
             "error_bound_max",

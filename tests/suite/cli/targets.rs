@@ -144,7 +144,7 @@ fn an_existing_folder_is_replaced_by_force_and_never_when_others_files_are_in_it
     fs::write(folder.path().join("out/khronos/ggx/notes.txt"), "mine").expect("writable");
     fails(folder.path(), &again(&["--force"]), 1, "khronos/ggx/notes.txt, which no bake wrote");
     fails(folder.path(), &bake(&["--target", "three", "-o", "no/where"]), 1, "no/where");
-    fails(folder.path(), &bake(&["--target", "three", "-o", "."]), 2, "holds the input");
+    fails(folder.path(), &bake(&["--target", "three", "-o", "."]), 2, "holds an input");
     let strays: Vec<String> =
         tree(folder.path()).into_iter().filter(|name| name.contains(".octagloss-")).collect();
     assert_eq!(strays, Vec::<String>::new(), "nothing half-written is left");

@@ -7,7 +7,7 @@
 
 use crate::cli::targets::{done, fails, tree};
 use glam::DVec3;
-use octagloss::chain::{CubeChain, CubeLevel};
+use octagloss::chain::{Chain, Level};
 use octagloss::format::Pixel;
 use octagloss::io::exr::write::{Samples, exr_bytes};
 use octagloss::io::ktx2::write::ktx2_bytes;
@@ -54,8 +54,8 @@ fn moments(environment: &Environment) -> [DVec3; 3] {
     sums.map(DVec3::normalize)
 }
 
-fn moments_of(level: &CubeLevel) -> [DVec3; 3] {
-    let layout = Layout::Cube { size: level.size };
+fn moments_of(level: &Level) -> [DVec3; 3] {
+    let layout = Layout::Cube { size: level.size() };
     moments(&Environment::new(layout, level.texels.clone()).expect("sound"))
 }
 
@@ -160,7 +160,7 @@ fn a_wrong_flip_is_seen() {
             let d = flip.apply(layout.direction_from_texel(k, i, j));
             texels.push(LAMPS.map(|lamp| (0.05 + 4.0 * (8.0 * (lamp.dot(d) - 1.0)).exp()) as f32));
         }
-        CubeChain { levels: vec![CubeLevel { size: 8, roughness: 0.0, texels, bounds: None }] }
+        Chain { levels: vec![Level::cube(8, 0.0, texels)] }
     };
     assert!(angle(moments_of(&cube(Flip::None).levels[0]), world) < MOST);
     for flip in [Flip::X, Flip::Z] {

@@ -497,10 +497,10 @@ fn steps_of_a_bake_are_no_larger_at_edges_than_inside() {
         oem_size: Some(64),
         ..BakeSettings::default()
     };
-    let bake = bake(&environment, &settings, &|_| {}).expect("a small bake");
+    let bake = bake(&environment, &settings).expect("a small bake");
     let oracle = OemOracle::new(reflector(&environment, 64).oem());
     let level = &bake.chain.levels[1];
-    let size = level.size;
+    let size = level.size();
     assert_eq!((size, level.roughness), (32, 0.5));
     let served: Vec<f64> = level.texels.iter().map(|rgb| luminance(rgb.map(f64::from))).collect();
     let truth: Vec<f64> = (0..6 * size * size)

@@ -101,7 +101,7 @@ fn limits_name_the_largest_size_that_fits() {
         assert_eq!(largest(Reflector::new(&engine, &source, &settings)), 512);
         let bake = |oem_size| {
             let settings = BakeSettings { size: 2, oem_size: Some(oem_size), ..BakeSettings::default() };
-            wait_for(context, engine.bake(&source, &settings, &|_| {}))
+            wait_for(context, engine.bake(&source, &settings))
         };
         // The cells are what fits least; a bake of what is named goes through, and nothing of this hurt the
         // device.
@@ -149,11 +149,14 @@ fn parameters_that_cannot_be_served_are_named() {
             (0.5, Filter::Adaptive(0.0)),
             (0.5, Filter::Adaptive(1.0)),
             (0.5, Filter::Adaptive(f64::NAN)),
-            (0.5, Filter::Reference),
             (0.5, Filter::Fitted(4)),
         ] {
             let outcome = wait_for(context, reflector.query(&up, Lobe::Ggx, roughness, filter));
             assert!(matches!(outcome, Err(Error::Parameter(_))), "{roughness} {filter:?}");
+        }
+        for (lobe, filter) in [(Lobe::Ggx, Filter::Reference), (Lobe::Charlie, Filter::Adaptive(0.1))] {
+            let outcome = wait_for(context, reflector.query(&up, lobe, 0.5, filter));
+            assert!(matches!(outcome, Err(Error::Unsupported { .. })), "{lobe:?} {filter:?}");
         }
         for (inner, count) in [(64, 3), (48, 4), (8, 4)] {
             let outcome = FittedTables::new(context, inner, count);
@@ -194,7 +197,7 @@ fn a_lost_device_is_an_error() {
             BakeSettings { size: 4, oem_size: Some(8), irradiance: Some(2), ..BakeSettings::default() };
         let bake = {
             let context = context.clone();
-            move || wait_for(&context, engine.bake(&small_source(), &settings, &|_| {})).map(|_| ())
+            move || wait_for(&context, engine.bake(&small_source(), &settings)).map(|_| ())
         };
         bake().expect("a bake while the device is there");
         context.device().destroy();

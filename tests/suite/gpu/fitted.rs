@@ -405,12 +405,9 @@ fn queries_and_bakes_are_the_cpu_s() {
         }
         let settings =
             BakeSettings { size: 16, levels: Some(4), filter: Filter::Fitted(4), ..BakeSettings::default() };
-        let expected = bake(&sky, &settings, &|_| ()).expect("a small bake");
-        let found = wait(context, passes.bake(&sky, &settings, &|_| ()));
-        let other = wait(
-            context,
-            passes.bake(&sky, &BakeSettings { filter: Filter::Fitted(1), ..settings }, &|_| ()),
-        );
+        let expected = bake(&sky, &settings).expect("a small bake");
+        let found = wait(context, passes.bake(&sky, &settings));
+        let other = wait(context, passes.bake(&sky, &BakeSettings { filter: Filter::Fitted(1), ..settings }));
         for (level, (e, f)) in expected.chain.levels.iter().zip(&found.chain.levels).enumerate() {
             let off = far(&e.texels, &f.texels);
             assert!(off <= allowed, "level {level}: {off:e} of {allowed:e} on {}", context.describe());

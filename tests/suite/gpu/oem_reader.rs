@@ -2,7 +2,7 @@
 
 use super::{in_full, wait};
 use crate::io::oem_file::{directions, levels, read_ktx2, unfolded};
-use octagloss::chain::ImageLevel;
+use octagloss::chain::Level;
 use octagloss::format::Pixel;
 use octagloss::format::container::Container;
 use octagloss::gpu::Context;
@@ -20,7 +20,7 @@ fn reader() -> &'static str {
 }
 
 /// What `reader` finds for each of `queries` (direction and roughness) in the file of `levels`.
-fn read_on(context: &Context, reader: &str, levels: &[ImageLevel], queries: &[[f32; 4]]) -> Vec<[f32; 4]> {
+fn read_on(context: &Context, reader: &str, levels: &[Level], queries: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let file = oem_bytes(Container::Ktx2, levels, Pixel::F16, &[]).unwrap();
     let (images, _) = read_ktx2(&file.bytes);
     let (device, queue) = (context.device(), context.queue());
@@ -110,7 +110,7 @@ fn queries() -> Vec<[f32; 4]> {
 }
 
 /// The greatest difference from trilinear interpolation on the unfolded plane; texels are between 0 and 1.
-fn worst(levels: &[ImageLevel], queries: &[[f32; 4]], answers: &[[f32; 4]]) -> f64 {
+fn worst(levels: &[Level], queries: &[[f32; 4]], answers: &[[f32; 4]]) -> f64 {
     assert_eq!(queries.len(), answers.len());
     let off = queries.iter().zip(answers).map(|([x, y, z, roughness], answer)| {
         let direction = glam::DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z));

@@ -7,7 +7,7 @@ use crate::support::common::Random;
 use glam::{DMat3, DVec3};
 use octagloss::analysis::oracle;
 use octagloss::bake::dfg;
-use octagloss::chain::{CubeChain, CubeLevel};
+use octagloss::chain::{Chain, Level};
 use octagloss::filter::Filter as Bake;
 use octagloss::image::exposure::{self, Exposure};
 use octagloss::lobe::Lobe;
@@ -207,7 +207,7 @@ fn diffuse_light_is_the_irradiance() {
 }
 
 /// A chain whose faces have a colour each in every level, times `scale`.
-fn chain(scale: f32) -> CubeChain {
+fn chain(scale: f32) -> Chain {
     let mut random = Random::new(7);
     let levels = [(4, 0.0), (2, 0.3), (1, 1.0)].map(|(size, roughness)| {
         let mut texels = Vec::new();
@@ -215,9 +215,9 @@ fn chain(scale: f32) -> CubeChain {
             let colour: Rgb = std::array::from_fn(|_| scale * random.between(0.05, 0.95) as f32);
             texels.extend(vec![colour; (size * size) as usize]);
         }
-        CubeLevel { size, roughness, texels, bounds: None }
+        Level::cube(size, roughness, texels)
     });
-    CubeChain { levels: levels.to_vec() }
+    Chain { levels: levels.to_vec() }
 }
 
 #[test]
@@ -272,7 +272,7 @@ fn own_levels_are_shown_as_they_are() {
 #[test]
 fn levels_that_cannot_be_shown_are_refused() {
     let whole = chain(1.0);
-    let one = CubeChain { levels: whole.levels[..1].to_vec() };
+    let one = Chain { levels: whole.levels[..1].to_vec() };
     assert!(Levels::new(one, DMat3::IDENTITY).expect("sound").is_none(), "one level is an environment");
     let mut falling = whole.clone();
     falling.levels[2].roughness = 0.2;

@@ -2,14 +2,14 @@
 
 use crate::support::written::chain;
 use glam::DVec3;
-use octagloss::chain::{CubeChain, CubeLevel};
+use octagloss::chain::{Chain, Level};
 use octagloss::environment::Rgb;
 use octagloss::image::cube_sampler::SeamlessLevel;
 use octagloss::image::exposure::Exposure;
 use octagloss::image::preview::{contact_sheet, error_picture};
 use octagloss::sphere::cube::{self, Face};
 
-fn level_of(size: u32, roughness: f64, radiance: impl Fn(Face, DVec3) -> Rgb) -> CubeLevel {
+fn level_of(size: u32, roughness: f64, radiance: impl Fn(Face, DVec3) -> Rgb) -> Level {
     let mut texels = Vec::new();
     for face in Face::ALL {
         for j in 0..size {
@@ -18,7 +18,7 @@ fn level_of(size: u32, roughness: f64, radiance: impl Fn(Face, DVec3) -> Rgb) ->
             }
         }
     }
-    CubeLevel { size, roughness, texels, bounds: None }
+    Level::cube(size, roughness, texels)
 }
 
 // Seamless look-up
@@ -74,7 +74,7 @@ const TILE_AT: (u32, u32) = (10, 36);
 const TILE: u32 = 240;
 
 /// A world whose faces each have one colour.
-fn coloured() -> CubeChain {
+fn coloured() -> Chain {
     let colour = |face: Face| {
         [
             [1.0, 0.05, 0.05],
@@ -85,9 +85,7 @@ fn coloured() -> CubeChain {
             [1.0, 1.0, 0.05],
         ][face.index()]
     };
-    CubeChain {
-        levels: (0..3).map(|l| level_of(8 >> l, f64::from(l) / 2.0, |face, _| colour(face))).collect(),
-    }
+    Chain { levels: (0..3).map(|l| level_of(8 >> l, f64::from(l) / 2.0, |face, _| colour(face))).collect() }
 }
 
 /// Which channels of the pixel at `x`, `y` in [-1, 1] of the first tile are bright.
@@ -124,7 +122,7 @@ fn a_smooth_world_has_no_seams_in_the_sphere() {
         let value = |axis: DVec3| (1.0 + 0.8 * d.dot(axis)) as f32;
         [value(DVec3::X), value(DVec3::Y), value(DVec3::Z)]
     };
-    let chain = CubeChain { levels: vec![level_of(32, 0.0, smooth)] };
+    let chain = Chain { levels: vec![level_of(32, 0.0, smooth)] };
     let sheet = contact_sheet(&chain, Exposure::Auto).unwrap();
     // Within four fifths of the ball's radius neighbours differ by no more than the curve's own slope.
     let mut compared = 0;
@@ -156,13 +154,13 @@ fn the_sheet_is_the_same_whatever_the_thread_count_and_has_room_for_every_level(
     let one = drawn(1);
     assert_eq!((one.width(), one.height()), (5 * 250 + 10, 2 * 466 + 10));
     assert!(drawn(3) == one);
-    assert!(contact_sheet(&CubeChain { levels: vec![] }, Exposure::Auto).is_err());
+    assert!(contact_sheet(&Chain { levels: vec![] }, Exposure::Auto).is_err());
 }
 
 #[test]
 fn black_and_extreme_worlds_can_be_drawn() {
     for radiance in [0.0, 1e-30, f32::MAX] {
-        let chain = CubeChain { levels: vec![level_of(4, 0.0, |_, _| [radiance; 3])] };
+        let chain = Chain { levels: vec![level_of(4, 0.0, |_, _| [radiance; 3])] };
         contact_sheet(&chain, Exposure::Auto).unwrap();
         error_picture(&chain.levels[0], &chain.levels[0]).unwrap();
     }
@@ -173,7 +171,7 @@ fn black_and_extreme_worlds_can_be_drawn() {
 #[test]
 fn the_error_picture_shows_one_wrong_texel_where_it_is() {
     let reference = &chain(8, 1, false).levels[0];
-    let black = |level: &CubeLevel| {
+    let black = |level: &Level| {
         let picture = error_picture(level, reference).unwrap();
         // Faces of 96 pixels from (10, 10) on; +Z stands at column 1, row 1.
         let at = |x: u32, y: u32| picture.get_pixel(10 + 96 + x * 12 + 6, 10 + 96 + y * 12 + 6).0 == [0; 3];

@@ -4,7 +4,7 @@ use crate::io::bc6h::decoded;
 use crate::support::written::{chain, first_difference, to_half};
 use half::f16;
 use octagloss::Rgb;
-use octagloss::chain::CubeChain;
+use octagloss::chain::Chain;
 use octagloss::format::container::Container;
 use octagloss::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
 use octagloss::format::rgbd::{RGBD_MAX, rgb_from_rgbd, rgbd_from_rgb, rgbd_png_bytes};
@@ -45,7 +45,7 @@ pub(crate) fn colours(pixel: Pixel, size: u32, bytes: &[u8]) -> Vec<Rgb> {
         Pixel::Rgb9e5 => texels.map(|at| rgb_from_rgb9e5(word(bytes, at))).collect(),
         Pixel::R11g11b10 => texels.map(|at| rgb_from_r11g11b10(word(bytes, at))).collect(),
         Pixel::Bc6h => decoded(size, bytes),
-        Pixel::Rgbd => (0..(size * size) as usize)
+        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => (0..(size * size) as usize)
             .map(|k| rgb_from_rgbd(bytes[4 * k..4 * k + 4].try_into().unwrap()))
             .collect(),
     }
@@ -62,7 +62,9 @@ pub(crate) fn parse_ktx1(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
         Pixel::F32 => (0x1406, 4, 0x1908, 0x8814),
         Pixel::Rgb9e5 => (0x8c3e, 4, 0x1907, 0x8c3d),
         Pixel::R11g11b10 => (0x8c3a, 4, 0x1907, 0x8c3a),
-        Pixel::Bc6h | Pixel::Rgbd => return Err("neither BC6H nor RGBD here".to_owned()),
+        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
+            return Err("neither BC6H nor RGBD here".to_owned());
+        }
     };
     rule(header[1..6] == [kind, kind_bytes, format, internal, format], "formats")?;
     let size = header[6];
@@ -118,7 +120,7 @@ pub(crate) fn parse_dds(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
         Pixel::R11g11b10 => 26,
         Pixel::Rgb9e5 => 67,
         Pixel::Bc6h => 95,
-        Pixel::Rgbd => return Err("no RGBD here".to_owned()),
+        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => return Err("no RGBD here".to_owned()),
     };
     rule(word(bytes, 128) == format, "DXGI format")?;
     rule(word(bytes, 132) == 3 && word(bytes, 136) == 4 && word(bytes, 140) == 1, "2D, a cube, one of it")?;
@@ -147,15 +149,15 @@ fn stored(pixel: Pixel, texel: Rgb) -> Rgb {
         Pixel::F32 => texel,
         Pixel::Rgb9e5 => rgb_from_rgb9e5(rgb9e5_from_rgb(texel)),
         Pixel::R11g11b10 => rgb_from_r11g11b10(r11g11b10_from_rgb(texel)),
-        Pixel::Bc6h | Pixel::Rgbd => unreachable!("not among the formats"),
+        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => unreachable!("not among the formats"),
     }
 }
 
-fn same(found: &Cube, chain: &CubeChain, pixel: Pixel) {
-    assert_eq!((found.size, found.levels.len()), (chain.levels[0].size, chain.levels.len()));
+fn same(found: &Cube, chain: &Chain, pixel: Pixel) {
+    assert_eq!((found.size, found.levels.len()), (chain.levels[0].size(), chain.levels.len()));
     for (found, level) in found.levels.iter().zip(&chain.levels) {
         let expected: Vec<Rgb> = level.texels.iter().map(|t| stored(pixel, *t)).collect();
-        assert_eq!(first_difference(found, &expected), None, "{pixel:?} level of {}", level.size);
+        assert_eq!(first_difference(found, &expected), None, "{pixel:?} level of {}", level.size());
     }
 }
 
@@ -225,7 +227,7 @@ fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
             let read = read_chain_from_memory(Path::new("a.ktx2"), &ktx2, 1 << 30).unwrap();
             for (found, (expected, exact)) in read.levels.iter().zip(expected.iter().zip(&chain.levels)) {
                 assert_eq!(first_difference(&found.texels, expected), None, "{size} {pixel:?}");
-                assert_eq!((found.size, found.roughness), (exact.size, exact.roughness));
+                assert_eq!((found.size(), found.roughness), (exact.size(), exact.roughness));
             }
             // A DDS file's report tells the roughness.
             let folder = tempfile::tempdir().unwrap();
@@ -234,7 +236,7 @@ fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
             let error = read_chain(&path).unwrap_err().to_string();
             assert!(error.contains("a.dds.report.json is not there"), "{error}");
             let levels: Vec<_> = (0..).zip(&chain.levels).map(|(level, l)| {
-                serde_json::json!({ "level": level, "size": l.size, "roughness": l.roughness })
+                serde_json::json!({ "level": level, "size": l.size(), "roughness": l.roughness })
             }).collect();
             let report = serde_json::json!({ "levels": levels }).to_string();
             std::fs::write(folder.path().join("a.dds.report.json"), report).unwrap();
@@ -301,7 +303,7 @@ fn impossible_requests_are_refused() {
     uneven.levels[1] = uneven.levels[0].clone();
     for container in [Container::Ktx1, Container::Dds, Container::Ktx2] {
         assert!(words(cube_bytes(container, &uneven, Pixel::F16, &[])).contains("level 1"));
-        let none = CubeChain { levels: vec![] };
+        let none = Chain { levels: vec![] };
         assert!(words(cube_bytes(container, &none, Pixel::F16, &[])).contains("at least one level"));
     }
 }

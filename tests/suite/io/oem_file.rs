@@ -7,7 +7,7 @@ use exr_crate::ReadChannels as _;
 use exr_crate::ReadLayers as _;
 use glam::{DVec2, DVec3};
 use half::f16;
-use octagloss::chain::ImageLevel;
+use octagloss::chain::Level;
 use octagloss::format::Pixel;
 use octagloss::format::container::Container;
 use octagloss::io::oem_write::oem_bytes;
@@ -15,23 +15,24 @@ use octagloss::oem::level_sizes;
 use octagloss::{Layout, Rgb};
 
 /// `count` octahedral levels from `size` down, of random half floats.
-pub(crate) fn levels(size: u32, count: u32, seed: u64) -> Vec<ImageLevel> {
+pub(crate) fn levels(size: u32, count: u32, seed: u64) -> Vec<Level> {
     let mut random = Random::new(seed);
     let mut texel = || [(); 3].map(|()| f16::from_f64(random.unit()).to_f32());
     (0..count)
-        .map(|l| ImageLevel {
+        .map(|l| Level {
             layout: Layout::Octahedral { size: size >> l },
             roughness: f64::from(l) / f64::from((count - 1).max(1)),
             texels: (0..(size >> l).pow(2)).map(|_| texel()).collect(),
+            bounds: None,
         })
         .collect()
 }
 
 /// Side and texels of a level of half floats.
-pub(crate) type Level = (u32, Vec<[f16; 4]>);
+pub(crate) type ReadLevel = (u32, Vec<[f16; 4]>);
 
 /// The levels of a 2D KTX2 file of half floats, and its key/value pairs.
-pub(crate) fn read_ktx2(bytes: &[u8]) -> (Vec<Level>, Vec<(String, String)>) {
+pub(crate) fn read_ktx2(bytes: &[u8]) -> (Vec<ReadLevel>, Vec<(String, String)>) {
     let reader = ktx2::Reader::new(bytes).unwrap();
     let header = reader.header();
     assert_eq!((header.face_count, header.layer_count, header.pixel_depth), (1, 0, 0));
@@ -76,7 +77,7 @@ pub(crate) fn bilinear(side: u32, place: DVec2, texel: impl Fn(u32, u32) -> [f64
 
 /// What a look-up in the unfolded plane gives, from the square alone: texels beyond an edge are found by
 /// stepping over the sphere, from the centre of a texel to the other side of the edge.
-pub(crate) fn unfolded(level: &ImageLevel, direction: DVec3) -> [f64; 3] {
+pub(crate) fn unfolded(level: &Level, direction: DVec3) -> [f64; 3] {
     let n = level.layout.sides().0;
     let texel = |x: u32, y: u32| {
         // Undo the border of one texel.
@@ -215,12 +216,12 @@ fn impossible_maps_are_refused() {
     let words = |size, count| level_sizes(size, count).unwrap_err().to_string();
     assert!(words(100, 4).contains("choose a multiple of 8"), "{}", words(100, 4));
     assert!(
-        words(8, 0).contains("--size 8")
-            && words(0, 1).contains("--size 0")
+        words(8, 0).contains("`size` 8")
+            && words(0, 1).contains("`size` 0")
             && words(8, 40).contains("halve")
     );
     let good = levels(8, 2, 4);
-    let refused = |container, levels: &[ImageLevel], pixel| {
+    let refused = |container, levels: &[Level], pixel| {
         oem_bytes(container, levels, pixel, &[]).map(|_| ()).unwrap_err().to_string()
     };
     assert!(refused(Container::Dds, &good, Pixel::F16).contains("ktx2 or exr"));
@@ -228,5 +229,5 @@ fn impossible_maps_are_refused() {
     let mut uneven = good;
     uneven[1].layout = Layout::Octahedral { size: 2 };
     assert!(refused(Container::Ktx2, &uneven, Pixel::F16).contains("level 1"));
-    assert!(refused(Container::Ktx2, &[], Pixel::F16).contains("--size 0"));
+    assert!(refused(Container::Ktx2, &[], Pixel::F16).contains("`size` 0"));
 }

@@ -5,17 +5,26 @@ use crate::support::written::{
 };
 use exr::prelude::{AttributeValue, Text};
 use half::f16;
-use octagloss::chain::CubeLevel;
+use octagloss::bake::Bake;
+use octagloss::chain::{Chain, Level};
 use octagloss::environment::{Environment, Layout, Rgb};
-use octagloss::format::{HALF_MAX, Pixel, RGB9E5_MAX, push_halves, rgb_from_rgb9e5, rgb9e5_from_rgb};
+use octagloss::export::files::{Made, files};
+use octagloss::format::container::Container;
+use octagloss::format::{
+    HALF_MAX, OutputLayout, Pixel, RGB9E5_MAX, push_halves, rgb_from_rgb9e5, rgb9e5_from_rgb,
+};
 use octagloss::io::environment_write::write_environment;
-use octagloss::io::exr::write::{Attribute, ExrPixel, Samples, StoredLevel, exr_bytes, write_exr_folder};
-use octagloss::io::hdr::write::{hdr_bytes, write_hdr_folder};
+use octagloss::io::exr::write::{Attribute, Samples, exr_bytes};
+use octagloss::io::hdr::write::hdr_bytes;
 use octagloss::io::ktx2::write::ktx2_bytes;
 use octagloss::io::layout::CROSS_CELLS;
 use octagloss::io::ldr::write::write_png;
 use octagloss::io::output::Existing;
+use octagloss::oem::OemSize;
+use octagloss::sh::window::ShWindow;
 use octagloss::sphere::cube::Face;
+use octagloss::target::{Diffuse, Plan, UNTARGETED};
+use std::collections::BTreeMap;
 use std::fs;
 
 #[test]
@@ -142,48 +151,65 @@ fn exr_refuses_what_it_cannot_hold() {
     assert!(exr_bytes(1, 1, Samples::Rgb(&[[1.0; 3]]), Pixel::Rgb9e5, &[]).is_err());
 }
 
+/// The files of a level folder.
+fn level_folder(
+    chain: &Chain,
+    irradiance: Option<Level>,
+    container: Container,
+    pixel: Pixel,
+) -> BTreeMap<String, Made> {
+    let diffuse = if irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
+    let layout = OutputLayout::Faces;
+    let plan = Plan { container, pixel, diffuse, layout, ..Plan::new(&UNTARGETED) };
+    let bake = Bake {
+        chain: chain.clone(),
+        stats: Vec::new(),
+        irradiance,
+        sheen: None,
+        sheen_stats: Vec::new(),
+        sh: vec![[0.0; 3]; 9],
+        sh_window: ShWindow::None,
+        oem: OemSize { inner: 64, border: 0 },
+        source_energy: [0.0; 3],
+        oem_energy: [0.0; 3],
+        warnings: Vec::new(),
+    };
+    let made = files(&plan, "bake", &bake, &metadata()).unwrap();
+    made.into_iter().map(|file| (file.path.clone(), file)).collect()
+}
+
 #[test]
 fn an_exr_folder_holds_every_face_bound_and_the_irradiance() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("bake");
     let mut chain = chain(16, 3, true);
     chain.levels[1].texels[3][2] = 70_000.0;
-    let irradiance = CubeLevel { size: 4, roughness: 1.0, texels: texels(96, 5), bounds: None };
-    let stored =
-        write_exr_folder(&out, Existing::Keep, &chain, Some(&irradiance), ExrPixel::Auto, &metadata())
-            .unwrap();
-    let half = StoredLevel { pixel: Pixel::F16, clamped: 0 };
-    assert_eq!(stored, [half, StoredLevel { pixel: Pixel::F32, clamped: 0 }, half, half]);
-    assert_eq!(names_in(&out).len(), 3 * 6 * 2 + 6);
+    let irradiance = Level::cube(4, 1.0, texels(96, 5));
+    let clamped = |made: &BTreeMap<String, Made>| made.values().flat_map(|m| &m.clamped).sum::<u64>();
+    let made = level_folder(&chain, Some(irradiance), Container::Exr, Pixel::Auto);
+    assert_eq!((clamped(&made), made.len()), (0, 3 * 6 * 2 + 6));
+    assert!(made.contains_key("irradiance_px.exr"));
 
     for (index, level) in chain.levels.iter().enumerate() {
         for face in Face::ALL {
             let name = face.short_name();
-            let bytes = fs::read(out.join(format!("m{index}_{name}.exr"))).unwrap();
-            let exact = stored[index].pixel == Pixel::F32;
+            let bytes = &made[&format!("m{index}_{name}.exr")].bytes;
+            // Half floats but where they do not do.
             let expected: Vec<Rgb> =
-                level.face(face).iter().map(|t| if exact { *t } else { to_half(*t) }).collect();
-            assert_eq!(first_difference(&read_exr_rgb(&bytes), &expected), None, "level {index} {name}");
-            let attributes = read_exr(&bytes, &["R", "G", "B"]).3.other;
+                level.face(face).iter().map(|t| if index == 1 { *t } else { to_half(*t) }).collect();
+            assert_eq!(first_difference(&read_exr_rgb(bytes), &expected), None, "level {index} {name}");
+            let attributes = read_exr(bytes, &["R", "G", "B"]).3.other;
             assert_eq!(attributes[&Text::from("roughness")], AttributeValue::F32(level.roughness as f32));
-            let bytes = fs::read(out.join(format!("m{index}_{name}_bound.exr"))).unwrap();
-            let area = (level.size * level.size) as usize;
+            let bytes = &made[&format!("m{index}_{name}_bound.exr")].bytes;
+            let area = (level.size() * level.size()) as usize;
             let bounds = &level.bounds.as_ref().unwrap()[face.index() * area..][..area];
-            assert_eq!(read_exr(&bytes, &["Y"]).2, [bounds.to_vec()]);
+            assert_eq!(read_exr(bytes, &["Y"]).2, [bounds.to_vec()]);
         }
     }
     // A face in another's place is seen.
-    let bytes = fs::read(out.join("m0_nx.exr")).unwrap();
     let other: Vec<Rgb> = chain.levels[0].face(Face::PosX).iter().map(|t| to_half(*t)).collect();
-    assert!(first_difference(&read_exr_rgb(&bytes), &other).is_some());
+    assert!(first_difference(&read_exr_rgb(&made["m0_nx.exr"].bytes), &other).is_some());
     // Asked for, half clamps and counts; float does neither.
-    let clamped = |choice| {
-        let stored = write_exr_folder(&out, Existing::Replace, &chain, None, choice, &metadata()).unwrap();
-        stored.iter().map(|s| s.clamped).sum::<u64>()
-    };
-    assert_eq!(clamped(ExrPixel::F16), 1);
-    assert_eq!(clamped(ExrPixel::F32), 0);
-    assert!(!names_in(&out).contains(&"irradiance_px.exr".to_owned()), "the old bake is gone");
+    assert_eq!(clamped(&level_folder(&chain, None, Container::Exr, Pixel::F16)), 1);
+    assert_eq!(clamped(&level_folder(&chain, None, Container::Exr, Pixel::F32)), 0);
 }
 
 #[test]
@@ -192,14 +218,9 @@ fn equal_chains_give_equal_bytes_whatever_the_thread_count() {
     let written = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let folder = tempfile::tempdir().unwrap();
-            let (exr, hdr) = (folder.path().join("exr"), folder.path().join("hdr"));
-            write_exr_folder(&exr, Existing::Keep, &chain, None, ExrPixel::Auto, &metadata()).unwrap();
-            write_hdr_folder(&hdr, Existing::Keep, &chain, None).unwrap();
-            let mut all = Vec::new();
-            for out in [exr, hdr] {
-                all.extend(names_in(&out).into_iter().map(|n| (n.clone(), fs::read(out.join(n)).unwrap())));
-            }
+            let mut all = level_folder(&chain, None, Container::Exr, Pixel::Auto);
+            all.extend(level_folder(&chain, None, Container::Hdr, Pixel::Rgbe));
+            let all: Vec<_> = all.into_iter().map(|(name, file)| (name, file.bytes)).collect();
             let ktx2 = ktx2_bytes(&chain, Pixel::F16, &metadata()).unwrap().bytes;
             (all, ktx2)
         })
@@ -245,12 +266,10 @@ fn hdr_holds_extremes_without_wrapping() {
 
 #[test]
 fn an_hdr_folder_holds_every_face() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("bake");
-    write_hdr_folder(&out, Existing::Keep, &chain(8, 2, false), Some(&chain(4, 1, false).levels[0])).unwrap();
-    let names = names_in(&out);
-    assert_eq!(names.len(), 18);
-    assert!(names.contains(&"m1_nz.hdr".to_owned()) && names.contains(&"irradiance_py.hdr".to_owned()));
+    let irradiance = chain(4, 1, false).levels.remove(0);
+    let made = level_folder(&chain(8, 2, false), Some(irradiance), Container::Hdr, Pixel::Rgbe);
+    assert_eq!(made.len(), 18);
+    assert!(made.contains_key("m1_nz.hdr") && made.contains_key("irradiance_py.hdr"));
 }
 
 #[test]

@@ -518,7 +518,7 @@ fn a_bake_s_texels_are_its_queries_and_level_0_is_the_footprint_mean() {
     let environment = square(&mut random, Look::Suns, 64);
     let with = |filter| {
         let settings = BakeSettings { size: 32, levels: Some(3), filter, ..BakeSettings::default() };
-        bake(&environment, &settings, &|_| ()).expect("a bake")
+        bake(&environment, &settings).expect("a bake")
     };
     let (fitted, adaptive) = (with(Filter::Fitted(4)), with(Filter::Adaptive(0.005)));
     assert!(fitted.oem.inner.is_power_of_two(), "{:?}", fitted.oem);

@@ -3,7 +3,7 @@
 use super::inputs::{self, Ktx2Pixel, Sample};
 use cpu_time::ProcessTime;
 use exr::prelude::{AnyChannel, Blocks, Compression, Image, Vec2};
-use octagloss::chain::{CubeChain, CubeLevel};
+use octagloss::chain::{Chain, Level};
 use octagloss::format::Pixel;
 use octagloss::io::ktx1::write::ktx1_bytes;
 use octagloss::io::{self, ReadOptions};
@@ -283,13 +283,8 @@ fn ktx2_seeds() -> Vec<Vec<u8>> {
 
 /// Cubes of KTX 1 that say where they come from.
 fn ktx1_seeds() -> Vec<Vec<u8>> {
-    let level = |(size, roughness)| CubeLevel {
-        size,
-        roughness,
-        texels: inputs::numbered(size, 6 * size),
-        bounds: None,
-    };
-    let chain = CubeChain { levels: [(4, 0.0), (2, 0.5), (1, 1.0)].map(level).to_vec() };
+    let level = |(size, roughness)| Level::cube(size, roughness, inputs::numbered(size, 6 * size));
+    let chain = Chain { levels: [(4, 0.0), (2, 0.5), (1, 1.0)].map(level).to_vec() };
     let pairs = [("octaglossFlip", "x"), ("octaglossRotateY", "37"), ("octaglossSun", "1 0 0, 1 2 3, 0.1")]
         .map(|(key, value)| (key.to_owned(), value.to_owned()));
     let seed = |pixel| ktx1_bytes(&chain, pixel, &pairs).unwrap().bytes;

@@ -2,8 +2,8 @@
 
 use exr::prelude::{ReadChannels as _, ReadLayers as _, read};
 use half::f16;
-use octagloss::chain::{CubeChain, CubeLevel};
-use octagloss::environment::Rgb;
+use octagloss::chain::{Chain, Level};
+use octagloss::environment::{Layout, Rgb};
 use octagloss::format::HALF_MAX;
 use std::fs;
 use std::io::Cursor;
@@ -24,18 +24,18 @@ pub(crate) fn texels(count: usize, seed: u64) -> Vec<Rgb> {
         .collect()
 }
 
-pub(crate) fn chain(size: u32, levels: u32, bounds: bool) -> CubeChain {
+pub(crate) fn chain(size: u32, levels: u32, bounds: bool) -> Chain {
     let level = |index: u32| {
         let size = size >> index;
         let count = 6 * (size * size) as usize;
-        CubeLevel {
-            size,
+        Level {
+            layout: Layout::Cube { size },
             roughness: f64::from(index) / f64::from(levels.max(2) - 1),
             texels: texels(count, u64::from(index)),
             bounds: bounds.then(|| (0..count).map(|at| noise(at as u64) * 1e-3).collect()),
         }
     };
-    CubeChain { levels: (0..levels).map(level).collect() }
+    Chain { levels: (0..levels).map(level).collect() }
 }
 
 pub(crate) fn metadata() -> Vec<(String, String)> {

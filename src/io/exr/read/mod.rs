@@ -6,7 +6,7 @@ mod select;
 mod window;
 mod zip;
 
-use crate::chain::{CubeChain, CubeLevel};
+use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::color::{self, Primaries};
@@ -98,17 +98,17 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
             return Err(source.error(format!("its level {level} does not say its roughness; bake it anew")));
         };
         crate::io::picture::check_finite(source.path, level, size, &texels)?;
-        levels.push(CubeLevel { size, roughness, texels, bounds: None });
+        levels.push(Level::cube(size, roughness, texels));
     }
     if levels.is_empty() {
         return Err(source.error("no part m0_px; a chain in OpenEXR has a part for each face of each level"));
     }
-    let halves = |(level, expected): (u32, &CubeLevel)| expected.size == (levels[0].size >> level).max(1);
+    let halves = |(level, expected): (u32, &Level)| expected.size() == (levels[0].size() >> level).max(1);
     if !(0u32..).zip(&levels).all(halves) {
         return Err(source.error("its levels do not halve; bake it anew"));
     }
     Ok(Stored {
-        chain: CubeChain { levels },
+        chain: Chain { levels },
         provenance: provenance(source, &metadata.headers[0])?,
         format: parts_format(&metadata),
     })

@@ -14,7 +14,7 @@ fn levels() -> Vec<Vec<Rgb>> {
     [8, 4, 2].map(|size| numbered(size, 6 * size)).to_vec()
 }
 
-fn read_chain(bytes: &[u8]) -> octagloss::Result<octagloss::chain::CubeChain> {
+fn read_chain(bytes: &[u8]) -> octagloss::Result<octagloss::chain::Chain> {
     io::read_chain_from_memory(Path::new("a.ktx2"), bytes, io::DEFAULT_MEMORY_LIMIT)
 }
 
@@ -24,7 +24,7 @@ fn cubes_of_every_pixel_are_read_whole() {
         for zstd in [false, true] {
             let bytes = ktx2((8, 8), 6, pixel, zstd, ROUGHNESS, &levels());
             let chain = read_chain(&bytes).unwrap();
-            assert_eq!(chain.levels.iter().map(|l| l.size).collect::<Vec<_>>(), [8, 4, 2], "{pixel:?}");
+            assert_eq!(chain.levels.iter().map(|l| l.size()).collect::<Vec<_>>(), [8, 4, 2], "{pixel:?}");
             assert_eq!(
                 chain.levels.iter().map(|l| l.roughness).collect::<Vec<_>>(),
                 [0.0, 0.25, 1.0],
@@ -89,7 +89,7 @@ fn nan_in_a_chain_is_named() {
     levels[0][64 + 9][0] = f32::INFINITY;
     let bytes = ktx2((8, 8), 6, Ktx2Pixel::Rgba32F, false, ROUGHNESS, &levels);
     let text = io::read_from_memory(Path::new("a.ktx2"), &bytes, &options).unwrap_err().to_string();
-    assert_eq!(text, "a.ktx2 face nx: pixel (1, 1) channel R is inf; --sanitize repairs NaN and Inf");
+    assert_eq!(text, "a.ktx2 face nx: pixel (1, 1) channel R is inf; `sanitize` repairs NaN and Inf");
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn level_folders_are_read() {
         let folder = level_folder(extension);
         let chain = io::read_chain(folder.path()).unwrap();
         assert_eq!(
-            chain.levels.iter().map(|l| (l.size, l.roughness)).collect::<Vec<_>>(),
+            chain.levels.iter().map(|l| (l.size(), l.roughness)).collect::<Vec<_>>(),
             [(4, 0.0), (2, 1.0)]
         );
         assert_eq!(chain.levels[1].texels.len(), 24, "six faces");

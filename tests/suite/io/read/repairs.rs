@@ -25,7 +25,7 @@ fn non_finite_values_are_named() {
         pixels[2 * 8 + 5][1] = value;
         assert_eq!(
             error_of(read("a.exr", &exr(&pixels))),
-            format!("a.exr: pixel (5, 2) channel G is {shown}; --sanitize repairs NaN and Inf")
+            format!("a.exr: pixel (5, 2) channel G is {shown}; `sanitize` repairs NaN and Inf")
         );
     }
 }
@@ -75,7 +75,7 @@ fn non_finite_faces_are_named_by_their_file() {
     }
     assert_eq!(
         error_of(io::read_faces(&paths, &ReadOptions::default())),
-        format!("{}: pixel (3, 1) channel R is NaN; --sanitize repairs NaN and Inf", paths[4].display())
+        format!("{}: pixel (3, 1) channel R is NaN; `sanitize` repairs NaN and Inf", paths[4].display())
     );
     assert_eq!(io::read_faces(&paths, &sanitize()).unwrap().repaired.nan, 1, "repaired");
 }
@@ -124,12 +124,12 @@ fn strict_refuses_every_repair() {
     pixels[0][0] = -1.0;
     let text = error_of(read_with("a.exr", &exr(&pixels), &strict()));
     assert!(text.starts_with("a.exr: 1 negative values (0.0"), "{text}");
-    assert!(text.ends_with("; --strict allows no repair, leave it out to set them right"), "{text}");
+    assert!(text.ends_with("; `strict` allows no repair, leave it out to set them right"), "{text}");
     pixels[0][0] = f32::NAN;
     let both = ReadOptions { sanitize: true, ..strict() };
     assert_eq!(
         error_of(read_with("a.exr", &exr(&pixels), &both)),
-        "a.exr: 1 NaN values; --strict allows no repair, leave it out to set them right"
+        "a.exr: 1 NaN values; `strict` allows no repair, leave it out to set them right"
     );
 }
 

@@ -1,0 +1,288 @@
+//! What the options of `bake` ask for: plans of the targets' table, and the settings of their bakes.
+
+use super::args::BakeArgs;
+use super::outcome::{Outcome, usage};
+use super::output::{FOREIGN, SunFile, check_folder_name, extension, named_format, names_folder};
+use octagloss::Map;
+use octagloss::bake::BakeSettings;
+use octagloss::filter::Filter;
+use octagloss::format::container::Container;
+use octagloss::format::{OutputLayout, Pixel};
+use octagloss::io::LayoutChoice;
+use octagloss::lobe::Lobe;
+use octagloss::target::{Diffuse, Plan, UNTARGETED};
+use std::path::Path;
+
+/// The files to write, and the bake that they are made of.
+#[derive(Clone, Debug)]
+pub(super) struct BakePlan {
+    pub(super) plan: Plan,
+    pub(super) settings: BakeSettings,
+}
+
+/// What `args` ask for: a plan for each target, or the one without a target.
+pub(super) fn plans(args: &BakeArgs) -> Outcome<Vec<BakePlan>> {
+    if args.target.is_empty() {
+        let settings = untargeted_settings(args)?;
+        return Ok(vec![BakePlan { plan: untargeted(args)?, settings }]);
+    }
+    if args.bounds {
+        return usage("--bounds does not go with --target; bake without it for the bounds");
+    }
+    if args.preview.is_some() {
+        return usage("--preview does not go with --target; bake without it for a picture");
+    }
+    if args.lobe == Lobe::Cosine {
+        return usage("--lobe cosine does not go with --target; --diffuse cube adds irradiance");
+    }
+    let mut plans: Vec<BakePlan> = Vec::new();
+    for target in &args.target {
+        if plans.iter().any(|other| other.plan.target == *target) {
+            return usage(format!("--target names {} twice", target.name));
+        }
+        plans.push(planned(Plan::new(target), args)?);
+    }
+    if let Some(path) = &args.output {
+        if path.as_os_str() == "-" {
+            return usage("-o - takes an output of one file, and --target writes a folder; name it with -o");
+        }
+        check_folder_name(path, ", and without --target one file is written")?;
+    }
+    Ok(plans)
+}
+
+/// The files about the sun that `args` ask for.
+pub(super) fn sun_files(args: &BakeArgs) -> Vec<SunFile> {
+    let asked = [(SunFile::Sun, args.input.extract_sun), (SunFile::Sunless, args.sunless)];
+    asked.into_iter().filter_map(|(file, asked)| asked.then_some(file)).collect()
+}
+
+fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
+    if args.lobe == Lobe::Cosine && args.levels.is_some_and(|levels| levels > 1) {
+        return usage("--lobe cosine has no roughness and bakes one level; leave --levels out");
+    }
+    if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
+        return usage("--bounds needs --filter adaptive:E; the others certify nothing");
+    }
+    if let Some(layout) = args.out_layout.filter(|layout| *layout != OutputLayout::Faces) {
+        let name = layout.name();
+        if args.bounds {
+            return usage(format!("--bounds is for --out-layout faces, not {name}"));
+        }
+        if args.preview.is_some() && layout.map() != Map::Cube {
+            return usage(format!("--preview shows cubes; leave it or --out-layout {name} out"));
+        }
+        if args.irradiance.is_some() && layout.map() != Map::Cube {
+            return usage(format!("--irradiance is a cube; leave it or --out-layout {name} out"));
+        }
+    }
+    let map = args.out_layout.map_or(Map::Cube, OutputLayout::map);
+    let (ladder, lobe) = (args.ladder.unwrap_or_default(), args.lobe);
+    // The format has every level down to one texel, whatever a look-up makes of them.
+    let every_level = args.out_layout == Some(OutputLayout::Mips);
+    let size = args.size.unwrap_or(if every_level { 256 } else { ladder.default_size(map, lobe) });
+    let settings = BakeSettings {
+        map,
+        size,
+        levels: args.levels.or(every_level.then(|| map.most_levels(size))),
+        ladder,
+        lobe,
+        filter: args.filter,
+        oem_size: args.table.oem_size,
+        border: args.table.border,
+        bounds: args.bounds,
+        irradiance: args.irradiance,
+        sh_order: args.sh_order,
+        sh_window: args.sh_window,
+        sheen: false,
+    };
+    match settings.level_specs() {
+        Ok(_) => Ok(settings),
+        Err(error) => usage(error.to_string()),
+    }
+}
+
+/// Refuses what does not go to standard output.
+pub(super) fn check_stdout(args: &BakeArgs, plan: &Plan, inputs: usize) -> Outcome {
+    if inputs > 1 {
+        return usage("-o - takes one input; name a folder with -o for several");
+    }
+    if !plan.is_single() {
+        return usage(
+            "-o - takes an output of one file: ktx2, ktx, dds, or exr with --out-layout parts or mips; name a \
+             folder with -o",
+        );
+    }
+    let beside = [
+        (args.json, "--json"),
+        (args.skip_unchanged, "--skip-unchanged"),
+        (args.preview.is_some(), "--preview"),
+        (args.irradiance.is_some(), "--irradiance"),
+        (args.bounds, "--bounds"),
+        (args.input.extract_sun, "--extract-sun"),
+    ];
+    match beside.into_iter().find(|(asked, _)| *asked) {
+        Some((_, option)) => usage(format!(
+            "-o - writes one file to standard output, and nothing beside it; leave {option} out or name a file with -o"
+        )),
+        None => Ok(()),
+    }
+}
+
+/// The plan without a target: the format as said, else by the output's extension, else ktx2, and the pixels
+/// that it can have.
+fn untargeted(args: &BakeArgs) -> Outcome<Plan> {
+    let container = container(args)?;
+    let layout = args.out_layout.unwrap_or_default();
+    let pixel = pixel(args, container, layout)?;
+    let diffuse = if args.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
+    let plan = Plan { container, pixel, layout, diffuse, ..Plan::new(&UNTARGETED) };
+    if let Some(path) = args.output.as_deref().filter(|_| !plan.is_single()) {
+        let remedy =
+            format!(" (with --format {}), and --out-layout parts writes one .exr file", container.name());
+        check_folder_name(path, &remedy)?;
+    }
+    Ok(plan)
+}
+
+/// The format as said, else by the output's extension, else that of the layout.
+fn container(args: &BakeArgs) -> Outcome<Container> {
+    let file = args.output.as_deref().filter(|path| !names_folder(path));
+    let named = file.and_then(named_format);
+    let output = || args.output.as_deref().unwrap_or(Path::new("")).display().to_string();
+    let foreign = file.and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
+    if let Some(foreign) = foreign {
+        return usage(format!(
+            "the output {} is named .{foreign}, which cannot be written; ktx2, ktx, dds, exr and hdr can",
+            output()
+        ));
+    }
+    let several = args.inputs.len() > 1 && args.input.layout != LayoutChoice::Faces;
+    if let (true, Some(_)) = (several, named) {
+        return usage(format!("several inputs are written into a folder; {} names a file", output()));
+    }
+    Ok(match (args.format, named) {
+        (Some(said), Some(named)) if said != named => {
+            return usage(format!(
+                "--format {} and the output {} contradict each other; leave one out",
+                said.name(),
+                output()
+            ));
+        }
+        (said, named) => said.or(named).unwrap_or(match args.out_layout {
+            Some(layout) if layout != OutputLayout::Faces => Container::Exr,
+            _ => Container::Ktx2,
+        }),
+    })
+}
+
+/// The pixels of `layout` in `container`.
+fn pixel(args: &BakeArgs, container: Container, layout: OutputLayout) -> Outcome<Pixel> {
+    let (name, images) = (container.name(), layout != OutputLayout::Faces);
+    let is_one_exr = matches!(layout, OutputLayout::Parts | OutputLayout::Mips);
+    if is_one_exr && container != Container::Exr {
+        return usage(format!("--out-layout {} is an exr file, not {name}", layout.name()));
+    }
+    if images && container.is_single() {
+        return usage(format!("--out-layout {} is for exr and hdr, not {name}", layout.name()));
+    }
+    match (container, args.pixel) {
+        (Container::Hdr, None) => Ok(Pixel::Rgbe),
+        (Container::Hdr, Some(_)) => usage("--pixel does not go with hdr, whose pixels are always RGBE"),
+        (Container::Exr, None) if !is_one_exr => Ok(Pixel::Auto),
+        (_, pixel) => {
+            let pixel = pixel.unwrap_or_default();
+            if container.holds(pixel) {
+                return Ok(pixel);
+            }
+            let pixel = pixel.name();
+            usage(match container {
+                Container::Exr => format!("--pixel {pixel} is for ktx2 and dds; exr has f16 and f32"),
+                _ => format!("--pixel {pixel} does not go into {name}; ktx2 and dds take it"),
+            })
+        }
+    }
+}
+
+/// The preset with what `args` override.
+fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<BakePlan> {
+    let target = plan.target;
+    let fixed =
+        |option: &str| usage(format!("target {} has a format of its own; leave {option} out", target.name));
+    if let Some(format) = args.format {
+        if !target.has_container() {
+            return fixed("--format");
+        }
+        if format == Container::Hdr {
+            return usage(
+                "--format hdr is a folder of faces and does not go with --target; ktx2, ktx, dds and exr do",
+            );
+        }
+        plan.container = format;
+    }
+    if target.map == Map::Octahedral && !matches!(plan.container, Container::Ktx2 | Container::Exr) {
+        return usage(format!(
+            "target {}: --format {} is for cubes; ktx2 and exr go",
+            target.name,
+            plan.container.name()
+        ));
+    }
+    if !target.has_container() {
+        if args.pixel.is_some() {
+            return fixed("--pixel");
+        }
+        if args.diffuse.is_some() || args.irradiance.is_some() {
+            return fixed("--diffuse and --irradiance");
+        }
+    }
+    if target.map != Map::Cube && args.flip.is_some() {
+        return usage(format!("target {} has no cube; leave --flip out", target.name));
+    }
+    if target.map == Map::Panorama && args.levels.is_some() {
+        return usage(format!("target {} has one level; leave --levels out", target.name));
+    }
+    plan.pixel = args.pixel.unwrap_or(plan.pixel);
+    plan.flip = args.flip.unwrap_or(plan.flip);
+    plan.diffuse = args.diffuse.unwrap_or(plan.diffuse);
+    if let Err(error) = args.filter.check(args.lobe, args.table.oem_size) {
+        return usage(error.to_string());
+    }
+    let cube = matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both);
+    if args.irradiance.is_some() && !cube {
+        match (args.diffuse, plan.diffuse) {
+            (Some(_), _) => {
+                return usage(format!(
+                    "--irradiance asks for a cube and --diffuse {} for none; leave one out",
+                    plan.diffuse.name()
+                ));
+            }
+            (None, Diffuse::Sh) => plan.diffuse = Diffuse::Both,
+            (None, _) => plan.diffuse = Diffuse::Cube,
+        }
+    }
+    if let Err(error) = plan.check() {
+        return usage(error.to_string());
+    }
+    let cube = matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both);
+    let size = args.size.unwrap_or(target.size);
+    let settings = BakeSettings {
+        map: target.map,
+        size,
+        levels: Some(args.levels.unwrap_or_else(|| target.levels(size))),
+        ladder: args.ladder.unwrap_or(target.ladder),
+        lobe: args.lobe,
+        filter: args.filter,
+        oem_size: args.table.oem_size,
+        border: args.table.border,
+        bounds: false,
+        irradiance: cube.then(|| args.irradiance.unwrap_or(target.irradiance_size)),
+        sh_order: args.sh_order,
+        sh_window: args.sh_window,
+        sheen: target.has_sheen(),
+    };
+    let specs = settings.level_specs().and_then(|specs| plan.check_levels(size, specs.len() as u32));
+    match specs {
+        Ok(()) => Ok(BakePlan { plan, settings }),
+        Err(error) => usage(format!("target {}: {error}", target.name)),
+    }
+}

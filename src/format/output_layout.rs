@@ -1,0 +1,56 @@
+//! How the levels of a bake lie in files.
+
+use crate::environment::Map;
+
+/// How the levels of a bake lie in files: `--out-layout`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum OutputLayout {
+    /// Cubes by their faces: one file where the container holds a chain, else six images a level.
+    #[default]
+    Faces,
+    /// An image a level, the faces in a horizontal cross, 4:3.
+    Cross,
+    /// An image a level, the faces in a vertical cross, 3:4.
+    CrossVertical,
+    /// An image a level, the faces in a row, 6:1.
+    Strip,
+    /// An image a level, the faces in a column, 1:6.
+    StripVertical,
+    /// An image a level, each a panorama.
+    Equirect,
+    /// An image a level, each an octahedral square.
+    Octahedral,
+    /// One EXR file, a part a face.
+    Parts,
+    /// One EXR file, a panorama with MIP levels.
+    Mips,
+}
+
+impl OutputLayout {
+    /// Name on the command line and in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Faces => "faces",
+            Self::Cross => "cross",
+            Self::CrossVertical => "cross-vertical",
+            Self::Strip => "strip",
+            Self::StripVertical => "strip-vertical",
+            Self::Equirect => "equirect",
+            Self::Octahedral => "octahedral",
+            Self::Parts => "parts",
+            Self::Mips => "mips",
+        }
+    }
+
+    /// The map of its levels.
+    #[must_use]
+    pub const fn map(self) -> Map {
+        match self {
+            Self::Equirect | Self::Mips => Map::Panorama,
+            Self::Octahedral => Map::Octahedral,
+            _ => Map::Cube,
+        }
+    }
+}
