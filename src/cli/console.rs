@@ -128,8 +128,9 @@ pub(super) fn error(text: &str) {
     line("error: ", text);
 }
 
-/// Settings of the library as its errors name them, and the options that set them.
-const OPTIONS: [(&str, &str); 19] = [
+/// Settings and remedies of the library as its errors name them, and what this program has in their place.
+const OPTIONS: [(&str, &str); 20] = [
+    ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
     ("`border`", "--border"),
     ("`container`", "--format"),
     ("`filter`", "--filter"),
