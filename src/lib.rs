@@ -83,7 +83,7 @@
 //! let settings = BakeSettings { size: 16, levels: Some(3), bounds: true, ..BakeSettings::default() };
 //! let baked = bake(&environment, &settings)?;
 //! let level = &baked.chain.levels[1];
-//! assert_eq!((level.size, level.roughness), (8, 0.5));
+//! assert_eq!((level.size(), level.roughness), (8, 0.5));
 //!
 //! // The texel at column 4, row 3 of +X sees the lamp, its like on -X does not.
 //! let [red, green, _] = level.face(Face::PosX)[3 * 8 + 4];
