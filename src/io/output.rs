@@ -100,10 +100,9 @@ pub fn stage_all(outputs: &[(PathBuf, Output<'_>)], existing: Existing) -> Resul
         Output::File(bytes) => stage_file(place, existing, |file| file.write_all(bytes)),
         Output::Folder(files) => {
             let write = |folder: &Path| {
-                files.iter().try_for_each(|(path, bytes)| {
-                    let path = folder.join(path);
-                    let parent = path.parent().expect("within a folder");
-                    fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
+                files.iter().try_for_each(|(within, bytes)| {
+                    create_folders(folder, within)?;
+                    let path = folder.join(within);
                     fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
                 })
             };
@@ -125,7 +124,8 @@ pub fn stage_file(
     check_file(path, existing)?;
     let staged = Staged::new(path, existing, Kind::File)?;
     let fail = |e| Error::io(path, e);
-    let file = File::options().write(true).create_new(true).open(staged.path()).map_err(fail)?;
+    let create = || File::options().write(true).create_new(true).open(staged.path());
+    let file = unless_ending(create).map_err(fail)?;
     let mut buffered = BufWriter::with_capacity(1 << 16, file);
     write(&mut buffered).and_then(|()| buffered.flush()).map_err(fail)?;
     staged.sync()?;
@@ -144,10 +144,29 @@ pub fn stage_folder<T>(
     check_folder(path, existing)?;
     let staged = Staged::new(path, existing, Kind::Folder)?;
     let new = staged.path();
-    fs::create_dir(&new).map_err(|e| Error::io(path, e))?;
+    unless_ending(|| fs::create_dir(&new)).map_err(|e| Error::io(path, e))?;
     let value = write(&new).map_err(|e| with_final_path(e, &new, path))?;
     staged.sync()?;
     Ok((staged, value))
+}
+
+/// Creates a temporary by `create`, unless the process is about to exit and has removed its temporaries.
+fn unless_ending<T>(create: impl FnOnce() -> T) -> T {
+    let _live = Live::hold();
+    create()
+}
+
+/// Makes the folders of the file `within` the folder `folder`; that folder itself is not made again, since it
+/// is missing where a signal has removed it.
+fn create_folders(folder: &Path, within: &str) -> Result<()> {
+    for (end, _) in within.match_indices('/') {
+        let path = folder.join(&within[..end]);
+        match fs::create_dir(&path) {
+            Err(e) if e.kind() != io::ErrorKind::AlreadyExists => return Err(Error::io(&path, e)),
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// Puts outputs into their places, one after the other. Where one fails, those before it are taken back as

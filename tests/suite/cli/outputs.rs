@@ -330,12 +330,12 @@ fn signals_remove_temporary_files() {
     let run = r#"exec env --default-signal=INT,HUP,TERM "$0" "$@""#;
     for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         // A bake that was complete before the signal came ends with 0.
-        let codes = (0..5).filter_map(|_| interrupted(signal, run)).filter(|code| *code != Some(0));
+        let codes = (0..50).filter_map(|_| interrupted(signal, run)).filter(|code| *code != Some(0));
         let codes: Vec<_> = codes.take(1).collect();
-        assert_eq!(codes, [Some(code)], "{signal}");
+        assert!(!codes.is_empty() && codes.iter().all(|found| *found == Some(code)), "{signal}: {codes:?}");
     }
     let nohup = r#"trap "" HUP; exec "$0" "$@""#;
-    assert_eq!((0..5).find_map(|_| interrupted("-HUP", nohup)), Some(Some(0)), "nohup");
+    assert_eq!((0..50).find_map(|_| interrupted("-HUP", nohup)), Some(Some(0)), "nohup");
 }
 
 #[test]
