@@ -1,85 +1,60 @@
-//! Renders a glossy sphere in any roughness with the library's WGSL: `cargo run --release --example render --
-//! 0.3` writes sphere.png. The device and the command encoder are the caller's own.
+//! Draws a glossy sphere of any roughness with the library's WGSL: `cargo run --release --example render -- 0.3`
+//! writes sphere.png. Device, queue, texture, pipeline and encoder are the renderer's own.
 
-use octagloss::gpu::build_fitted::BuildFitted;
-use octagloss::gpu::device::readback;
-use octagloss::gpu::fitted::{FittedTables, wgsl};
-use octagloss::gpu::reparameterise::{Reparameterise, upload};
-use octagloss::gpu::{Context, OemPlanes, adapters, block_on};
-use octagloss::oem::OemSize;
-use octagloss::{io, wgpu};
-
-const SIZE: u32 = 512;
+use octagloss::gpu::{Context, adapters, block_on, device::readback};
+use octagloss::{Environment, LiveEnvironment, wgpu};
 
 const SPHERE: &str = "
 @group(1) @binding(0) var<storage, read_write> pixels: array<u32>;
-
-@compute @workgroup_size(8, 8)
-fn render(@builtin(global_invocation_id) at: vec3<u32>) {
+@compute @workgroup_size(8, 8) fn sphere(@builtin(global_invocation_id) at: vec3<u32>) {
     let p = ((vec2<f32>(at.xy) + 0.5) / 256.0 - 1.0) * vec2<f32>(1.0, -1.0);
-    let view = vec3<f32>(0.0, 0.0, -1.0);
-    let inside = dot(p, p) < 1.0;
     let normal = vec3<f32>(p, sqrt(max(1.0 - dot(p, p), 0.0)));
-    let radiance = octagloss_fitted(select(view, reflect(view, normal), inside), select(0.0, ROUGHNESS, inside));
+    let radiance = octagloss_radiance(reflect(vec3<f32>(0.0, 0.0, -1.0), normal), ROUGHNESS);
     let display = pow(radiance / (1.0 + radiance), vec3<f32>(1.0 / 2.2));
-    pixels[at.y * 512u + at.x] = pack4x8unorm(vec4<f32>(display, 1.0));
-}
-";
+    pixels[at.y * 512u + at.x] = pack4x8unorm(vec4<f32>(display * step(dot(p, p), 1.0), 1.0));
+}";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let roughness: f32 = std::env::args().nth(1).map_or(Ok(0.3), |text| text.parse())?;
-    let adapters = block_on(None, adapters())?;
-    let adapter = adapters.first().ok_or("no adapter")?;
+    let adapter = block_on(None, adapters())?.into_iter().next().ok_or("no adapter")?;
     let (device, queue) = block_on(None, adapter.request_device(&wgpu::DeviceDescriptor::default()))??;
-    let context = Context::from_device(device.clone(), queue.clone());
+    let mut live = LiveEnvironment::new(&device, &queue, 512)?;
+    let texture = live.upload(&Environment::read("hdr/sky.exr")?)?;
 
-    // The environment as a texture; a renderer has its own.
-    let environment = io::read("hdr/sky.exr".as_ref(), &io::ReadOptions::default())?.environment;
-    let texture = upload(&context, &environment)?;
-
-    // Stages are made once and recorded whenever the light changes.
-    let planes = OemPlanes::new(&context, OemSize { inner: 512, border: 0 })?;
-    let tables = FittedTables::new(&context, 512, 4)?;
-    let reparameterise = Reparameterise::new(&context);
-    let mut stages = vec![reparameterise.stage(&context, environment.layout(), &texture, &planes)?];
-    stages.extend(BuildFitted::new(&context).stages(&context, &planes, &tables)?);
-
-    let source = wgsl(0) + &format!("const ROUGHNESS = {roughness:?};") + SPHERE;
-    let source = wgpu::ShaderSource::Wgsl(source.into());
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("sphere"), source });
+    let source = LiveEnvironment::wgsl(0) + &format!("const ROUGHNESS = {roughness:?};") + SPHERE;
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("sphere"),
+        label: None,
         layout: None,
-        module: &module,
+        module: &device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: None,
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        }),
         entry_point: None,
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
     });
-    let pixels = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("pixels"),
-        size: u64::from(4 * SIZE * SIZE),
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    });
-    let light = tables.bind_group(&device, &pipeline.get_bind_group_layout(0));
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+    let size = 4 * 512 * 512;
+    let descriptor = wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+    let pixels = device.create_buffer(&descriptor);
     let image = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("image"),
+        label: None,
         layout: &pipeline.get_bind_group_layout(1),
         entries: &[wgpu::BindGroupEntry { binding: 0, resource: pixels.as_entire_binding() }],
     });
+    let light = live.bind_group_of(&pipeline.get_bind_group_layout(0));
 
-    // A frame: the light's stages, then what draws with them, in one encoder.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    stages.iter().for_each(|stage| stage.record(&mut encoder));
+    live.update(&mut encoder, &texture)?;
     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &light, &[]);
     pass.set_bind_group(1, &image, &[]);
-    pass.dispatch_workgroups(SIZE / 8, SIZE / 8, 1);
+    pass.dispatch_workgroups(512 / 8, 512 / 8, 1);
     drop(pass);
     queue.submit([encoder.finish()]);
 
+    let context = Context::from_device(device, queue);
     let pixels: Vec<u8> = block_on(Some(&context), readback::read(&context, &pixels))??;
-    image::save_buffer("sphere.png", &pixels, SIZE, SIZE, image::ColorType::Rgba8)?;
-    Ok(())
+    Ok(image::save_buffer("sphere.png", &pixels, 512, 512, image::ColorType::Rgba8)?)
 }

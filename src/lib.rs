@@ -141,4 +141,6 @@ pub use environment::{Environment, Layout, Map, Rgb};
 pub use error::{Error, Result};
 pub use export::write::WriteOptions;
 #[cfg(feature = "gpu")]
+pub use gpu::live::LiveEnvironment;
+#[cfg(feature = "gpu")]
 pub use wgpu;

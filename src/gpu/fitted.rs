@@ -269,42 +269,67 @@ impl FittedTables {
     /// The layout of a group with the resources of [`wgsl`], for the shader stages `visibility`.
     #[must_use]
     pub fn bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-        let uniform = buffer(wgpu::BufferBindingType::Uniform);
-        let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true });
-        let texture = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("octagloss fitted lobes"),
-            entries: &[
-                entry(0, uniform),
-                entry(1, uniform),
-                entry(2, storage),
-                entry(3, storage),
-                entry(4, texture),
-            ],
+            entries: &Self::layout_entries(visibility),
         })
+    }
+
+    /// The entries of that layout.
+    pub(super) fn layout_entries(visibility: wgpu::ShaderStages) -> [wgpu::BindGroupLayoutEntry; 5] {
+        let uniform = |binding| Self::uniform_entry(binding, visibility);
+        let storage = |binding| wgpu::BindGroupLayoutEntry {
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: true },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            ..uniform(binding)
+        };
+        let texture = wgpu::BindGroupLayoutEntry {
+            ty: wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            ..uniform(4)
+        };
+        [uniform(0), uniform(1), storage(2), storage(3), texture]
+    }
+
+    /// The layout's entry of a uniform buffer.
+    pub(super) const fn uniform_entry(
+        binding: u32,
+        visibility: wgpu::ShaderStages,
+    ) -> wgpu::BindGroupLayoutEntry {
+        let ty = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
     }
 
     /// A group of the tables' resources, of `layout`.
     #[must_use]
     pub fn bind_group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("octagloss fitted lobes"),
             layout,
-            entries: &[
-                entry(0, self.octaves.as_entire_binding()),
-                entry(1, self.light.as_entire_binding()),
-                entry(2, self.entries.as_entire_binding()),
-                entry(3, self.parameters.as_entire_binding()),
-                entry(4, wgpu::BindingResource::TextureView(&self.oem)),
-            ],
+            entries: &self.bind_group_entries(),
         })
+    }
+
+    /// The entries of that group.
+    pub(super) fn bind_group_entries(&self) -> Vec<wgpu::BindGroupEntry<'_>> {
+        let resources = [
+            self.octaves.as_entire_binding(),
+            self.light.as_entire_binding(),
+            self.entries.as_entire_binding(),
+            self.parameters.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&self.oem),
+        ];
+        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect()
     }
 }
 

@@ -34,6 +34,7 @@ pub mod fixed_point;
 pub mod harmonics;
 pub mod lamp;
 mod least;
+pub mod live;
 pub mod mirror;
 pub mod octaves;
 pub mod oem;

@@ -391,3 +391,22 @@ fn finish_finite(
         provenance,
     })
 }
+
+impl Environment {
+    /// Reads an environment from an image, a cube file or a bake, as [`read`] does by default.
+    ///
+    /// # Errors
+    /// Those of [`read`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Ok(read(path.as_ref(), &ReadOptions::default())?.environment)
+    }
+
+    /// Writes the texels as they are to an `.exr` or `.hdr` file that does not exist yet; cubes as a
+    /// horizontal cross.
+    ///
+    /// # Errors
+    /// Those of [`environment_write::write_environment`].
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<()> {
+        environment_write::write_environment(path.as_ref(), output::Existing::Keep, self, "octagloss")
+    }
+}

@@ -32,6 +32,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/harmonics.wgsl",
     "common/kernel.wgsl",
     "common/light.wgsl",
+    "common/live.wgsl",
     "common/octahedral.wgsl",
     "common/octaves.wgsl",
     "common/plane.wgsl",
@@ -107,7 +108,22 @@ pub enum Queries {
     Boxes(u32),
     /// That over [`crate::gpu::fitted::FittedTables`]: `octagloss_fitted(direction, roughness)`.
     Fitted(u32),
+    /// That, turned, and diffuse light, over a [`crate::gpu::live::LiveEnvironment`]:
+    /// `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`.
+    Live(u32),
 }
+
+/// The resources of fitted lobes, by their bindings.
+const FITTED: [&str; 5] = [
+    "var<uniform> octagloss_octaves: OctaglossOctaves",
+    "var<uniform> octagloss_light: OctaglossLight",
+    "var<storage, read> octagloss_entries: array<Sum>",
+    "var<storage, read> octagloss_parameters: array<vec4<u32>>",
+    "var octagloss_oem: texture_2d<f32>",
+];
+
+/// The rotation of a live environment, at the binding that follows.
+const LIVE: &str = "var<uniform> octagloss_source_from_world: mat3x3<f32>";
 
 /// The functions of `queries` and their resources, for one shader: what they share is there once.
 #[must_use]
@@ -115,27 +131,18 @@ pub fn queries(queries: &[Queries]) -> String {
     let mut text = String::new();
     let mut included = Vec::new();
     for part in queries {
-        let (group, declared, path): (_, &[&str], _) = match part {
+        let (group, declared, path): (_, Vec<&str>, _) = match part {
             Queries::Boxes(group) => (
                 group,
-                &[
+                vec![
                     "var<uniform> octagloss_table: OctaglossTable",
                     "var octagloss_low: texture_2d<u32>",
                     "var octagloss_high: texture_2d<u32>",
                 ],
                 "common/sat.wgsl",
             ),
-            Queries::Fitted(group) => (
-                group,
-                &[
-                    "var<uniform> octagloss_octaves: OctaglossOctaves",
-                    "var<uniform> octagloss_light: OctaglossLight",
-                    "var<storage, read> octagloss_entries: array<Sum>",
-                    "var<storage, read> octagloss_parameters: array<vec4<u32>>",
-                    "var octagloss_oem: texture_2d<f32>",
-                ],
-                "common/fitted.wgsl",
-            ),
+            Queries::Fitted(group) => (group, FITTED.to_vec(), "common/fitted.wgsl"),
+            Queries::Live(group) => (group, [&FITTED[..], &[LIVE]].concat(), "common/live.wgsl"),
         };
         for (binding, declared) in declared.iter().enumerate() {
             text.push_str(&format!("@group({group}) @binding({binding}) {declared};\n"));

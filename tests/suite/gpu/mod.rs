@@ -15,6 +15,7 @@ mod errors;
 mod fitted;
 mod lamp;
 mod lights;
+mod live;
 mod oem;
 mod oem_reader;
 mod reflection;

@@ -1,0 +1,28 @@
+// An environment that a renderer updates while it runs: `LiveEnvironment` of src/gpu/live.rs. The including
+// shader declares the resources of common/fitted.wgsl and octagloss_source_from_world: mat3x3<f32> (uniform),
+// the rotation of the environment.
+#include "common/fitted.wgsl"
+
+// Convolution with the cosine lobe scales order n of the harmonics by these factors, n from 1 to 4
+// (Ramamoorthi and Hanrahan 2001, equation 8, over pi).
+const COSINE_WEIGHTS = vec4<f32>(0.6666667, 0.25, 0.0, -0.041666668);
+const RECIPROCAL_PI = 0.31830987f;
+
+// Radiance of a GGX reflection around `direction` (world space, any length but zero) at `roughness` in
+// [0, 1].
+fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
+    return octagloss_fitted(octagloss_source_from_world * direction, roughness);
+}
+
+// Irradiance on a surface with `normal` (world space, any length but zero) over pi: the radiance that a white
+// diffuse surface reflects. Harmonics up to order 4, and point emitters by their cosines.
+fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
+    let direction = normalize(octagloss_source_from_world * normal);
+    let orders = orders_around(direction);
+    var radiance = radiance_of(orders.first + orders.others * COSINE_WEIGHTS);
+    for (var k = 0u; k < EMITTERS; k++) {
+        let emitter = octagloss_light.emitters[k];
+        radiance += emitter.energy * (RECIPROCAL_PI * max(dot(direction, emitter.direction), 0.0));
+    }
+    return radiance;
+}

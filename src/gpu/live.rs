@@ -1,0 +1,179 @@
+//! An environment that a renderer updates while it runs.
+//!
+//! ```text
+//! texture --reparameterise--> OEM planes --build_fitted--> tables --> octagloss_radiance(direction, roughness)
+//!                                                                 +-> octagloss_irradiance(normal)
+//! ```
+
+use super::build_fitted::BuildFitted;
+use super::device::shader::{self, Queries};
+use super::fitted::FittedTables;
+use super::reparameterise::{Reparameterise, upload};
+use super::{Context, OemPlanes, Stage};
+use crate::environment::{Environment, Layout};
+use crate::error::{Error, Result};
+use crate::oem::OemSize;
+use glam::DMat3;
+
+/// Boxes of a fitted lobe at first.
+const BOXES: u32 = 4;
+
+/// Glossy reflections of any roughness out of a texture that changes, for the caller's own shaders.
+///
+/// The renderer owns device, queue and encoder. [`LiveEnvironment::update`] records the compute passes that
+/// follow a change of the light; [`LiveEnvironment::wgsl`] and [`LiveEnvironment::bind_group`] give its
+/// shaders the look-ups. `examples/render.rs` draws a sphere with it.
+#[derive(Debug)]
+pub struct LiveEnvironment {
+    context: Context,
+    planes: OemPlanes,
+    tables: FittedTables,
+    reparameterise: Reparameterise,
+    /// From the planes to the tables.
+    build: Vec<Stage>,
+    /// The texture of the last update, and the stage that reads it.
+    source: Option<(wgpu::Texture, Stage)>,
+    source_from_world: wgpu::Buffer,
+    layout: wgpu::BindGroupLayout,
+    bind_group: wgpu::BindGroup,
+}
+
+impl LiveEnvironment {
+    /// Allocates tables over an octahedral map of `size` texels along an edge, rounded up to a power of two
+    /// from 16 on. A panorama of 1024 x 512 needs 512. The environment is black until the first update.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where the tables exceed the buffers or textures of the device; it names the largest
+    /// size that fits.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32) -> Result<Self> {
+        let context = Context::from_device(device.clone(), queue.clone());
+        let inner = size.max(16).checked_next_power_of_two().unwrap_or(1 << 31);
+        // Before any plane is allocated.
+        let tables = FittedTables::new(&context, inner, BOXES)?;
+        let planes = OemPlanes::new(&context, OemSize { inner, border: 0 })?;
+        let build = BuildFitted::new(&context).stages(&context, &planes, &tables)?;
+        let source_from_world = context.uniform("source from world", &columns(DMat3::IDENTITY));
+        let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let mut entries = FittedTables::layout_entries(visibility).to_vec();
+        entries.push(FittedTables::uniform_entry(5, visibility));
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("octagloss"),
+            entries: &entries,
+        });
+        let bind_group = bind_group(device, &layout, &tables, &source_from_world);
+        let reparameterise = Reparameterise::new(&context);
+        let source = None;
+        Ok(Self {
+            context,
+            planes,
+            tables,
+            reparameterise,
+            build,
+            source,
+            source_from_world,
+            layout,
+            bind_group,
+        })
+    }
+
+    /// `environment` as a texture for [`Self::update`].
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where a side is longer than the device has textures.
+    pub fn upload(&self, environment: &Environment) -> Result<wgpu::Texture> {
+        upload(&self.context, environment)
+    }
+
+    /// Records the passes that bring the tables up to `texture`, of radiance in a float format with the usage
+    /// `TEXTURE_BINDING`: six square layers are a cube (+X -X +Y -Y +Z -Z), one layer of 2:1 is a panorama,
+    /// one square layer is an octahedral map. Negative texels and NaN count as 0.
+    ///
+    /// The overlaps of source and target texels are computed on the CPU for the first texture, and again for
+    /// every other one; update the content of one texture where the light changes every frame.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a texture of another shape, [`Error::Limit`] where its overlaps exceed the
+    /// device's buffers.
+    pub fn update(&mut self, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> Result<()> {
+        if self.source.as_ref().is_none_or(|(known, _)| known != texture) {
+            let layout = layout_of(texture.size())?;
+            let stage = self.reparameterise.stage(&self.context, layout, texture, &self.planes)?;
+            self.source = Some((texture.clone(), stage));
+        }
+        self.source.iter().map(|(_, stage)| stage).chain(&self.build).for_each(|stage| stage.record(encoder));
+        Ok(())
+    }
+
+    /// Turns the environment from the next submission on: `source_from_world` is the rotation that takes a
+    /// direction of the renderer's world to one of the texture's. No table changes.
+    pub fn set_rotation(&self, source_from_world: DMat3) {
+        let words = columns(source_from_world);
+        self.context.queue().write_buffer(&self.source_from_world, 0, bytemuck::bytes_of(&words));
+    }
+
+    /// Selects lobes of `count` boxes (1, 2, 4 or 8; 4 at first) from the next submission on: more are slower
+    /// and more accurate.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for any other count.
+    pub fn set_boxes(&self, count: u32) -> Result<()> {
+        self.tables.set_count(&self.context, count)
+    }
+
+    /// WGSL with `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`, both of
+    /// `vec3<f32>`; their resources are declared in bind group `group`.
+    #[must_use]
+    pub fn wgsl(group: u32) -> String {
+        shader::queries(&[Queries::Live(group)])
+    }
+
+    /// The layout of [`Self::bind_group`], for the caller's pipeline layouts: visible to vertex, fragment and
+    /// compute shaders.
+    #[must_use]
+    pub const fn bind_group_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
+    }
+
+    /// The resources of [`Self::wgsl`]; the same group after every update.
+    #[must_use]
+    pub const fn bind_group(&self) -> &wgpu::BindGroup {
+        &self.bind_group
+    }
+
+    /// Such a group of `layout`, which a pipeline has derived from its shader.
+    #[must_use]
+    pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        bind_group(self.context.device(), layout, &self.tables, &self.source_from_world)
+    }
+}
+
+fn bind_group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    tables: &FittedTables,
+    source_from_world: &wgpu::Buffer,
+) -> wgpu::BindGroup {
+    let mut entries = tables.bind_group_entries();
+    entries.push(wgpu::BindGroupEntry { binding: 5, resource: source_from_world.as_entire_binding() });
+    let label = Some("octagloss");
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
+}
+
+/// The layout of an environment in a texture of `size`.
+fn layout_of(size: wgpu::Extent3d) -> Result<Layout> {
+    let wgpu::Extent3d { width, height, depth_or_array_layers: layers } = size;
+    match layers {
+        6 if width == height => Ok(Layout::Cube { size: width }),
+        1 if width == height => Ok(Layout::Octahedral { size: width }),
+        1 if width == 2 * height => Ok(Layout::Panorama { width, height }),
+        _ => Err(Error::Parameter(format!(
+            "a texture of {width} x {height} in {layers} layers is no environment; six square layers are a \
+             cube, one layer of 2:1 is a panorama, one square layer is an octahedral map"
+        ))),
+    }
+}
+
+/// A matrix as uniforms hold it: columns of four floats.
+fn columns(matrix: DMat3) -> [[f32; 4]; 3] {
+    [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|column| column.as_vec3().extend(0.0).to_array())
+}
