@@ -1,5 +1,5 @@
-//! Renders a glossy sphere in any roughness with the library's WGSL: `cargo run --release --example render --
-//! 0.3` writes sphere.png. The device and the command encoder are the caller's own.
+//! Renders a glossy sphere of any roughness with the library's WGSL: `cargo run --release --example render --
+//! 0.3` writes sphere.png. Device and command encoder are the caller's own.
 
 use octagloss::gpu::build_fitted::BuildFitted;
 use octagloss::gpu::device::readback;
@@ -33,11 +33,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (device, queue) = block_on(None, adapter.request_device(&wgpu::DeviceDescriptor::default()))??;
     let context = Context::from_device(device.clone(), queue.clone());
 
-    // The environment as a texture; a renderer has its own.
+    // Upload the environment as a texture; a renderer would use its own.
     let environment = io::read("hdr/sky.exr".as_ref(), &io::ReadOptions::default())?.environment;
     let texture = upload(&context, &environment)?;
 
-    // Stages are made once and recorded whenever the light changes.
+    // Create the stages once; record them whenever the light changes.
     let planes = OemPlanes::new(&context, OemSize { inner: 512, border: 0 })?;
     let tables = FittedTables::new(&context, 512, 4)?;
     let reparameterise = Reparameterise::new(&context);
@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         entries: &[wgpu::BindGroupEntry { binding: 0, resource: pixels.as_entire_binding() }],
     });
 
-    // A frame: the light's stages, then what draws with them, in one encoder.
+    // Record one frame in one encoder: the light's stages, then the drawing.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     stages.iter().for_each(|stage| stage.record(&mut encoder));
     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());

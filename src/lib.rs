@@ -1,5 +1,5 @@
-//! Glossy reflections of any roughness from one table over the sphere: HDR environments into prefiltered cube
-//! chains, or into the answer to a single query, without sampling noise and with a certified error bound.
+//! Prefilters HDR environments into cube chains of any roughness and answers single reflection queries,
+//! without sampling noise and with a certified error bound.
 //!
 //! ```text
 //! environment            OEM, bordered            cells                      lobes
@@ -7,42 +7,41 @@
 //!       |                (w = solid angle)        covariance                      |
 //!       |                      |                                                  +--> query: any direction, roughness
 //!       |                      +----> exact 64-bit SAT ---> boxes, fitted lobes   +--> bake: a cube chain
-//!       +----> oracle: exhaustive integration, to check all of it by
+//!       +----> oracle: exhaustive integration, the reference for tests
 //! ```
 //!
-//! In the order in which they run:
+//! Stages, in execution order:
 //! 1. [`environment`]: radiance on a panorama, a cube or an octahedral square; [`io`] reads it from files.
-//! 2. [`oem`] and [`cpu::reparameterise`]: the octahedral environment map (OEM), filled by exact overlap
-//!    areas, so that every texel's energy arrives and a constant stays one.
+//! 2. [`oem`] and [`cpu::reparameterise`]: the octahedral environment map (OEM), resampled by exact overlap
+//!    areas, which conserve energy and reproduce constants.
 //! 3. [`sat`] and [`cpu::sat_scan`]: its summed-area table (SAT) in 64-bit fixed point, for boxes.
-//! 4. [`cpu::cells`]: a quadtree whose nodes know the first three moments of their energy.
-//! 5. [`cpu::adaptive`]: a [`lobe`] by the coarsest cells that are fine enough, with bounds from two-point
-//!    distributions.
-//! 6. [`realtime::emitters`], [`cpu::blur`] and [`realtime::tables`], instead of 4 and 5: a GGX lobe by its own
-//!    values where light is brightest, and a few soft boxes and harmonics, found by [`realtime::fit`], for
-//!    the rest.
-//! 7. [`reflector`]: all of these for point queries; [`bake`]: for cube chains ([`chain`]), which [`io`]
-//!    writes.
+//! 4. [`cpu::cells`]: a quadtree whose nodes store the zeroth to second moments of their energy.
+//! 5. [`cpu::adaptive`]: evaluates a [`lobe`] over the coarsest cells that meet the tolerance, with bounds
+//!    from two-point distributions.
+//! 6. [`realtime::emitters`], [`cpu::blur`] and [`realtime::tables`] replace 4 and 5 in the real-time tier:
+//!    the exact GGX lobe for the brightest emitters, and a few soft boxes and harmonics, fitted by
+//!    [`realtime::fit`], for the remaining light.
+//! 7. [`reflector`] answers point queries; [`bake`] computes cube chains ([`chain`]), which [`io`] writes.
 //!
-//! `gpu` (feature `gpu`) runs steps 2 to 7 as compute passes, held to the CPU's results by the tests.
+//! `gpu` (feature `gpu`) runs steps 2 to 7 as compute passes; tests compare them with the CPU.
 //!
-//! `view` (feature `view`, not in the defaults) shows objects under an environment by all of these, in a
-//! window or as pictures.
+//! `view` (feature `view`, not in the defaults) renders objects under an environment, in a window or to
+//! images.
 //!
-//! [`analysis::oracle`] integrates exhaustively in double precision and shares no code with the engine but
-//! the maps of [`sphere`]; [`analysis::compare`] measures a bake by it.
+//! [`analysis::oracle`] integrates exhaustively in double precision and shares only the maps of [`sphere`]
+//! with the engine; [`analysis::compare`] measures a bake against it.
 //!
 //! # Conventions
 //!
 //! | thing | convention |
 //! |---|---|
-//! | space | right-handed, y up; directions are unit vectors that point away from the viewer's centre |
+//! | space | right-handed, y up; directions are unit vectors pointing away from the centre |
 //! | panorama | u = 1/2 + atan2(z, x)/2pi, v = acos(y)/pi, v downwards: the image's centre looks along +X, its right half along +Z |
-//! | cube | faces +X -X +Y -Y +Z -Z, by the table of OpenGL, Vulkan and Direct3D: texel (i, j) at s = (i+1/2)/n\*2-1, t likewise and downwards: +X (1,-t,-s), -X (-1,-t,s), +Y (s,1,t), -Y (s,-1,-t), +Z (s,-t,1), -Z (-s,-t,-1). Seen from inside such images are mirrored, as in every engine; the panorama is not |
-//! | rotation | turning by +90 degrees about y carries what was at +Z to +X |
+//! | cube | faces +X -X +Y -Y +Z -Z, axes as in OpenGL, Vulkan and Direct3D: texel (i, j) at s = (i+1/2)/n\*2-1, t likewise and downwards: +X (1,-t,-s), -X (-1,-t,s), +Y (s,1,t), -Y (s,-1,-t), +Z (s,-t,1), -Z (-s,-t,-1). Seen from inside, these faces are mirrored, as in every engine; the panorama is not |
+//! | rotation | +90 degrees about y maps +Z to +X |
 //! | octahedral square | (u, v) in \[-1,1\]^2, u along x, v along z; the centre is +Y, the four corners are -Y, the edge midpoints are +-X and +-Z |
 //! | texel centres | half-integer, everywhere |
-//! | radiance | linear RGB in any unit, kept as it came; finite and never negative |
+//! | radiance | linear RGB in the input's unit; finite and non-negative |
 //! | roughness | perceptual r in \[0,1\], alpha = r^2; glossiness = 1 - r |
 //! | GGX lobe | N = V = R (the split sum): K(theta) = D(theta/2) cos(theta) for theta < 90 degrees, D = a^2 / (pi (s + a^2 (1-s))^2), a = alpha, s = sin^2(theta/2); divided by its integral over the sphere |
 //! | other lobes | Phong cos^n, n = 2/alpha^2 - 2; cone of half-angle r\*pi/2; cosine (irradiance over pi; no roughness); Charlie (sheen), sin(theta/2)^(1/alpha) cos(theta) |
@@ -74,7 +73,7 @@
 //! use octagloss::sphere::cube::{Face, direction_from_texel};
 //! use octagloss::{Environment, Layout};
 //!
-//! // A dim panorama with one lamp where it looks along +X.
+//! // A dim panorama with one lamp at +X.
 //! let mut texels = vec![[0.1; 3]; 32 * 16];
 //! texels[8 * 32 + 16] = [100.0, 80.0, 60.0];
 //! let environment = Environment::new(Layout::Panorama { width: 32, height: 16 }, texels)?;
@@ -85,11 +84,11 @@
 //! let level = &baked.chain.levels[1];
 //! assert_eq!((level.size(), level.roughness), (8, 0.5));
 //!
-//! // The texel at column 4, row 3 of +X sees the lamp, its like on -X does not.
+//! // The texel at column 4, row 3 of +X sees the lamp; the same texel of -X does not.
 //! let [red, green, _] = level.face(Face::PosX)[3 * 8 + 4];
 //! assert!(red > 1.2 * green && red > 5.0 * level.face(Face::NegX)[3 * 8 + 4][0]);
 //!
-//! // The same lobe as a query, for any direction and roughness; and integrated exhaustively.
+//! // Query the same lobe, and integrate it exhaustively for reference.
 //! let reflector = Reflector::new(&environment, &ReflectorSettings::default())?;
 //! let direction = direction_from_texel(Face::PosX, 8, 4, 3);
 //! let answer = reflector.query(direction, 0.5, Lobe::Ggx, Filter::Adaptive(0.005))?;
@@ -97,7 +96,7 @@
 //! assert!((f64::from(answer.radiance[0]) / exact[0] - 1.0).abs() < 0.01);
 //! assert!(answer.bound.is_some());
 //!
-//! // Away from the lamp there is what there is.
+//! // Away from the lamp only the dim background contributes.
 //! let dim = reflector.query(-DVec3::X, 0.1, Lobe::Ggx, Filter::Adaptive(0.005))?;
 //! assert!((dim.radiance[0] - 0.1).abs() < 0.01);
 //! # Ok::<(), octagloss::Error>(())

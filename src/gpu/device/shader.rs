@@ -1,4 +1,4 @@
-//! Shader sources: plain WGSL files, where a line `#include "common/name.wgsl"` stands for that file, once.
+//! Shader sources: plain WGSL files. A line `#include "common/name.wgsl"` inserts that file, once per shader.
 
 use super::context::Context;
 
@@ -71,10 +71,10 @@ pub const FILES: &[(&str, &str)] = &files![
     "view/truth.wgsl",
 ];
 
-/// The text of `path` with its includes, each file once, before what includes it.
+/// The text of `path` with its includes resolved. Each file appears once, before the files that include it.
 ///
 /// # Panics
-/// Where there is no such file: names are literals of this crate.
+/// If the file does not exist; names are literals of this crate.
 #[must_use]
 pub fn source(path: &str) -> String {
     let mut text = String::new();
@@ -99,17 +99,17 @@ fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
     }
 }
 
-/// Queries that any shader can have, each with the group that its resources are declared in.
+/// Queries for any shader, each with the group of its resources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Queries {
-    /// Those over [`crate::gpu::box_filter::SatTextures`]: `octagloss_ggx(direction, roughness)` and
+    /// Queries over [`crate::gpu::box_filter::SatTextures`]: `octagloss_ggx(direction, roughness)` and
     /// `octagloss_box(direction, solid_angle)`.
     Boxes(u32),
-    /// That over [`crate::gpu::fitted::FittedTables`]: `octagloss_fitted(direction, roughness)`.
+    /// The query over [`crate::gpu::fitted::FittedTables`]: `octagloss_fitted(direction, roughness)`.
     Fitted(u32),
 }
 
-/// The functions of `queries` and their resources, for one shader: what they share is there once.
+/// The functions and resources of `queries`, for one shader; shared functions appear once.
 #[must_use]
 pub fn queries(queries: &[Queries]) -> String {
     let mut text = String::new();
@@ -145,7 +145,7 @@ pub fn queries(queries: &[Queries]) -> String {
     text
 }
 
-/// The module of file `path`.
+/// Creates the module of file `path`.
 pub(crate) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
     context.device().create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(path),
@@ -153,7 +153,7 @@ pub(crate) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
     })
 }
 
-/// The pipeline of one entry point, its layout read from the shader.
+/// Creates the pipeline of one entry point, with its layout inferred from the shader.
 pub(in crate::gpu) fn pipeline(
     context: &Context,
     module: &wgpu::ShaderModule,

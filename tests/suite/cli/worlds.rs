@@ -226,7 +226,7 @@ fn targets_come_back_to_their_world_whatever_the_container() {
         folder.path(),
         &["compare", "out/a_specular.dds", "a.exr"],
         1,
-        "does not say its levels' roughness",
+        "the roughness of its levels is unknown",
     );
 }
 
@@ -302,7 +302,7 @@ fn compare_gives_the_source_the_turns_and_the_sun_of_the_bake() {
         folder.path(),
         &["compare", "one.dds", "a.exr"],
         1,
-        "one.dds: it does not say its levels' roughness",
+        "one.dds: the roughness of its levels is unknown",
     );
 }
 

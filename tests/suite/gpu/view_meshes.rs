@@ -278,7 +278,8 @@ fn levels_that_cannot_be_shown_are_refused() {
     falling.levels[2].roughness = 0.2;
     let mut uneven = whole.clone();
     uneven.levels.remove(1);
-    for (chain, words) in [(falling, "roughness 0.2 follows 0.3"), (uneven, "level 1 has 1 texels a side")] {
+    for (chain, words) in [(falling, "roughness 0.2 follows 0.3"), (uneven, "level 1 has 1 texels per side")]
+    {
         let error = Levels::new(chain, DMat3::IDENTITY).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
