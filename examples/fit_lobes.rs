@@ -1,9 +1,9 @@
 //! Fits the parameters of the real-time tier: `cargo run --release --example fit_lobes K [FILE]` for K = 1,
-//! 2, 4 or 8 boxes writes the file in `src/realtime/tables` that the library holds, or FILE. Takes two to
-//! fifteen minutes of two cores.
+//! 2, 4 or 8 boxes. Writes FILE, by default the file of the library in `src/realtime/tables`. Takes two to
+//! fifteen minutes on two cores.
 
-use octagloss::realtime::fit::fit;
-use octagloss::realtime::tables::Shape;
+use octagloss::internals::realtime::fit::fit;
+use octagloss::internals::realtime::tables::Shape;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -15,7 +15,7 @@ fn main() -> ExitCode {
         Some("4") => "four",
         Some("8") => "eight",
         _ => {
-            eprintln!("the first argument is the number of boxes: 1, 2, 4 or 8");
+            eprintln!("usage: fit_lobes K [FILE], with K = 1, 2, 4 or 8 boxes");
             return ExitCode::from(2);
         }
     };

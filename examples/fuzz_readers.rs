@@ -1,6 +1,6 @@
-//! Tries every reader on mutated inputs: `cargo run --release --example fuzz_readers [COUNT] [READER]`, a
-//! reader named as in the output; 100,000 inputs and all readers by default. Fails where a reader panics,
-//! hangs or swells.
+//! Tests every reader with mutated inputs: `cargo run --release --example fuzz_readers [COUNT] [READER]`,
+//! with READER named as in the output; 100,000 inputs and all readers by default. Fails if a reader panics or
+//! exceeds its time or memory limit.
 
 #[path = "../tests/suite/support/inputs.rs"]
 mod inputs;
@@ -16,7 +16,7 @@ fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let count = arguments.next().map_or(Ok(100_000), |count| count.parse());
     let Ok(count) = count else {
-        eprintln!("the first argument is the number of inputs a reader");
+        eprintln!("usage: fuzz_readers [COUNT] [READER], with COUNT inputs per reader");
         return ExitCode::from(2);
     };
     let only = arguments.next();

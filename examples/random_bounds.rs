@@ -1,8 +1,7 @@
-//! Compares certified bounds with exhaustive integration at random: `cargo run --release --example
-//! random_bounds [CASES] [SEED]`, 1,000,000 cases and seed 1 by default. Each case is a lobe at a roughness,
-//! to a tolerance, around a direction; light lies anywhere between 1e-45 and 3.4e38, mixed within one
-//! environment. Groups of environments share a question's lobe and directions. Fails where a bound does not
-//! hold or a number is not finite.
+//! Compares certified bounds with exhaustive integration for random cases: `cargo run --release --example
+//! random_bounds [CASES] [SEED]`, 1,000,000 cases and seed 1 by default. Each case is a lobe, a roughness, a
+//! tolerance and a direction. Light ranges from 1e-45 to 3.4e38, mixed within one environment. Groups of
+//! environments share lobe and directions. Fails if a bound does not hold or a number is not finite.
 
 #[path = "../tests/suite/cpu/lights.rs"]
 #[allow(dead_code, reason = "tests use the rest")]
@@ -19,13 +18,13 @@ use rayon::prelude::*;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Environments that share their questions.
+/// Environments per group with the same queries.
 const LIGHTS: u32 = 16;
 
 /// Groups of environments between two lines of progress.
 const BATCH: u64 = 100;
 
-/// One group in so many is also asked with the filters that have no bound.
+/// One group in this many is also queried with the filters without a bound.
 const UNBOUNDED: u64 = 12;
 
 fn main() -> ExitCode {
@@ -33,7 +32,7 @@ fn main() -> ExitCode {
     let (Ok(cases), Ok(seed)) =
         (arguments.next().unwrap_or(Ok(1_000_000)), arguments.next().unwrap_or(Ok(1)))
     else {
-        eprintln!("random_bounds takes two whole numbers: cases and seed");
+        eprintln!("usage: random_bounds [CASES] [SEED], two whole numbers");
         return ExitCode::from(2);
     };
     let start = Instant::now();
@@ -53,8 +52,8 @@ fn main() -> ExitCode {
         }
         all = all.join(tally);
         println!(
-            "{} bounds compared, {} answers without a bound, {} not finite, {} violations; error/bound mean {:.4}, \
-             worst {:.4}; {:.0} s",
+            "{} bounds compared, {} answers without a bound, {} not finite, {} violations; \
+             error/bound mean {:.4}, worst {:.4}; {:.0} s",
             all.compared,
             all.unbounded,
             all.not_finite.len(),

@@ -1,11 +1,12 @@
-// Integrates lobes by adaptive quadrature over the cells: src/cpu/adaptive.rs and src/cpu/subtexel.rs derive
-// it. Directions and distances are in units of the sphere's radius, energies radiance times solid angle, and
-// answers radiance with the certified bound of its luminance in w.
+// Integrates lobes over the cells by adaptive quadrature. src/cpu/adaptive.rs and src/cpu/subtexel.rs derive
+// the method. Directions and distances are in units of the sphere's radius; energies are radiance times solid
+// angle. Answers are radiance, with the certified bound of its luminance in w.
 //
-// A workgroup serves a packet of LANES directions. It walks the tree by a stack, sixteen quads at a time, an
-// invocation a sibling; what is fine enough becomes a leaf, and leaves are summed as soon as there are enough
-// for all invocations, each with one direction and every fourth leaf. Places on the stack and in the list
-// follow from counting, not from who comes first, so that the same input gives the same bits.
+// One workgroup serves a packet of LANES directions. It walks the tree with a stack, sixteen quads per step,
+// one invocation per sibling. A cell that meets the tolerance becomes a leaf. Leaves are summed once there
+// are enough to occupy all invocations: each invocation takes one direction and every fourth leaf. Positions
+// on the stack and in the leaf list come from prefix counts, not from arrival order, so equal inputs give
+// equal bits.
 #include "common/kernel.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/quad.wgsl"
@@ -14,13 +15,13 @@
 const LANES = 16u;
 const GROUP_SIZE = 64u;
 const PARTS = GROUP_SIZE / LANES;
-// Quads visited at once.
+// Quads visited per step.
 const BATCH = GROUP_SIZE / 4u;
-// A visit leaves at most 64 children of one level where it took 16: 48 a level, and 64 at the end.
+// One step pops 16 quads and pushes at most 64 children of one level: a net 48 per level, and 64 at the end.
 const STACK = 1024u;
-// Fewer than GROUP_SIZE wait while as many more arrive.
+// Up to GROUP_SIZE - 1 leaves wait while up to GROUP_SIZE more arrive.
 const LEAVES = 2u * GROUP_SIZE;
-// Halvings of a texel that 14 bits hold.
+// Halvings of a texel that 14 bits can address.
 const DEPTH = 14u;
 const LEVELS = 16u;
 // Pieces with longer sides in (u, v) have no exact centroid.
@@ -30,38 +31,38 @@ struct Lobe {
     shape: u32,
     first: f32,
     second: f32,
-    // Greatest error to be expected of a leaf, over the mean luminance.
+    // Greatest expected error of a leaf, divided by the mean luminance.
     tolerance_per_mean: f32,
-    // The part's share of the whole, and that over the kernel's integral.
+    // Share of this part in the whole lobe; the same divided by the kernel's integral.
     share: f32,
     per_integral: f32,
-    // Relative rounding error of a sum: a constant and a part a leaf.
+    // Relative rounding error of a sum: a constant plus a term per leaf.
     rounding: f32,
     rounding_per_leaf: f32,
     // Texels along an edge of the OEM.
     inner: u32,
-    // 1 where the tree goes down to texels, which may be cut further.
+    // 1 if the tree reaches texels, which can be subdivided further.
     to_texels: u32,
-    // Half of a texel's spread: 1/2, or 1 for bilinear reconstruction.
+    // Half the width of a texel's spread: 1/2, or 1 for bilinear reconstruction.
     reach: f32,
-    // The root's level.
+    // Level of the root.
     root: u32,
-    // 1 to add to what the results hold.
+    // 1 to add to the existing results.
     add: u32,
-    // Packets.
+    // Number of packets.
     count: u32,
-    // What faint energies that the cells leave out may add, and what a unit of energy loses to underflow.
+    // Radiance that the omitted faint energies may add; loss to underflow per unit of energy.
     omitted: f32,
     underflow: f32,
-    // First quad and quads along an edge of every level.
+    // Per level: first quad, and quads along an edge.
     levels: array<vec4<u32>, LEVELS>,
 }
 
 struct Packet {
-    // Near the directions; float32 exactly.
+    // A point near the directions, exact in float32.
     axis: vec3<f32>,
     radius: f32,
-    // Directions less the axis.
+    // Directions minus the axis.
     x: array<f32, LANES>,
     y: array<f32, LANES>,
     z: array<f32, LANES>,
@@ -71,15 +72,15 @@ struct Packet {
 @group(0) @binding(1) var<storage, read> least: array<vec4<f32>, 1>;
 @group(0) @binding(2) var<storage, read> quads: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> packets: array<Packet>;
-// Radiance and bound of every direction.
+// Radiance and bound of each direction.
 @group(0) @binding(4) var<storage, read_write> results: array<vec4<f32>>;
-// Leaves of every packet; INCOMPLETE where the walk was cut short.
+// Leaves of each packet; INCOMPLETE if the walk stopped early.
 @group(0) @binding(5) var<storage, read_write> leaf_counts: array<u32>;
 
 const INCOMPLETE = 0x80000000u;
 
-// A cell, or a piece of a texel: `place` is level | j | i by 4, 14 and 14 bits, with level PIECES for the
-// pieces of texel (i, j), and `piece` quadrant | depth | iy | ix by 2, 4, 13 and 13 bits; at depth 0 the
+// A cell, or a piece of a texel. `place` packs level | j | i in 4, 14 and 14 bits; level PIECES marks the
+// pieces of texel (i, j). `piece` packs quadrant | depth | iy | ix in 2, 4, 13 and 13 bits; at depth 0 the
 // pieces are the quadrants.
 struct Node {
     place: u32,
@@ -91,12 +92,12 @@ const PIECES = 15u;
 var<workgroup> stack: array<Node, STACK>;
 var<workgroup> stack_size: u32;
 
-// Leaves: offset from the packet's axis, covariance, radius, energy, and certified width of what has no exact
-// centroid.
+// Leaves: offset from the packet's axis, covariance, radius, energy, and certified width for pieces without
+// an exact centroid.
 const LEAF_FIELDS = 14u;
 var<workgroup> leaves: array<f32, LEAF_FIELDS * LEAVES>;
 var<workgroup> leaf_size: u32;
-// Which invocations push a node, and which a leaf.
+// Bit masks of the invocations that push a node, and of those that add a leaf.
 var<workgroup> pushes: array<atomic<u32>, 2>;
 var<workgroup> finds: array<atomic<u32>, 2>;
 
@@ -137,7 +138,7 @@ fn kernel() -> Kernel {
     return Kernel(lobe.shape, lobe.first, lobe.second);
 }
 
-// One cell, and what it costs to leave it whole.
+// One cell as a leaf, with the expected error of not splitting it.
 struct Visit {
     leaf: Leaf,
     error: f32,
@@ -172,8 +173,8 @@ fn visit_cell(quad: u32, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> 
     return visit;
 }
 
-// The spread's density on [a, b], 0 <= a <= b, along one axis: its mass, and two nodes with the first's share
-// of it, which have its first three moments.
+// The spread's density on [a, b], 0 <= a <= b, along one axis: its mass, and two nodes that match its first
+// three moments. `share` is the first node's share of the mass.
 struct Slice {
     mass: f32,
     nodes: array<f32, 2>,
@@ -190,7 +191,7 @@ fn slice(a: f32, b: f32) -> Slice {
     }
     let top = 1.0 - middle;
     let shift = -squared / top;
-    // At most a third of the square.
+    // `shift` squared is at most a third of `squared`.
     let variance = squared - shift * shift;
     let deviation = sqrt(variance);
     let skew = shift * (shift * shift - 0.6 * squared) / (variance * deviation);
@@ -211,13 +212,12 @@ fn wrap_oct(uv: vec2<f32>) -> vec2<f32> {
 }
 
 fn between(low: f32, high: f32, at: f32) -> bool {
-    // Corners of pieces are rounded; a kink so near an edge cuts off nothing that counts.
+    // Corners of pieces are rounded. A kink this close to an edge cuts off a negligible part.
     let tiny = 1e-6 / f32(lobe.inner);
     return low < at - tiny && high > at + tiny;
 }
 
-// Whether an axis, an edge of the square or a fold diagonal runs through the inside of the box from `a` to
-// `b`.
+// Whether an axis, an edge of the square or a fold diagonal crosses the interior of the box from `a` to `b`.
 fn crosses_kink(a: vec2<f32>, b: vec2<f32>) -> bool {
     let low = min(a, b);
     let high = max(a, b);
@@ -233,7 +233,8 @@ fn crosses_kink(a: vec2<f32>, b: vec2<f32>) -> bool {
     return between(least_corner.x + least_corner.y, most_corner.x + most_corner.y, 1.0);
 }
 
-// A piece of texel (x, y): `depth` from 1 on, place (ix, iy) of 2^(depth - 1) along an edge of its quadrant.
+// A piece of texel (x, y): at `depth` >= 1, cell (ix, iy) of a grid of 2^(depth - 1) cells along an edge of
+// its quadrant.
 fn visit_piece(
     x: u32, y: u32, quadrant: u32, depth: u32, ix: u32, iy: u32, packet_axis: vec3<f32>, packet_radius: f32,
 ) -> Visit {
@@ -271,7 +272,7 @@ fn visit_piece(
         let reached = direction_from_oct(wrap_oct(centre + signs * corner * h)) - packet_axis - centroid;
         visit.leaf.radius = max(visit.leaf.radius, length(reached));
     }
-    // Directions in float32 are off by less than 2^-22.
+    // Float32 directions are in error by less than 2^-22.
     visit.leaf.radius += 5e-7;
     for (var c = 0u; c < 3u; c++) {
         visit.leaf.energy[c] = field(quad, FIELD_RED + c, k) * share;
@@ -279,7 +280,7 @@ fn visit_piece(
     visit.luminance = field(quad, FIELD_LUMINANCE, k) * share;
     let distance = length(centroid);
     if edge * h > SMOOTH_SIDE || crosses_kink(centre + signs * low * h, centre + signs * high * h) {
-        // No direction moves faster than 3 a unit of (u, v).
+        // Directions move by at most 3 per unit of (u, v).
         visit.leaf.radius = min(max(visit.leaf.radius, 3.0 * length(high - low) * h), 2.0);
         visit.error = visit.luminance * first_order_width(kernel(), distance, visit.leaf.radius, packet_radius);
         visit.leaf.slack = visit.error;
@@ -294,10 +295,10 @@ fn visit_piece(
 // Sums over the leaves for one direction.
 struct Sums {
     radiance: vec3<f32>,
-    // How far the truth can lie above and below the estimate.
+    // How far the true value can lie above and below the estimate.
     above: f32,
     below: f32,
-    // The light for which s is above 1/4, and that is not beyond the horizon.
+    // Luminance at s above 1/4 and not beyond the horizon.
     grazing: f32,
     count: u32,
 }
@@ -319,7 +320,7 @@ fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {
     (*sums).count += 1u;
 }
 
-// How many of the bits below `lane` are set, of 64.
+// Number of bits set below `lane`, of 64.
 fn rank(low: u32, high: u32, lane: u32) -> u32 {
     if lane < 32u {
         return countOneBits(low & ((1u << lane) - 1u));
@@ -333,7 +334,7 @@ fn mean_luminance() -> f32 {
     return dot(least[0].rgb, LUMINANCE) + dot(above_least, vec4<f32>(1.0)) / 12.566371;
 }
 
-// A child of a node: what it is as a leaf, and as a node of its own.
+// A child of a node, as a leaf and as a node.
 struct Child {
     visit: Visit,
     node: Node,
@@ -363,7 +364,7 @@ fn child_of(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> C
     }
     let x = 2u * i + (k & 1u);
     let y = 2u * j + (k >> 1u);
-    // Below the finest level are the pieces of texels.
+    // Below the finest level, nodes are pieces of texels.
     let below = select(PIECES, level - 1u, level > 0u);
     return Child(
         visit_cell(quad_at(level, i, j), k, packet_axis, packet_radius),
@@ -372,7 +373,7 @@ fn child_of(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> C
     );
 }
 
-// The sums of one direction's parts, left in the leaves' memory by `leave_sums`.
+// Adds the partial sums of one direction, stored in the leaves' memory by `leave_sums`.
 fn gather_sums(lane: u32) -> Sums {
     var sums: Sums;
     for (var at = lane; at < GROUP_SIZE; at += LANES) {
@@ -391,21 +392,21 @@ fn leave_sums(lane: u32, sums: Sums) {
     leaves[2u * GROUP_SIZE + lane] = sums.radiance.b;
     leaves[3u * GROUP_SIZE + lane] = sums.above;
     leaves[4u * GROUP_SIZE + lane] = sums.below;
-    // A pattern of a normal number: drivers flush others.
+    // Store the pattern of a normal number: drivers flush subnormals.
     leaves[5u * GROUP_SIZE + lane] = bitcast<f32>(sums.count | 0x40000000u);
     leaves[6u * GROUP_SIZE + lane] = sums.grazing;
 }
 
-// Radiance, and the certified bound of its luminance, from the sums over `count` leaves.
+// Radiance and the certified bound of its luminance, from the sums over `count` leaves.
 fn answer(sums: Sums, count: u32) -> vec4<f32> {
     let radiance = sums.radiance * lobe.per_integral;
     let rounding = lobe.rounding + lobe.rounding_per_leaf * f32(count);
-    // Where k nears 0 an error of s counts for more than a part of k. On the CPU s is off by 8 2^-24; here
-    // directions are off by 2^-22, and distances by as much again.
+    // Where k is near 0, an absolute error in s counts more than a relative error in k. On the CPU s is in
+    // error by 8 2^-24; here directions are in error by 2^-22, and distances by the same again.
     let grazed = sums.grazing * grazing_slope(kernel()) * 1.5e-6 * lobe.per_integral;
     let mean = mean_luminance();
-    // The least radiance and every E - c w are float32 differences, 2^-21 of the whole, and up to as much is
-    // left out.
+    // The least radiance and every E - c w are float32 differences, in error by 2^-21 of the whole; omitted
+    // residues add at most as much.
     let bound = max(sums.above, sums.below) * lobe.per_integral + rounding * dot(radiance, LUMINANCE) + grazed
         + 9.6e-7 * dot(least[0].rgb, LUMINANCE) * lobe.share
         + select(0.0, lobe.omitted + lobe.underflow * 12.566371 * mean, mean > 0.0);
@@ -441,14 +442,14 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
             atomicStore(&finds[lane], 0u);
         }
         workgroupBarrier();
-        // Four invocations a node, one a child.
+        // Four invocations per node, one per child.
         let taken = min(size, BATCH);
         var child: Child;
         var push = false;
         if (lane >> 2u) < taken {
             child = child_of(stack[size - taken + (lane >> 2u)], lane & 3u, axis, radius);
-            // A full stack only makes leaves coarser, which the bound includes. Cells without luminance
-            // contribute nothing.
+            // A full stack only yields coarser leaves; the bound accounts for them. Cells without luminance
+            // contribute nothing; skip them.
             push = child.visit.error > tolerance && child.splits && size + GROUP_SIZE <= STACK
                 && child.visit.luminance > 0.0;
             let bit = 1u << (lane & 31u);
@@ -499,7 +500,7 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     }
     results[at] = result;
     if lane == 0u {
-        // Some drivers end long loops without a word.
+        // Some drivers end long loops without reporting it.
         let complete = sums.count == leaf_total && stack_size == 0u;
         leaf_counts[index] = select(INCOMPLETE, leaf_total, complete);
     }

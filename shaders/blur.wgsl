@@ -1,6 +1,6 @@
-// Summed-area tables of the OEM blurred by a tent, one an octave: `blurred` of src/cpu/blur.rs, equal to the
-// last bit. A tent is a box applied twice, in integers. The tables have a border, so that soft boxes near the
-// square's edge need four reads a corner as elsewhere. Texels and entries are 64-bit fixed point, as in
+// Builds summed-area tables of the OEM blurred by a tent, one per octave: `blurred` of src/cpu/blur.rs, bit
+// for bit. The tent is a box applied twice, in integers. The tables have a border, so that soft boxes near
+// the square's edge also need four reads per corner. Texels and entries are 64-bit fixed point, as in
 // src/sat.rs.
 #include "common/octahedral.wgsl"
 #include "common/octaves.wgsl"
@@ -8,28 +8,28 @@
 #include "common/scan.wgsl"
 #include "common/sum.wgsl"
 
-// Texels along an edge of a tile of a grid that is blurred.
+// Texels along an edge of a tile of the grid.
 const EDGE = 16u;
 const GROUP_SIZE = 256u;
-// Invocations that a row or a column of a table is summed by.
+// Invocations that sum one row or column of a table.
 const LINE_SIZE = 64u;
-// Corners along an edge that a tile's texels reach: boxes are up to 16 wide.
+// Corners along an edge that a tile's texels read: boxes are up to 16 wide.
 const REACH = 31u;
 
 @group(0) @binding(5) var<uniform> octaves: OctaglossOctaves;
-// Blurred texels: written a word at a time, read whole.
+// Blurred texels: written word by word, read whole.
 @group(0) @binding(6) var<storage, read_write> words: array<u32>;
 @group(0) @binding(7) var<storage, read> texels: array<Sum>;
 @group(0) @binding(8) var<storage, read_write> entries: array<Sum>;
 
-// Sum of the texels of the box of `side` from `low` on of the unfolded plane, in texels of a grid of `n`; no
-// corner further out than the squares beside ours.
+// Sum of the texels in the box of `side` texels from `low` on in the unfolded plane, in texels of a grid of
+// `n`. Corners must lie in the square or in its direct neighbours.
 fn grid_box(channel: u32, n: u32, low: vec2<i32>, side: i32) -> vec2<u32> {
     let factor = table.inner / n;
     let width = i32(n);
     let first = select(vec2<i32>(0), vec2<i32>(-1), low < vec2<i32>(0));
     var sum = vec2<u32>();
-    // The part of it in each of up to four squares.
+    // Add the parts in up to four squares.
     for (var k = 0; k < 4; k++) {
         let square = first + vec2<i32>(k & 1, k >> 1u);
         let from_corner = clamp(low - square * width, vec2<i32>(0), vec2<i32>(width));
@@ -48,7 +48,7 @@ fn grid_box(channel: u32, n: u32, low: vec2<i32>, side: i32) -> vec2<u32> {
 var<workgroup> once: array<vec2<u32>, REACH * REACH>;
 var<workgroup> along: array<vec2<u32>, REACH * EDGE>;
 
-// One tile of one channel of one octave.
+// One tile of one channel of one octave per workgroup.
 @compute @workgroup_size(EDGE, EDGE)
 fn blur(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     var k = 0u;
@@ -62,7 +62,7 @@ fn blur(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let tiles = octave.fine / EDGE;
     let tile = group.x - octave.first_tile;
     let origin = vec2<u32>(tile % tiles, tile / tiles) * EDGE;
-    // Boxes around corners, those around texels being from the corner before the middle to the one after.
+    // Box sums around corners. A texel's second box runs from the corner before its middle to the one after.
     let reach = EDGE + side - 1u;
     for (var c = lane; c < reach * reach; c += GROUP_SIZE) {
         let low = vec2<i32>(origin + vec2<u32>(c % reach, c / reach)) + 1 - i32(side);
@@ -83,7 +83,7 @@ fn blur(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     once[lane] = shift_right64(sum, shift);
     workgroupBarrier();
-    // Several texels of the grid in one.
+    // Merge several texels of the grid into one.
     let factor = octave.fine / octave.coarse;
     let edge = EDGE / factor;
     if lane >= edge * edge {
@@ -101,7 +101,7 @@ fn blur(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     words[first + 4u + channel] = texel.y;
 }
 
-// A row or column of all octaves'.
+// One row or column of one octave.
 struct Line {
     octave: OctaglossOctave,
     place: u32,
@@ -116,7 +116,7 @@ fn line(group: u32) -> Line {
     return Line(octave, group - octave.first_row);
 }
 
-// The texel before entry (x, y); none before the first row and column.
+// The texel before entry (x, y); zero in the first row and column.
 fn texel_before(octave: OctaglossOctave, x: u32, y: u32) -> Sum {
     if x == 0u || y == 0u {
         return Sum();
@@ -132,7 +132,7 @@ fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
     return add_sums(a, b);
 }
 
-// Sums along the rows of the bordered squares: a workgroup a row.
+// Sums along the rows of the bordered squares, one workgroup per row.
 @compute @workgroup_size(LINE_SIZE)
 fn rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let row = line(group.x);
@@ -151,7 +151,7 @@ fn rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// Sums down their columns: a workgroup a column.
+// Sums down their columns, one workgroup per column.
 @compute @workgroup_size(LINE_SIZE)
 fn columns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let column = line(group.x);

@@ -1,4 +1,4 @@
-// Box queries for lists of directions, and the integer sums of given boxes. Directions are unit vectors in the
+// Box queries for lists of directions, and integer sums of given boxes. Directions are unit vectors in the
 // OEM's space; answers are radiance; sums are 64-bit fixed point.
 @group(0) @binding(0) var<uniform> octagloss_table: OctaglossTable;
 @group(0) @binding(1) var octagloss_low: texture_2d<u32>;
@@ -9,10 +9,10 @@
 const GROUP_SIZE = 64u;
 
 @group(1) @binding(0) var<storage, read> queries: array<vec4<f32>>;
-// The stack around every direction: solid angle and weight of each box.
+// The stack for every direction: solid angle and weight of each box.
 @group(1) @binding(4) var<storage, read> stack: array<vec2<f32>>;
 @group(1) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
-// Boxes of the unfolded plane: low x, low y, high x, high y.
+// Boxes in the unfolded plane: low x, low y, high x, high y.
 @group(1) @binding(2) var<storage, read> boxes: array<vec4<i32>>;
 @group(1) @binding(3) var<storage, read_write> sums: array<Sum>;
 

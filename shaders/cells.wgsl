@@ -1,24 +1,24 @@
-// Builds the quadtree of moments: `Cells` of src/cpu/cells.rs, which derives the moments. Planes hold energies
+// Builds the quadtree of moments: `Cells` of src/cpu/cells.rs, which derives them. Planes hold energies
 // (radiance times solid angle, float32) and solid angles; distances are chords on the unit sphere.
 #include "common/quad.wgsl"
 #include "common/table.wgsl"
 
-// Quads along an edge of a workgroup; each has four invocations.
+// Quads along an edge of a workgroup; four invocations per quad.
 const EDGE = 8u;
 
 // One level of the tree.
 struct Level {
-    // Its first quad, its quads along an edge, and those of the finer level.
+    // First quad and quads along an edge of this level, then of the finer level.
     first: u32,
     width: u32,
     finer_first: u32,
     finer_width: u32,
-    // Cells along an edge, and texels along an edge of a cell of the finest level.
+    // Cells along an edge, and texels along an edge of a cell, at the finest level.
     cells: u32,
     block: u32,
 }
 
-// Moments of a texel's spread, from the CPU: of the quadrant u, v >= 0.
+// Moments of a texel's spread, from the CPU, for the quadrant u, v >= 0.
 struct Tent {
     centroid: vec3<f32>,
     radius: f32,
@@ -47,14 +47,14 @@ struct Cell {
     energy: vec3<f32>,
 }
 
-// What members add up to, before it is divided by the luminance: see `absorb`.
+// Sums over the members before division by the luminance; see `absorb`.
 struct Union {
     cell: Cell,
     offset: vec3<f32>,
 }
 
-// First visit of a member: energies, and the centroid as differences from the first member's, which float32
-// keeps.
+// First pass over the members: sums energies, and centroids as differences from the first member's, which
+// float32 resolves.
 fn gather(all: ptr<function, Union>, member: Cell) {
     if member.luminance <= 0.0 {
         return;
@@ -67,14 +67,14 @@ fn gather(all: ptr<function, Union>, member: Cell) {
     (*all).offset += (member.centroid - (*all).cell.centroid) * member.luminance;
 }
 
-// Between the visits.
+// Between the passes: computes the centroid.
 fn centre(all: ptr<function, Union>) {
     if (*all).cell.luminance > 0.0 {
         (*all).cell.centroid += (*all).offset / (*all).cell.luminance;
     }
 }
 
-// Second visit: covariance and reach around the centroid.
+// Second pass: covariance and radius around the centroid.
 fn absorb(all: ptr<function, Union>, member: Cell) {
     if member.luminance <= 0.0 {
         return;
@@ -86,11 +86,11 @@ fn absorb(all: ptr<function, Union>, member: Cell) {
     (*all).cell.radius = max((*all).cell.radius, (length(apart) + member.radius) * (1.0 + 2e-6));
 }
 
-// What is less than this share of a texel's energy above the least radiance is rounding: left in, black
-// texels would count for how far their cells reach.
+// A smaller share of a texel's energy above the least radiance is rounding error. Without the cut, black
+// texels would enlarge the radius of their cells.
 const RESIDUE = 1.0f / 2097152.0f;
 
-// Energy of a channel of a texel that counts as none, 2^-94: `FAINT` of src/cpu/cells.rs.
+// A channel's energy up to 2^-94 counts as zero: `FAINT` of src/cpu/cells.rs.
 const FAINT = 5.0487097934144756e-29f;
 
 fn texel_cell(x: u32, y: u32) -> Cell {
@@ -140,12 +140,13 @@ fn fetch(quad: u32, k: u32) -> Cell {
     return cell;
 }
 
-// What the invocations of `finest` and `coarser` are for: quads across times four siblings, quads down.
+// Work of one invocation of `finest` and `coarser`: id.x is quad column times four plus sibling, id.y is quad
+// row.
 struct Sibling {
-    // Of its quad, from 0 to 3.
+    // Index in its quad, 0 to 3.
     index: u32,
     quad: vec2<u32>,
-    // Among the cells of its level.
+    // Position among the cells of its level.
     cell: vec2<u32>,
 }
 

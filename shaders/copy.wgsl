@@ -1,4 +1,4 @@
-// A plain copy, whose bandwidth the scans are compared with. Words of 16 bytes.
+// A plain copy in words of 16 bytes, the reference for the bandwidth of the scans.
 #include "common/rows.wgsl"
 
 const GROUP_SIZE = 256u;

@@ -1,28 +1,27 @@
-// Extracts the brightest cells of an OEM as point emitters: src/realtime/emitters.rs explains why. Planes hold
-// energies (radiance times solid angle, float32) and solid angles; brightness is a quarter of the channels'
-// summed radiance.
+// Extracts the brightest cells of an OEM as point emitters; src/realtime/emitters.rs explains why. Planes
+// hold energies (radiance times solid angle, float32) and solid angles; brightness is a quarter of the
+// channels' summed radiance.
 //
-// cells: the brightest of every batch, then of all -> what the others have -> rest, emitters
+// Order: brightest cells of each batch, brightest of all, then the residual map (`rest`) and the emitters.
 #include "common/light.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/table.wgsl"
 
 const GROUP_SIZE = 256u;
 const EDGE = 16u;
-// Cells along an edge of the grid, at most.
+// Most cells along an edge of the grid.
 const GRID = 256u;
-// Cells that a workgroup puts in order, and how many of them stay: the emitters' and the brightest of the
-// others.
+// Cells that a workgroup sorts, and how many it keeps: one per emitter, and the next brightest.
 const BATCH = 1024u;
 const KEPT = EMITTERS + 1u;
 
-// Channels' bit patterns, for what is only copied: drivers flush subnormals.
+// Bit patterns of the channels, which are mostly copied: drivers flush subnormals.
 @group(0) @binding(1) var<storage, read> red: array<u32>;
 @group(0) @binding(2) var<storage, read> green: array<u32>;
 @group(0) @binding(3) var<storage, read> blue: array<u32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 @group(0) @binding(5) var<storage, read_write> brightness: array<f32>;
-// Brightness, as bits, and number of cells, brightest first.
+// Brightness as bits, and cell index, brightest first.
 @group(0) @binding(6) var<storage, read> listed: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> brightest: array<vec2<u32>>;
 @group(0) @binding(8) var<storage, read_write> rest_red: array<u32>;
@@ -52,12 +51,12 @@ fn energy(at: u32) -> vec3<f32> {
 
 var<workgroup> batch: array<vec2<u32>, BATCH>;
 
-// Patterns of numbers that are not negative are in the numbers' order.
+// Bit patterns of non-negative floats sort like their values.
 fn precedes(a: vec2<u32>, b: vec2<u32>) -> bool {
     return a.x > b.x || (a.x == b.x && a.y < b.y);
 }
 
-// Batcher's bitonic sort of the batch, and its first entries.
+// Sorts the batch by Batcher's bitonic sort and stores its first entries.
 fn keep_brightest(group: u32, lane: u32) {
     for (var size = 2u; size <= BATCH; size *= 2u) {
         for (var stride = size / 2u; stride > 0u; stride /= 2u) {
@@ -112,7 +111,8 @@ fn brightest_of_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
     keep_brightest(group.x, lane);
 }
 
-// What a cell of brightness `own` keeps: as much as the brightest cell without an emitter has.
+// Share of a cell's energy left in the residual map: the cell is clamped to the brightest cell without an
+// emitter.
 fn share_kept(own: f32) -> f32 {
     let most = bitcast<f32>(listed[KEPT - 1u].x);
     return select(1.0, most / own, own > most);
@@ -136,7 +136,7 @@ fn rest(@builtin(global_invocation_id) id: vec3<u32>) {
     rest_blue[at] = bits.z;
 }
 
-// Mean squared distance on the sphere from the middle of a texel of width 1 at `uv`.
+// Mean squared distance on the sphere from the centre of a texel of width 1 at `uv`.
 fn texel_spread(uv: vec2<f32>) -> f32 {
     let p = abs(octahedron_from_oct(uv));
     let squared = dot(p, p);

@@ -1,5 +1,5 @@
-// Fitted lobes for lists of directions. Queries are unit vectors in the OEM's space with perceptual roughness in
-// w; answers are radiance.
+// Evaluates fitted lobes for lists of directions. Queries are unit vectors in the OEM's space with perceptual
+// roughness in w; answers are radiance.
 @group(0) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
 @group(0) @binding(1) var<uniform> octagloss_light: OctaglossLight;
 @group(0) @binding(2) var<storage, read> octagloss_entries: array<Sum>;

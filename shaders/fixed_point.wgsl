@@ -1,6 +1,6 @@
-// The fixed-point exponent of each channel: `FixedPoint::of_square` in src/sat.rs. Order-free: the greatest
-// bit pattern, then a 64-bit integer sum at the scale that it sets. Planes hold float32 energies and solid
-// angles, as bit patterns.
+// Computes the fixed-point exponent of each channel: `FixedPoint::of_square` in src/sat.rs. The result does
+// not depend on the order: the greatest bit pattern, then a 64-bit integer sum at the scale that it sets.
+// Planes hold float32 energies and solid angles, as bit patterns.
 #include "common/fixed_point.wgsl"
 #include "common/reduce.wgsl"
 #include "common/reduction.wgsl"
@@ -100,7 +100,7 @@ fn finish(@builtin(local_invocation_index) lane: u32) {
         exponents[lane] = 0;
         return;
     }
-    // Truncation lost less than one unit a texel; each doubling doubles what it may have lost.
+    // Truncation loses less than one unit per texel; each doubling doubles that loss.
     let texels = vec2<u32>(count(), 0u);
     let total = add64(sums[lane], texels);
     let limit = sub64(vec2<u32>(0u, 0x40000000u), texels);

@@ -1,15 +1,16 @@
-// Spherical harmonics of an OEM to order 4 from its exact table: `table_harmonics` of src/sh/coefficients.rs.
-// Coefficients are of radiance. Sums run in a fixed order: texels to workgroups, then all of those.
+// Computes spherical harmonics of an OEM to order 4 from its exact table: `table_harmonics` of
+// src/sh/coefficients.rs. Coefficients are of radiance. Sums run in a fixed order: within workgroups, then
+// over all workgroups.
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/planes.wgsl"
 
-// Texels summed at once, and how many times a workgroup does that.
+// Texels that a workgroup sums per batch, and its batches.
 const GROUP_SIZE = 128u;
 const BATCHES = 4u;
 const COUNT = 25u;
-// Odd, so that a function's values start in another bank of memory than the one's before.
+// Odd, so that consecutive functions start in different memory banks.
 const SKEW = GROUP_SIZE + 1u;
 // 2^-28 and 2^-60.
 const HIGH_WORD = 3.7252903e-9f;
@@ -75,7 +76,7 @@ fn store(lane: u32, values: array<f32, COUNT>) {
     }
 }
 
-// 2^e for a quotient of two channels' units, in two factors, for the whole may be out of range.
+// 2^e for the quotient of two channels' units, as two factors: their product may be out of range.
 fn powers(e: i32) -> vec2<f32> {
     let half = clamp(e / 2, -126, 127);
     let rest = clamp(e - half, -126, 127);

@@ -1,9 +1,9 @@
-// Adds a disc of light with a soft edge to an OEM: `Lamp` of src/gpu/lamp.rs.
+// Adds a disc light with a soft edge to an OEM: `Lamp` of src/gpu/lamp.rs.
 #include "common/octahedral.wgsl"
 #include "common/table.wgsl"
 
 const EDGE = 16u;
-// Places along an edge of a texel that the lamp is sampled at.
+// Samples of the lamp along an edge of a texel.
 const PLACES = 4u;
 
 struct Lamp {
@@ -33,8 +33,8 @@ fn lamp(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let texel = vec2<f32>(wrap_texel(table.inner, vec2<i32>(id.xy) - i32(table.border)));
     let width = 2.0 / f32(table.inner);
-    // A texel reaches no further from its centre: on the octahedron by sqrt(6)/inner, a third of whose
-    // squared distance from the sphere's centre is 1 at the least.
+    // Farthest distance of a texel's points from its centre: sqrt(6)/inner on the octahedron, whose squared
+    // distance from the sphere's centre is at least 1/3.
     let reach = sqrt(light.edge) + 4.25 / f32(table.inner);
     if distance_squared((texel + 0.5) * width - 1.0) > reach * reach {
         return;

@@ -1,5 +1,5 @@
-// The least radiance of each channel of an OEM: of each workgroup, then of all. Planes hold energies (radiance
-// times solid angle, float32) and solid angles in steradians.
+// Finds the least radiance of each channel of an OEM: per workgroup, then overall. Planes hold energies
+// (radiance times solid angle, float32) and solid angles in steradians.
 #include "common/reduce.wgsl"
 #include "common/reduction.wgsl"
 

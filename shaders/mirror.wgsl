@@ -1,4 +1,4 @@
-// The square of an OEM as one texture: what `radiance` of src/cpu/mirror.rs reads.
+// Copies the square of an OEM to one texture, as read by `radiance` of src/cpu/mirror.rs.
 #include "common/table.wgsl"
 
 const EDGE = 16u;

@@ -1,5 +1,5 @@
-// The planes of a table as two textures, low words and high words: two loads an entry, near one another in
-// 2D.
+// Packs the planes of a table into two textures, low words and high words: two loads per entry, close
+// together in 2D.
 #include "common/table.wgsl"
 
 const EDGE = 16u;

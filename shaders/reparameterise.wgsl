@@ -1,14 +1,14 @@
-// Resamples the environment to the OEM and to the cube of footprints: each target texel gathers its source
-// texels, weighted by the solid angle (in steradians) that both cover. The matrix is `Overlaps` of
-// src/geometry/overlap.rs, which derives the mirroring of octants. The source is radiance; the OEM gets
-// energies (radiance times solid angle).
+// Resamples the environment to the OEM and to the cube of footprints. Each target texel gathers its source
+// texels, weighted by the solid angle of their overlap in steradians. The matrix is `Overlaps` of
+// src/geometry/overlap.rs, which derives the mirroring of octants. The source holds radiance; the OEM
+// receives energies (radiance times solid angle).
 #include "common/octahedral.wgsl"
 #include "common/reduce.wgsl"
 
 const EDGE = 16u;
 
 struct Gather {
-    // Texels along an edge of the target, of its border, and from row to row.
+    // Texels along an edge of the target, of its border, with both borders, and from row to row.
     edge: u32,
     border: u32,
     side: u32,
@@ -16,25 +16,25 @@ struct Gather {
     // Texels of a layer of the source.
     width: u32,
     height: u32,
-    // 1 where rows are the first octant's and sources are packed.
+    // 1 if the rows are those of the first octant and sources are packed.
     symmetric: u32,
-    // The source texels of packed cells: octant, then family; texel of place (0, 0), steps along i and j.
+    // Source texels of packed cells, by octant and family: texel of cell (0, 0), steps along i and j.
     source_maps: array<array<vec4<i32>, 3>, 8>,
 }
 
 @group(0) @binding(0) var<uniform> gather: Gather;
 @group(0) @binding(1) var<storage, read> starts: array<u32>;
-// Source, and the solid angle shared as float32 bits.
+// Source index, and the solid angle of the overlap as float32 bits.
 @group(0) @binding(2) var<storage, read> overlaps: array<vec2<u32>>;
 @group(0) @binding(3) var source: texture_2d_array<f32>;
-// Targets: planes of an OEM, whose solid angles are there already, or radiance.
+// Targets: planes of an OEM, whose solid angles are already filled, or radiance.
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 @group(0) @binding(5) var<storage, read_write> red: array<f32>;
 @group(0) @binding(6) var<storage, read_write> green: array<f32>;
 @group(0) @binding(7) var<storage, read_write> blue: array<f32>;
 @group(0) @binding(8) var<storage, read_write> footprint: array<vec4<f32>>;
 
-// A row of the matrix, and the octant that it is read for.
+// A row of the matrix, and the octant to read it for.
 struct Row {
     octant: u32,
     row: u32,
@@ -81,7 +81,7 @@ fn rows_of_cube(face: u32, i: u32, j: u32) -> Rows {
     let half = n / 2u;
     let s = select(0u, 1u, i >= half);
     let t = select(0u, 1u, j >= half);
-    // Bits: x < 0, y < 0, z < 0, by the face table.
+    // Bits for x < 0, y < 0, z < 0, from the face table.
     var octant = 0u;
     switch face {
         case 0u: { octant = (t << 1u) | (s << 2u); }
@@ -95,7 +95,7 @@ fn rows_of_cube(face: u32, i: u32, j: u32) -> Rows {
     return Rows(1u, array<Row, 2>(Row(octant, row), Row()));
 }
 
-// Finite and not negative, whatever a caller's texture holds: NaN counts as black.
+// Maps any texture value to a finite, non-negative one; NaN becomes 0.
 fn finite(value: f32) -> f32 {
     let bits = bitcast<u32>(value);
     if bits > 0x7f800000u {
@@ -118,11 +118,11 @@ fn radiance_at(octant: u32, packed: u32) -> vec3<f32> {
     return vec3<f32>(finite(value.r), finite(value.g), finite(value.b));
 }
 
-// Sources summed before their sum joins the others', so that rounding does not grow with their number.
+// Sources summed before their sum joins the others, so that rounding does not grow with their number.
 const CHUNK = 64u;
 
-// The least radiance of a part of a texel's sources. Sums are of what lies above it, so that a constant stays
-// one to the last bit; nothing cancels. Every `lanes`-th source from source `lane` on.
+// The least radiance over every `lanes`-th source from source `lane` on. Sums run over the radiance above it:
+// a constant map stays constant to the last bit, and nothing cancels.
 fn darkest(rows: Rows, lane: u32, lanes: u32) -> vec3<f32> {
     var least = vec3<f32>(3.4e38);
     for (var r = 0u; r < rows.count; r++) {
@@ -134,9 +134,9 @@ fn darkest(rows: Rows, lane: u32, lanes: u32) -> vec3<f32> {
     return least;
 }
 
-// A part of a texel's sources: the sum of their radiance above `least` times the solid angle that they share,
-// and of that solid angle, in units of about the texel's own, so that no sum overflows. Every `lanes`-th
-// chunk from chunk `lane` on.
+// Sums over every `lanes`-th chunk of a texel's sources from chunk `lane` on: radiance above `least` times
+// shared solid angle, and that solid angle. Units are about the texel's own solid angle, so that no sum
+// overflows.
 fn shares(rows: Rows, least: vec3<f32>, per_unit: f32, lane: u32, lanes: u32) -> vec4<f32> {
     var sum = vec4<f32>();
     for (var r = 0u; r < rows.count; r++) {
@@ -156,7 +156,7 @@ fn shares(rows: Rows, least: vec3<f32>, per_unit: f32, lane: u32, lanes: u32) ->
     return sum;
 }
 
-// Where texels have few sources an invocation serves one; where they have many a workgroup does.
+// With few sources per texel, one invocation serves a texel; with many, a workgroup does.
 const GROUP_SIZE = 256u;
 
 struct Reduced {
@@ -168,14 +168,14 @@ fn combine(a: Reduced, b: Reduced) -> Reduced {
     return Reduced(min(a.least, b.least), a.sum + b.sum);
 }
 
-// Radiance of a texel's sources by one invocation.
+// Mean radiance of a texel's sources, by one invocation.
 fn mean_radiance(rows: Rows, per_unit: f32) -> vec3<f32> {
     let least = darkest(rows, 0u, 1u);
     let sum = shares(rows, least, per_unit, 0u, 1u);
     return least + sum.rgb / sum.a;
 }
 
-// The same by the whole workgroup.
+// The same, by the whole workgroup.
 fn mean_radiance_of_group(rows: Rows, per_unit: f32, lane: u32) -> vec3<f32> {
     let least = reduce(Reduced(darkest(rows, lane, GROUP_SIZE), vec4<f32>()), lane).least;
     let sum = reduce(Reduced(least, shares(rows, least, per_unit, lane, GROUP_SIZE)), lane).sum;
@@ -213,7 +213,7 @@ fn oem_by_groups(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation
     }
 }
 
-// One over the mean solid angle of a cube's texel.
+// 1 over the mean solid angle of a cube's texel.
 fn cube_texels_per_steradian() -> f32 {
     return 6.0 * f32(gather.edge) * f32(gather.edge) / 12.566371;
 }

@@ -1,5 +1,6 @@
-// The float32 table of the 2005 paper with its mean bias, radix 2: src/analysis/sat_f32.rs. For comparison;
-// see src/sat.rs for what it gets wrong. Texels are energies (radiance times solid angle) and solid angles.
+// The float32 table of the 2005 paper with its mean bias, radix 2: src/analysis/sat_f32.rs. Used for
+// comparison; src/sat.rs describes its errors. Texels are energies (radiance times solid angle) and solid
+// angles.
 #include "common/reduce.wgsl"
 #include "common/table.wgsl"
 
@@ -39,7 +40,7 @@ fn combine(a: Reduced, b: Reduced) -> Reduced {
 @compute @workgroup_size(GROUP_SIZE)
 fn sums_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     var sum = vec4<f32>();
-    // Rows first, so that no sum is long.
+    // Sum each row first, so that no sum has many terms.
     for (var y = group.x; y < table.side; y += GROUPS) {
         var row = vec4<f32>();
         for (var x = lane; x < table.side; x += GROUP_SIZE) {

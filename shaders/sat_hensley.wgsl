@@ -3,13 +3,13 @@
 // with stride 1, RADIX, RADIX^2, ... below the side: ceil(log_RADIX(side)) passes along rows, as many along
 // columns, after one that quantises the texels. Buffers are exchanged between passes (ping-pong).
 //
-// A dispatch is one pass: an invocation an entry, workgroups of 16 x 16 over the side x side entries of the
-// bordered table, rows `pitch` apart. Two channels share it: their four tables and two planes are six of the
-// eight storage buffers that WebGPU guarantees a stage, and four channels would need twelve.
+// A dispatch is one pass: one invocation per entry, workgroups of 16 x 16 over the side x side entries of the
+// bordered table, with rows `pitch` apart. Two channels share a pass: their four tables and two planes take
+// six of the eight storage buffers per stage that WebGPU guarantees; four channels would need twelve.
 //
 // Texels are float32 energies (radiance times solid angle), as bit patterns. Entries are 64-bit integers, low
-// word first, in units of 2^-exponent of their channel. Sums are exact modulo 2^64, and exponents are chosen so
-// that the whole sum stays below 2^62 (src/sat.rs), so that every box is exact.
+// word first, in units of 2^-exponent of their channel. Sums are exact modulo 2^64. Exponents keep the whole
+// sum below 2^62 (src/sat.rs), so every box is exact.
 #include "common/fixed_point.wgsl"
 
 override RADIX: u32 = 2u;
@@ -33,7 +33,7 @@ struct Doubling {
 @group(0) @binding(6) var<storage, read_write> back_0: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> back_1: array<vec2<u32>>;
 
-// Texels to fixed point, before the first pass.
+// Quantises the texels, before the first pass.
 @compute @workgroup_size(16, 16)
 fn quantise_texels(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= doubling.side || id.y >= doubling.side {

@@ -10,14 +10,14 @@
 #include "common/scan.wgsl"
 
 const TILE = 64u;
-// Texels along an edge of one invocation's part of a tile.
+// Texels along an edge of one invocation's block of a tile.
 const PART = 4u;
 // Invocations along an edge of a tile.
 const EDGE = 16u;
 const GROUP_SIZE = 256u;
 
 struct Scan {
-    // Of the bordered table; rows are `pitch` apart, a multiple of 4.
+    // Side of the bordered table; rows are `pitch` apart, a multiple of 4.
     side: u32,
     pitch: u32,
     // Tiles along an edge.
@@ -35,12 +35,12 @@ struct Scan {
 @group(0) @binding(6) var<storage, read_write> table_0: array<vec4<u32>>;
 @group(0) @binding(7) var<storage, read_write> table_1: array<vec4<u32>>;
 
-// Entry of `rows_left` or `above`: `tile` across the direction of summation, `place` along the tile's edge.
+// Index into `rows_left` or `above`: `tile` along the direction of summation, `place` along the tile's edge.
 fn carry(channel: u32, tile: u32, place: u32) -> u32 {
     return (channel * scan.tiles + tile) * scan.tiles * TILE + place;
 }
 
-// Four texels of row `y` from column `x` (a multiple of 4) on, quantised; 0 beyond the table.
+// Four quantised texels of row `y` from column `x` on, a multiple of 4; zero outside the table.
 fn load(channel: u32, x: u32, y: u32) -> array<vec2<u32>, 4> {
     if x >= scan.pitch || y >= scan.side {
         return array<vec2<u32>, 4>();
@@ -57,13 +57,13 @@ fn load(channel: u32, x: u32, y: u32) -> array<vec2<u32>, 4> {
         quantise(bits.x, exponent), quantise(bits.y, exponent), quantise(bits.z, exponent), quantise(bits.w, exponent));
 }
 
-// Odd, so that a row of it starts in another bank of memory than the one before.
+// Odd, so that consecutive rows start in different memory banks.
 const SKEW = EDGE + 1u;
 
 var<workgroup> by_row: array<vec2<u32>, TILE * EDGE>;
 var<workgroup> by_column: array<vec2<u32>, TILE * EDGE>;
 
-// Sums of every tile's rows and columns.
+// Sums the rows and columns of each tile.
 @compute @workgroup_size(EDGE, EDGE)
 fn tile_sums(
     @builtin(workgroup_id) tile: vec3<u32>,
@@ -99,7 +99,7 @@ fn tile_sums(
     }
 }
 
-// Tiles' sums to sums of all tiles before: along rows, and down columns.
+// Replaces tile sums by sums of all tiles before: along rows, and down columns.
 @compute @workgroup_size(GROUP_SIZE)
 fn carries(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let place = group.x * GROUP_SIZE + lane;
@@ -126,7 +126,7 @@ fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
     return add64(a, b);
 }
 
-// Sums of the columns above a tile row to sums of all columns up to each: a workgroup a tile row.
+// Sums `above` along each tile row, one workgroup per tile row.
 @compute @workgroup_size(GROUP_SIZE)
 fn carry_rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let width = scan.tiles * TILE;
@@ -148,7 +148,7 @@ fn carry_rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
 
 var<workgroup> carried: array<vec2<u32>, TILE * SKEW>;
 
-// Sums of the parts along a line of the tile to the sums before each, with `before` the line.
+// Replaces the block sums along a line of the tile by prefix sums that start at `before`.
 fn carry_on(line: u32, before: vec2<u32>) {
     var sum = before;
     for (var k = 0u; k < EDGE; k++) {
@@ -158,14 +158,14 @@ fn carry_on(line: u32, before: vec2<u32>) {
     }
 }
 
-// Every tile's entries.
+// Computes the entries of each tile.
 @compute @workgroup_size(EDGE, EDGE)
 fn tables(
     @builtin(workgroup_id) tile: vec3<u32>,
     @builtin(local_invocation_id) part: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    // Running sums along the rows of this part.
+    // Prefix sums along the rows of this block.
     var entries = array<array<vec2<u32>, PART>, PART>();
     for (var j = 0u; j < PART; j++) {
         var row = load(tile.z, tile.x * TILE + part.x * PART, tile.y * TILE + part.y * PART + j);
@@ -176,12 +176,12 @@ fn tables(
         carried[(part.y * PART + j) * SKEW + part.x] = row[PART - 1u];
     }
     workgroupBarrier();
-    // One invocation a row carries the sums to the right, from those of the tiles to the left.
+    // One invocation per row carries the sums to the right, starting with the tiles to the left.
     if lane < TILE {
         carry_on(lane, rows_left[carry(tile.z, tile.x, tile.y * TILE + lane)]);
     }
     workgroupBarrier();
-    // Down the columns of this part.
+    // Add down the columns of this block.
     for (var j = 0u; j < PART; j++) {
         let left = carried[(part.y * PART + j) * SKEW + part.x];
         for (var i = 0u; i < PART; i++) {
@@ -196,7 +196,7 @@ fn tables(
         carried[(part.x * PART + i) * SKEW + part.y] = entries[PART - 1u][i];
     }
     workgroupBarrier();
-    // One invocation a column carries the sums down, from those of the tiles above.
+    // One invocation per column carries the sums down, starting with the tiles above.
     if lane < TILE {
         carry_on(lane, above[carry(tile.z, tile.y, tile.x * TILE + lane)]);
     }
@@ -214,7 +214,7 @@ fn tables(
         for (var i = 0u; i < PART; i++) {
             row[i] = add64(row[i], carried[(part.x * PART + i) * SKEW + part.y]);
         }
-        // Two entries a word of four.
+        // Two entries per word of four.
         let at = (y * scan.pitch + x) / 2u;
         if tile.z == 0u {
             table_0[at] = vec4<u32>(row[0], row[1]);

@@ -1,24 +1,24 @@
-//! Prefiltered chains: what a bake makes, and what the writers and readers of `io` carry.
+//! Prefiltered chains, produced by a bake and read and written by `io`.
 
 use crate::environment::{Layout, Rgb};
 use crate::sphere::cube::Face;
 
-/// One level of a chain: its texels and what they are.
+/// One level of a chain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// How its texels cover the sphere.
+    /// Mapping of its texels to the sphere.
     pub layout: Layout,
     /// Perceptual roughness in [0, 1].
     pub roughness: f64,
-    /// Linear radiance, row-major; the faces of a cube one after the other in the order of [`Face::ALL`].
+    /// Linear radiance, row-major; cube faces in the order of [`Face::ALL`].
     pub texels: Vec<Rgb>,
-    /// The certified error bound of each texel in absolute luminance, same order; `None` where the filter has
+    /// Certified error bound of each texel, absolute luminance, in texel order; `None` if the filter has
     /// none.
     pub bounds: Option<Vec<f32>>,
 }
 
 impl Level {
-    /// A cube with faces of `size` x `size` texels and no bounds.
+    /// Creates a cube level with faces of `size` x `size` texels and no bounds.
     #[must_use]
     pub const fn cube(size: u32, roughness: f64, texels: Vec<Rgb>) -> Self {
         Self { layout: Layout::Cube { size }, roughness, texels, bounds: None }
@@ -38,17 +38,17 @@ impl Level {
     }
 }
 
-/// Levels from the sharpest to the roughest.
+/// Levels ordered from sharpest to roughest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     /// At least one; level l has max(1, size >> l) texels along an edge.
     pub levels: Vec<Level>,
 }
 
-/// Texels and roughness of a level to be baked.
+/// Layout and roughness of a level to bake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelSpec {
-    /// Its texels.
+    /// Its texel layout.
     pub layout: Layout,
     /// Perceptual roughness in [0, 1].
     pub roughness: f64,

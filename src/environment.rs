@@ -1,4 +1,4 @@
-//! An environment in memory: radiance on a panorama, a cube or an octahedral square, and how it is turned.
+//! An environment in memory: radiance on a panorama, a cube or an octahedral square, and its orientation.
 
 use crate::error::{Error, Result};
 use crate::sphere::{cube, equirect, octahedral};
@@ -10,14 +10,14 @@ pub type Rgb = [f32; 3];
 /// The weights of luminance (Rec. 709 primaries).
 pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// Luminance of `rgb`; finite where that is.
+/// Luminance of `rgb`; finite if `rgb` is.
 #[must_use]
 pub fn luminance(rgb: Rgb) -> f32 {
-    // The weights' sum is rounded up.
+    // The sum of the weights rounds to above 1.
     (LUMINANCE[0] * rgb[0] + LUMINANCE[1] * rgb[1] + LUMINANCE[2] * rgb[2]).min(f32::MAX)
 }
 
-/// Luminance of `rgb` in double precision, which holds that of the faintest radiance.
+/// Luminance of `rgb` in double precision, which resolves the faintest radiance.
 #[must_use]
 pub(crate) fn exact_luminance(rgb: Rgb) -> f64 {
     (0..3).map(|c| f64::from(LUMINANCE[c]) * f64::from(rgb[c])).sum()
@@ -26,7 +26,7 @@ pub(crate) fn exact_luminance(rgb: Rgb) -> f64 {
 /// How an environment's texels cover the sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// `width` x `height` texels, see [`equirect`]. Files must be 2:1; in memory any size will do.
+    /// `width` x `height` texels, see [`equirect`]. Files must be 2:1; in memory any size is allowed.
     Panorama {
         /// Columns, at least 1.
         width: u32,
@@ -45,7 +45,7 @@ pub enum Layout {
     },
 }
 
-/// A map of the sphere, without a size: what [`Layout`] is over.
+/// A map of the sphere without a size; [`Layout`] adds the size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Map {
     /// Six faces, see [`cube`].
@@ -58,14 +58,16 @@ pub enum Map {
 }
 
 impl Map {
-    /// Levels down to a single texel (of each face) from level 0 of `size` texels along its shorter edge.
+    /// Number of levels down to a single texel (per face) from level 0 of `size` texels along its shorter
+    /// edge.
     #[must_use]
     pub fn most_levels(self, size: u32) -> u32 {
         let longer = if self == Self::Panorama { size.saturating_mul(2) } else { size };
         longer.checked_ilog2().map_or(0, |log2| log2 + 1)
     }
 
-    /// Level `level` below a level 0 of `size` texels along its shorter edge: sides halve, down to one texel.
+    /// Level `level` of a map whose level 0 has `size` texels along its shorter edge: sides halve, down to
+    /// one texel.
     #[must_use]
     pub fn layout(self, size: u32, level: u32) -> Layout {
         let side = |full: u32| full.checked_shr(level).unwrap_or(0).max(1);
@@ -78,7 +80,7 @@ impl Map {
 }
 
 impl Layout {
-    /// Columns and rows of one image: of a face, where there are six.
+    /// Columns and rows of one image; of one face for a cube.
     #[must_use]
     pub const fn sides(self) -> (u32, u32) {
         match self {
@@ -87,7 +89,7 @@ impl Layout {
         }
     }
 
-    /// Texels in all.
+    /// Number of texels.
     #[must_use]
     pub fn texel_count(self) -> usize {
         let area = |w: u32, h: u32| w as usize * h as usize;
@@ -108,11 +110,11 @@ impl Layout {
         }
     }
 
-    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image`: a cube's face, else
-    /// 0.
+    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image` (a cube's face,
+    /// otherwise 0).
     ///
     /// # Panics
-    /// Where a cube has no such face.
+    /// If a cube has no such face.
     #[must_use]
     pub fn direction_from_texel(self, image: u32, i: u32, j: u32) -> DVec3 {
         match self {
@@ -128,9 +130,8 @@ impl Layout {
 
 /// Radiance from every direction.
 ///
-/// Texels are row-major, a cube's faces one after the other; each is finite, not negative, and constant over
-/// its own solid angle. Directions of the world are turned into the source's own by
-/// [`Environment::source_from_world`].
+/// Texels are row-major, a cube's faces in order; each is finite, not negative, and constant over its own
+/// solid angle. [`Environment::source_from_world`] maps world directions to the source's own.
 #[derive(Clone, Debug)]
 pub struct Environment {
     layout: Layout,
@@ -139,16 +140,16 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// An environment of `texels` in `layout`, not turned.
+    /// An environment of `texels` in `layout`, unrotated.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where the count is not the layout's, a side is zero, or a texel is not finite or
-    /// negative.
+    /// [`Error::Parameter`] if the count is not the layout's, a side is zero, or a texel is negative or not
+    /// finite.
     pub fn new(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
         let environment = Self::of_sound(layout, texels)?;
         let texels = &environment.texels;
         let wrong = |c: f32| !(c.is_finite() && c >= 0.0);
-        // Without an early end, which would keep it from vectors.
+        // No early exit, which would prevent vectorisation.
         let any = texels.as_flattened().iter().fold(false, |any, c| any | wrong(*c));
         if any && let Some(at) = texels.iter().position(|t| t.iter().any(|c| wrong(*c))) {
             return Err(Error::Parameter(format!(
@@ -163,7 +164,7 @@ impl Environment {
     pub(crate) fn of_sound(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
         if layout.texel_count() == 0 || texels.len() != layout.texel_count() {
             return Err(Error::Parameter(format!(
-                "{layout:?} takes {} texels, got {}; neither may be zero",
+                "{layout:?} requires {} texels, got {}; the count must not be 0",
                 layout.texel_count(),
                 texels.len()
             )));
@@ -171,16 +172,16 @@ impl Environment {
         Ok(Self { layout, texels, source_from_world: DMat3::IDENTITY })
     }
 
-    /// Other texels in the same layout, turned alike; as many, finite and not negative.
+    /// Replaces the texels, with the same layout and orientation; they must be finite and not negative.
     pub(crate) fn with_texels(&self, texels: Vec<Rgb>) -> Self {
         debug_assert_eq!(texels.len(), self.texels.len(), "one for one");
         Self { texels, ..*self }
     }
 
-    /// The same environment turned about +Y: +90 degrees carries what was at +Z to +X.
+    /// Rotates the environment about +Y: +90 degrees maps +Z to +X.
     #[must_use]
     pub fn rotated_y(mut self, degrees: f64) -> Self {
-        // A world direction is looked up where the rotation took it from. Whole quarter turns stay exact.
+        // A world direction is looked up where the rotation took it from. Quarter turns stay exact.
         let (sin, cos) = match degrees.rem_euclid(360.0) {
             0.0 => (0.0, 1.0),
             90.0 => (1.0, 0.0),
@@ -194,9 +195,8 @@ impl Environment {
         self
     }
 
-    /// The same environment with its picture flipped left to right: a panorama about its centre (z becomes
-    /// -z), cube faces and octahedral squares by x becoming -x, which is what photographs taken from inside
-    /// need.
+    /// Flips the picture left to right: a panorama about its centre (z becomes -z), cube faces and octahedral
+    /// squares by x becoming -x. Photographs taken from inside need this.
     #[must_use]
     pub fn mirrored(mut self) -> Self {
         let flip = match self.layout {
@@ -207,7 +207,7 @@ impl Environment {
         self
     }
 
-    /// How the texels cover the sphere.
+    /// Layout of the texels.
     #[must_use]
     pub const fn layout(&self) -> Layout {
         self.layout
@@ -219,13 +219,13 @@ impl Environment {
         &self.texels
     }
 
-    /// Turns (and mirrors) a direction of the world into the source's own.
+    /// Maps a world direction to the source's own, including rotation and mirroring.
     #[must_use]
     pub const fn source_from_world(&self) -> DMat3 {
         self.source_from_world
     }
 
-    /// Calls `visit` with every texel's unit direction in the world at its centre, its solid angle and its
+    /// Calls `visit` for every texel with the unit world direction of its centre, its solid angle and its
     /// radiance.
     pub fn for_each_texel(&self, mut visit: impl FnMut(DVec3, f64, Rgb)) {
         let world_from_source = self.source_from_world.transpose();

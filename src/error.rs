@@ -2,28 +2,28 @@
 
 use std::path::{Path, PathBuf};
 
-/// Every failure of the library. Messages name the file, the place, the value and the remedy, on one line.
+/// Library error. Each message is one line naming the file, place, value and remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The operating system refused: missing file, no permission, disk full.
+    /// An operating system error: missing file, no permission, disk full.
     #[error("{}: {error}", path.display())]
     Io {
-        /// The file or folder asked for.
+        /// Path of the file or folder.
         path: PathBuf,
         /// The system's error. The message includes it, so it is not a `source()`, which would print it
         /// twice.
         error: std::io::Error,
     },
-    /// A file that is not what it should be: truncated, not an image, wrong shape.
+    /// An invalid file: truncated, not an image, wrong shape.
     #[error("{}: {message}", path.display())]
     Input {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it, where, and what helps.
+        /// The fault, its place and the remedy.
         message: String,
     },
-    /// A texel that is NaN or infinite where repair was not asked for.
+    /// A NaN or infinite texel while `sanitize` is off.
     #[error("{}: pixel ({x}, {y}) channel {channel} is {value}; `sanitize` repairs NaN and Inf", path.display())]
     NonFinite {
         /// The file.
@@ -34,50 +34,49 @@ pub enum Error {
         y: u32,
         /// `R`, `G` or `B`.
         channel: char,
-        /// What stands there.
+        /// The invalid value.
         value: f32,
     },
-    /// A result that is NaN, infinite or negative: a fault of this library, reported instead of written.
+    /// A NaN, infinite or negative result: a bug in this library. Nothing is written.
     #[error(
         "{place}: the result is {value}, a fault of octagloss; `filter` reference avoids it, please report it"
     )]
     NonFiniteResult {
         /// Level, face and texel, or direction, or the report's field.
         place: String,
-        /// What came out.
+        /// The invalid value.
         value: f64,
     },
-    /// Something asked of the library that it cannot do.
+    /// An invalid parameter or combination of parameters.
     #[error("{0}")]
     Parameter(String),
-    /// Something that the GPU engine does not compute and the CPU does.
+    /// A filter or lobe that only the CPU engine supports.
     #[error("{what} runs on the CPU only; use the CPU engine")]
     Unsupported {
         /// The filter or the lobe.
         what: String,
     },
-    /// Work that the caller stopped.
+    /// Cancelled by the caller.
     #[error("cancelled")]
     Cancelled,
-    /// A GPU that is not there, that was lost, or that refused.
+    /// A missing or lost GPU, or a failed GPU operation.
     #[error("GPU: {0}")]
     Gpu(String),
-    /// More memory, or a larger table, than there is.
+    /// A memory or table size limit is exceeded.
     #[error("{what} needs {needed} bytes and the limit is {available}; {remedy}")]
     Limit {
-        /// The thing that does not fit.
+        /// The object that exceeds the limit.
         what: String,
-        /// Bytes it would take.
+        /// Bytes required.
         needed: u64,
-        /// Bytes there are.
+        /// Bytes available.
         available: u64,
-        /// What to ask for instead.
+        /// A request that fits.
         remedy: String,
     },
 }
 
-/// `text` out of a file, fit for a message: in quotes, control characters escaped, and shortened to 60
-/// characters.
+/// Quotes `text` of a file for a message: escapes control characters and truncates to 60 characters.
 #[must_use]
 pub fn quoted(text: &str) -> String {
     match text.char_indices().nth(60) {
@@ -86,7 +85,7 @@ pub fn quoted(text: &str) -> String {
     }
 }
 
-/// The library's results.
+/// Result with this library's [`Error`] by default.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
@@ -101,10 +100,10 @@ impl Error {
     }
 }
 
-/// Bytes of a message that quotes a file: more of it says no more.
+/// Longest message that quotes a file, in bytes.
 const MOST_MESSAGE: usize = 1000;
 
-/// `text` as a terminal may show it: control characters are escaped, and what is long is cut.
+/// Escapes control characters and truncates long text.
 pub(crate) fn printable(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for character in text.chars() {

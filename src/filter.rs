@@ -1,4 +1,4 @@
-//! How a lobe is evaluated.
+//! Filters: methods of evaluating a lobe.
 
 use crate::cpu::adaptive::LEAST_ERROR;
 use crate::environment::Rgb;
@@ -6,24 +6,23 @@ use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::realtime::tables::COUNTS;
 
-/// How a lobe is evaluated.
+/// Method of evaluating a lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
-    /// Quadrature with a certified bound; the number is the relRMSE aimed at over the sphere, in
+    /// Adaptive quadrature with a certified bound; the value is the target relRMSE over the sphere, in
     /// [[`LEAST_ERROR`], 1).
     Adaptive(f64),
-    /// The real-time tier: this many soft boxes (1, 2, 4 or 8) and a harmonic term, fitted to GGX; see
-    /// [`crate::realtime::tables`]. Irradiance is by [`Filter::Adaptive`] of 0.005.
+    /// The real-time tier: 1, 2, 4 or 8 soft boxes and a harmonic term, fitted to GGX; see
+    /// [`crate::realtime::tables`]. Irradiance uses [`Filter::Adaptive`] with 0.005.
     Fitted(u32),
-    /// The paper's single box.
+    /// The single box of the 2008 paper.
     Box,
     /// Exhaustive integration over the source texels in double precision: slow, for auditing.
     Reference,
 }
 
 impl Filter {
-    /// The filter of the lobes that come beside a chain's own, sheen and irradiance: fitted lobes are GGX
-    /// alone.
+    /// Filter for a chain's secondary lobes, sheen and irradiance: fitted lobes support only GGX.
     #[must_use]
     pub const fn beside(self) -> Self {
         match self {
@@ -32,30 +31,29 @@ impl Filter {
         }
     }
 
-    /// Whether it serves `lobe`, over an OEM of `inner` texels where that is settled.
+    /// Checks that the filter supports `lobe`, and an OEM of `inner` texels if given.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an adaptive error outside [1e-6, 1); for fitted lobes other than GGX, of a
-    /// count of boxes that there is not, or over an OEM that is no power of two from 16 on.
+    /// [`Error::Parameter`] for an adaptive error outside [1e-6, 1); for fitted filters with a lobe other
+    /// than GGX, an unsupported box count, or an OEM that is not a power of two of at least 16.
     pub fn check(self, lobe: Lobe, inner: Option<u32>) -> Result<()> {
         let wrong = |message: String| Err(Error::Parameter(message));
         match self {
             Self::Adaptive(error) if !(LEAST_ERROR..1.0).contains(&error) => wrong(format!(
-                "adaptive:{error} is outside [{LEAST_ERROR:e}, 1): float32 sums reach no smaller error"
+                "adaptive:{error} is outside [{LEAST_ERROR:e}, 1): smaller errors are below float32 precision"
             )),
-            Self::Box if lobe == Lobe::Charlie => wrong(
-                "one box around a direction is no Charlie lobe, which is dark there; use `filter` adaptive:E"
-                    .to_owned(),
-            ),
+            Self::Box if lobe == Lobe::Charlie => {
+                wrong("the box filter does not support Charlie; use `filter` adaptive:E".to_owned())
+            }
             Self::Fitted(count) if !COUNTS.contains(&count) => {
-                wrong(format!("fitted:{count}: there are 1, 2, 4 and 8 boxes"))
+                wrong(format!("fitted:{count}: the number of boxes must be 1, 2, 4 or 8"))
             }
             Self::Fitted(count) if lobe != Lobe::Ggx => {
-                wrong(format!("fitted:{count} is fitted to ggx; for {} take adaptive:E", lobe.name()))
+                wrong(format!("fitted:{count} supports ggx only; for {} use adaptive:E", lobe.name()))
             }
             Self::Fitted(count) => match inner {
                 Some(inner) if !inner.is_power_of_two() || inner < 16 => wrong(format!(
-                    "an OEM of {inner} texels: fitted:{count} needs `oem_size` to be a power of two from 16 on"
+                    "an OEM of {inner} texels: fitted:{count} needs a power of two from 16 as `oem_size`"
                 )),
                 _ => Ok(()),
             },
@@ -69,13 +67,13 @@ impl Filter {
 pub struct Answer {
     /// Radiance of the lobe.
     pub radiance: Rgb,
-    /// Certified bound of its luminance's distance from exhaustive integration over the OEM; `None` where the
+    /// Certified bound on the luminance error against exhaustive integration over the OEM; `None` if the
     /// filter has none.
     pub bound: Option<f32>,
 }
 
 impl Answer {
-    /// A radiance or bound that is NaN, infinite or negative.
+    /// First radiance or bound value that is NaN, infinite or negative.
     pub(crate) fn wrong_value(&self) -> Option<f32> {
         let values = self.radiance.into_iter().chain(self.bound);
         values.into_iter().find(|value| !(value.is_finite() && *value >= 0.0))

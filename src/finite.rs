@@ -1,10 +1,10 @@
-//! Numbers on their way into JSON, which has neither NaN nor infinity: `serde_json` would write null.
+//! Finite-number checks for JSON, which has neither NaN nor infinity; `serde_json` would write null.
 
 use serde::ser::{Error as _, Serialize, Serializer};
 
 /// One number or several.
 pub(crate) trait Numbers {
-    /// The first that is NaN or infinite.
+    /// First number that is NaN or infinite.
     fn not_finite(&self) -> Option<f64>;
 }
 
@@ -38,7 +38,7 @@ impl<T: Numbers> Numbers for Vec<T> {
     }
 }
 
-/// For `serde(serialize_with)`: `value` as it is, or an error where a number of it is NaN or infinite.
+/// For `serde(serialize_with)`: serialises `value`; fails if a number in it is NaN or infinite.
 pub(crate) fn finite<T: Numbers + Serialize, S: Serializer>(
     value: &T,
     serializer: S,

@@ -1,9 +1,9 @@
-//! How a level's roughness follows from its index.
+//! Roughness ladders: roughness as a function of the level's index.
 
 use crate::environment::Map;
 use crate::lobe::Lobe;
 
-/// How a level's roughness follows from its index.
+/// Roughness as a function of the level's index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Ladder {
@@ -30,7 +30,7 @@ impl Ladder {
         }
     }
 
-    /// Perceptual roughness of level `level` of `levels` below a level 0 of `size` texels.
+    /// Perceptual roughness of level `level` of `levels`, with `size` texels along an edge of level 0.
     #[must_use]
     pub fn roughness(self, level: u32, levels: u32, size: u32) -> f64 {
         let step = if levels <= 1 { 0.0 } else { f64::from(level) / f64::from(levels - 1) };
@@ -38,19 +38,18 @@ impl Ladder {
             _ if step == 0.0 => 0.0,
             Self::Linear => step,
             Self::Filament => 1.0 - (1.0 - step).sqrt(),
-            // Exact at the end, where the root is rounded.
+            // Exact at the last level; the square root would round.
             Self::Unity if step == 1.0 => 1.0,
             Self::Unity => (1.7 - (2.89 - 2.8 * step).sqrt()) / 1.4,
             Self::Babylon => ((f64::from(level) / 0.8).exp2() / f64::from(size)).min(1.0).sqrt(),
         }
     }
 
-    /// Edge of level 0 by default; of a panorama its height.
+    /// Default edge of level 0; for a panorama its height.
     ///
-    /// The linear GGX chain of a cube gets the least size at which a trilinear look-up is at most 5 % off at
-    /// the roughnesses that the README lists; a panorama needs twice the edge for that, an octahedral square
-    /// three times. Other ladders are those of engines, whose own size is 256, and other lobes were not
-    /// measured.
+    /// For a linear GGX cube chain: the smallest size whose trilinear look-ups are at most 5 % off at the
+    /// roughnesses listed in the README. A panorama needs twice that edge, an octahedral square three times.
+    /// Other ladders use the engines' size of 256; other lobes were not measured.
     #[must_use]
     pub const fn default_size(self, map: Map, lobe: Lobe) -> u32 {
         match (self, lobe) {
@@ -59,11 +58,11 @@ impl Ladder {
         }
     }
 
-    /// Levels of a chain from `size` down by default.
+    /// Default number of levels for a level 0 of `size`.
     ///
-    /// A look-up between two levels is off by what their lobes differ, and by what bilinear interpolation
-    /// within a small level is off. The linear ladder keeps both low: few texels in the last level cost more
-    /// than a long step, down to the number of levels that `LAST_TEXELS` pairs with each last size.
+    /// The error of a trilinear look-up has two sources: the difference between the lobes of two levels, and
+    /// bilinear interpolation within a small level. A small last level costs more than a long step between
+    /// levels; `LAST_TEXELS` gives the fewest levels for each last size.
     #[must_use]
     pub fn default_levels(self, map: Map, size: u32) -> u32 {
         let most = map.most_levels(size);
@@ -77,13 +76,13 @@ impl Ladder {
             Self::Babylon => most,
             // Six steps (UNITY_SPECCUBE_LOD_STEPS).
             Self::Unity => most.min(7),
-            // Down to 16: 256 has five.
+            // Down to 16 texels: five levels for 256.
             Self::Filament => most.saturating_sub(4).max(1),
         }
     }
 }
 
-/// How many times the edge of a cube's face a map's own edge is where look-ups are as exact.
+/// Edge of a map over that of a cube face at equal look-up accuracy.
 const fn edges_of_a_face(map: Map) -> u32 {
     match map {
         Map::Cube => 1,
@@ -95,11 +94,11 @@ const fn edges_of_a_face(map: Map) -> u32 {
 /// Edge of level 0 of the default cube.
 pub(crate) const DEFAULT_CUBE_SIZE: u32 = 640;
 
-/// Edge of level 0 where an engine's ladder is asked for.
+/// Edge of level 0 for the engines' ladders.
 const ENGINE_SIZE: u32 = 256;
 
-/// Texels along an edge of the last level of the default linear ladder, and the fewest levels that go with
-/// it: the first pair counts that the size can have. Over eight panoramas, roughness 0.6 to 1, the worst
-/// relative RMS error of trilinear look-ups is 0.057 where the last level has four texels and 0.040 where it
-/// has five; 0.08 to 0.11 with six or seven levels and 0.057 with eight; 0.46 with four.
+/// Texels along an edge of the last level of the default linear ladder, with the fewest levels for it. The
+/// first pair that the size allows applies. Worst relative RMS error of trilinear look-ups over eight
+/// panoramas, roughness 0.6 to 1: 0.057 for a last level of four texels and 0.040 for five; by number of
+/// levels 0.46 for four, 0.08 to 0.11 for six or seven, 0.057 for eight.
 const LAST_TEXELS: [(u32, u32); 3] = [(5, 8), (4, 5), (2, 3)];

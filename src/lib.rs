@@ -1,5 +1,5 @@
-//! Glossy reflections of any roughness from one table over the sphere: HDR environments into prefiltered cube
-//! chains, or into the answer to a single query, without sampling noise and with a certified error bound.
+//! Glossy reflections of any roughness from one table over the sphere: prefilters HDR environments into cube
+//! chains, and answers single queries, without sampling noise and with a certified error bound.
 //!
 //! ```text
 //! environment            OEM, bordered            cells                      lobes
@@ -10,27 +10,11 @@
 //!       +----> oracle: exhaustive integration, to check all of it by
 //! ```
 //!
-//! In the order in which they run:
-//! 1. [`environment`]: radiance on a panorama, a cube or an octahedral square; [`io`] reads it from files.
-//! 2. [`oem`] and [`cpu::reparameterise`]: the octahedral environment map (OEM), filled by exact overlap
-//!    areas, so that every texel's energy arrives and a constant stays one.
-//! 3. [`sat`] and [`cpu::sat_scan`]: its summed-area table (SAT) in 64-bit fixed point, for boxes.
-//! 4. [`cpu::cells`]: a quadtree whose nodes know the first three moments of their energy.
-//! 5. [`cpu::adaptive`]: a [`lobe`] by the coarsest cells that are fine enough, with bounds from two-point
-//!    distributions.
-//! 6. [`realtime::emitters`], [`cpu::blur`] and [`realtime::tables`], instead of 4 and 5: a GGX lobe by its own
-//!    values where light is brightest, and a few soft boxes and harmonics, found by [`realtime::fit`], for
-//!    the rest.
-//! 7. [`reflector`]: all of these for point queries; [`bake`]: for cube chains ([`chain`]), which [`io`]
-//!    writes.
-//!
-//! `gpu` (feature `gpu`) runs steps 2 to 7 as compute passes, held to the CPU's results by the tests.
-//!
-//! `view` (feature `view`, not in the defaults) shows objects under an environment by all of these, in a
-//! window or as pictures.
-//!
-//! [`analysis::oracle`] integrates exhaustively in double precision and shares no code with the engine but
-//! the maps of [`sphere`]; [`analysis::compare`] measures a bake by it.
+//! An environment is resampled into an octahedral environment map (OEM) by exact overlap areas: no energy is
+//! lost, and a constant stays constant. A quadtree over its texels with the first three moments of their
+//! energy serves adaptive lobes with bounds; its summed-area table (SAT) in 64-bit fixed point serves boxes and
+//! fitted lobes. The GPU engine runs the same stages as compute passes, and the tests hold it to the CPU's
+//! results. `docs/architecture.md` draws the modules, `docs/algorithm.md` explains the mathematics.
 //!
 //! # Conventions
 //!
@@ -42,7 +26,7 @@
 //! | rotation | turning by +90 degrees about y carries what was at +Z to +X |
 //! | octahedral square | (u, v) in \[-1,1\]^2, u along x, v along z; the centre is +Y, the four corners are -Y, the edge midpoints are +-X and +-Z |
 //! | texel centres | half-integer, everywhere |
-//! | radiance | linear RGB in any unit, kept as it came; finite and never negative |
+//! | radiance | linear RGB in any unit; finite and never negative |
 //! | roughness | perceptual r in \[0,1\], alpha = r^2; glossiness = 1 - r |
 //! | GGX lobe | N = V = R (the split sum): K(theta) = D(theta/2) cos(theta) for theta < 90 degrees, D = a^2 / (pi (s + a^2 (1-s))^2), a = alpha, s = sin^2(theta/2); divided by its integral over the sphere |
 //! | other lobes | Phong cos^n, n = 2/alpha^2 - 2; cone of half-angle r\*pi/2; cosine (irradiance over pi; no roughness); Charlie (sheen), sin(theta/2)^(1/alpha) cos(theta) |
@@ -58,89 +42,126 @@
 //! # let folder = tempfile::tempdir().expect("a folder");
 //! # std::env::set_current_dir(folder.path()).expect("a folder");
 //! bake(&environment, &settings)?.write("sky.ktx2", &WriteOptions::default())?;
-//! # assert_eq!(octagloss::io::read_chain("sky.ktx2".as_ref())?.levels.len(), 3);
+//! # assert_eq!(Environment::read("sky.ktx2")?.layout(), Layout::Cube { size: 16 });
 //! # Ok::<(), octagloss::Error>(())
 //! ```
 //!
-//! # From an environment to a chain
+//! # Query
 //!
 //! ```
 //! use glam::DVec3;
-//! use octagloss::analysis::oracle;
-//! use octagloss::bake::{BakeSettings, bake};
-//! use octagloss::filter::Filter;
-//! use octagloss::lobe::Lobe;
-//! use octagloss::reflector::{Reflector, ReflectorSettings};
-//! use octagloss::sphere::cube::{Face, direction_from_texel};
-//! use octagloss::{Environment, Layout};
+//! use octagloss::{Environment, Filter, Layout, Lobe, Reflector, ReflectorSettings};
 //!
 //! // A dim panorama with one lamp where it looks along +X.
 //! let mut texels = vec![[0.1; 3]; 32 * 16];
 //! texels[8 * 32 + 16] = [100.0, 80.0, 60.0];
 //! let environment = Environment::new(Layout::Panorama { width: 32, height: 16 }, texels)?;
 //!
-//! // Three levels of roughness 0, 0.5 and 1, of 16, 8 and 4 texels a side.
-//! let settings = BakeSettings { size: 16, levels: Some(3), bounds: true, ..BakeSettings::default() };
-//! let baked = bake(&environment, &settings)?;
-//! let level = &baked.chain.levels[1];
-//! assert_eq!((level.size(), level.roughness), (8, 0.5));
-//!
-//! // The texel at column 4, row 3 of +X sees the lamp, its like on -X does not.
-//! let [red, green, _] = level.face(Face::PosX)[3 * 8 + 4];
-//! assert!(red > 1.2 * green && red > 5.0 * level.face(Face::NegX)[3 * 8 + 4][0]);
-//!
-//! // The same lobe as a query, for any direction and roughness; and integrated exhaustively.
 //! let reflector = Reflector::new(&environment, &ReflectorSettings::default())?;
-//! let direction = direction_from_texel(Face::PosX, 8, 4, 3);
-//! let answer = reflector.query(direction, 0.5, Lobe::Ggx, Filter::Adaptive(0.005))?;
-//! let exact = oracle::reflect(&environment, Lobe::Ggx, 0.5, direction);
-//! assert!((f64::from(answer.radiance[0]) / exact[0] - 1.0).abs() < 0.01);
-//! assert!(answer.bound.is_some());
-//!
-//! // Away from the lamp there is what there is.
+//! let lit = reflector.query(DVec3::X, 0.5, Lobe::Ggx, Filter::Adaptive(0.005))?;
+//! assert!(lit.radiance[0] > 1.2 * lit.radiance[1]);
+//! assert!(lit.bound.is_some());
 //! let dim = reflector.query(-DVec3::X, 0.1, Lobe::Ggx, Filter::Adaptive(0.005))?;
 //! assert!((dim.radiance[0] - 0.1).abs() < 0.01);
 //! # Ok::<(), octagloss::Error>(())
 //! ```
+#![cfg_attr(
+    feature = "gpu",
+    doc = r#"
+# In a renderer
 
-pub mod analysis;
-pub mod bake;
-pub mod chain;
-pub mod cpu;
-pub mod environment;
-pub mod error;
-pub mod export;
-pub mod filter;
+The renderer owns device, queue and encoder; `examples/render.rs` is a whole program.
+
+```no_run
+use octagloss::{LiveEnvironment, wgpu};
+
+# fn frame(device: wgpu::Device, queue: wgpu::Queue, radiance: wgpu::Texture) -> octagloss::Result<()> {
+let mut live = LiveEnvironment::new(&device, &queue, 512)?;
+let shader = LiveEnvironment::wgsl(0) + "/* calls octagloss_radiance(direction, roughness) */";
+
+// Whenever the light has changed.
+let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+live.update(&mut encoder, &radiance)?;
+queue.submit([encoder.finish()]);
+# Ok(())
+# }
+```
+"#
+)]
+
+mod analysis;
+mod bake;
+mod chain;
+#[cfg(feature = "cli")]
+mod cli;
+mod cpu;
+mod environment;
+mod error;
+mod export;
+mod filter;
 mod finite;
-pub mod format;
-pub mod geometry;
+mod format;
+mod geometry;
 #[cfg(feature = "gpu")]
-pub mod gpu;
-pub mod image;
-pub mod io;
-pub mod ladder;
+mod gpu;
+mod image;
+mod io;
+mod ladder;
 mod light_scale;
-pub mod lobe;
-pub mod memory;
+mod lobe;
+mod memory;
 #[cfg(feature = "mesh")]
-pub mod mesh;
-pub mod oem;
-pub mod realtime;
-pub mod reflector;
-pub mod sat;
-pub mod sh;
-pub mod sphere;
-pub mod synth;
+mod mesh;
+mod oem;
+mod realtime;
+mod reflector;
+mod sat;
+mod sh;
+mod sphere;
+mod synth;
 mod table_bytes;
-pub mod target;
+mod target;
 #[cfg(feature = "view")]
-pub mod view;
+mod view;
 
-pub use bake::{BakeSettings, bake};
+pub use bake::{Bake, BakeSettings, bake};
+pub use chain::{Chain, Level};
 pub use environment::{Environment, Layout, Map, Rgb};
 pub use error::{Error, Result};
 pub use export::write::WriteOptions;
+pub use filter::{Answer, Filter};
 #[cfg(feature = "gpu")]
 pub use gpu::live::LiveEnvironment;
+pub use ladder::Ladder;
+pub use lobe::Lobe;
+pub use reflector::{Reflector, ReflectorSettings};
 #[cfg(feature = "gpu")]
 pub use wgpu;
+
+/// What the fields of [`WriteOptions`] take.
+pub mod files {
+    pub use crate::format::container::Container;
+    pub use crate::format::{OutputLayout, Pixel};
+    pub use crate::io::output::Existing;
+}
+
+/// What the program, its tests, fuzz targets and examples use besides; it may change in any version.
+#[doc(hidden)]
+pub mod internals {
+    macro_rules! modules {
+        ($($(#[$feature:meta])? $name:ident),* $(,)?) => {
+            $($(#[$feature])? #[allow(missing_docs, reason = "hidden")] pub mod $name { pub use crate::$name::*; })*
+        };
+    }
+
+    modules![
+        analysis, bake, chain, cpu, environment, error, export, filter, format, geometry, image, io, ladder,
+        lobe, memory, oem, realtime, reflector, sat, sh, sphere, synth, target,
+        #[cfg(feature = "cli")] cli,
+        #[cfg(feature = "gpu")] gpu,
+        #[cfg(feature = "mesh")] mesh,
+        #[cfg(feature = "view")] view,
+    ];
+
+    pub use super::*;
+}

@@ -1,4 +1,4 @@
-//! One power of two for each environment, so that float32 holds everything that is computed from its light.
+//! Scales each environment by a power of two, so that float32 holds everything computed from its light.
 //!
 //! Float32 ranges from 2^-149 to 2^128, and radiance may use all of it. Energies are radiance times solid
 //! angles down to 2^-24, kernels reach 2^41, and both are multiplied and summed: very dim light would become
@@ -11,15 +11,15 @@ use crate::filter::Answer;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Light up to 2^60 is left as it is, and brighter light is scaled so that its peak lies below this: the
-/// energy of the whole sphere times the greatest kernel, 2^105 together, leave room for sums.
+/// Light up to 2^60 is unscaled; brighter light is scaled so that its peak lies below this. The energy of the
+/// whole sphere times the greatest kernel, 2^105 together, leaves room for sums.
 const BRIGHTEST: i32 = 60;
 
-/// Light from 2^-60 on is left as it is.
+/// Light from 2^-60 on is unscaled.
 const DIMMEST: i32 = -60;
 
-/// Scaled light below 2^-90 becomes 0. It is 2^149 times dimmer than the peak, and its energies come near to
-/// those that [`crate::cpu::cells`] leaves out.
+/// Scaled light below 2^-90 becomes 0. It is 2^149 times dimmer than the peak, and its energies are near
+/// those that [`crate::cpu::cells`] omits.
 const FLUSHED: i32 = -90;
 
 /// The scale of one environment's light.
@@ -27,7 +27,7 @@ const FLUSHED: i32 = -90;
 pub(crate) struct LightScale {
     /// k: light is multiplied by 2^k.
     exponent: i32,
-    /// The greatest radiance of any channel, as the source has it.
+    /// The greatest radiance of any channel in the source.
     greatest: f32,
 }
 
@@ -42,10 +42,9 @@ fn log2_floor(value: f32) -> i32 {
 }
 
 impl LightScale {
-    /// The scale for `environment`: 0 where its light is ordinary or black.
+    /// The scale for `environment`; k is 0 for ordinary or black light.
     pub(crate) fn of(environment: &Environment) -> Self {
-        // Bit patterns of numbers that are not negative are in the numbers' order. Zeros wrap to the greatest
-        // pattern.
+        // Bit patterns of non-negative floats sort like their values. Zeros wrap to the greatest pattern.
         let range = |chunk: &[Rgb]| {
             chunk.as_flattened().iter().fold((0, u32::MAX), |(most, least): (u32, u32), channel| {
                 let bits = channel.to_bits();
@@ -86,18 +85,18 @@ impl LightScale {
         Cow::Owned(environment.with_texels(texels))
     }
 
-    /// Radiance of the scaled light as radiance of the source.
+    /// Converts radiance of the scaled light to radiance of the source.
     pub(crate) fn radiance(self, scaled: Rgb) -> Rgb {
         if self.exponent == 0 {
             return scaled;
         }
         let back = power_of_two(-self.exponent);
-        // A mean of radiance never exceeds the greatest; where rounding or a filter's overshoot would,
-        // f32::MAX may be near.
+        // A mean of radiance never exceeds the greatest radiance. Limit rounding and a filter's overshoot,
+        // which could overflow near f32::MAX.
         scaled.map(|value| ((f64::from(value) * back) as f32).min(self.greatest))
     }
 
-    /// An answer over the scaled light as one over the source.
+    /// Converts an answer for the scaled light to one for the source.
     pub(crate) fn answer(self, scaled: Answer) -> Answer {
         if self.exponent == 0 {
             return scaled;
@@ -105,8 +104,8 @@ impl LightScale {
         let radiance = self.radiance(scaled.radiance);
         let bound = scaled.bound.map(|bound| {
             let back = power_of_two(-self.exponent);
-            // What limiting the radiance took away, what flushing took away (a mean of no more than this, but
-            // for the uneven weights of coarse OEMs), and what rounding to a subnormal number may take.
+            // Add the loss from the limit of radiance, the loss from flushing (a mean of at most this, except
+            // for the uneven weights of coarse OEMs), and the loss from rounding to a subnormal number.
             let cut = (0..3)
                 .map(|c| f64::from(scaled.radiance[c]) * back - f64::from(radiance[c]))
                 .fold(0.0, f64::max);
@@ -117,7 +116,7 @@ impl LightScale {
         Answer { radiance, bound }
     }
 
-    /// Energies of the scaled light, in double precision, as energies of the source.
+    /// Converts energies of the scaled light, in double precision, to energies of the source.
     pub(crate) fn energies(self, scaled: [f64; 3]) -> [f64; 3] {
         scaled.map(|value| value * power_of_two(-self.exponent))
     }
@@ -177,7 +176,7 @@ mod tests {
         let (scale, scaled) = scale(&[f32::MAX, 0.0]);
         let over = scale.answer(Answer { radiance: [1.01 * scaled[0]; 3], bound: Some(0.0) });
         assert_eq!(over.radiance, [f32::MAX; 3]);
-        // What was cut off is in the bound.
+        // The bound includes the part that was cut off.
         assert!(over.bound.is_some_and(|bound| bound.is_finite() && bound > 3.3e36), "{over:?}");
     }
 }

@@ -19,9 +19,9 @@ pub enum Lobe {
     /// cos theta: irradiance over pi. Has no roughness.
     Cosine,
     /// Charlie, the sheen of Estevez and Kulla 2017, with N = V = R: D(theta/2) * cos(theta), D =
-    /// sin^(1/alpha), a band towards the horizon. Khronos's sampler draws half vectors by D cos, which makes
-    /// D/4 of directions, and weighs them by cos(theta) (lib/shaders/filter.frag): this kernel. Below
-    /// [`LEAST_CHARLIE_ROUGHNESS`] it is that one's.
+    /// sin^(1/alpha), a band towards the horizon. Khronos's sampler draws half vectors with density D cos,
+    /// which makes directions with density D/4, and weights them by cos(theta) (lib/shaders/filter.frag):
+    /// this kernel. Below [`LEAST_CHARLIE_ROUGHNESS`] the kernel of that roughness applies.
     Charlie,
 }
 
@@ -32,8 +32,8 @@ pub const LOBES: [Lobe; 5] = [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine, 
 pub const LOBE_KEY: &str = "octaglossLobe";
 
 /// The least roughness of a Charlie lobe, four degrees across: level 1 of nine. At 0 it would be the
-/// horizon's circle, which no texel resolves; the sampler's level 0 is black, no half vector of its having
-/// its light above the horizon.
+/// horizon's circle, which no texel resolves. The sampler's level 0 is black: none of its half vectors has
+/// light above the horizon.
 pub const LEAST_CHARLIE_ROUGHNESS: f64 = 0.125;
 
 impl Lobe {
@@ -49,7 +49,7 @@ impl Lobe {
         }
     }
 
-    /// The lobe called `name`.
+    /// The lobe named `name`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         LOBES.into_iter().find(|lobe| lobe.name() == name)
@@ -78,10 +78,10 @@ pub fn ggx_integral(alpha: f64) -> f64 {
     let a2 = alpha * alpha;
     let b = (a2 + 1.0) / 2.0;
     // With t = b/a^2 - 1 = (1 - a^2)/(2 a^2), W = 2 a^2 / k^2 * (t - ln(1 + t)) and k = -a^2 t, so
-    // W = 2/a^2 * (t - ln(1 + t)) / t^2: no cancellation but in t - ln(1 + t), which has a series near 0.
+    // W = 2/a^2 * (t - ln(1 + t)) / t^2. Only t - ln(1 + t) cancels; near 0 use its series.
     let t = (1.0 - a2) / (2.0 * a2);
     let bracket = if t < 1e-2 {
-        // (t - ln(1+t))/t^2 = 1/2 - t/3 + t^2/4 - ...; the first term left out is below 1e-2^8/10.
+        // (t - ln(1+t))/t^2 = 1/2 - t/3 + t^2/4 - ...; the first omitted term is below 1e-2^8/10.
         (0..8).rev().fold(0.0, |sum, k| 1.0 / f64::from(k + 2) - t * sum)
     } else {
         (t - t.ln_1p()) / (t * t)
@@ -96,14 +96,14 @@ pub fn phong_exponent(alpha: f64) -> f64 {
     2.0 / (alpha * alpha) - 2.0
 }
 
-/// p of the Charlie lobe of `alpha` in [0, 1], s^p (1 - 2s): 1/(2 alpha), its sine being that of half the
+/// p of the Charlie lobe s^p (1 - 2s) of `alpha` in [0, 1]: 1/(2 alpha), since its sine is that of half the
 /// angle.
 #[must_use]
 pub fn charlie_power(alpha: f64) -> f64 {
     0.5 / alpha.max(LEAST_CHARLIE_ROUGHNESS * LEAST_CHARLIE_ROUGHNESS)
 }
 
-/// Kernel value at `s` = sin^2(theta/2) for `alpha` in (0, 1]: the definition, in double precision.
+/// Kernel value at `s` = sin^2(theta/2) for `alpha` in (0, 1], in double precision: the definition.
 #[must_use]
 pub fn kernel(lobe: Lobe, alpha: f64, s: f64) -> f64 {
     let cos_theta = 1.0 - 2.0 * s;
@@ -119,7 +119,7 @@ pub fn kernel(lobe: Lobe, alpha: f64, s: f64) -> f64 {
     }
 }
 
-/// GGX at `s` below 1/2, for the square of alpha, `a2`.
+/// GGX at `s` below 1/2, for `a2` the square of alpha.
 pub(crate) fn ggx(a2: f64, s: f64) -> f64 {
     let denominator = s + a2 * (1.0 - s);
     a2 / (PI * denominator * denominator) * (1.0 - 2.0 * s)
@@ -148,11 +148,11 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
 }
 
 /// Factors of the harmonics of order 0 to 4 under convolution with the normalised lobe: 2 pi times the
-/// integral over cos(theta) of the kernel times Legendre's polynomials. `alpha` in (0, 1]; exact to 1e-6 from
-/// 0.1 on.
+/// integral over cos(theta) of the kernel times Legendre's polynomials. `alpha` in (0, 1]; accurate to 1e-6
+/// from 0.1 on.
 #[must_use]
 pub fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
-    // Midpoints in the logarithm of s + alpha^2, which GGX is flat in.
+    // Midpoints in the logarithm of s + alpha^2, in which GGX is flat.
     const COUNT: u32 = 1024;
     let a2 = alpha * alpha;
     let step = ((0.5 + a2) / a2).ln() / f64::from(COUNT);
@@ -174,8 +174,8 @@ pub fn legendre(x: f64) -> [f64; 5] {
     [1.0, x, (3.0 * x2 - 1.0) / 2.0, (5.0 * x2 - 3.0) * x / 2.0, ((35.0 * x2 - 30.0) * x2 + 3.0) / 8.0]
 }
 
-/// Angle across the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX.
-/// Of a Charlie lobe, whose peak is a band, the angle across that.
+/// Full width of the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX.
+/// For a Charlie lobe, whose peak is a band, the width of the band.
 #[must_use]
 pub fn full_width_at_half_maximum(lobe: Lobe, alpha: f64) -> f64 {
     if alpha <= 0.0 && lobe.has_mirror() {

@@ -1,9 +1,7 @@
-//! The command-line program: parses, checks and runs one subcommand of [`octagloss`].
-
-mod cli;
+//! The command-line program; see the module `cli` of the library.
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::main()
+    octagloss::internals::cli::main()
 }

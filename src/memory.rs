@@ -1,7 +1,7 @@
-//! Memory that a bake, a query or a bench takes at its peak, computed before any of it is allocated.
+//! Computes the peak memory of a bake, a query or a bench before any of it is allocated.
 //!
-//! The figures are those of the types, and were held to the resident size of the program: a level of a KTX2
-//! file took 20 to 23 bytes a texel.
+//! The figures follow from the types and were checked against the resident size of the program: a level of a
+//! KTX2 file took 20 to 23 bytes per texel.
 
 use crate::bake::job::Job;
 use crate::bake::level::LevelJob;
@@ -14,22 +14,22 @@ use crate::reflector::ReflectorSettings;
 pub use crate::table_bytes::LIMIT;
 use crate::table_bytes::{SOURCE, Served, Tables, at_most, largest_oem, largest_that};
 
-/// Bytes of a texel of a finished level: radiance and bound.
+/// Bytes per texel of a finished level: radiance and bound.
 const TEXEL: u64 = 16;
-/// Bytes of a texel of the level that is baked: its answer, radiance and bound.
+/// Bytes per texel of the level in progress: answer, radiance and bound.
 const TEXEL_MAKING: u64 = 44;
 
-/// Fails where baking `environment` by all of `settings` at once would take more than [`LIMIT`]. `encoded` is
-/// the bytes that a texel takes in an output that is encoded as a whole, 0 where none is.
+/// Checks that baking `environment` with all of `settings` together takes at most [`LIMIT`]. `encoded` is the
+/// bytes per texel of an output that is encoded as a whole, or 0.
 ///
 /// # Errors
-/// [`Error::Limit`], which names the largest size that fits; [`Error::Parameter`] as
+/// [`Error::Limit`], which names the largest size that fits; [`Error::Parameter`] as in
 /// [`crate::bake::bake_all`].
 pub fn check_bake(environment: &Environment, settings: &[BakeSettings], encoded: u64) -> Result<()> {
     check_bake_within(environment, settings, encoded, LIMIT)
 }
 
-/// Fails where a query of one lobe would take more than [`LIMIT`].
+/// Checks that a query of one lobe takes at most [`LIMIT`].
 ///
 /// # Errors
 /// [`Error::Limit`], which names the largest size that fits; [`Error::Parameter`] for an OEM of no texels.
@@ -43,8 +43,8 @@ pub fn check_query(
     settings.check_memory("this query", layout, &[Served { lobe, roughness, filter }], LIMIT)
 }
 
-/// Fails where `what`, which takes `bytes_a_texel` of a square of `size` texels along an edge, would take more
-/// than [`LIMIT`]; `option` sets the size.
+/// Checks that `what`, with `bytes_a_texel` per texel of a square of `size` texels along an edge, takes at
+/// most [`LIMIT`]; `option` sets the size.
 ///
 /// # Errors
 /// [`Error::Limit`], which names the largest size that fits.
@@ -70,7 +70,7 @@ fn check_bake_within(
     };
     let needed = match bytes(&|_| ()) {
         Ok(needed) if needed <= limit => return Ok(()),
-        // An OEM beyond all indices.
+        // An OEM beyond 32-bit indices.
         Ok(needed) | Err(Error::Limit { needed, .. }) => needed,
         Err(other) => return Err(other),
     };
@@ -84,7 +84,8 @@ fn check_bake_within(
     };
     let largest = settings.iter().map(|settings| settings.size).max().unwrap_or(1);
     let border = settings.iter().filter_map(|settings| settings.border).max().unwrap_or(0);
-    // Without its levels, the OEM and its tables are what is too large, or the source itself.
+    // If the bake does not fit even with the smallest levels, the OEM and its tables, or the source, are too
+    // large.
     let remedy = if fits(&|settings| shrink(settings, 1)) {
         at_most("`size`", largest_that(1, largest, |size| fits(&|settings| shrink(settings, size))))
     } else {
@@ -109,7 +110,7 @@ fn check_bake_within(
     Err(Error::Limit { what: "this bake".to_owned(), needed, available: limit, remedy })
 }
 
-/// Bytes at the peak of a bake.
+/// Peak bytes of a bake.
 fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64) -> Result<u64> {
     let job = Job::new(environment, settings)?;
     let (size, block) = job.reflector_settings().plan(environment.layout())?;
@@ -125,7 +126,7 @@ fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64
         levels += texels * TEXEL;
         largest = largest.max(texels);
     }
-    // The tables are gone when a file is encoded: its largest level, and the file.
+    // The tables are freed before a file is encoded. Encoding holds its largest level and the file.
     let encoding = levels + encoded * (largest + levels / TEXEL);
     let peak = tables.making.max(tables.resident + baking).max(encoding);
     Ok(environment.layout().texel_count() as u64 * SOURCE + peak)
@@ -182,7 +183,7 @@ mod tests {
             let words = remedy(check_query(environment.layout(), &query, Lobe::Ggx, 0.5, filter));
             assert!(words.starts_with("`border` "), "{words}");
         }
-        // The border fits beside a smaller map.
+        // The border fits with a smaller map.
         let settings = BakeSettings { oem_size: Some(16_384), border: Some(8), ..BakeSettings::default() };
         assert!(remedy(check_bake(&environment, &[settings], 8)).starts_with("`oem_size` "));
     }

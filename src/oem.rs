@@ -6,11 +6,11 @@ use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::sphere::octahedral::wrap_texel;
 
-/// The share of bilinear reconstruction in a lobe of `alpha` over `inner` x `inner` texels: what is served.
+/// The share of bilinear reconstruction in a lobe of `alpha` over `inner` x `inner` texels.
 ///
-/// Inside a texel energy is constant in (u, v). A lobe up to two texels of alpha (a texel is at least 2/inner
-/// wide) is convolved with a one-texel box besides, which makes roughness 0 bilinear interpolation; from four
-/// texels on the box would only widen it, and is left out; between, the two are mixed.
+/// Energy is constant in (u, v) within a texel. A lobe with an alpha of up to two texels (a texel is at least
+/// 2/inner wide) is also convolved with a one-texel box, which makes roughness 0 bilinear interpolation. From
+/// four texels on the box would only widen the lobe and is omitted; in between, the two are blended.
 #[must_use]
 pub fn bilinear_share(lobe: Lobe, alpha: f64, inner: u32) -> f64 {
     if lobe == Lobe::Cosine {
@@ -27,7 +27,7 @@ pub fn bilinear_share(lobe: Lobe, alpha: f64, inner: u32) -> f64 {
 pub struct OemSize {
     /// Texels along an edge of the square itself, at least 1.
     pub inner: u32,
-    /// Texels added on every side, wrapped by the map's own rule.
+    /// Border texels on every side, wrapped by the map's own rule.
     pub border: u32,
 }
 
@@ -39,7 +39,8 @@ impl OemSize {
     }
 }
 
-/// An OEM. Texels are row-major, border included: [L_r*w, L_g*w, L_b*w, w], w the texel's exact solid angle.
+/// An OEM. Texels are row-major, border included: [L_r*w, L_g*w, L_b*w, w], with w the texel's exact solid
+/// angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Oem {
     size: OemSize,
@@ -47,10 +48,10 @@ pub struct Oem {
 }
 
 impl Oem {
-    /// An OEM from the `inner`^2 texels of the square itself; the border is filled by wrapping.
+    /// An OEM from the `inner`^2 texels of the square; wrapping fills the border.
     ///
     /// # Panics
-    /// Where the count is not `size.inner` squared.
+    /// If the count is not `size.inner` squared.
     #[must_use]
     pub fn from_square(size: OemSize, square: Vec<[f32; 4]>) -> Self {
         let inner = size.inner as usize;
@@ -72,7 +73,7 @@ impl Oem {
     /// An OEM from all of its texels, border included.
     ///
     /// # Panics
-    /// Where the count is not the bordered size squared.
+    /// If the count is not the bordered size squared.
     #[must_use]
     pub fn from_bordered(size: OemSize, texels: Vec<[f32; 4]>) -> Self {
         let side = size.bordered() as usize;
@@ -147,12 +148,12 @@ impl Oem {
 /// Sizes of the levels of a map of `size` x `size` texels, the sharpest first.
 ///
 /// # Errors
-/// [`Error::Parameter`] where there are no levels, or the size does not halve so often without a rest.
+/// [`Error::Parameter`] if `levels` is 0, or `size` is not divisible by 2 that often.
 pub fn level_sizes(size: u32, levels: u32) -> Result<Vec<OemSize>> {
     let halvings = levels.saturating_sub(1);
     if levels == 0 || halvings > 14 || size == 0 || !size.is_multiple_of(1 << halvings) {
         return Err(Error::Parameter(format!(
-            "an octahedral map of `size` {size} does not halve {halvings} times; choose a multiple of {}, or fewer \
+            "octahedral `size` {size} cannot be halved {halvings} times; choose a multiple of {} or fewer \
              `levels`",
             1_u32 << halvings.min(14)
         )));

@@ -1,4 +1,4 @@
-//! Point queries: an environment made ready once, then asked for any direction and roughness.
+//! Point queries: an environment is prepared once, then queried for any direction and roughness.
 
 use crate::analysis::oracle::Oracle;
 use crate::cpu::adaptive::Adaptive;
@@ -24,29 +24,28 @@ use glam::{DMat3, DVec3};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-/// Lobes of a smaller alpha than this are served as mirrors: float32 resolves no sharper one, and beyond a
-/// texel even of a 4096^2 OEM their tails hold less than 1e-5 of their energy.
+/// Lobes of a smaller alpha are served as mirrors: float32 resolves no sharper ones, and beyond a texel even
+/// of a 4096^2 OEM their tails hold less than 1e-5 of their energy.
 const MIRROR_ALPHA: f64 = 5e-7;
 
-/// How a reflector is laid out. `Default` serves every query.
+/// Layout of a reflector. `Default` serves every query.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReflectorSettings {
     /// Texels along an edge of the OEM without its border; `None` for [`default_oem_size`].
     pub oem_size: Option<u32>,
-    /// Border of the OEM in texels; `None` for none.
+    /// Border of the OEM in texels; `None` for no border.
     pub border: Option<u32>,
-    /// The least roughness above 0 that will be asked of [`Filter::Adaptive`]: cells much finer than its lobe
-    /// are not kept.
+    /// The least roughness above 0 of later [`Filter::Adaptive`] queries: much finer cells are not kept.
     pub sharpest: f64,
-    /// Whether [`Filter::Fitted`] will be asked for: the default size is rounded up to a power of two.
+    /// Whether [`Filter::Fitted`] will be used: rounds the default size up to a power of two.
     pub fitted: bool,
 }
 
 impl ReflectorSettings {
-    /// The OEM of a source of `layout`, and the texels along an edge of its finest cells.
+    /// The OEM size for a source of `layout`, and the texels along an edge of its finest cells.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
+    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if the tables do not fit.
     pub fn plan(&self, layout: Layout) -> Result<(OemSize, u32)> {
         let border = self.border.unwrap_or(0);
         let inner = self.oem_size.unwrap_or_else(|| {
@@ -63,17 +62,18 @@ impl ReflectorSettings {
                 what: format!("an OEM of {inner} texels with a border of {border}"),
                 needed: side * side * 48,
                 available: 16384 * 16384 * 48,
-                remedy: "choose `oem_size` and `border` to make at most 16384".to_owned(),
+                remedy: "choose `oem_size` plus twice `border` of at most 16384".to_owned(),
             });
         }
         Ok((OemSize { inner, border }, self.block(inner)))
     }
 
-    /// Fails where the OEM of a source of `layout`, and the tables that lobes `served` at once are read from,
-    /// take more than `limit` bytes.
+    /// Checks that the OEM of a source of `layout` and the tables of the lobes `served` together take at most
+    /// `limit` bytes.
     ///
     /// # Errors
-    /// [`Error::Limit`], which names the largest size that fits; [`Error::Parameter`] for an OEM of no texels.
+    /// [`Error::Limit`], which names the largest size that fits; [`Error::Parameter`] for an OEM of no
+    /// texels.
     pub(crate) fn check_memory(
         &self,
         what: &str,
@@ -87,7 +87,7 @@ impl ReflectorSettings {
         };
         let needed = match bytes(self) {
             Ok(needed) if needed <= limit => return Ok(()),
-            // Beyond all indices.
+            // Beyond 32-bit indices.
             Ok(needed) | Err(Error::Limit { needed, .. }) => needed,
             Err(other) => return Err(other),
         };
@@ -101,7 +101,7 @@ impl ReflectorSettings {
         Err(Error::Limit { what: what.to_owned(), needed, available: limit, remedy })
     }
 
-    /// The largest OEM that takes at most `limit` bytes with the tables of lobes `served` at once.
+    /// The largest OEM that takes at most `limit` bytes with the tables of the lobes `served` together.
     pub(crate) fn largest_oem(&self, layout: Layout, served: &[Served], limit: u64) -> Option<u32> {
         let source = layout.texel_count() as u64 * SOURCE;
         largest_oem(self.fitted, |size| {
@@ -120,19 +120,19 @@ impl ReflectorSettings {
     }
 }
 
-/// However wide a lobe is, its edges, its kink at the horizon and a Charlie lobe's point around R are sharp:
-/// cells are kept as for a peak of this roughness. Measured, with hdr/sky.exr's sun beside the horizon of a
-/// lobe of roughness 1: 0.4 % off, where cells for that alone leave 2.3 %.
+/// Even a wide lobe has sharp edges: a cone's edge, the kink at the horizon, and a Charlie lobe's point
+/// around R. Cells are kept as for a peak of this roughness. Measured with hdr/sky.exr's sun near the horizon
+/// of a lobe of roughness 1: an error of 0.4 %, against 2.3 % with cells for that roughness only.
 const KINKED: f64 = 0.2;
 
 /// An OEM resolves a lobe whose alpha is this many of its texels (2/n wide where they are narrowest).
 const TEXELS_PER_ALPHA: f64 = 8.5;
 
-/// A sun of one texel, spread over one of an OEM of this many, is small to the lobes that ask for a coarser
-/// one: measured, 0.0025 of relRMSE at roughness 0.3 where 128 leaves 0.035.
+/// At this OEM size a sun of one texel stays small compared with the lobes that need only a coarser OEM:
+/// measured relRMSE 0.0025 at roughness 0.3, against 0.035 for 128.
 const ENOUGH_FOR_SUNS: u32 = 512;
 
-/// Default OEMs have at most this many texels along an edge, border included.
+/// Most texels along an edge of a default OEM, border included.
 const LARGEST_DEFAULT: u32 = 4096;
 
 /// Texels along an edge of an OEM as fine as the source: a panorama's width, twice a cube's face, an
@@ -147,11 +147,11 @@ pub const fn source_oem_size(layout: Layout) -> u32 {
 }
 
 /// The OEM's default size for lobes of roughness `sharpest` (0 for any) and above: as many texels as resolve
-/// that lobe, at most twice the source's own, and at least the source's own up to 512, for suns that are
-/// smaller than any lobe; rounded up to a multiple of 64, at most 4096 with its border.
+/// that lobe, at most twice the source's own, and at least the source's own up to 512, for suns smaller than
+/// any lobe; rounded up to a multiple of 64, at most 4096 with its border.
 ///
-/// Finer texels than that cost time and show nothing, coarser ones would widen the lobe; energy arrives at
-/// any size.
+/// Finer texels cost time without benefit; coarser ones would widen the lobe. Energy is conserved at any
+/// size.
 #[must_use]
 pub fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
     let own = source_oem_size(layout);
@@ -165,11 +165,11 @@ pub fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
     asked.min(most).next_multiple_of(64).min(most)
 }
 
-/// An environment's OEM and tables, ready to answer. Tables are built when first asked for.
+/// An environment's OEM and tables for queries. Tables are built on first use.
 #[derive(Debug)]
 pub struct Reflector<'a> {
     environment: Cow<'a, Environment>,
-    /// What the OEM's light is scaled by.
+    /// Scale of the OEM's light.
     scale: LightScale,
     oem: Oem,
     settings: ReflectorSettings,
@@ -180,17 +180,17 @@ pub struct Reflector<'a> {
 }
 
 impl<'a> Reflector<'a> {
-    /// Makes `environment` ready.
+    /// Prepares `environment`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where making it would take more than
+    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if building it takes more than
     /// [`crate::memory::LIMIT`].
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
         let (scale, oem) = scaled_oem(environment, settings)?;
         Ok(Self::of(Cow::Borrowed(environment), scale, oem, *settings))
     }
 
-    /// [`Reflector::new`] for an environment that the reflector keeps.
+    /// [`Reflector::new`] for an environment that the reflector owns.
     ///
     /// # Errors
     /// Those of [`Reflector::new`].
@@ -199,7 +199,7 @@ impl<'a> Reflector<'a> {
         Ok(Reflector::of(Cow::Owned(environment), scale, oem, *settings))
     }
 
-    /// A reflector over an OEM that is there already, made by `settings`. Answers are in the OEM's units.
+    /// A reflector over an existing OEM, built with `settings`. Answers are in the OEM's units.
     #[cfg(feature = "gpu")]
     pub(crate) fn over(environment: &'a Environment, oem: Oem, settings: ReflectorSettings) -> Self {
         Self::of(Cow::Borrowed(environment), LightScale::default(), oem, settings)
@@ -236,9 +236,9 @@ impl<'a> Reflector<'a> {
         &self.oem
     }
 
-    /// k, where the OEM holds the source's light times 2^k: 0 for light from 2^-60 to 2^60. Light outside of
-    /// that range is scaled, so that float32 holds energies and their sums; answers are in the source's own
-    /// units.
+    /// The exponent k, where the OEM holds the source's light times 2^k: 0 for light from 2^-60 to 2^60.
+    /// Light outside that range is scaled, so that float32 holds energies and their sums; answers are in the
+    /// source's own units.
     #[must_use]
     pub const fn light_exponent(&self) -> i32 {
         self.scale.exponent()
@@ -265,7 +265,7 @@ impl<'a> Reflector<'a> {
         cells.get_or_init(|| Cells::new(&self.oem, block, reconstruction))
     }
 
-    /// Emitters, and blurred tables and harmonics of the rest, over an OEM that is a power of two wide.
+    /// Emitters, and blurred tables and harmonics of the residual map. The OEM's size must be a power of two.
     fn soft(&self) -> &SoftTables {
         self.soft.get_or_init(|| {
             let (emitters, rest) = emitters::taken_out(&self.oem);
@@ -280,12 +280,12 @@ impl<'a> Reflector<'a> {
         })
     }
 
-    /// Lobes of one family and roughness by one filter.
+    /// Lobes of one family and roughness, evaluated by one filter.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a roughness outside [0, 1] or an adaptive error outside [1e-6, 1), for a filter
-    /// that the lobe does not have, and for fitted lobes of a count of boxes that there is not or over an OEM
-    /// that is no power of two from 16 on; [`Error::Limit`] where the lobes' tables would take more than
+    /// [`Error::Parameter`] for a roughness outside [0, 1], an adaptive error outside [1e-6, 1), a filter
+    /// that does not support the lobe, an unsupported count of fitted boxes, and fitted lobes over an OEM
+    /// whose size is not a power of two of at least 16; [`Error::Limit`] if the lobes' tables take more than
     /// [`crate::memory::LIMIT`].
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
@@ -324,7 +324,7 @@ impl<'a> Reflector<'a> {
         Ok(Lobes { source_from_world: self.environment.source_from_world(), scale, method })
     }
 
-    /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (of the world, any length but zero).
+    /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (in world space, any length but zero).
     ///
     /// # Errors
     /// Those of [`Reflector::lobes`].
@@ -337,7 +337,7 @@ impl<'a> Reflector<'a> {
     }
 }
 
-/// The OEM of `environment` under the scale that its light needs.
+/// The OEM of `environment`, and the scale of its light.
 fn scaled_oem(environment: &Environment, settings: &ReflectorSettings) -> Result<(LightScale, Oem)> {
     settings.check_memory("this reflector", environment.layout(), &[], LIMIT)?;
     let (size, _) = settings.plan(environment.layout())?;
@@ -345,7 +345,7 @@ fn scaled_oem(environment: &Environment, settings: &ReflectorSettings) -> Result
     Ok((scale, reparameterise::oem_from_environment(&scale.scaled(environment), size)?))
 }
 
-/// Checks that the answers to a query are numbers that may leave the program.
+/// Checks that all answers to a query are valid numbers.
 ///
 /// # Errors
 /// [`Error::NonFiniteResult`] naming the direction of the first radiance or bound that is NaN, infinite or
@@ -362,13 +362,13 @@ pub fn check_answers(directions: &[DVec3], answers: &[Answer]) -> Result<()> {
     Ok(())
 }
 
-/// What fitted lobes are read from; blurred tables are made when first asked for.
+/// Tables of fitted lobes; blurred tables are built on first use.
 #[derive(Debug)]
 struct SoftTables {
     emitters: Vec<Emitter>,
-    /// Of the OEM without them, as all that follows.
+    /// SAT of the residual map, as are the tables below.
     sat: Sat,
-    /// By octave.
+    /// Blurred tables by octave.
     blurred: Vec<OnceLock<Sat>>,
     harmonics: [[f64; 4]; 25],
     least: Rgb,
@@ -379,7 +379,7 @@ enum Method<'r> {
     Adaptive {
         constant: Option<Adaptive<'r>>,
         bilinear: Option<Adaptive<'r>>,
-        /// Greatest distance of directions that share a walk.
+        /// Greatest distance of directions that share a traversal.
         widest: f64,
     },
     Box(BoxFilter<'r>),
@@ -388,31 +388,31 @@ enum Method<'r> {
     Reference(Oracle<'r>, Lobe, f64),
 }
 
-/// Directions share a walk up to this many widths of their lobe apart.
+/// Greatest distance of directions that share a traversal, in widths of their lobe.
 const WIDEST_PACKET: f64 = 64.0;
 
 /// Lobes of one family, roughness and filter over a reflector.
 #[derive(Debug)]
 pub struct Lobes<'r> {
     source_from_world: DMat3,
-    /// What the light that `method` reads is scaled by.
+    /// Scale of the light that `method` reads.
     scale: LightScale,
     method: Method<'r>,
 }
 
-/// Buffers of evaluations, one a thread.
+/// Buffers of evaluations, one per thread.
 #[derive(Debug, Default)]
 pub struct Workspace {
     scratch: Scratch,
-    /// Leaves of the quadrature so far, each counted once a packet of directions.
+    /// Leaves of the quadrature so far, each counted once per packet of directions.
     pub leaves: u64,
     /// Packets so far.
     pub packets: u64,
 }
 
 impl Lobes<'_> {
-    /// Appends the answer for each of `directions` (unit vectors of the world). Up to [`LANES`] consecutive
-    /// directions share one walk if they are near one another.
+    /// Appends the answer for each of `directions` (unit vectors in world space). Up to [`LANES`] consecutive
+    /// directions share one traversal if they are close to each other.
     pub fn evaluate(&self, directions: &[DVec3], workspace: &mut Workspace, answers: &mut Vec<Answer>) {
         let source_from_world = self.source_from_world;
         let first_answer = answers.len();
@@ -420,8 +420,8 @@ impl Lobes<'_> {
         match &self.method {
             Method::Adaptive { constant, bilinear, widest } => {
                 let mut turned = [DVec3::ZERO; LANES];
-                // Directions many lobes apart share no leaves: a cut for all of them would resolve the whole
-                // area between them.
+                // Directions many lobes apart share no leaves: a common cut would resolve the whole area
+                // between them.
                 let spread = |group: &[DVec3]| group.iter().map(|d| d.distance(group[0])).fold(0.0, f64::max);
                 let together = |group: &[DVec3]| if spread(group) <= *widest { LANES } else { 1 };
                 for group in directions.chunks(LANES).flat_map(|group| group.chunks(together(group))) {

@@ -12,16 +12,16 @@ use rayon::prelude::*;
 /// How a table is scanned; every choice gives the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scan {
-    /// Strips of columns, one a thread, each a few rows behind the one to its left: reads once and writes
+    /// Strips of columns, one per thread, each a few rows behind the one to its left: reads once and writes
     /// once.
     #[default]
     Strips,
     /// One entry after the other.
     Serial,
-    /// Recursive doubling, horizontally and then vertically, with this many samples a pass (at least 2).
+    /// Recursive doubling, horizontally and then vertically, with this many samples per pass (at least 2).
     /// Hensley et al. 2005, section 3.
     Hensley {
-        /// Samples summed a pass: 2 in the paper's figures, 4, 8 or 16 for fewer passes.
+        /// Samples summed per pass: 2 in the paper's figures, 4, 8 or 16 for fewer passes.
         radix: u32,
     },
 }
@@ -38,8 +38,8 @@ impl FixedPoint {
     /// x `inner` square and N its texels: any box of side up to 2 * `inner` on the unfolded plane, which
     /// counts a texel at most four times, fits 64 bits. A channel of zeros gets 0.
     ///
-    /// Found without floating-point arithmetic and without order: the greatest bit pattern, then an integer
-    /// sum.
+    /// Found without floating-point arithmetic and independently of the order: the greatest bit pattern, then
+    /// an integer sum.
     #[must_use]
     pub fn of_square(oem: &Oem) -> Self {
         let inner = oem.size().inner;
@@ -69,7 +69,7 @@ impl FixedPoint {
             if greatest[channel] == 0 {
                 continue;
             }
-            // Truncation lost less than one unit a texel; each doubling doubles what it may have lost.
+            // Truncation loses less than one unit per texel; each doubling doubles that loss.
             let limit = (1_u128 << 62) - u128::from(count);
             let total = u128::from(sums[channel]) + u128::from(count);
             let mut up = 0;
@@ -81,8 +81,7 @@ impl FixedPoint {
         Self { exponents }
     }
 
-    /// Four non-negative finite values as integers, truncated: shifts of their bit patterns, no float
-    /// arithmetic.
+    /// Four non-negative finite values as integers, truncated, by shifts of their bit patterns.
     #[inline(always)]
     #[must_use]
     pub fn quantise(self, values: [f32; 4]) -> [u64; 4] {
@@ -91,9 +90,8 @@ impl FixedPoint {
             let bits = u64::from(values[channel].to_bits());
             let exponent = bits >> 23;
             let mantissa = if exponent > 0 { bits & 0x007f_ffff | 1 << 23 } else { bits };
-            // value = mantissa * 2^(max(exponent, 1) - 150). One of the shifts is 64 or more, as if negative,
-            // and leaves nothing, which is what the vector units' own shifts do; both are 0 where nothing is
-            // shifted.
+            // value = mantissa * 2^(max(exponent, 1) - 150). One of the shifts wraps to 64 or more and yields
+            // 0, as the shifts of vector units do; both are 0 if nothing is shifted.
             let bias = i64::from(150 - self.exponents[channel]) as u64;
             let left = exponent.max(1).wrapping_sub(bias);
             let right = bias.wrapping_sub(exponent.max(1));
@@ -118,8 +116,8 @@ impl FixedPoint {
     }
 }
 
-/// The exact table of an OEM, border included; inclusive, entry (x, y) being the sum of texels up to and with
-/// (x, y).
+/// The exact table of an OEM, border included. Sums are inclusive: entry (x, y) is the sum of the texels up
+/// to and including (x, y).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sat {
     size: OemSize,
@@ -128,16 +126,16 @@ pub struct Sat {
 }
 
 impl Sat {
-    /// The table of `entries`, row-major, already summed up.
+    /// A table of `entries`, row-major, already summed.
     pub(crate) const fn from_entries(size: OemSize, fixed: FixedPoint, entries: Vec<[u64; 4]>) -> Self {
         Self { size, fixed, entries }
     }
 
-    /// The table of the square without its border, `factor` x `factor` texels in one: every so many entries
-    /// of this one.
+    /// The table of the square without its border, with `factor` x `factor` texels merged: a subset of this
+    /// table's entries.
     ///
     /// # Panics
-    /// Where `factor` does not divide the square's side.
+    /// If `factor` does not divide the square's side.
     pub(crate) fn coarsened(&self, factor: u32) -> Self {
         let Self { size, fixed, .. } = *self;
         assert!(size.inner.is_multiple_of(factor), "whole texels");
@@ -168,17 +166,17 @@ impl Sat {
         &self.entries
     }
 
-    /// Sum of the texels with coordinates below (`x`, `y`), counted from the bordered table's corner.
+    /// Sum of the texels with coordinates below (`x`, `y`), from the corner of the bordered table.
     #[inline]
     fn prefix(&self, x: usize, y: usize) -> [u64; 4] {
         if x == 0 || y == 0 { [0; 4] } else { self.entries[(y - 1) * self.size.bordered() as usize + x - 1] }
     }
 
-    /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1`; the square's first texel is (0, 0), the border's are
-    /// negative or from `inner` on. Four reads.
+    /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1` by four reads. The square's first texel is (0, 0);
+    /// coordinates in the border are negative or at least `inner`.
     ///
     /// # Panics
-    /// Where the box leaves the border or is turned inside out.
+    /// If the box leaves the border or has a negative side.
     #[inline]
     #[must_use]
     pub fn bordered_box(&self, x0: i64, y0: i64, x1: i64, y1: i64) -> [u64; 4] {
@@ -206,7 +204,7 @@ impl Sat {
         let inside = |x: i64, y: i64| self.bordered_box(0, 0, x, y);
         let (total, a, b) = (inside(n, n), inside(x, n), inside(n, y));
         let (a_turned, b_turned) = (inside(n - x, n), inside(n, n - y));
-        // How many of the tiles below are upright (ev) and how many turned (od).
+        // Count the upright (ev) and rotated (od) tiles below.
         let (ev, od) = (|k: i64| (k + 1).div_euclid(2), |k: i64| k.div_euclid(2));
         let even = |k: i64| k.rem_euclid(2) == 0;
         let (upright_a, turned_a) = if even(i) { (ev(j), od(j)) } else { (od(j), ev(j)) };
@@ -270,7 +268,7 @@ fn difference(a: [u64; 4], b: [u64; 4], c: [u64; 4], d: [u64; 4]) -> [u64; 4] {
     std::array::from_fn(|k| d[k].wrapping_sub(b[k]).wrapping_sub(c[k]).wrapping_add(a[k]))
 }
 
-/// An interval with fractional ends as a partial texel, whole texels and a partial texel.
+/// An interval with fractional ends, as a partial texel, whole texels and a partial texel.
 struct Spans {
     edges: [i64; 4],
     shares: [f64; 3],
@@ -279,7 +277,7 @@ struct Spans {
 fn fractional_spans(low: f64, high: f64) -> Spans {
     let (first, last) = (low.floor(), high.ceil());
     if last - first <= 1.0 {
-        // Both ends in one texel.
+        // Both ends lie in one texel.
         let edge = first as i64;
         return Spans { edges: [edge, edge + 1, edge + 1, edge + 1], shares: [high - low, 0.0, 0.0] };
     }

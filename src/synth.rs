@@ -1,6 +1,6 @@
-//! Small environments made by formula: what `octagloss synth NAME` writes and `hdr/` holds.
+//! Small procedural environments, written by `octagloss synth NAME` and stored in `hdr/`.
 //!
-//! Each is supersampled, so that a texel is close to the mean radiance over its solid angle.
+//! Supersampled: a texel approximates the mean radiance over its solid angle.
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
@@ -11,18 +11,18 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// A synthetic environment: its name, what it is for, and the file in `hdr/` that holds it.
+/// A synthetic environment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recipe {
     /// Name on the command line.
     pub name: &'static str,
-    /// What it is for, in a few words.
+    /// Its purpose in a few words.
     pub purpose: &'static str,
     /// File name in `hdr/`.
     pub file_name: &'static str,
 }
 
-/// All of them.
+/// All recipes.
 pub const RECIPES: [Recipe; 5] = [
     Recipe {
         name: "sky",
@@ -36,17 +36,17 @@ pub const RECIPES: [Recipe; 5] = [
     },
     Recipe {
         name: "labelled",
-        purpose: "each cube face in its colour with its name and an arrow up; shows turned and mirrored images",
+        purpose: "cube faces with distinct colours, names and up arrows; reveals rotated and mirrored images",
         file_name: "labelled.exr",
     },
     Recipe {
         name: "labelled-cube",
-        purpose: "the same world as a horizontal cross of face images, which are mirrored as in every engine",
+        purpose: "the same environment as a horizontal cross; face images are mirrored, as in every engine",
         file_name: "labelled-cube.exr",
     },
     Recipe {
         name: "furnace",
-        purpose: "radiance 1 from everywhere; whatever is baked from it must be 1 again",
+        purpose: "constant radiance 1; every baked texel must be 1",
         file_name: "furnace.exr",
     },
 ];
@@ -58,16 +58,16 @@ pub fn sun_direction() -> DVec3 {
     DVec3::new(elevation.cos() * azimuth.cos(), elevation.sin(), elevation.cos() * azimuth.sin())
 }
 
-/// Angular radius of the sun of `sky`: the real one's, 0.2665 degrees.
+/// Angular radius of the sun in `sky`: that of the real sun, 0.2665 degrees.
 pub const SUN_RADIUS: f64 = 0.2665 * PI / 180.0;
 
 /// Radiance of the sun's disc in `sky`.
 pub const SUN_RADIANCE: Rgb = [68_000.0, 62_000.0, 52_000.0];
 
-/// The environment called `name`, one of [`RECIPES`].
+/// Creates the environment called `name`, one of [`RECIPES`].
 ///
 /// # Errors
-/// [`Error::Parameter`] for another name, listing those there are.
+/// [`Error::Parameter`] for an unknown name; the message lists the known ones.
 pub fn synth(name: &str) -> Result<Environment> {
     match name {
         "sky" => panorama(512, 256, 2, sky),
@@ -78,17 +78,17 @@ pub fn synth(name: &str) -> Result<Environment> {
         _ => {
             let names: Vec<&str> = RECIPES.iter().map(|recipe| recipe.name).collect();
             Err(Error::Parameter(format!(
-                "no environment is called {name:?}; there are {}",
+                "no environment is called {name:?}; known names: {}",
                 names.join(", ")
             )))
         }
     }
 }
 
-/// The world of `labelled` as six faces of `size` x `size` texels.
+/// The `labelled` environment as six faces of `size` x `size` texels.
 ///
 /// # Errors
-/// [`Error::Parameter`] where `size` is zero.
+/// [`Error::Parameter`] if `size` is zero.
 pub fn labelled_cube(size: u32) -> Result<Environment> {
     let texels = Face::ALL
         .into_iter()
@@ -103,7 +103,7 @@ pub fn labelled_cube(size: u32) -> Result<Environment> {
     Environment::new(Layout::Cube { size }, texels)
 }
 
-/// A panorama of `samples` x `samples` points a texel, many more in texels that the sun may touch.
+/// Renders a panorama with `samples` x `samples` points a texel, 32 x 32 near the sun.
 fn panorama(width: u32, height: u32, samples: u32, radiance: fn(DVec3) -> Rgb) -> Result<Environment> {
     let texel_angle = PI / f64::from(height);
     let near_sun = (SUN_RADIUS + texel_angle).cos();
@@ -149,8 +149,8 @@ fn lerp(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
     [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * t)
 }
 
-/// A clear sky after Preetham, Shirley and Smits 1999 (turbidity 3), its luminance in units of 10 kcd/m^2; a
-/// sun disc; ground of dry grass that fades into the haze.
+/// Clear sky after Preetham, Shirley and Smits 1999 (turbidity 3), luminance in units of 10 kcd/m^2, with a
+/// sun disc and dry grass that fades into haze at the horizon.
 fn sky(direction: DVec3) -> Rgb {
     if direction.angle_between(sun_direction()) < SUN_RADIUS {
         return SUN_RADIANCE;
@@ -220,7 +220,7 @@ fn preetham(direction: DVec3) -> [f64; 3] {
     let value = |k: usize| {
         zenith[k] * distribution(perez[k], cos_theta, gamma) / distribution(perez[k], 1.0, theta_sun)
     };
-    // kcd/m^2 to tens of them, xyY to XYZ to linear sRGB (IEC 61966-2-1).
+    // kcd/m^2 to 10 kcd/m^2, xyY to XYZ to linear sRGB (IEC 61966-2-1).
     let (luminance, x, y) = (value(0) / 10.0, value(1), value(2));
     let (cx, cz) = (luminance * x / y, luminance * (1.0 - x - y) / y);
     [
@@ -283,19 +283,19 @@ fn studio(direction: DVec3) -> Rgb {
             let x = (direction.dot(right) / depth / light.half_width).abs();
             let y = (direction.dot(up) / depth / light.half_height).abs();
             if x < 1.0 && y < 1.0 {
-                // A diffuser is a little darker towards its edge.
+                // A diffuser is slightly darker towards its edge.
                 let falloff = 1.0 - 0.25 * (x * x + y * y);
                 return light.radiance.map(|c| (c * falloff) as f32);
             }
         }
     }
     let wall = lerp([0.03, 0.031, 0.034], [0.075, 0.075, 0.08], smoothstep(-0.2, 0.9, direction.y));
-    // The floor is lit around the point below.
+    // Light the floor around the nadir.
     let floor = [0.24, 0.23, 0.22].map(|c| c * (0.25 + 0.75 * smoothstep(0.3, 1.0, -direction.y)));
     lerp(wall, floor, smoothstep(0.1, 0.13, -direction.y)).map(|c| c as f32)
 }
 
-/// Each face of the cube in its colour, a frame along its edges, its name, and an arrow to its top.
+/// Cube faces, each with its colour, a frame, its name and an up arrow.
 fn labelled(direction: DVec3) -> Rgb {
     const INK: Rgb = [0.02; 3];
     let (face, s, t) = cube::cube_from_direction(direction);
@@ -320,7 +320,7 @@ fn labelled(direction: DVec3) -> Rgb {
     if inked(name, 0.11, -0.17) || inked("^", 0.07, -0.75) {
         return INK;
     }
-    // A checkerboard, faint, so that reflections show their scale.
+    // A faint checkerboard shows the scale of reflections.
     let odd = ((right * 8.0).floor() + (down * 8.0).floor()).rem_euclid(2.0);
     colour.map(|c| c * if odd == 0.0 { 1.0 } else { 0.85 })
 }

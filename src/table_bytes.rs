@@ -1,29 +1,29 @@
-//! Memory that an octahedral map and the tables of lobes take, computed before any of it is allocated.
+//! Memory required by an octahedral map and its tables, computed before allocation.
 //!
-//! The figures are those of the types, and were held to the resident size of the program: an OEM of 8192
-//! texels took 28.4 bytes a texel, a box filter's table 47, fitted tables 64, cells of one texel 161 by one
-//! reconstruction and 246 by both.
+//! Figures follow from the sizes of the types and were checked against the resident size. At 8192 texels the
+//! program took, in bytes a texel: OEM 28.4, box filter table 47, fitted tables 64, cells of one texel 161
+//! for one reconstruction and 246 for both.
 
 use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::oem::{OemSize, bilinear_share};
 
-/// The most bytes that a bake, a query or a viewer's tables may take: 4 GiB.
+/// Memory limit of a bake, a query or the viewer's tables: 4 GiB.
 pub const LIMIT: u64 = 4 << 30;
 
-/// Bytes of a source's texel.
+/// Bytes of a source texel.
 pub(crate) const SOURCE: u64 = 12;
-/// Bytes of an OEM's texel while it is made: its mean radiance, itself, and a quarter of a solid angle.
+/// Bytes of an OEM texel during construction: mean radiance, the texel, and a quarter of a solid angle.
 const OEM_MAKING: u64 = 12 + 16 + 1;
-/// Bytes of an OEM's texel.
+/// Bytes of an OEM texel.
 const OEM: u64 = 16;
-/// Bytes of an entry of an exact table.
+/// Bytes of an exact SAT entry.
 const TABLE: u64 = 32;
-/// Bytes of a finest cell: its share of all quads, and its energy.
+/// Bytes of a leaf cell: its share of all quads, and its energy.
 const CELL: u64 = 75 + 12;
-/// Bytes of a finest cell while the tree is made: itself and its share of the next level.
+/// Bytes of a leaf cell during construction: the cell and its share of the next level.
 const CELL_MAKING: u64 = 70;
-/// One lobe to be served.
+/// A lobe to evaluate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Served {
     pub(crate) lobe: Lobe,
@@ -31,11 +31,11 @@ pub(crate) struct Served {
     pub(crate) filter: Filter,
 }
 
-/// Bytes of an OEM and of what lobes are read from.
+/// Bytes of an OEM and its tables.
 pub(crate) struct Tables {
-    /// While the OEM is made.
+    /// Peak during construction of the OEM.
     pub(crate) making: u64,
-    /// With all tables.
+    /// After construction of all tables.
     pub(crate) resident: u64,
 }
 
@@ -63,7 +63,7 @@ impl Tables {
         let resident = OEM * bordered
             + cells * (CELL * trees + CELL_MAKING * trees.min(1))
             + if boxes { TABLE * bordered } else { 0 }
-            // The map without its emitters, its table, and blurred tables, which are coarse.
+            // The residual map, its table, and the coarse blurred tables.
             + if fitted { (OEM + TABLE + 4) * bordered } else { 0 };
         Self { making: OEM_MAKING * inner + border, resident }
     }
@@ -73,7 +73,8 @@ impl Tables {
     }
 }
 
-/// The largest number from `least` to `most` that fits, by bisection; round where it is not small.
+/// Largest number from `least` to `most` that fits, by bisection; rounded down to a multiple of 64 from 64
+/// up.
 pub(crate) fn largest_that(least: u32, most: u32, fits: impl Fn(u32) -> bool) -> Option<u32> {
     if !fits(least) {
         return None;
@@ -86,7 +87,7 @@ pub(crate) fn largest_that(least: u32, most: u32, fits: impl Fn(u32) -> bool) ->
     Some(if low >= 64 { low / 64 * 64 } else { low })
 }
 
-/// The largest OEM that fits; a power of two for fitted lobes.
+/// Largest OEM that fits; a power of two for fitted lobes.
 pub(crate) fn largest_oem(fitted: bool, fits: impl Fn(u32) -> bool) -> Option<u32> {
     if fitted {
         return (4..=14).rev().map(|log2| 1 << log2).find(|size| fits(*size));

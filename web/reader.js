@@ -1,4 +1,4 @@
-// Reads a file with an instance of its own: WebAssembly ends at a panic, and the picture must not.
+// Reads a file with a separate WebAssembly instance, so that a panic does not stop the viewer.
 import init, { read } from './octagloss.js';
 
 addEventListener('message', async ({ data: { module, name, bytes } }) => {
@@ -8,6 +8,6 @@ addEventListener('message', async ({ data: { module, name, bytes } }) => {
         postMessage({ bytes }, [bytes.buffer]);
     } catch (error) {
         const panicked = error instanceof WebAssembly.RuntimeError;
-        postMessage({ refused: panicked ? `${name}: corrupt: its decoder broke off; write the file anew` : error.message });
+        postMessage({ refused: panicked ? `${name}: corrupt: the decoder failed; re-export the file` : error.message });
     }
 });

@@ -19,14 +19,14 @@ if (!program) {
     process.exit(2);
 }
 
-// Small: every pixel is drawn by the CPU.
+// Small, because the CPU draws every pixel.
 const width = 320;
 const height = 240;
 const sky = join(root, 'hdr/sky.exr');
 const studio = join(root, 'hdr/studio.hdr');
 
 let failures = 0;
-// Tells a check; `ok` false fails the run.
+// Reports a check; `ok` false fails the run.
 function tell(what, ok, detail) {
     console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}: ${detail}`);
     failures += ok ? 0 : 1;
@@ -48,10 +48,10 @@ const launch = (args, defaultViewport = { width, height, deviceScaleFactor: 1 })
     executablePath: chromium, headless: true, protocolTimeout: 600_000, defaultViewport, args: [...common, ...args],
 });
 const webgpu = ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
-    // Without Vulkan the canvas is black where there is no GPU.
+    // Without Vulkan and without a GPU the canvas is black.
     '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan'];
 
-// The page, any error or warning of which is a failure.
+// Opens the page; any error or warning in it is a failure.
 async function open(name) {
     const page = await browser.newPage();
     page.on('pageerror', (error) => tell(name, false, error.message));
@@ -75,13 +75,13 @@ const state = (page) => page.evaluate(() => window.octagloss.state());
 const settled = (page) =>
     page.waitForFunction(() => window.octagloss.state()?.settled, { timeout: 300_000, polling: 200 });
 
-// Changes what is shown, and waits for the picture.
+// Changes settings and waits for the picture.
 async function set(page, change) {
     await page.evaluate((change) => window.octagloss.set(change), change);
     await settled(page);
 }
 
-// What is on the screen, as PNG; buttons away.
+// Screenshot as PNG, without buttons.
 async function shot(page, name) {
     await settled(page);
     const shown = await state(page);
@@ -90,7 +90,7 @@ async function shot(page, name) {
     return Buffer.from(png).toString('base64');
 }
 
-// The program's picture of the page's default look, but for `change`.
+// The program's picture of the page's default view, with the given changes.
 function expected(name, file, { roughness = 0.3, filter = 'fitted:4', size = [width, height], yaw = 0, mesh }) {
     const path = join(pictures, `${name}-program.png`);
     const degrees = (radians) => String((radians * 180) / Math.PI);
@@ -101,8 +101,8 @@ function expected(name, file, { roughness = 0.3, filter = 'fitted:4', size = [wi
     return readFileSync(path).toString('base64');
 }
 
-// Mean absolute difference of two pictures in steps of 255, and the share of pixels any channel of which is off by more
-// than 2.
+// Mean absolute difference of two pictures in steps of 255, and the share of pixels with a channel off by
+// more than 2.
 const difference = (page, a, b) => page.evaluate(async (a, b) => {
     const pixels = async (png) => {
         const bytes = Uint8Array.from(atob(png), (c) => c.charCodeAt(0));
@@ -123,21 +123,22 @@ const difference = (page, a, b) => page.evaluate(async (a, b) => {
     return { mean: sum / (3 * count), share: off / count };
 }, a, b);
 
-// Two drivers' roundings, and pixels on edges that fall to either side. The sky's ground has one colour over up to half of
-// a picture: where a channel of it lies between two levels, drivers round it apart, which is 1/2 * 1/3 in the mean.
+// Tolerance for the drivers' rounding and for pixels on edges. The sky's ground has one colour over up to
+// half of a picture: if a channel lies between two levels, drivers round it differently, which is 1/2 * 1/3
+// in the mean.
 const most = { mean: 0.2, share: 0.005 };
 const agrees = ({ mean, share }) => mean <= most.mean && share <= most.share;
 const said = ({ mean, share }) =>
     `${mean.toFixed(4)} of 255 off in the mean, ${(100 * share).toFixed(3)} % of the pixels by more than 2`;
 
-// A picture of the page against the program's; `view` is what the program is told besides what the page is.
+// Compares a picture of the page with the program's; `view` are additional options for the program.
 async function check(page, name, file, change = {}, view = {}) {
     await set(page, { panel: false, ...change });
     const found = await difference(page, await shot(page, name), expected(name, file, { ...change, ...view }));
     tell(name, agrees(found), `${said(found)} (at most ${most.mean} and ${100 * most.share} %)`);
 }
 
-// Every shader, through the browser's own compiler; and broken ones, which must not pass.
+// Compiles every shader in the browser; invalid ones must fail.
 async function checkShaders(page) {
     const compiled = await page.evaluate(async () => {
         const { shader_paths, shader_source } = window.octagloss;
@@ -148,7 +149,7 @@ async function checkShaders(page) {
             const told = (await module.getCompilationInfo()).messages;
             const messages = told.map(({ type, lineNum, message }) => `${type}, line ${lineNum}: ${message}`);
             const entries = [...code.matchAll(/@(compute|vertex|fragment)[^{]*?\bfn\s+(\w+)/g)];
-            // Pipelines of what draws are those of the pictures.
+            // The pictures test the render pipelines.
             for (const [, , entryPoint] of entries.filter(([, stage]) => stage === 'compute')) {
                 await device.createComputePipelineAsync({ layout: 'auto', compute: { module, entryPoint } })
                     .catch((error) => messages.push(`${entryPoint}: ${error.message}`));
@@ -188,7 +189,7 @@ async function checkSlider(page) {
     await page.mouse.up();
     const after = await shot(page, 'panel-dragged');
     const { roughness } = await state(page);
-    // The handle keeps clear of both ends.
+    // The handle does not reach the ends.
     tell('the slider is dragged', Math.abs(roughness - 0.7) < 0.05, `${before.roughness} to ${roughness}`);
     const changed = await difference(page, after, picture);
     tell('and the picture follows', !agrees(changed), said(changed));
@@ -213,9 +214,9 @@ async function checkTurning(page) {
     await check(page, 'turned-back-by-the-mouse', sky);
 }
 
-// A mesh, dropped.
+// Drops a mesh.
 async function checkMesh(page) {
-    // A pyramid on a square, its normals those of its faces.
+    // A pyramid on a square, with face normals.
     const corners = ['1 -0.6 1', '1 -0.6 -1', '-1 -0.6 -1', '-1 -0.6 1', '0 1 0'];
     const faces = ['1 2 5', '2 3 5', '3 4 5', '4 1 5', '4 3 2 1'];
     const text = [...corners.map((corner) => `v ${corner}`), ...faces.map((face) => `f ${face}`), ''].join('\n');
@@ -224,13 +225,13 @@ async function checkMesh(page) {
     const before = await shot(page, 'before-a-mesh');
     await drop(page, 'pyramid.obj', Buffer.from(text), () => window.octagloss.state().object === 'mesh');
     tell('a mesh is another picture', !agrees(await difference(page, await shot(page, 'mesh'), before)), 'pyramid.obj');
-    // The camera stands before its front.
+    // The camera faces its front.
     await check(page, 'mesh', sky, {}, { mesh, yaw: -Math.PI / 2 });
     await checkBroken(page, 'broken.obj', Buffer.from('f 1 2 3'), 'broken.obj', 'sky.exr');
     await set(page, { object: 'sphere' });
 }
 
-// Gives the page a file by its file chooser, and waits for `then` of its state.
+// Opens a file with the page's file chooser, and waits for `then` of its state.
 async function choose(page, path, then) {
     const [chooser] = await Promise.all([
         page.waitForFileChooser(),
@@ -324,7 +325,7 @@ try {
     console.log(`       shaders: ${since()}`);
     await browser.close();
 
-    // A display of two pixels a point: a browser's own, for emulated ones tell the page one.
+    // A display with two pixels a point needs a real browser option; emulated ones report one to the page.
     browser = await launch([...webgpu, '--force-device-scale-factor=2', '--window-size=500,290'], null);
     {
         const page = await open('two pixels a point');
@@ -343,7 +344,7 @@ try {
         await page.goto(origin);
         await page.waitForFunction('window.ready === true', { timeout: 60_000 });
         const told = await page.$eval('#message', (element) => element.checkVisibility() && element.textContent);
-        tell(`no ${what} is told`, told && told.startsWith('No WebGPU here.'), told);
+        tell(`no ${what} is told`, told && told.startsWith('WebGPU is not available.'), told);
         await page.screenshot({ path: join(pictures, `no-${what}.png`) });
     }
 } catch (error) {

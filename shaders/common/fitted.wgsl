@@ -1,34 +1,33 @@
 // The real-time tier: lobes as soft boxes and harmonics, `Fitted` of src/cpu/fitted.rs; src/realtime/tables
-// says how. What includes this declares, in any group, octagloss_octaves: OctaglossOctaves, octagloss_light:
-// OctaglossLight (uniform), octagloss_entries: array<Sum>, octagloss_parameters: array<vec4<u32>> (storage,
-// read), octagloss_oem: texture_2d<f32>.
+// documents the parameters. The including file declares, in any group, octagloss_octaves: OctaglossOctaves,
+// octagloss_light: OctaglossLight (uniform), octagloss_entries: array<Sum>, octagloss_parameters:
+// array<vec4<u32>> (storage, read), octagloss_oem: texture_2d<f32>.
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/octaves.wgsl"
 #include "common/plane.wgsl"
 
-// Intervals of the triangle's grid along a side, and its nodes.
+// Intervals along a side of the triangle's grid, and its nodes.
 const INTERVALS = 11u;
 const NODES = 78u;
-// Knots of an octave, the first and last of them and how far apart they are, in octaves of alpha over the
-// blur.
+// Knots of an octave, the first of them and their distance, in octaves of alpha over the blur.
 const KNOTS = 4u;
 const FIRST_KNOT = 0.25f;
 const KNOT_STEP = 0.41666667f;
-// How far beyond its own octave, which begins at the first knot, the parameters of one reach.
+// How far the parameters of an octave reach beyond it; an octave begins at its first knot.
 const OVERLAP = 0.25f;
 // The coarsest octave of parameters.
 const FIRST_OCTAVE = 2u;
-// Roughness from which on harmonics join the boxes, and from which on they are alone.
+// Roughness above which harmonics blend in, and above which they replace the boxes.
 const HARMONICS_FROM = 0.65f;
 const HARMONICS_ALONE = 0.75f;
-// Roughness from which on the polynomial of peaks holds.
+// Least roughness of the polynomial for peaks.
 const PEAK_FROM = 0.13f;
-// 2^-60: entries to the harmonics' units.
+// 2^-60: scales entries to the harmonics' units.
 const UNIT = 8.6736174e-19f;
 
-// What each order of the harmonics is around one direction.
+// Contribution of each order of the harmonics in one direction.
 struct Orders {
     first: vec4<f32>,
     others: mat4x4<f32>,
@@ -65,7 +64,7 @@ fn orders_around(direction: vec3<f32>) -> Orders {
     return orders;
 }
 
-// The triangle's point that a place is equivalent to, and how: `triangle_from_oct` of
+// The equivalent point of the fundamental triangle, and the symmetry that maps to it: `triangle_from_oct` of
 // src/realtime/tables/triangle.rs.
 struct Folded {
     point: vec2<f32>,
@@ -89,13 +88,13 @@ fn oct_from_triangle(folded: Folded, offset: vec2<f32>) -> vec2<f32> {
     return select(unreflected, unreflected.yx, folded.swapped) * folded.signs;
 }
 
-// The six sets of parameters around a lobe: three nodes at two knots.
+// The six sets of parameters to interpolate for a lobe: three nodes at two knots.
 struct Place {
-    // The first row of each.
+    // First row of each set.
     lower: vec3<u32>,
     upper: vec3<u32>,
     shares: vec3<f32>,
-    // Of the upper knot.
+    // Share of the upper knot.
     along: f32,
 }
 
@@ -128,7 +127,7 @@ fn parameters_around(octave: u32, log_alpha: f32, point: vec2<f32>) -> Place {
         shares, knots - f32(knot));
 }
 
-// Five parameters, half floats in the file.
+// Five parameters, half floats in the buffer.
 struct Parameters {
     first: vec4<f32>,
     last: f32,
@@ -140,7 +139,7 @@ fn add_parameters(sum: Parameters, share: f32, row: u32) -> Parameters {
     return Parameters(sum.first + share * own, sum.last + share * unpack2x16float(halves.z).x);
 }
 
-// Row `row` of the parameters at `place`.
+// Interpolates row `row` of the parameters at `place`.
 fn parameters_of(place: Place, row: u32) -> Parameters {
     let lower = place.shares * (1.0 - place.along);
     let upper = place.shares * place.along;
@@ -152,14 +151,14 @@ fn parameters_of(place: Place, row: u32) -> Parameters {
     return add_parameters(sum, upper.z, place.upper.z + row);
 }
 
-// Differences of four entries of a row.
+// Differences of four consecutive entries of a row.
 struct Strip {
     first: Sum,
     middle: Sum,
     last: Sum,
 }
 
-// Entries of `octave` in one row, at the columns of `edges`; all from the bordered square's corner.
+// Reads `octave`'s entries of one row at the columns of `edges`, from the corner of the bordered square.
 fn strip(row: u32, edges: vec4<i32>) -> Strip {
     let at = vec4<u32>(edges) + row;
     let a = octagloss_entries[at.x];
@@ -169,14 +168,14 @@ fn strip(row: u32, edges: vec4<i32>) -> Strip {
     return Strip(subtract_sums(b, a), subtract_sums(c, b), subtract_sums(d, c));
 }
 
-// What lies between two strips, by shares of its columns.
+// Sum between two strips, with columns weighted by `shares`.
 fn between(upper: Strip, lower: Strip, shares: vec3<f32>) -> vec4<f32> {
     return shares.x * floats_from_sum(subtract_sums(lower.first, upper.first))
         + shares.y * floats_from_sum(subtract_sums(lower.middle, upper.middle))
         + shares.z * floats_from_sum(subtract_sums(lower.last, upper.last));
 }
 
-// Texels of the blurred square below (x, y).
+// Sum of the texels of the blurred square below (x, y).
 fn blurred_prefix(octave: OctaglossOctave, x: i32, y: i32) -> Sum {
     let border = octagloss_octaves.border;
     let corner = octave.first_entry + border * (octave.side + 1u);
@@ -187,7 +186,7 @@ fn blurred_prefix(octave: OctaglossOctave, x: i32, y: i32) -> Sum {
         octagloss_entries[right + down]);
 }
 
-// A strip of the unfolded plane below `y`, for boxes that leave the border.
+// Strip of the unfolded plane below `y`, for boxes that leave the border.
 fn unfolded_strip(octave: OctaglossOctave, y: i32, edges: vec4<i32>) -> Strip {
     let n = octave.coarse;
     var columns = edges;
@@ -206,7 +205,7 @@ fn unfolded_strip(octave: OctaglossOctave, y: i32, edges: vec4<i32>) -> Strip {
         subtract_sums(entries[3], entries[2]));
 }
 
-// Energies and solid angle of a box over the blurred square of `octave`, in its texels: sixteen entries
+// Energies and solid angle of a box over the blurred square of `octave`, in its texels. Sixteen entries
 // around the corners make nine boxes, each non-negative and exact, weighted by the share of their texels
 // inside.
 fn soft_box(octave: OctaglossOctave, low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
@@ -236,7 +235,7 @@ fn soft_box(octave: OctaglossOctave, low: vec2<f32>, high: vec2<f32>) -> vec4<f3
     return sum;
 }
 
-// Energies and solid angle of the lobe around `uv` by the parameters of `octave`.
+// Energies and solid angle of the lobe around `uv`, with the parameters of `octave`.
 fn soft_boxes(octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders) -> vec4<f32> {
     let folded = triangle_from_oct(uv);
     let density = solid_angle_density(uv);
@@ -247,7 +246,7 @@ fn soft_boxes(octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders) -> vec4<f3
         let wider = select(0u, 1u, b >= octagloss_octaves.first_wider);
         let table = octagloss_octaves.octaves[octave - wider - 1u];
         let scale = 0.5 * f32(table.coarse);
-        // Root of the mass; centre in half-widths; log2 of half-widths in units of alpha.
+        // Square root of the mass; centre in half-widths; log2 of half-widths in units of alpha.
         let half = exp2(vec2<f32>(own.first.w, own.last)) * alpha;
         let centre = uv + oct_from_triangle(folded, own.first.yz * half);
         let extent = abs(oct_from_triangle(folded, half));
@@ -260,7 +259,7 @@ fn soft_boxes(octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders) -> vec4<f3
     return sum + weights.first.x * orders.first + orders.others * others;
 }
 
-// What convolution leaves of harmonics of order 1 to 4, roughness being at least where they join.
+// Convolution weights of harmonics of order 1 to 4, for a roughness of at least HARMONICS_FROM.
 fn zonal_weights(roughness: f32) -> vec4<f32> {
     let t = (2.0 * roughness - (1.0 + HARMONICS_FROM)) / (1.0 - HARMONICS_FROM);
     var sum = octagloss_octaves.zonal[7];
@@ -270,7 +269,8 @@ fn zonal_weights(roughness: f32) -> vec4<f32> {
     return sum;
 }
 
-// What emitters add to a lobe around the unit vector `direction`: `radiance` of src/realtime/emitters.rs.
+// Radiance of the emitters through a lobe around the unit vector `direction`: `radiance` of
+// src/realtime/emitters.rs.
 fn emitters_radiance(direction: vec3<f32>, alpha: f32, roughness: f32) -> vec3<f32> {
     var sum = vec3<f32>();
     for (var k = 0u; k < EMITTERS; k++) {
@@ -309,7 +309,8 @@ fn mirror_radiance(uv: vec2<f32>) -> vec3<f32> {
     return least + above * (scale * scale / solid_angle_density(uv));
 }
 
-// Harmonics ring: behind a sun they are negative. No lobe is darker than the darkest texel.
+// Clamps to the least radiance: no lobe is darker than the darkest texel, but harmonics ring and turn
+// negative opposite a sun.
 fn radiance_of(energy: vec4<f32>) -> vec3<f32> {
     let radiance = energy.rgb / energy.a * octagloss_light.scale[0].rgb * octagloss_light.scale[1].rgb;
     return max(radiance, octagloss_light.least.rgb);
@@ -320,7 +321,7 @@ fn octagloss_fitted(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
     let uv = oct_from_direction(direction);
     let finest = octagloss_octaves.finest;
     let sharpest = octagloss_octaves.sharpest;
-    // A sharper lobe is the sharpest and a mirror.
+    // Approximate a sharper lobe by the sharpest one blended with a mirror.
     let sharpness = min(roughness * roughness / sharpest, 1.0);
     let share = sharpness * sharpness * (2.0 - sharpness * sharpness);
     let alpha = max(roughness * roughness, sharpest);
@@ -333,7 +334,7 @@ fn octagloss_fitted(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
         if alone < 1.0 {
             let log_alpha = log2(alpha);
             let own = u32(clamp(i32(ceil(FIRST_KNOT - log_alpha)), i32(FIRST_OCTAVE), i32(finest)));
-            // In the first quarter of an octave the next finer one fades out.
+            // In the first quarter of an octave, blend out the next finer one.
             let position = log_alpha + f32(own) - FIRST_KNOT;
             let finer = select(0.0, 1.0 - smoothstep(0.0, OVERLAP, position), own < finest);
             for (var part = 0u; part < 2u; part++) {

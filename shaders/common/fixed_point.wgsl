@@ -1,9 +1,9 @@
-// Non-negative float32 values as 64-bit fixed point, by their bit patterns: no float arithmetic, so that no
-// driver's flushing of subnormals and no rounding can come between CPU and GPU. `FixedPoint::quantise` in
-// src/sat.rs.
+// Converts non-negative float32 values to 64-bit fixed point through their bit patterns:
+// `FixedPoint::quantise` in src/sat.rs. Without float arithmetic, neither a driver's flushing of subnormals
+// nor rounding can make CPU and GPU differ.
 #include "common/u64.wgsl"
 
-// floor(value * 2^exponent), `bits` being the value's pattern.
+// floor(value * 2^exponent), where `bits` is the value's bit pattern.
 fn quantise(bits: u32, exponent: i32) -> vec2<u32> {
     let biased = i32(bits >> 23u);
     let mantissa = (bits & 0x007fffffu) | select(0u, 0x00800000u, biased != 0);
@@ -12,6 +12,6 @@ fn quantise(bits: u32, exponent: i32) -> vec2<u32> {
     if shift >= 0 {
         return shift_left64(vec2<u32>(mantissa, 0u), u32(min(shift, 63)));
     }
-    // Shifts of 24 and more leave nothing of the mantissa.
+    // Shifts of 24 and more clear the mantissa.
     return vec2<u32>(mantissa >> u32(min(-shift, 31)), 0u);
 }

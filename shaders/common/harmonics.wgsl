@@ -1,6 +1,6 @@
 // Real spherical harmonics to order 4: `basis` of src/sh/coefficients.rs.
 
-// At `d` of unit length.
+// Evaluates the basis at the unit vector `d`.
 fn harmonic_basis(d: vec3<f32>) -> array<f32, 25> {
     let x = d.x;
     let y = d.y;

@@ -1,5 +1,5 @@
-// Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy: src/lobe/kernel.rs, whose module
-// and src/cpu/adaptive.rs derive them.
+// Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy. Derived in src/lobe/kernel.rs and
+// src/cpu/adaptive.rs.
 
 const SHAPE_GGX = 0u;
 const SHAPE_PHONG = 1u;
@@ -9,9 +9,9 @@ const SHAPE_COSINE = 4u;
 
 struct Kernel {
     shape: u32,
-    // GGX's peak, Phong's exponent, the cone's edge.
+    // Peak of GGX, exponent of Phong, edge of the cone.
     first: f32,
-    // GGX's steepness.
+    // Steepness of GGX.
     second: f32,
 }
 
@@ -19,12 +19,12 @@ fn is_smooth(kernel: Kernel) -> bool {
     return kernel.shape == SHAPE_GGX || kernel.shape == SHAPE_PHONG || kernel.shape == SHAPE_COSINE;
 }
 
-// ln(1 + x) for -1 < x <= 0: WGSL's log is off by 2^-21 near 1.
+// ln(1 + x) for -1 < x <= 0. WGSL's log is in error by 2^-21 near 1.
 fn log_1p(x: f32) -> f32 {
     if x < -0.5 {
         return log(1.0 + x);
     }
-    // 2 artanh(x / (2 + x)); the first term left out is below 3^-19/19.
+    // 2 artanh(x / (2 + x)); the first omitted term is below 3^-19/19.
     let y = x / (2.0 + x);
     let z = y * y;
     var sum = 0.0;
@@ -55,7 +55,7 @@ fn value(kernel: Kernel, s: f32) -> f32 {
     }
 }
 
-// k'' below the horizon.
+// k'' in front of the horizon.
 fn curvature(kernel: Kernel, s: f32) -> f32 {
     switch kernel.shape {
         case SHAPE_GGX: {
@@ -73,7 +73,7 @@ fn curvature(kernel: Kernel, s: f32) -> f32 {
     }
 }
 
-// Greatest |dk/ds| from s = 1/4 to the horizon, of lobes that are smooth there.
+// Greatest |dk/ds| from s = 1/4 to the horizon, for lobes that are smooth there.
 fn grazing_slope(kernel: Kernel) -> f32 {
     switch kernel.shape {
         case SHAPE_GGX: {
@@ -92,7 +92,7 @@ fn grazing_slope(kernel: Kernel) -> f32 {
     }
 }
 
-// How much k' jumps at the horizon.
+// Jump of k' at the horizon.
 fn kink(kernel: Kernel) -> f32 {
     switch kernel.shape {
         case SHAPE_GGX: {
@@ -108,7 +108,7 @@ fn kink(kernel: Kernel) -> f32 {
     }
 }
 
-// The length on which k changes around s; 0 where k is not smooth.
+// Length scale of k around s; 0 where k is not smooth.
 fn scale(kernel: Kernel, s: f32) -> f32 {
     switch kernel.shape {
         case SHAPE_GGX: {
@@ -150,7 +150,7 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     if !is_smooth(kernel) {
         return Interval(value(kernel, high), value(kernel, low), at_mean);
     }
-    // s - low and high - s without their cancellation.
+    // s - low and high - s, computed without cancellation.
     let down = select(s, 0.25 * (radius * (2.0 * distance - radius) + trace), distance > radius);
     let up = max(0.25 * (radius * (2.0 * distance + radius) - trace), 1e-6 * down);
     let tangential = sqrt(max(along, 0.0));
@@ -161,7 +161,7 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     // A point has no steps.
     let step_up = min(select(0.0, most / down, down > 0.0), up);
     let step_down = min(select(0.0, smallest / up, up > 0.0), down);
-    // What is left of k at its kink, and k without it; below the horizon there is none.
+    // Split k into a hinge at the horizon and a smooth rest; a cell in front of the horizon needs no hinge.
     let below_horizon = high < 0.5;
     let bend = select(kink(kernel), 0.0, below_horizon);
     let inner = value(kernel, s + step_up) - hinge(bend, s + step_up);
@@ -174,11 +174,11 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let share_down = select(0.0, step_down / span_down, span_down > 0.0);
     let before = 0.5 - s;
     let deviation = sqrt(min(most, down * up) + before * before);
-    // Differences of hinges are rounded to their greatest's precision, not their own.
+    // Differences of hinges are rounded at the precision of the greater one.
     let rounding = 5e-7 * bend;
     let greatest = inner + share_up * (nearest - inner) + 0.5 * bend * (deviation + before) + rounding;
     let least = min(max(outer + share_down * (farthest - outer) + hinge(bend, s) - rounding, 0.0), greatest);
-    // The second-order term below the horizon, and what energy spread evenly over s gains from the kink.
+    // Second-order term in front of the horizon, and gain from the kink for energy spread evenly over s.
     var second_order = 0.0;
     if s < 0.5 {
         second_order = 0.125 * curvature(kernel, s) * along;
@@ -189,21 +189,20 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     return Interval(least, greatest, min(max(at_mean + second_order + gain, least), greatest));
 }
 
-// The part of k that its kink at the horizon is: `bend` as steep below, 0 beyond.
+// Hinge at the horizon: slope -`bend` in front of it, 0 beyond.
 fn hinge(bend: f32, s: f32) -> f32 {
     return bend * max(0.5 - s, 0.0);
 }
 
-// How far k spreads over `radius` either way of `distance`.
+// Variation of k from `distance` - `radius` to `distance` + `radius`.
 fn spread_around(kernel: Kernel, distance: f32, radius: f32) -> f32 {
     let low = max(distance - radius, 0.0);
     let high = distance + radius;
     return value(kernel, 0.25 * low * low) - value(kernel, min(0.25 * high * high, 1.0));
 }
 
-// The greatest such spread of a lobe that is not smooth, at distances from `near` to `far`: that of a cone
-// has one jump, that of a wide Phong lobe is steepest at one end, at the horizon, or where d (1 -
-// d^2/2)^(n-1) is greatest.
+// The greatest such variation of a lobe that is not smooth, at distances from `near` to `far`. A cone has one
+// jump. A wide Phong lobe is steepest at an end, at the horizon, or where d (1 - d^2/2)^(n-1) is greatest.
 fn widest_spread(kernel: Kernel, near: f32, far: f32, radius: f32) -> f32 {
     if kernel.shape == SHAPE_CONE {
         return first_order_width(kernel, 0.5 * (near + far), radius, 0.5 * (far - near));
@@ -217,7 +216,7 @@ fn widest_spread(kernel: Kernel, near: f32, far: f32, radius: f32) -> f32 {
     return max(ends, max(spread_around(kernel, horizon, radius), spread_around(kernel, steepest, radius)));
 }
 
-// The error to expect of the estimate, for choosing which cells to split.
+// Expected error of the estimate, to select the cells to split.
 fn expected_error(kernel: Kernel, distance: f32, radius: f32, packet: f32, trace: f32) -> f32 {
     if !is_smooth(kernel) {
         return 0.25 * widest_spread(kernel, max(distance - packet, 0.0), distance + packet, radius);

@@ -1,13 +1,13 @@
-// The lighting data that every lobe shares: `LIGHT` of src/gpu/fitted.rs.
+// Per-environment data shared by all queries: `LIGHT` of src/gpu/fitted.rs.
 
 const EMITTERS = 127u;
 
-// Light from one place: `Emitter` of src/realtime/emitters.rs.
+// A point emitter: `Emitter` of src/realtime/emitters.rs.
 struct OctaglossEmitter {
     direction: vec3<f32>,
-    // Mean squared distance from there.
+    // Mean squared distance of its light from `direction`.
     spread: f32,
-    // Radiance times solid angle; none of it where there is no emitter.
+    // Radiance times solid angle; 0 for unused emitters.
     energy: vec3<f32>,
     pad: f32,
 }
@@ -15,9 +15,9 @@ struct OctaglossEmitter {
 struct OctaglossLight {
     // The least radiance of each channel.
     least: vec4<f32>,
-    // Two powers of two, whose product takes quotients of energy over solid angle to radiance.
+    // Two powers of two whose product scales quotients of energy over solid angle to radiance.
     scale: array<vec4<f32>, 2>,
-    // Of radiance and of 1, to order 4, in units of 2^60 of the table's.
+    // Harmonics of radiance and of 1, to order 4, in units of 2^60 of the table's.
     harmonics: array<vec4<f32>, 25>,
     emitters: array<OctaglossEmitter, EMITTERS>,
 }

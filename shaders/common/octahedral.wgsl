@@ -1,4 +1,4 @@
-// The octahedral map, quadratic layout: src/sphere/octahedral.rs.
+// The octahedral map in its quadratic layout: src/sphere/octahedral.rs.
 
 fn octahedron_from_oct(uv: vec2<f32>) -> vec3<f32> {
     let y = 1.0 - abs(uv.x) - abs(uv.y);
@@ -23,15 +23,15 @@ fn oct_from_direction(direction: vec3<f32>) -> vec2<f32> {
     return vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.z >= 0.0));
 }
 
-// Solid angle of a unit of (u, v) area.
+// Solid angle per unit of (u, v) area.
 fn solid_angle_density(uv: vec2<f32>) -> f32 {
     let p = octahedron_from_oct(uv);
     let squared = dot(p, p);
     return 1.0 / (squared * sqrt(squared));
 }
 
-// Quotient and remainder with the remainder in 0 .. n - 1. Not by `/` and `%` of negative numbers, which
-// drivers get wrong.
+// Quotient and remainder with the remainder in 0 .. n - 1. Avoids `/` and `%` on negative numbers, which some
+// drivers compute wrongly.
 fn divide_floor(n: u32, x: i32) -> vec2<i32> {
     if x >= 0 {
         return vec2<i32>(i32(u32(x) / n), i32(u32(x) % n));
@@ -40,7 +40,7 @@ fn divide_floor(n: u32, x: i32) -> vec2<i32> {
     return vec2<i32>(-1 - i32(below / n), i32(n - 1u - below % n));
 }
 
-// The texel of the n x n square that texel `at` of the unfolded plane stands for.
+// The texel of the n x n square that corresponds to texel `at` of the unfolded plane.
 fn wrap_texel(n: u32, at: vec2<i32>) -> vec2<u32> {
     let x = divide_floor(n, at.x);
     let y = divide_floor(n, at.y);

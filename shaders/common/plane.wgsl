@@ -1,8 +1,8 @@
-// Boxes of the unfolded plane from the table of the square, and their fractional edges: `Sat` of src/sat.rs.
+// Boxes in the unfolded plane from the table of the square, and their fractional edges: `Sat` of src/sat.rs.
 #include "common/octahedral.wgsl"
 #include "common/sum.wgsl"
 
-// Wallpaper group p2 by parity: the ends of the six sums from the square's corner that make up the sum of the
+// Wallpaper group p2 by parity. Ends of the six sums from the square's corner that make up the sum of the
 // texels below `at` of the plane, for any integers.
 fn prefix_ends(inner: u32, at: vec2<i32>) -> array<vec2<i32>, 6> {
     let n = i32(inner);
@@ -27,7 +27,7 @@ fn unfolded_prefix(inner: u32, at: vec2<i32>, prefixes: array<Sum, 6>) -> Sum {
     let b = prefixes[2];
     let a_turned = prefixes[3];
     let b_turned = prefixes[4];
-    // How many of the tiles below are upright and how many turned; >> rounds down.
+    // Count upright and rotated tiles below; >> rounds down.
     let upright_a = select((j + 1) >> 1u, j >> 1u, odd_i);
     let upright_b = select((i + 1) >> 1u, i >> 1u, odd_j);
     var sum = multiply_sum(i * j, total);
@@ -42,7 +42,7 @@ fn unfolded_prefix(inner: u32, at: vec2<i32>, prefixes: array<Sum, 6>) -> Sum {
     return add_sums(sum, add_sums(rest, prefixes[5]));
 }
 
-// An interval with fractional ends as a partial texel, whole texels and a partial texel.
+// An interval with fractional ends, as a partial texel, whole texels and a partial texel.
 struct Spans {
     edges: vec4<i32>,
     shares: vec3<f32>,
@@ -53,7 +53,7 @@ fn fractional_spans(low: f32, high: f32) -> Spans {
     let last = ceil(high);
     let edge = i32(first);
     if last - first <= 1.0 {
-        // Both ends in one texel.
+        // Both ends lie in one texel.
         return Spans(vec4<i32>(edge, edge + 1, edge + 1, edge + 1), vec3<f32>(high - low, 0.0, 0.0));
     }
     let end = i32(last);

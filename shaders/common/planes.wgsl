@@ -1,4 +1,4 @@
-// The planes of an exact table, a channel each.
+// The planes of an exact table, one per channel.
 #include "common/table.wgsl"
 #include "common/u64.wgsl"
 
@@ -7,7 +7,7 @@
 @group(0) @binding(3) var<storage, read> blue: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<vec2<u32>>;
 
-// Sum of the texels of `channel` with coordinates below (x, y), counted from the bordered table's corner.
+// Sum of the texels of `channel` with coordinates below (x, y), from the corner of the bordered table.
 fn plane_prefix(channel: u32, x: u32, y: u32) -> vec2<u32> {
     if x == 0u || y == 0u {
         return vec2<u32>(0u);

@@ -11,7 +11,7 @@ const FIELD_LUMINANCE = 10u;
 const FIELD_RED = 11u;
 const FIELD_GREEN = 12u;
 const FIELD_BLUE = 13u;
-// Unused; it keeps a quad at 240 bytes.
+// Unused; pads a quad to 240 bytes.
 const FIELD_SPARE = 14u;
 
 const LUMINANCE = vec3<f32>(0.2126, 0.7152, 0.0722);

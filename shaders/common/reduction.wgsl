@@ -1,10 +1,10 @@
 // Reductions over the n x n texels of an OEM: workgroups to partial results, then one workgroup over those.
 #include "common/table.wgsl"
 
-// At most as many as a workgroup has invocations, so that each takes one partial result.
+// At most GROUP_SIZE, so that each invocation of the last workgroup takes one partial result.
 const GROUPS = 256u;
 const GROUP_SIZE = 256u;
-// Texels of an invocation before there are more workgroups.
+// Texels per invocation before more workgroups are used.
 const TEXELS = 4u;
 
 // Texels of the square.
@@ -17,7 +17,7 @@ fn groups() -> u32 {
     return clamp((count() + TEXELS * GROUP_SIZE - 1u) / (TEXELS * GROUP_SIZE), 1u, GROUPS);
 }
 
-// Where texel `k` of the square lies in a plane.
+// Index of texel `k` of the square in a plane.
 fn place(k: u32) -> u32 {
     return place_in_plane(vec2<u32>(k % table.inner, k / table.inner));
 }

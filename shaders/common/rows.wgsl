@@ -1,4 +1,5 @@
-// Workgroups in rows, for dispatches larger than one dimension holds: `in_rows` of src/gpu/device/stage.rs.
+// Arranges workgroups in rows, for dispatches that exceed one dimension: `in_rows` of
+// src/gpu/device/stage.rs.
 
 const ROW = 32768u;
 

@@ -1,18 +1,18 @@
-// Boxes over the exact table of an OEM: `Sat` of src/sat.rs, read from two textures of low and of high words.
-// What includes this declares, in any group,
+// Boxes over the exact table of an OEM: `Sat` of src/sat.rs, read from two textures of low and high words.
+// The including file declares, in any group,
 //   octagloss_table: OctaglossTable (uniform), octagloss_low, octagloss_high: texture_2d<u32>.
 #include "common/octahedral.wgsl"
 #include "common/plane.wgsl"
 
 struct OctaglossTable {
-    // F of red, green and blue energy and of solid angle.
+    // Exponents F of red, green and blue energy and of solid angle.
     exponents: vec4<i32>,
     // Texels along an edge of the square, and of its border.
     inner: u32,
     border: u32,
 }
 
-// Texels with coordinates below (x, y), counted from the bordered table's corner.
+// Sum of the texels with coordinates below (x, y), from the corner of the bordered table.
 fn table_prefix(x: i32, y: i32) -> Sum {
     if x <= 0 || y <= 0 {
         return Sum();
@@ -21,17 +21,17 @@ fn table_prefix(x: i32, y: i32) -> Sum {
     return Sum(textureLoad(octagloss_low, at, 0), textureLoad(octagloss_high, at, 0));
 }
 
-// Texels 0 <= x' < x, 0 <= y' < y of the square.
+// Sum of the texels 0 <= x' < x, 0 <= y' < y of the square.
 fn square_prefix(x: i32, y: i32) -> Sum {
     let b = i32(octagloss_table.border);
     return corners(
         table_prefix(b, b), table_prefix(x + b, b), table_prefix(b, y + b), table_prefix(x + b, y + b));
 }
 
-// The same on the unfolded plane, for any integers.
+// The same in the unfolded plane, for any integers.
 fn plane_prefix(at: vec2<i32>) -> Sum {
     let n = octagloss_table.inner;
-    // In a loop: some compilers inline every call and take minutes over what comes of it.
+    // A loop, because some compilers inline every call and take minutes over the result.
     var ends = prefix_ends(n, at);
     var prefixes: array<Sum, 6>;
     for (var k = 0u; k < 6u; k++) {
@@ -40,8 +40,8 @@ fn plane_prefix(at: vec2<i32>) -> Sum {
     return unfolded_prefix(n, at, prefixes);
 }
 
-// Texels low <= p < high of the unfolded plane, sides up to twice the square's: four reads where the border
-// holds them.
+// Sum of the texels low <= p < high of the unfolded plane, with sides up to twice the square's. Takes four
+// reads if the box lies inside the border.
 fn plane_box(low: vec2<i32>, high: vec2<i32>) -> Sum {
     let b = i32(octagloss_table.border);
     let most = i32(octagloss_table.inner) + b;
@@ -64,8 +64,8 @@ fn plane_box(low: vec2<i32>, high: vec2<i32>) -> Sum {
     return sum;
 }
 
-// Energy and solid angle of a box of the unfolded plane with fractional edges, in texels of the square; in
-// units in which their quotient is radiance.
+// Energy and solid angle of a box of the unfolded plane with fractional edges, in texels of the square. Units
+// are such that their quotient is radiance.
 fn box_energy(low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
     var columns = fractional_spans(low.x, high.x);
     var rows = fractional_spans(low.y, high.y);
@@ -85,9 +85,9 @@ fn box_energy(low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
         scale_by_power(sum.r, up.r), scale_by_power(sum.g, up.g), scale_by_power(sum.b, up.b), sum.a);
 }
 
-// Energy and solid angle of the box of `solid_angle` around `direction` (any length but zero), a one-texel
-// box added in quadrature: 0 is bilinear interpolation. Several, weighted and summed, make a stack; `rgb / a`
-// is its radiance.
+// Energy and solid angle of the box of `solid_angle` around `direction` (any length but zero). A one-texel
+// box is added in quadrature: solid angle 0 is bilinear interpolation. A weighted sum of several makes a
+// stack; `rgb / a` is its radiance.
 fn octagloss_box_energy(direction: vec3<f32>, solid_angle: f32) -> vec4<f32> {
     let n = f32(octagloss_table.inner);
     let uv = oct_from_direction(direction);
@@ -110,7 +110,7 @@ fn octagloss_ggx_solid_angle(roughness: f32) -> f32 {
     if squared == 0.0 {
         return 0.0;
     }
-    // 2 pi (t - ln(1 + t)) / t^2, by its series where that cancels.
+    // 2 pi (t - ln(1 + t)) / t^2, by its series where it cancels.
     let t = (1.0 - squared) / (2.0 * squared);
     if t < 0.1 {
         var sum = 0.0;

@@ -1,4 +1,4 @@
-// Sums of four channels as unsigned 64-bit integers, and what they are as floats.
+// Sums of four channels as unsigned 64-bit integers, and their conversion to floats.
 
 // Four channels modulo 2^64.
 struct Sum {
@@ -15,7 +15,7 @@ fn subtract_sums(a: Sum, b: Sum) -> Sum {
     return Sum(a.low - b.low, a.high - b.high - select(vec4<u32>(0u), vec4<u32>(1u), a.low < b.low));
 }
 
-// `count` times a sum; `count` may be negative, and its square must fit 32 bits.
+// `count` times a sum. `count` may be negative; its square must fit in 32 bits.
 fn multiply_sum(count: i32, a: Sum) -> Sum {
     let k = u32(abs(count));
     let k0 = k & 0xffffu;
@@ -40,7 +40,7 @@ fn floats_from_sum(sum: Sum) -> vec4<f32> {
     return vec4<f32>(sum.high) * 4294967296.0 + vec4<f32>(sum.low);
 }
 
-// x * 2^e, exact but for results out of range.
+// x * 2^e, exact unless the result is out of range.
 fn scale_by_power(x: f32, e: i32) -> f32 {
     let half = clamp(e / 2, -126, 127);
     let rest = clamp(e - half, -126, 127);

@@ -1,4 +1,4 @@
-// How the planes of an OEM lie in memory: `Table` of src/gpu/oem.rs. Stages over planes have it at binding 0.
+// Memory layout of the planes of an OEM: `Table` of src/gpu/oem.rs. Stages over planes bind it at binding 0.
 
 struct Table {
     inner: u32,
@@ -9,7 +9,7 @@ struct Table {
 
 @group(0) @binding(0) var<uniform> table: Table;
 
-// Where a texel of the square lies in a plane.
+// Index of a texel of the square in a plane.
 fn place_in_plane(texel: vec2<u32>) -> u32 {
     return (texel.y + table.border) * table.pitch + texel.x + table.border;
 }

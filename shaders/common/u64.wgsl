@@ -1,4 +1,4 @@
-// Unsigned 64-bit integers as (low, high) words, modulo 2^64: WGSL has no type for them.
+// Unsigned 64-bit integers as (low, high) words, modulo 2^64; WGSL has no such type.
 
 fn add64(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
     let low = a.x + b.x;

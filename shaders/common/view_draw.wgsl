@@ -1,9 +1,9 @@
-// The viewer's pictures: linear and exposed, or the samples themselves. What includes this gives `fn
-// radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>`, `direction` being the
-// source's.
+// Draws the viewer's pictures: linear and exposed, or the samples themselves. The including file declares
+// radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>, with `direction` in the
+// source's space.
 #include "common/view_scene.wgsl"
 
-// Half floats end there.
+// Greatest half float.
 const GREATEST = 65504.0f;
 
 struct Corner {
@@ -23,7 +23,7 @@ struct Surface {
     @location(4) surface_uv: vec2<f32>,
 }
 
-// One triangle over everything.
+// One triangle that covers the picture.
 @vertex
 fn cover(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     let corner = vec2<f32>(f32((index << 1u) & 2u), f32(index & 2u));
@@ -39,7 +39,7 @@ fn transform(corner: Corner) -> Surface {
 fn mesh_sample(surface: Surface) -> Sample {
     let painted = material.base * surface.colour * textureSample(base_texture, base_sampler, surface.uv);
     let texel = textureSample(surface_texture, surface_sampler, surface.surface_uv);
-    // The side of the triangle that is seen, whatever its corners' order.
+    // Orient the normal to the visible side, whatever the winding.
     let across = cross(dpdx(surface.position), dpdy(surface.position));
     let seen = across * -sign(dot(across, surface.position - frame.eye));
     let normal = normalize(surface.normal) * select(1.0, -1.0, dot(seen, surface.normal) < 0.0);
@@ -69,8 +69,8 @@ fn mesh_picture(surface: Surface) -> @location(0) vec4<f32> {
     return lit(mesh_sample(surface), surface.clip.xy);
 }
 
-// Relative error of luminance, from black through blue and red to pale yellow, evenly lighter to the eye with
-// its logarithm from 1e-4 to 1: `error_colour` of src/image/preview.rs, linear.
+// Colour of a relative luminance error: black through blue and red to pale yellow, with lightness linear in
+// the logarithm from 1e-4 to 1. `error_colour` of src/image/preview.rs, linear.
 fn error_colour(error: f32) -> vec3<f32> {
     if error <= 0.0 {
         return vec3<f32>();
@@ -108,7 +108,7 @@ fn mesh_error(surface: Surface) -> @location(0) vec4<f32> {
     return off(mesh_sample(surface), surface.clip.xy);
 }
 
-// Direction of the world and roughness.
+// Writes world direction and roughness.
 @fragment
 fn cover_samples(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let found = ball_sample(at.xy);

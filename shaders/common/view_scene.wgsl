@@ -1,6 +1,6 @@
-// Uniforms and textures of every pixel of the viewer: src/view/frame.rs. Radiance is linear; roughness is
-// perceptual. No branch depends on the uniform alone: Mesa's lavapipe specialises the code for what such
-// branches read, and would recompile it whenever the camera moves.
+// Uniforms and textures of every viewer pipeline: src/view/frame.rs. Radiance is linear; roughness is
+// perceptual. No branch depends on the uniform alone: Mesa's lavapipe specialises code for the values in such
+// branches and would recompile it whenever the camera moves.
 
 #include "common/harmonics.wgsl"
 
@@ -15,22 +15,22 @@ struct Ball {
 
 struct ViewFrame {
     eye: vec3<f32>,
-    // What radiance is multiplied by.
+    // Factor of radiance.
     exposure: f32,
     // To the right and upper edges of the picture, at distance 1.
     right: vec3<f32>,
     roughness: f32,
     up: vec3<f32>,
-    // Roughness of the lobe that the backdrop is seen by.
+    // Roughness of the lobe for the backdrop.
     backdrop: f32,
     forward: vec3<f32>,
     // Levels of the prefiltered cube.
     levels: f32,
     // Reflectance of plain metals at normal incidence.
     metal: vec3<f32>,
-    // What the prefiltered cube's texels are multiplied by.
+    // Factor of the prefiltered cube's texels.
     levels_scale: f32,
-    // Factors of the base colours and of the roughness of a mesh's own materials.
+    // Factors of the base colour and roughness of a mesh's own materials.
     tint: vec3<f32>,
     roughness_factor: f32,
     // Pixels of the picture.
@@ -40,13 +40,13 @@ struct ViewFrame {
     clip_from_world: mat4x4<f32>,
     // Roughness of the levels, four to a vector, ascending.
     ladder: array<vec4<f32>, MOST_LEVELS / 4u>,
-    // Those that are not there have no radius.
+    // Unused spheres have radius 0.
     ball: array<Ball, BALLS>,
 }
 
 // `Diffuse` of src/view/frame.rs, in the source's space.
 struct Diffuse {
-    // Of irradiance over pi.
+    // Harmonics of irradiance over pi.
     harmonics: array<vec4<f32>, 25>,
     // Direction of the lamp, and its energy over pi.
     lamp: vec4<f32>,
@@ -58,18 +58,18 @@ struct Material {
     base: vec4<f32>,
     metallic: f32,
     roughness: f32,
-    // Opacity below which there is no surface.
+    // Opacity below which the surface is discarded.
     cutoff: f32,
     // 1 for a material of the mesh's file, 0 for a plain metal.
     own: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: ViewFrame;
-// Columns by the view's cosine, rows by roughness: scale and bias of the reflectance at normal incidence.
+// Scale and bias of the reflectance at normal incidence: columns by the view's cosine, rows by roughness.
 @group(0) @binding(1) var split_sum: texture_2d<f32>;
-// White where the roughness is even.
+// White for an even roughness.
 @group(0) @binding(2) var roughness_map: texture_2d<f32>;
-// Radiance of the certified tier, a texel a pixel.
+// Radiance of the certified tier, one texel per pixel.
 @group(0) @binding(3) var truth: texture_2d<f32>;
 @group(0) @binding(4) var<uniform> diffuse: Diffuse;
 @group(0) @binding(5) var<uniform> material: Material;
@@ -79,9 +79,9 @@ struct Material {
 @group(0) @binding(8) var surface_texture: texture_2d<f32>;
 @group(0) @binding(9) var surface_sampler: sampler;
 
-// What a pixel asks of the environment, and what becomes of the answer.
+// The query of a pixel to the environment, and the factors of the answer.
 struct Sample {
-    // Of the world, unit.
+    // Unit vector in world space.
     direction: vec3<f32>,
     roughness: f32,
     factor: vec3<f32>,
@@ -90,7 +90,7 @@ struct Sample {
     albedo: vec3<f32>,
 }
 
-// Bilinear, by hand: table texels are at the same places for every driver.
+// Bilinear by hand, so that texels are at the same positions with every driver.
 fn split_sum_at(cosine: f32, roughness: f32) -> vec2<f32> {
     let last = vec2<f32>(textureDimensions(split_sum)) - 1.0;
     let at = clamp(vec2<f32>(cosine, roughness) * (last + 1.0) - 0.5, vec2<f32>(0.0), last);
@@ -102,7 +102,7 @@ fn split_sum_at(cosine: f32, roughness: f32) -> vec2<f32> {
     return mix(upper, lower, share.y).rg;
 }
 
-// Bilinear, around both ways.
+// Bilinear, wrapping in both axes.
 fn roughness_at(uv: vec2<f32>) -> f32 {
     let size = vec2<f32>(textureDimensions(roughness_map));
     let at = (uv - floor(uv)) * size - 0.5;
@@ -123,7 +123,8 @@ fn view_direction(pixel: vec2<f32>) -> vec3<f32> {
     return normalize(frame.forward + frame.right * at.x + frame.up * at.y);
 }
 
-// A surface with unit `normal`, seen along `view`: glTF's metallic-roughness model by the split sum.
+// Evaluates glTF's metallic-roughness model by the split sum, for a surface with unit `normal` seen along
+// `view`.
 fn surface_sample(
     view: vec3<f32>, normal: vec3<f32>, base: vec3<f32>, metallic: f32, roughness: f32) -> Sample {
     let cosine = clamp(-dot(view, normal), 0.0, 1.0);
@@ -131,16 +132,16 @@ fn surface_sample(
     let once = terms.x + terms.y;
     // Dielectrics reflect 4 % at normal incidence.
     let f0 = mix(vec3<f32>(0.04), base, metallic);
-    // What a white metal misses of a white environment comes out after further reflections (Fdez-Aguera 2019,
-    // in the form of Filament's 4.7.2).
+    // Energy compensation for multiple scattering, complete for a white metal in a white environment
+    // (Fdez-Aguera 2019, in the form of Filament's 4.7.2).
     let again = 1.0 + f0 * (1.0 / once - 1.0);
     let reflected = (f0 * terms.x + terms.y) * again;
-    // What is not reflected enters, and leaves evenly.
+    // Light that is not reflected enters and leaves diffusely.
     let albedo = base * (1.0 - metallic) * max(1.0 - reflected, vec3<f32>(0.0));
     return Sample(reflect(view, normal), roughness, reflected, normal, albedo);
 }
 
-// Irradiance over pi around a unit `direction` of the source.
+// Irradiance over pi for a unit normal `direction` in the source's space.
 fn irradiance(direction: vec3<f32>) -> vec3<f32> {
     var basis = harmonic_basis(direction);
     var sum = vec3<f32>(diffuse.lamp.w * max(dot(direction, diffuse.lamp.xyz), 0.0));
@@ -159,7 +160,7 @@ fn ball_sample(pixel: vec2<f32>) -> Sample {
         let ball = frame.ball[k];
         let from_centre = frame.eye - ball.centre;
         let along = dot(from_centre, view);
-        // Without the cancellation of the textbook's discriminant.
+        // Avoids the cancellation of the textbook discriminant.
         let across = from_centre - along * view;
         let square = ball.radius * ball.radius - dot(across, across);
         let distance = -along - sqrt(max(square, 0.0));

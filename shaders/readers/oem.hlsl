@@ -1,7 +1,7 @@
-// Reads a bordered octahedral map (`octagloss bake --target oem`) with an ordinary sampler: trilinear, clamped to the
-// edge. Shader model 4.0 and newer.
-// Right-handed, y up; the square's centre is +Y, its corners are -Y, u runs along x, v along z and downwards.
-// The border halves from level to level down to one texel, so one mapping serves them all and no look-up wraps.
+// Reads a bordered octahedral map (`octagloss bake --target oem`) through an ordinary sampler: trilinear,
+// clamped to edge. Shader model 4.0 and newer. Right-handed, y up. The square's centre is +Y and its corners
+// are -Y; u runs along x, v along z and downwards. The border halves with each level, down to one texel, so
+// one mapping serves all levels and no look-up wraps.
 
 // Coordinates in [-1, 1]^2 of `direction`, of any length but zero.
 float2 oem_oct_from_direction(float3 direction) {
@@ -10,13 +10,13 @@ float2 oem_oct_from_direction(float3 direction) {
     return p.y >= 0.0 ? p.xz : (1.0 - abs(p.zx)) * side;
 }
 
-// Texture coordinates of `direction`, the same at every level; `side` is level 0's with its border.
+// Texture coordinates of `direction`, the same at every level; `side` is that of level 0 with its border.
 float2 oem_uv_from_direction(float3 direction, float side, float levels) {
     float border = exp2(levels - 1.0);
     return 0.5 + oem_oct_from_direction(direction) * (0.5 - border / side);
 }
 
-// Radiance that a surface of perceptual `roughness` reflects from around `direction`, the mirrored view.
+// Radiance reflected by a surface of perceptual `roughness` around `direction`, the mirrored view vector.
 float3 oem_radiance(Texture2D map, SamplerState trilinear, float3 direction, float roughness) {
     float width, height, levels;
     map.GetDimensions(0, width, height, levels);

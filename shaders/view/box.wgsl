@@ -1,4 +1,4 @@
-// The viewer by single boxes, and its pictures of the tables.
+// Viewer pipeline for single boxes, and its pictures of the tables.
 @group(1) @binding(0) var<uniform> octagloss_table: OctaglossTable;
 @group(1) @binding(1) var octagloss_low: texture_2d<u32>;
 @group(1) @binding(2) var octagloss_high: texture_2d<u32>;
@@ -9,7 +9,7 @@ fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>
     return octagloss_ggx(direction, roughness);
 }
 
-// Where a pixel lies in a square as high as the picture: 0 to 1, beyond outside of it.
+// Position of a pixel in the centred square as high or wide as the picture: 0 to 1 inside.
 fn place_in_square(pixel: vec2<f32>) -> vec2<f32> {
     let side = min(frame.size.x, frame.size.y);
     return (pixel - 0.5 * (frame.size - side)) / side;
@@ -31,7 +31,7 @@ fn oem(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     return exposed(light);
 }
 
-// The mean radiance of the box from the upper left corner.
+// Shows the mean radiance of the box from the upper left corner to the pixel.
 @fragment
 fn sat(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let place = place_in_square(at.xy);

@@ -1,4 +1,4 @@
-// The viewer by the real-time tier.
+// Viewer pipeline for the real-time tier.
 @group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
 @group(1) @binding(1) var<uniform> octagloss_light: OctaglossLight;
 @group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;

@@ -1,4 +1,4 @@
-// The viewer by a prefiltered cube chain, as engines have it: trilinear between levels of ascending
+// Viewer pipeline for a prefiltered cube chain as engines use it: trilinear between levels of ascending
 // roughness.
 @group(1) @binding(0) var levels: texture_cube<f32>;
 @group(1) @binding(1) var trilinear: sampler;
@@ -8,12 +8,12 @@ fn ladder_at(level: u32) -> f32 {
     return frame.ladder[level / 4u][level % 4u];
 }
 
-// Where between the levels `roughness` lies; below the first and above the last, those.
+// Fractional level for `roughness`, clamped to the first and last.
 fn level_of(roughness: f32) -> f32 {
     var level = 0.0;
     for (var k = 0u; k + 1u < MOST_LEVELS; k++) {
         let low = ladder_at(k);
-        // Levels that are not there have a roughness of 0.
+        // Unused levels have a roughness of 0.
         let width = ladder_at(k + 1u) - low;
         level += select(0.0, clamp((roughness - low) / width, 0.0, 1.0), width > 0.0);
     }

@@ -1,7 +1,7 @@
-// From the linear picture to what a display shows: `Present` of src/view/renderer.rs.
+// Tone-maps the linear picture for the display: `Present` of src/view/present.rs.
 
 struct Present {
-    // Upper left corner of the picture in the target, its pixels there, and pixels of the linear picture.
+    // Upper left corner and size of the picture in the target, and size of the linear picture, in pixels.
     origin: vec2<f32>,
     size: vec2<f32>,
     source: vec2<f32>,
@@ -18,8 +18,8 @@ fn cover(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     return vec4<f32>(corner * 2.0 - 1.0, 0.0, 1.0);
 }
 
-// Khronos PBR Neutral: colours below 0.76 keep their hue and chroma but for what Fresnel adds, brighter ones
-// are compressed and fade to white.
+// Khronos PBR Neutral: colours below 0.76 keep their hue and chroma except for the Fresnel offset; brighter
+// colours are compressed and fade to white.
 fn neutral(colour: vec3<f32>) -> vec3<f32> {
     let start = 0.8 - 0.04;
     let least = min(colour.r, min(colour.g, colour.b));
@@ -65,7 +65,7 @@ fn texel(at: vec2<i32>) -> vec3<f32> {
     return toned(textureLoad(picture, clamp(at, vec2<i32>(0), vec2<i32>(present.source) - 1), 0).rgb);
 }
 
-// Tone-mapped first and averaged then, so that the edge of something bright is as wide as any.
+// Tone-maps before averaging, so that edges of bright objects are as wide as others.
 @fragment
 fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let scale = present.source / present.size;
@@ -73,7 +73,7 @@ fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let many = vec2<i32>(round(scale));
     var sum = vec3<f32>();
     if all(many >= vec2<i32>(1)) {
-        // Whole texels of the pixel.
+        // Average whole texels.
         let first = vec2<i32>(floor(place)) * many;
         for (var j = 0; j < many.y; j++) {
             for (var i = 0; i < many.x; i++) {

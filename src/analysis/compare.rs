@@ -1,4 +1,4 @@
-//! How far a bake is from its source, integrated exhaustively, or from another bake.
+//! Measures a bake against its exhaustively integrated source, or against another bake.
 
 use crate::analysis::oracle::Oracle;
 use crate::analysis::sun::{beside, texel_width};
@@ -14,13 +14,13 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A lobe narrower than this many source texels shows how texels are filtered, not how lobes are.
+/// Minimum lobe width in source texels; narrower lobes measure texel reconstruction, not the lobe.
 const NARROW: f64 = 2.0;
 
-/// The texels of a level to compare, always the same ones.
+/// Selection of a level's texels to compare, deterministic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// All of them.
+    /// All texels.
     All,
     /// At most this many, at random.
     Random(usize),
@@ -29,7 +29,7 @@ pub enum Sampling {
 }
 
 impl Sampling {
-    /// The most texels.
+    /// Maximum number of texels.
     const fn most(self) -> Option<usize> {
         match self {
             Self::All => None,
@@ -37,7 +37,7 @@ impl Sampling {
         }
     }
 
-    /// Texels along an edge of a face of the grid that is compared of a level of `size`.
+    /// Grid points along a face edge for a level of `size`.
     fn grid(self, size: u32) -> Option<u32> {
         match self {
             Self::All => Some(size),
@@ -46,7 +46,7 @@ impl Sampling {
         }
     }
 
-    /// The texels of a level of `size`, in order.
+    /// The selected texels of a level of `size`, in order.
     fn picks(self, size: u32) -> Vec<usize> {
         match self.grid(size) {
             Some(grid) => grid_places(size, grid),
@@ -71,7 +71,7 @@ pub fn grid_of(level: &Level, size: u32) -> Level {
     Level::cube(size.min(level.size()), level.roughness, texels)
 }
 
-/// The errors of one level. Reds, greens and blues are weighed into luminance first.
+/// Errors of one level, measured in luminance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LevelErrors {
     /// The level's number.
@@ -82,31 +82,31 @@ pub struct LevelErrors {
     pub roughness: f64,
     /// Number of texels compared.
     pub texels: usize,
-    /// Root of the mean squared error over the mean of the reference.
+    /// Root mean square error over the mean of the reference.
     #[serde(serialize_with = "finite")]
     pub rel_rmse: f64,
     /// Mean absolute error over the mean of the reference.
     #[serde(serialize_with = "finite")]
     pub l1: f64,
-    /// The texel of greatest relative error.
+    /// The texel with the largest relative error.
     pub worst: WorstTexel,
-    /// Steps of the bake at cube edges.
+    /// Seam measure of the bake at cube edges.
     #[serde(serialize_with = "finite")]
     pub seam: Option<f64>,
-    /// Steps of the reference at cube edges.
+    /// Seam measure of the reference at cube edges.
     ///
-    /// The mean step between texels on either side of an edge over the mean step between neighbours within a
-    /// face, each step divided by the angle between the two; about 1 where no seam shows. `None` where
-    /// nothing steps.
+    /// Mean step between texels on either side of an edge over the mean step between neighbours within a
+    /// face, each divided by the angle between the texels. About 1 without a seam; `None` for a constant
+    /// level.
     #[serde(serialize_with = "finite")]
     pub reference_seam: Option<f64>,
-    /// The reference itself, where all texels or a grid of them were compared; of a grid, [`grid_of`] is its
-    /// like.
+    /// The reference level, if all texels or a grid of them were compared; [`grid_of`] gives the bake's
+    /// texels of the same grid.
     #[serde(skip)]
     pub reference: Option<Level>,
 }
 
-/// A texel and what both sides have there.
+/// A texel and both values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WorstTexel {
     /// Face, as in file names.
@@ -123,15 +123,15 @@ pub struct WorstTexel {
     /// Radiance of the reference.
     #[serde(serialize_with = "finite")]
     pub reference: [f64; 3],
-    /// Error of the luminance over the reference's; 1 where the reference is black and the bake is not.
+    /// Luminance error over the reference's luminance; 1 if only the reference is black.
     #[serde(serialize_with = "finite")]
     pub relative: f64,
 }
 
-/// Compares every texel of two bakes, `reference` being what errors are relative to.
+/// Compares every texel of two bakes; errors are relative to `reference`.
 ///
 /// # Errors
-/// [`Error::Parameter`] where they differ in levels, sizes or roughness.
+/// [`Error::Parameter`] if they differ in levels, sizes or roughness.
 pub fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec<LevelErrors>> {
     if bake.levels.len() != reference.levels.len() {
         return Err(Error::Parameter(format!(
@@ -156,9 +156,9 @@ pub fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec<LevelE
         .collect()
 }
 
-/// Whether `level` can be measured against a source in `layout`: its lobe spans some source texels.
+/// Whether `level` can be measured against a source in `layout`: its lobe spans several source texels.
 ///
-/// Below that the answer would be how a texel is reconstructed, on which bake and integration need not agree.
+/// Narrower lobes depend on the reconstruction of texels, in which bake and reference may differ.
 #[must_use]
 pub fn is_measurable(level: &Level, lobe: Lobe, layout: Layout) -> bool {
     lobe == Lobe::Cosine || lobe_width(level, lobe) >= NARROW * texel_width(layout)
@@ -169,9 +169,9 @@ fn lobe_width(level: &Level, lobe: Lobe) -> f64 {
 }
 
 /// Compares the [measurable](is_measurable) levels of `bake` with `lobe` integrated over `source`, at the
-/// texels of each level that `sampling` says. The lobe is that at a texel's centre, and where the texel is
-/// wide for it the mean over the texel's footprint, as in a bake. `progress` is told the integrations done
-/// and their number, from any thread.
+/// texels selected by `sampling`. The lobe is evaluated at the texel's centre, or averaged over the footprint
+/// of a texel that is wide for the lobe, as in a bake. `progress` receives the integrations done and their
+/// total, from any thread.
 #[must_use]
 pub fn errors_against_source(
     bake: &Chain,
@@ -205,8 +205,8 @@ pub fn errors_against_source(
         .collect()
 }
 
-/// Mean of `radiance` over as much of texel `at` as has joined the lobe: none where the texel is narrower
-/// than a third of the lobe's full width at half maximum, all of it from a half on.
+/// Mean of `radiance` over the footprint of texel `at`: a point if the texel is narrower than a third of the
+/// lobe's full width at half maximum, the whole texel from a half on.
 fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3) -> [f64; 3]) -> [f64; 3] {
     let (face, i, j) = place(level.size(), at);
     let share = texel_solid_angle(level.size(), i, j).sqrt() / lobe_width(level, lobe);
@@ -215,7 +215,7 @@ fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3)
         return radiance(direction(level.size(), at));
     }
     let extent = fade * fade * (3.0 - 2.0 * fade);
-    // Points at most a quarter of a lobe apart, weighted by the solid angle they stand for.
+    // Points at most a quarter of a lobe apart, weighted by solid angle.
     let count = (4.0 * share).ceil().clamp(4.0, 64.0) as u32;
     let coordinate = |texel: u32, k: u32| {
         let offset = ((f64::from(k) + 0.5) / f64::from(count) - 0.5) * extent;
@@ -245,7 +245,7 @@ fn integrations(level: &Level, sampling: Sampling) -> u64 {
     (picks + steps) as u64
 }
 
-/// Steps to sample of each kind where `texels` are sampled: as many integrations together as the texels take.
+/// Number of steps of each kind to sample: together as many integrations as for the `texels`.
 fn sampled_steps(texels: Option<usize>) -> Option<usize> {
     texels.map(|count| count.div_ceil(4))
 }
@@ -276,7 +276,7 @@ fn level_errors(
     let (at, count) = (picks[worst.0], picks.len() as f64);
     let (face, i, j) = place(level.size(), at);
     let bake = |at: usize| weigh(level.texels[at].map(f64::from));
-    // With all texels at hand nothing is integrated twice.
+    // Reuse the integrals if all texels are compared.
     let all = picks.len() == level.texels.len();
     let wanted = |at: usize| weigh(if all { references[at] } else { reference(at) });
     LevelErrors {
@@ -304,7 +304,7 @@ fn level_errors(
     }
 }
 
-/// |error| over `wanted`; where that is black, 0 for no error and 1 for any.
+/// |error| over `wanted`; if that is 0, 0 for no error and 1 for any.
 fn relative(error: f64, wanted: f64) -> f64 {
     if wanted > 0.0 {
         error.abs() / wanted
@@ -371,7 +371,7 @@ fn steps_across(size: u32) -> usize {
     24 * size as usize
 }
 
-/// Step `k` across an edge, outwards; each edge is stepped over from both sides.
+/// Step `k` across an edge, outwards; each edge counts from both sides.
 fn step_across(size: u32, k: usize) -> (usize, usize) {
     let n = size as usize;
     let (face, side, along) = (Face::ALL[k / (4 * n)], k / n % 4, (k % n) as i64);
@@ -385,7 +385,7 @@ fn step_across(size: u32, k: usize) -> (usize, usize) {
     (beside(size, face, inside.0, inside.1), beside(size, face, outside.0, outside.1))
 }
 
-/// `wanted` of the numbers below `count`, or all of them, in order; always the same.
+/// `wanted` of the numbers below `count`, or all, in order; deterministic.
 fn sample(count: usize, wanted: Option<usize>) -> Vec<usize> {
     match wanted.filter(|wanted| *wanted < count) {
         None => (0..count).collect(),

@@ -1,11 +1,11 @@
-//! Table 1 of the tennis-ball paper beside our own values, with the maps that it lacks.
+//! Table 1 of the tennis-ball paper with our measured values, extended by further maps.
 
 use super::stretch::{Metrics, Stretch, measure};
 use crate::sphere::registry::{MAPS, NamedMap};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// What the paper prints: sampling requirement, greatest anisotropy, number of components.
+/// Values printed in the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Printed {
     /// Sampling requirement.
@@ -23,13 +23,13 @@ pub struct Row {
     pub name: Option<&'static str>,
     /// Title in words.
     pub title: &'static str,
-    /// Where the map was published.
+    /// Publication of the map.
     pub source: &'static str,
-    /// The paper's row, where it has one.
+    /// The paper's row, if it has one.
     pub printed: Option<Printed>,
-    /// What is measured.
+    /// Measured metrics.
     pub metrics: Metrics,
-    /// Why a printed value is not met, or what it needs.
+    /// Explanation of a deviation from the printed value.
     pub note: Option<&'static str>,
 }
 
@@ -57,7 +57,7 @@ fn printed_row(name: &str) -> Option<Printed> {
     }
 }
 
-/// What a row needs said.
+/// Note on a row.
 fn note(name: &str) -> Option<&'static str> {
     match name {
         "polar-capped-conformal" => Some(
@@ -76,7 +76,7 @@ fn note(name: &str) -> Option<&'static str> {
     }
 }
 
-/// All rows: the paper's in its order, the maps that it lacks, its two theoretical limits.
+/// All rows: the paper's in its order, further maps, and its two theoretical limits.
 #[must_use]
 pub fn rows() -> Vec<Row> {
     let row = |map: &NamedMap| Row {
@@ -89,7 +89,7 @@ pub fn rows() -> Vec<Row> {
     };
     let mut rows: Vec<Row> = MAPS.iter().filter(|map| printed_row(map.name).is_some()).map(row).collect();
     rows.extend(MAPS.iter().filter(|map| printed_row(map.name).is_none()).map(row));
-    // Texels as squares, and as a hexagonal lattice of the same area, everywhere on the sphere.
+    // Square texels, and a hexagonal lattice of the same area, over the whole sphere.
     let hexagonal = DVec3::new(0.5, 0.75_f64.sqrt(), 0.0);
     rows.push(Row {
         name: None,
@@ -114,7 +114,7 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
-/// Metrics of infinitely many components that all stretch alike.
+/// Metrics of infinitely many components with the same stretch.
 fn limit(stretch: Stretch) -> Metrics {
     let area = 4.0 * PI / stretch.area();
     Metrics {

@@ -1,4 +1,4 @@
-//! Measurements: exhaustive integration, comparison, statistics, the sun, the float32 table, maps of the sphere.
+//! Measurements: exhaustive integration, comparison, statistics, the sun, the float32 table, maps of spheres.
 
 pub mod compare;
 pub mod map_table;

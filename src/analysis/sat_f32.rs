@@ -1,5 +1,5 @@
-//! The float32 summed-area table of Hensley et al. 2005, with its mean bias: small and filterable, for LDR
-//! and for comparison. Over HDR environments its boxes are wrong where it matters, see [`crate::sat`].
+//! The float32 summed-area table of Hensley et al. 2005, with its mean bias: compact and filterable, for LDR
+//! and for comparison. Over HDR environments its boxes are inaccurate, see [`crate::sat`].
 
 use crate::oem::{Oem, OemSize};
 
@@ -17,7 +17,7 @@ pub struct SatF32 {
 }
 
 impl SatF32 {
-    /// The table of `oem` by recursive doubling with radix 2.
+    /// Builds the table of `oem` by recursive doubling with radix 2.
     #[must_use]
     pub fn new(oem: &Oem) -> Self {
         let side = oem.size().bordered() as usize;
@@ -54,7 +54,7 @@ impl SatF32 {
     /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1`, counted from the bordered table's corner.
     ///
     /// # Panics
-    /// Where the box leaves the table.
+    /// If the box is not within the table.
     #[must_use]
     pub fn sum(&self, x0: u32, y0: u32, x1: u32, y1: u32) -> [f32; 4] {
         let side = self.size.bordered();

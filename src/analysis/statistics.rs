@@ -1,11 +1,11 @@
-//! What is in an environment, in figures.
+//! Statistics of an environment.
 
 use crate::analysis::sun::Sun;
 use crate::environment::{Environment, LUMINANCE, Rgb};
 use half::f16;
 use std::f64::consts::PI;
 
-/// Figures of an environment.
+/// Statistics of an environment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Survey {
     /// Least value of each channel.
@@ -14,23 +14,23 @@ pub struct Survey {
     pub max: Rgb,
     /// Mean radiance over the sphere, weighted by solid angle.
     pub mean: [f64; 3],
-    /// The brightest region, where one stands out.
+    /// The brightest region, if one stands out.
     pub sun: Option<Sun>,
-    /// What half floats cannot hold.
+    /// Loss in half floats.
     pub half: HalfLoss,
 }
 
-/// What is lost where values are clamped at the greatest half float, 65504.
+/// Loss from clamping to the maximum half float, 65504.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HalfLoss {
     /// Texels with a channel above it.
     pub texels: u64,
-    /// Share of the luminance's energy that is above it.
+    /// Share of the luminance energy above it.
     pub energy_share: f64,
 }
 
 impl Survey {
-    /// Looks at every texel.
+    /// Computes the statistics of `environment`.
     #[must_use]
     pub fn of(environment: &Environment) -> Self {
         let limit = f16::MAX.to_f32();
@@ -62,7 +62,7 @@ impl Survey {
         }
     }
 
-    /// The sun's share of the luminance's energy; 0 without one.
+    /// The sun's share of the luminance energy; 0 without a sun.
     #[must_use]
     pub fn sun_share(&self) -> f64 {
         self.sun.as_ref().map_or(0.0, |sun| weigh(sun.irradiance) / (weigh(self.mean) * 4.0 * PI))

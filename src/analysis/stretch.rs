@@ -1,15 +1,14 @@
-//! How maps of the sphere stretch: singular values, sampling requirements, anisotropy, solid angles of
-//! texels.
+//! Stretch of maps of the sphere: singular values, sampling requirements, anisotropy, solid angles of texels.
 //!
 //! Herron, *The Tennis-ball Map*, section 4.1, after Snyder and Mitchell, *Sampling-Efficient Mapping of
-//! Spherical Images* (2001). Everything is measured numerically, from a map's directions alone.
+//! Spherical Images* (2001). Measured numerically from a map's directions only.
 
 use crate::sphere::map::SphereMap;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// How a map stretches at a point.
+/// Stretch of a map at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     /// The greater singular value of the Jacobian (equation 5): radians per unit of (u, v).
@@ -17,7 +16,7 @@ pub struct Stretch {
     /// The lesser one.
     pub least: f64,
     /// The inverse length of the shortest vector of the lattice dual to that of texels of unit sides: the
-    /// spacing of isotropic samples that resolve as much as these texels do.
+    /// spacing of isotropic samples of the same resolution.
     pub spacing: f64,
 }
 
@@ -28,13 +27,13 @@ impl Stretch {
         let (a, b, c) = (by_u.length_squared(), by_u.dot(by_v), by_v.length_squared());
         let root = ((a - c) * (a - c) + 4.0 * b * b).sqrt();
         let greatest = ((a + c + root) / 2.0).sqrt();
-        // The product of both is the area; equation 5's difference cancels where they differ much.
+        // Use the product of both, the area: the difference in equation 5 cancels if they differ much.
         let area = by_u.cross(by_v).length();
         let shortest = shortest_vector_squared(c, -b, a);
         Self { greatest, least: area / greatest, spacing: area / shortest.sqrt() }
     }
 
-    /// At `uv` of `component`, by central differences of `step`; the map must be smooth that far around.
+    /// At `uv` of `component`, by central differences of `step`; the map must be smooth within `step`.
     #[must_use]
     pub fn at(map: &dyn SphereMap, component: u32, uv: DVec2, step: f64) -> Self {
         let by = |way: DVec2| {
@@ -57,9 +56,9 @@ impl Stretch {
     }
 }
 
-/// The least value other than 0 of a x^2 + 2 b x y + c y^2 over integers: Lagrange's reduction.
+/// Smallest non-zero value of a x^2 + 2 b x y + c y^2 over integers, by Lagrange's reduction.
 fn shortest_vector_squared(mut a: f64, mut b: f64, mut c: f64) -> f64 {
-    // Each round at least halves c; a form as long as 2^60 to 1 is as good as degenerate.
+    // Each round at least halves c; a form elongated by 2^60 is degenerate.
     for _ in 0..60 {
         if a > c {
             (a, c) = (c, a);
@@ -74,22 +73,22 @@ fn shortest_vector_squared(mut a: f64, mut b: f64, mut c: f64) -> f64 {
     a.min(c)
 }
 
-/// What a map costs, over its whole domain. Infinite where stretch grows without bound.
+/// Metrics of a map over its whole domain. Infinite if the stretch is unbounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metrics {
     /// Equation 6, summed over components: area of the rectangle times the square of the greatest stretch.
     pub sampling: f64,
-    /// Greatest ratio of both singular values.
+    /// Maximum ratio of the singular values.
     pub anisotropy: f64,
     /// Number of components.
     pub components: u32,
-    /// As `sampling`, with [`Stretch::spacing`] in place of the greatest stretch: what texels need where
-    /// reconstruction is ideal and may be anisotropic. At most `sampling`.
+    /// As `sampling`, with [`Stretch::spacing`] instead of the greatest stretch: the requirement of ideal,
+    /// possibly anisotropic reconstruction. At most `sampling`.
     pub lattice: f64,
-    /// Least and greatest solid angle of a small texel in the domain, over 4 pi divided by the number of
+    /// Minimum and maximum solid angle of a small texel in the domain, relative to 4 pi over the number of
     /// all texels (section 5.1 of the octahedron paper).
     pub relative_solid_angle: [f64; 2],
-    /// Share of texels in a domain.
+    /// Share of texels inside the domain.
     pub used: f64,
 }
 
@@ -97,7 +96,7 @@ pub struct Metrics {
 /// and axes pass through its corners, and so do the centres of octahedron faces.
 const CELLS: u32 = 96;
 
-/// The greatest and least values over a component.
+/// Maximum and minimum values over a component.
 #[derive(Clone, Copy, Debug)]
 struct Extremes {
     greatest: f64,
@@ -108,9 +107,9 @@ struct Extremes {
 
 /// Metrics of `map`.
 ///
-/// Extremes lie in middles, on folds and on rims. So points are taken beside every corner of a grid and in
-/// the middle of its cells, at two distances from the corners, and the limit is extrapolated; what doubles
-/// from one distance to the next is infinite.
+/// Extremes lie in cell centres, on folds and on rims. Points are sampled near every grid corner, at two
+/// distances, and in the cell centres; the limit is extrapolated. A value that doubles between the distances
+/// is infinite.
 #[must_use]
 pub fn measure(map: &dyn SphereMap) -> Metrics {
     let components: Vec<_> = (0..map.components()).map(|k| map.component(k)).collect();
@@ -142,14 +141,13 @@ pub fn measure(map: &dyn SphereMap) -> Metrics {
     metrics
 }
 
-/// Extremes of `component` over points at `inset` of a cell from the grid's corners, and in the middle of
-/// cells.
+/// Extremes of `component` over points at `inset` of a cell from the grid's corners, and over cell centres.
 fn extremes(map: &dyn SphereMap, component: u32, inset: f64) -> Extremes {
     let rectangle = map.component(component);
     let cell = rectangle.extent() / f64::from(CELLS);
-    // Beside a cone point derivatives change over the distance to it.
+    // Near a cone point derivatives change over the distance to it.
     let step = cell.min_element() * inset / 100.0;
-    // Two different offsets: none lies on a diagonal.
+    // Different offsets avoid the diagonals.
     let (a, b) = (inset, 2.0 * inset);
     let offsets = [(a, b), (1.0 - b, a), (b, 1.0 - a), (1.0 - a, 1.0 - b), (0.5 + a, 0.5 + b)];
     let row = |y: u32| {

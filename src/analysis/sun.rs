@@ -1,5 +1,4 @@
-//! Where the sun is: the region of an environment that outshines its surroundings, and the environment
-//! without it.
+//! Sun detection: finds the region that outshines its surroundings, and removes it from the environment.
 
 use crate::environment::{Environment, LUMINANCE, Layout, Rgb, exact_luminance};
 use crate::sphere::{cube, equirect, octahedral};
@@ -8,42 +7,41 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-/// The surroundings of the peak begin at this angle from it, or at two texels where those are wider.
+/// The peak's surroundings start at this angle from it, or at two texels if that is wider.
 const SURROUNDINGS_DEGREES: f64 = 10.0;
 
-/// They end at this many times that angle.
+/// Outer angle of the surroundings over the inner one.
 const SURROUNDINGS_REACH: f64 = 3.0;
 
-/// A peak this many times as bright as its surroundings stands out; less is weather.
+/// Minimum contrast of a peak to its surroundings; lower contrasts are ordinary sky.
 const CONTRAST: f64 = 8.0;
 
-/// A sun is this many times as bright as its surroundings, or brighter. Of eight photographed panoramas the
-/// sun with the least has 170 (through haze, at the horizon), and a hole in a canopy of leaves has 50.
+/// Minimum contrast of a sun to its surroundings. Over eight photographed panoramas the lowest contrast of a
+/// sun is 170 (in haze, at the horizon); a gap in a canopy of leaves has 50.
 const SUN_CONTRAST: f64 = 100.0;
 
-/// A sun covers at most this solid angle in steradians, a disc of 6.5 degrees: the sun's own 0.5 degrees with
-/// the glow of lens and haze above a tenth of the peak, which is at most 0.0005 in those panoramas. A window
-/// has 0.5.
+/// Maximum solid angle of a sun in steradians, a disc of 6.5 degrees. It includes the glow of lens and haze
+/// above a tenth of the peak; the largest sun in those panoramas covers 0.0005. A window covers 0.5.
 const SUN_SOLID_ANGLE: f64 = 0.01;
 
-/// Where texels are coarse, a sun covers at most as many: what resampling makes of a point.
+/// Maximum texels of a sun at coarse resolutions: the extent of a resampled point.
 const SUN_TEXELS: f64 = 9.0;
 
-/// The sun reaches to where luminance has fallen to this share of the way from its surroundings to its peak.
+/// Luminance threshold of the sun's region, as a fraction of the range from surroundings to peak.
 const EDGE: f64 = 0.1;
 
 /// The brightest region of an environment.
 ///
-/// It is the region connected to the texel of greatest luminance, over texels that touch by a side or a
-/// corner (across cube edges, the panorama's seam and its poles as well), whose luminance is at least a tenth
-/// of the way up from the surroundings to the peak. The surroundings' luminance is the median between 10 and
-/// 30 degrees from the peak (further where texels are coarse), and a peak below eight times that does not
-/// stand out. [`Sun::kind`] says whether the region is a sun.
+/// It is the region connected to the texel of greatest luminance, over texels that share a side or a corner
+/// (also across cube edges, the panorama's seam and its poles), whose luminance is at least a tenth of the
+/// way from the surroundings to the peak. The surroundings' luminance is the median between 10 and 30 degrees
+/// from the peak (further for coarse texels); a peak below eight times that does not stand out. [`Sun::kind`]
+/// classifies the region.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sun {
-    /// Whether it is small and bright enough for a sun.
+    /// Whether it is a sun or a larger or dimmer region.
     pub kind: Brightest,
-    /// Unit direction in the world: the region's centre of energy.
+    /// Unit direction in the world of the region's energy centroid.
     pub direction: DVec3,
     /// Radiance of its brightest texel.
     pub peak: Rgb,
@@ -57,11 +55,11 @@ pub struct Sun {
     pub surroundings: f64,
 }
 
-/// What the brightest region of an environment is.
+/// Classification of the brightest region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Brightest {
     /// At least 100 times as bright as its surroundings, and at most 0.01 steradians or nine texels: a
-    /// directional light does for it.
+    /// directional light can replace it.
     Sun,
     /// Larger or dimmer: a window, an area light, a bright patch of sky.
     Region,
@@ -84,11 +82,11 @@ impl Brightest {
     }
 }
 
-/// An environment parted into its sun and the rest.
+/// An environment split into its sun and the rest.
 #[derive(Clone, Debug)]
 pub struct Extraction {
-    /// The extracted sun. Its irradiance is that of the region's radiance above what replaces it, which also
-    /// weights its direction.
+    /// The extracted sun. Its irradiance and direction are those of the removed radiance: the region's
+    /// radiance minus its replacement.
     pub sun: Sun,
     /// Its share of the environment's energy, by luminance.
     pub energy_share: f64,
@@ -96,7 +94,7 @@ pub struct Extraction {
     pub sunless: Environment,
 }
 
-/// The brightest texel and what is around it.
+/// The brightest texel and its surroundings.
 struct Peak {
     at: usize,
     luminance: f64,
@@ -104,7 +102,7 @@ struct Peak {
 }
 
 impl Peak {
-    /// The peak of `environment`, where it is a sun's.
+    /// Finds the peak of `environment`, if it stands out.
     fn find(environment: &Environment, grid: Grid) -> Option<Self> {
         let (mut peak_at, mut peak) = (0, 0.0);
         for (at, texel) in environment.texels().iter().enumerate() {
@@ -118,17 +116,17 @@ impl Peak {
         found.then_some(Self { at: peak_at, luminance: peak, surroundings })
     }
 
-    /// The luminance of the sun's edge.
+    /// Luminance threshold of the region.
     fn edge(&self) -> f64 {
         self.surroundings + EDGE * (self.luminance - self.surroundings)
     }
 }
 
-/// Rim texels that a replaced texel looks at, about: more are no smoother and cost their number.
+/// Approximate number of rim texels averaged for a replaced texel; more cost time without a smoother result.
 const RIM: usize = 512;
 
 impl Sun {
-    /// The brightest region of `environment`, where one stands out.
+    /// Finds the brightest region of `environment`; `None` if none stands out.
     #[must_use]
     pub fn find(environment: &Environment) -> Option<Self> {
         let grid = Grid(environment.layout());
@@ -138,14 +136,14 @@ impl Sun {
         Some(Self::over(environment, grid, &peak, &region, |at| texels[at].map(f64::from)))
     }
 
-    /// Parts `environment` into its sun and the rest; their energies add up to its own. `None` where there is
-    /// no sun: where nothing stands out, and where [`Sun::find`] finds a [`Brightest::Region`].
+    /// Splits `environment` into its sun and the rest; their energies add up to its own. `None` if nothing
+    /// stands out, or if [`Sun::find`] finds a [`Brightest::Region`].
     ///
-    /// Extracts the region of [`Sun::find`] with the glow that is connected to it: texels of at
-    /// least eight times the surroundings' luminance, up to where the surroundings begin; and one texel more
-    /// all around, where edges are blurred and compression rings. They take on the mean of the texels around
-    /// the region, weighted by one over the squared distance, which in a disc is the harmonic (smoothest)
-    /// continuation of its rim; but no channel becomes brighter than it was.
+    /// Extracts the region of [`Sun::find`] with the glow that is connected to it: texels of at least eight
+    /// times the surroundings' luminance within the inner angle of the surroundings, and a margin of one
+    /// texel for blurred edges and compression ringing. They are replaced by the mean of the texels around
+    /// the region, weighted by the inverse squared distance, which in a disc is the harmonic (smoothest)
+    /// continuation of its rim. No channel becomes brighter than it was.
     #[must_use]
     pub fn extract(environment: &Environment) -> Option<Extraction> {
         if Self::find(environment)?.kind != Brightest::Sun {
@@ -190,7 +188,7 @@ impl Sun {
             rest[at] = replacement;
         }
         let above = |at: usize| std::array::from_fn(|c| f64::from(texels[at][c]) - f64::from(rest[at][c]));
-        // The glow and the rim are no part of what makes it a sun.
+        // The classification ignores the glow and the margin.
         let sun = Self { kind: Brightest::Sun, ..Self::over(environment, grid, &peak, &region, above) };
         let mut energy = 0.0;
         environment.for_each_texel(|_, w, texel| energy += w * exact_luminance(texel));
@@ -198,7 +196,7 @@ impl Sun {
         Some(Extraction { sun, energy_share, sunless: environment.with_texels(rest) })
     }
 
-    /// The sun over the texels of `region`, of which `radiance` counts.
+    /// Integrates `radiance` over the texels of `region`.
     fn over(
         environment: &Environment,
         grid: Grid,
@@ -228,7 +226,7 @@ impl Sun {
         }
     }
 
-    /// Degrees from +X towards +Z, in (-180, 180]: the panorama's centre is 0, its right half is positive.
+    /// Degrees from +X towards +Z, in (-180, 180]: 0 at the panorama's centre, positive in its right half.
     #[must_use]
     pub fn azimuth_degrees(&self) -> f64 {
         self.direction.z.atan2(self.direction.x).to_degrees()
@@ -246,8 +244,8 @@ fn weigh(rgb: [f64; 3]) -> f64 {
     (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }
 
-/// Median luminance of the texels around `peak` (a direction of the source), or of all where none is that
-/// near.
+/// Median luminance of the texels around `peak` (a direction of the source), or of all texels if none is in
+/// range.
 fn surroundings(environment: &Environment, peak: DVec3) -> Option<f64> {
     let begin = surroundings_begin(environment.layout());
     let [inner, outer] = [begin, SURROUNDINGS_REACH * begin].map(|angle| angle.min(PI).cos());
@@ -266,12 +264,12 @@ fn surroundings(environment: &Environment, peak: DVec3) -> Option<f64> {
     (!around.is_empty()).then(|| *around.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// The angle from the peak at which its surroundings begin.
+/// Inner angle of the surroundings.
 fn surroundings_begin(layout: Layout) -> f64 {
     SURROUNDINGS_DEGREES.to_radians().max(2.0 * texel_width(layout))
 }
 
-/// Angle across a texel, roughly.
+/// Approximate angular width of a texel.
 pub(crate) fn texel_width(layout: Layout) -> f64 {
     match layout {
         Layout::Panorama { height, .. } => PI / f64::from(height),
@@ -280,7 +278,7 @@ pub(crate) fn texel_width(layout: Layout) -> f64 {
     }
 }
 
-/// The texels of a layout by index, in the source's own space.
+/// The texels of a layout by index, in the source's space.
 #[derive(Clone, Copy)]
 struct Grid(Layout);
 
@@ -316,14 +314,14 @@ impl Grid {
         self.0.texel_solid_angle(i, j)
     }
 
-    /// The texel beside texel `at`, (`right`, `down`) of it, across whatever edge lies between.
+    /// The texel at offset (`right`, `down`) from texel `at`, also across edges.
     fn neighbour(self, at: usize, right: i64, down: i64) -> usize {
         let (i, j, face) = self.place(at);
         let (x, y) = (i64::from(i) + right, i64::from(j) + down);
         match self.0 {
             Layout::Panorama { width, height } => {
                 let (width, height) = (i64::from(width), i64::from(height));
-                // Over a pole the meridian goes on half a turn away.
+                // Across a pole the meridian continues half a turn away.
                 let over = y < 0 || y >= height;
                 let column = (x + if over { width / 2 } else { 0 }).rem_euclid(width);
                 (y.clamp(0, height - 1) * width + column) as usize
@@ -336,7 +334,7 @@ impl Grid {
         }
     }
 
-    /// The texels that touch texel `at` by a side or a corner.
+    /// The texels that share a side or a corner with texel `at`.
     fn around(self, at: usize) -> [usize; 8] {
         [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
             .map(|(right, down)| self.neighbour(at, right, down))
@@ -370,13 +368,13 @@ impl Grid {
     }
 }
 
-/// Index of the cube texel at (`x`, `y`) of `face`, which may lie a texel beyond its edges.
+/// Index of the cube texel at (`x`, `y`) of `face`, which may be one texel outside the face.
 pub(crate) fn beside(size: u32, face: cube::Face, x: i64, y: i64) -> usize {
     let n = f64::from(size);
     let coordinate = |k: i64| (k as f64 + 0.5) / n * 2.0 - 1.0;
     let (face, s, t) = cube::cube_from_direction(cube::cube_point(face, coordinate(x), coordinate(y)));
-    // A texel's width beyond an edge projects to the row along it, at the same place: s/(1 + 1/n) stays in
-    // its texel.
+    // A point one texel outside projects to the adjacent row of the neighbour, at the same position: s/(1 +
+    // 1/n) stays in its texel.
     let texel = |c: f64| (((c + 1.0) / 2.0 * n) as usize).min(size as usize - 1);
     (face.index() * size as usize + texel(t)) * size as usize + texel(s)
 }
@@ -428,7 +426,7 @@ mod tests {
     fn what_is_taken_out_and_what_stays_are_the_whole() {
         for layout in LAYOUTS {
             for place in PLACES.map(DVec3::normalize) {
-                // A sun with a glow over a sky that brightens to one side, each channel its own.
+                // A sun with a glow over a sky with a gradient, different in each channel.
                 let grid = Grid(layout);
                 let texels: Vec<Rgb> = (0..layout.texel_count())
                     .map(|at| {
@@ -458,7 +456,7 @@ mod tests {
                     let kept = was == is;
                     assert!(kept || away < 17.0, "{layout:?} {place}: a texel {away} degrees off changed");
                     assert!((0..3).all(|c| 0.0 <= is[c] && is[c] <= was[c]), "{was:?} became {is:?}");
-                    // Eight times the sky's two, and what the glow adds to the rim.
+                    // Eight times the sky's maximum of 2, and the glow on the rim.
                     assert!(is[0] < 24.0, "{layout:?} {place}: {is:?} is left {away} degrees off");
                 }
             }
@@ -472,7 +470,7 @@ mod tests {
         texels[5 * 16 + 7] = [900.0, 2.0, 1.0];
         let environment = Environment::new(layout, texels.clone()).expect("valid");
         let extraction = Sun::extract(&environment).expect("a sun");
-        // Blue was darker than its surroundings and stays.
+        // Blue was darker than its surroundings and stays unchanged.
         texels[5 * 16 + 7] = [1.0, 2.0, 1.0];
         assert_eq!(extraction.sunless.texels(), texels);
         assert_eq!(extraction.sun.texels, 9, "with those around it, which stay");
@@ -493,8 +491,8 @@ mod tests {
         for layout in LAYOUTS {
             // 3 degrees: 0.0086 sr.
             assert_eq!(Sun::find(&sky(layout, DVec3::Z, 3.0)).expect("it stands out").kind, Brightest::Sun);
-            // Windows of 0.06 and 0.5 sr, as bright; what surrounds a peak inside a large one is the window
-            // itself.
+            // Windows of 0.06 and 0.5 sr of the same radiance; a peak inside the large one is surrounded by
+            // the window itself.
             for degrees in [8.0, 23.0] {
                 let window = sky(layout, DVec3::Z, degrees);
                 let found = Sun::find(&window).map(|found| found.kind);

@@ -3,9 +3,9 @@
 //!
 //! GGX with height-correlated Smith visibility (Heitz 2014) and Schlick's Fresnel, in Karis's form (a scale
 //! and a bias for f0) or in the one for multiple scattering; and Charlie with Neubelt's visibility (Estevez
-//! and Kulla 2017, Neubelt and Pettineo 2013), which glTF and Filament use for sheen and cloth. By
-//! Gauss-Legendre quadrature over half vectors, on pieces where the integrand is smooth: the same numbers
-//! always, without noise.
+//! and Kulla 2017, Neubelt and Pettineo 2013), which glTF and Filament use for sheen and cloth. Computed by
+//! Gauss-Legendre quadrature over half vectors, on pieces where the integrand is smooth: deterministic and
+//! free of noise.
 
 use crate::error::{Error, Result};
 use rayon::prelude::*;
@@ -19,22 +19,22 @@ pub enum DfgForm {
     /// Specular = f0 * red + f90 * green (Karis 2013; Khronos's sampler and viewer, three.js, Bevy).
     #[default]
     SplitSum,
-    /// Specular = mix(red, green, f0), green being what f0 = 1 reflects; 1/green - 1 makes up for multiple
-    /// scattering (Filament, cmgen --ibl-dfg-multiscatter).
+    /// Specular = mix(red, green, f0), green is the reflectance of f0 = 1; 1/green - 1 compensates for
+    /// multiple scattering (Filament, cmgen --ibl-dfg-multiscatter).
     MultipleScattering,
 }
 
-/// A table of `size` x `size` texels: column i is for the cosine (i+1/2)/size, row j for the perceptual
-/// roughness (j+1/2)/size.
+/// A table of `size` x `size` texels: column i has the cosine (i+1/2)/size, row j the perceptual roughness
+/// (j+1/2)/size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DfgTable {
     /// Texels along an edge.
     pub size: u32,
-    /// Row-major; red and green by the form, blue the reflectance of a Charlie lobe, or 0 without it.
+    /// Row-major; red and green according to the form; blue is the reflectance of a Charlie lobe, or 0.
     pub texels: Vec<[f32; 3]>,
 }
 
-/// What the blue channel holds.
+/// Content of the blue channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DfgBlue {
     /// 0.
@@ -43,7 +43,7 @@ pub enum DfgBlue {
     Charlie,
 }
 
-/// The table of `size` texels a side.
+/// Computes the table of `size` texels a side.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a size of 0 or above 1024.
@@ -51,7 +51,7 @@ pub fn dfg_table(size: u32, form: DfgForm, blue: DfgBlue) -> Result<DfgTable> {
     dfg_table_with(size, form, blue, &|_, _| ())
 }
 
-/// [`dfg_table`], which calls `progress` with the rows that are done and their number, from any thread.
+/// [`dfg_table`] with progress: calls `progress` with the rows done and their total, from any thread.
 ///
 /// # Errors
 /// Those of [`dfg_table`].
@@ -62,7 +62,7 @@ pub fn dfg_table_with(
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<DfgTable> {
     if !(1..=1024).contains(&size) {
-        return Err(Error::Parameter(format!("a table of {size} texels; 1 to 1024 can be made")));
+        return Err(Error::Parameter(format!("a table of {size} texels; `size` must be 1 to 1024")));
     }
     let (rule, fine) = (gauss_legendre(NODES), gauss_legendre(2 * NODES));
     let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(size);
@@ -88,12 +88,12 @@ pub fn dfg_table_with(
     Ok(DfgTable { size, texels })
 }
 
-/// Nodes a piece and an axis: twice as many change GGX by less than 1e-4 and Charlie by less than a half
-/// float's rounding.
+/// Nodes per piece and axis. Doubling them changes GGX by less than 1e-4 and Charlie by less than half-float
+/// rounding.
 const NODES: usize = 48;
 
 /// Scale and bias of f0 for GGX at the view's `cosine` in (0, 1] and the perceptual `roughness` in \[0, 1\];
-/// their sum is what a white mirror of that roughness reflects once.
+/// their sum is the single-scattering reflectance of a white surface of that roughness.
 #[must_use]
 pub fn ggx(cosine: f64, roughness: f64) -> [f64; 2] {
     ggx_with(cosine, roughness, &gauss_legendre(NODES))
@@ -109,14 +109,14 @@ pub fn charlie_reflectance(cosine: f64, roughness: f64) -> f64 {
 fn ggx_with(cosine: f64, roughness: f64, rule: &[(f64, f64)]) -> [f64; 2] {
     let alpha = roughness * roughness;
     let fresnel = (1.0 - cosine).powi(5);
-    // Below this the lobe is a mirror to nine digits.
+    // Below this alpha the lobe is a mirror to nine digits.
     if alpha < 1e-9 {
         return [1.0 - fresnel, fresnel];
     }
     let a2 = alpha * alpha;
     let smith = |z: f64| (z * z * (1.0 - a2) + a2).sqrt();
     let smith_view = smith(cosine);
-    // The distribution's own coordinate, w = tan^2/(tan^2 + alpha^2): D cos dw_h becomes dw dphi/(2 pi).
+    // Coordinate of the distribution, w = tan^2/(tan^2 + alpha^2): D cos dw_h becomes dw dphi/(2 pi).
     let from_angle = |theta: f64| {
         let (sin, cos) = theta.sin_cos();
         sin * sin / (sin * sin + a2 * cos * cos)
@@ -138,7 +138,7 @@ fn ggx_with(cosine: f64, roughness: f64, rule: &[(f64, f64)]) -> [f64; 2] {
 }
 
 fn charlie_with(cosine: f64, roughness: f64, rule: &[(f64, f64)]) -> f64 {
-    // As Khronos's shader clamps it.
+    // Clamped as in Khronos's shader.
     let alpha = roughness.max(1e-3).powi(2);
     let scale = (2.0 + 1.0 / alpha) / (2.0 * PI);
     let ring = |sin: f64| 4.0 * scale * sin.powf(1.0 / alpha) * sin;
@@ -156,19 +156,20 @@ fn charlie_with(cosine: f64, roughness: f64, rule: &[(f64, f64)]) -> f64 {
     sum[0]
 }
 
-/// Cosines of a half vector: to the normal, to the view (and the light), and the light's to the normal.
+/// Cosines of a half vector to the normal and to the view (and light), and of the light to the normal.
 struct Half {
     normal: f64,
     view: f64,
     light: f64,
 }
 
-/// The integral of `ring` times `f` dw dphi over all half vectors whose light is above the horizon, `w` being
-/// a coordinate of the half vector's angle and `ring` what depends on that angle alone, given its sine.
+/// Integrates `ring` times `f` dw dphi over all half vectors whose light is above the horizon. `w` is a
+/// coordinate of the half vector's angle; `ring` holds the factors that depend only on that angle, given its
+/// sine.
 ///
 /// With the view at angle v, half vectors up to (pi/2 - v)/2 have all their lights above the horizon, those
-/// beyond (pi/2 + v)/2 none, and those between have them up to an azimuth. Each piece is smooth inside, and
-/// like a square root at the ends, which a cosine's spacing takes away.
+/// beyond (pi/2 + v)/2 none, and those between up to an azimuth. Each piece is smooth inside with square-root
+/// behaviour at the ends, which cosine-spaced nodes remove.
 fn integrate(
     cosine: f64,
     rule: &[(f64, f64)],
@@ -180,12 +181,12 @@ fn integrate(
     let view_angle = cosine.clamp(0.0, 1.0).acos();
     let view_sin = (1.0 - cosine * cosine).max(0.0).sqrt();
     let [first, last] = [FRAC_PI_4 - view_angle / 2.0, FRAC_PI_4 + view_angle / 2.0];
-    // Grazing views: visibility changes on the scale of the first end, far below the second.
+    // At grazing views visibility changes on the scale of the first end, which is far below the second.
     let between = std::iter::successors(Some(first * 4.0), |end| Some(end * 4.0));
     let mut ends = vec![0.0, from_angle(first)];
     ends.extend(between.take_while(|end| first > 1e-9 && *end < last).map(&from_angle));
     ends.push(from_angle(last));
-    // Azimuths are spaced alike: at grazing views visibility rises steeply from the horizon.
+    // Azimuths use the same spacing, because visibility rises steeply from the horizon at grazing views.
     let spaced: Vec<(f64, f64)> = rule
         .iter()
         .map(|(x, weight)| ((1.0 - (PI * x).cos()) / 2.0, weight * FRAC_PI_2 * (PI * x).sin()))
@@ -196,7 +197,7 @@ fn integrate(
             let w = piece[0] + (piece[1] - piece[0]) * t;
             let (sin, normal) = to_angle(w).sin_cos();
             let w_weight = t_weight * (piece[1] - piece[0]) * ring(sin);
-            // The light is above the horizon where the azimuth's cosine is greater than this.
+            // The light is above the horizon if the azimuth's cosine is greater than this.
             let least = (cosine / (2.0 * normal) - cosine * normal) / (view_sin * sin);
             let widest = if least.is_nan() { PI } else { least.clamp(-1.0, 1.0).acos() };
             for &(share, share_weight) in &spaced {

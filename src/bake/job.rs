@@ -1,4 +1,4 @@
-//! What is baked for several settings: every level once.
+//! Combines the levels of several settings, so that each is baked once.
 
 use super::level::{BakedLevel, LevelJob};
 use super::result::{Bake, LevelStats, Meter, OnProgress, sharpest};
@@ -14,20 +14,19 @@ use crate::reflector::{ReflectorSettings, default_oem_size, source_oem_size};
 use crate::sh;
 use std::sync::atomic::AtomicU64;
 
-/// Several bakes of one environment over one OEM: the levels to bake, each once, and which of them each bake
-/// takes.
+/// Several bakes of one environment over one OEM: the distinct levels, and which of them each bake uses.
 pub(crate) struct Job<'a> {
     environment: &'a Environment,
     settings: &'a [BakeSettings],
     levels: Vec<LevelJob>,
-    /// One for each of the settings.
+    /// One entry per settings.
     bakes: Vec<BakeParts>,
 }
 
 /// The parts of one bake, as indices of [`Job::levels`].
 struct BakeParts {
     levels: Vec<usize>,
-    /// The levels of the Charlie lobe, where they are asked for.
+    /// The levels of the Charlie lobe, if requested.
     sheen: Option<Vec<usize>>,
     irradiance: Option<usize>,
 }
@@ -78,7 +77,7 @@ impl<'a> Job<'a> {
         &self.levels
     }
 
-    /// The roughnesses of all chains, as their lobes have them.
+    /// The roughnesses of all chains and lobes.
     fn roughnesses(&self) -> impl Iterator<Item = f64> {
         let chains = self.bakes.iter().flat_map(|bake| bake.levels.iter().chain(bake.sheen.iter().flatten()));
         chains.map(|index| {
@@ -87,12 +86,12 @@ impl<'a> Job<'a> {
         })
     }
 
-    /// What the reflector must serve.
+    /// Settings of a reflector that supports all levels.
     pub(crate) fn reflector_settings(&self) -> ReflectorSettings {
         let Self { environment, settings, .. } = self;
         let sharpest = sharpest(self.roughnesses());
         let oem_size = settings.iter().filter_map(|settings| settings.oem_size).max();
-        // The safety border: plain four-corner reads for the widest box of the ladders.
+        // Border that allows plain four-corner reads for the widest box of the ladders.
         let inner = oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0, sharpest));
         let roughest = self.roughnesses().fold(0.0, f64::max);
         let own = |settings: &BakeSettings| {
@@ -106,12 +105,12 @@ impl<'a> Job<'a> {
         ReflectorSettings { oem_size, border, sharpest, fitted }
     }
 
-    /// The bakes, from the levels and the seconds that each took, and the OEM's size and its energy in the
-    /// source's units.
+    /// Assembles the bakes from the levels with their durations in seconds, and the OEM's size and energy in
+    /// the source's units.
     ///
     /// # Errors
-    /// [`Error::NonFiniteResult`] for a level, a bound or a coefficient that is not a number to be written.
-    /// Every bake of either engine comes through here.
+    /// [`Error::NonFiniteResult`] for a NaN, infinite or negative level or bound, or an invalid coefficient.
+    /// All bakes of both engines pass through this check.
     pub(crate) fn finish(
         self,
         mut baked: Vec<(BakedLevel, f64)>,
@@ -126,7 +125,7 @@ impl<'a> Job<'a> {
         let asked = default_oem_size(source, 0, sharpest(self.roughnesses())).min(source_oem_size(source));
         if oem.inner < asked {
             warnings.push(format!(
-                "the OEM of {} texels is coarser than source and lobes ask for, {asked}",
+                "the OEM of {} texels is coarser than source and lobes require, {asked}",
                 oem.inner
             ));
         }
@@ -141,7 +140,7 @@ impl<'a> Job<'a> {
         }
         let stats: Vec<LevelStats> =
             baked.iter().map(|(level, seconds)| LevelStats::new(level, *seconds)).collect();
-        // The last bake to use a level gets the level itself.
+        // Move a level into the last bake that uses it; clone it for the others.
         let mut uses = vec![0_u32; baked.len()];
         for BakeParts { levels, sheen, irradiance } in &self.bakes {
             levels.iter().chain(sheen.iter().flatten()).chain(irradiance).for_each(|index| uses[*index] += 1);
@@ -185,7 +184,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// What becomes of a level's bounds.
+/// Handling of a level's bounds.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Bounds {
     Keep,

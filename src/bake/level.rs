@@ -1,4 +1,4 @@
-//! One level of a bake: every texel of its map, tiles of neighbours sharing their walks.
+//! Bakes one level. Tiles of neighbouring texels share their tree walks.
 
 use super::result::Processor;
 use crate::chain::LevelSpec;
@@ -12,7 +12,7 @@ use crate::reflector::{Reflector, Workspace};
 use crate::sphere::cube::Face;
 use rayon::prelude::*;
 
-/// One level to bake, which several bakes may share.
+/// A level to bake, possibly shared by several bakes.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct LevelJob {
     pub(crate) spec: LevelSpec,
@@ -21,13 +21,13 @@ pub(crate) struct LevelJob {
 }
 
 impl LevelJob {
-    /// Whether the level shows what its texels cover.
+    /// Whether the level is a mirror: the mean radiance over each texel.
     pub(crate) fn is_mirror(&self) -> bool {
         self.spec.roughness == 0.0 && self.lobe.has_mirror()
     }
 }
 
-/// Called with the texels that are done since the last call, from any thread; its error stops the bake.
+/// Called with the number of texels done since the last call, from any thread; an error stops the bake.
 pub(crate) type Advance<'a> = &'a (dyn Fn(u64) -> Result<()> + Sync);
 
 /// A baked level.
@@ -38,7 +38,7 @@ pub(crate) struct BakedLevel {
     pub(crate) leaves_per_texel: Option<f64>,
 }
 
-/// Bakes `level`; `advance` is told of texels done, from any thread.
+/// Bakes `level`; calls `advance` with the number of texels done, from any thread.
 pub(crate) fn bake_level(
     reflector: &Reflector<'_>,
     level: &LevelJob,
@@ -46,7 +46,7 @@ pub(crate) fn bake_level(
 ) -> Result<BakedLevel> {
     let LevelJob { spec, lobe, filter } = *level;
     if level.is_mirror() {
-        // A mirror shows what each texel covers.
+        // A mirror level is the mean radiance over each texel.
         let texels = footprints_over(reflector.environment(), spec.layout)?;
         advance(texels.len() as u64)?;
         return Ok(BakedLevel::unbounded(texels));
@@ -77,12 +77,12 @@ pub(crate) fn bake_level(
 }
 
 impl BakedLevel {
-    /// A level of the CPU without bounds.
+    /// Creates a level of the CPU engine without bounds.
     pub(crate) const fn unbounded(texels: Vec<Rgb>) -> Self {
         Self { processor: Processor::Cpu, texels, bounds: None, leaves_per_texel: None }
     }
 
-    /// Checks that radiance and bounds are numbers that may be written.
+    /// Checks that radiance and bounds are finite and non-negative.
     ///
     /// # Errors
     /// [`Error::NonFiniteResult`] naming the first texel that is NaN, infinite or negative.
@@ -113,8 +113,8 @@ impl BakedLevel {
         }
     }
 
-    /// A level of `answers`, one a texel, for which `packets` of directions, `samples` a texel, shared
-    /// `leaves`.
+    /// Creates a level from `answers`, one a texel. `packets` packets of directions, `samples` a texel, took
+    /// `leaves` leaves in total.
     pub(crate) fn new(
         processor: Processor,
         answers: impl Iterator<Item = Answer>,
@@ -124,7 +124,7 @@ impl BakedLevel {
     ) -> Self {
         let (texels, bounds): (Vec<Rgb>, Vec<Option<f32>>) =
             answers.map(|answer| (answer.radiance, answer.bound)).unzip();
-        // Every direction of a packet sums all its leaves.
+        // Every direction of a packet sums all leaves of the packet.
         let per_texel = leaves as f64 / packets as f64 * samples as f64;
         Self {
             processor,

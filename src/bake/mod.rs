@@ -1,4 +1,4 @@
-//! Lobes to cube chains: the levels and roughnesses of a bake, and the bake itself.
+//! Bakes prefiltered cube chains.
 
 pub mod dfg;
 pub(crate) mod job;
@@ -25,19 +25,18 @@ use web_time::Instant;
 /// Bakes `environment` on the CPU.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for settings that make no sense together, [`crate::Error::Limit`] where it
-/// would take more than [`memory::LIMIT`].
+/// [`crate::Error::Parameter`] for inconsistent settings, [`crate::Error::Limit`] if it needs more than
+/// [`memory::LIMIT`].
 pub fn bake(environment: &Environment, settings: &BakeSettings) -> Result<Bake> {
     let mut bakes = bake_all(environment, std::slice::from_ref(settings), &unwatched)?;
     Ok(bakes.pop().expect("one bake for one settings"))
 }
 
-/// Bakes `environment` several times from one octahedral map, one bake for each of `settings`; levels that
-/// several of them ask for are baked once. The map is fine enough for the sharpest lobe of all; where
-/// settings name its size or border, the largest counts.
+/// Bakes `environment` once for each of `settings` from one octahedral map; shared levels are baked once. The
+/// map's resolution suits the sharpest lobe. If settings give its size or border, the largest applies.
 ///
 /// # Errors
-/// As [`bake`]; [`crate::Error::Parameter`] for no settings, [`crate::Error::Cancelled`] where `progress`
+/// As [`bake`]; [`crate::Error::Parameter`] for no settings, [`crate::Error::Cancelled`] if `progress`
 /// returns [`ControlFlow::Break`].
 pub fn bake_all(
     environment: &Environment,
@@ -50,15 +49,14 @@ pub fn bake_all(
     ready(bake_job(job, &reflector, progress))
 }
 
-/// The progress of a bake that nobody watches: it goes on.
+/// Progress callback that ignores progress and continues.
 pub fn unwatched(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// What a bake needs of an engine: an environment's OEM, ready to answer. Futures of the CPU are ready at
-/// once.
+/// Engine interface of a bake, over a prepared OEM. Futures of the CPU engine are always ready.
 pub(crate) trait BakeEngine {
-    /// Bakes `level`; calls `advance` with the texels that are done, and stops at its error.
+    /// Bakes `level`; calls `advance` with the number of texels done and stops at its error.
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel>;
 
     /// The OEM's size, and its energy in the source's units.
@@ -92,7 +90,7 @@ pub(crate) async fn bake_job(
     job.finish(levels, oem, energy)
 }
 
-/// The output of a future of the CPU.
+/// Output of a future of the CPU engine.
 fn ready<T>(future: impl Future<Output = T>) -> T {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(output) => output,

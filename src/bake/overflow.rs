@@ -1,4 +1,4 @@
-//! Radiance above what a pixel format can hold: clamped, compressed, or refused.
+//! Radiance above a pixel format's maximum: clamped, compressed, or rejected.
 
 use crate::bake::result::Bake;
 use crate::chain::Level;
@@ -7,44 +7,43 @@ use crate::error::{Error, Result};
 use crate::format::Pixel;
 use crate::sphere::cube::Face;
 
-/// What becomes of a texel with a channel above a pixel format's greatest value.
+/// Treatment of a texel with a channel above a pixel format's maximum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Overflow {
-    /// Each channel is clamped by itself: bright colours turn white.
+    /// Clamp each channel separately: bright colours turn white.
     #[default]
     Clamp,
-    /// The texel is scaled down as a whole, and keeps its colour: see [`compressed`].
+    /// Scale the texel down, which keeps its colour: see [`compressed`].
     Compress,
-    /// It is an error.
+    /// Fail.
     Error,
 }
 
-/// Share of the greatest value from which on texels are compressed.
+/// Start of compression, as a share of the maximum.
 const KNEE: f64 = 0.25;
 
-/// Where a greatest channel of `value` comes to lie for a format that holds up to `most`: the same up to a
-/// quarter of that, from there on with a slope that falls from 1, always below `most`. What was brighter
-/// stays brighter, until rounding takes the difference.
+/// Maps a maximum channel of `value` for a format with the maximum `most`: identity up to `most`/4, then a
+/// slope that falls from 1, always below `most`. Strictly increasing up to rounding.
 #[must_use]
 pub fn compressed(value: f64, most: f64) -> f64 {
     let knee = KNEE * most;
     if value <= knee {
         return value;
     }
-    // A hyperbola through the knee with slope 1, most being its asymptote.
+    // A hyperbola through the knee with slope 1 and the asymptote `most`.
     let room = most - knee;
     let above = value - knee;
     knee + room * above / (room + above)
 }
 
-/// Share of the luminance's energy that clamping in `pixel` takes from the level of `bake` that loses most.
+/// Largest share of a level's luminance energy that clamping in `pixel` removes, over all levels of `bake`.
 #[must_use]
 pub fn clamped_share(bake: &Bake, pixel: Pixel) -> f64 {
     bake.levels().map(|level| level_clamped_share(level, pixel)).fold(0.0, f64::max)
 }
 
-/// [`clamped_share`] of one level; 0 where nothing is clamped.
+/// [`clamped_share`] of one level; 0 if nothing is clamped.
 fn level_clamped_share(level: &Level, pixel: Pixel) -> f64 {
     let Level { layout, texels, .. } = level;
     if pixel.clamped(texels) == 0 {
@@ -76,12 +75,12 @@ impl Overflow {
         }
     }
 
-    /// Prepares every level of `bake` for `pixel`; returns the texels that were compressed. A level without a
-    /// texel above the format's greatest value stays as it is, and so does every level under
-    /// [`Overflow::Clamp`], which is what the writers do.
+    /// Prepares every level of `bake` for `pixel`; returns the number of compressed texels. Leaves levels
+    /// within the format's maximum unchanged, and all levels for [`Overflow::Clamp`], which the writers
+    /// perform.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for [`Overflow::Error`] where a texel is too bright, naming it.
+    /// [`Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
     pub fn apply_all(self, bake: &mut Bake, pixel: Pixel) -> Result<u64> {
         bake.levels_mut().enumerate().map(|(index, level)| self.apply(index, level, pixel)).sum()
     }
@@ -102,7 +101,7 @@ impl Overflow {
         self.apply_to(&mut level.texels, pixel, place)
     }
 
-    /// `place` says which texel an index is.
+    /// `place` describes the texel at an index.
     fn apply_to(self, texels: &mut [Rgb], pixel: Pixel, place: impl Fn(usize) -> String) -> Result<u64> {
         let most = pixel.max();
         let greatest = |texel: &[f32; 3]| texel.iter().copied().fold(0.0, f32::max);

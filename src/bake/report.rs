@@ -1,8 +1,8 @@
-//! `report.json`: what a bake did, for people and for programs.
+//! `report.json`: the record of a bake, for people and programs.
 //!
-//! Two runs with the same input and options give the same report, but for the keys named `seconds`.
+//! Two runs with the same input and options give the same report, except the keys named `seconds`.
 //!
-//! `docs/report.md` lists every key with its type; a test holds real reports to that list.
+//! `docs/report.md` lists every key with its type; a test checks real reports against it.
 
 use crate::analysis::sun::Sun;
 use crate::bake::overflow::Overflow;
@@ -17,8 +17,8 @@ use crate::sh::order_text;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Version of the schema: the first number of [`Report::schema_version`] that has the keys of
-/// `docs/report.md`. It rises when a key goes or changes its meaning, not when one is added.
+/// Version of the schema in `docs/report.md`. It increases when a key is removed or changes its meaning, not
+/// when one is added.
 pub const SCHEMA_VERSION: u32 = 1;
 
 /// A bake's report; its fields are the keys of `report.json`.
@@ -29,12 +29,12 @@ pub struct Report {
     pub schema_version: u32,
     /// The program and its version.
     pub generator: String,
-    /// The input as it was named; of six files the first.
+    /// The input path as given; for six files the first.
     pub input: String,
     /// The input's files with their sizes and hashes.
     #[serde(default)]
     pub input_files: Vec<InputFileReport>,
-    /// What computed: `cpu` or `gpu`.
+    /// Engine: `cpu` or `gpu`.
     pub engine: String,
     /// The graphics adapter; `null` on the CPU.
     pub adapter: Option<String>,
@@ -42,39 +42,39 @@ pub struct Report {
     pub oem: OemReport,
     /// The levels, the sharpest first.
     pub levels: Vec<LevelReport>,
-    /// The levels of the sheen; absent where there are none.
+    /// The sheen levels; absent if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sheen: Vec<LevelReport>,
     /// Energy before and after reparameterisation.
     pub energy: EnergyReport,
     /// Spherical harmonics of the source.
     pub sh: ShReport,
-    /// The sun that was taken out before the bake; `null` where none was, or none was to be.
+    /// The sun removed before the bake; `null` if none was found or requested.
     #[serde(default)]
     pub sun: Option<SunReport>,
-    /// What was set right in the input.
+    /// Repairs of the input.
     pub repaired: RepairReport,
-    /// Texels with a channel that the pixel format could not hold.
+    /// Texels with a channel above the pixel format's maximum.
     pub clamped: u64,
-    /// Share of the energy that clamping took from the level that lost most, by luminance.
+    /// Share of luminance energy removed by clamping, of the level that lost most.
     #[serde(default)]
     pub clamped_energy_share: f64,
-    /// Texels scaled down for the pixel format; absent where there are none.
+    /// Texels scaled down for the pixel format; absent if there are none.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub compressed: u64,
-    /// What the user should know, a line each.
+    /// Warnings, one line each.
     pub warnings: Vec<String>,
-    /// What was asked for.
+    /// The options.
     pub options: OptionsReport,
-    /// What the numbers and images mean.
+    /// Conventions of the numbers and images.
     pub conventions: ConventionsReport,
-    /// What was written for which engine; absent without `--target`.
+    /// The target; absent without `--target`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetReport>,
-    /// The files written, this one left out.
+    /// The files written, except the report.
     #[serde(default)]
     pub outputs: Vec<OutputFileReport>,
-    /// What tells whether the bake need not be done again; absent from the library's own reports.
+    /// Hashes for `--skip-unchanged`; absent from the library's own reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fingerprint: Option<FingerprintReport>,
     /// Wall time from reading to writing.
@@ -84,18 +84,18 @@ pub struct Report {
 /// A file that was read.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputFileReport {
-    /// As it was named.
+    /// Path as given.
     pub path: String,
-    /// Its size; of a folder, that of its level 0.
+    /// Its size; for a folder, that of its level 0.
     pub bytes: u64,
-    /// BLAKE3 hash of its content in hexadecimal; of a folder, of the names and hashes of its level 0.
+    /// BLAKE3 hash of its content in hexadecimal; for a folder, of the names and hashes of its level 0.
     pub blake3: String,
 }
 
 /// A file that was written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OutputFileReport {
-    /// Relative to the folder of the output; a picture of `--preview` as it was named.
+    /// Path relative to the output's folder; a `--preview` picture as given.
     pub path: String,
     /// Its size.
     pub bytes: u64,
@@ -106,7 +106,7 @@ pub struct OutputFileReport {
 pub struct OemReport {
     /// Texels along an edge, without the border.
     pub size: u32,
-    /// Texels added on every side.
+    /// Border on every side, in texels.
     pub border: u32,
 }
 
@@ -115,30 +115,29 @@ pub struct OemReport {
 pub struct LevelReport {
     /// Its number, from 0.
     pub level: u32,
-    /// Texels along an edge of a face, rows of a single image.
+    /// Texels along an edge of a face; rows of a single image.
     pub size: u32,
     /// Perceptual roughness in [0, 1].
     #[serde(serialize_with = "finite")]
     pub roughness: f64,
     /// Format of its texels as stored.
     pub pixel: String,
-    /// What computed it: `cpu` or `gpu`. A GPU leaves mirrors of other maps than the cube and lobes that float32
-    /// does not resolve to the CPU. Reports of version 0.2 have it not.
+    /// Engine of the level: `cpu` or `gpu`. The GPU engine computes mirror levels of maps other than the
+    /// cube, and lobes too narrow for float32, on the CPU. Absent from reports of version 0.2.
     #[serde(default)]
     pub engine: String,
     /// Wall time.
     pub seconds: f64,
-    /// Leaves of the quadrature a texel, on average; `null` where the filter has none.
+    /// Average quadrature leaves per texel; `null` if the filter has none.
     #[serde(serialize_with = "finite")]
     pub leaves_per_texel: Option<f64>,
-    /// Greatest certified error bound, absolute luminance; `null` where the filter has none.
+    /// Maximum certified error bound, absolute luminance; `null` if the filter has none.
     #[serde(serialize_with = "finite")]
     pub error_bound_max: Option<f64>,
-    /// Mean certified error bound, absolute luminance; `null` where the filter has none.
+    /// Mean certified error bound, absolute luminance; `null` if the filter has none.
     #[serde(serialize_with = "finite")]
     pub error_bound_mean: Option<f64>,
-    /// The certified error bound that 99 % of the texels keep, absolute luminance; `null` where the filter
-    /// has none.
+    /// 99th percentile of the certified error bounds, absolute luminance; `null` if the filter has none.
     #[serde(default)]
     pub error_bound_p99: Option<f64>,
     /// `error_bound_max` over the environment's mean luminance.
@@ -161,11 +160,11 @@ pub struct EnergyReport {
     /// Red, green and blue of the octahedral map.
     #[serde(serialize_with = "finite")]
     pub oem: [f64; 3],
-    /// The greatest relative difference of a channel.
+    /// Maximum relative difference of a channel.
     #[serde(serialize_with = "finite")]
     pub relative_difference: f64,
-    /// Mean luminance of the source over the sphere, which every level shares: what relative bounds are
-    /// relative to.
+    /// Mean luminance of the source over the sphere, the same for every level: the reference of relative
+    /// bounds.
     #[serde(default)]
     pub mean_luminance: f64,
 }
@@ -173,19 +172,19 @@ pub struct EnergyReport {
 /// Spherical harmonics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShReport {
-    /// Nine coefficients, or as many as were asked for, red, green and blue each.
+    /// Nine coefficients, or as many as requested; red, green and blue each.
     #[serde(serialize_with = "finite")]
     pub coefficients: Vec<[f64; 3]>,
-    /// Which coefficient is which.
+    /// Order of the coefficients.
     pub order: String,
-    /// What they are multiplied by.
+    /// Scaling of the coefficients.
     pub scale: String,
-    /// What their bands are multiplied by besides: `none`, or the window's name and its width in bands.
+    /// Window applied to the bands: `none`, or its name and width in bands.
     #[serde(default)]
     pub window: String,
 }
 
-/// What was set right in the input.
+/// Repairs of the input.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RepairReport {
     /// Negative values set to 0.
@@ -217,13 +216,13 @@ pub struct SunReport {
     /// Irradiance on a surface that faces it.
     #[serde(serialize_with = "finite")]
     pub irradiance: [f64; 3],
-    /// Irradiance over its greatest channel, which is a directional light's intensity.
+    /// Irradiance over its maximum channel, which is a directional light's intensity.
     #[serde(serialize_with = "finite")]
     pub color: [f64; 3],
     /// Steradians.
     #[serde(serialize_with = "finite")]
     pub solid_angle: f64,
-    /// Texels.
+    /// Number of texels.
     pub texels: usize,
     /// Its share of the environment's energy, by luminance.
     #[serde(serialize_with = "finite")]
@@ -234,7 +233,7 @@ pub struct SunReport {
 }
 
 impl SunReport {
-    /// The report of `sun`, which has `energy_share` of all energy.
+    /// Creates the report of `sun` with its share of the total energy.
     #[must_use]
     pub fn new(sun: &Sun, energy_share: f64) -> Self {
         let intensity = sun.irradiance.into_iter().fold(f64::MIN_POSITIVE, f64::max);
@@ -260,8 +259,7 @@ impl From<Repairs> for RepairReport {
     }
 }
 
-/// The options of a bake as they were used, defaults filled in. Those that say where, how loud or how fast
-/// are left out.
+/// The options of a bake with defaults filled in, except those of paths, verbosity and speed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OptionsReport {
     /// Edge of level 0.
@@ -283,92 +281,92 @@ pub struct OptionsReport {
     pub border: u32,
     /// `ktx2`, `ktx`, `dds`, `exr`, `hdr`, or the extension of a target's own format.
     pub format: String,
-    /// `f16`, `f32`, `rgb9e5`, `r11g11b10f`, `bc6h`, `rgbd`, `rgbe`; `auto` for half with float where half is
-    /// too small.
+    /// `f16`, `f32`, `rgb9e5`, `r11g11b10f`, `bc6h`, `rgbd`, `rgbe`; `auto` for half, or float if half is
+    /// insufficient.
     pub pixel: String,
     /// `clamp`, `compress` or `error`.
     #[serde(default)]
     pub overflow: String,
-    /// Layout of the input as it was read.
+    /// Layout of the input.
     pub layout: String,
-    /// Degrees turned about +Y.
+    /// Rotation about +Y in degrees.
     pub rotate_y: f64,
     /// Whether the input was flipped.
     pub mirror: bool,
-    /// Whether NaN and Inf were to be repaired.
+    /// Whether to repair NaN and Inf.
     pub sanitize: bool,
-    /// Whether repairs were to be errors.
+    /// Whether repairs are errors.
     #[serde(default)]
     pub strict: bool,
-    /// Whether the sun was to be taken out.
+    /// Whether to remove the sun.
     #[serde(default)]
     pub extract_sun: bool,
-    /// Whether the environment without its sun was to be written.
+    /// Whether to write the environment without its sun.
     #[serde(default)]
     pub sunless: bool,
     /// Edge of the irradiance cube; `null` for none.
     pub irradiance: Option<u32>,
-    /// Whether the levels of the Charlie lobe were baked as well.
+    /// Whether the levels of the Charlie lobe were also baked.
     #[serde(default)]
     pub sheen: bool,
     /// The highest band of the spherical harmonics.
     #[serde(default)]
     pub sh_order: u32,
-    /// Their window as it was asked for; [`ShReport::window`] has the width that was found.
+    /// Their window as requested; [`ShReport::window`] has the resolved width.
     #[serde(default)]
     pub sh_window: String,
-    /// Whether the bound of every texel was to be written.
+    /// Whether to write the bound of every texel.
     #[serde(default)]
     pub bounds: bool,
-    /// Whether a picture was to be written.
+    /// Whether to write a preview.
     #[serde(default)]
     pub preview: bool,
-    /// How the levels lie in images, as `--out-layout` names it. Version 0.1 leaves it out for faces.
+    /// Image layout of the levels, as named by `--out-layout`. Version 0.1 omits it for faces.
     #[serde(default)]
     pub out_layout: Option<String>,
 }
 
-/// What was written for an engine.
+/// The target of a bake.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TargetReport {
     /// Name of the target.
     pub name: String,
-    /// The environment's name in the files' names.
+    /// Name of the environment in the file names.
     #[serde(default)]
     pub environment: String,
-    /// The axis that its engine negates before it looks into a cube: `none`, `x` or `z`.
+    /// Axis that the engine negates at cube look-ups: `none`, `x` or `z`.
     pub flip: String,
     /// `none`, `cube`, `sh` or `both`.
     pub diffuse: String,
-    /// Whether a test has loaded such files into their engine.
+    /// Whether a test loads such files into the engine.
     pub verified: bool,
-    /// The files, beside this one.
+    /// The files, relative to the report.
     pub files: Vec<String>,
 }
 
-/// What tells whether a bake need not be done again: BLAKE3 hashes in hexadecimal.
+/// BLAKE3 hashes in hexadecimal that identify an unchanged bake.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FingerprintReport {
-    /// Of the input's content, the options and the program's version.
+    /// Hash of the input's content, the options and the program's version.
     pub request: String,
-    /// Of the content of the outputs, this file left out.
+    /// Hash of the outputs' content, except the report.
     pub outputs: String,
-    /// Of each file beside the report, by its name. Readers ignore the report of a file that has another
+    /// Hash of each file in the report's folder, by name. Readers ignore the report for a file with another
     /// hash.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub files: BTreeMap<String, String>,
 }
 
-/// What the numbers and images mean.
+/// Conventions of the numbers and images.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ConventionsReport {
     /// Handedness and up.
     pub space: String,
     /// Faces and their axes.
     pub cube: String,
-    /// Which roughness.
+    /// Definition of roughness.
     pub roughness: String,
-    /// What the texels are.
+    /// Definition of the texel values.
     pub radiance: String,
 }
 
@@ -383,57 +381,57 @@ impl Default for ConventionsReport {
     }
 }
 
-/// What a report tells that the bake itself does not know.
+/// Data of a report that the bake itself does not have.
 #[derive(Clone, Debug)]
 pub struct Circumstances {
-    /// The input as it was named.
+    /// The input path as given.
     pub input: String,
-    /// Its files.
+    /// Its files, with sizes and hashes.
     pub input_files: Vec<InputFileReport>,
-    /// Who baked: `cpu` or `gpu`.
+    /// Engine: `cpu` or `gpu`.
     pub engine: String,
-    /// The graphics adapter, where one did.
+    /// The graphics adapter, if the GPU engine was used.
     pub adapter: Option<String>,
-    /// What was set right in it.
+    /// Repairs of the input.
     pub repaired: RepairReport,
-    /// Its layout, in words.
+    /// Layout of the input, in words.
     pub layout: String,
-    /// Degrees turned about +Y.
+    /// Rotation about +Y in degrees.
     pub rotate_y: f64,
-    /// Whether it was flipped.
+    /// Whether the input was flipped.
     pub mirror: bool,
-    /// Whether NaN and Inf were to be repaired.
+    /// Whether to repair NaN and Inf.
     pub sanitize: bool,
-    /// Whether repairs were to be errors.
+    /// Whether repairs are errors.
     pub strict: bool,
-    /// Whether the sun was to be taken out.
+    /// Whether to remove the sun.
     pub extract_sun: bool,
-    /// Whether the environment without it was to be written.
+    /// Whether to write the environment without the sun.
     pub sunless: bool,
-    /// What was to become of too bright texels.
+    /// Treatment of texels above the pixel format's maximum.
     pub overflow: Overflow,
-    /// Whether a picture was to be written.
+    /// Whether to write a preview.
     pub preview: bool,
-    /// The sun that was taken out.
+    /// The removed sun.
     pub sun: Option<SunReport>,
     /// Format of the output.
     pub format: String,
-    /// Pixel format asked for.
+    /// Requested pixel format.
     pub pixel: String,
     /// Pixel format of each level as stored.
     pub level_pixels: Vec<String>,
     /// Texels clamped.
     pub clamped: u64,
-    /// Share of the energy that clamping took from the level that lost most.
+    /// Share of luminance energy removed by clamping, of the level that lost most.
     pub clamped_energy_share: f64,
-    /// Warnings from reading and writing; the bake's own follow.
+    /// Warnings of reading and writing; those of the bake are appended.
     pub warnings: Vec<String>,
     /// Wall time from reading to writing.
     pub seconds: f64,
 }
 
 impl Report {
-    /// The report of `bake`.
+    /// Creates the report of `bake`.
     #[must_use]
     pub fn new(settings: &BakeSettings, bake: &Bake, told: Circumstances) -> Self {
         let mean_luminance = mean_luminance(bake);
@@ -507,19 +505,19 @@ impl Report {
         }
     }
 
-    /// The greatest certified error bound of all levels.
+    /// Maximum certified error bound of all levels.
     #[must_use]
     pub fn error_bound_max(&self) -> Option<f64> {
         self.levels.iter().filter_map(|level| level.error_bound_max).reduce(f64::max)
     }
 
-    /// The bound that 99 % of the texels of every level keep.
+    /// Maximum over all levels of the 99th percentile of the bounds.
     #[must_use]
     pub fn error_bound_p99(&self) -> Option<f64> {
         self.levels.iter().filter_map(|level| level.error_bound_p99).reduce(f64::max)
     }
 
-    /// `bound`, an absolute luminance, over the environment's mean luminance; see
+    /// Divides `bound`, an absolute luminance, by the environment's mean luminance; see
     /// [`EnergyReport::mean_luminance`].
     #[must_use]
     pub fn relative_bound(&self, bound: f64) -> f64 {
@@ -527,19 +525,19 @@ impl Report {
     }
 }
 
-/// Mean luminance of the source over the sphere. A lobe is normalised and the same in every direction, so a
-/// level has the same mean but for its own error.
+/// Mean luminance of the source over the sphere. A lobe is normalised and the same in every direction, so
+/// every level has this mean up to its error.
 fn mean_luminance(bake: &Bake) -> f64 {
     let energy: f64 = bake.source_energy.iter().zip(LUMINANCE).map(|(e, weight)| e * f64::from(weight)).sum();
     energy / (4.0 * std::f64::consts::PI)
 }
 
-/// `bound` over `mean`, in double precision finite for floats; without light there is nothing to be off by.
+/// `bound` over `mean`, finite in double precision; 0 for a black environment.
 fn relative(bound: f64, mean: f64) -> f64 {
     if mean > 0.0 { bound / mean } else { 0.0 }
 }
 
-/// What `--out-layout` is by default for levels over `map`.
+/// Default `--out-layout` of levels over `map`.
 const fn out_layout(map: Map) -> &'static str {
     match map {
         Map::Cube => "faces",
@@ -548,7 +546,7 @@ const fn out_layout(map: Map) -> &'static str {
     }
 }
 
-/// Reports of levels.
+/// Creates the reports of levels.
 fn level_reports(
     levels: &[Level],
     stats: &[LevelStats],
@@ -575,7 +573,7 @@ fn level_reports(
     report.collect()
 }
 
-/// The filter as the command line has it.
+/// The filter in command-line syntax.
 #[must_use]
 pub fn filter_name(filter: Filter) -> String {
     match filter {
@@ -591,7 +589,7 @@ fn is_zero(count: &u64) -> bool {
 }
 
 fn relative_difference(source: [f64; 3], oem: [f64; 3]) -> f64 {
-    // A black channel has nothing to lose.
+    // A black channel cannot lose energy.
     let channel = |c: usize| if source[c] > 0.0 { ((oem[c] - source[c]) / source[c]).abs() } else { 0.0 };
     (0..3).map(channel).fold(0.0, f64::max)
 }

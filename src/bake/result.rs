@@ -1,4 +1,4 @@
-//! What a bake gives, and how far it is.
+//! Results and progress of a bake.
 
 use crate::bake::level::BakedLevel;
 
@@ -9,10 +9,10 @@ use crate::sh::window::ShWindow;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What computed a level.
+/// Engine that computed a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Processor {
-    /// The CPU; also in a bake of the GPU engine, for levels that it does not serve.
+    /// The CPU, including levels that the GPU engine delegates to it.
     Cpu,
     /// The GPU.
     Gpu,
@@ -29,65 +29,65 @@ impl Processor {
     }
 }
 
-/// Figures of one baked level.
+/// Statistics of a baked level.
 #[derive(Clone, Debug)]
 pub struct LevelStats {
-    /// What computed it.
+    /// Engine that computed the level.
     pub processor: Processor,
     /// Wall time.
     pub seconds: f64,
-    /// Leaves of the quadrature a texel, on average; `None` where the filter has none.
+    /// Average quadrature leaves per texel; `None` if the filter has none.
     pub leaves_per_texel: Option<f64>,
-    /// Greatest certified bound of the level, absolute luminance; `None` where the filter has none.
+    /// Maximum certified bound, absolute luminance; `None` if the filter has none.
     pub error_bound_max: Option<f64>,
-    /// Mean certified bound of the level, absolute luminance; `None` where the filter has none.
+    /// Mean certified bound, absolute luminance; `None` if the filter has none.
     pub error_bound_mean: Option<f64>,
-    /// The bound that 99 % of the level's texels keep, absolute luminance; `None` where the filter has none.
+    /// 99th percentile of the bounds, absolute luminance; `None` if the filter has none.
     pub error_bound_p99: Option<f64>,
 }
 
-/// What a bake made.
+/// Result of a bake.
 #[derive(Clone, Debug)]
 pub struct Bake {
     /// The prefiltered levels.
     pub chain: Chain,
-    /// Figures, one a level.
+    /// Statistics of each level.
     pub stats: Vec<LevelStats>,
-    /// The irradiance cube, where asked for; values are irradiance/pi.
+    /// The irradiance cube, if requested; values are irradiance/pi.
     pub irradiance: Option<Level>,
-    /// The levels of the Charlie lobe, where asked for.
+    /// The levels of the Charlie lobe, if requested.
     pub sheen: Option<Chain>,
-    /// Their figures.
+    /// Statistics of each sheen level.
     pub sheen_stats: Vec<LevelStats>,
     /// Spherical harmonics of the source, see [`crate::sh`], windowed.
     pub sh: Vec<[f64; 3]>,
-    /// Their window, its width found where it was to be.
+    /// Their window, with its width resolved.
     pub sh_window: ShWindow,
     /// The OEM's size.
     pub oem: OemSize,
-    /// Total energy (radiance times solid angle) of the source, a channel each.
+    /// Total energy (radiance times solid angle) of the source, per channel.
     pub source_energy: [f64; 3],
     /// Total energy of the OEM.
     pub oem_energy: [f64; 3],
-    /// Things the user should know, in words.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
 impl Bake {
-    /// All levels: those of the chain, then the irradiance and the sheen where they are.
+    /// All levels: the chain, then the irradiance and the sheen, if present.
     pub fn levels(&self) -> impl Iterator<Item = &Level> {
         let sheen = self.sheen.iter().flat_map(|sheen| &sheen.levels);
         self.chain.levels.iter().chain(&self.irradiance).chain(sheen)
     }
 
-    /// [`Bake::levels`], to be changed.
+    /// Mutable [`Bake::levels`].
     pub fn levels_mut(&mut self) -> impl Iterator<Item = &mut Level> {
         let sheen = self.sheen.iter_mut().flat_map(|sheen| &mut sheen.levels);
         self.chain.levels.iter_mut().chain(self.irradiance.as_mut()).chain(sheen)
     }
 }
 
-/// How far a bake is: `done` of `total` units of work (output texels), in level `level`.
+/// Progress of a bake: `done` of `total` output texels.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     /// Level being baked.
@@ -101,7 +101,7 @@ pub struct Progress {
 /// Called during a bake, from any thread; [`ControlFlow::Break`] cancels it.
 pub type OnProgress<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
-/// Counts output texels.
+/// Counts output texels and reports progress.
 pub(crate) struct Meter<'a> {
     pub(super) done: AtomicU64,
     pub(super) total: u64,
@@ -109,10 +109,10 @@ pub(crate) struct Meter<'a> {
 }
 
 impl Meter<'_> {
-    /// Reports that `texels` more of level `level` are done.
+    /// Reports `texels` more finished texels of level `level`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] where the caller cancels.
+    /// [`Error::Cancelled`] if the caller cancels.
     pub(crate) fn advance(&self, level: usize, texels: u64) -> Result<()> {
         let done = self.done.fetch_add(texels, Ordering::Relaxed) + texels;
         match (self.progress)(Progress { level: level as u32, done, total: self.total }) {
@@ -136,12 +136,12 @@ impl LevelStats {
     }
 }
 
-/// The least of `roughnesses` above 0.
+/// Smallest of `roughnesses` above 0.
 pub(super) fn sharpest(roughnesses: impl Iterator<Item = f64>) -> f64 {
     roughnesses.filter(|r| *r > 0.0).fold(1.0, f64::min)
 }
 
-/// The least of `bounds` that 99 % of them do not exceed; `None` where there are none.
+/// 99th percentile of `bounds`; `None` if there are none.
 pub(super) fn percentile_99(bounds: &[f32]) -> Option<f32> {
     let place = (99 * bounds.len()).div_ceil(100).checked_sub(1)?;
     Some(*bounds.to_vec().select_nth_unstable_by(place, f32::total_cmp).1)

@@ -1,4 +1,4 @@
-//! What to bake.
+//! Settings of a bake.
 
 use crate::chain::LevelSpec;
 use crate::environment::Map;
@@ -8,12 +8,12 @@ use crate::ladder::{DEFAULT_CUBE_SIZE, Ladder};
 use crate::lobe::Lobe;
 use crate::sh::window::ShWindow;
 
-/// What to bake. `Default` is what `octagloss bake INPUT` does.
+/// Settings of a bake. `Default` corresponds to `octagloss bake INPUT`.
 #[derive(Clone, Debug)]
 pub struct BakeSettings {
-    /// What the levels' texels cover.
+    /// Map of the levels' texels.
     pub map: Map,
-    /// Texels along an edge of level 0; of a panorama its height.
+    /// Texels along an edge of level 0; for a panorama its height.
     pub size: u32,
     /// Number of levels; `None` for [`Ladder::default_levels`].
     pub levels: Option<u32>,
@@ -23,19 +23,19 @@ pub struct BakeSettings {
     pub lobe: Lobe,
     /// The filter.
     pub filter: Filter,
-    /// Texels along an edge of the OEM without its border; `None` for the source's own.
+    /// Texels along an edge of the OEM without its border; `None` to derive it from the source.
     pub oem_size: Option<u32>,
-    /// Border of the OEM in texels; `None` for the filter's own.
+    /// Border of the OEM in texels; `None` for the filter's default.
     pub border: Option<u32>,
-    /// Keep every texel's error bound in the levels.
+    /// Store every texel's error bound in the levels.
     pub bounds: bool,
-    /// Edge of an irradiance cube (cosine lobe, divided by pi) to bake as well.
+    /// Edge of an additional irradiance cube (cosine lobe, divided by pi).
     pub irradiance: Option<u32>,
     /// The highest band of the spherical harmonics, at most [`crate::sh::MAX_ORDER`].
     pub sh_order: u32,
-    /// What their bands are multiplied by.
+    /// Window applied to their bands.
     pub sh_window: ShWindow,
-    /// Bake the sizes and roughnesses of the chain with the Charlie lobe (sheen) as well.
+    /// Also bake the chain's sizes and roughnesses with the Charlie lobe (sheen).
     pub sheen: bool,
 }
 
@@ -63,8 +63,8 @@ impl BakeSettings {
     /// Size and roughness of every level.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for no size, no levels, more levels than reach a size of 1, or a filter that the
-    /// lobe does not have.
+    /// [`Error::Parameter`] for a zero size, no levels, more levels than down to a size of 1, or a filter
+    /// that does not support the lobe.
     pub fn level_specs(&self) -> Result<Vec<LevelSpec>> {
         if self.size == 0 {
             return Err(Error::Parameter("`size` must be at least 1".to_owned()));
@@ -75,7 +75,7 @@ impl BakeSettings {
         }
         let most = self.map.most_levels(self.size);
         let own = match self.lobe {
-            // Irradiance knows no roughness.
+            // Irradiance has no roughness.
             Lobe::Cosine => 1,
             _ => self.ladder.default_levels(self.map, self.size),
         };
@@ -85,7 +85,7 @@ impl BakeSettings {
         }
         if levels > most {
             return Err(Error::Parameter(format!(
-                "`levels` {levels} is more than reach a size of 1 from `size` {}; at most {most}",
+                "`levels` {levels} is too many for `size` {}; at most {most}",
                 self.size
             )));
         }

@@ -2,7 +2,7 @@
 
 use super::outcome::{Outcome, print, usage};
 use clap::Args as ClapArgs;
-use octagloss::analysis::map_table::{Row, rows};
+use crate::analysis::map_table::{Row, rows};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -5,17 +5,17 @@ use super::values::{
     Texels, file_name, filter, roughness, sh_window, target, target_help, texels, threshold,
 };
 use clap::{Args as ClapArgs, Parser, Subcommand};
-use octagloss::bake::dfg::DfgForm;
-use octagloss::bake::overflow::Overflow;
-use octagloss::filter::Filter;
-use octagloss::format::container::Container;
-use octagloss::format::{OutputLayout, Pixel};
-use octagloss::image::exposure::Exposure;
-use octagloss::ladder::Ladder;
-use octagloss::lobe::Lobe;
-use octagloss::sh::MAX_ORDER;
-use octagloss::sh::window::ShWindow;
-use octagloss::target::{Diffuse, Flip, Target};
+use crate::bake::dfg::DfgForm;
+use crate::bake::overflow::Overflow;
+use crate::filter::Filter;
+use crate::format::container::Container;
+use crate::format::{OutputLayout, Pixel};
+use crate::image::exposure::Exposure;
+use crate::ladder::Ladder;
+use crate::lobe::Lobe;
+use crate::sh::MAX_ORDER;
+use crate::sh::window::ShWindow;
+use crate::target::{Diffuse, Flip, Target};
 use std::path::PathBuf;
 
 /// Texels along an edge of a cube or of an OEM.

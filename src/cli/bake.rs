@@ -10,21 +10,21 @@ use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
 use super::output::{Common, Outputs, Place, SunFile, metadata, names_folder};
 use super::shared_args::{EngineArgs, InputArgs};
 use anyhow::anyhow;
-use octagloss::analysis::oracle::Oracle;
-use octagloss::bake::overflow::{Overflow, clamped_share};
-use octagloss::bake::report::{Circumstances, InputFileReport, Report, TargetReport};
-use octagloss::bake::{Bake, BakeSettings};
-use octagloss::export::files::{Made, files};
-use octagloss::filter::Filter;
-use octagloss::format::{Pixel, RGBE_MAX};
-use octagloss::image::exposure::Exposure;
-use octagloss::image::preview;
-use octagloss::io::LayoutChoice;
-use octagloss::io::ldr::write::png_bytes;
-use octagloss::io::output::{self, Existing};
-use octagloss::sphere::cube::{Face, direction_from_texel};
-use octagloss::target::Plan;
-use octagloss::{Environment, Error, memory};
+use crate::analysis::oracle::Oracle;
+use crate::bake::overflow::{Overflow, clamped_share};
+use crate::bake::report::{Circumstances, InputFileReport, Report, TargetReport};
+use crate::bake::{Bake, BakeSettings};
+use crate::export::files::{Made, files};
+use crate::filter::Filter;
+use crate::format::{Pixel, RGBE_MAX};
+use crate::image::exposure::Exposure;
+use crate::image::preview;
+use crate::io::LayoutChoice;
+use crate::io::ldr::write::png_bytes;
+use crate::io::output::{self, Existing};
+use crate::sphere::cube::{Face, direction_from_texel};
+use crate::target::Plan;
+use crate::{Environment, Error, memory};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -322,7 +322,7 @@ impl Work {
     }
 
     /// The settings of the bakes, which fit into memory.
-    fn check_memory(&self, opened: &Opened) -> octagloss::Result<Vec<BakeSettings>> {
+    fn check_memory(&self, opened: &Opened) -> crate::Result<Vec<BakeSettings>> {
         let plans = &self.common.plans;
         let settings: Vec<BakeSettings> = plans.iter().map(|plan| plan.settings.clone()).collect();
         let encoded = plans.iter().map(|plan| texel_bytes(plan.plan.pixel)).max();
@@ -482,7 +482,7 @@ fn share_matters(share: f64) -> bool {
 }
 
 /// Seconds that the reference filter will take: a few texels of each level are timed.
-fn reference_seconds(environment: &Environment, settings: &BakeSettings) -> octagloss::Result<f64> {
+fn reference_seconds(environment: &Environment, settings: &BakeSettings) -> crate::Result<f64> {
     let start = Instant::now();
     let oracle = Oracle::new(environment);
     let prepared = start.elapsed().as_secs_f64();

@@ -3,14 +3,14 @@
 use super::args::BakeArgs;
 use super::outcome::{Outcome, usage};
 use super::output::{FOREIGN, SunFile, check_folder_name, extension, named_format, names_folder};
-use octagloss::Map;
-use octagloss::bake::BakeSettings;
-use octagloss::filter::Filter;
-use octagloss::format::container::Container;
-use octagloss::format::{OutputLayout, Pixel};
-use octagloss::io::LayoutChoice;
-use octagloss::lobe::Lobe;
-use octagloss::target::{Diffuse, Plan, UNTARGETED};
+use crate::Map;
+use crate::bake::BakeSettings;
+use crate::filter::Filter;
+use crate::format::container::Container;
+use crate::format::{OutputLayout, Pixel};
+use crate::io::LayoutChoice;
+use crate::lobe::Lobe;
+use crate::target::{Diffuse, Plan, UNTARGETED};
 use std::path::Path;
 
 /// The files to write, and the bake that they are made of.

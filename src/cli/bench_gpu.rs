@@ -6,24 +6,24 @@ use super::engine::Engine;
 use super::outcome::{Outcome, print};
 use super::timing::{Timing, sky, timing};
 use glam::DVec3;
-use octagloss::bake::BakeSettings;
-use octagloss::filter::Filter;
-use octagloss::geometry::tent::Reconstruction;
-use octagloss::gpu::cells::BuildCells;
-use octagloss::gpu::copy::Copy;
-use octagloss::gpu::device::timer::Timer;
-use octagloss::gpu::fitted::FittedTables;
-use octagloss::gpu::fixed_point::FixedPoint;
-use octagloss::gpu::reparameterise::{Reparameterise, upload};
-use octagloss::gpu::sat_f32::SatF32;
-use octagloss::gpu::sat_hensley::SatHensley;
-use octagloss::gpu::sat_scan::SatScan;
-use octagloss::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on, box_filter};
-use octagloss::ladder::Ladder;
-use octagloss::memory;
-use octagloss::oem::OemSize;
-use octagloss::sphere::equirect::direction_from_equirect;
-use octagloss::{Environment, Layout};
+use crate::bake::BakeSettings;
+use crate::filter::Filter;
+use crate::geometry::tent::Reconstruction;
+use crate::gpu::cells::BuildCells;
+use crate::gpu::copy::Copy;
+use crate::gpu::device::timer::Timer;
+use crate::gpu::fitted::FittedTables;
+use crate::gpu::fixed_point::FixedPoint;
+use crate::gpu::reparameterise::{Reparameterise, upload};
+use crate::gpu::sat_f32::SatF32;
+use crate::gpu::sat_hensley::SatHensley;
+use crate::gpu::sat_scan::SatScan;
+use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on, box_filter};
+use crate::ladder::Ladder;
+use crate::memory;
+use crate::oem::OemSize;
+use crate::sphere::equirect::direction_from_equirect;
+use crate::{Environment, Layout};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -164,7 +164,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let bench = Bench {
         version: env!("CARGO_PKG_VERSION"),
         adapter: context.describe(),
-        software: !octagloss::gpu::device::context::is_hardware(&context.device().adapter_info()),
+        software: !crate::gpu::device::context::is_hardware(&context.device().adapter_info()),
         size,
         runs: args.runs,
         copy,
@@ -188,8 +188,8 @@ fn frame() -> Vec<(DVec3, f64)> {
 }
 
 /// The bench's sky on a cube with faces of `size`.
-fn cube(size: u32) -> octagloss::Result<Environment> {
+fn cube(size: u32) -> crate::Result<Environment> {
     let panorama = sky(4 * size)?;
-    let texels = octagloss::geometry::footprints::footprints_from_environment(&panorama, size)?;
+    let texels = crate::geometry::footprints::footprints_from_environment(&panorama, size)?;
     Environment::new(Layout::Cube { size }, texels)
 }

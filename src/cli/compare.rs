@@ -8,18 +8,18 @@ use super::shared_args::InputArgs;
 use super::values::Texels;
 use anyhow::anyhow;
 use image::RgbImage;
-use octagloss::analysis::compare::{
+use crate::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, grid_of, is_measurable,
 };
-use octagloss::chain::Chain;
-use octagloss::image::preview::error_picture;
-use octagloss::io::ldr::write::write_png;
-use octagloss::io::regular::open_regular;
-use octagloss::io::{
+use crate::chain::Chain;
+use crate::image::preview::error_picture;
+use crate::io::ldr::write::write_png;
+use crate::io::regular::open_regular;
+use crate::io::{
     self, LoadedChain,
     output::{self, Existing},
 };
-use octagloss::lobe::Lobe;
+use crate::lobe::Lobe;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -163,12 +163,12 @@ fn sampling(args: &CompareArgs, lobe: Lobe) -> Sampling {
 }
 
 /// The levels' error pictures, one below the other.
-fn picture(bake: &Chain, levels: &[LevelErrors]) -> octagloss::Result<RgbImage> {
+fn picture(bake: &Chain, levels: &[LevelErrors]) -> crate::Result<RgbImage> {
     let pictures = levels.iter().filter_map(|errors| {
         let reference = errors.reference.as_ref()?;
         Some(error_picture(&grid_of(&bake.levels[errors.level], reference.size()), reference))
     });
-    let pictures = pictures.collect::<octagloss::Result<Vec<_>>>()?;
+    let pictures = pictures.collect::<crate::Result<Vec<_>>>()?;
     let width = pictures.iter().map(RgbImage::width).max().unwrap_or(1);
     let height = pictures.iter().map(RgbImage::height).sum::<u32>().max(1);
     // The ground of each picture is that of its corner.

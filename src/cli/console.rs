@@ -1,7 +1,7 @@
 //! What is said on standard error.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use octagloss::bake::Progress;
+use crate::bake::Progress;
 use std::collections::BTreeSet;
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::Mutex;

@@ -7,16 +7,16 @@ use super::values::finite;
 use clap::Args as ClapArgs;
 use clap::builder::PossibleValuesParser;
 use glam::{DMat3, DVec3};
-use octagloss::geometry::bordered::bordered_picture;
-use octagloss::geometry::overlap::{Target, mean_radiances, panorama_mean_radiances};
-use octagloss::geometry::resample::resample;
-use octagloss::io::environment_write::picture_bytes;
-use octagloss::io::output::Existing;
-use octagloss::io::{self, LayoutChoice, ReadOptions};
-use octagloss::sphere::grid::Grid;
-use octagloss::sphere::map::Texel;
-use octagloss::sphere::registry::{MAPS, NamedMap, named};
-use octagloss::{Environment, Error, Layout, Rgb};
+use crate::geometry::bordered::bordered_picture;
+use crate::geometry::overlap::{Target, mean_radiances, panorama_mean_radiances};
+use crate::geometry::resample::resample;
+use crate::io::environment_write::picture_bytes;
+use crate::io::output::Existing;
+use crate::io::{self, LayoutChoice, ReadOptions};
+use crate::sphere::grid::Grid;
+use crate::sphere::map::Texel;
+use crate::sphere::registry::{MAPS, NamedMap, named};
+use crate::{Environment, Error, Layout, Rgb};
 use std::path::{Path, PathBuf};
 
 /// The most texels along the shorter side.
@@ -184,7 +184,7 @@ impl Source {
     }
 
     /// The mean radiance over every texel of `target`, which is `map`'s.
-    fn converted(&self, map: &NamedMap, target: &Grid) -> octagloss::Result<Vec<Rgb>> {
+    fn converted(&self, map: &NamedMap, target: &Grid) -> crate::Result<Vec<Rgb>> {
         let size = target.size();
         match (&self.environment, map.name) {
             (Some(environment), "octahedral") => mean_radiances(environment, Target::Octahedral(size), true),

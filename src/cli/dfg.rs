@@ -3,11 +3,11 @@
 use super::args::DfgArgs;
 use super::console::{self, Talk};
 use super::outcome::{Outcome, check_output, usage, write_output};
-use octagloss::bake::dfg::{DfgBlue, DfgForm, dfg_table_with};
-use octagloss::format::Pixel;
-use octagloss::io::exr::write::{Attribute, Samples, exr_bytes};
-use octagloss::io::ktx2::lookup_table::{Channels, table_bytes};
-use octagloss::io::output::Existing;
+use crate::bake::dfg::{DfgBlue, DfgForm, dfg_table_with};
+use crate::format::Pixel;
+use crate::io::exr::write::{Attribute, Samples, exr_bytes};
+use crate::io::ktx2::lookup_table::{Channels, table_bytes};
+use crate::io::output::Existing;
 
 pub(super) fn run(args: DfgArgs) -> Outcome {
     let path = &args.output;

@@ -2,8 +2,8 @@
 
 use anyhow::{Context as _, anyhow, bail};
 use glam::DVec3;
-use octagloss::error::quoted;
-use octagloss::io::regular::open_regular;
+use crate::error::quoted;
+use crate::io::regular::open_regular;
 use std::io::Read;
 use std::path::Path;
 

@@ -7,16 +7,16 @@ use super::outcome::{Outcome, usage};
 use super::shared_args::EngineArgs;
 use super::values::EngineArg;
 use glam::DVec3;
-use octagloss::Environment;
+use crate::Environment;
 #[cfg(feature = "gpu")]
-use octagloss::Error;
-use octagloss::bake::{Bake, BakeSettings, OnProgress, bake_all};
-use octagloss::filter::{Answer, Filter};
-use octagloss::lobe::Lobe;
-use octagloss::memory;
-use octagloss::reflector::{Reflector, ReflectorSettings, Workspace};
+use crate::Error;
+use crate::bake::{Bake, BakeSettings, OnProgress, bake_all};
+use crate::filter::{Answer, Filter};
+use crate::lobe::Lobe;
+use crate::memory;
+use crate::reflector::{Reflector, ReflectorSettings, Workspace};
 #[cfg(feature = "gpu")]
-use octagloss::wgpu;
+use crate::wgpu;
 use rayon::prelude::*;
 use std::cell::OnceCell;
 
@@ -25,7 +25,7 @@ pub(super) enum Engine {
     Cpu,
     #[cfg(feature = "gpu")]
     Gpu {
-        engine: Box<octagloss::gpu::engine::Engine>,
+        engine: Box<crate::gpu::engine::Engine>,
         /// Whether the CPU may take what the adapter cannot.
         may_fall_back: bool,
     },
@@ -62,7 +62,7 @@ fn fallback(error: &Error, may_fall_back: bool) -> Option<String> {
 
 /// The first of `adapters` that has `name` in its own.
 #[cfg(feature = "gpu")]
-fn adapter_called<'a>(adapters: &'a [wgpu::Adapter], name: &str) -> octagloss::Result<&'a wgpu::Adapter> {
+fn adapter_called<'a>(adapters: &'a [wgpu::Adapter], name: &str) -> crate::Result<&'a wgpu::Adapter> {
     let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
     let place = names.iter().position(|other| other.to_lowercase().contains(&name.to_lowercase()));
     place.map(|place| &adapters[place]).ok_or_else(|| {
@@ -78,7 +78,7 @@ fn adapter_called<'a>(adapters: &'a [wgpu::Adapter], name: &str) -> octagloss::R
 /// The adapter called `name`, or the best there is.
 #[cfg(feature = "view")]
 pub(super) fn any_adapter(name: Option<&str>) -> Outcome<wgpu::Adapter> {
-    let adapters = octagloss::gpu::block_on(None, octagloss::gpu::adapters())?;
+    let adapters = crate::gpu::block_on(None, crate::gpu::adapters())?;
     let adapter = match name {
         Some(name) => adapter_called(&adapters, name)?,
         None => adapters
@@ -110,8 +110,8 @@ impl EngineArgs {
     /// The engine asked for; under `auto` a hardware GPU where there is one, which is said.
     #[cfg(feature = "gpu")]
     pub(super) fn choose(&self, talk: &Talk) -> Outcome<Engine> {
-        use octagloss::gpu::device::context::{adapters, describe, is_hardware, may_have_hardware};
-        use octagloss::gpu::{Context, block_on, engine};
+        use crate::gpu::device::context::{adapters, describe, is_hardware, may_have_hardware};
+        use crate::gpu::{Context, block_on, engine};
 
         if self.engine == EngineArg::Cpu {
             return Ok(Engine::Cpu);
@@ -171,7 +171,7 @@ impl Engine {
         environment: &Environment,
         settings: &[BakeSettings],
         progress: OnProgress<'_>,
-    ) -> octagloss::Result<(Vec<Bake>, Baker)> {
+    ) -> crate::Result<(Vec<Bake>, Baker)> {
         let on_cpu = |why| Ok((bake_all(environment, settings, progress)?, Baker::cpu(why)));
         match self {
             Self::Cpu => on_cpu(None),
@@ -179,7 +179,7 @@ impl Engine {
             Self::Gpu { engine, may_fall_back } => {
                 let context = engine.context();
                 let baked = engine.bake_all(environment, settings, progress);
-                match octagloss::gpu::block_on(Some(context), baked)? {
+                match crate::gpu::block_on(Some(context), baked)? {
                     Ok(bakes) => {
                         let adapter = Some(context.describe());
                         Ok((bakes, Baker { engine: "gpu", adapter, fallback: None }))
@@ -202,7 +202,7 @@ impl Engine {
         query: Query,
         #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU falls back"))]
         talk: &Talk,
-    ) -> octagloss::Result<Vec<Answer>> {
+    ) -> crate::Result<Vec<Answer>> {
         let Query { lobe, roughness, filter } = query;
         memory::check_query(environment.layout(), settings, lobe, roughness, filter)?;
         let on_cpu = || {
@@ -224,10 +224,10 @@ impl Engine {
             Self::Gpu { engine, may_fall_back } => {
                 let on_gpu = async {
                     engine.check_fits(environment, settings, filter)?;
-                    let reflector = octagloss::gpu::engine::Reflector::new(engine, environment, settings)?;
+                    let reflector = crate::gpu::engine::Reflector::new(engine, environment, settings)?;
                     reflector.query(directions, lobe, roughness, filter).await
                 };
-                match octagloss::gpu::block_on(Some(engine.context()), on_gpu)? {
+                match crate::gpu::block_on(Some(engine.context()), on_gpu)? {
                     Err(error) => match fallback(&error, *may_fall_back) {
                         Some(why) => {
                             talk.note(&why);
@@ -245,8 +245,8 @@ impl Engine {
 /// A line for each adapter, as `--adapter` names it.
 #[cfg(feature = "gpu")]
 pub(super) fn list_adapters() -> Outcome<Vec<String>> {
-    use octagloss::gpu::device::context::describe;
-    use octagloss::gpu::{adapters, block_on};
+    use crate::gpu::device::context::describe;
+    use crate::gpu::{adapters, block_on};
     Ok(block_on(None, adapters())?.iter().map(|adapter| describe(&adapter.get_info())).collect())
 }
 

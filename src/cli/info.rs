@@ -6,15 +6,15 @@ use super::engine::list_adapters;
 use super::input::{self, Opened, Source, layout_name, read_bake};
 use super::outcome::{Failure, Outcome, print};
 use super::shared_args::InputArgs;
-use octagloss::analysis::statistics::Survey;
-use octagloss::analysis::sun::Brightest;
-use octagloss::bake::report::SunReport;
-use octagloss::chain::{Chain, Level};
-use octagloss::environment::LUMINANCE;
-use octagloss::io::Repairs;
-use octagloss::io::provenance::{Provenance, TakenSun};
-use octagloss::lobe::Lobe;
-use octagloss::sphere::cube;
+use crate::analysis::statistics::Survey;
+use crate::analysis::sun::Brightest;
+use crate::bake::report::SunReport;
+use crate::chain::{Chain, Level};
+use crate::environment::LUMINANCE;
+use crate::io::Repairs;
+use crate::io::provenance::{Provenance, TakenSun};
+use crate::lobe::Lobe;
+use crate::sphere::cube;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::fs;
@@ -118,7 +118,7 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
     if failed { Err(Failure::Told) } else { Ok(()) }
 }
 
-fn describe(source: &Source, args: &InputArgs, json: bool, talk: &Talk) -> octagloss::Result<String> {
+fn describe(source: &Source, args: &InputArgs, json: bool, talk: &Talk) -> crate::Result<String> {
     let input = source.path().display().to_string();
     let bytes = source.files().iter().map(|file| bytes_in(file)).sum();
     if let Some(bake) = read_bake(source.path())? {

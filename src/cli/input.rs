@@ -3,13 +3,13 @@
 use super::console::Talk;
 use super::outcome::{Outcome, usage};
 use super::shared_args::InputArgs;
-use octagloss::analysis::sun::Sun;
-use octagloss::bake::report::SunReport;
-use octagloss::environment::luminance;
-use octagloss::io::provenance::{Provenance, TakenSun};
-use octagloss::io::regular::open_regular;
-use octagloss::io::{self, LayoutChoice, LoadedChain, ReadOptions, Repairs};
-use octagloss::{Environment, Layout};
+use crate::analysis::sun::Sun;
+use crate::bake::report::SunReport;
+use crate::environment::luminance;
+use crate::io::provenance::{Provenance, TakenSun};
+use crate::io::regular::open_regular;
+use crate::io::{self, LayoutChoice, LoadedChain, ReadOptions, Repairs};
+use crate::{Environment, Layout};
 use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -104,7 +104,7 @@ impl Source {
     }
 
     /// Reads, turns, flips and takes the sun out; warnings are said here.
-    pub(super) fn open(&self, args: &InputArgs, talk: &Talk) -> octagloss::Result<Opened> {
+    pub(super) fn open(&self, args: &InputArgs, talk: &Talk) -> crate::Result<Opened> {
         let options = ReadOptions {
             layout: args.layout,
             sanitize: args.sanitize,
@@ -185,8 +185,8 @@ pub(super) fn layout_name(layout: Layout) -> &'static str {
 
 /// The bake in `path`: a folder of levels or of a target, a KTX, KTX2 or EXR file that says its levels'
 /// roughness, or a DDS file whose report does. `None` for other files.
-pub(super) fn read_bake(path: &Path) -> octagloss::Result<Option<LoadedChain>> {
-    let metadata = fs::metadata(path).map_err(|error| octagloss::Error::io(path, error))?;
+pub(super) fn read_bake(path: &Path) -> crate::Result<Option<LoadedChain>> {
+    let metadata = fs::metadata(path).map_err(|error| crate::Error::io(path, error))?;
     if metadata.is_dir() {
         // Levels of one image each may be panoramas or octahedral squares, and so may a target's: level 0 is
         // an environment.

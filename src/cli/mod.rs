@@ -38,7 +38,7 @@ use outcome::{Failure, Outcome, print, usage};
 use std::process::ExitCode;
 
 /// Runs the program on the process's own arguments.
-pub(crate) fn main() -> ExitCode {
+pub fn main() -> ExitCode {
     signals::watch();
     let outcome = match Args::try_parse() {
         Ok(args) => run(args.command),

@@ -1,8 +1,8 @@
 //! How a subcommand ends, and what it prints.
 
 use anyhow::anyhow;
-use octagloss::io::output as output_file;
-use octagloss::io::output::Existing;
+use crate::io::output as output_file;
+use crate::io::output::Existing;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -27,8 +27,8 @@ impl From<anyhow::Error> for Failure {
     }
 }
 
-impl From<octagloss::Error> for Failure {
-    fn from(error: octagloss::Error) -> Self {
+impl From<crate::Error> for Failure {
+    fn from(error: crate::Error) -> Self {
         Self::Failed(error.into())
     }
 }

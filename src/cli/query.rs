@@ -7,9 +7,9 @@ use super::engine::Query;
 use super::input;
 use super::outcome::{Outcome, on_threads, print, usage};
 use glam::DVec3;
-use octagloss::filter::Filter;
-use octagloss::lobe::Lobe;
-use octagloss::reflector::ReflectorSettings;
+use crate::filter::Filter;
+use crate::lobe::Lobe;
+use crate::reflector::ReflectorSettings;
 use std::fmt::Write as _;
 
 pub(super) fn run(args: QueryArgs) -> Outcome {

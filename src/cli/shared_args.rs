@@ -2,7 +2,7 @@
 
 use crate::cli::values::{EngineArg, finite};
 use clap::Args as ClapArgs;
-use octagloss::io::LayoutChoice;
+use crate::io::LayoutChoice;
 
 /// The most threads that --threads takes.
 pub(super) const MAX_THREADS: i64 = 256;

@@ -6,7 +6,7 @@
 /// becomes an error of writing.
 #[cfg(unix)]
 pub(super) fn watch() {
-    use octagloss::io::output::remove_temporaries;
+    use crate::io::output::remove_temporaries;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::{flag, iterator::Signals, low_level};
     use std::sync::{Arc, atomic::AtomicBool};

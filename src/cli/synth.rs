@@ -3,9 +3,9 @@
 use super::args::SynthArgs;
 use super::console::{self, Talk};
 use super::outcome::{Outcome, check_output, print, usage, write_output};
-use octagloss::io::environment_write::environment_bytes;
-use octagloss::io::output::Existing;
-use octagloss::synth::{RECIPES, synth};
+use crate::io::environment_write::environment_bytes;
+use crate::io::output::Existing;
+use crate::synth::{RECIPES, synth};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 

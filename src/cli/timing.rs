@@ -1,7 +1,7 @@
 //! Times of repeated runs, and the environment that they run on.
 
-use octagloss::sphere::equirect::direction_from_equirect;
-use octagloss::{Environment, Layout, Rgb};
+use crate::sphere::equirect::direction_from_equirect;
+use crate::{Environment, Layout, Rgb};
 use serde::Serialize;
 
 #[derive(Clone, Copy, Serialize)]
@@ -19,7 +19,7 @@ pub(super) fn timing(mut seconds: Vec<f64>) -> Timing {
 }
 
 /// A panorama of `width` columns: a sky with a sun, a ground, and some texture in both.
-pub(super) fn sky(width: u32) -> octagloss::Result<Environment> {
+pub(super) fn sky(width: u32) -> crate::Result<Environment> {
     let height = width / 2;
     let radiance = |k: u32| -> Rgb {
         let (u, v) = (f64::from(k % width) + 0.5, f64::from(k / width) + 0.5);

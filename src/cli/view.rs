@@ -6,17 +6,17 @@ use super::shared_args::InputArgs;
 use super::values::{finite, roughness};
 use super::{engine, input};
 use clap::{Args as ClapArgs, ValueEnum};
-use octagloss::gpu::{Context, block_on};
-use octagloss::image::exposure::Exposure;
-use octagloss::io::LoadedChain;
-use octagloss::io::ldr::write::png_bytes;
-use octagloss::io::output::Existing;
-use octagloss::synth::synth;
-use octagloss::view::{
+use crate::gpu::{Context, block_on};
+use crate::image::exposure::Exposure;
+use crate::io::LoadedChain;
+use crate::io::ldr::write::png_bytes;
+use crate::io::output::Existing;
+use crate::synth::synth;
+use crate::view::{
     Camera, FRONT, Filter, Levels, Look, Mesh, Object, Paint, Renderer, Screenshot, Show, Start, Tone, Truth,
     run as run_window, screenshot,
 };
-use octagloss::{Environment, Layout, Rgb};
+use crate::{Environment, Layout, Rgb};
 use std::path::PathBuf;
 
 #[derive(Debug, ClapArgs)]

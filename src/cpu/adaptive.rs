@@ -39,8 +39,8 @@ use std::f64::consts::PI;
 ///
 /// Float32 sums set it: a share of the light takes 32 roundings of 2^-24, 1.9e-6 together, whatever the
 /// tolerance. Measured with hdr/studio.hdr at roughness 0.5, the certified bound falls until E = 1e-6 and
-/// rises below, where more leaves add more rounding than they take away; the answers are 7e-6 off at 1e-6 and
-/// 1e-5 off at 3e-7.
+/// rises below, where additional leaves add more rounding than they remove; the answers have an error of 7e-6
+/// at 1e-6 and of 1e-5 at 3e-7.
 pub const LEAST_ERROR: f64 = 1e-6;
 
 /// The answers to a packet.
@@ -50,19 +50,19 @@ pub struct Shares {
     pub radiance: [Rgb; LANES],
     /// Certified bound of each lane's luminance.
     pub bound: [f32; LANES],
-    /// Leaves that the packet's lanes shared.
+    /// Leaves shared by the packet's lanes.
     pub leaves: usize,
 }
 
-/// What s may be off by where it is above 1/4: a leaf's offset and a direction's are each rounded once (2^-25
-/// of up to 2 in every component, 6 2^-24 of the distance to its square's half, together), the square and the
-/// trace four times more, and a centroid found by quadrature is off by 5e-8.
+/// Error of s where it is above 1/4: a leaf's offset and a direction's are each rounded once (2^-25 of up to
+/// 2 in every component; together 6 2^-24 times the distance in half of its square), the square and the trace
+/// four times more, and a centroid found by quadrature has an error of 5e-8.
 const GRAZING_ROUNDING: f64 = 8.0 / 16_777_216.0;
 
-/// Quads judged together, to fill the widest vectors.
+/// Quads evaluated together, to fill the widest vectors.
 const QUADS: usize = 4;
 
-/// The error to expect of every cell of `quads`, times its luminance.
+/// The expected error of every cell of `quads`, times its luminance.
 #[inline(always)]
 fn expected_errors<R: Radial>(kernel: R, packet: &Packet, quads: &[&Quad; QUADS]) -> [[f32; 4]; QUADS] {
     let axis = packet.axis.as_vec3();
@@ -91,15 +91,14 @@ fn expected_errors<R: Radial>(kernel: R, packet: &Packet, quads: &[&Quad; QUADS]
 pub struct Adaptive<'a> {
     pub(super) cells: &'a Cells,
     kernel: Kernel,
-    /// Greatest error to be expected of a leaf, in units of the kernel times energy.
+    /// Greatest expected error of a leaf, in units of the kernel times energy.
     pub(super) tolerance: f64,
-    /// What answers are multiplied by.
+    /// Factor of the answers.
     scale: f64,
     arch: pulp::Arch,
 }
 
-/// One packet's evaluation, compiled for the widest vectors there are: a closure would not be inlined into
-/// them.
+/// Evaluation of one packet, compiled for the widest available vectors: a closure would not be inlined there.
 struct Evaluation<'a, R> {
     adaptive: &'a Adaptive<'a>,
     kernel: R,
@@ -125,7 +124,7 @@ impl<'a> Adaptive<'a> {
         Self { cells, kernel, tolerance, scale: 1.0, arch: pulp::Arch::new() }
     }
 
-    /// The same, as a part of `share` in a mixture: answers and bounds are that much of the whole.
+    /// The same, as a part of `share` in a mixture: scales answers and bounds by `share`.
     #[must_use]
     pub fn scaled(mut self, share: f64) -> Self {
         self.scale = share;
@@ -189,9 +188,9 @@ impl<'a> Adaptive<'a> {
     #[inline(always)]
     fn sum<R: Radial>(&self, kernel: R, packet: &Packet, scratch: &Scratch) -> Shares {
         let mut sums = [[0.0_f32; LANES]; 3];
-        // How far the truth can lie above and below the estimate.
+        // How far the true value can lie above and below the estimate.
         let (mut above, mut below) = ([0.0_f32; LANES], [0.0_f32; LANES]);
-        // The light that s is above 1/4 for, of any lane, and that is not beyond the horizon.
+        // Luminance with s above 1/4 for some lane, and not beyond the horizon.
         let mut grazing = 0.0_f32;
         for leaf in &scratch.leaves {
             let [lx, ly, lz] = leaf.offset;
@@ -227,7 +226,7 @@ impl<'a> Adaptive<'a> {
         let rounding = self.kernel.rounding(scratch.leaves.len());
         let luminance = |rgb: [f64; 3]| (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum::<f64>();
         let base = luminance(least);
-        // Kernels and products below the least normal number count as lost, for vectors may flush them.
+        // Count kernels and products below the least normal number as lost: vector units may flush them.
         let energy = 4.0 * PI * self.cells.mean_luminance;
         let products = f64::from(f32::MIN_POSITIVE) * scratch.leaves.len() as f64;
         let underflow = (f64::from(self.kernel.underflow()) * energy + products) * per_integral;
@@ -240,8 +239,8 @@ impl<'a> Adaptive<'a> {
             let lobe: [f64; 3] = std::array::from_fn(|c| f64::from(sums[c][k]) * per_integral);
             shares.radiance[k] = std::array::from_fn(|c| (least[c] + lobe[c]) as f32);
             let width = (f64::from(above[k].max(below[k])) + scratch.slack) * per_integral;
-            // The least radiance and every E - c w are float32 differences, 2^-22 of the whole, and twice
-            // that is left out.
+            // The least radiance and every E - c w are float32 differences, in error by 2^-22 of the whole;
+            // omitted residues add twice that.
             shares.bound[k] = (width + rounding * luminance(lobe) + grazing + 7.2e-7 * base + omitted) as f32;
         }
         shares

@@ -4,22 +4,21 @@ use super::sat_scan::sum_up;
 use crate::sat::Sat;
 use rayon::prelude::*;
 
-/// Texels of a blurred table in half of its tent's width. Interpolation between them is off by at most 1/128
-/// of the height of a soft edge.
+/// Texels of a blurred table in half of its tent's width. Interpolation between them has an error of at most
+/// 1/128 of the height of a soft edge.
 const TEXELS: u32 = 4;
 
 /// Texels of the blurred grid in half of the tent's width.
 const FINE_TEXELS: u32 = 16;
 
-/// Texels along an edge of the grid over `inner` texels that is blurred for `octave`, and of the blurred
-/// table.
+/// Texels along an edge, over `inner` texels, of the grid to blur for `octave` and of the blurred table.
 pub(crate) fn grids(inner: u32, octave: u32) -> [u32; 2] {
     // Half of the square's width is 1.
     [FINE_TEXELS, TEXELS].map(|texels| inner.min((2 * texels) << octave))
 }
 
-/// The table of what `sat` sums, blurred by a tent of half-width 2^-`octave` in u and in v, in texels of
-/// about a quarter of that, none finer than its own.
+/// The table of `sat`'s texels blurred by a tent of half-width 2^-`octave` in u and in v. Its texels are
+/// about a quarter of that wide, but not finer than `sat`'s.
 ///
 /// The tent is a box applied twice, on the unfolded plane, in integers. Radiance and solid angle lose less
 /// than one fixed-point unit for each texel; wrapping and scale stay the same.
@@ -34,11 +33,11 @@ pub fn blurred(sat: &Sat, octave: u32) -> Sat {
     assert!(inner.is_power_of_two() && inner >= 4 << octave, "a power of two, four texels to the tent");
     let [n, coarse] = grids(inner, octave);
     let grid = sat.coarsened(inner / n);
-    // The box, and the shift that divides by its texels.
+    // The box, and the shift that divides by its number of texels.
     let side = i64::from(n >> (octave + 1));
     let shift = 2 * side.ilog2();
-    // Boxes around the corners of texels, as far out as boxes around texels reach to them: even widths have
-    // their middle at a corner, and a half-turn of the plane brings corners to corners.
+    // Boxes around the corners of texels, as far as boxes around texels need them: even widths are centred on
+    // a corner, and a half-turn of the plane maps corners to corners.
     let (first, corners) = (1 - side / 2, i64::from(n) + side - 1);
     let at = |k: i64| (k % corners + first, k / corners + first);
     let mut once: Vec<[u64; 4]> = (0..corners * corners)

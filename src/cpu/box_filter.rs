@@ -1,4 +1,5 @@
-//! The paper's filter: one box, sized by the lobe and the map's local density; or a stack of such boxes.
+//! The paper's filter: one box per direction, sized by the lobe and the map's local density, or a stack of
+//! boxes.
 
 use crate::environment::Rgb;
 use crate::lobe::{self, Lobe};
@@ -9,7 +10,7 @@ use glam::{DVec2, DVec3};
 /// One box of a stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StackedBox {
-    /// Its solid angle, not negative.
+    /// Its solid angle, at least 0.
     pub solid_angle: f64,
     /// Weight of its energy and solid angle.
     pub weight: f64,
@@ -23,24 +24,24 @@ pub struct BoxFilter<'a> {
 }
 
 impl<'a> BoxFilter<'a> {
-    /// One box a direction for `lobe` at `alpha` in [0, 1].
+    /// One box per direction, for `lobe` at `alpha` in [0, 1].
     #[must_use]
     pub fn new(sat: &'a Sat, lobe: Lobe, alpha: f64) -> Self {
         Self::stacked(sat, vec![single_box(lobe, alpha)])
     }
 
     /// The boxes of `stack` around every direction: their weighted energies over their weighted solid angles,
-    /// so that a constant stays one.
+    /// so that a constant stays constant.
     ///
     /// # Panics
-    /// Where there are none.
+    /// If the stack is empty.
     #[must_use]
     pub fn stacked(sat: &'a Sat, stack: Vec<StackedBox>) -> Self {
         assert!(!stack.is_empty(), "at least one box");
         Self { sat, stack }
     }
 
-    /// Radiance of the boxes around `direction` (unit, of the OEM's space).
+    /// Radiance of the boxes around the unit vector `direction` in the OEM's space.
     ///
     /// A box's side in (u, v) is the square root of its solid angle over the local density, which is
     /// continuous across every fold; a one-texel box is added in quadrature, so that roughness 0 is bilinear
@@ -69,13 +70,14 @@ pub(crate) fn single_box(lobe: Lobe, alpha: f64) -> StackedBox {
     StackedBox { solid_angle: solid_angle(lobe, alpha), weight: 1.0 }
 }
 
-/// Half of a box's side in texels: a one-texel box added in quadrature, at most the whole plane's period.
+/// Half of a box's side in texels: a one-texel box added in quadrature, at most the whole period of the
+/// plane.
 fn half_side(texels: f64, n: f64) -> f64 {
     0.5 * (texels + 1.0).sqrt().min(2.0 * n)
 }
 
 /// The widest half-extent in texels of any box of `lobe` up to `alpha` on a square of `inner` texels: the
-/// border that a plain four-corner read needs.
+/// border that a four-corner read needs.
 #[must_use]
 pub fn widest_half_extent(lobe: Lobe, alpha: f64, inner: u32) -> u32 {
     // Boxes are widest where the density is least: 1, at the vertices.

@@ -1,5 +1,5 @@
-//! The OEM's cells: a quadtree whose nodes know their energy, its centroid and covariance on the sphere, and
-//! its reach.
+//! The OEM's cells: a quadtree whose nodes store their energy, its centroid and covariance on the sphere, and
+//! its radius.
 //!
 //! The kernel's argument s = |l - R|^2/4 is linear in l, so its mean over a cell's energy is exactly
 //! (|centroid - R|^2 + trace of the covariance)/4 and its variance R.covariance.R/4 (the centre of mass of
@@ -12,7 +12,7 @@ use crate::oem::Oem;
 use glam::{Vec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
-/// Four sibling cells, field by field, so that one visit judges all four at once.
+/// Four sibling cells, field by field, so that one visit evaluates all four.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(super) struct Quad {
@@ -30,7 +30,7 @@ pub(super) struct Quad {
     pub(super) blue: [f32; 4],
 }
 
-/// The fields of [`Quad`] as `shaders/common/quad.wgsl` counts them, in vectors of four floats.
+/// Positions of the fields of [`Quad`] in `shaders/common/quad.wgsl`, in vectors of four floats.
 #[cfg(feature = "gpu")]
 pub(crate) const FIELDS: [(&str, usize); 9] = {
     use std::mem::offset_of;
@@ -47,19 +47,19 @@ pub(crate) const FIELDS: [(&str, usize); 9] = {
     ]
 };
 
-/// What is less than this share of a texel's energy above the least radiance is rounding: left in, black
-/// texels would count for how far their cells reach.
+/// A smaller share of a texel's energy above the least radiance is rounding error. Without the cut, black
+/// texels would enlarge the radius of their cells.
 pub(crate) const RESIDUE: f32 = 1.0 / (1 << 21) as f32;
 
-/// Energy of a channel of a texel that counts as none: its product with a difference of directions, 2^-24,
-/// would be subnormal, which GPUs flush, and the reciprocal of a subnormal luminance infinite.
-/// [`omitted_radiance`] is what it may add to an answer.
+/// A channel's energy up to this counts as zero. Its product with a difference of directions, 2^-24, would be
+/// subnormal, which GPUs flush, and the reciprocal of a subnormal luminance infinite. [`omitted_radiance`]
+/// bounds the effect on an answer.
 pub(crate) const FAINT: f32 = 1.0 / (1_u128 << 94) as f32;
 
-/// The radiance that energies up to [`FAINT`] in texels of an OEM of `inner` texels may have in the answer
-/// for any lobe.
+/// Bound of the radiance that energies up to [`FAINT`] in the texels of an OEM of `inner` texels add to an
+/// answer, for any lobe.
 ///
-/// Energies e add the sum of e Kbar_t/W, Kbar_t being the kernel's mean over texel t in (u, v), whose area is
+/// Energies e add the sum of e Kbar_t/W, with Kbar_t the kernel's mean over texel t in (u, v), whose area is
 /// (2/n)^2. The sum of Kbar_t times that area is the kernel's integral over the square, which is at most W:
 /// no solid angle is smaller than its area in (u, v).
 pub(crate) fn omitted_radiance(inner: u32) -> f64 {
@@ -74,7 +74,7 @@ struct Cell {
     luminance: f32,
 }
 
-/// One level of quads: those of cell (i, j) of the level above at `first` + j * `width` + i.
+/// One level of quads: the quad of cell (i, j) of the level above is at `first` + j * `width` + i.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Level {
     pub(super) first: u32,
@@ -91,22 +91,22 @@ pub struct Cells {
     /// Mean luminance over the sphere.
     pub(super) mean_luminance: f64,
     pub(super) quads: Vec<Quad>,
-    /// From the finest (texels, or blocks of them) to the root, whose quad is the last.
+    /// Levels from the finest (texels, or blocks of them) to the root, whose quad is the last.
     pub(super) levels: Vec<Level>,
     pub(super) reconstruction: Reconstruction,
-    /// Texels along an edge of a finest cell: 1 where the tree goes down to texels.
+    /// Texels along an edge of a finest cell: 1 if the tree reaches texels.
     pub(super) block: u32,
-    /// The texels' energies above the least radiance, for what goes below texels; empty where the tree stops
-    /// above.
+    /// The texels' energies above the least radiance, for subdivision of texels; empty if the tree stops
+    /// above texels.
     pub(super) energies: Vec<[f32; 3]>,
 }
 
 impl Cells {
-    /// The cells of `oem`, down to blocks of `block` x `block` texels (1 for all queries; coarser where only
-    /// lobes much wider than a block will be asked for).
+    /// Builds the cells of `oem`, down to blocks of `block` x `block` texels: 1 for all queries, more if all
+    /// lobes will be much wider than a block.
     ///
     /// # Panics
-    /// Where `block` is zero.
+    /// If `block` is zero.
     #[must_use]
     pub fn new(oem: &Oem, block: u32, reconstruction: Reconstruction) -> Self {
         assert!(block > 0, "blocks of at least one texel");
@@ -177,7 +177,8 @@ impl Cells {
         self.least
     }
 
-    /// Sibling cells as `shaders/common/quad.wgsl` has them: fourteen fields of four, and a spare one.
+    /// Sibling cells in the layout of `shaders/common/quad.wgsl`: fourteen fields of four, and one of
+    /// padding.
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn quad_fields(&self) -> Vec<[[f32; 4]; 15]> {
@@ -190,7 +191,7 @@ impl Cells {
     }
 }
 
-/// The union of cells, centred by luminance; cells without energy do not count.
+/// Merges cells, centred by luminance; cells without energy contribute nothing.
 fn merge(members: &[Cell]) -> Cell {
     if let [only] = members {
         return *only;
@@ -204,7 +205,7 @@ fn merge(members: &[Cell]) -> Cell {
         }
         union.luminance += member.luminance;
         union.energy += member.energy;
-        // Summed as differences, which float32 keeps.
+        // Sum differences, which float32 resolves.
         offset += (member.patch.centroid - union.patch.centroid) * member.luminance;
     }
     if union.luminance == 0.0 {

@@ -13,13 +13,13 @@ use crate::sh::basis;
 use crate::sphere::octahedral::{oct_from_direction, solid_angle_density};
 use glam::{DVec2, DVec3};
 
-/// Roughness from which harmonics contribute beside the boxes.
+/// Roughness above which harmonics blend in with the boxes.
 pub(crate) const HARMONICS_FROM: f64 = 0.65;
-/// Roughness from which harmonics alone contribute.
+/// Roughness above which harmonics replace the boxes.
 pub(crate) const HARMONICS_ALONE: f64 = 0.75;
 
 /// The finest octave in use. The parameters of the next one, for roughness 0.1 to 0.14, are no better than
-/// mixing with the mirror.
+/// blending with the mirror.
 const FINEST: u32 = 6;
 
 /// The finest octave over an OEM of `inner` texels: blurs are at least four texels wide.
@@ -38,7 +38,7 @@ pub(crate) struct Octaves {
 }
 
 impl Octaves {
-    /// Those around `alpha`, of those up to `finest`.
+    /// The octaves around `alpha`, up to `finest`.
     pub(crate) fn around(alpha: f64, finest: u32) -> Self {
         let [first, .., last] = KNOTS;
         let own = (first - alpha.log2()).ceil().clamp(f64::from(*OCTAVES.start()), f64::from(finest)) as u32;
@@ -67,12 +67,12 @@ pub(crate) struct Fitted<'a> {
     alpha: f64,
     /// The lobe's integral over the sphere.
     integral: f64,
-    /// Octaves and their shares; none where harmonics are alone.
+    /// Octaves and their shares; empty if harmonics replace the boxes.
     parts: Vec<(u32, f64)>,
     /// Blurred tables by octave; only those in use.
     blurred: Vec<Option<&'a Sat>>,
     harmonics: &'a [[f64; 4]; 25],
-    /// Weights of the orders where harmonics are alone, times their share.
+    /// Weights of the orders where harmonics replace the boxes, times their share.
     alone: [f64; HARMONICS],
 }
 
@@ -90,7 +90,7 @@ impl<'a> Fitted<'a> {
         harmonics: &'a [[f64; 4]; 25],
     ) -> Self {
         let finest = finest_octave(oem.size().inner);
-        // A lobe sharper than the finest blur mixes the lobe of that blur with the mirror, smoothly at both
+        // A lobe sharper than the finest blur blends the lobe of that blur with the mirror, smoothly at both
         // ends. The tail of a lobe is proportional to alpha^2.
         let sharpest = (KNOTS[0] - f64::from(finest)).exp2();
         let square = (alpha / sharpest).min(1.0).powi(2);
@@ -126,17 +126,18 @@ impl<'a> Fitted<'a> {
         }
     }
 
-    /// Radiance of the lobe around `direction` (unit, of the OEM's space).
+    /// Radiance of the lobe around the unit vector `direction` in the OEM's space.
     pub(crate) fn radiance(&self, direction: DVec3) -> Rgb {
         let mut sum = [0.0; 3];
         let mut add = |share: f64, [r, g, b, w]: [f64; 4]| {
             for (sum, (value, least)) in sum.iter_mut().zip([r, g, b].into_iter().zip(self.least)) {
-                // Harmonics ring: opposite a sun they are negative. No lobe is darker than the darkest texel.
+                // Clamp to the least radiance: no lobe is darker than the darkest texel, but harmonics ring
+                // and turn negative opposite a sun.
                 *sum += share * (value / w).max(f64::from(least));
             }
         };
         if self.mirror < 1.0 {
-            // The orders of harmonics at this direction.
+            // Contribution of each order of the harmonics in this direction.
             let mut orders = [[0.0; 4]; HARMONICS];
             for (k, (basis, coefficients)) in basis(direction).iter().zip(self.harmonics).enumerate() {
                 for (order, coefficient) in orders[k.isqrt()].iter_mut().zip(coefficients) {
@@ -147,7 +148,7 @@ impl<'a> Fitted<'a> {
             for (octave, share) in &self.parts {
                 add((1.0 - self.mirror) * share, self.boxes(*octave, uv, &orders));
             }
-            // The first weight is the share itself.
+            // The first weight is the share.
             if self.alone[0] > 0.0 {
                 add((1.0 - self.mirror) * self.alone[0], weighted(&self.alone, &orders));
             }

@@ -9,22 +9,22 @@ use glam::DVec3;
 /// Directions evaluated together.
 pub const LANES: usize = 16;
 
-/// Up to [`LANES`] directions near one another, in the space of the cells.
+/// Up to [`LANES`] adjacent directions, in the space of the cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet {
     pub(super) axis: DVec3,
     pub(super) radius: f32,
-    /// Directions less the axis: differences keep the precision that sharp lobes need.
+    /// Directions minus the axis: differences keep the precision that sharp lobes need.
     pub(super) x: [f32; LANES],
     pub(super) y: [f32; LANES],
     pub(super) z: [f32; LANES],
 }
 
 impl Packet {
-    /// A packet of unit `directions`, at least one and at most [`LANES`]; spare lanes repeat the first.
+    /// A packet of 1 to [`LANES`] unit `directions`; padding lanes repeat the first.
     ///
     /// # Panics
-    /// Where there are none or too many.
+    /// If there are no directions or more than [`LANES`].
     #[must_use]
     pub fn new(directions: &[DVec3]) -> Self {
         assert!(!directions.is_empty() && directions.len() <= LANES, "1 to {LANES} directions");
@@ -76,15 +76,15 @@ impl Leaf {
 #[derive(Debug, Default)]
 pub struct Scratch {
     pub(super) leaves: Vec<Leaf>,
-    /// Certified widths, times luminance, of what has no exact centroid.
+    /// Certified widths, times luminance, of pieces without an exact centroid.
     pub(super) slack: f64,
     pub(super) stack: Vec<(u8, u32, u32)>,
 }
 
 #[cfg(feature = "gpu")]
 impl Scratch {
-    /// The leaves of the last evaluation, of `packet`, as fields of `shaders/common/quad.wgsl`: for replaying
-    /// its cut.
+    /// The leaves of the last evaluation, of `packet`, as fields of `shaders/common/quad.wgsl`, to replay the
+    /// cut.
     #[must_use]
     pub fn leaf_fields(&self, packet: &Packet) -> Vec<[f32; 14]> {
         let fields = |leaf: &Leaf| {

@@ -5,11 +5,11 @@ use crate::oem::Oem;
 use crate::sphere::octahedral::{oct_from_direction, solid_angle_density, wrap_texel};
 use glam::DVec3;
 
-/// Radiance seen along `direction` (unit, of the OEM's space): the limit of lobes as roughness goes to 0.
+/// Radiance along the unit vector `direction` in the OEM's space: the limit of lobes as roughness goes to 0.
 ///
 /// c + sum over the four nearest texels of their share times (E - c w) over the solid angle of a texel's area
-/// here, c = `least` the least radiance of each channel in the OEM: a constant stays one, and energies stay
-/// what they are.
+/// here, with c = `least` the least radiance of each channel in the OEM. A constant stays constant, and
+/// energy is conserved.
 #[must_use]
 pub fn radiance(oem: &Oem, least: Rgb, direction: DVec3) -> Rgb {
     let n = oem.size().inner;

@@ -1,4 +1,4 @@
-//! The CPU engine: one file a stage.
+//! The CPU engine, one file per stage.
 
 pub mod leaves;
 pub mod reparameterise;

@@ -1,4 +1,5 @@
-//! Environment to OEM, by area: every source texel's energy arrives, and a constant stays one.
+//! Resamples the environment to the OEM by area: every source texel's energy is kept, and a constant stays
+//! constant.
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::Result;
@@ -7,10 +8,10 @@ use crate::geometry::solid_angles::SolidAngles;
 use crate::oem::{Oem, OemSize};
 use rayon::prelude::*;
 
-/// The OEM of `environment` in the source's own space (queries are turned, not the source).
+/// The OEM of `environment` in the source's own space; queries are rotated instead.
 ///
 /// # Errors
-/// [`crate::Error::Limit`] where the overlaps would not fit.
+/// [`crate::Error::Limit`] if the overlaps do not fit in memory.
 pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<Oem> {
     let n = size.inner;
     let weights = SolidAngles::new(n);

@@ -10,7 +10,7 @@ impl Sat {
     /// The table of `oem`.
     ///
     /// # Panics
-    /// Where a Hensley radix is below 2.
+    /// If a Hensley radix is below 2.
     #[must_use]
     pub fn new(oem: &Oem, scan: Scan) -> Self {
         let fixed = FixedPoint::of_square(oem);
@@ -20,10 +20,10 @@ impl Sat {
         Self::from_entries(oem.size(), fixed, entries)
     }
 
-    /// The table of `values`, row-major, one a texel of a square without a border, in units of `fixed`.
+    /// The table of `values`, row-major, one per texel of a square without a border, in units of `fixed`.
     ///
     /// # Panics
-    /// Where they are no square.
+    /// If they do not form a square.
     pub(crate) fn from_values(fixed: FixedPoint, values: Vec<[u64; 4]>) -> Self {
         let inner = values.len().isqrt();
         assert!(inner > 0 && inner * inner == values.len(), "texels of a square");
@@ -33,10 +33,11 @@ impl Sat {
     }
 }
 
-/// Fills `out` with the inclusive sums of `texels`, `width` to a row.
+/// Fills `out` with the inclusive sums of `texels`, with rows of `width`.
 ///
 /// # Panics
-/// Where `out` has not the size of `texels`, that is no whole number of rows, or a Hensley radix is below 2.
+/// If `out` has not the size of `texels`, if that is not a whole number of rows, or if a Hensley radix is
+/// below 2.
 pub fn scan(scan: Scan, fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64; 4]]) {
     assert!(
         width > 0 && texels.len().is_multiple_of(width) && out.len() == texels.len(),
@@ -70,7 +71,7 @@ fn serial(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64;
     }
 }
 
-/// Sums `entries` up in place, `width` to a row.
+/// Computes the prefix sums of `entries` in place, with rows of `width`.
 pub(crate) fn sum_up(entries: &mut [[u64; 4]], width: usize) {
     for k in 0..entries.len() {
         if k % width > 0 {
@@ -85,15 +86,15 @@ pub(crate) fn sum_up(entries: &mut [[u64; 4]], width: usize) {
 /// Rows of a block. One block of one strip is a task, long enough to be worth scheduling.
 const BLOCK_ROWS: usize = 32;
 
-/// A strip of columns for each thread. A block of rows of one strip needs the block above it and the sums
-/// along its rows from the strip to the left, so the blocks are worked through as a wavefront: input read
-/// once, output written once.
+/// One strip of columns per thread. A block of rows of one strip needs the block above it and the sums along
+/// its rows from the strip to the left, so the blocks are processed as a wavefront: the input is read once
+/// and the output written once.
 fn strips(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64; 4]]) {
     let wavefront = Wavefront::new(fixed, texels, width, out);
     rayon::scope(|scope| wavefront.run(scope, 0, 0));
 }
 
-/// Columns from `left` on; a piece of every row.
+/// Columns from `left` on, as a piece of every row.
 struct Strip<'a> {
     left: usize,
     rows: Vec<&'a mut [[u64; 4]]>,
@@ -104,7 +105,7 @@ struct Wavefront<'a> {
     texels: &'a [[f32; 4]],
     width: usize,
     strips: Vec<Mutex<Strip<'a>>>,
-    /// The sums along the rows of each block, up to the strip done last.
+    /// Sums along the rows of each block, up to the last finished strip.
     carries: Vec<Mutex<[[u64; 4]; BLOCK_ROWS]>>,
     /// Number of blocks that each block of each strip still waits for.
     waits: Vec<AtomicU8>,
@@ -173,10 +174,10 @@ impl<'a> Wavefront<'a> {
     }
 }
 
-/// The table of a block under the row `above`, right of the sums `carries`, which it takes on.
+/// The table of a block below the row `above` and to the right of the sums `carries`, which it updates.
 struct BlockSums<'a, 'b> {
     fixed: FixedPoint,
-    /// From the block's first texel on, `width` to a row.
+    /// From the block's first texel on, with rows of `width`.
     texels: &'a [[f32; 4]],
     width: usize,
     above: Option<&'a [[u64; 4]]>,

@@ -1,5 +1,4 @@
-//! Below texels: a texel's spread cut into pieces, for lobes sharper than the OEM and tolerances finer than
-//! it.
+//! Subdivides the spread of a texel, for lobes sharper than the OEM and tolerances finer than it.
 
 use super::cells::Cells;
 use super::leaves::{Leaf, Packet, Scratch};
@@ -9,8 +8,7 @@ use crate::lobe::kernel::{Radial, expected_error, first_order_width};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
 use glam::{DVec2, DVec3};
 
-/// Pieces are halved at most this often: 2^-40 of a texel is finer than any lobe that is not served as a
-/// mirror.
+/// Most halvings of a piece: 2^-40 of a texel is finer than any lobe that is not served as a mirror.
 const DEPTH: u8 = 40;
 
 /// A rectangle of one quarter of the spread, in texels from its centre.
@@ -21,13 +19,13 @@ struct Piece {
     depth: u8,
 }
 
-/// Longer sides in (u, v) have no centroid that two nodes find exactly enough: what those miss, |d^4 l/du^4|
-/// <= 216 over 4320 times the fourth power of the side, is below 5e-8 here. Texels of 64 and more along an
-/// edge are never so large.
+/// Pieces with longer sides in (u, v) have no exact centroid. The error of two nodes per axis, |d^4 l/du^4|
+/// <= 216 over 4320 times the fourth power of the side, is below 5e-8 up to this length. Texels of maps of 64
+/// and more along an edge are never so large.
 pub(crate) const SMOOTH_SIDE: f64 = 1.0 / 32.0;
 
 /// The spread's density on [a, b], 0 <= a <= b, along one axis: its mass, and two nodes with their shares of
-/// it, which have its first three moments.
+/// it, which match its first three moments.
 fn slice(reconstruction: Reconstruction, a: f64, b: f64) -> (f64, [(f64, f64); 2]) {
     let (width, middle) = (b - a, 0.5 * (a + b));
     let squared = width * width / 12.0;
@@ -37,7 +35,7 @@ fn slice(reconstruction: Reconstruction, a: f64, b: f64) -> (f64, [(f64, f64); 2
             (width, [(middle - deviation, 0.5), (middle + deviation, 0.5)])
         }
         Reconstruction::Bilinear => {
-            // 1 - x: centred on the middle, top - t on [-w/2, w/2].
+            // Density 1 - x, in coordinates t around the middle: top - t on [-w/2, w/2].
             let top = 1.0 - middle;
             let shift = -squared / top;
             let deviation = (squared - shift * shift).sqrt();
@@ -85,13 +83,12 @@ pub(super) fn refine<R: Radial>(
                 corners.iter().map(|c| direction(*c).distance(moments.centroid)).fold(0.0, f64::max);
             let offset: DVec3 = moments.centroid - packet.axis;
             let distance = offset.length() as f32;
-            // Neither a piece across a kink of the map nor a large one has an exact centroid; halving ends on
-            // the kink or makes it negligible.
+            // A piece across a kink of the map, or a large one, has no exact centroid. Halving ends on the
+            // kink or makes the piece negligible.
             let inexact = (high - low).max_element() * h > SMOOTH_SIDE
                 || crosses_kink(centre + signs * low * h, centre + signs * high * h);
             let error = if inexact {
-                // No direction moves faster than 3 a unit of (u, v): |dl/d(u, v)| <= sqrt(3) |dp/d(u, v)| <=
-                // 3.
+                // Directions move by at most 3 per unit of (u, v): |dl/d(u, v)| <= sqrt(3) |dp/d(u, v)| <= 3.
                 moments.radius = moments.radius.max(3.0 * (high - low).length() * h).min(2.0);
                 first_order_width(kernel, distance, moments.radius as f32, packet.radius)
             } else {
@@ -129,8 +126,7 @@ pub(super) fn refine<R: Radial>(
     }
 }
 
-/// Whether an axis, an edge of the square or a fold diagonal runs through the inside of the box from `a` to
-/// `b`.
+/// Whether an axis, an edge of the square or a fold diagonal crosses the interior of the box from `a` to `b`.
 fn crosses_kink(a: DVec2, b: DVec2) -> bool {
     let tiny = 1e-12;
     let between = |low: f64, high: f64, at: f64| low < at - tiny && high > at + tiny;
@@ -139,7 +135,7 @@ fn crosses_kink(a: DVec2, b: DVec2) -> bool {
     if lines.iter().any(|at| between(low.x, high.x, *at) || between(low.y, high.y, *at)) {
         return true;
     }
-    // Beyond the square the diagonals go on by the square's own reflection in its edges.
+    // Beyond the square, the diagonals continue by reflection in its edges.
     let inside = |p: DVec2| wrap_oct(p).abs();
     let (low, high) = (inside(a), inside(b));
     let (low, high) = (low.min(high), low.max(high));

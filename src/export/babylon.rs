@@ -2,8 +2,8 @@
 //!
 //! packages/dev/core/src/Misc/environmentTextureTools.ts (`GetEnvInfo`, `CreateEnvTextureAsync`): mipmaps
 //! from the largest down to one texel, six faces each in the order of the cube map, at positions counted from
-//! the header's end. Images are upside down: the reader draws them into a render target, whose rows run
-//! upwards.
+//! the header's end. Images are vertically flipped: the reader draws them into a render target, whose rows
+//! run upwards.
 
 use crate::chain::Chain;
 use crate::error::Result;
@@ -18,10 +18,11 @@ use crate::target::sizes::check_env;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-/// An `.env` of `chain`, already flipped by `flip`, and of the harmonics `sh` of the environment's radiance.
+/// Encodes an `.env` of `chain`, already flipped by `flip`, and the harmonics `sh` of the environment's
+/// radiance.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for a size that is no power of two, and where levels are missing.
+/// [`crate::Error::Parameter`] for a size that is not a power of two, and for missing levels.
 pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<CubeFile> {
     let size = chain.levels.first().map_or(0, |level| level.size());
     check_env(size, chain.levels.len() as u32)?;
@@ -48,12 +49,12 @@ pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<Cu
     Ok(CubeFile { bytes, clamped: clamped(chain) })
 }
 
-/// Texels that RGBD clamps, a level each.
+/// Number of texels that RGBD clamps, per level.
 pub(crate) fn clamped(chain: &Chain) -> Vec<u64> {
     chain.levels.iter().map(|level| Pixel::Rgbd.clamped(&level.texels)).collect()
 }
 
-/// A PNG for every face of every level, rows upwards.
+/// Encodes every face of every level as PNG, rows upwards.
 pub(crate) fn png_faces(chain: &Chain) -> Result<Vec<Vec<u8>>> {
     let faces: Vec<_> = chain
         .levels
@@ -67,7 +68,7 @@ pub(crate) fn png_faces(chain: &Chain) -> Result<Vec<Vec<u8>>> {
     faces.into_par_iter().map(png).collect()
 }
 
-/// Irradiance over pi as Babylon.js's `SphericalPolynomial` has it: x, y, z, their squares and products, no
+/// Irradiance over pi as Babylon.js's `SphericalPolynomial`: x, y, z, their squares and products, without a
 /// constant.
 fn polynomial(sh: &[[f64; 3]], flip: Flip) -> Value {
     let scaled = scaled(sh, ShScale::Filament);
@@ -80,7 +81,7 @@ fn polynomial(sh: &[[f64; 3]], flip: Flip) -> Value {
         "x": times(x, turned.x),
         "y": times(y, turned.y),
         "z": times(z, turned.z),
-        // The constant is spread over the squares, whose sum is 1.
+        // The constant is distributed over the squares, whose sum is 1.
         "xx": combined(-1.0, 1.0),
         "yy": combined(-1.0, -1.0),
         "zz": combined(2.0, 0.0),

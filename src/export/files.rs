@@ -1,4 +1,4 @@
-//! The files of a plan, made of a bake.
+//! Encodes the files of a plan from a bake.
 
 use super::{babylon, gltf};
 use crate::bake::Bake;
@@ -26,21 +26,21 @@ use std::borrow::Cow;
 /// A file in memory.
 #[derive(Clone, Debug)]
 pub struct Made {
-    /// Where it belongs in the output's folder.
+    /// Path in the output's folder.
     pub path: String,
-    /// What is in it.
+    /// Its content.
     pub content: Content,
     /// Its bytes.
     pub bytes: Vec<u8>,
-    /// Texels with a channel that was clamped, a level each; empty where it holds no cube.
+    /// Number of texels with a clamped channel, per level; empty if it holds no cube.
     pub clamped: Vec<u64>,
 }
 
-/// The files of `plan` for the environment called `name`, made of `bake`. `metadata` are key/value pairs for
-/// containers that have a place for them.
+/// Encodes the files of `plan` from `bake` for the environment called `name`. `metadata` are key/value pairs
+/// for containers that support them.
 ///
 /// # Errors
-/// [`Error::Parameter`] where the container cannot hold the pixels or the levels, and where the plan asks for
+/// [`Error::Parameter`] if the container cannot hold the pixel format or the levels, and if the plan requires
 /// an irradiance or a sheen cube that was not baked.
 pub fn files(plan: &Plan, name: &str, bake: &Bake, metadata: &[(String, String)]) -> Result<Vec<Made>> {
     plan.check()?;
@@ -54,7 +54,7 @@ pub fn files(plan: &Plan, name: &str, bake: &Bake, metadata: &[(String, String)]
     plan.files(&shape).into_par_iter().map(make).collect()
 }
 
-/// The file at `path` of `plan`, which holds `content`.
+/// Encodes the file at `path` of `plan` with `content`.
 fn file_of(
     plan: &Plan,
     name: &str,
@@ -104,14 +104,14 @@ fn file_of(
 }
 
 fn missing(what: &str) -> Error {
-    Error::Parameter(format!("{what} is to be written that was not baked"))
+    Error::Parameter(format!("{what} is required but was not baked"))
 }
 
 fn irradiance(bake: &Bake) -> Result<&Level> {
     bake.irradiance.as_ref().ok_or_else(|| missing("an irradiance cube"))
 }
 
-/// The image `name` of a level.
+/// Encodes the image `name` of a level.
 fn image_file(plan: &Plan, bake: &Bake, metadata: &[(String, String)], name: LevelName) -> Result<CubeFile> {
     let level = match name.level {
         Some(level) => bake.chain.levels.get(level as usize).ok_or_else(|| missing("a level"))?,
@@ -123,7 +123,7 @@ fn image_file(plan: &Plan, bake: &Bake, metadata: &[(String, String)], name: Lev
         let bounds = level.bounds.as_ref().ok_or_else(|| missing("a bound"))?;
         let bounds = &bounds[name.face.map_or(0, Face::index) * area..][..area];
         let samples = Samples::Luminance(bounds);
-        // Bounds say what they belong to where they stand beside EXR levels.
+        // Bounds written with EXR levels have their own metadata.
         let bytes = if plan.container == Container::Exr {
             let format = ImageFormat { container: Container::Exr, pixel: Pixel::F32, roughness, metadata };
             image_bytes(size, samples, &format)?
@@ -143,24 +143,24 @@ fn image_file(plan: &Plan, bake: &Bake, metadata: &[(String, String)], name: Lev
         (None, OutputLayout::StripVertical) => unfolded(Unfolding::StripVertical),
         (None, _) => (level.layout.sides().0, Cow::Borrowed(&level.texels[..])),
     };
-    // The faces of a level are stored alike.
+    // All faces of a level use the same pixel format.
     let pixel = plan.pixel.stored(&level.texels);
     let format = ImageFormat { container: plan.container, pixel, roughness, metadata };
     let bytes = image_bytes(width, Samples::Rgb(&texels), &format)?;
     Ok(CubeFile { bytes, clamped: vec![pixel.clamped(&texels)] })
 }
 
-/// Level 0 as one image, its columns where the engine looks for them.
+/// Encodes level 0 as one image, with columns shifted for the engine.
 fn panorama(plan: &Plan, bake: &Bake, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let level = bake
         .chain
         .levels
         .first()
-        .ok_or_else(|| Error::Parameter("a panorama is to be written that was not baked".to_owned()))?;
+        .ok_or_else(|| Error::Parameter("a panorama is required but was not baked".to_owned()))?;
     let (width, height) = level.layout.sides();
     if !width.is_multiple_of(4) {
         return Err(Error::Parameter(format!(
-            "target {}: `size` {height} is not even, and its panorama cannot be turned by quarters",
+            "target {}: `size` {height} is not even, so its panorama cannot be shifted by quarters",
             plan.target.name
         )));
     }
@@ -182,8 +182,8 @@ fn panorama(plan: &Plan, bake: &Bake, path: &str, metadata: &[(String, String)])
     exr_bytes(width, height, Samples::Rgb(&texels), pixel, &attributes)
 }
 
-/// What a cube says of itself: `metadata` with the target and its flip, in KTX Filament's key for spherical
-/// harmonics as well.
+/// Metadata of a cube: `metadata` with the target and its flip, and in KTX Filament's key for spherical
+/// harmonics.
 fn cube_metadata(plan: &Plan, bake: &Bake, metadata: &[(String, String)], sh: bool) -> Vec<(String, String)> {
     let mut pairs = Vec::new();
     if plan.container == Container::Ktx1 && sh {
@@ -196,7 +196,7 @@ fn cube_metadata(plan: &Plan, bake: &Bake, metadata: &[(String, String)], sh: bo
     pairs
 }
 
-/// `metadata` with the target's name and its flip, where there is a target.
+/// `metadata` with the target's name and flip, if there is a target.
 fn of_target(plan: &Plan, metadata: &[(String, String)]) -> Vec<(String, String)> {
     if !plan.is_targeted() {
         return metadata.to_vec();
@@ -209,7 +209,7 @@ fn of_target(plan: &Plan, metadata: &[(String, String)]) -> Vec<(String, String)
     metadata.iter().cloned().chain(own.pairs()).collect()
 }
 
-/// The coefficients in the plan's scaling, and which is which.
+/// The coefficients in the plan's scaling, with their order.
 fn sh_json(plan: &Plan, bake: &Bake) -> String {
     let scale = match plan.target.sh_scale {
         ShScale::Radiance => "radiance, orthonormal basis without the Condon-Shortley phase",
@@ -226,7 +226,7 @@ fn sh_json(plan: &Plan, bake: &Bake) -> String {
     serde_json::to_string_pretty(&json).expect("keys are strings") + "\n"
 }
 
-/// As cmgen prints them into sh.txt.
+/// The coefficients in the format of cmgen's sh.txt.
 fn sh_text(bake: &Bake) -> String {
     let line = |(index, [r, g, b]): (usize, [f64; 3])| {
         format!("({r:18.15}, {g:18.15}, {b:18.15}); // {}, irradiance, pre-scaled base\n", name(index))

@@ -1,11 +1,12 @@
 //! glTF with EXT_lights_image_based: one binary file, the faces as RGBD in PNG.
 //!
 //! extensions/2.0/Vendor/EXT_lights_image_based/README.md of KhronosGroup/glTF: levels evenly from roughness
-//! 0 to 1 and not down to one texel, every image flipped about, nine coefficients of irradiance. Where it
-//! leaves a choice, as Babylon.js's loader has it
-//! (packages/dev/loaders/src/glTF/2.0/Extensions/EXT_lights_image_based.ts): images are upside down and the
-//! cube is looked up with x negated, as in an `.env`. It reads the levels by the logarithm of alpha, though,
-//! and takes the coefficients' signs and bands otherwise than the text.
+//! 0 to 1 and not down to one texel, every image flipped vertically, nine coefficients of irradiance. Where
+//! it leaves a choice, this follows Babylon.js's loader
+//! (packages/dev/loaders/src/glTF/2.0/Extensions/EXT_lights_image_based.ts): images are vertically flipped
+//! and the cube is looked up with x negated, as in an `.env`. The loader deviates from the text in two
+//! points: it selects levels by the logarithm of alpha, and it interprets the coefficients' signs and bands
+//! differently.
 
 use super::babylon::{clamped, png_faces};
 use crate::chain::Chain;
@@ -16,13 +17,13 @@ use crate::sh::scale::{ShScale, scaled};
 use crate::target::sizes::{EXTENSION, check_glb};
 use serde_json::{Value, json};
 
-/// Coefficients that the extension has.
+/// Number of coefficients in the extension.
 const NINE: usize = 9;
 
-/// A `.glb` with a scene that is lit by `chain` and by the harmonics `sh` of the environment's radiance.
+/// Encodes a `.glb` with a scene lit by `chain` and the harmonics `sh` of the environment's radiance.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a size that is no power of two, and for more than 4 GiB.
+/// [`Error::Parameter`] for a size that is not a power of two, and for more than 4 GiB.
 pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<CubeFile> {
     let size = chain.levels.first().map_or(0, |level| level.size());
     check_glb(size)?;
@@ -64,7 +65,7 @@ fn glb(root: &Value, binary: &[u8]) -> Result<Vec<u8>> {
     let total = 12 + 8 + text.len() + 8 + binary.len();
     let length = |bytes: usize| {
         u32::try_from(bytes)
-            .map_err(|_| Error::Parameter("a .glb holds up to 4 GiB; choose a smaller `size`".to_owned()))
+            .map_err(|_| Error::Parameter("a .glb holds up to 4 GiB; use a smaller `size`".to_owned()))
     };
     let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
     Ok([

@@ -1,4 +1,4 @@
-//! A bake as files: what each target's files hold, as bytes.
+//! Encodes a bake as the files of each target.
 
 pub(crate) mod babylon;
 pub mod files;

@@ -1,4 +1,4 @@
-//! A bake written from memory, without a target.
+//! Writes a bake without a target.
 
 use super::files::files;
 use crate::bake::Bake;
@@ -9,30 +9,29 @@ use crate::io::output::{self, Existing, Output};
 use crate::target::{Diffuse, Plan, UNTARGETED};
 use std::path::Path;
 
-/// How [`Bake::write`] writes.
+/// Options of [`Bake::write`].
 #[derive(Clone, Debug, Default)]
 pub struct WriteOptions {
-    /// The format; `None` for the one that the path's extension names.
+    /// The format; `None` to derive it from the path's extension.
     pub container: Option<Container>,
-    /// The pixels; `None` for half floats, in folders of EXR images floats where half floats do not do, and
-    /// RGBE in Radiance images.
+    /// The pixel format; `None` for half floats (in folders of EXR images floats if half floats are
+    /// insufficient), and RGBE in Radiance images.
     pub pixel: Option<Pixel>,
-    /// How the levels lie in files.
+    /// Layout of the levels in files.
     pub layout: OutputLayout,
-    /// What to do about an output that is there already.
+    /// Policy for an output that already exists.
     pub existing: Existing,
-    /// Key/value pairs for containers that have a place for them.
+    /// Key/value pairs for containers that support them.
     pub metadata: Vec<(String, String)>,
 }
 
 impl Bake {
-    /// Writes the levels to `path`: a file, or a folder of images where [`WriteOptions`] ask for one.
-    /// Irradiance and bounds go beside a file, under its name, and into a folder. Either all is written or
-    /// nothing.
+    /// Writes the levels to `path`: a file, or a folder of images if [`WriteOptions`] select one. Irradiance
+    /// and bounds go into the folder, or next to the file under its name. All outputs are written or none.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a path whose extension names no format, and for pixels or levels that the
-    /// format does not hold; [`Error::Io`] where a file cannot be written.
+    /// format cannot hold; [`Error::Io`] if a file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>, options: &WriteOptions) -> Result<()> {
         let path = path.as_ref();
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
@@ -40,7 +39,7 @@ impl Bake {
         let container = options.container.or(named).ok_or_else(|| {
             let path = path.display();
             Error::Parameter(format!(
-                "{path}: the name ends in none of .ktx2 .ktx .dds .exr; say a `container`"
+                "{path}: the name ends in none of .ktx2 .ktx .dds .exr; set `container`"
             ))
         })?;
         let layout = options.layout;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// Texels along an edge of a block.
 const BLOCK: usize = 4;
 
-/// Bytes of a square of `size` x `size` texels.
+/// Encoded bytes of a square of `size` x `size` texels.
 #[must_use]
 pub fn bc6h_length(size: u32) -> usize {
     image_length(size, size)
@@ -20,7 +20,7 @@ pub(crate) fn image_length(width: u32, height: u32) -> usize {
     (width as usize).div_ceil(BLOCK) * (height as usize).div_ceil(BLOCK) * 16
 }
 
-/// The texels of an image of `width` x `height`, row-major, from its blocks, `signed` or not.
+/// Decodes an image of `width` x `height` from `blocks`, `signed` or not, to row-major texels.
 pub(crate) fn rgb_from_bc6h(width: u32, height: u32, signed: bool, blocks: &[u8]) -> Vec<Rgb> {
     let (columns, rows) = (width as usize, height as usize);
     let across = columns.div_ceil(BLOCK);
@@ -40,20 +40,19 @@ pub(crate) fn rgb_from_bc6h(width: u32, height: u32, signed: bool, blocks: &[u8]
     texels
 }
 
-/// The blocks of `count` = `texels.len() / size^2` squares of `size` x `size` texels, one square after the
-/// other.
+/// Encodes `texels.len() / size^2` consecutive squares of `size` x `size` texels.
 ///
-/// Squares that are no multiple of four have their last column and row repeated. Values are clamped to
-/// [0, [`HALF_MAX`]].
+/// If `size` is not a multiple of four, the last column and row are repeated. Values are clamped to [0,
+/// [`HALF_MAX`]].
 #[must_use]
 pub fn bc6h_blocks(size: u32, texels: &[Rgb]) -> Vec<u8> {
     let n = size as usize;
     let across = n.div_ceil(BLOCK);
     let padded = across * BLOCK;
-    // On baked levels the slow searches gain less than 0.1 dB for five times the time, the fast one loses up
+    // On baked levels the slow settings gain less than 0.1 dB at five times the cost; the fast one loses up
     // to 1.3 dB.
     let variant = CompressionVariant::BC6H(BC6HSettings::basic());
-    // Strips of blocks are independent of one another.
+    // Strips of blocks are independent.
     let strips: Vec<_> =
         texels.chunks_exact(n * n).flat_map(|square| (0..across).map(move |strip| (square, strip))).collect();
     let blocks: Vec<Vec<u8>> = strips

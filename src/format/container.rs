@@ -1,8 +1,8 @@
-//! File formats that bakes are written in.
+//! File formats of bakes.
 
 use crate::format::Pixel;
 
-/// A file format that a bake is written in.
+/// A file format of bakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Container {
@@ -13,9 +13,9 @@ pub enum Container {
     Ktx1,
     /// DDS with the DX10 header.
     Dds,
-    /// OpenEXR: a part for each face of each level, or an image a file.
+    /// OpenEXR: one part per face and level, or one image a file.
     Exr,
-    /// Radiance .hdr, an image a file.
+    /// Radiance .hdr, one image a file.
     Hdr,
 }
 
@@ -32,19 +32,19 @@ impl Container {
         }
     }
 
-    /// The container that files with the extension `extension`, in lower case, are in.
+    /// The container for the file extension `extension`, in lower case.
     #[must_use]
     pub fn named(extension: &str) -> Option<Self> {
         CONTAINERS.into_iter().find(|container| container.name() == extension)
     }
 
-    /// Whether files of this kind hold a whole cube chain each.
+    /// Whether one file can hold a whole cube chain.
     #[must_use]
     pub const fn is_single(self) -> bool {
         matches!(self, Self::Ktx2 | Self::Ktx1 | Self::Dds)
     }
 
-    /// Whether files of this kind can hold `pixel`.
+    /// Whether the container supports `pixel`.
     #[must_use]
     pub fn holds(self, pixel: Pixel) -> bool {
         match self {
@@ -60,5 +60,5 @@ impl Container {
 pub const CONTAINERS: [Container; 5] =
     [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr, Container::Hdr];
 
-/// What an `.env` begins with.
+/// Magic number of an `.env`.
 pub const ENV_MAGIC: [u8; 8] = [0x86, 0x16, 0x87, 0x96, 0xf6, 0xd6, 0x96, 0x36];

@@ -1,21 +1,21 @@
-//! Names of the images of a bake: `m{level}_{face}`, and what goes with the levels.
+//! Names of the images of a bake: `m{level}_{face}`, irradiance and bounds.
 
 use crate::sphere::cube::Face;
 use std::fmt;
 
-/// Which image of a bake a file or a part of a file holds; formatted, its name without extension.
+/// Identifies an image of a bake in a file or a part. Displays as its name without extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LevelName {
     /// The level, from 0; `None` for the irradiance.
     pub level: Option<u32>,
-    /// The face; `None` where one image holds the whole level.
+    /// The face; `None` if one image holds the whole level.
     pub face: Option<Face>,
     /// Whether it holds the certified bounds of the level instead of its radiance.
     pub is_bound: bool,
 }
 
 impl LevelName {
-    /// The image that holds the whole level `level`.
+    /// The image of the whole level `level`.
     #[must_use]
     pub const fn whole(level: u32) -> Self {
         Self { level: Some(level), face: None, is_bound: false }
@@ -27,7 +27,7 @@ impl LevelName {
         Self { level: Some(level), face: Some(face), is_bound: false }
     }
 
-    /// The name that `text` is, without an extension.
+    /// Parses a name without extension.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let (text, is_bound) = text.strip_suffix("_bound").map_or((text, false), |text| (text, true));

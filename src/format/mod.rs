@@ -1,4 +1,4 @@
-//! Pixel formats, and texels as their bytes.
+//! Pixel formats, containers, and texel encodings.
 
 pub mod bc6h;
 pub mod container;

@@ -1,12 +1,12 @@
-//! How the levels of a bake lie in files.
+//! Layout of a bake's levels in files.
 
 use crate::environment::Map;
 
-/// How the levels of a bake lie in files: `--out-layout`.
+/// Layout of a bake's levels in files: `--out-layout`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum OutputLayout {
-    /// Cubes by their faces: one file where the container holds a chain, else six images a level.
+    /// Cube faces: one file if the container holds a chain, else six images a level.
     #[default]
     Faces,
     /// An image a level, the faces in a horizontal cross, 4:3.

@@ -1,4 +1,4 @@
-//! Pixel formats of the outputs and the conversions into them: rounded to nearest, clamped, counted.
+//! Pixel formats of outputs and conversions to them: rounded to nearest, clamped, counted.
 
 use super::r11g11b10::R11G11B10_MAX;
 use super::rgbd::RGBD_MAX;
@@ -6,16 +6,16 @@ use crate::environment::Rgb;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 
-/// The greatest finite half float.
+/// Maximum finite half float.
 pub const HALF_MAX: f32 = 65504.0;
 
-/// The greatest value of a channel in RGB9E5: (511/512) * 2^16.
+/// Maximum of a channel in RGB9E5: (511/512) * 2^16.
 pub const RGB9E5_MAX: f32 = 65408.0;
 
-/// The greatest value of a channel in RGBE.
+/// Maximum of a channel in RGBE.
 pub const RGBE_MAX: f32 = (255.0 / 256.0) * (1_u128 << 127) as f32;
 
-/// How a texel is stored.
+/// Pixel format.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Pixel {
@@ -37,7 +37,7 @@ pub enum Pixel {
     /// Three 8-bit mantissas and a shared 8-bit exponent, clamped at [`RGBE_MAX`]; in .hdr images only.
     #[cfg_attr(feature = "cli", value(skip))]
     Rgbe,
-    /// [`Pixel::F16`], but [`Pixel::F32`] for an image that is too bright or too dim for half floats: see
+    /// [`Pixel::F16`], or [`Pixel::F32`] for an image that is too bright or too dim for half floats: see
     /// [`Pixel::stored`].
     #[cfg_attr(feature = "cli", value(skip))]
     Auto,
@@ -59,7 +59,7 @@ impl Pixel {
         }
     }
 
-    /// The greatest value of a channel.
+    /// Maximum of a channel.
     #[must_use]
     pub const fn max(self) -> f32 {
         match self {
@@ -72,30 +72,29 @@ impl Pixel {
         }
     }
 
-    /// The greatest value of a channel that becomes 0 in this format, whatever the other channels.
+    /// Largest value of a channel that becomes 0 in this format, regardless of the other channels.
     #[must_use]
     pub const fn rounded_to_zero(self) -> f32 {
         match self {
-            // Half of the least step, which goes to the even number.
+            // Half of the smallest step, which rounds to even.
             Self::F16 | Self::Bc6h => 1.0 / (1_u32 << 25) as f32,
             Self::F32 | Self::Auto => 0.0,
-            // Below half of the least step.
+            // Below half of the smallest step.
             Self::Rgb9e5 => f32::from_bits((1.0 / (1_u32 << 25) as f32).to_bits() - 1),
             Self::R11g11b10 => 1.0 / (1_u32 << 21) as f32,
             // Below (0.5/255)^2.2.
             Self::Rgbd => 1.1e-6,
-            // The greatest subnormal number.
+            // The largest subnormal number.
             Self::Rgbe => f32::from_bits(0x007f_ffff),
         }
     }
 
-    /// The format that an image of `texels` is stored in: what [`Pixel::Auto`] stands for, else the format
-    /// itself.
+    /// Storage format of an image of `texels`: resolves [`Pixel::Auto`].
     #[must_use]
     pub fn stored(self, texels: &[Rgb]) -> Self {
         match self {
             Self::Auto => {
-                // So dim that half floats keep less than their eleven bits of even the brightest texel.
+                // Too dim if half floats lose precision even at the brightest texel.
                 let brightest = texels.as_flattened().iter().copied().fold(0.0, f32::max);
                 let dim = brightest > 0.0 && brightest < f16::MIN_POSITIVE.to_f32();
                 if dim || Self::F16.clamped(texels) > 0 { Self::F32 } else { Self::F16 }
@@ -104,14 +103,15 @@ impl Pixel {
         }
     }
 
-    /// Number of `texels` with a channel that this format clamps.
+    /// Number of `texels` with a channel above the maximum.
     #[must_use]
     pub fn clamped(self, texels: &[Rgb]) -> u64 {
         texels.iter().filter(|t| t.iter().any(|c| *c > self.max())).count() as u64
     }
 }
 
-/// Appends `values` to `out` as half floats, little endian: to nearest, ties to even, at most [`HALF_MAX`].
+/// Appends `values` to `out` as little-endian half floats: rounded to nearest, ties to even, at most
+/// [`HALF_MAX`].
 pub fn push_halves(values: &[f32], out: &mut Vec<u8>) {
     const BATCH: usize = 256;
     let mut floats = [0.0; BATCH];
@@ -126,8 +126,8 @@ pub fn push_halves(values: &[f32], out: &mut Vec<u8>) {
     }
 }
 
-/// `rgb` in RGB9E5, each channel clamped to [0, [`RGB9E5_MAX`]]: red in the lowest bits, the exponent in the
-/// highest.
+/// Encodes `rgb` in RGB9E5, each channel clamped to [0, [`RGB9E5_MAX`]]: red in the lowest bits, the exponent
+/// in the highest.
 ///
 /// The algorithm of OpenGL 4.6 section 8.5.2 and Vulkan's "RGB to shared exponent conversion", with the
 /// exponent read from the float instead of a logarithm.
@@ -137,13 +137,14 @@ pub fn rgb9e5_from_rgb(rgb: Rgb) -> u32 {
     const BIAS: i32 = 15;
     let clamped = rgb.map(|c| f64::from(c.clamp(0.0, RGB9E5_MAX)));
     let greatest = clamped[0].max(clamped[1]).max(clamped[2]);
-    // floor(log2(greatest)); zero reads as -1023 and ends at the least exponent like everything below 2^-16.
+    // floor(log2(greatest)); zero gives -1023 and is clamped to the smallest exponent, like all values below
+    // 2^-16.
     let log2 = (greatest.to_bits() >> 52) as i32 - 1023;
     let round = |value: f64, exponent: i32| {
         (value * f64::from(BIAS + MANTISSA_BITS - exponent).exp2() + 0.5).floor() as u32
     };
     let mut exponent = log2.max(-BIAS - 1) + 1 + BIAS;
-    // The greatest mantissa may round up to 2^9: then the next exponent holds it.
+    // The largest mantissa may round up to 2^9, which requires the next exponent.
     if round(greatest, exponent) == 1 << MANTISSA_BITS {
         exponent += 1;
     }
@@ -151,7 +152,7 @@ pub fn rgb9e5_from_rgb(rgb: Rgb) -> u32 {
     r | g << 9 | b << 18 | (exponent as u32) << 27
 }
 
-/// The colour that `packed` stands for in RGB9E5; exact.
+/// Decodes RGB9E5; exact.
 #[must_use]
 pub fn rgb_from_rgb9e5(packed: u32) -> Rgb {
     let scale = ((packed >> 27) as f32 - 24.0).exp2();

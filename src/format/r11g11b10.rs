@@ -2,10 +2,10 @@
 
 use crate::environment::Rgb;
 
-/// The greatest value that all three channels hold: (1 + 31/32) * 2^15, blue's.
+/// Maximum common to all three channels: (1 + 31/32) * 2^15, that of blue.
 pub const R11G11B10_MAX: f32 = 64512.0;
 
-/// `rgb` packed, red in the lowest bits: to nearest, ties to even, each channel clamped to [0,
+/// Packs `rgb`, red in the lowest bits: rounded to nearest, ties to even, each channel clamped to [0,
 /// [`R11G11B10_MAX`]].
 ///
 /// Vulkan 1.3, "Unsigned 11-Bit Floating-Point Numbers" and "Unsigned 10-Bit Floating-Point Numbers".
@@ -14,7 +14,7 @@ pub fn r11g11b10_from_rgb([r, g, b]: Rgb) -> u32 {
     small_float(r, 6) | small_float(g, 6) << 11 | small_float(b, 5) << 22
 }
 
-/// The colour that `packed` stands for in R11G11B10F; exact.
+/// Decodes R11G11B10F; exact.
 #[must_use]
 pub fn rgb_from_r11g11b10(packed: u32) -> Rgb {
     let channel = |shift: u32, mantissa_bits: u32| {
@@ -27,13 +27,13 @@ pub fn rgb_from_r11g11b10(packed: u32) -> Rgb {
     [channel(0, 6), channel(11, 6), channel(22, 5)]
 }
 
-/// `value` with five bits of exponent, bias 15, and `mantissa_bits`.
+/// Encodes `value` with five bits of exponent, bias 15, and `mantissa_bits`.
 fn small_float(value: f32, mantissa_bits: u32) -> u32 {
     let value = f64::from(value.clamp(0.0, R11G11B10_MAX));
-    // floor(log2), from the bits; all below the least normal number shares its spacing.
+    // floor(log2) from the bits; subnormal numbers share the spacing of the smallest normal number.
     let exponent = ((value.to_bits() >> 52) as i32 - 1023).max(-14);
     let steps = (value * f64::from(mantissa_bits.cast_signed() - exponent).exp2()).round_ties_even() as u32;
-    // A mantissa that rounds up to the next power of two carries into the exponent by itself.
+    // A mantissa that rounds up to the next power of two carries into the exponent.
     ((exponent + 14) as u32 * (1 << mantissa_bits)) + steps
 }
 

@@ -8,13 +8,13 @@ use crate::error::{Error, Result};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _};
 
-/// The greatest value of a channel in RGBD.
+/// Maximum of a channel in RGBD.
 pub const RGBD_MAX: f32 = 255.0;
 
 const GAMMA: f64 = 2.2;
 
-/// `rgb` in RGBD, each channel clamped to [0, [`RGBD_MAX`]]: the largest divisor that keeps the brightest
-/// channel below 1, codes to nearest.
+/// Encodes `rgb` in RGBD, each channel clamped to [0, [`RGBD_MAX`]]: the largest divisor that keeps the
+/// brightest channel below 1, codes rounded to nearest.
 #[must_use]
 pub fn rgbd_from_rgb(rgb: Rgb) -> [u8; 4] {
     let clamped = rgb.map(|c| f64::from(c.clamp(0.0, RGBD_MAX)));
@@ -24,17 +24,17 @@ pub fn rgbd_from_rgb(rgb: Rgb) -> [u8; 4] {
     [r, g, b, divisor as u8]
 }
 
-/// The colour that `[r, g, b, divisor]` stands for in RGBD. A divisor of 0 reads as the least, 1.
+/// Decodes RGBD. A divisor of 0 is read as 1, the minimum.
 #[must_use]
 pub fn rgb_from_rgbd([r, g, b, divisor]: [u8; 4]) -> Rgb {
     let divisor = f64::from(divisor.max(1)) / 255.0;
     [r, g, b].map(|code| ((f64::from(code) / 255.0).powf(GAMMA) / divisor) as f32)
 }
 
-/// A PNG of `width` columns of `texels`, row-major, in RGBD.
+/// Encodes row-major `texels` of `width` columns as a PNG in RGBD.
 ///
 /// # Errors
-/// [`Error::Parameter`] where the texels do not fill the image.
+/// [`Error::Parameter`] if the texels do not fill the image.
 pub fn rgbd_png_bytes(width: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
     let height = texels.len() / width.max(1) as usize;
     if texels.is_empty() || texels.len() != width as usize * height {

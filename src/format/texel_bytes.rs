@@ -1,4 +1,4 @@
-//! Texels as the containers store them.
+//! Encodes texels for the containers.
 
 use super::bc6h::bc6h_blocks;
 use super::r11g11b10::r11g11b10_from_rgb;
@@ -7,8 +7,8 @@ use super::{Pixel, push_halves, rgb9e5_from_rgb};
 use crate::environment::Rgb;
 use half::f16;
 
-/// Squares of `size` x `size` texels, one after the other, in `pixel`; little endian, alpha 1 where there is
-/// one.
+/// Encodes consecutive squares of `size` x `size` texels in `pixel`; little endian, alpha 1 if there is an
+/// alpha channel.
 pub(crate) fn texel_bytes(size: u32, texels: &[Rgb], pixel: Pixel) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(texels.len() * 16);
     match pixel {

@@ -1,4 +1,4 @@
-//! Pictures of a whole map, every component with a border.
+//! Fills the borders in pictures of a whole map.
 
 use crate::environment::Rgb;
 use crate::sphere::grid::Grid;
@@ -6,9 +6,9 @@ use crate::sphere::map::Texel;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Fills `border` texels around every component of a picture of `target`, row by row, whose components are
-/// `texels`; black where there is no component. By the map's own gluing where that maps texels onto texels,
-/// else with the mean of 4 x 4 directions of `look`.
+/// Draws the components `texels` of `target` as one row-major picture, black elsewhere, with `border` texels
+/// around every component. Border texels follow the map's gluing if it maps texels onto texels, else they are
+/// the mean of 4 x 4 directions of `look`.
 pub fn bordered_picture(
     target: &Grid,
     texels: &[Rgb],

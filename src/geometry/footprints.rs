@@ -4,10 +4,10 @@ use crate::environment::{Environment, Layout, Rgb};
 use crate::error::Result;
 use crate::geometry::overlap::{Target, mean_radiances, panorama_mean_radiances};
 
-/// The cube of mean radiances over every texel's footprint, in the world: `size` x `size` x 6 texels.
+/// Mean radiance over every texel's footprint of a cube in the world: `size` x `size` x 6 texels.
 ///
 /// # Errors
-/// [`crate::Error::Limit`] where the overlaps would not fit.
+/// [`crate::Error::Limit`] if the overlaps do not fit.
 pub fn footprints_from_environment(environment: &Environment, size: u32) -> Result<Vec<Rgb>> {
     mean_radiances(environment, Target::Cube(size), true)
 }
@@ -15,7 +15,7 @@ pub fn footprints_from_environment(environment: &Environment, size: u32) -> Resu
 /// The mean radiances over the texels of `layout`, in the world.
 ///
 /// # Errors
-/// [`crate::Error::Limit`] where the overlaps would not fit.
+/// [`crate::Error::Limit`] if the overlaps do not fit.
 pub fn footprints_over(environment: &Environment, layout: Layout) -> Result<Vec<Rgb>> {
     match layout {
         Layout::Cube { size } => footprints_from_environment(environment, size),

@@ -1,13 +1,13 @@
-//! Which share of which source texel falls into which target texel: a sparse matrix of solid angles.
+//! Overlaps of source and target texels: a sparse matrix of solid angles.
 //!
 //! Source and target are cut into the eight octants of the sphere, each mirrored to x, y, z >= 0. On an
 //! octant's plane x + y + z = 1 great circles are straight lines, so the texels of cubes and octahedra are
-//! polygons there, and so are a panorama's once its parallels (conics) are chorded. `grid` walks such a
-//! polygon over the target's grid.
+//! polygons there, and so are a panorama's after its parallels (conics) are replaced by chords. `grid`
+//! rasterises these polygons over the target's grid.
 //!
-//! Where source and target are both symmetric in the three coordinate planes (every even size that is not
-//! turned) one octant is walked and the other seven read the same matrix through their own index maps. Where
-//! x and z may be exchanged too (panoramas with a meridian at 45 degrees) half an octant is walked, and the
+//! Where source and target are both symmetric in the three coordinate planes (every even size without
+//! rotation) only one octant is computed; the other seven use the same matrix through index maps. If x and z
+//! can be exchanged too (panoramas with a meridian at 45 degrees), only half an octant is computed and the
 //! other half mirrored.
 
 mod cells;
@@ -34,11 +34,11 @@ struct Entry {
     solid_angle: f32,
 }
 
-/// The mean radiance of `environment` over every texel of `target`; turned into the world where `turned`,
-/// else in the source's own space.
+/// The mean radiance of `environment` over every texel of `target`; in the world if `turned`, else in the
+/// source's space.
 ///
 /// # Errors
-/// [`Error::Limit`] where the overlaps would not fit.
+/// [`Error::Limit`] if the overlaps do not fit.
 pub fn mean_radiances(environment: &Environment, target: Target, turned: bool) -> Result<Vec<Rgb>> {
     let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
     if is_symmetric(environment.layout(), turn, target)
@@ -54,19 +54,19 @@ pub fn mean_radiances(environment: &Environment, target: Target, turned: bool) -
 /// The mean radiance of `environment` over every texel of a `width` x `height` panorama of the world.
 ///
 /// # Errors
-/// [`Error::Limit`] where the overlaps would not fit.
+/// [`Error::Limit`] if the overlaps do not fit.
 pub fn panorama_mean_radiances(environment: &Environment, width: u32, height: u32) -> Result<Vec<Rgb>> {
     let target = match environment.layout() {
         Layout::Panorama { .. } => return Ok(panorama::mean_radiances(environment, width, height)),
         Layout::Cube { size } => Target::Cube(size),
         Layout::Octahedral { size } => Target::Octahedral(size),
     };
-    // The matrix knows panoramas as sources only: it is made the other way around and read by its columns.
+    // The matrix supports panoramas only as sources: build it in reverse and read it by columns.
     let overlaps =
         Overlaps::new(Layout::Panorama { width, height }, environment.source_from_world(), target)?;
     let mut sums = vec![[0.0_f64; 4]; width as usize * height as usize];
     for (texel, radiance) in environment.texels().iter().enumerate() {
-        // Shares are of a texel's exact solid angle, so that all its energy arrives.
+        // Shares are relative to a texel's exact solid angle, which conserves its energy.
         let mut whole = 0.0;
         overlaps.for_each_source(texel, |_, solid_angle| whole += f64::from(solid_angle));
         let scale = target.solid_angle(texel) / whole;
@@ -81,19 +81,19 @@ pub fn panorama_mean_radiances(environment: &Environment, width: u32, height: u3
     Ok(sums.into_iter().map(|[r, g, b, w]| [r, g, b].map(|sum| (sum / w) as f32)).collect())
 }
 
-/// Whether one octant stands for all eight.
+/// Whether one octant represents all eight.
 fn is_symmetric(source: Layout, turn: DMat3, target: Target) -> bool {
     turn == DMat3::IDENTITY && index::is_symmetric(source, target)
 }
 
-/// The matrix: for every target texel its source texels and the solid angles they share.
+/// The matrix: for every target texel its source texels and the overlaps in steradians.
 #[derive(Debug)]
 pub(crate) struct Overlaps {
     target: Target,
     /// The source texels of every octant's packed cells.
     source_maps: [SourceMap; 8],
-    /// Rows are the first octant's texels and sources are packed, to be mapped to every octant; else both are
-    /// whole.
+    /// Whether rows are the first octant's texels and sources are packed, to be mapped to every octant; else
+    /// both are whole indices.
     symmetric: bool,
     starts: Vec<u32>,
     entries: Vec<(u32, f32)>,
@@ -103,7 +103,7 @@ impl Overlaps {
     /// The overlaps of the texels of `source`, turned by `turn`, with those of `target`.
     ///
     /// # Errors
-    /// [`Error::Limit`] where the matrix would have more than 2^32 entries.
+    /// [`Error::Limit`] for more than 2^32 entries.
     pub(crate) fn new(source: Layout, turn: DMat3, target: Target) -> Result<Self> {
         let symmetric = is_symmetric(source, turn, target);
         let bands = if symmetric { cells::octant_bands(source) } else { cells::bands(source) };
@@ -135,7 +135,7 @@ impl Overlaps {
                 entries
             })
             .collect();
-        // Twice what was walked, where it is mirrored.
+        // Mirroring doubles the entries.
         let count: usize = 2 * parts.iter().map(Vec::len).sum::<usize>();
         if u32::try_from(count).is_err() {
             return Err(Error::Limit {
@@ -163,8 +163,7 @@ impl Overlaps {
         Ok(Self { target, source_maps, symmetric, starts, entries })
     }
 
-    /// The matrix as it is kept, for an engine that reads it by itself: where each row's entries start, and
-    /// all entries.
+    /// The raw matrix for the GPU engine: start of each row's entries, and all entries.
     #[cfg(feature = "gpu")]
     pub(crate) fn rows(&self) -> (&[u32], &[(u32, f32)]) {
         (&self.starts, &self.entries)
@@ -176,8 +175,8 @@ impl Overlaps {
         self.symmetric
     }
 
-    /// The source texel of every octant's packed cells: by family, texel of place (0, 0) and steps along i
-    /// and j.
+    /// Index map from packed cells to source texels of every octant: by family, the texel of position (0, 0)
+    /// and the steps along i and j.
     #[cfg(feature = "gpu")]
     pub(crate) fn source_maps(&self) -> [[[i32; 4]; 3]; 8] {
         self.source_maps.map(|map| {
@@ -185,8 +184,8 @@ impl Overlaps {
         })
     }
 
-    /// Calls `visit` with every source texel that overlaps target texel `target` and the solid angle they
-    /// share, in an order that never changes.
+    /// Calls `visit` with every source texel that overlaps target texel `target` and the overlap in
+    /// steradians, in a fixed order.
     #[inline]
     fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
         let row = |row: usize| &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize];
@@ -206,8 +205,7 @@ impl Overlaps {
 
     /// Overlap-weighted mean of the sources of one target texel.
     fn mean_radiance(&self, target: usize, texels: &[Rgb]) -> Rgb {
-        // Radiance spans more decades than f32 sums keep; an f64 sum of a few products is exact enough to
-        // forget.
+        // Sum in f64: radiance spans more decades than f32 sums preserve.
         let (mut sum, mut total) = ([0.0_f64; 3], 0.0_f64);
         self.for_each_source(target, |source, solid_angle| {
             let weight = f64::from(solid_angle);
@@ -221,7 +219,7 @@ impl Overlaps {
     }
 }
 
-/// Scales the entries of one cell to its exact solid angle, so that all its energy arrives.
+/// Scales the entries of one cell to its exact solid angle, which conserves its energy.
 fn share_out(solid_angle: f64, entries: &mut [Entry]) {
     let sum: f64 = entries.iter().map(|entry| f64::from(entry.solid_angle)).sum();
     if sum > 0.0 {
@@ -230,7 +228,7 @@ fn share_out(solid_angle: f64, entries: &mut [Entry]) {
     }
 }
 
-/// Counting sort, stable: within a row the sources keep the order in which `visit_all` has them.
+/// Stable counting sort: within a row the sources keep the order of `visit_all`.
 fn sort_by_row(
     rows: usize,
     visit_all: impl Fn(&mut dyn FnMut(usize, u32, f32)),

@@ -1,12 +1,11 @@
-//! From any map of the sphere to any other, by overlaps of their texels.
+//! Resamples between any two maps of the sphere by overlaps of their texels.
 //!
-//! A source texel's corners are carried to the target's coordinates; the quadrilateral between them is
-//! walked over the target's texels, which gives the areas shared, and with the target's density the solid
-//! angles. Where the map from one to the other bends within a texel, at kinks, seams and poles, the texel
-//! is quartered until it does not, or until its parts are too small to matter. Shares are scaled to the
-//! source texel's exact solid angle, so that all its energy arrives; a target texel is the mean of what
-//! arrived, so that a constant stays one. What both together leave of the total, a few parts in a million,
-//! is made up for by one factor a channel.
+//! A source texel's corners are mapped to the target's coordinates. The quadrilateral between them is
+//! rasterised over the target's texels, which gives the overlap areas, and with the target's density the
+//! solid angles. At kinks, seams and poles a texel is quartered until the mapping is flat or its parts are
+//! negligible. Shares are scaled to the source texel's exact solid angle, which conserves energy; a target
+//! texel is the mean over its shares, which reproduces constants. The remaining energy error, a few parts in
+//! a million, is corrected by one factor a channel.
 
 use super::overlap::walk_outline;
 use crate::environment::Rgb;
@@ -16,19 +15,19 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A texel is flat enough where its middle is this close to the mean of its corners, in target texels.
+/// Flatness tolerance: distance of a texel's centre from the mean of its corners, in target texels.
 const BEND: f64 = 0.02;
 
-/// The most quarterings: parts are 1/32 of a texel, and those on a seam go where their middle does.
+/// Maximum number of quarterings: parts are 1/32 of a texel. Parts on a seam are assigned by their centre.
 const MOST_QUARTERINGS: u32 = 5;
 
 /// Rows whose shared corners are computed once.
 const BAND: u32 = 16;
 
-/// Bands that are walked at once, before what they share is summed: bounds memory.
+/// Bands processed in parallel before their shares are summed; bounds memory.
 const BANDS_AT_ONCE: usize = 16;
 
-/// What part of source texel `source` falls into target texel `target`.
+/// Overlap of source texel `source` with target texel `target`.
 #[derive(Clone, Copy)]
 struct Share {
     target: u32,
@@ -36,17 +35,17 @@ struct Share {
     solid_angle: f32,
 }
 
-/// A texel's edges or a part's, from `low` to `high` in texels of its image.
+/// A texel or a part of one, from `low` to `high` in texels of its image.
 #[derive(Clone, Copy)]
 struct Part {
     low: DVec2,
     high: DVec2,
 }
 
-/// Where the corners of a part lie in the target, clockwise; `None` where one is outside the source's domain.
+/// Positions of a part's corners in the target, clockwise; `None` for a corner outside the source's domain.
 type Corners = [Option<Place>; 4];
 
-/// Carries texels of one component of the source to the target.
+/// Maps texels of one component of the source to the target.
 struct Carrier<'a> {
     source: &'a Grid,
     target: &'a Grid,
@@ -60,11 +59,11 @@ struct Carrier<'a> {
 }
 
 /// The radiance of `texels` of `source`, turned into the world by `world_from_source`, over every texel of
-/// `target`: the mean over the overlaps of the target texel's part in its domain. Texels outside are what
-/// the target's continuation shows there.
+/// `target`: the mean over the overlaps with the part of the target texel in its domain. Texels outside the
+/// domain follow the target's continuation.
 ///
 /// # Panics
-/// Where the count of `texels` is not that of `source`.
+/// If the number of `texels` is not that of `source`.
 #[must_use]
 pub fn resample(source: &Grid, texels: &[Rgb], world_from_source: DMat3, target: &Grid) -> Vec<Rgb> {
     assert_eq!(texels.len(), source.texel_count(), "texels of the source");
@@ -95,7 +94,7 @@ pub fn resample(source: &Grid, texels: &[Rgb], world_from_source: DMat3, target:
     let look = |direction: DVec3| {
         texels[source.index(source.texel_from_direction(world_from_source.transpose() * direction))]
     };
-    // What the shares' rounding and bends leave of each channel's energy, spread evenly.
+    // Correct the energy error of each channel from rounding and curvature by one factor.
     let places: Vec<Texel> = target.texels().collect();
     let energies = |[r, g, b, weight]: [f64; 4], texel: Texel| {
         let mean = if weight > 0.0 { target.solid_angle(texel) / weight } else { 0.0 };
@@ -181,12 +180,12 @@ impl<'a> Carrier<'a> {
         low + step * at
     }
 
-    /// Where `at`, in texels of the source's image, lies in the target; `None` outside the source's domain.
+    /// Position of `at`, in texels of the source's image, in the target; `None` outside the source's domain.
     fn place(&self, at: DVec2) -> Option<Place> {
         let map = self.source.map();
         let uv = self.uv(at);
         let inside = map.contains(self.component, uv) || {
-            // Rims that are the rectangle's own side count as inside: a hair towards its middle they are.
+            // Points on the rectangle's own sides count as inside: nudge them towards the centre.
             let (.., sides) = self.frame;
             let on_side = at.cmpeq(DVec2::ZERO).any() || at.cmpeq(sides).any();
             on_side && map.contains(self.component, uv.lerp(self.uv(sides / 2.0), 1e-12))
@@ -211,7 +210,7 @@ impl<'a> Carrier<'a> {
             let outline = [a, b, c, d].map(|place| self.in_texels(place));
             let mean = (outline[0] + outline[1] + outline[2] + outline[3]) / 4.0;
             let off = (self.in_texels(centre) - mean).abs().max_element();
-            // Diagonals of equal middles may still be a fold's; across it they differ in length.
+            // Diagonals with equal centres may still cross a fold; then they differ in length.
             if off <= BEND
                 && (outline[0] + outline[2] - outline[1] - outline[3]).abs().max_element() <= 8.0 * BEND
             {
@@ -252,7 +251,7 @@ impl<'a> Carrier<'a> {
         }
     }
 
-    /// About the solid angle of `part`: its middle's density times its area.
+    /// Approximate solid angle of `part`: the density at its centre times its area.
     fn size_of(&self, part: Part) -> f64 {
         let extent = part.high - part.low;
         let middle = (part.low + part.high) / 2.0;
@@ -261,8 +260,8 @@ impl<'a> Carrier<'a> {
         self.source.map().density(self.component, self.uv(middle)) * area.x * area.y
     }
 
-    /// Appends what the quadrilateral `outline` of `component` shares with its texels, of `solid_angle` in
-    /// all.
+    /// Appends the overlaps of the quadrilateral `outline` with the texels of `component`; they sum to
+    /// `solid_angle`.
     fn walk(
         &mut self,
         component: u32,
@@ -293,7 +292,7 @@ impl<'a> Carrier<'a> {
             let scale = (solid_angle / sum) as f32;
             shares[start..].iter_mut().for_each(|share| share.solid_angle *= scale);
         } else {
-            // No area to speak of: all of it is in one texel.
+            // Negligible area: assign all of it to one texel.
             shares.truncate(start);
             let target = self.index(component, texel.x as u32, texel.y as u32);
             shares.push(Share { target, source, solid_angle: solid_angle as f32 });

@@ -10,9 +10,9 @@ pub(crate) struct SolidAngles {
 }
 
 impl SolidAngles {
-    /// From this size on Gauss quadrature with three points (two from four times this) is exact to float32:
-    /// it misses (2/n)^6/2016000 or (2/n)^4/4320 of the density's sixth or fourth derivative (below 1e6 and
-    /// 1e4): 1e-9 of it.
+    /// Minimum size for Gauss quadrature with three points (two from four times this size). It is exact to
+    /// float32: its error is (2/n)^6/2016000 or (2/n)^4/4320 of the density's sixth or fourth derivative
+    /// (below 1e6 and 1e4), that is 1e-9.
     const GAUSS_FROM: u32 = 128;
 
     pub(crate) fn new(n: u32) -> Self {
@@ -28,7 +28,7 @@ impl SolidAngles {
     /// Texel (`x`, `y`) of the quadrant u, v >= 0, counted from the centre.
     pub(crate) fn solid_angle(n: u32, first: u32, x: u32, y: u32) -> f32 {
         let centre = octahedral::texel_centre(n, first + x, first + y).abs();
-        // Across an axis or a fold diagonal the density has a kink that no quadrature likes.
+        // The density has a kink across an axis or a fold diagonal, where quadrature is inaccurate.
         let reach = (1.0 - 1e-9) / f64::from(n);
         let kinked = centre.min_element() < reach || (centre.x + centre.y - 1.0).abs() < 2.0 * reach;
         if n < Self::GAUSS_FROM || kinked {

@@ -1,17 +1,17 @@
-//! What an OEM texel looks like on the sphere: its energy constant in (u, v) over the texel, or spread by a
-//! tent two texels wide (the same convolved with a one-texel box), which at roughness 0 is bilinear
+//! Reconstruction of OEM texels on the sphere: energy constant in (u, v) over the texel, or spread by a tent
+//! two texels wide (the constant convolved with a one-texel box), which at roughness 0 is bilinear
 //! interpolation.
 
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
 use glam::{DVec2, DVec3, Vec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
-/// How a texel's energy is spread around its centre.
+/// Spread of a texel's energy around its centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reconstruction {
     /// Constant over the texel: for lobes much wider than it.
     Constant,
-    /// A tent over two texels: for lobes of its own size and sharper.
+    /// A tent over two texels: for lobes of the texel's size or sharper.
     Bilinear,
 }
 
@@ -32,8 +32,8 @@ impl Reconstruction {
         }
     }
 
-    /// Nodes a side with the spread's own moments, and their weights: up to the fourth, or from [`FINE`] on,
-    /// where the fourth is below float32, the second.
+    /// Nodes per side and weights that reproduce the spread's moments: up to the fourth, or from [`FINE`] on
+    /// up to the second, because the fourth is below float32 precision.
     const fn nodes(self, n: u32) -> &'static [(f64, f64)] {
         match (self, n < FINE) {
             // Gauss and Legendre on [-1/2, 1/2].
@@ -54,13 +54,13 @@ impl Reconstruction {
     }
 }
 
-/// Below this size texels are too curved for few nodes.
+/// Below this size texels are too curved for the small rules.
 const CURVED: u32 = 32;
 
-/// From this size on the map is straight enough for two nodes a side: (2/n)^4 is 2e-10.
+/// From this size on the map is flat enough for two nodes per side: (2/n)^4 is 2e-10.
 const FINE: u32 = 512;
 
-/// The first two moments of energy on the sphere, and how far it reaches.
+/// First two moments and radius of energy on the sphere.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Moments {
     /// Mean of the unit directions: a point inside the sphere.
@@ -69,7 +69,7 @@ pub(crate) struct Moments {
     pub(crate) diagonal: DVec3,
     /// Covariance of the unit directions: yz, zx, xy.
     pub(crate) mixed: DVec3,
-    /// Greatest distance of a direction from the centroid.
+    /// Maximum distance of a direction from the centroid.
     pub(crate) radius: f64,
 }
 
@@ -89,7 +89,7 @@ impl Moments {
     }
 }
 
-/// [`Moments`] in float32, as cells are built from them.
+/// [`Moments`] in float32, from which cells are built.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Patch {
     pub(crate) centroid: Vec3,
@@ -104,7 +104,7 @@ impl From<Moments> for Patch {
             centroid: moments.centroid.as_vec3(),
             diagonal: moments.diagonal.as_vec3(),
             mixed: moments.mixed.as_vec3(),
-            // Rounded up: bounds rely on it.
+            // Rounded up, as bounds require.
             radius: (moments.radius * (1.0 + 1e-6)) as f32,
         }
     }
@@ -161,8 +161,8 @@ impl Tents {
     }
 }
 
-/// A square table of `half` x `half` values, row by row, whose value at (y, x) is the mirror image of that at
-/// (x, y): `value` is asked for one of the two.
+/// A row-major table of `half` x `half` values, symmetric under mirroring: the value at (y, x) is the mirror
+/// image of that at (x, y). `value` is called for one of each pair.
 pub(crate) fn mirrored_in_diagonal<T: Copy + Default + Send + Sync>(
     half: u32,
     value: impl Fn(u32, u32) -> T + Sync,
@@ -186,7 +186,7 @@ pub(crate) fn mirrored_in_diagonal<T: Copy + Default + Send + Sync>(
 /// Whether the map has a kink (axis, fold diagonal or edge of the square) nearer than `reach` to `centre`, u,
 /// v >= 0.
 fn near_kink(centre: DVec2, reach: f64) -> bool {
-    // A texel's own outline may touch a kink.
+    // A texel's outline may touch a kink.
     let reach = reach * (1.0 - 1e-9);
     let most = centre.max_element();
     centre.min_element() < reach || most > 1.0 - reach || (1.0 - centre.x - centre.y).abs() < 2.0 * reach
@@ -197,7 +197,7 @@ fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
     let h = 2.0 / f64::from(n);
     let reach = reconstruction.reach();
     let smooth = n >= CURVED && !near_kink(centre, reach * h);
-    // Away from kinks nothing needs wrapping.
+    // No wrapping is needed away from kinks.
     let direction = |offset: DVec2| {
         let uv = centre + offset * h;
         direction_from_oct(if smooth { uv } else { wrap_oct(uv) })
@@ -215,8 +215,8 @@ fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
         let rule: &[(f64, f64)] = if n < CURVED { &SIX_NODES } else { &THREE_NODES };
         kinked(SQUARES, rule, direction, reconstruction)
     };
-    // Kinks meet the outline at its corners and half-texel points only; between them the patch is a spherical
-    // polygon, and the farthest point of a polygon is a corner.
+    // Kinks meet the outline only at its corners and half-texel points. Between them the patch is a spherical
+    // polygon, whose farthest point is a corner.
     let step = if smooth { 4 } else { 1 };
     let mut radius_squared = 0.0_f64;
     for k in (0..16).step_by(step) {
@@ -229,7 +229,7 @@ fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
         };
         radius_squared = radius_squared.max(direction(corner * reach).distance_squared(moments.centroid));
     }
-    // So coarse that a spread may reach around the sphere.
+    // On very coarse maps a spread may reach around the sphere.
     moments.radius = if n < 4 { 2.0 } else { radius_squared.sqrt() };
     moments
 }
@@ -332,7 +332,7 @@ mod tests {
             for reconstruction in [Reconstruction::Constant, Reconstruction::Bilinear] {
                 let tents = Tents::new(n, reconstruction);
                 let h = 2.0 / f64::from(n);
-                // Every texel of the small; of the others some, whose last column and row lie at the edges.
+                // All texels of small maps; for others a subset that includes the last column and row.
                 for (x, y) in (0..n).flat_map(|y| (0..n).map(move |x| (x, y))) {
                     if n > 16 && (x % 31 != n % 31 || y % 15 != n % 15) {
                         continue;

@@ -14,34 +14,33 @@ use std::f64::consts::PI;
 /// Texels along an edge of a tile: sixteen directions, one packet.
 const TILE: u32 = 4;
 
-/// A texel's footprint joins the lobe from this share of the lobe's full width at half maximum on,
+/// Texel width, over the lobe's full width at half maximum, from which the footprint is averaged.
 const FOOTPRINT_FROM: f64 = 1.0 / 3.0;
 
-/// and is whole from this share on.
+/// Texel width from which the whole footprint is averaged.
 const FOOTPRINT_WHOLE: f64 = 1.0 / 2.0;
 
-/// A footprint of less than this share of a texel's edge changes a lobe by less than a thousandth.
+/// Smaller footprints, as a share of a texel's edge, change a lobe by less than a thousandth.
 const NEGLIGIBLE_EXTENT: f64 = 0.1;
 
-/// The share of a texel's edge that its lobe is averaged over, `share` being the texel over the lobe's width.
+/// Share of a texel's edge over which its lobe is averaged; `share` is the texel's width over the lobe's.
 fn extent(share: f64) -> f64 {
     let fade = ((share - FOOTPRINT_FROM) / (FOOTPRINT_WHOLE - FOOTPRINT_FROM)).clamp(0.0, 1.0);
     fade * fade * (3.0 - 2.0 * fade)
 }
 
-/// How the texels of a level are grouped: tiles of neighbours, whose directions make full packets.
+/// Grouping of a level's texels into tiles of neighbours, whose directions fill packets.
 pub(crate) struct Tiling {
     pub(crate) layout: Layout,
-    /// Columns and rows of an image: of a face, where there are six.
+    /// Columns and rows of an image; for a cube, of a face.
     pub(crate) sides: (u32, u32),
     footprint: Footprint,
-    /// Texels along an edge of a tile, and tiles down an image.
+    /// Texels along an edge of a tile.
     pub(crate) tile: u32,
     tiles: u32,
 }
 
-/// The texels of one tile: where they lie in their row of tiles, their directions and those directions'
-/// weights.
+/// The texels of one tile: positions in their row of tiles, directions and weights.
 #[derive(Default)]
 pub(crate) struct Tile {
     pub(crate) places: Vec<usize>,
@@ -66,12 +65,12 @@ impl Tiling {
         }
     }
 
-    /// Directions of a texel.
+    /// Directions per texel.
     pub(crate) const fn samples(&self) -> usize {
         self.footprint.samples()
     }
 
-    /// Room for the answers to the texels of row `row`, row-major.
+    /// Allocates the answers for row `row` of tiles, row-major.
     pub(crate) fn line(&self, row: u32) -> Vec<Answer> {
         let (top, bottom) = self.span(row % self.tiles, self.sides.1);
         vec![Answer { radiance: [0.0; 3], bound: None }; (self.sides.0 * (bottom - top)) as usize]
@@ -103,8 +102,7 @@ impl Tiling {
     }
 }
 
-/// The direction of place (`x`, `y`), in texels, of image `image`, and the solid angle of a unit there up to
-/// a factor.
+/// Direction at (`x`, `y`), in texels, of image `image`, and the relative solid angle per unit area there.
 pub(crate) fn at(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
     match layout {
         Layout::Cube { size } => {
@@ -123,7 +121,7 @@ pub(crate) fn at(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
     }
 }
 
-/// The edge of texel (`i`, `j`) in radians; of a panorama's the longer one.
+/// Edge length of texel (`i`, `j`) in radians; for a panorama the longer edge.
 fn edge(layout: Layout, i: u32, j: u32) -> f64 {
     match layout {
         Layout::Cube { size } => cube::texel_solid_angle(size, i, j).sqrt(),
@@ -146,7 +144,7 @@ fn longest_edge(layout: Layout) -> f64 {
 }
 
 impl Tile {
-    /// Writes the answer of each texel to its place in `line`, from the answers to its directions.
+    /// Averages the answers of each texel's directions into `line`.
     pub(crate) fn resolve(&self, answers: &[Answer], line: &mut [Answer]) {
         let samples = self.directions.len() / self.places.len();
         let groups = answers.chunks_exact(samples).zip(self.weights.chunks_exact(samples));
@@ -156,13 +154,13 @@ impl Tile {
     }
 }
 
-/// Weighted mean of a texel's samples; bounds average like the values they belong to.
+/// Weighted mean of a texel's samples; bounds are averaged like values.
 pub(crate) fn mean(samples: &[Answer], weights: &[f32]) -> Answer {
     if let [only] = samples {
         return *only;
     }
     let total: f32 = weights.iter().sum();
-    // Bounds of light that was flushed to 0 are themselves too small for shares.
+    // Bounds of light flushed to 0 are too small for shares, too.
     let bounds = samples.iter().filter_map(|sample| sample.bound);
     let greatest = samples.iter().flat_map(|sample| sample.radiance).chain(bounds).fold(0.0, f32::max);
     if greatest > 0.0 && !(LEAST_ORDINARY..GREATEST_ORDINARY).contains(&greatest) {
@@ -179,8 +177,7 @@ pub(crate) fn mean(samples: &[Answer], weights: &[f32]) -> Answer {
     mean
 }
 
-/// Between these, 2^-100 and 2^100, shares of a sample are normal numbers and sums finite in single
-/// precision.
+/// Between 2^-100 and 2^100, weighted samples are normal numbers and sums finite in single precision.
 const LEAST_ORDINARY: f32 = 1.0 / (1_u128 << 100) as f32;
 
 const GREATEST_ORDINARY: f32 = (1_u128 << 100) as f32;
@@ -194,16 +191,16 @@ fn extreme_mean(samples: &[Answer], weights: &[f32]) -> Answer {
         products.sum::<f64>() / total
     };
     let radiance = std::array::from_fn(|c| (mean(&|sample| sample.radiance[c]) as f32).min(f32::MAX));
-    // What rounding the radiance may add.
+    // Possible rounding of the radiance.
     let rounded = f64::from(f32::from_bits(1));
     let bound = samples[0].bound.map(|_| rounded_up(mean(&|sample| sample.bound.unwrap_or(0.0)) + rounded));
     Answer { radiance, bound }
 }
 
-/// How much of a texel's own extent its lobe is averaged over.
+/// Footprint over which a texel's lobe is averaged.
 struct Footprint {
     pub(crate) layout: Layout,
-    /// Full width at half maximum of what is served: the lobe, smoothed by an OEM texel.
+    /// Full width at half maximum of the lobe smoothed by an OEM texel.
     width: f64,
     /// Directions along an edge of a texel.
     divisions: u32,
@@ -212,7 +209,7 @@ struct Footprint {
 impl Footprint {
     pub(crate) fn new(oem: u32, spec: LevelSpec, lobe: Lobe) -> Self {
         let alpha = spec.roughness * spec.roughness;
-        // An OEM texel is nowhere narrower than 2/n.
+        // An OEM texel is at least 2/n wide.
         let width = lobe::full_width_at_half_maximum(lobe, alpha).max(2.0 / f64::from(oem));
         let share = longest_edge(spec.layout) / width;
         let divisions = if extent(share) < NEGLIGIBLE_EXTENT {
@@ -236,7 +233,7 @@ impl Footprint {
         }
         let extent = extent(edge(self.layout, i, j) / self.width);
         let count = f64::from(self.divisions);
-        // Midpoints, drawn apart to have the variance of the whole texel.
+        // Midpoints, spread to match the variance of the extent.
         let spacing = extent / (count * count - 1.0).sqrt();
         let offset = |k: u32| (f64::from(k) - (count - 1.0) / 2.0) * spacing;
         for b in 0..self.divisions {

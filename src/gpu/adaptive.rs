@@ -79,10 +79,10 @@ shader::members!(Lobe {
 shader::members!(Packet { axis, radius, x, y, z });
 
 impl Packet {
-    /// A packet of unit `directions`, at least one and at most [`LANES`]; spare lanes repeat the first.
+    /// A packet of 1 to [`LANES`] unit `directions`; padding lanes repeat the first.
     ///
     /// # Panics
-    /// Where there are none or too many.
+    /// If there are no directions or more than [`LANES`].
     #[must_use]
     pub fn new(directions: &[DVec3]) -> Self {
         assert!(!directions.is_empty() && directions.len() <= LANES, "1 to {LANES} directions");
@@ -102,14 +102,14 @@ impl Packet {
     }
 }
 
-/// A lobe over one reconstruction of the OEM: all of it, or a share.
+/// Part of a lobe over one reconstruction of the OEM.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
     /// The cells.
     pub cells: &'a CellTree,
     /// The lobe.
     pub kernel: Kernel,
-    /// The relRMSE aimed at over the sphere.
+    /// Target relRMSE over the sphere.
     pub error: f64,
     /// Share of the part in the whole lobe.
     pub share: f64,
@@ -133,7 +133,7 @@ impl Part<'_> {
             share: share as f32,
             per_integral: per_integral as f32,
             // As on the CPU, with divisions of 2.5 units, square roots and exponentials of a few dozen, and
-            // pieces of texels whose directions are off by 2^-22.
+            // pieces of texels whose directions are in error by 2^-22.
             rounding: ((8.0 / kernel.width() + 128.0) * unit) as f32,
             rounding_per_leaf: unit as f32,
             inner: cells.inner,
@@ -162,9 +162,9 @@ pub struct Adaptive {
 pub struct Packets {
     count: u32,
     packets: wgpu::Buffer,
-    /// Radiance and bound of every lane, four floats.
+    /// Radiance and bound of each lane, as four floats.
     results: wgpu::Buffer,
-    /// Leaves of every packet, a buffer a part.
+    /// Leaves of each packet, one buffer per part.
     leaves: [wgpu::Buffer; 2],
 }
 
@@ -172,12 +172,11 @@ impl Packets {
     /// Uploads `packets`.
     ///
     /// # Errors
-    /// [`Error::Limit`] where they are more than the device can bind.
+    /// [`Error::Limit`] if there are more packets than the device can bind.
     pub fn new(context: &Context, packets: &[Packet]) -> Result<Self> {
         let count = packets.len() as u64;
         let result_bytes = 16 * LANES as u64 * count;
-        context
-            .fits("directions", result_bytes.max(208 * count), |_| "ask for fewer at a time".to_owned())?;
+        context.fits("directions", result_bytes.max(208 * count), |_| "query fewer at a time".to_owned())?;
         Ok(Self {
             count: count as u32,
             packets: context.storage_of("packets", packets),
@@ -186,7 +185,7 @@ impl Packets {
         })
     }
 
-    /// Radiance (three floats) and certified bound of every lane of every packet.
+    /// Radiance (three floats) and certified bound of each lane of each packet.
     #[must_use]
     pub const fn results(&self) -> &wgpu::Buffer {
         &self.results
@@ -196,7 +195,7 @@ impl Packets {
 /// Answers to packets.
 #[derive(Clone, Debug, Default)]
 pub struct Answers {
-    /// A packet's lanes one after the other, spare ones included.
+    /// Lanes of all packets in order, padding lanes included.
     pub lanes: Vec<Answer>,
     /// Leaves of all packets, each counted once.
     pub leaves: u64,
@@ -210,10 +209,10 @@ impl Adaptive {
         Self { pipeline: shader::pipeline(context, &module, "adaptive", &[]) }
     }
 
-    /// The lobe that `parts` make together, one or two, around the directions of `packets`.
+    /// Stage that evaluates the lobe made of `parts` (one or two) around the directions of `packets`.
     ///
     /// # Panics
-    /// Where there are no parts or more than two.
+    /// If there are no parts or more than two.
     #[must_use]
     pub fn stage(&self, context: &Context, parts: &[Part<'_>], packets: &Packets) -> Stage {
         assert!((1..=2).contains(&parts.len()), "one or two parts");
@@ -237,11 +236,10 @@ impl Adaptive {
         Stage::new("adaptive", dispatches.collect())
     }
 
-    /// Uploads `packets`, evaluates `parts` around their directions and reads the answers back, batch by
-    /// batch.
+    /// Uploads `packets`, evaluates `parts` around their directions and reads the answers back, in batches.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the device fails, or ends a walk before its end.
+    /// [`Error::Gpu`] if the device fails, or ends the traversal loop early.
     pub async fn evaluate(
         &self,
         context: &Context,
@@ -261,7 +259,7 @@ impl Adaptive {
                 for count in readback::read::<u32>(context, leaves).await? {
                     if count == INCOMPLETE {
                         return Err(Error::Gpu(format!(
-                            "{} ended a loop before its end; use the CPU engine or a larger error",
+                            "{}: the driver ended a shader loop early; use the CPU engine or a larger error",
                             context.describe()
                         )));
                     }

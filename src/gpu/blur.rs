@@ -33,10 +33,10 @@ impl Blur {
         Self { blur: pipeline("blur"), rows: pipeline("rows"), columns: pipeline("columns") }
     }
 
-    /// The stage that writes the blurred tables of `sat` into `tables`.
+    /// Stage that writes the blurred tables of `sat` to `tables`.
     ///
     /// # Panics
-    /// Where they were made for another size.
+    /// If `tables` was made for another size.
     #[must_use]
     pub fn stage(&self, context: &Context, sat: &SatPlanes, tables: &FittedTables) -> Stage {
         assert_eq!(sat.size().inner, tables.inner(), "tables for this size");
@@ -61,13 +61,13 @@ impl Blur {
 
 impl FittedTables {
     /// Reads the blurred table of `octave` back: entries of the bordered square with a first row and column
-    /// of zeros, and texels along an edge of the square and its border.
+    /// of zeros, and the texels along an edge of the square and of its border.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     ///
     /// # Panics
-    /// Where there is no such octave.
+    /// If the octave does not exist.
     pub async fn read_blurred(&self, context: &Context, octave: u32) -> Result<(Vec<[u64; 4]>, [u32; 2])> {
         let layout = Layout::new(self.inner());
         assert!((1..=layout.finest).contains(&octave), "octaves 1 to {}", layout.finest);

@@ -8,15 +8,15 @@ use crate::cpu::box_filter::StackedBox;
 use crate::error::{Error, Result};
 use glam::DVec3;
 
-/// Invocations along an edge of a workgroup that packs.
+/// Edge of a workgroup of the packing pass, in invocations.
 pub const EDGE: u32 = 16;
 
-/// Invocations of a workgroup that queries.
+/// Invocations of a workgroup of the query passes.
 pub const GROUP_SIZE: u32 = 64;
 
 /// An exact table as shaders query it: two textures of words, and a header with exponents and sizes.
 ///
-/// [`SatTextures::bind_group_layout`] and [`wgsl`] make it available in any shader, as
+/// [`SatTextures::bind_group_layout`] and [`wgsl`] make it available in any shader, through
 /// `octagloss_ggx(direction, roughness)` and `octagloss_box(direction, solid_angle)`.
 #[derive(Clone, Debug)]
 pub struct SatTextures {
@@ -25,18 +25,18 @@ pub struct SatTextures {
     high: wgpu::TextureView,
 }
 
-/// The query functions, their resources declared in group `group` at bindings 0, 1 and 2; with other queries
-/// in one shader, see [`shader::queries`].
+/// Source of the query functions, with their resources at bindings 0, 1 and 2 of group `group`. To combine
+/// them with other queries in one shader, see [`shader::queries`].
 #[must_use]
 pub fn wgsl(group: u32) -> String {
     shader::queries(&[shader::Queries::Boxes(group)])
 }
 
 impl SatTextures {
-    /// Textures for `sat`, filled by [`BoxFilter::pack`].
+    /// Creates textures for `sat`; [`BoxFilter::pack`] fills them.
     ///
     /// # Errors
-    /// [`Error::Limit`] where the table is larger than the device's textures.
+    /// [`Error::Limit`] if the table exceeds the device's texture size.
     pub fn new(context: &Context, sat: &SatPlanes) -> Result<Self> {
         let side = sat.size().bordered();
         let most = context.device().limits().max_texture_dimension_2d;
@@ -45,7 +45,7 @@ impl SatTextures {
                 what: format!("a table of {side} x {side} as textures"),
                 needed: 32 * u64::from(side) * u64::from(side),
                 available: 32 * u64::from(most) * u64::from(most),
-                remedy: format!("choose `oem_size` and `border` to make at most {most}"),
+                remedy: format!("choose `oem_size` plus twice `border` of at most {most}"),
             });
         }
         let [low, high] = ["SAT low words", "SAT high words"].map(|label| {
@@ -70,7 +70,7 @@ impl SatTextures {
         Ok(Self { header, low, high })
     }
 
-    /// The layout of a group with the resources of [`wgsl`], for the shader stages `visibility`.
+    /// Layout of a bind group with the resources of [`wgsl`], for the shader stages `visibility`.
     #[must_use]
     pub fn bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
@@ -90,7 +90,7 @@ impl SatTextures {
         })
     }
 
-    /// A group of the table's resources, of `layout`.
+    /// Bind group of the table's resources, with `layout`.
     #[must_use]
     pub fn bind_group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         let texture = wgpu::BindingResource::TextureView;
@@ -106,7 +106,7 @@ impl SatTextures {
     }
 }
 
-/// Pipelines that pack tables into textures and query them for lists.
+/// Pipelines that pack tables into textures and query them.
 #[derive(Clone, Debug)]
 pub struct BoxFilter {
     pack: wgpu::ComputePipeline,
@@ -149,7 +149,7 @@ impl BoxFilter {
     /// [`crate::cpu::box_filter::BoxFilter`].
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the device fails.
+    /// [`Error::Gpu`] if the device fails.
     pub async fn radiance(
         &self,
         context: &Context,
@@ -176,7 +176,7 @@ impl BoxFilter {
     /// [`crate::sat::Sat::plane_box`].
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the device fails.
+    /// [`Error::Gpu`] if the device fails.
     pub async fn sums(
         &self,
         context: &Context,
@@ -193,8 +193,8 @@ impl BoxFilter {
     }
 }
 
-/// Runs `pipeline` over `count` queries with `lists` at their bindings of group 1; reads binding `answers`
-/// back.
+/// Runs `pipeline` over `count` queries with `lists` at their bindings of group 1, and reads binding
+/// `answers` back.
 async fn ask<A: bytemuck::Pod>(
     context: &Context,
     pipeline: &wgpu::ComputePipeline,

@@ -51,7 +51,7 @@ impl BuildFitted {
     /// The stages that fill `tables` from `oem`, in order. Record them whenever `oem` has changed.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where planes are larger than the device can bind.
+    /// [`crate::Error::Limit`] if the planes are larger than the device can bind.
     ///
     /// # Panics
     /// If `tables` was made for another size.

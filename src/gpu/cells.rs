@@ -1,4 +1,4 @@
-//! The quadtree of moments over an OEM's planes, level by level.
+//! Builds the quadtree of moments over an OEM's planes, level by level.
 
 use super::device::shader;
 use super::device::stage::Dispatch;
@@ -12,16 +12,16 @@ use crate::geometry::tent::{Reconstruction, Tents};
 /// Quads along an edge of a workgroup.
 pub const EDGE: u32 = 8;
 
-/// Bytes of a quad: fifteen vectors of four.
+/// Bytes of a quad.
 const QUAD: u64 = 16 * QUAD_FIELDS as u64;
 
-/// Vectors of four floats in a quad: the fields of the CPU's, and one to spare.
+/// Vectors of four floats in a quad: the fields of the CPU's, and one of padding.
 pub(super) const QUAD_FIELDS: usize = 15;
 
 /// Bytes of a texel's moments.
 const TENT: u64 = 48;
 
-/// The uniform of one level.
+/// Uniform of one level.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Level {
@@ -67,7 +67,7 @@ pub struct CellTree {
 }
 
 /// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along
-/// an edge; and the quads of all levels.
+/// an edge; and the number of quads in all levels.
 fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
     let mut levels: Vec<[u32; 2]> = Vec::new();
     let mut first = 0;
@@ -81,7 +81,7 @@ fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
 }
 
 impl CellTree {
-    /// A tree holding the CPU's `cells` of an OEM of `inner` x `inner` texels, down to blocks of `block` x
+    /// Uploads the CPU's `cells` of an OEM of `inner` x `inner` texels with finest blocks of `block` x
     /// `block`.
     ///
     /// # Panics
@@ -101,7 +101,7 @@ impl CellTree {
     }
 
     /// A tree that a tolerance of zero cuts into exactly `leaves`
-    /// ([`crate::cpu::leaves::Scratch::leaf_fields`]) over the `least` radiance, to replay a cut.
+    /// ([`crate::cpu::leaves::Scratch::leaf_fields`]) over the `least` radiance. Used to replay cuts.
     #[must_use]
     pub fn of_leaves(context: &Context, leaves: &[[f32; 14]], least: [f32; 3]) -> Self {
         let cells = (leaves.len().max(1) as f64).sqrt().ceil() as u32;
@@ -152,8 +152,8 @@ impl CellTree {
         &self.quads
     }
 
-    /// Whether the tree over `inner` x `inner` texels in blocks that `block` gives for them, and their
-    /// moments, fit.
+    /// Checks that the tree over `inner` x `inner` texels, in blocks of `block(inner)`, and the moments of
+    /// its texels fit the device.
     pub(super) fn check_fits(context: &Context, inner: u32, block: impl Fn(u32) -> u32) -> Result<()> {
         let tents = |inner: u32| TENT * u64::from(inner.div_ceil(2)).pow(2);
         let quads = |inner: u32| QUAD * u64::from(levels_over(inner.div_ceil(block(inner))).1);
@@ -161,11 +161,11 @@ impl CellTree {
         let what = format!("a tree of cells over {inner} x {inner} texels");
         context.fits(&what, bytes(inner), |available| {
             let fitting = (1..inner).rev().find(|inner| bytes(*inner) <= available);
-            format!("choose `oem_size` at most {}, or the CPU engine", fitting.unwrap_or(0))
+            format!("choose `oem_size` of at most {}, or the CPU engine", fitting.unwrap_or(0))
         })
     }
 
-    /// The least radiance of each channel, and one float more.
+    /// The least radiance of each channel, padded to four floats.
     #[must_use]
     pub const fn least(&self) -> &wgpu::Buffer {
         &self.least
@@ -187,10 +187,10 @@ impl BuildCells {
     /// The cells of `oem` down to blocks of `block` x `block` texels, and the stage that fills them.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where they are more than the device can bind.
+    /// [`crate::Error::Limit`] if they are larger than the device can bind.
     ///
     /// # Panics
-    /// Where `block` is zero.
+    /// If `block` is zero.
     pub fn stage(
         &self,
         context: &Context,

@@ -21,8 +21,8 @@ impl Copy {
         Self { pipeline: shader::pipeline(context, &module, "copy", &[]) }
     }
 
-    /// Moves the least number of bytes of a scan, 48 a texel (a scan reads 16 and writes 32, the copy 24 and
-    /// 24): copies three planes of `sat` into the others.
+    /// Copies three planes of `sat` to the others. This moves the least number of bytes of a scan, 48 per
+    /// texel: a scan reads 16 and writes 32, the copy reads and writes 24.
     #[must_use]
     pub fn stage(&self, context: &Context, sat: &SatPlanes) -> Stage {
         let dispatches = [(0, 3), (1, 0), (2, 1)].map(|(from, to)| {

@@ -1,4 +1,4 @@
-//! Extracts the brightest cells of an OEM as emitters, like [`crate::realtime::emitters`].
+//! Extracts the brightest cells of an OEM as point emitters, like [`crate::realtime::emitters`].
 
 use super::device::stage::Dispatch;
 use super::device::{readback, shader};
@@ -17,7 +17,7 @@ pub const EDGE: u32 = 16;
 /// Cells that a workgroup sorts.
 pub const BATCH: u32 = 1024;
 
-/// Cells that a workgroup keeps: those of the emitters and the next brightest one.
+/// Cells that a workgroup keeps: one per emitter, and the next brightest.
 pub const KEPT: u32 = COUNT as u32 + 1;
 
 /// Pipelines of the stage.
@@ -43,11 +43,10 @@ impl Emitters {
         }
     }
 
-    /// The stage that writes the emitters of `oem` into `tables`, and the planes that hold the residual map
-    /// afterwards.
+    /// Stage that writes the emitters of `oem` to `tables` and the residual map to the returned planes.
     ///
     /// # Panics
-    /// Where the tables were made for another size.
+    /// If the tables were made for another size.
     #[must_use]
     pub fn stage(&self, context: &Context, oem: &OemPlanes, tables: &FittedTables) -> (Stage, OemPlanes) {
         let inner = oem.size().inner;
@@ -93,7 +92,7 @@ impl FittedTables {
     /// Reads the emitters back, brightest first.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     pub async fn read_emitters(&self, context: &Context) -> Result<Vec<Emitter>> {
         let light: Vec<[f32; 4]> = readback::read(context, self.light()).await?;
         let words: &[EmitterWords] = bytemuck::cast_slice(&light[EMITTERS_OFFSET as usize / 16..]);

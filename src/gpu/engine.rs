@@ -30,8 +30,8 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
-/// Float32 directions do not resolve lobes of a smaller alpha, nor mirrors: the CPU evaluates them over the
-/// OEM read back.
+/// Least alpha that float32 directions resolve. The CPU evaluates sharper lobes and mirrors over the OEM read
+/// back.
 const SHARPEST_ALPHA: f64 = 1e-4;
 
 /// Every pipeline on one device.
@@ -46,9 +46,9 @@ pub struct Engine {
     pub sat_scan: SatScan,
     /// Table to textures, and boxes over them.
     pub box_filter: BoxFilter,
-    /// OEM to what fitted lobes are read from.
+    /// OEM to the tables of fitted lobes.
     pub build_fitted: BuildFitted,
-    /// Fitted lobes over that.
+    /// Fitted lobes over those tables.
     pub fitted: Fitted,
     /// OEM to quadtree.
     pub cells: BuildCells,
@@ -60,7 +60,7 @@ impl Engine {
     /// Compiles all passes.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where a shader fails.
+    /// [`Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context) -> Result<Self> {
         let build_fitted = BuildFitted::new(&context);
         let engine = Self {
@@ -87,7 +87,8 @@ impl Engine {
     /// Bakes `environment` as [`crate::bake::bake`] does.
     ///
     /// # Errors
-    /// Those of the CPU, [`Error::Unsupported`] for what the shaders do not compute, and [`Error::Gpu`].
+    /// Those of the CPU engine, [`Error::Unsupported`] for lobes and filters that the shaders do not support,
+    /// and [`Error::Gpu`].
     pub async fn bake(&self, environment: &Environment, settings: &BakeSettings) -> Result<Bake> {
         let mut bakes = self.bake_all(environment, std::slice::from_ref(settings), &bake::unwatched).await?;
         Ok(bakes.pop().expect("one bake for one settings"))
@@ -96,7 +97,7 @@ impl Engine {
     /// Bakes `environment` several times from one octahedral map, as [`crate::bake::bake_all`] does.
     ///
     /// # Errors
-    /// Those of the CPU, [`Error::Unsupported`] for what the shaders do not compute, and [`Error::Gpu`].
+    /// Those of [`Engine::bake`].
     pub async fn bake_all(
         &self,
         environment: &Environment,
@@ -113,11 +114,11 @@ impl Engine {
         bake::bake_job(job, &reflector, progress).await
     }
 
-    /// Checks, before any allocation, that the tables of `filter` fit the device; the error names the largest
+    /// Checks, before any allocation, that the tables of `filter` fit the device. The error names the largest
     /// size that does.
     ///
     /// # Errors
-    /// [`Error::Limit`] where they do not, [`Error::Unsupported`] for a filter that runs on the CPU only.
+    /// [`Error::Limit`] if they do not, [`Error::Unsupported`] for a filter that runs on the CPU only.
     pub fn check_fits(
         &self,
         environment: &Environment,
@@ -141,7 +142,7 @@ impl Engine {
     /// Those of [`Engine::bake`].
     pub fn bake_stages(&self, environment: &Environment, settings: &BakeSettings) -> Result<Vec<Stage>> {
         let Filter::Adaptive(error) = settings.filter else {
-            return Err(Error::Parameter("stages of a bake are those of the adaptive filter".to_owned()));
+            return Err(Error::Parameter("`bake_stages` requires the adaptive filter".to_owned()));
         };
         let job = Job::new(environment, std::slice::from_ref(settings))?;
         let reflector = Reflector::new(self, environment, &job.reflector_settings())?;
@@ -152,7 +153,7 @@ impl Engine {
             if level.is_mirror() {
                 let texture = &reflector.texture;
                 let Layout::Cube { size } = spec.layout else {
-                    return Err(Error::Parameter("stages of a bake are those of a cube".to_owned()));
+                    return Err(Error::Parameter("`bake_stages` requires cube mirror levels".to_owned()));
                 };
                 levels.push(reparameterise.footprints(context, environment, texture, size)?.0);
                 continue;
@@ -169,16 +170,16 @@ impl Engine {
     }
 }
 
-/// An environment's OEM on the GPU, ready to answer. Tables are built when first asked for.
+/// An environment's OEM on the GPU, for queries. Tables are built on first use.
 #[derive(Debug)]
 pub struct Reflector<'a> {
     engine: &'a Engine,
     environment: &'a Environment,
-    /// What the light of texture, planes and tables is scaled by.
+    /// Scale of the light in texture, planes and tables.
     scale: LightScale,
     texture: wgpu::Texture,
     planes: OemPlanes,
-    /// What fills the planes.
+    /// Stage that fills the planes.
     stage: Stage,
     settings: ReflectorSettings,
     constant: OnceLock<(CellTree, Stage)>,
@@ -188,10 +189,10 @@ pub struct Reflector<'a> {
 }
 
 impl<'a> Reflector<'a> {
-    /// Uploads `environment` and makes its OEM.
+    /// Uploads `environment` and builds its OEM.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables would not fit.
+    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if the tables do not fit.
     pub fn new(
         engine: &'a Engine,
         environment: &'a Environment,
@@ -226,7 +227,7 @@ impl<'a> Reflector<'a> {
         &self.planes
     }
 
-    /// k, where the OEM holds the source's light times 2^k, as
+    /// The exponent k, where the OEM holds the source's light times 2^k; see
     /// [`crate::reflector::Reflector::light_exponent`].
     #[must_use]
     pub const fn light_exponent(&self) -> i32 {
@@ -276,11 +277,11 @@ impl<'a> Reflector<'a> {
         Ok(self.fitted.get_or_init(|| tables))
     }
 
-    /// Answers to `directions` (unit vectors of the world), each on its own.
+    /// Answers to `directions` (unit vectors in world space), evaluated one by one.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for what this engine does not serve (the reference filter) or nobody does,
-    /// [`Error::Limit`] where a table would not fit, [`Error::Gpu`].
+    /// [`Error::Parameter`] for invalid parameters, [`Error::Unsupported`] for lobes and filters that run on
+    /// the CPU only, [`Error::Limit`] if a table does not fit, and [`Error::Gpu`].
     pub async fn query(
         &self,
         directions: &[DVec3],
@@ -295,7 +296,7 @@ impl<'a> Reflector<'a> {
         Ok(answers)
     }
 
-    /// Answers to `groups` of up to [`LANES`] directions near one another, in the source's units.
+    /// Answers to `groups` of up to [`LANES`] adjacent directions, in the source's units.
     async fn evaluate(
         &self,
         groups: &[&[DVec3]],
@@ -367,7 +368,7 @@ impl<'a> Reflector<'a> {
         Ok(answers)
     }
 
-    /// The parts that make up `lobe`, their cells built.
+    /// The parts of `lobe`, with their cells built.
     fn parts(&self, lobe: Lobe, alpha: f64, error: f64) -> Result<Vec<Part<'_>>> {
         let kernel = Kernel::new(lobe, alpha);
         let bilinear = bilinear_share(lobe, alpha, self.planes.size().inner);
@@ -386,7 +387,7 @@ impl BakeEngine for Reflector<'_> {
         let LevelJob { spec, lobe, filter } = *level;
         let Engine { context, reparameterise, .. } = self.engine;
         if level.is_mirror() {
-            // The CPU computes overlaps with other maps; they are used once.
+            // Use the CPU for overlaps with other maps: each matrix is used once.
             let Layout::Cube { size } = spec.layout else {
                 let texels = footprints_over(self.environment, spec.layout)?;
                 advance(texels.len() as u64)?;
@@ -432,7 +433,7 @@ impl BakeEngine for Reflector<'_> {
     }
 }
 
-/// Whether float32 directions do not resolve `lobe`, which the CPU then evaluates.
+/// Whether `lobe` is too sharp for float32 directions; the CPU then evaluates it.
 fn is_near_mirror(lobe: Lobe, alpha: f64) -> bool {
     lobe.has_mirror() && alpha < SHARPEST_ALPHA
 }
@@ -449,7 +450,7 @@ fn unsupported(what: &str) -> Error {
     Error::Unsupported { what: what.to_owned() }
 }
 
-/// The directions of all tiles of a level, in packets, as the CPU groups them.
+/// The directions of all tiles of a level, in the same packets as on the CPU.
 fn groups(tiling: &Tiling) -> Vec<Vec<DVec3>> {
     let of_row = |row| {
         let mut groups = Vec::new();
@@ -461,7 +462,7 @@ fn groups(tiling: &Tiling) -> Vec<Vec<DVec3>> {
     (0..tiling.rows()).into_par_iter().flat_map_iter(of_row).collect()
 }
 
-/// Packets of `groups` of directions of the world.
+/// Packets of `groups` of world directions.
 fn packets(groups: &[&[DVec3]], source_from_world: DMat3) -> Vec<Packet> {
     let packet = |group: &&[DVec3]| {
         let mut turned = [DVec3::ZERO; LANES];

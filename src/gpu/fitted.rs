@@ -1,7 +1,7 @@
-//! The real-time tier over tables on the GPU: for lists of directions, and as WGSL for the caller's shaders.
+//! The real-time tier on the GPU: for lists of directions, and as WGSL for the caller's shaders.
 //!
 //! ```text
-//! OEM planes --build_fitted--> emitters; blurred tables, harmonics and least radiance of the rest; texture
+//! OEM planes --build_fitted--> emitters, texture; tables, harmonics and least radiance of the residual map
 //!                                                      |
 //!                                                      +--> octagloss_fitted(direction, roughness)
 //! ```
@@ -23,10 +23,10 @@ use std::f64::consts::PI;
 /// Invocations of a workgroup.
 pub const GROUP_SIZE: u32 = 64;
 
-/// Coefficients of a polynomial over the roughness range from [`HARMONICS_FROM`] to 1.
+/// Coefficients of the polynomials for harmonics, over the roughness range from [`HARMONICS_FROM`] to 1.
 const ZONAL: usize = 8;
 
-/// Coefficients of a polynomial, four to a vector, over the roughness range of boxes and emitters.
+/// Coefficients of the polynomial for peaks, over the roughness range of boxes and emitters.
 const PEAK: usize = 12;
 
 /// Least roughness of that range, slightly below that of the finest octave's sharpest lobe.
@@ -80,13 +80,13 @@ fn lobes(count: u32) -> [u32; 3] {
     [count, first_parameters as u32, first_wider as u32]
 }
 
-/// Rows of a table's parameters: of each box and of the harmonics, at every node of every knot of every
+/// Rows of a table's parameters: one per box and one for the harmonics, at every node of every knot of every
 /// octave.
 fn rows(table: &Table) -> usize {
     table.values().len() / BOX_PARAMETERS
 }
 
-/// The parameters of all counts: half floats, eight to a row of five.
+/// The parameters of all counts, as half floats: rows of five padded to eight.
 fn parameters() -> Vec<[u16; 8]> {
     let tables = COUNTS.iter().map(|count| Table::of(*count).expect("a count that there is"));
     let row =
@@ -94,8 +94,8 @@ fn parameters() -> Vec<[u16; 8]> {
     tables.flat_map(|table| table.values().chunks_exact(BOX_PARAMETERS).map(row)).collect()
 }
 
-/// The weights of orders 1 to 4 as polynomials over the roughness from [`HARMONICS_FROM`] to 1; the weights
-/// are analytic but at roughness 0, which leaves less than 1e-7.
+/// Weights of orders 1 to 4 as polynomials over the roughness from [`HARMONICS_FROM`] to 1. The weights are
+/// analytic except at roughness 0; the error is below 1e-7.
 fn zonal() -> [[f32; 4]; ZONAL] {
     let weights = |roughness: f64| {
         let [_, others @ ..] = zonal_weights(Lobe::Ggx, roughness * roughness);
@@ -104,16 +104,16 @@ fn zonal() -> [[f32; 4]; ZONAL] {
     polynomials(HARMONICS_FROM, weights).map(|row| row.map(|value| value as f32))
 }
 
-/// 1 over pi times the lobe's integral as a polynomial over the roughness from [`PEAK_FROM`] to 1, to 5e-8 of
-/// it.
+/// 1 over pi times the lobe's integral as a polynomial over the roughness from [`PEAK_FROM`] to 1, to a
+/// relative 5e-8.
 fn peak() -> [[f32; 4]; PEAK / 4] {
     let reciprocal = |roughness: f64| [1.0 / (PI * kernel_integral(Lobe::Ggx, roughness * roughness))];
     let powers: [[f64; 1]; PEAK] = polynomials(PEAK_FROM, reciprocal);
     std::array::from_fn(|row| std::array::from_fn(|k| powers[4 * row + k][0] as f32))
 }
 
-/// `functions` of the roughness from `from` to 1 as polynomials in t from -1 to 1, lowest power first, by
-/// interpolation at Chebyshev's points.
+/// Interpolates `functions` of the roughness from `from` to 1 at Chebyshev points; returns polynomials in t
+/// from -1 to 1, lowest power first.
 fn polynomials<const POWERS: usize, const COUNT: usize>(
     from: f64,
     functions: impl Fn(f64) -> [f64; COUNT],
@@ -123,7 +123,7 @@ fn polynomials<const POWERS: usize, const COUNT: usize>(
     for k in 0..POWERS {
         let t = node(k);
         let values = functions(from + (1.0 - from) * (t + 1.0) / 2.0);
-        // Lagrange's polynomial of this point.
+        // Lagrange polynomial of this point.
         let mut own = [0.0; POWERS];
         own[0] = 1.0;
         for other in (0..POWERS).filter(|other| *other != k).map(node) {
@@ -141,11 +141,11 @@ fn polynomials<const POWERS: usize, const COUNT: usize>(
     sums
 }
 
-/// Tables for fitted lobes, as shaders query them.
+/// Tables for fitted lobes, in the form that shaders query.
 ///
-/// Filled by the stages of [`super::build_fitted::BuildFitted`], to be recorded whenever the light has
-/// changed. [`FittedTables::bind_group_layout`] and [`wgsl`] put it into any shader:
-/// `octagloss_fitted(direction, roughness)` answers there, any roughness a pixel.
+/// The stages of [`super::build_fitted::BuildFitted`] fill them; record these whenever the light has changed.
+/// [`FittedTables::bind_group_layout`] and [`wgsl`] make them available in any shader, through
+/// `octagloss_fitted(direction, roughness)`. The roughness may differ per pixel.
 #[derive(Clone, Debug)]
 pub struct FittedTables {
     inner: u32,
@@ -156,8 +156,8 @@ pub struct FittedTables {
     oem: wgpu::TextureView,
 }
 
-/// The query function, its resources declared in group `group` at bindings 0 to 4; with other queries in one
-/// shader, see [`shader::queries`].
+/// Source of the query function, with its resources at bindings 0 to 4 of group `group`. To combine it with
+/// other queries in one shader, see [`shader::queries`].
 #[must_use]
 pub fn wgsl(group: u32) -> String {
     shader::queries(&[Queries::Fitted(group)])
@@ -167,8 +167,8 @@ impl FittedTables {
     /// Tables over an OEM of `inner` texels along an edge, for lobes of `count` boxes (1, 2, 4 or 8).
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a count that there is not and for an OEM that is no power of two from 16 on,
-    /// [`Error::Limit`] where the tables are larger than the device has buffers and textures.
+    /// [`Error::Parameter`] for an unsupported count, and for an `inner` that is not a power of two of at
+    /// least 16; [`Error::Limit`] if the tables exceed the device's buffers or textures.
     pub fn new(context: &Context, inner: u32, count: u32) -> Result<Self> {
         crate::filter::Filter::Fitted(count).check(Lobe::Ggx, Some(inner))?;
         Self::check_fits(context, inner)?;
@@ -214,7 +214,7 @@ impl FittedTables {
         })
     }
 
-    /// Whether the tables over an OEM of `inner` texels fit.
+    /// Checks that the tables over an OEM of `inner` texels fit the device.
     pub(super) fn check_fits(context: &Context, inner: u32) -> Result<()> {
         let most = context.device().limits().max_texture_dimension_2d;
         if inner > most {
@@ -222,21 +222,21 @@ impl FittedTables {
                 what: format!("an OEM of {inner} x {inner} as a texture"),
                 needed: 16 * u64::from(inner) * u64::from(inner),
                 available: 16 * u64::from(most) * u64::from(most),
-                remedy: format!("choose `oem_size` at most {most}"),
+                remedy: format!("choose `oem_size` of at most {most}"),
             });
         }
         let bytes = |inner| 32 * u64::from(super::octaves::Layout::new(inner).entries);
         context.fits("tables of blurred octaves", bytes(inner), |available| {
             let sizes = (4..u32::BITS).map(|log2| 1 << log2).take_while(|smaller| *smaller < inner);
             let fitting = sizes.filter(|smaller| bytes(*smaller) <= available).last();
-            format!("choose `oem_size` at most {}, or the CPU engine", fitting.unwrap_or(0))
+            format!("choose `oem_size` of at most {}, or the CPU engine", fitting.unwrap_or(0))
         })
     }
 
-    /// Selects lobes of `count` boxes (1, 2, 4 or 8) from the next submission on; no table changes.
+    /// Selects lobes of `count` boxes (1, 2, 4 or 8) from the next submission on. The tables stay unchanged.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a count that there is not.
+    /// [`Error::Parameter`] for an unsupported count.
     pub fn set_count(&self, context: &Context, count: u32) -> Result<()> {
         crate::filter::Filter::Fitted(count).check(Lobe::Ggx, None)?;
         let at = std::mem::offset_of!(Octaves, boxes) as u64;
@@ -266,7 +266,7 @@ impl FittedTables {
         &self.oem
     }
 
-    /// The layout of a group with the resources of [`wgsl`], for the shader stages `visibility`.
+    /// Layout of a bind group with the resources of [`wgsl`], for the shader stages `visibility`.
     #[must_use]
     pub fn bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
@@ -310,7 +310,7 @@ impl FittedTables {
         wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
     }
 
-    /// A group of the tables' resources, of `layout`.
+    /// Bind group of the tables' resources, with `layout`.
     #[must_use]
     pub fn bind_group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -333,7 +333,7 @@ impl FittedTables {
     }
 }
 
-/// The pipeline for lists of queries.
+/// Pipeline for lists of queries.
 #[derive(Clone, Debug)]
 pub struct Fitted {
     pipeline: wgpu::ComputePipeline,
@@ -347,11 +347,11 @@ impl Fitted {
         Self { pipeline: shader::pipeline(context, &module, "fitted", &[]) }
     }
 
-    /// Answers to `queries`, directions (of the OEM's space) with their roughness, and the stage that fills
-    /// them: a vector of four floats each.
+    /// Stage that answers `queries`, directions in the OEM's space with their roughness, and its output: four
+    /// floats per query.
     ///
     /// # Panics
-    /// Where they are more than a buffer holds.
+    /// If there are more queries than fit a buffer.
     #[must_use]
     pub fn stage(
         &self,
@@ -381,10 +381,10 @@ impl Fitted {
         (Stage::new("fitted", vec![dispatch]), answers)
     }
 
-    /// Radiance around each of `queries`, as [`Fitted::stage`] has them, read back.
+    /// Radiance for each of `queries` in the form of [`Fitted::stage`], read back.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the device fails.
+    /// [`Error::Gpu`] if the device fails.
     pub async fn radiance(
         &self,
         context: &Context,

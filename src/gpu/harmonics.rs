@@ -1,4 +1,4 @@
-//! Harmonics of an OEM to order 4, from its exact table.
+//! Computes harmonics of an OEM to order 4 from its exact table.
 
 use super::device::stage::Dispatch;
 use super::device::{readback, shader};
@@ -8,10 +8,10 @@ use crate::error::Result;
 use crate::sat::FixedPoint;
 use crate::sh;
 
-/// Texels that a workgroup sums at once.
+/// Texels that a workgroup sums per batch.
 pub const GROUP_SIZE: u32 = 128;
 
-/// Rounds of a workgroup.
+/// Batches of a workgroup.
 pub const BATCHES: u32 = 4;
 
 /// Texels along an edge of the finest grid.
@@ -33,7 +33,7 @@ impl Harmonics {
         Self { sums_of_groups: pipeline("sums_of_groups"), sum_of_all: pipeline("sum_of_all") }
     }
 
-    /// The stage that writes the harmonics of `sat` and its units into `tables`.
+    /// Stage that writes the harmonics and units of `sat` to `tables`.
     #[must_use]
     pub fn stage(&self, context: &Context, sat: &SatPlanes, tables: &FittedTables) -> Stage {
         let side = sat.size().inner.min(FINEST);
@@ -60,7 +60,7 @@ impl FittedTables {
     /// Reads the harmonics back in the form of [`sh::table_harmonics`]; `fixed` is the table's scale.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     pub async fn read_harmonics(
         &self,
         context: &Context,

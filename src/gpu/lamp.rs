@@ -1,4 +1,4 @@
-//! Adds a moving lamp to an OEM while the other light stays.
+//! Adds a moving lamp to an OEM; the other light stays.
 
 use super::device::shader;
 use super::device::stage::Dispatch;
@@ -11,11 +11,11 @@ pub const EDGE: u32 = 16;
 /// Samples of the lamp along an edge of a texel.
 pub const PLACES: u32 = 4;
 
-/// A disc of even white light with a soft edge, infinitely far away.
+/// A uniform white disc with a soft edge, at infinity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Lamp {
-    /// Its direction, a unit vector in the OEM's space.
+    /// Unit direction in the OEM's space.
     towards: [f32; 3],
     /// Radiance of the disc; 0 by default.
     radiance: f32,
@@ -29,8 +29,8 @@ pub struct Lamp {
 shader::members!(Lamp { towards, radiance, disc, edge, pad });
 
 impl Lamp {
-    /// A lamp `towards` a direction (of any length but zero), evenly bright up to `disc` radians from it, and
-    /// dark from `edge` radians on, which is more.
+    /// A lamp in direction `towards` (of any length but zero), uniform up to `disc` radians from it and dark
+    /// from `edge` > `disc` radians on.
     #[must_use]
     pub fn new(towards: DVec3, radiance: f32, disc: f64, edge: f64) -> Self {
         let squared_chord = |angle: f64| (2.0 * (angle / 2.0).sin()).powi(2) as f32;
@@ -43,25 +43,25 @@ impl Lamp {
         }
     }
 
-    /// Creates the uniform buffer; write it again when the lamp moves.
+    /// Creates the uniform buffer; rewrite it when the lamp moves.
     #[must_use]
     pub fn buffer(&self, context: &Context) -> wgpu::Buffer {
         context.uniform("lamp", self)
     }
 
-    /// Where it is, a unit vector of the OEM's space.
+    /// Direction of the lamp, a unit vector in the OEM's space.
     #[cfg(feature = "view")]
     pub(crate) fn direction(&self) -> DVec3 {
         DVec3::from_array(self.towards.map(f64::from)).normalize_or_zero()
     }
 
-    /// The angle from its middle at which it is dark.
+    /// Angle from the centre at which it is dark.
     #[cfg(feature = "view")]
     pub(crate) fn edge_angle(&self) -> f64 {
         2.0 * (f64::from(self.edge).sqrt() / 2.0).clamp(0.0, 1.0).asin()
     }
 
-    /// Its radiance in `direction`, a unit vector.
+    /// Radiance of the lamp in the unit `direction`.
     #[must_use]
     pub fn radiance_towards(&self, direction: DVec3) -> f64 {
         let towards = DVec3::from_array(self.towards.map(f64::from));

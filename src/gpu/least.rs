@@ -1,4 +1,4 @@
-//! The least radiance of each channel of an OEM: what answers are counted from.
+//! Finds the least radiance of each channel of an OEM. Cells hold only the radiance above it.
 
 use super::device::shader;
 use super::device::stage::Dispatch;
@@ -19,7 +19,7 @@ impl Least {
         Self { of_groups: pipeline("least_of_groups"), of_all: pipeline("least_of_all") }
     }
 
-    /// The least radiance of `oem` into `least`, four floats.
+    /// Dispatches that write the least radiance of `oem` to `least`, four floats.
     pub(super) fn dispatches(
         &self,
         context: &Context,

@@ -1,5 +1,4 @@
-//! What mirrors are read from: an OEM's square as one texture, and the least radiance of it without its
-//! emitters.
+//! Fills the data for mirrors: an OEM's square as one texture, and the least radiance of the residual map.
 
 use super::device::shader;
 use super::device::stage::Dispatch;
@@ -25,10 +24,10 @@ impl Mirror {
         Self { mirror: shader::pipeline(context, &module, "mirror", &[]), least: Least::new(context) }
     }
 
-    /// The square of `oem`, and the least radiance of `rest`, what its emitters leave of it, into `tables`.
+    /// Stage that writes the square of `oem`, and the least radiance of the residual map `rest`, to `tables`.
     ///
     /// # Panics
-    /// Where they were made for another size.
+    /// If `tables` was made for another size.
     #[must_use]
     pub fn stage(
         &self,

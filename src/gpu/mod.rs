@@ -1,22 +1,22 @@
-//! The pipeline as compute passes: light on the GPU, geometry on the CPU.
+//! The pipeline as compute passes.
 //!
-//! What depends on sizes and roughness alone (which source texel overlaps which target texel, solid angles,
-//! moments of texels, the directions of a level) is computed once by the same double-precision code that
-//! serves the CPU engine, and uploaded. What depends on the light runs in shaders, one `.wgsl` a stage with
-//! the CPU's stem:
+//! Data that depends only on sizes and roughness (overlaps of source and target texels, solid angles, moments
+//! of texels, the directions of a level) is computed once by the double-precision code of the CPU engine and
+//! uploaded. Data that depends on the light is computed by shaders, one `.wgsl` file per stage with the same
+//! stem as on the CPU:
 //!
 //! ```text
-//! texture --reparameterise--> OEM planes --fixed_point--> exponents --sat_scan--> SAT planes --pack--> textures, boxes
-//!                                  +--emitters--> emitters, and the rest's SAT planes --blur, harmonics--+
-//!                                  +--mirror--> texture, least radiance --------------------------------+--> fitted lobes
-//!                                  +--cells--> quadtree of moments --adaptive--> lobes with bounds
+//! texture --reparameterise--> OEM planes --fixed_point--> exponents --sat_scan--> SAT planes --pack--> boxes
+//!                                 +--emitters--> emitters, residual SAT --blur, harmonics--+
+//!                                 +--mirror--> texture, least radiance --------------------+--> fitted lobes
+//!                                 +--cells--> quadtree of moments --adaptive--> lobes with bounds
 //! ```
 //!
-//! Integer stages equal the CPU's word for word; float stages lie within bounds derived where they are
-//! tested. All of it needs baseline WebGPU only: no 64-bit integers, no subgroups, no waiting between
-//! workgroups, 8 storage buffers a stage, bindings up to 128 MiB.
+//! Integer stages equal the CPU's word for word; float stages lie within bounds derived in their tests.
+//! Everything runs on baseline WebGPU: no 64-bit integers, no subgroups, no waiting between workgroups, 8
+//! storage buffers per stage, bindings up to 128 MiB.
 //!
-//! A pass is an immutable struct of pipelines ([`sat_scan::SatScan`]); bound to buffers it is a [`Stage`]
+//! A pass is an immutable struct of pipelines ([`sat_scan::SatScan`]). Bound to buffers it is a [`Stage`]
 //! that records into the caller's encoder. Recording allocates nothing, submits nothing and waits for
 //! nothing.
 

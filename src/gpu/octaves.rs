@@ -1,17 +1,17 @@
-//! Where the blurred table of each octave lies among all.
+//! Layout of the blurred tables of all octaves in shared buffers.
 
 use crate::cpu::blur::grids;
 use crate::cpu::fitted::finest_octave;
 use crate::gpu::device::shader;
 
-/// Texels along an edge of a tile of a grid that is blurred.
+/// Texels along an edge of a tile of the grid to blur.
 pub const EDGE: u32 = 16;
 
 /// Greatest number of octaves.
 pub const OCTAVES: usize = 6;
 
-/// Texels of border around a blurred square. Over all directions, less than one box in a hundred leaves it,
-/// namely wide ones with a small share of their lobe; these use the parity form of the unfolded plane.
+/// Texels of border around a blurred square. Over all directions, less than one box in a hundred leaves it:
+/// wide boxes with a small share of their lobe. These use the parity form of the unfolded plane.
 pub const BORDER: u32 = 40;
 
 /// Position of one octave's table in the shared buffer.

@@ -1,4 +1,4 @@
-//! The OEM and its exact table on the GPU: four planes each, of float32 bits and of 64-bit words.
+//! The OEM and its exact table on the GPU, as four planes each: float32 bits and 64-bit words.
 
 use super::Context;
 use super::device::{readback, shader};
@@ -8,7 +8,7 @@ use crate::oem::{Oem, OemSize};
 /// Channels: red, green and blue energy, solid angle.
 pub const CHANNELS: usize = 4;
 
-/// How the planes of an OEM lie in memory; the uniform that shaders see as `Table`.
+/// Memory layout of the planes of an OEM; the uniform `Table` of the shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Table {
@@ -38,7 +38,7 @@ impl Table {
         self.pitch as u64 * self.side as u64
     }
 
-    /// Writes `side` x `side` values of each channel into its plane, as `word` makes them.
+    /// Writes `side` x `side` values of each channel to its plane, converted by `word`.
     fn write<V: Copy, W: bytemuck::Pod>(
         self,
         context: &Context,
@@ -58,7 +58,7 @@ impl Table {
         }
     }
 
-    /// Reads what [`Table::write`] writes.
+    /// Reads values written by [`Table::write`].
     async fn read<V: Copy + Default, W: bytemuck::Pod>(
         self,
         context: &Context,
@@ -79,15 +79,15 @@ impl Table {
     }
 }
 
-/// The largest edge whose planes of `bytes` an entry fit a binding of `available` bytes, in words.
+/// Remedy that names the largest edge, in texels, whose planes of `bytes` per entry fit a binding.
 fn largest_that_fits(bytes: u64) -> impl FnOnce(u64) -> String {
     move |available| {
         let edge = (available / bytes).isqrt() / 4 * 4;
-        format!("choose `oem_size` and `border` to make at most {edge}")
+        format!("choose `oem_size` plus twice `border` of at most {edge}")
     }
 }
 
-/// L*w (red, green, blue) and w of every texel, border included, a float32 plane each.
+/// L*w (red, green, blue) and w of every texel, border included, one float32 plane per channel.
 #[derive(Clone, Debug)]
 pub struct OemPlanes {
     size: OemSize,
@@ -99,7 +99,7 @@ impl OemPlanes {
     /// Planes for an OEM of `size`, all zero.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where a plane is larger than the device can bind.
+    /// [`crate::Error::Limit`] if a plane is larger than the device can bind.
     pub fn new(context: &Context, size: OemSize) -> Result<Self> {
         let table = Table::new(size);
         let bytes = 4 * table.count();
@@ -108,14 +108,14 @@ impl OemPlanes {
         Ok(Self { size, planes, table: context.uniform("OEM table", &table) })
     }
 
-    /// Planes of energies, all zero, beside this OEM's solid angles.
+    /// Zeroed energy planes that share this OEM's solid angles.
     pub(super) fn of_the_same_solid_angles(&self, context: &Context) -> Self {
         let energy = || context.storage("OEM plane", self.planes[0].size());
         let planes = [energy(), energy(), energy(), self.planes[3].clone()];
         Self { planes, ..self.clone() }
     }
 
-    /// Planes holding `oem`.
+    /// Uploads `oem`.
     ///
     /// # Errors
     /// Those of [`OemPlanes::new`].
@@ -131,7 +131,7 @@ impl OemPlanes {
         self.size
     }
 
-    /// How the planes lie in memory.
+    /// Memory layout of the planes.
     #[must_use]
     pub const fn table(&self) -> Table {
         Table::new(self.size)
@@ -152,14 +152,14 @@ impl OemPlanes {
     /// Reads the planes back.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     pub async fn read(&self, context: &Context) -> Result<Oem> {
         let texels = self.table().read(context, &self.planes, |energy: f32| energy).await?;
         Ok(Oem::from_bordered(self.size, texels))
     }
 }
 
-/// The exact table of an OEM: inclusive 64-bit sums as (low, high) words, a plane a channel, and their
+/// The exact table of an OEM: inclusive 64-bit sums as (low, high) words, one plane per channel, and their
 /// exponents.
 #[derive(Clone, Debug)]
 pub struct SatPlanes {
@@ -172,7 +172,7 @@ impl SatPlanes {
     /// Planes for the table of an OEM of `size`.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where a plane is larger than the device can bind.
+    /// [`crate::Error::Limit`] if a plane is larger than the device can bind.
     pub fn new(context: &Context, size: OemSize) -> Result<Self> {
         Self::check_fits(context, size)?;
         let bytes = 8 * Table::new(size).count();
@@ -180,14 +180,14 @@ impl SatPlanes {
         Ok(Self { size, planes, exponents: context.storage("fixed-point exponents", 16) })
     }
 
-    /// Whether the planes for an OEM of `size` fit.
+    /// Checks that the planes for an OEM of `size` fit.
     pub(super) fn check_fits(context: &Context, size: OemSize) -> Result<()> {
         let table = Table::new(size);
         let what = format!("a SAT plane of {0} x {0}", table.side);
         context.fits(&what, 8 * table.count(), largest_that_fits(8))
     }
 
-    /// Planes holding `sat` and its exponents.
+    /// Uploads `sat` and its exponents.
     ///
     /// # Errors
     /// Those of [`SatPlanes::new`].
@@ -218,10 +218,10 @@ impl SatPlanes {
         &self.exponents
     }
 
-    /// Reads exponents and entries back, as [`crate::sat::Sat`] has them.
+    /// Reads exponents and entries back in the form of [`crate::sat::Sat`].
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     pub async fn read(&self, context: &Context) -> Result<(crate::sat::FixedPoint, Vec<[u64; CHANNELS]>)> {
         let exponents: Vec<i32> = readback::read(context, &self.exponents).await?;
         let fixed = crate::sat::FixedPoint { exponents: std::array::from_fn(|c| exponents[c]) };

@@ -1,4 +1,5 @@
-//! Environment to OEM and to the cube of footprints: the CPU's matrix of overlaps, applied to a texture.
+//! Resamples the environment to the OEM and to the cube of footprints: applies the CPU's overlap matrix to a
+//! texture.
 
 use super::device::shader;
 use super::device::stage::Dispatch;
@@ -13,16 +14,17 @@ use crate::oem::OemSize;
 /// Invocations along an edge of a workgroup.
 pub const EDGE: u32 = 16;
 
-/// Invocations of a workgroup that serves one texel.
+/// Invocations of a workgroup that computes one texel.
 pub const GROUP_SIZE: u32 = 256;
 
-/// From this mean number of sources on a workgroup serves a texel, not an invocation.
+/// Mean number of sources per texel from which on a workgroup, not an invocation, computes a texel.
 const MANY_SOURCES: usize = 256;
 
-/// Sources of one invocation, each looked at twice: llvmpipe ends loops after 65535 turns, and never says so.
+/// Most sources of one invocation, which reads each twice: llvmpipe silently ends loops after 65535
+/// iterations.
 const MOST_SOURCES: u32 = 24_576;
 
-/// The uniform: target, source and how octants are mirrored.
+/// Uniform: target, source and the mirroring of octants.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Gather {
@@ -46,14 +48,14 @@ pub struct Reparameterise {
     footprints: Pipelines,
 }
 
-/// For targets with few sources a texel, and with many.
+/// Pipelines for few sources per texel, and for many.
 #[derive(Clone, Debug)]
 struct Pipelines {
     by_texels: wgpu::ComputePipeline,
     by_groups: wgpu::ComputePipeline,
 }
 
-/// Columns and rows of a layer of `layout`, and its layers.
+/// Columns, rows and layers of the texture for `layout`.
 #[must_use]
 pub const fn texture_size(layout: Layout) -> [u32; 3] {
     match layout {
@@ -63,20 +65,20 @@ pub const fn texture_size(layout: Layout) -> [u32; 3] {
     }
 }
 
-/// `environment` as an rgba32float texture: a layer, or the six faces of a cube.
+/// Uploads `environment` as an rgba32float texture with one layer, or six for the faces of a cube.
 ///
 /// # Errors
-/// [`Error::Limit`] where a side is longer than the device has textures.
+/// [`Error::Limit`] if a side exceeds the device's texture size.
 pub fn upload(context: &Context, environment: &Environment) -> Result<wgpu::Texture> {
     let [width, height, depth_or_array_layers] = texture_size(environment.layout());
     let most = context.device().limits().max_texture_dimension_2d;
     if width.max(height) > most {
         return Err(Error::Limit {
             what: format!("a texture of {width} x {height}"),
-            // As for a square of the longer side: textures are limited by their sides.
+            // Textures are limited by their sides, so compare squares of the longer side.
             needed: u64::from(width.max(height)).pow(2) * 16,
             available: u64::from(most) * u64::from(most) * 16,
-            remedy: format!("use an image of at most {most} texels a side, or the CPU engine"),
+            remedy: format!("use an image of at most {most} texels per side, or the CPU engine"),
         });
     }
     let size = wgpu::Extent3d { width, height, depth_or_array_layers };
@@ -90,7 +92,7 @@ pub fn upload(context: &Context, environment: &Environment) -> Result<wgpu::Text
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    // Strips of rows keep the staging memory small.
+    // Upload strips of rows to limit the staging memory.
     let strip = (1_u32 << 20).div_ceil(width).min(height);
     for layer in 0..depth_or_array_layers {
         for top in (0..height).step_by(strip as usize) {
@@ -131,13 +133,13 @@ impl Reparameterise {
         Self { oem: pair("oem", "oem_by_groups"), footprints: pair("footprints", "footprints_by_groups") }
     }
 
-    /// Source texels of `layout` in `texture` into `planes`, border included. The texture's first level must
-    /// have [`texture_size`] and a float format; what it holds that is negative or not finite counts as 0,
-    /// infinity as the greatest float. `planes` get their solid angles here.
+    /// Stage that resamples `texture`, with texels in `layout`, to `planes`, border included. Also uploads
+    /// the solid angles of `planes`. The texture's first level must have [`texture_size`] and a float format.
+    /// Negative values and NaN count as 0, infinity as the greatest float.
     ///
     /// # Errors
-    /// [`Error::Limit`] where the matrix of overlaps is larger than the device can bind, [`Error::Parameter`]
-    /// where the texture has another size.
+    /// [`Error::Limit`] if the overlap matrix is larger than the device can bind, [`Error::Parameter`] if the
+    /// texture has another size.
     pub fn stage(
         &self,
         context: &Context,
@@ -157,8 +159,8 @@ impl Reparameterise {
         Ok(Stage::new("reparameterise", vec![dispatch]))
     }
 
-    /// The mean radiance over every texel of a cube with faces of `size`, in the world that `environment` is
-    /// turned into: `size` x `size` x 6 four-component floats.
+    /// Stage that computes the mean radiance over every texel of a cube with faces of `size`, in world space,
+    /// and its output: `size` x `size` x 6 four-component floats.
     ///
     /// # Errors
     /// Those of [`Reparameterise::stage`].
@@ -176,7 +178,7 @@ impl Reparameterise {
         let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
         let bytes = 16 * 6 * u64::from(size) * u64::from(size);
         context.fits(&format!("a cube of {size} x {size}"), bytes, |available| {
-            format!("choose `size` at most {}", (available / 96).isqrt())
+            format!("choose `size` of at most {}", (available / 96).isqrt())
         })?;
         let footprint = context.storage("footprints", bytes);
         let mut resources = matrix.resources();
@@ -186,7 +188,7 @@ impl Reparameterise {
     }
 }
 
-/// Writes the solid angles of `planes`, which depend on their size alone.
+/// Writes the solid angles of `planes`, which depend only on their size.
 fn upload_solid_angles(context: &Context, planes: &OemPlanes) {
     let Table { inner, border, side, pitch } = planes.table();
     let weights = SolidAngles::new(inner);
@@ -201,7 +203,7 @@ fn upload_solid_angles(context: &Context, planes: &OemPlanes) {
     context.queue().write_buffer(&planes.planes()[3], 0, bytemuck::cast_slice(&words));
 }
 
-/// A matrix of overlaps on the GPU, beside the texture that it is applied to.
+/// An overlap matrix on the GPU, with the texture that it applies to.
 struct Matrix {
     gather: wgpu::Buffer,
     starts: wgpu::Buffer,
@@ -222,7 +224,7 @@ impl Matrix {
         let size = texture.size();
         if [size.width, size.height, size.depth_or_array_layers] != [width, height, layers] {
             return Err(Error::Parameter(format!(
-                "a texture of {} x {} x {} for {layout:?}, which takes {width} x {height} x {layers}",
+                "texture of {} x {} x {}; {layout:?} requires {width} x {height} x {layers}",
                 size.width, size.height, size.depth_or_array_layers
             )));
         }
@@ -233,7 +235,7 @@ impl Matrix {
         let by_groups = entries.len() / starts.len() >= MANY_SOURCES;
         let most = starts.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
         let available = if by_groups { GROUP_SIZE * MOST_SOURCES } else { MOST_SOURCES };
-        // Two rows meet on a fold diagonal.
+        // Two rows contribute to a texel on a fold diagonal.
         if 2 * most > available {
             return Err(Error::Limit {
                 what: format!("a texel of {} x {}", target.inner, target.inner),
@@ -269,7 +271,7 @@ impl Matrix {
         })
     }
 
-    /// Serves `texels` by whichever of `pipelines` suits the matrix.
+    /// Dispatches the pipeline that suits the matrix over `texels`.
     fn dispatch(
         &self,
         context: &Context,

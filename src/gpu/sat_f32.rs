@@ -1,4 +1,4 @@
-//! The float32 table with its mean bias, by recursive doubling: for comparison, see
+//! The float32 table with its mean bias, by recursive doubling. For comparison; see
 //! [`crate::analysis::sat_f32`].
 
 use super::device::shader;
@@ -13,7 +13,7 @@ pub const GROUPS: u32 = 64;
 /// Invocations along an edge of a workgroup.
 pub const EDGE: u32 = 16;
 
-/// The uniform of one pass.
+/// Uniform of one pass.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Doubling {
@@ -32,7 +32,7 @@ pub struct SatF32 {
     double_sums: wgpu::ComputePipeline,
 }
 
-/// A float32 table: four floats an entry, row by row, and the mean that was subtracted before summing.
+/// A float32 table: four floats per entry, row by row, and the mean that was subtracted before summing.
 #[derive(Clone, Debug)]
 pub struct F32Table {
     /// The entries, inclusive, border included.
@@ -58,12 +58,12 @@ impl SatF32 {
     /// The table of `oem`, and the stage that fills it.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where it is larger than the device can bind.
+    /// [`crate::Error::Limit`] if it is larger than the device can bind.
     pub fn stage(&self, context: &Context, oem: &OemPlanes) -> Result<(Stage, F32Table)> {
         let Table { side, .. } = oem.table();
         let bytes = 16 * u64::from(side) * u64::from(side);
         context.fits(&format!("a float32 table of {side} x {side}"), bytes, |available| {
-            format!("choose `oem_size` and `border` to make at most {}", (available / 16).isqrt())
+            format!("choose `oem_size` plus twice `border` of at most {}", (available / 16).isqrt())
         })?;
         let buffers = [(); 2].map(|()| context.storage("float32 table", bytes));
         let partials = context.storage("sums of groups", 16 * u64::from(GROUPS));
@@ -76,7 +76,7 @@ impl SatF32 {
                     .map(move |stride| (axis, stride))
             })
             .collect();
-        // The last pass ends in the first buffer.
+        // The last pass writes the first buffer.
         let back = |pass: usize| &buffers[(strides.len() - pass) % 2];
         let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
         let planes: Vec<_> =

@@ -1,4 +1,4 @@
-//! Hensley's recursive doubling, as the 2005 paper has it: passes of 2, 4, 8 or 16 samples, ping-pong.
+//! Hensley's recursive doubling as in the 2005 paper: passes of 2, 4, 8 or 16 samples, ping-pong.
 
 use super::device::shader;
 use super::device::stage::Dispatch;
@@ -8,7 +8,7 @@ use super::{Context, OemPlanes, SatPlanes, Stage};
 /// Invocations along an edge of a workgroup.
 pub const EDGE: u32 = 16;
 
-/// The uniform of one pass over a pair of channels.
+/// Uniform of one pass over a pair of channels.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Doubling {
@@ -33,7 +33,7 @@ impl SatHensley {
     /// Compiles the pass for `radix` samples.
     ///
     /// # Panics
-    /// Where `radix` is below 2.
+    /// If `radix` is below 2.
     #[must_use]
     pub fn new(context: &Context, radix: u32) -> Self {
         assert!(radix >= 2, "a radix of at least 2");
@@ -45,7 +45,7 @@ impl SatHensley {
         }
     }
 
-    /// The table of `oem` into `sat`, whose exponents are there already.
+    /// Stage that writes the table of `oem` to `sat`, whose exponents must be filled.
     #[must_use]
     pub fn stage(&self, context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
         let Table { side, pitch, .. } = oem.table();

@@ -1,4 +1,5 @@
-//! The production scan: four dispatches a pair of channels, input read twice and output written once.
+//! The production scan: four dispatches per pair of channels; reads the input twice and writes the output
+//! once.
 
 use super::device::shader;
 use super::device::stage::Dispatch;
@@ -11,7 +12,7 @@ pub const TILE: u32 = 64;
 /// Invocations of a workgroup that carries sums from tile to tile.
 pub const GROUP_SIZE: u32 = 256;
 
-/// The uniform of one pair of channels.
+/// Uniform of one pair of channels.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Scan {
@@ -46,12 +47,12 @@ impl SatScan {
         }
     }
 
-    /// The table of `oem` into `sat`, whose exponents are there already.
+    /// Stage that writes the table of `oem` to `sat`, whose exponents must be filled.
     #[must_use]
     pub fn stage(&self, context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
         let Table { side, pitch, .. } = oem.table();
         let tiles = side.div_ceil(TILE);
-        // Two channels, a row of tiles and a tile's places each.
+        // Eight bytes per channel, row of tiles and texel along the edge.
         let carried = 2 * 8 * u64::from(tiles) * u64::from(tiles * TILE);
         let rows_left = context.storage("SAT carries to the right", carried);
         let above = context.storage("SAT carries down", carried);

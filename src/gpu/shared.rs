@@ -1,5 +1,5 @@
-//! What shaders declare a second time: the values of constants and the layouts of structs, by the file that
-//! declares them. A test compares them with what the shader compiler reads, and fails on what is missing here.
+//! Constants and struct layouts that shaders declare a second time, by the declaring file. A test compares
+//! them with the shader compiler's reflection and fails on entries that are missing here.
 
 use super::{
     adaptive, blur, box_filter, cells, copy, device::stage, emitters, fitted, fixed_point, harmonics, lamp,
@@ -14,14 +14,14 @@ use crate::lobe::kernel::shape;
 use crate::realtime::emitters::{COUNT, GRID};
 use crate::realtime::tables::{KNOTS, OCTAVES, triangle};
 
-/// A constant: the file under `shaders/` that declares it, its name there, and Rust's numbers.
+/// A constant: the file under `shaders/` that declares it, its name there, and the values in Rust.
 pub type Constant = (&'static str, &'static str, Vec<f64>);
 
-/// A struct: the file under `shaders/` that declares it, its name there, and the names, offsets and size, in
-/// bytes, of Rust's.
+/// A struct: the file under `shaders/` that declares it, its name there, and the member names, offsets and
+/// size of the Rust struct, in bytes.
 pub type Struct = (&'static str, &'static str, &'static [(&'static str, usize)], usize);
 
-/// The constants that the stages' shaders share with Rust.
+/// Constants that the stages' shaders share with Rust.
 #[must_use]
 pub fn constants() -> Vec<Constant> {
     let one = |file, name, value: u32| (file, name, vec![f64::from(value)]);
@@ -88,7 +88,7 @@ pub fn constants() -> Vec<Constant> {
     all
 }
 
-/// The structs of uniforms and buffers that the stages' shaders share with Rust.
+/// Structs of uniforms and buffers that the stages' shaders share with Rust.
 #[must_use]
 pub fn structs() -> Vec<Struct> {
     macro_rules! layout {

@@ -1,4 +1,4 @@
-//! Bilinear look-up in a cube level without seams: faces carry a border of their neighbours' texels.
+//! Seamless bilinear look-up in a cube level: faces have a border of their neighbours' texels.
 
 use crate::chain::Level;
 use crate::environment::Rgb;
@@ -14,8 +14,8 @@ pub struct SeamlessLevel {
 }
 
 impl SeamlessLevel {
-    /// Copies `level` with its borders: across an edge the neighbour's texel, at a corner the mean of the
-    /// three texels that meet there, as Vulkan filters cubes.
+    /// Copies `level` and adds borders: the neighbour's texel across an edge, the mean of the three adjacent
+    /// texels at a corner, as in Vulkan's cube filtering.
     #[must_use]
     pub fn new(level: &Level) -> Self {
         let (n, side) = (level.size() as usize, level.size() as usize + 2);
@@ -60,10 +60,10 @@ impl SeamlessLevel {
     }
 }
 
-/// The texel of another face beside place (`x`, `y`) on the border of the bordered `face`.
+/// The texel of the adjacent face at position (`x`, `y`) on the border of the bordered `face`.
 fn neighbour(level: &Level, face: Face, x: usize, y: usize) -> Rgb {
     let n = level.size() as usize;
-    // Just outside the face, so little that the place along the edge does not shift.
+    // Just outside the face, close enough not to shift along the edge.
     let outside = |k: usize| match k {
         0 => -1.0 - 1e-9,
         k if k == n + 1 => 1.0 + 1e-9,

@@ -1,4 +1,4 @@
-//! The exposure of pictures: chosen from the light, or a number.
+//! Exposure of pictures: automatic or a number.
 
 use crate::chain::Level;
 use crate::environment::{Environment, Rgb, exact_luminance};
@@ -6,7 +6,7 @@ use crate::sphere::cube::{self, Face};
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
-/// How bright a picture shows radiance. Files never depend on it.
+/// Exposure of a picture. Baked files never depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Exposure {
     /// Brings the log-average luminance of the environment to middle grey (Reinhard et al. 2002, equation 1).
@@ -19,14 +19,14 @@ pub enum Exposure {
 /// The range of [`Exposure::Ev`].
 pub const RANGE: std::ops::RangeInclusive<f64> = -40.0..=40.0;
 
-/// The luminance that the log-average is shown at.
+/// Displayed value of the log-average luminance.
 const MIDDLE_GREY: f64 = 0.18;
 
-/// Automatic exposures stay within this range either way: more than all of float32's radiance asks for.
+/// Limit of automatic exposures in either direction; wider than the range of float32 radiance.
 const MOST: f64 = 160.0;
 
 impl Exposure {
-    /// The power of two, `automatic` being that of [`Exposure::Auto`].
+    /// The exposure in powers of two; `automatic` is the value of [`Exposure::Auto`].
     #[must_use]
     pub fn ev(self, automatic: f64) -> f64 {
         match self {
@@ -45,7 +45,7 @@ impl Display for Exposure {
     }
 }
 
-/// From what [`Display`] writes.
+/// Parses the output of [`Display`].
 impl FromStr for Exposure {
     type Err = String;
 
@@ -82,9 +82,9 @@ pub fn of_level(level: &Level) -> f64 {
     average.exposure()
 }
 
-/// A mean of logarithms of luminance.
+/// Mean of logarithms of luminance.
 struct LogAverage {
-    /// What counts as black: twenty stops below the brightest.
+    /// Threshold of black: twenty stops below the brightest.
     least: f64,
     sum: f64,
     weights: f64,

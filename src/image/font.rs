@@ -52,12 +52,12 @@ const GLYPHS: [(char, [u8; 7]); 43] = [
     (' ', [0; 7]),
 ];
 
-/// Cells across `text`: glyphs a cell apart.
+/// Width of `text` in cells, with one cell between glyphs.
 pub(crate) fn text_width(text: &str) -> u32 {
     (text.chars().count() as u32 * (GLYPH_WIDTH + 1)).saturating_sub(1)
 }
 
-/// Whether the cell (`x`, `y`) of `text`, from the top left, is inked. Small letters stand as capitals,
+/// Whether the cell (`x`, `y`) of `text`, from the top left, is inked. Lower case is drawn as capitals,
 /// unknown characters as blanks; `^` is an upward arrow.
 pub(crate) fn is_inked(text: &str, x: u32, y: u32) -> bool {
     let (at, column) = ((x / (GLYPH_WIDTH + 1)) as usize, x % (GLYPH_WIDTH + 1));

@@ -1,4 +1,4 @@
-//! Pictures of bakes for people to look at.
+//! Pictures of bakes for viewing.
 
 pub mod cube_sampler;
 pub mod exposure;

@@ -1,5 +1,5 @@
-//! Pictures to look at: a contact sheet of lit spheres down the roughness ladder, and the error of one level
-//! in false colour. 8-bit sRGB; equal inputs give equal pictures.
+//! Preview pictures: a contact sheet of lit spheres over the roughness ladder, and the error of one level in
+//! false colour. 8-bit sRGB, deterministic.
 
 use crate::chain::{Chain, Level};
 use crate::environment::{Rgb, exact_luminance};
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 /// Pixels along an edge of a sphere's tile.
 const TILE: u32 = 240;
-/// Pixels along an edge of a face in the cross below it: a cross is as wide as a tile.
+/// Pixels along an edge of a face in the cross below it; a cross is as wide as a tile.
 const FACE: u32 = TILE / 4;
 const GAP: u32 = 10;
 const LABEL: u32 = 26;
@@ -26,17 +26,17 @@ const SAMPLES: u32 = 3;
 const PAPER: Pixel<u8> = Pixel([24, 24, 26]);
 const TEXT: Pixel<u8> = Pixel([225, 225, 225]);
 
-/// The camera stands at this many radii from the sphere, towards -X, and looks along +X.
+/// Distance of the camera from the sphere in radii, towards -X; it looks along +X.
 const CAMERA_DISTANCE: f64 = 3.4;
 /// Tangent of half the angle of view: the sphere fills about four fifths of its tile.
 const HALF_VIEW: f64 = 0.385;
-/// Roughness of the level behind the spheres, or the one nearest to it.
+/// Roughness of the backdrop level; the nearest level is used.
 const BACKDROP_ROUGHNESS: f64 = 0.35;
 
-/// The contact sheet of a chain: for each level a mirror sphere that is shaded by one look-up in that level,
-/// before a blurred backdrop, with the level's six faces as a cross below. The camera looks along +X, the
-/// middle of a panorama; what lies behind it is seen in the sphere, mirrored as in a real one. Crosses hold
-/// face images as files do.
+/// Draws the contact sheet of a chain: for each level a mirror sphere, shaded by one look-up in that level,
+/// in front of a blurred backdrop, with the level's six faces as a cross below. The camera looks along +X,
+/// the centre of a panorama; the sphere reflects the scene behind the camera. Crosses show face images as
+/// stored in files.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels.
@@ -62,15 +62,14 @@ pub fn contact_sheet(chain: &Chain, exposure: Exposure) -> Result<RgbImage> {
     Ok(sheet)
 }
 
-/// Where the colours of [`error_picture`] begin and end: relative errors of 0.01 % and of 100 %, on a log
-/// scale.
+/// Colour range of [`error_picture`]: relative errors from 0.01 % to 100 %, on a log scale.
 const ERROR_RANGE: (f64, f64) = (1e-4, 1.0);
 
-/// The relative error of `level` against `reference`, texel by texel, as an unfolded cross in false colour
-/// over a legend: |difference of luminance| / (luminance of the reference + 0.001 of its mean).
+/// Draws the relative error of each texel of `level` against `reference`, as an unfolded cross in false
+/// colour over a legend: |difference of luminance| / (luminance of the reference + 0.001 of its mean).
 ///
 /// # Errors
-/// [`Error::Parameter`] where the two have not the same size.
+/// [`Error::Parameter`] if the two differ in size.
 pub fn error_picture(level: &Level, reference: &Level) -> Result<RgbImage> {
     if level.size() != reference.size() || level.texels.len() != reference.texels.len() || level.size() == 0 {
         return Err(Error::Parameter(format!(
@@ -88,7 +87,7 @@ pub fn error_picture(level: &Level, reference: &Level) -> Result<RgbImage> {
         let relative = if difference == 0.0 { 0.0 } else { difference / (expected_luminance + floor) };
         *error = [relative as f32; 3];
     }
-    // Faces of at least 96 pixels, whole pixels a texel.
+    // Faces of at least 96 pixels, with whole pixels a texel.
     let face = level.size() * 96_u32.div_ceil(level.size());
     let (width, legend) = (4 * face + 2 * GAP, 54);
     let mut picture = RgbImage::from_pixel(width, 3 * face + 3 * GAP + legend, PAPER);
@@ -111,16 +110,16 @@ pub fn error_picture(level: &Level, reference: &Level) -> Result<RgbImage> {
     Ok(picture)
 }
 
-/// Radiance to display, linear in [0, 1]: Narkowicz 2016, "ACES filmic tone mapping curve".
+/// Tone-maps radiance to [0, 1], linear: Narkowicz 2016, "ACES filmic tone mapping curve".
 fn tone_mapped(radiance: Rgb, exposure: f64) -> Rgb {
     radiance.map(|c| {
-        // Beyond this the curve is at its end, and squares would overflow.
+        // The curve saturates here; larger squares could overflow.
         let x = (f64::from(c) * exposure).min(1e4) as f32;
         ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0)
     })
 }
 
-/// Display light in [0, 1] to 8-bit sRGB (IEC 61966-2-1).
+/// Converts linear display values in [0, 1] to 8-bit sRGB (IEC 61966-2-1).
 fn srgb(linear: Rgb) -> Pixel<u8> {
     Pixel(linear.map(|c| {
         let c = c.clamp(0.0, 1.0);
@@ -160,7 +159,7 @@ fn draw_sphere(
     let side = f64::from(TILE * SAMPLES);
     let place = |k: u32| (f64::from(k) + 0.5) / side * 2.0 - 1.0;
     let pixel = |i: u32, j: u32| {
-        // Mapped before averaged: one bright sample must not fill a pixel.
+        // Tone-map before averaging, so that one bright sample does not dominate a pixel.
         let mut sum = [0.0; 3];
         for (y, x) in (0..SAMPLES).flat_map(|y| (0..SAMPLES).map(move |x| (y, x))) {
             let radiance = seen(place(i * SAMPLES + x), place(j * SAMPLES + y), &level, backdrop);
@@ -180,8 +179,8 @@ fn draw_sphere(
     }
 }
 
-/// The six faces as they are stored, each `face_pixels` wide, unfolded with +Z in the middle. A pixel that
-/// covers several texels shows their mean.
+/// Draws the six stored faces, each `face_pixels` wide, unfolded with +Z in the middle. A pixel over several
+/// texels shows their mean.
 fn draw_cross(
     picture: &mut RgbImage,
     left: u32,
@@ -221,8 +220,8 @@ fn draw_text(picture: &mut RgbImage, left: u32, top: u32, scale: u32, text: &str
     }
 }
 
-/// The colour of a relative error: black for none at all, then from blue over red to pale yellow, evenly
-/// lighter to the eye with its logarithm (a spiral in Ottosson's OKLab, 2020).
+/// Colour of a relative error: black for 0, then blue over red to pale yellow. Perceived lightness is linear
+/// in the logarithm (a spiral in Ottosson's OKLab, 2020).
 fn error_colour(error: f64) -> Pixel<u8> {
     if error <= 0.0 {
         return Pixel([0; 3]);

@@ -1,9 +1,9 @@
-//! Primaries of files to the program's own, Rec. 709.
+//! Converts file primaries to Rec. 709.
 
 use crate::environment::Rgb;
 use glam::{DMat3, DVec3};
 
-/// CIE 1931 x, y of the primaries and of the white.
+/// CIE 1931 x, y of the primaries and the white point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Primaries {
     pub(super) red: [f64; 2],
@@ -18,7 +18,7 @@ pub(super) const REC709: Primaries =
 const D65: [f64; 2] = [0.3127, 0.3290];
 const EQUAL_ENERGY: [f64; 2] = [1.0 / 3.0, 1.0 / 3.0];
 
-/// Files print chromaticities with three or four digits.
+/// Tolerance: files give chromaticities to three or four digits.
 const SAME: f64 = 1e-3;
 
 /// The Bradford cone responses, by rows (Lam 1985).
@@ -33,14 +33,14 @@ fn xyz_from_xy([x, y]: [f64; 2]) -> DVec3 {
 }
 
 impl Primaries {
-    /// Whether these are Rec. 709 but for the rounding of their digits.
+    /// Whether these are Rec. 709 within the rounding of their digits.
     pub(super) fn are_rec709(&self) -> bool {
         let pairs =
             [(self.red, REC709.red), (self.green, REC709.green), (self.blue, REC709.blue), (self.white, D65)];
         pairs.iter().all(|(a, b)| (a[0] - b[0]).abs() < SAME && (a[1] - b[1]).abs() < SAME)
     }
 
-    /// XYZ (white has Y = 1) from linear RGB; `None` where the primaries span no gamut.
+    /// XYZ (white has Y = 1) from linear RGB; `None` if the primaries are degenerate.
     fn xyz_from_rgb(&self) -> Option<DMat3> {
         let columns =
             DMat3::from_cols(xyz_from_xy(self.red), xyz_from_xy(self.green), xyz_from_xy(self.blue));
@@ -48,7 +48,7 @@ impl Primaries {
         invertible(columns * DMat3::from_diagonal(scale))
     }
 
-    /// Rec. 709 from these, white to white by Bradford; `None` where they span no gamut.
+    /// Rec. 709 from these primaries, with Bradford adaptation; `None` if they are degenerate.
     pub(super) fn rec709_from_rgb(&self) -> Option<DMat3> {
         Some(rec709_from_xyz(self.white)? * self.xyz_from_rgb()?)
     }
@@ -59,7 +59,7 @@ impl Primaries {
     }
 }
 
-/// Rec. 709 from XYZ whose white is the equal-energy one, as in Radiance's XYZE files.
+/// Rec. 709 from XYZ with the equal-energy white, as in Radiance XYZE files.
 pub(super) fn rec709_from_equal_energy_xyz() -> DMat3 {
     rec709_from_xyz(EQUAL_ENERGY).expect("constants span a gamut")
 }
@@ -74,12 +74,12 @@ fn rec709_from_xyz(white: [f64; 2]) -> Option<DMat3> {
     invertible(adapted).map(|adapted| rec709_from_d65 * adapted)
 }
 
-/// `matrix`, where its inverse has any meaning.
+/// Returns `matrix` if it is invertible.
 fn invertible(matrix: DMat3) -> Option<DMat3> {
     (matrix.is_finite() && matrix.determinant().abs() > 1e-6).then_some(matrix)
 }
 
-/// Applies `matrix` to every texel. Finite texels stay finite: what leaves float32's range becomes its end.
+/// Applies `matrix` to every texel. Finite texels stay finite: values are clamped to the float32 range.
 pub(super) fn transform(texels: &mut [Rgb], matrix: DMat3) {
     let single = matrix.as_mat3();
     for texel in texels {
@@ -129,7 +129,7 @@ mod tests {
         transform(&mut texels, matrix);
         assert!(texels[..3].as_flattened().iter().all(|c| c.is_finite()), "{texels:?}");
         assert_eq!(texels[0][0], f32::MAX);
-        assert!(texels[3][0].is_nan(), "what is not finite stays so, to be told");
+        assert!(texels[3][0].is_nan(), "non-finite values stay, to be reported");
     }
 
     #[test]

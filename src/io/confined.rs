@@ -1,4 +1,4 @@
-//! Reads the files that another file names, and no others.
+//! Reads only the files that another file references.
 
 use super::regular::open_regular;
 use crate::error::{Error, Result, quoted};
@@ -6,26 +6,26 @@ use std::fs;
 use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
-/// Bytes of the longest relative path that messages show whole.
+/// Longest relative path that messages show whole, in bytes.
 const MOST_PATH: usize = 255;
 
-/// Reads what a file refers to by URIs: data inside them, and regular files below one folder.
+/// Reads the URIs of a file: data URIs, and regular files below one folder.
 #[derive(Debug)]
 pub(crate) struct Confined<'a> {
-    /// The file that names others.
+    /// The referencing file.
     path: &'a Path,
-    /// The folder that URIs are relative to and the one that holds all files; `None` for a file in memory.
+    /// The base folder of relative URIs and the root folder of all files; `None` for a file in memory.
     folders: Option<(PathBuf, PathBuf)>,
-    /// Bytes that may be read in all.
+    /// Bytes that may still be read in total.
     limit: u64,
     left: u64,
 }
 
 impl<'a> Confined<'a> {
-    /// Files below the folder of `path`, or below `root` where there is one, of at most `limit` bytes in all.
+    /// Allows files below the folder of `path`, or below `root` if given, of at most `limit` bytes in total.
     ///
     /// # Errors
-    /// [`Error::Io`] for a folder that does not exist, [`Error::Input`] where `path` is outside of `root`.
+    /// [`Error::Io`] for a folder that does not exist, [`Error::Input`] if `path` is outside `root`.
     pub(crate) fn below(path: &'a Path, root: Option<&Path>, limit: u64) -> Result<Self> {
         let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
         let resolved = |folder: &Path| fs::canonicalize(folder).map_err(|error| Error::io(folder, error));
@@ -38,16 +38,16 @@ impl<'a> Confined<'a> {
         Ok(Self { path, folders: Some((base, top)), limit, left: limit })
     }
 
-    /// No files: only data inside URIs, of at most `limit` bytes in all.
+    /// Allows only data URIs, of at most `limit` bytes in total.
     pub(crate) fn inside(path: &'a Path, limit: u64) -> Self {
         Self { path, folders: None, limit, left: limit }
     }
 
-    /// The bytes that `uri` stands for.
+    /// Reads the content of `uri`.
     ///
     /// # Errors
     /// [`Error::Input`] for a URI that is not allowed, [`Error::Io`] for a file that cannot be read,
-    /// [`Error::Limit`] for more bytes than are left. Each names the file.
+    /// [`Error::Limit`] if the limit is exceeded. Each names the file.
     pub(crate) fn read(&mut self, uri: &str) -> Result<Vec<u8>> {
         let bytes = match uri.strip_prefix("data:") {
             Some(data) => decoded(data).map_err(|message| Error::input(self.path, message))?,
@@ -60,14 +60,14 @@ impl<'a> Confined<'a> {
     fn file(&self, uri: &str) -> Result<Vec<u8>> {
         let refuse = |why: &str| Error::input(self.path, format!("refers to {}: {why}", quoted(uri)));
         let name = urlencoding::decode(uri).map_err(|_| refuse("not text in UTF-8"))?;
-        // A letter and a colon would be a drive.
+        // Reject drive letters.
         if name.contains([':', '\0']) {
             return Err(refuse("only files by their relative paths and data: URIs are read"));
         }
         let Some((base, top)) = &self.folders else {
-            return Err(refuse("a file in memory has no others beside it; use one that holds all its data"));
+            return Err(refuse("a file in memory cannot reference others; use one that holds all its data"));
         };
-        // The name alone decides first, so that nothing outside is looked at.
+        // Check the name first, so that nothing outside is accessed.
         let mut place = base.clone();
         for component in Path::new(&*name).components() {
             match component {
@@ -86,7 +86,7 @@ impl<'a> Confined<'a> {
                 }
             }
         }
-        // Links are followed as far as they stay inside.
+        // Follow links only within the folder.
         let missing = |error: std::io::Error| {
             if name.len() > MOST_PATH || name.contains(char::is_control) {
                 refuse(&error.to_string())

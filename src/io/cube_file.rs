@@ -1,4 +1,4 @@
-//! A cube chain as one file in memory, and what all containers check of it.
+//! A cube chain as a file in memory, and the checks common to all containers.
 
 use crate::chain::Chain;
 use crate::error::{Error, Result};
@@ -7,9 +7,9 @@ use crate::format::Pixel;
 /// A file in memory.
 #[derive(Clone, Debug)]
 pub struct CubeFile {
-    /// The file.
+    /// Its content.
     pub bytes: Vec<u8>,
-    /// Texels with a channel that was clamped to the pixel format's greatest value, a level each.
+    /// Number of texels with a channel clamped to the pixel format's maximum, per level.
     pub clamped: Vec<u64>,
 }
 
@@ -20,7 +20,8 @@ impl CubeFile {
     }
 }
 
-/// The edge of level 0 of a chain that a file of `format` can hold: sizes halve, every face is whole.
+/// Checks that a file of `format` can hold `chain`: sizes halve and faces are complete. Returns the edge of
+/// level 0.
 pub(super) fn check_sizes(format: &str, chain: &Chain) -> Result<u32> {
     let Some(first) = chain.levels.first() else {
         return Err(Error::Parameter(format!("a {format} file needs at least one level")));

@@ -1,4 +1,4 @@
-//! Cube chains as single files: which containers there are, and what they have in common.
+//! Writes cube chains as single files in every container.
 
 use super::cube_file::{CubeFile, check_sizes};
 use super::exr::parts::{Part, exr_parts_bytes};
@@ -12,12 +12,12 @@ use crate::format::{LevelName, Pixel};
 use crate::sphere::cube::Face;
 use crate::target::Flip;
 
-/// `chain` in `container` and `pixel`. `metadata` are key/value pairs, text; DDS has a place for the flip
-/// alone.
+/// Encodes `chain` in `container` with `pixel`. `metadata` are text key/value pairs; DDS stores only the
+/// flip.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel format that
-/// the container cannot hold ([`Container::holds`]), and for impossible keys.
+/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel format that the
+/// container cannot hold ([`Container::holds`]), and for invalid keys.
 pub fn cube_bytes(
     container: Container,
     chain: &Chain,
@@ -41,7 +41,8 @@ pub fn cube_bytes(
     }
 }
 
-/// `chain` as an EXR file with parts `m0_px`, `m0_nx`, ..., which tell their roughness and `metadata`.
+/// Encodes `chain` as an EXR file with parts `m0_px`, `m0_nx`, ...; attributes hold the roughness and
+/// `metadata`.
 fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     check_sizes("EXR", chain)?;
     let attributes = |level: &Level| {

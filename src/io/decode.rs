@@ -1,16 +1,16 @@
-//! Decodes a file by its content.
+//! Detects the format of a file by its content and decodes it.
 
 use crate::error::{Error, Result};
 use crate::io::picture::{Picture, Source};
 use crate::io::{dds, exr, hdr, ktx1, ktx2, ldr, regular};
 use std::path::Path;
 
-/// The content of the regular file `path`, of at most `memory_limit` bytes.
+/// Reads the regular file `path`, of at most `memory_limit` bytes.
 pub(super) fn file_bytes(path: &Path, memory_limit: u64) -> Result<Vec<u8>> {
     regular::read_regular(path, memory_limit)
 }
 
-/// What a file can be, by its first bytes.
+/// File formats, detected by their first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
     Radiance,
@@ -61,10 +61,10 @@ impl Format {
     }
 }
 
-/// Extensions of images that cannot be read: a readable file that bears one is misnamed.
+/// Extensions of unsupported image formats: a readable file with one of them is misnamed.
 const FOREIGN_EXTENSIONS: [&str; 7] = ["bmp", "gif", "pfm", "tga", "tif", "tiff", "webp"];
 
-/// What is odd about the name of a file that holds `format`.
+/// Warning for a file whose extension contradicts `format`.
 fn misnamed(path: &Path, format: Format) -> Option<String> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     let extension = extension.as_str();
@@ -76,7 +76,7 @@ fn misnamed(path: &Path, format: Format) -> Option<String> {
         .then(|| format!("named .{extension} but holds {}; read by its content", format.name()))
 }
 
-/// The error for outputs of a bake that cannot be read back.
+/// Error for bake outputs that cannot be read back.
 pub(super) fn unreadable(source: &Source<'_>) -> Option<Error> {
     let text = source.bytes.trim_ascii_start();
     let name = match source.bytes {
@@ -88,7 +88,7 @@ pub(super) fn unreadable(source: &Source<'_>) -> Option<Error> {
     Some(source.error(format!("{name}, which holds no image that can be read; give an image or a cube")))
 }
 
-/// Decodes whatever `source` holds; its caller contains panics.
+/// Decodes `source` in any format. The caller must contain panics.
 pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     if source.bytes.is_empty() {
         return Err(source.error("the file is empty (0 bytes)"));

@@ -1,4 +1,4 @@
-//! An environment as one image file: EXR (half, ZIP; float where half cannot hold a value) or Radiance .hdr.
+//! Writes an environment as one image file: EXR (half, ZIP; float if half overflows) or Radiance .hdr.
 
 use super::exr::write::{Attribute, Samples, exr_bytes};
 use super::hdr::write::hdr_bytes;
@@ -9,11 +9,11 @@ use crate::error::{Error, Result};
 use crate::format::Pixel;
 use std::path::Path;
 
-/// Writes the texels of `environment` to `path` by its extension, `exr` or `hdr`: panoramas and octahedral
-/// squares as they are, cubes as a horizontal cross. `comment` goes into the EXR header.
+/// Writes `environment` to `path`; the extension, `exr` or `hdr`, selects the format. Cubes are written as a
+/// horizontal cross. `comment` goes into the EXR header.
 ///
 /// # Errors
-/// [`Error::Input`] for another extension, and as [`output::write_file`].
+/// [`Error::Input`] for another extension; errors of [`output::write_file`].
 pub fn write_environment(
     path: &Path,
     existing: Existing,
@@ -24,7 +24,7 @@ pub fn write_environment(
     output::write_file(path, existing, |file| file.write_all(&bytes))
 }
 
-/// The file that [`write_environment`] writes, its format by the extension of `path`.
+/// Encodes the file that [`write_environment`] writes; the extension of `path` selects the format.
 ///
 /// # Errors
 /// [`Error::Input`] for another extension.
@@ -33,8 +33,8 @@ pub fn environment_bytes(path: &Path, environment: &Environment, comment: &str) 
     picture_bytes(path, width, height, &texels, comment)
 }
 
-/// The file of a picture of `width` x `height` texels, row by row, its format by the extension of `path`: `exr`
-/// (halves, or floats where halves cannot hold a value) or `hdr`.
+/// Encodes an image of `width` x `height` row-major texels. The extension of `path` selects the format: `exr`
+/// (half, or float if half overflows) or `hdr`.
 ///
 /// # Errors
 /// [`Error::Input`] for another extension.
@@ -51,8 +51,7 @@ pub fn picture_bytes(path: &Path, width: u32, height: u32, texels: &[Rgb], comme
     }
 }
 
-/// The texels of `environment` as an EXR file of floats, which loses nothing; laid out as by
-/// [`write_environment`].
+/// Encodes `environment` losslessly as an EXR file of floats, laid out as in [`write_environment`].
 ///
 /// # Errors
 /// As [`exr_bytes`].
@@ -62,7 +61,7 @@ pub fn exact_exr_bytes(environment: &Environment, comment: &str) -> Result<Vec<u
     exr_bytes(width, height, Samples::Rgb(&texels), Pixel::F32, &attributes)
 }
 
-/// The texels as one image: its width, its height and its rows.
+/// Width, height and row-major texels of the image.
 fn picture(environment: &Environment) -> (u32, u32, Vec<Rgb>) {
     match environment.layout() {
         Layout::Panorama { width, height } => (width, height, environment.texels().to_vec()),

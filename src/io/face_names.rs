@@ -1,10 +1,10 @@
-//! Which face a file shows, by its name.
+//! Recognises cube faces by file name.
 
 use crate::error::{Error, Result};
 use crate::sphere::cube::Face;
 use std::path::{Path, PathBuf};
 
-/// Names of each face in the order of [`Face::ALL`], in lower case.
+/// Names of each face in the order of [`Face::ALL`], lower case.
 const NAMES: [&[&str]; 6] = [
     &["px", "posx", "right", "+x"],
     &["nx", "negx", "left", "-x"],
@@ -14,8 +14,8 @@ const NAMES: [&[&str]; 6] = [
     &["nz", "negz", "back", "-z"],
 ];
 
-/// The face that the end of `path`'s stem names. Before the name stands nothing, or anything but a letter, or
-/// a lower case letter before an upper case name: `m0_px`, `Right`, `skyPosX`, but not `happy`.
+/// The face named by the end of `path`'s stem. The name must follow a non-letter, or a lower case letter if
+/// it starts in upper case, or be the whole stem: `m0_px`, `Right`, `skyPosX`, but not `happy`.
 fn named_face(path: &Path) -> Option<Face> {
     let stem = path.file_stem()?.to_str()?;
     let lower = stem.to_ascii_lowercase();
@@ -30,7 +30,8 @@ fn named_face(path: &Path) -> Option<Face> {
     })
 }
 
-/// The six paths in the order of [`Face::ALL`]: by name where all six have one, as they come where none has.
+/// The six paths in the order of [`Face::ALL`]: by name if all six name a face, in the given order if none
+/// does.
 pub(super) fn in_face_order(paths: &[PathBuf]) -> Result<Vec<&Path>> {
     if paths.len() != 6 {
         return Err(Error::Parameter(format!("a cube takes six face files, got {}", paths.len())));

@@ -1,11 +1,11 @@
-//! Key/value data as KTX 1 and KTX 2 have it: a length, the key, a value that is text, both ending in NUL.
+//! Key/value data of KTX 1 and KTX 2: a length, the key and a text value, both NUL-terminated.
 
 use crate::error::{Error, Result};
 
-/// `pairs` in the order given, each padded to four bytes; `format` names the file in messages.
+/// Encodes `pairs` in the given order, each padded to four bytes; `format` names the file format in messages.
 ///
 /// # Errors
-/// [`Error::Parameter`] for keys that are empty, hold a NUL or are there twice.
+/// [`Error::Parameter`] for keys that are empty, contain a NUL or are duplicated.
 pub(super) fn key_value_bytes(format: &str, pairs: &[(&str, &str)]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     for (index, (key, value)) in pairs.iter().enumerate() {

@@ -1,7 +1,7 @@
-//! Which part of an image shows which part of the sphere.
+//! Image layouts: panoramas, crosses, strips and octahedral squares.
 //!
-//! Cells of crosses and strips hold face images as in [`crate::sphere::cube`], upright but for -Z of the
-//! vertical cross, which is turned by 180 degrees so that it goes on from -Y above it:
+//! Cells of crosses and strips hold face images as in [`crate::sphere::cube`], upright except -Z of the
+//! vertical cross, which is rotated by 180 degrees to continue -Y above it:
 //!
 //! ```text
 //! horizontal cross (4:3)    vertical cross (3:4)    row strip (6:1)        column strip (1:6)
@@ -17,7 +17,7 @@ use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// How an image covers the sphere, as the user says it.
+/// Image layout, as selected by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum LayoutChoice {
@@ -34,11 +34,11 @@ pub enum LayoutChoice {
     Faces,
     /// An octahedral square, 1:1.
     Octahedral,
-    /// A picture of any shape, its texels in rows as those of a panorama: to be cut up by the caller.
+    /// An image of any shape, row-major; the caller splits it.
     Picture,
 }
 
-/// A face's place in the image, in units of its size.
+/// Position of a face in the image, in units of its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Cell {
     column: u32,
@@ -46,7 +46,7 @@ struct Cell {
     turned: bool,
 }
 
-/// How a cube's six faces lie in one image.
+/// Arrangement of a cube's six faces in one image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Unfolding {
     /// Horizontal cross, 4:3.
@@ -80,7 +80,7 @@ impl Unfolding {
         }
     }
 
-    /// The image, row-major, of six faces of `size` x `size` texels as they are stored; black elsewhere.
+    /// Arranges six faces of `size` x `size` texels in a row-major image, black elsewhere.
     #[must_use]
     pub fn image_from_faces(self, size: u32, texels: &[Rgb]) -> Vec<Rgb> {
         let (columns, rows) = self.sides();
@@ -101,12 +101,12 @@ impl Unfolding {
     }
 }
 
-/// Where each texel of a layout lies in the image.
+/// Maps the texels of a layout to the image.
 #[derive(Clone, Debug)]
 pub(super) struct Arrangement {
     pub(super) layout: Layout,
     pub(super) name: &'static str,
-    /// Six for a cube that must be cut out; none where the image is the layout already.
+    /// Six for a cube to cut out; empty if the image is the layout already.
     cells: Vec<Cell>,
 }
 
@@ -114,8 +114,7 @@ const fn cell(column: u32, row: u32) -> Cell {
     Cell { column, row, turned: false }
 }
 
-/// Where each face of [`crate::sphere::cube::Face::ALL`] stands in the horizontal cross, in faces from the
-/// left and from the top.
+/// Column and row of each face of [`crate::sphere::cube::Face::ALL`] in the horizontal cross.
 pub const CROSS_CELLS: [(u32, u32); 6] = [(2, 1), (0, 1), (1, 0), (1, 2), (1, 1), (3, 1)];
 
 const HORIZONTAL_CROSS: [Cell; 6] = {
@@ -165,29 +164,29 @@ pub(super) fn arrangement(
     if content == Content::Cube {
         return match choice {
             LayoutChoice::Auto | LayoutChoice::Faces => Ok(cube(width, "cube", &[])),
-            _ => Err(Error::input(path, "it holds a cube; leave `layout` out or say `layout` faces")),
+            _ => Err(Error::input(path, "it holds a cube; omit `layout` or set `layout` to faces")),
         };
     }
     let (found, needed) = match choice {
         LayoutChoice::Auto => (
             equirect().or_else(cross).or_else(strip).or_else(octahedral),
             "no known layout has that shape: a panorama is 2:1, crosses 4:3 or 3:4, strips 6:1 or 1:6, an octahedral \
-             square 1:1; resize it, then say which with `layout`",
+             square 1:1; resize it, then set `layout`",
         ),
-        LayoutChoice::Equirect => (equirect(), "a panorama must be 2:1; resize it or say another `layout`"),
-        LayoutChoice::Cross => (cross(), "a cross must be 4:3 or 3:4; say another `layout`"),
-        LayoutChoice::Strip => (strip(), "a strip must be 6:1 or 1:6; say another `layout`"),
+        LayoutChoice::Equirect => (equirect(), "a panorama must be 2:1; resize it or set another `layout`"),
+        LayoutChoice::Cross => (cross(), "a cross must be 4:3 or 3:4; set another `layout`"),
+        LayoutChoice::Strip => (strip(), "a strip must be 6:1 or 1:6; set another `layout`"),
         LayoutChoice::Faces => {
-            (None, "one image is not six faces; give six files, or say `layout` cross or strip")
+            (None, "one image is not six faces; give six files, or set `layout` to cross or strip")
         }
-        LayoutChoice::Octahedral => (octahedral(), "an octahedral square must be 1:1; say another `layout`"),
+        LayoutChoice::Octahedral => (octahedral(), "an octahedral square must be 1:1; set another `layout`"),
         LayoutChoice::Picture => (Some(whole(Layout::Panorama { width, height }, "picture")), ""),
     };
     found.ok_or_else(|| Error::input(path, format!("{width}x{height}: {needed}")))
 }
 
 impl Arrangement {
-    /// The layout's texels out of those of an image with rows of `width`.
+    /// Extracts the layout's texels from an image with rows of `width`.
     pub(super) fn arrange(&self, image: Vec<Rgb>, width: u32) -> Vec<Rgb> {
         let (Layout::Cube { size }, false) = (self.layout, self.cells.is_empty()) else { return image };
         let (size, width) = (size as usize, width as usize);

@@ -1,6 +1,6 @@
-//! Level folders as `bake` writes them: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`), or an image
+//! Reads level folders written by `bake`: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`), or an image
 //! `m{level}.exr` (or `.hdr`) a level, and `report.json`. Without the report (`bake --json` prints it
-//! instead) the files themselves say their roughness.
+//! instead) the roughness comes from the files' headers.
 
 use super::decode::Format;
 use super::layout::{LayoutChoice, arrangement};
@@ -19,13 +19,13 @@ use crate::sphere::cube::Face;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Bytes that the header of a level's file may have: those that are written have a few thousand.
+/// Header bytes read of a level's file; written headers have a few thousand.
 const MOST_HEADER_BYTES: u64 = 64 << 10;
 
-/// Files hold roughness in single precision or as text.
+/// Tolerance: files store roughness in single precision or as text.
 const SAME_ROUGHNESS: f64 = 1e-5;
 
-/// What a folder says of its levels.
+/// The levels of a folder.
 struct Listing {
     levels: Vec<ReportLevel>,
     provenance: Provenance,
@@ -45,7 +45,7 @@ pub(super) fn read_environment(folder: &Path, memory_limit: u64) -> Result<Pictu
     Ok(picture)
 }
 
-/// Every level, with its roughness.
+/// Reads every level with its roughness.
 pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
     let listing = Listing::of(folder, memory_limit)?;
     let mut stored =
@@ -56,7 +56,7 @@ pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
         if picture.content != Content::Cube {
             return Err(Error::input(
                 folder,
-                "its levels are panoramas or octahedral squares; a chain is a cube, give one level as an environment",
+                "its levels are not cubes; a chain is a cube, give one level as an environment",
             ));
         }
         if level.level == 0 {
@@ -75,7 +75,7 @@ fn folder_format(first: &Picture, levels: usize) -> String {
 }
 
 impl Listing {
-    /// What `report.json` says of the levels, or without it the headers of the files.
+    /// Reads the levels from `report.json`, or without it from the files' headers.
     fn of(folder: &Path, memory_limit: u64) -> Result<Self> {
         let path = folder.join(REPORT);
         if !path.is_file() {
@@ -97,14 +97,14 @@ impl Listing {
         };
         if let Some((said, found)) = report.levels.iter().zip(&files).find(differ) {
             return Err(source.error(format!(
-                "it says roughness {} of level {}, whose files say {}: it belongs to another bake; remove it",
+                "it has roughness {} for level {}, the files {}: it belongs to another bake; remove it",
                 said.roughness, said.level, found.roughness
             )));
         }
         Ok(Self { provenance: report.provenance(), levels: report.levels })
     }
 
-    /// What the headers of the files say; `None` where the first does not say its roughness.
+    /// Reads the levels from the files' headers; `None` if the first has no roughness.
     fn of_files(folder: &Path) -> Result<Option<Self>> {
         let mut levels = Vec::new();
         for level in 0u32.. {
@@ -129,7 +129,7 @@ impl Listing {
     }
 }
 
-/// The beginning of the file `path`, with its header.
+/// Reads the start of the file `path`, including its header.
 fn header_bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let file = open_regular(path)?.take(MOST_HEADER_BYTES).read_to_end(&mut bytes);
@@ -137,7 +137,7 @@ fn header_bytes(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Columns, rows and roughness of a level's image, where its header says the roughness.
+/// Columns, rows and roughness of a level's image; `None` if its header has no roughness.
 fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
     contained(source.path, || match Format::sniff(source.bytes) {
         Some(Format::OpenExr) => exr::read::level_told(source),
@@ -146,7 +146,7 @@ fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
     })
 }
 
-/// Levels are numbered from 0, each half the size of the one before.
+/// Checks that levels are numbered from 0 and halve in size.
 fn check_levels(source: &Source<'_>, levels: &[ReportLevel]) -> Result<()> {
     let Some(first) = levels.first() else { return Err(source.error("it lists no levels")) };
     for (expected, level) in (0u32..).zip(levels) {
@@ -165,7 +165,7 @@ fn check_levels(source: &Source<'_>, levels: &[ReportLevel]) -> Result<()> {
     Ok(())
 }
 
-/// Six faces of one level, one below the other; or its one image where that is no cube.
+/// Reads the six faces of a level, stacked vertically, or its single image.
 fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Picture> {
     if let Some(path) = image_file(folder, level.level) {
         return read_image(&path, level, memory_limit);
@@ -196,7 +196,7 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
     Ok(cube)
 }
 
-/// The file of a level that is one image.
+/// File of a level stored as one image.
 fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
     let files = ["exr", "hdr"]
         .into_iter()
@@ -204,7 +204,7 @@ fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
     files.into_iter().find(|path| path.is_file())
 }
 
-/// A level that is one image: faces cut out of crosses and strips, other maps as they are.
+/// Reads a level stored as one image; cuts faces out of crosses and strips.
 fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Picture> {
     let bytes = super::decode::file_bytes(path, memory_limit)?;
     let source = Source { path, bytes: &bytes, memory_limit };
@@ -235,7 +235,7 @@ fn face_file(folder: &Path, level: u32, face: Face) -> Result<PathBuf> {
         .ok_or_else(|| {
             Error::input(
                 folder,
-                format!("{stem}.exr (or .hdr) is missing, though report.json lists its level; bake it anew"),
+                format!("{stem}.exr (or .hdr) is missing, though report.json lists its level; bake it again"),
             )
         })
 }

@@ -1,4 +1,4 @@
-//! Levels as images of their own: one image in EXR or Radiance, and lat-long MIP maps in one tiled EXR.
+//! Writes levels as images: single EXR or Radiance images, and lat-long MIP maps in one tiled EXR.
 
 use super::exr::parts::exr_mips_bytes;
 use super::exr::write::{Attribute, Samples, exr_bytes};
@@ -11,25 +11,25 @@ use crate::error::{Error, Result};
 use crate::format::Pixel;
 use crate::format::container::Container;
 
-/// What an image is stored as, and what its header says.
+/// Storage format and header of an image.
 #[derive(Clone, Copy, Debug)]
 pub struct ImageFormat<'a> {
     /// OpenEXR or Radiance.
     pub container: Container,
-    /// Its pixels.
+    /// Its pixel format.
     pub pixel: Pixel,
-    /// Perceptual roughness of its level; `None` for an irradiance, which has none.
+    /// Perceptual roughness of its level; `None` for irradiance.
     pub roughness: Option<f64>,
     /// Further key/value pairs.
     pub metadata: &'a [(String, String)],
 }
 
-/// A file with an image `width` texels wide: EXR with its roughness and metadata in attributes, Radiance with
-/// the same in header lines.
+/// Encodes an image `width` texels wide. Roughness and metadata go into EXR attributes or Radiance header
+/// lines.
 ///
 /// # Errors
-/// [`Error::Parameter`] for other containers, for pixels that the container does not have, and where the
-/// samples do not fill the image.
+/// [`Error::Parameter`] for other containers, for pixel formats that the container does not support, and if
+/// the samples do not fill the image.
 pub fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat<'_>) -> Result<Vec<u8>> {
     let ImageFormat { container, pixel, roughness, metadata } = *format;
     let count = match samples {
@@ -59,11 +59,11 @@ pub fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat<'_>) -
     }
 }
 
-/// A tiled EXR of `levels`, panoramas that halve down to one texel, with each level's roughness and
+/// Encodes a tiled EXR of `levels`, panoramas that halve down to one texel, with each level's roughness and
 /// `metadata` in attributes.
 ///
 /// # Errors
-/// [`Error::Parameter`] for levels that are not so, and for pixels that EXR does not have.
+/// [`Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
 pub fn mips_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let Some(Layout::Panorama { width, height }) = levels.first().map(|level| level.layout) else {
         return Err(Error::Parameter("a lat-long MIP map is made of panoramas".to_owned()));

@@ -1,9 +1,9 @@
-//! Files: environments in any format and layout, and the chains that a bake writes; outputs that appear whole
-//! or not at all. One codec a file.
+//! File input and output: environments in any format and layout, chains of a bake, and atomic outputs. One
+//! codec a file.
 //!
-//! A file is read by its content, not by its name. Whatever it holds, reading it ends in a [`Loaded`] or in a
-//! one-line [`Error`]: a panic of a decoder is caught, and no header is believed before its size is checked
-//! against [`ReadOptions::memory_limit`].
+//! A file's content decides its format, not its name. Reading any content returns a [`Loaded`] or a one-line
+//! [`Error`]: decoder panics are caught, and sizes in headers are checked against
+//! [`ReadOptions::memory_limit`] before allocation.
 
 mod color;
 #[cfg(feature = "mesh")]
@@ -50,16 +50,16 @@ use std::cell::OnceCell;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How to read.
+/// Options of reading.
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
-    /// How the image covers the sphere.
+    /// Layout of the image.
     pub layout: LayoutChoice,
-    /// Repair NaN (to 0) and Inf (to the largest finite neighbour) instead of refusing them.
+    /// Repair NaN (to 0) and Inf (to the largest finite neighbour) instead of rejecting them.
     pub sanitize: bool,
-    /// Refuse any repair, negative radiance included.
+    /// Reject anything that needs repair, including negative radiance.
     pub strict: bool,
-    /// Bytes that reading one environment may take at its peak, the file included.
+    /// Peak memory of reading one environment, including the file, in bytes.
     pub memory_limit: u64,
 }
 
@@ -74,49 +74,49 @@ impl Default for ReadOptions {
     }
 }
 
-/// An environment as read.
+/// An environment read from a file.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// The environment, finite and not negative.
+    /// The environment, finite and non-negative.
     pub environment: Environment,
-    /// What was repaired.
+    /// Repairs made.
     pub repaired: Repairs,
-    /// What the user should know, a line each, without the file's name.
+    /// Warnings, one line each, without the file's name.
     pub warnings: Vec<String>,
     /// The encoding in words, such as `OpenEXR, half, DWAB`.
     pub format: String,
     /// The layout in words, such as `horizontal cross`.
     pub layout: &'static str,
-    /// Columns of the image (of one face where the file holds faces).
+    /// Columns of the image, or of one face for a file of faces.
     pub width: u32,
-    /// Rows of the image (of one face where the file holds faces).
+    /// Rows of the image, or of one face for a file of faces.
     pub height: u32,
-    /// What the file says of its origin. The environment is in the file's world already, see [`provenance`].
+    /// Origin recorded in the file. The environment is already in the file's world, see [`provenance`].
     pub provenance: Provenance,
 }
 
-/// A prefiltered chain as read.
+/// A prefiltered chain read from a file.
 #[derive(Clone, Debug)]
 pub struct LoadedChain {
     /// The chain in the file's world, see [`provenance`].
     pub chain: Chain,
-    /// What the file says of its origin.
+    /// Origin recorded in the file.
     pub provenance: Provenance,
     /// The encoding in words, such as `KTX2 cube, RGBA16F, 9 levels`.
     pub format: String,
-    /// The file or the folder of levels: in a target's folder, the file that holds its levels.
+    /// The file or level folder; for a target's folder, the file with its levels.
     pub path: PathBuf,
 }
 
-/// Reads an environment: an image, a cube in KTX, KTX2 or DDS, a level folder as `bake` writes it (its level
-/// 0), or the folder of a target (level 0 of the file that holds its levels).
+/// Reads an environment: an image, a cube in KTX, KTX2 or DDS, level 0 of a level folder written by `bake`,
+/// or level 0 of the file with the levels in a target's folder.
 ///
-/// It comes back in its world, see [`provenance`]: flips are undone.
+/// The result is in the file's world, see [`provenance`]: flips are undone.
 ///
 /// # Errors
-/// [`Error::Io`] where the system refuses, [`Error::Input`] for a file that is not what it should be,
-/// [`Error::NonFinite`] for NaN and Inf unless `options.sanitize`, [`Error::Limit`] for more pixels than
-/// `options.memory_limit` allows, [`Error::Parameter`] for a layout that the file cannot have.
+/// [`Error::Io`] for system errors, [`Error::Input`] for an invalid file, [`Error::NonFinite`] for NaN and
+/// Inf unless `options.sanitize`, [`Error::Limit`] for more pixels than `options.memory_limit` allows,
+/// [`Error::Parameter`] for a layout that the file cannot have.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
     let place = Place::of(path)?;
     let Place::File(file) = &place else {
@@ -134,8 +134,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
     finish(file, picture, options)
 }
 
-/// [`read`] for a file already in memory; `path` names it in messages, its extension says what it claims to
-/// be. No report is looked for.
+/// Reads a file already in memory, as [`read`]; `path` names it in messages, and its extension is checked
+/// against the content. Reports are not searched.
 ///
 /// # Errors
 /// As [`read`].
@@ -145,12 +145,11 @@ pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Res
     finish(path, picture, options)
 }
 
-/// Reads six square images of equal size as one cube: by name where the names say (`px`, `posx`, `right`,
-/// `+x`, ... at the end of the stem), else in the order +X -X +Y -Y +Z -Z.
+/// Reads six square images of equal size as one cube: by name if the stems end in face names (`px`, `posx`,
+/// `right`, `+x`, ...), else in the order +X -X +Y -Y +Z -Z.
 ///
 /// # Errors
-/// As [`read`]; [`Error::Parameter`] for any number of files but six and for names that contradict each
-/// other.
+/// As [`read`]; [`Error::Parameter`] unless there are six files, and for contradicting names.
 pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     if !matches!(options.layout, LayoutChoice::Auto | LayoutChoice::Faces) {
         return Err(Error::Parameter("six files are one cube; use `layout` faces".to_owned()));
@@ -160,17 +159,17 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     finish_finite(ordered[0], picture, false, repaired, options)
 }
 
-/// Reads a prefiltered cube chain: a KTX or KTX2 file, a DDS file with its report beside it, an EXR file with
-/// a part a face, a level folder (`m{level}_{px,..}.exr` or `.hdr`, or `m{level}.exr` unfolded, and
-/// `report.json`), or the folder of a target. It comes back in its world, see [`provenance`].
+/// Reads a prefiltered cube chain: a KTX or KTX2 file, a DDS file with its report in the same folder, an EXR
+/// file with a part a face, a level folder (`m{level}_{px,..}.exr` or `.hdr`, or `m{level}.exr` unfolded, and
+/// `report.json`), or the folder of a target. The result is in the file's world, see [`provenance`].
 ///
 /// # Errors
-/// As [`read`]; NaN and Inf are always refused.
+/// As [`read`]; NaN and Inf are always rejected.
 pub fn read_chain(path: &Path) -> Result<Chain> {
     Ok(load_chain(path)?.chain)
 }
 
-/// [`read_chain`] with what the file says of itself.
+/// [`read_chain`] with the file's provenance and format.
 ///
 /// # Errors
 /// As [`read_chain`].
@@ -187,8 +186,8 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
     let mut stored = if Format::sniff(&bytes) == Some(Format::Dds) {
         let Some(report) = report() else {
             return Err(source.error(format!(
-                "it does not say its levels' roughness, and {}.report.json is not there, nor another report that \
-                 lists this file's hash; bake it anew",
+                "the roughness of its levels is unknown: there is no {}.report.json and no other report that \
+                 lists this file's hash; bake it again",
                 file.display()
             )));
         };
@@ -204,8 +203,8 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
     in_world(&file, stored)
 }
 
-/// Reads a chain in a KTX, KTX2 or EXR file already in memory; `path` names it in messages. No report is
-/// looked for.
+/// Reads a chain in a KTX, KTX2 or EXR file already in memory; `path` names it in messages. Reports are not
+/// searched.
 ///
 /// # Errors
 /// As [`read_chain`].
@@ -214,7 +213,7 @@ pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> R
     Ok(in_world(path, contained(path, || decode_chain(&source))?)?.chain)
 }
 
-/// A chain of any container that says its levels' roughness.
+/// Decodes a chain of any container that stores its levels' roughness.
 fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     match Format::sniff(source.bytes) {
         Some(Format::OpenExr) => exr::read::decode_chain(source),
@@ -228,18 +227,17 @@ fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     }
 }
 
-/// The chain with its flip undone.
+/// Undoes the flip of a chain.
 fn in_world(path: &Path, stored: Stored) -> Result<LoadedChain> {
     let Stored { chain, provenance, format } = stored;
     let chain = provenance.world_chain(chain).map_err(|message| Error::input(path, message))?;
     Ok(LoadedChain { chain, provenance, format, path: path.to_owned() })
 }
 
-/// The file or the folder of levels that [`read`] reads for `path`: in the folder of a target, the file that
-/// holds its levels.
+/// The file or level folder that [`read`] reads for `path`: for a target's folder, the file with its levels.
 ///
 /// # Errors
-/// As [`read`] where there is no such file.
+/// As [`read`] if there is no such file.
 pub fn levels_path(path: &Path) -> Result<PathBuf> {
     Ok(match Place::of(path)? {
         Place::File(file) => file,
@@ -247,16 +245,15 @@ pub fn levels_path(path: &Path) -> Result<PathBuf> {
     })
 }
 
-/// What the report of the file `path`, whose content has that BLAKE3 `hash`, says of its origin, as key/value
-/// pairs.
+/// Origin of the file `path` with the given BLAKE3 `hash`, from its report, as key/value pairs.
 #[must_use]
 pub fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, String)> {
     side_report::of_file(path, || hash).map_or_else(Vec::new, |described| described.provenance.pairs())
 }
 
-/// Where a path leads to.
+/// Kind of an input path.
 enum Place {
-    /// A file, also the one that holds the levels in the folder of a target.
+    /// A file; for a target's folder, the file with its levels.
     File(PathBuf),
     /// A folder of levels.
     Levels,
@@ -279,7 +276,7 @@ fn is_directory(path: &Path) -> Result<bool> {
     Ok(fs::metadata(path).map_err(|source| Error::io(path, source))?.is_dir())
 }
 
-/// Reads six images into one cube, NaN and Inf repaired or refused.
+/// Reads six images into one cube; repairs or rejects NaN and Inf.
 fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Picture, Repairs)> {
     let mut repaired = Repairs::default();
     let mut cube: Option<Picture> = None;
@@ -327,10 +324,10 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
     Ok((cube, repaired))
 }
 
-/// Picture to environment: layout, repairs, checks.
+/// Converts a picture to an environment: layout, repairs, checks.
 fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Loaded> {
     let mut repaired = Repairs::default();
-    // Most pictures need no repair: one look tells.
+    // Most pictures need no repair; one pass detects them.
     let sound = repair::is_sound(&picture.texels);
     if !sound {
         finite(path, &mut picture, options, &mut repaired)?;
@@ -338,7 +335,7 @@ fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Lo
     finish_finite(path, picture, sound, repaired, options)
 }
 
-/// Refuses or repairs NaN and Inf.
+/// Rejects or repairs NaN and Inf.
 fn finite(path: &Path, picture: &mut Picture, options: &ReadOptions, repaired: &mut Repairs) -> Result<()> {
     if picture.content != Content::Cube {
         return repair::non_finite(path, &mut picture.texels, picture.width, options.sanitize, repaired);
@@ -353,7 +350,7 @@ fn finite(path: &Path, picture: &mut Picture, options: &ReadOptions, repaired: &
     Ok(())
 }
 
-/// [`finish`] for a picture that is finite, and not negative either where it is `sound`.
+/// [`finish`] for a finite picture; `sound` if it is also non-negative.
 fn finish_finite(
     path: &Path,
     picture: Picture,
@@ -372,11 +369,11 @@ fn finish_finite(
     if options.strict && repaired.any() {
         return Err(Error::input(
             path,
-            format!("{repaired}; `strict` allows no repair, leave it out to set them right"),
+            format!("{repaired}; `strict` forbids repairs, omit it to repair them"),
         ));
     }
-    warnings.extend(repaired.matters().then(|| format!("{repaired}, set right")));
-    // Some quote names of layers and channels.
+    warnings.extend(repaired.matters().then(|| format!("{repaired}, repaired")));
+    // Some warnings quote layer and channel names.
     let warnings = warnings.iter().map(|warning| printable(warning)).collect();
     let environment = Environment::of_sound(arrangement.layout, texels)?;
     let height = if content == Content::Cube { width } else { height };

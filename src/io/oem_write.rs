@@ -1,10 +1,10 @@
-//! Bordered octahedral maps as interchange files: a level for each roughness, each with its own border, in
-//! KTX2 (MIP levels) or OpenEXR (a part a level).
+//! Writes bordered octahedral maps as interchange files: one level a roughness, each with its own border, in
+//! KTX2 (MIP levels) or OpenEXR (one part a level).
 //!
-//! Level l of L has n >> l texels and a border of 2^(L - 1 - l) on every side: one texel at the last, so that
-//! bilinear look-ups never wrap, and the same share of the side at every level, so that a direction has the
-//! same texture coordinates at all of them. Border texels are those of the square that the unfolded plane has
-//! there.
+//! Level l of L has n >> l texels and a border of 2^(L - 1 - l) on every side: one texel at the last level,
+//! so that bilinear look-ups never wrap. The border is the same share of the side at every level, so that a
+//! direction has the same texture coordinates at all levels. Border texels follow the octahedral wrapping
+//! rule.
 
 use super::cube_file::CubeFile;
 use super::exr::parts::{Part, exr_parts_bytes};
@@ -23,7 +23,7 @@ use crate::sphere::octahedral::wrap_texel;
 /// The key that lists each level's border in texels, comma-separated.
 pub const BORDER_KEY: &str = "octaglossBorder";
 
-/// What every file says of its map.
+/// Conventions written into every file.
 const CONVENTIONS: [(&str, &str); 4] = [
     (
         "octaglossFold",
@@ -43,12 +43,12 @@ const CONVENTIONS: [(&str, &str); 4] = [
     ),
 ];
 
-/// A file of `levels`, octahedral squares whose sizes halve, with their borders: KTX2, or OpenEXR with parts
-/// `m0`, `m1`, ... `metadata` are further key/value pairs, text.
+/// Encodes `levels`, octahedral squares whose sizes halve, with their borders: KTX2, or OpenEXR with parts
+/// `m0`, `m1`, ... `metadata` are further text key/value pairs.
 ///
 /// # Errors
-/// [`Error::Parameter`] for other containers and levels, and for pixels and keys that the container cannot
-/// hold.
+/// [`Error::Parameter`] for other containers or levels, and for pixel formats and keys that the container
+/// cannot hold.
 pub fn oem_bytes(
     container: Container,
     levels: &[Level],
@@ -127,7 +127,7 @@ pub fn oem_bytes(
     Ok(CubeFile { bytes, clamped: levels.iter().map(|level| pixel.clamped(&level.texels)).collect() })
 }
 
-/// The texels of a square with those that the unfolded plane has around it.
+/// Adds the border to the texels of a square.
 fn with_border(square: &[Rgb], size: OemSize) -> Vec<Rgb> {
     let (border, side) = (i64::from(size.border), i64::from(size.bordered()));
     let texel = |(x, y): (i64, i64)| {

@@ -1,8 +1,7 @@
-//! Outputs that appear whole or not at all: written beside their place under a temporary name, then put into
-//! it.
+//! Atomic outputs: written under a temporary name in the destination's folder, then renamed.
 //!
-//! Outputs that replace others are exchanged with them in one step where the system can. Several outputs of
-//! one bake are staged first and committed together, the report last.
+//! Replacements are exchanged in one step if the system supports it. All outputs of a bake are staged first
+//! and committed together, the report last.
 
 use super::regular::open_regular;
 use super::side_report::REPORT;
@@ -16,23 +15,23 @@ use std::path::{Path, PathBuf};
 
 pub use super::temporary::{recover, remove_temporaries};
 
-/// What to do about an output that is already there.
+/// Policy for an output that already exists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Existing {
-    /// Leave it alone and fail.
+    /// Keep it and fail.
     #[default]
     Keep,
-    /// Replace it once the new one is complete (`--force`).
+    /// Replace it when the new one is complete (`--force`).
     Replace,
 }
 
-/// A complete output that is not yet in its place; removed when dropped.
+/// A complete output that is not yet committed; removed when dropped.
 #[derive(Debug)]
 pub struct Staged {
     temporary: Temporary,
-    /// As it was named.
+    /// Path as given.
     path: PathBuf,
-    /// Where it goes, without links.
+    /// Destination with links resolved.
     place: PathBuf,
     existing: Existing,
     kind: Kind,
@@ -44,23 +43,23 @@ enum Kind {
     Folder,
 }
 
-/// How an output was put into its place, which tells how to undo it.
+/// How an output was committed, for rollback.
 enum Put {
-    /// Nothing was there.
+    /// The destination did not exist.
     Fresh,
-    /// What was there is in the temporary.
+    /// The temporary holds the previous output.
     Exchanged,
-    /// The folder that was there is set aside.
+    /// The previous folder is set aside.
     SetAside,
-    /// The file that was there is lost.
+    /// The previous file was overwritten.
     Over,
 }
 
-/// Writes the file `path` by `write`; nothing is left behind, and an existing file is untouched, where that
-/// fails. Links are followed: the file that they lead to is written.
+/// Writes the file `path` by `write`. On failure nothing is left behind, and an existing file is untouched.
+/// Links are followed.
 ///
 /// # Errors
-/// [`Error::Io`] naming `path`: no folder to hold it, no permission, no space, already there and
+/// [`Error::Io`] naming `path`: missing folder, no permission, no space, an existing file with
 /// [`Existing::Keep`], or not a regular file.
 pub fn write_file(
     path: &Path,
@@ -70,28 +69,28 @@ pub fn write_file(
     commit(vec![stage_file(path, existing, write)?])
 }
 
-/// Fills the folder `path` by `write`, which is given the folder to write into; nothing is left behind, and
-/// an existing folder is untouched, where that fails.
+/// Fills the folder `path` by `write`, which receives the folder to write into. On failure nothing is left
+/// behind, and an existing folder is untouched.
 ///
 /// # Errors
-/// [`Error::Io`] naming `path`: as [`write_file`], and with [`Existing::Replace`] a folder that holds
-/// anything but the files of a bake. Errors of `write` come back with their paths as they would have been.
+/// [`Error::Io`] naming `path`: as [`write_file`], and with [`Existing::Replace`] a folder that contains
+/// anything but the files of a bake. Errors of `write` are returned with the final paths.
 pub fn write_folder<T>(path: &Path, existing: Existing, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
     let (staged, value) = stage_folder(path, existing, write)?;
     commit(vec![staged])?;
     Ok(value)
 }
 
-/// One output of several that are put in place together.
+/// One of several outputs committed together.
 #[derive(Clone, Debug)]
 pub enum Output<'a> {
     /// A file and its bytes.
     File(&'a [u8]),
-    /// A folder and its files: their paths within it, with `/` between folders, and their bytes.
+    /// A folder: relative paths of its files, separated by `/`, and their bytes.
     Folder(Vec<(String, &'a [u8])>),
 }
 
-/// Writes `outputs`, each to become what its path names; [`commit`] puts them there.
+/// Stages `outputs`; [`commit`] moves them to their paths.
 ///
 /// # Errors
 /// As [`write_file`] and [`write_folder`].
@@ -112,7 +111,7 @@ pub fn stage_all(outputs: &[(PathBuf, Output<'_>)], existing: Existing) -> Resul
     outputs.iter().map(stage).collect()
 }
 
-/// Writes the file that is to become `path`; [`commit`] puts it there.
+/// Stages the file `path`; [`commit`] moves it there.
 ///
 /// # Errors
 /// As [`write_file`].
@@ -132,7 +131,7 @@ pub fn stage_file(
     Ok(staged)
 }
 
-/// Fills the folder that is to become `path`; [`commit`] puts it there.
+/// Stages the folder `path`; [`commit`] moves it there.
 ///
 /// # Errors
 /// As [`write_folder`].
@@ -150,14 +149,14 @@ pub fn stage_folder<T>(
     Ok((staged, value))
 }
 
-/// Creates a temporary by `create`, unless the process is about to exit and has removed its temporaries.
+/// Creates a temporary by `create`; blocks if the process is exiting and has removed its temporaries.
 fn unless_ending<T>(create: impl FnOnce() -> T) -> T {
     let _live = Live::hold();
     create()
 }
 
-/// Makes the folders of the file `within` the folder `folder`; that folder itself is not made again, since it
-/// is missing where a signal has removed it.
+/// Creates the folders of the file `within` `folder`, but not `folder` itself: a signal handler may have
+/// removed it.
 fn create_folders(folder: &Path, within: &str) -> Result<()> {
     for (end, _) in within.match_indices('/') {
         let path = folder.join(&within[..end]);
@@ -169,11 +168,11 @@ fn create_folders(folder: &Path, within: &str) -> Result<()> {
     Ok(())
 }
 
-/// Puts outputs into their places, one after the other. Where one fails, those before it are taken back as
-/// far as the system can exchange files.
+/// Commits outputs in order. If one fails, the previous ones are rolled back if the system can exchange
+/// files.
 ///
 /// # Errors
-/// [`Error::Io`] naming the output that could not be put into its place.
+/// [`Error::Io`] naming the output that could not be committed.
 pub fn commit(outputs: Vec<Staged>) -> Result<()> {
     let live = Live::hold();
     let mut done: Vec<(&Staged, Put)> = Vec::with_capacity(outputs.len());
@@ -197,28 +196,28 @@ impl Staged {
         Ok(Self { temporary, path: path.to_owned(), place, existing, kind })
     }
 
-    /// Where it lies until it is committed.
+    /// Temporary path until it is committed.
     #[must_use]
     pub fn path(&self) -> PathBuf {
         self.temporary.new_path()
     }
 
-    /// Its place as it was named.
+    /// Destination as given.
     #[must_use]
     pub fn named(&self) -> &Path {
         &self.path
     }
 
-    /// Forces what is to replace something onto the disk, since what it replaces is deleted at once.
+    /// Flushes a replacement to disk, because the previous output is deleted immediately.
     fn sync(&self) -> Result<()> {
         if exists(&self.place) { sync(&self.path()).map_err(|e| Error::io(&self.path, e)) } else { Ok(()) }
     }
 
-    /// Puts it into its place.
+    /// Moves it to its destination.
     fn put(&self) -> Result<Put> {
         let fail = |e| Error::io(&self.path, e);
         let new = self.path();
-        // Other processes may create or remove the place between two steps.
+        // Other processes may create or remove the destination between two steps.
         for _ in 0..100 {
             if !exists(&self.place) {
                 match rename_new(&new, &self.place) {
@@ -241,14 +240,14 @@ impl Staged {
         Err(fail(io::Error::other("other processes keep replacing it")))
     }
 
-    /// Replaces what is in its place without an exchange: a file in one step, a folder in two.
+    /// Replaces the destination without an exchange: a file in one step, a folder in two.
     fn replace(&self) -> io::Result<Put> {
         let (new, old) = (self.path(), self.temporary.old_path());
         match self.kind {
             Kind::File => fs::rename(new, &self.place).map(|()| Put::Over),
             Kind::Folder => {
                 fs::rename(&self.place, &old)?;
-                // Should putting it back fail as well, the temporary keeps it for the next run.
+                // If restoring fails too, the temporary keeps it for the next run.
                 fs::rename(new, &self.place).inspect_err(|_| drop(fs::rename(&old, &self.place)))?;
                 Ok(Put::SetAside)
             }
@@ -271,7 +270,7 @@ impl Staged {
     }
 }
 
-/// Fails where [`write_file`] would before writing anything, so that a long bake need not end in that.
+/// Checks the preconditions of [`write_file`] without writing, so that a long bake fails early.
 ///
 /// # Errors
 /// As [`write_file`].
@@ -289,7 +288,7 @@ pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
     }
 }
 
-/// Fails where [`write_folder`] would before writing anything.
+/// Checks the preconditions of [`write_folder`] without writing.
 ///
 /// # Errors
 /// As [`write_folder`].
@@ -304,7 +303,7 @@ pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
             Some(name) => Err(refused(
                 path,
                 &format!(
-                    "holds {name}, which no bake wrote; `Existing::Replace` replaces bakes only, name another folder"
+                    "has {name}, which no bake wrote; `Existing::Replace` replaces bakes only, name another folder"
                 ),
             )),
             None => Ok(()),
@@ -314,16 +313,16 @@ pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
     }
 }
 
-/// Forces the file `path`, or the files in the folder `path`, onto the disk.
+/// Flushes the file `path`, or the files in the folder `path`, to disk.
 fn sync(path: &Path) -> io::Result<()> {
     if fs::symlink_metadata(path)?.is_dir() {
         return fs::read_dir(path)?.try_for_each(|entry| sync(&entry?.path()));
     }
-    // Windows flushes through handles that may write.
+    // Windows flushes only through writable handles.
     File::options().write(true).open(path)?.sync_all()
 }
 
-/// The first entry of `folder` (by name) that a bake does not write.
+/// First entry of `folder`, by name, that a bake does not write.
 fn stranger_in(folder: &Path) -> Result<Option<String>> {
     let mut strangers = Vec::new();
     let mut folders = vec![(folder.to_owned(), String::new())];
@@ -338,7 +337,7 @@ fn stranger_in(folder: &Path) -> Result<Option<String>> {
                 Ok(kind) if kind.is_dir() && is_bake_folder(&path) => {
                     folders.push((entry.path(), format!("{path}/")));
                 }
-                // Others have images of such names too.
+                // Other programs write images of such names too.
                 Ok(kind) if kind.is_file() && is_known(&path) && (has_report || is_ours(&entry.path())?) => {}
                 _ => strangers.push(path),
             }
@@ -354,8 +353,8 @@ fn report_beside(folder: &Path) -> Option<PathBuf> {
     Some(folder.with_file_name(format!("{name}.report.json")))
 }
 
-/// Whether the file at `path` names this program near its start, as EXR files of a bake do, or is no image of
-/// a level.
+/// Whether the file `path` is not an image of a level, or names this program near its start, as EXR files of
+/// a bake do.
 fn is_ours(path: &Path) -> Result<bool> {
     if !path.extension().is_some_and(|extension| extension == "exr" || extension == "hdr") {
         return Ok(true);
@@ -366,10 +365,10 @@ fn is_ours(path: &Path) -> Result<bool> {
     Ok(start.windows(OURS.len()).any(|window| window == OURS))
 }
 
-/// What the files of this program have in their headers.
+/// Marker in the headers of this program's files.
 const OURS: &[u8] = b"octagloss";
 
-/// A folder that a bake for targets makes: one a target, with the folders of that target's files in it.
+/// Whether `path` is a folder that a bake for targets creates: one a target, with subfolders for its files.
 fn is_bake_folder(path: &str) -> bool {
     let within = path.split_once('/').map_or(path, |(_, rest)| rest);
     Target::named(path).is_some()
@@ -378,7 +377,7 @@ fn is_bake_folder(path: &str) -> bool {
         })
 }
 
-/// A file that a bake writes, itself or in the folder of a target.
+/// Whether a bake writes the file `path`, directly or in a target's folder.
 fn is_known(path: &str) -> bool {
     let in_target = path
         .split_once('/')
@@ -386,8 +385,9 @@ fn is_known(path: &str) -> bool {
     is_bake_file(path) || target::is_target_file(path) || in_target
 }
 
-/// `report.json`, `sun.json`, `sunless.exr`, `m{level}.exr`, `m{level}_{face}.exr`,
-/// `m{level}_{face}_bound.exr`, `irradiance.exr`, `irradiance_{face}.exr`, and .hdr alike.
+/// Whether a bake writes a file of this name: `report.json`, `sun.json`, `sunless.exr`, `m{level}.exr`,
+/// `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`, `irradiance.exr`, `irradiance_{face}.exr`, and the
+/// same with .hdr.
 fn is_bake_file(name: &str) -> bool {
     if ["report.json", "sun.json", "sunless.exr"].contains(&name) {
         return true;
@@ -396,13 +396,13 @@ fn is_bake_file(name: &str) -> bool {
     stem.is_some_and(|stem| LevelName::parse(stem).is_some())
 }
 
-/// A temporary that could not be made: the kind alone, because `tempfile` puts the temporary name into its
-/// message.
+/// Error for a temporary that could not be created. It holds only the kind, because `tempfile` includes the
+/// temporary name in its message.
 fn not_made(path: &Path, error: &io::Error) -> Error {
     Error::io(path, error.kind().into())
 }
 
-/// `error` with its path moved from the temporary folder to the final one.
+/// Replaces the temporary folder in the path of `error` with the final one.
 fn with_final_path(error: Error, temporary: &Path, place: &Path) -> Error {
     let moved = |path: PathBuf| path.strip_prefix(temporary).map_or(path.clone(), |rest| place.join(rest));
     match error {

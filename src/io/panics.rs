@@ -1,4 +1,4 @@
-//! Third-party decoders, contained: a panic inside becomes an [`Error::Input`] and prints nothing.
+//! Contains panics of third-party decoders: a panic becomes an [`Error::Input`] and prints nothing.
 
 use crate::error::{Error, Result};
 use std::cell::Cell;
@@ -7,14 +7,13 @@ use std::path::Path;
 use std::sync::Once;
 
 thread_local! {
-    /// Whether this thread runs a decoder whose panics are caught, and so need no report on standard error.
+    /// Whether this thread runs a contained decoder, whose panics must not be printed to stderr.
     static CONTAINED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `decode`; a panic inside becomes an error about `path`.
+/// Runs `decode`; a panic becomes an error about `path`.
 ///
-/// The first call puts a panic hook in front of the one in place; it passes on every panic but the contained
-/// ones.
+/// The first call installs a panic hook that forwards all panics except contained ones to the previous hook.
 pub(crate) fn contained<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
@@ -28,7 +27,7 @@ pub(crate) fn contained<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> R
     let outer = CONTAINED.replace(true);
     let outcome = panic::catch_unwind(AssertUnwindSafe(decode));
     CONTAINED.set(outer);
-    outcome.unwrap_or_else(|_| Err(Error::input(path, "corrupt: its decoder broke off; write the file anew")))
+    outcome.unwrap_or_else(|_| Err(Error::input(path, "corrupt: the decoder failed; re-export the file")))
 }
 
 #[cfg(test)]
@@ -39,7 +38,7 @@ mod tests {
     #[test]
     fn panic_becomes_a_one_line_error() {
         let error = contained::<()>(Path::new("a.exr"), || panic!("index out of bounds")).unwrap_err();
-        assert_eq!(error.to_string(), "a.exr: corrupt: its decoder broke off; write the file anew");
+        assert_eq!(error.to_string(), "a.exr: corrupt: the decoder failed; re-export the file");
     }
 
     #[test]

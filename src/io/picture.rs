@@ -1,4 +1,4 @@
-//! What the codecs take and give: a file in memory, and its pixels.
+//! Input and output of the codecs: a file in memory, and its pixels.
 
 use super::provenance::Provenance;
 use crate::chain::Chain;
@@ -13,24 +13,24 @@ pub(super) const TEXEL_BYTES: u64 = size_of::<Rgb>() as u64;
 /// A file in memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Source<'a> {
-    /// Its name, for messages.
+    /// Its path, for messages.
     pub(super) path: &'a Path,
     /// Its content.
     pub(super) bytes: &'a [u8],
-    /// Bytes that reading may take at its peak, `bytes` included.
+    /// Peak memory of reading, including `bytes`, in bytes.
     pub(super) memory_limit: u64,
 }
 
-/// What a picture shows.
+/// Content of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
-    /// An image whose layout is to be found.
+    /// An image of yet unknown layout.
     Image,
-    /// Six faces, one below the other.
+    /// Six faces, stacked vertically.
     Cube,
 }
 
-/// Decoded pixels: linear RGB, Rec. 709 primaries, not yet checked.
+/// Decoded pixels: linear RGB, Rec. 709 primaries, unchecked.
 #[derive(Clone, Debug)]
 pub(super) struct Picture {
     pub(super) width: u32,
@@ -41,20 +41,20 @@ pub(super) struct Picture {
     /// The encoding in words.
     pub(super) format: String,
     pub(super) warnings: Vec<String>,
-    /// What the file says of its origin and turning; the texels are as the file has them.
+    /// Origin and orientation recorded in the file; not yet applied to the texels.
     pub(super) provenance: Provenance,
 }
 
 impl Picture {
-    /// The picture without the `border` that an octahedral map of `octagloss bake --target oem` says it has:
-    /// a list, the first level's first.
+    /// Removes the border of an octahedral map written by `octagloss bake --target oem`. `border` lists the
+    /// border of each level, level 0 first.
     pub(super) fn without_border(mut self, source: &Source<'_>, border: &str) -> Result<Self> {
         let first = border.split(',').next().unwrap_or_default().trim();
         let fits =
             |b: &u32| self.width == self.height && b.checked_mul(2).is_some_and(|both| both < self.width);
         let Some(border) = first.parse::<u32>().ok().filter(fits) else {
             return Err(source.error(format!(
-                "it says its border is {border:?}, which a map of {}x{} cannot have; bake it anew",
+                "it says its border is {border:?}, which a map of {}x{} cannot have; bake it again",
                 self.width, self.height
             )));
         };
@@ -69,20 +69,20 @@ impl Picture {
 }
 
 impl Source<'_> {
-    /// An [`Error::Input`] about this file, on one line whatever `message` quotes.
+    /// An [`Error::Input`] about this file; `message` is joined to one line.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
         let message: String = message.into();
         Error::input(self.path, message.split_whitespace().collect::<Vec<_>>().join(" "))
     }
 
-    /// A decoder's error about this file, in its own words unless it ran out of bytes.
+    /// Converts a decoder's error; recognises truncated files.
     pub(super) fn decoder_error(&self, format: &str, error: &dyn std::error::Error) -> Error {
         let words = error.to_string();
         let ends_early =
             ["missing bytes", "fill whole buffer", "EOF", "end of file", "nexpected end", "truncated"];
         if ends_early.iter().any(|phrase| words.contains(phrase)) {
             self.error(format!(
-                "truncated: the {format} data ends after {} bytes; copy it anew",
+                "truncated: the {format} data ends after {} bytes; copy it again",
                 self.bytes.len()
             ))
         } else {
@@ -90,8 +90,8 @@ impl Source<'_> {
         }
     }
 
-    /// Refuses an image without pixels, and one whose reading would pass the memory limit at
-    /// `bytes_per_pixel` (the texels and whatever the decoder holds beside them).
+    /// Rejects an image without pixels, and one that exceeds the memory limit at `bytes_per_pixel` (the
+    /// texels and the decoder's buffers).
     pub(super) fn check_memory(&self, width: u32, height: u32, bytes_per_pixel: u64) -> Result<()> {
         if width == 0 || height == 0 {
             return Err(self.error(format!("{width}x{height} has no pixels")));
@@ -116,7 +116,7 @@ pub(super) fn limit(path: &Path, what: &str, needed: u64, available: u64) -> Err
     }
 }
 
-/// A chain as the files have it: flips are not undone.
+/// A chain as stored in files, before flips are undone.
 pub(super) struct Stored {
     pub(super) chain: Chain,
     pub(super) provenance: Provenance,
@@ -127,7 +127,7 @@ pub(super) struct Stored {
 /// The default of [`super::ReadOptions::memory_limit`]: 3 GiB, enough for 16384x8192 texels.
 pub const DEFAULT_MEMORY_LIMIT: u64 = 3 << 30;
 
-/// Refuses NaN and Inf in a level of a chain.
+/// Rejects NaN and Inf in a level of a chain.
 pub(super) fn check_finite(path: &Path, level: u32, size: u32, texels: &[Rgb]) -> Result<()> {
     let Some(at) = texels.iter().position(|texel| texel.iter().any(|value| !value.is_finite())) else {
         return Ok(());
@@ -137,7 +137,7 @@ pub(super) fn check_finite(path: &Path, level: u32, size: u32, texels: &[Rgb]) -
     Err(Error::input(
         path,
         format!(
-            "level {level} face {} pixel ({}, {}) is {:?}; bake it anew",
+            "level {level} face {} pixel ({}, {}) is {:?}; bake it again",
             Face::ALL[face].short_name(),
             place % size,
             place / size,

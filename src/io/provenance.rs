@@ -1,50 +1,49 @@
-//! Where the light in a file comes from and how it is turned, for every container in one set of keys.
+//! Provenance: origin and orientation of the light in a file, in one set of keys for every container.
 //!
 //! # The world of a file
 //!
-//! A file's world is what its texels show once its flip and its quarter turns are undone. The rotation, the
-//! mirroring and the removal of the sun that a bake was asked for are part of this world. All readers of
-//! [`super`] return files in their world, so `query`, `view`, `info` and another `bake` see what the user of
-//! the bake sees. Only `compare BAKE SOURCE` looks further: it gives the source the bake's rotation,
-//! mirroring and sun, and then compares.
+//! A file's world is its content with its flip and quarter turns undone. The rotation, mirroring and sun
+//! removal that a bake applied are part of this world. All readers of [`super`] return files in their world,
+//! so `query`, `view`, `info` and another `bake` agree. Only `compare BAKE SOURCE` goes further: it applies
+//! the bake's rotation, mirroring and sun removal to the source before it compares.
 //!
-//! # Where it is written
+//! # Storage
 //!
-//! KTX and KTX2 hold these keys as key/value pairs, OpenEXR as attributes, Radiance .hdr as header lines. DDS
-//! holds its flip in reserved words of its header; the rest is in the report of the bake, which lists the
-//! BLAKE3 hash of every file. A report that lists another hash for a file is ignored. What a file itself says
-//! comes before what its report says.
+//! KTX and KTX2 store these keys as key/value pairs, OpenEXR as attributes, Radiance .hdr as header lines.
+//! DDS stores its flip in reserved words of its header; the rest is in the report of the bake, which lists
+//! the BLAKE3 hash of every file. A report that lists another hash for a file is ignored. The file takes
+//! precedence over its report.
 
 use crate::chain::{Chain, Level};
 use crate::environment::{Layout, Rgb};
 use crate::lobe::{LOBE_KEY, Lobe};
 use crate::target::Flip;
 
-/// What all keys begin with.
+/// Prefix of all keys.
 pub const KEY_PREFIX: &str = "octagloss";
-/// The key of the target's name.
+/// Key of the target's name.
 pub const TARGET_KEY: &str = "octaglossTarget";
-/// The key of the axis on which the texels are flipped: `none`, `x` or `z`.
+/// Key of the axis along which the texels are flipped: `none`, `x` or `z`.
 pub const FLIP_KEY: &str = "octaglossFlip";
-/// The key of the quarters of the width by which a panorama's columns are moved to the right.
+/// Key of the right shift of a panorama's columns, in quarters of the width.
 pub const QUARTER_TURNS_KEY: &str = "octaglossQuarterTurns";
-/// The key of the degrees by which the source was turned about +Y.
+/// Key of the source's rotation about +Y in degrees.
 pub const ROTATE_KEY: &str = "octaglossRotateY";
-/// The key that says whether the source was mirrored: `yes` or `no`.
+/// Key of whether the source was mirrored: `yes` or `no`.
 pub const MIRROR_KEY: &str = "octaglossMirror";
-/// The key of the sun that was taken out of the source.
+/// Key of the sun removed from the source.
 pub const SUN_KEY: &str = "octaglossSun";
-/// The key of the filter.
+/// Key of the filter.
 pub const FILTER_KEY: &str = "octaglossFilter";
-/// The key of the ladder.
+/// Key of the ladder.
 pub const LADDER_KEY: &str = "octaglossLadder";
-/// The key that says what the file holds, where that is not the levels of a bake.
+/// Key of the content, if it is not the levels of a bake.
 pub const CONTENT_KEY: &str = "octaglossContent";
 
 /// The value of [`CONTENT_KEY`] for an irradiance cube.
 pub const IRRADIANCE: &str = "irradiance over pi";
 
-/// A sun that was taken out of a source before it was baked.
+/// A sun removed from the source before the bake.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TakenSun {
     /// Unit vector towards it, in the world.
@@ -55,33 +54,33 @@ pub struct TakenSun {
     pub solid_angle: f64,
 }
 
-/// What a file says of its origin and of its turning; `None` where it does not say it.
+/// Origin and orientation recorded in a file; `None` for values that it does not record.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     /// Name of the target.
     pub target: Option<String>,
-    /// What the file holds, where that is not the levels of a bake.
+    /// Content of the file, if it is not the levels of a bake.
     pub content: Option<String>,
-    /// The axis on which the texels are flipped.
+    /// Axis along which the texels are flipped.
     pub flip: Option<Flip>,
-    /// Quarters of the width by which a panorama's columns are moved to the right.
+    /// Right shift of a panorama's columns, in quarters of the width.
     pub quarter_turns: Option<u32>,
-    /// Degrees by which the source was turned about +Y.
+    /// Rotation of the source about +Y in degrees.
     pub rotate_y: Option<f64>,
     /// Whether the source was mirrored.
     pub mirror: Option<bool>,
-    /// The sun that was taken out of the source.
+    /// The sun removed from the source.
     pub sun: Option<TakenSun>,
     /// The lobe of the levels.
     pub lobe: Option<Lobe>,
-    /// The filter, as the command line has it.
+    /// The filter, in command-line syntax.
     pub filter: Option<String>,
-    /// The ladder, as the command line has it.
+    /// The ladder, in command-line syntax.
     pub ladder: Option<String>,
 }
 
 impl Provenance {
-    /// The key/value pairs of this, in a fixed order. Every container writes these.
+    /// The key/value pairs that every container writes, in a fixed order.
     #[must_use]
     pub fn pairs(&self) -> Vec<(String, String)> {
         let sun = self.sun.map(|sun| {
@@ -103,10 +102,10 @@ impl Provenance {
         pairs.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
     }
 
-    /// Reads the pairs back; `text` gives the value of a key.
+    /// Parses the pairs; `text` returns the value of a key.
     ///
     /// # Errors
-    /// A message that names the key whose value makes no sense.
+    /// A message that names the key with an invalid value.
     pub(super) fn of_texts(text: &dyn Fn(&str) -> Option<String>) -> Result<Self, String> {
         fn parsed<T>(
             key: &str,
@@ -117,7 +116,7 @@ impl Provenance {
             let Some(text) = text else { return Ok(None) };
             parse(text.trim()).map(Some).ok_or_else(|| {
                 let text: String = text.chars().take(40).collect();
-                format!("{key} is {text:?}; {needed} is needed, bake it anew")
+                format!("{key} is {text:?}; {needed} is needed, bake it again")
             })
         }
         let of = |key: &str| text(key);
@@ -135,14 +134,14 @@ impl Provenance {
                 _ => None,
             })?,
             sun: parsed(SUN_KEY, of(SUN_KEY), "a direction, an irradiance and a solid angle", taken_sun)?,
-            // An older or newer program may know other lobes.
+            // Other versions may know other lobes.
             lobe: of(LOBE_KEY).and_then(|name| Lobe::named(name.trim())),
             filter: of(FILTER_KEY),
             ladder: of(LADDER_KEY),
         })
     }
 
-    /// What this says, and what `other` says where this says nothing.
+    /// Fills missing values from `other`.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -159,16 +158,16 @@ impl Provenance {
         }
     }
 
-    /// Whether nothing is said.
+    /// Whether nothing is recorded.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Moves `texels` from where the file has them to where the world has them.
+    /// Converts `texels` from the file's orientation to the world.
     ///
     /// # Errors
-    /// A message for quarter turns of what is no panorama of whole quarters.
+    /// A message for quarter turns of anything but a panorama whose width is a multiple of 4.
     pub(super) fn world_texels(&self, layout: Layout, texels: Vec<Rgb>) -> Result<Vec<Rgb>, String> {
         let turns = self.quarter_turns.unwrap_or(0);
         let texels = match layout {
@@ -200,13 +199,13 @@ impl Provenance {
         })
     }
 
-    /// Moves the texels of `chain` to where the world has them.
+    /// Converts the texels of `chain` to the world.
     ///
     /// # Errors
     /// As [`Provenance::world_texels`].
     pub(super) fn world_chain(&self, chain: Chain) -> Result<Chain, String> {
         if self.quarter_turns.unwrap_or(0) != 0 {
-            return Err(format!("{QUARTER_TURNS_KEY} is for panoramas; bake it anew"));
+            return Err(format!("{QUARTER_TURNS_KEY} is for panoramas; bake it again"));
         }
         Ok(match self.flip.unwrap_or_default() {
             Flip::None => chain,
@@ -215,7 +214,7 @@ impl Provenance {
     }
 }
 
-/// The pairs of a bake's levels as those of its irradiance: the lobe is the cosine, there is no ladder.
+/// Converts the pairs of a bake's levels to those of its irradiance: cosine lobe, no ladder.
 #[must_use]
 pub fn irradiance_pairs(pairs: &[(String, String)]) -> Vec<(String, String)> {
     let own = [(CONTENT_KEY, IRRADIANCE), (LOBE_KEY, Lobe::Cosine.name())];
@@ -233,7 +232,7 @@ fn finite(word: &str) -> Option<f64> {
     word.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// `x y z, r g b, steradians`.
+/// Parses `x y z, r g b, steradians`.
 fn taken_sun(text: &str) -> Option<TakenSun> {
     let numbers = |part: &str| -> Option<Vec<f64>> { part.split_whitespace().map(finite).collect() };
     let [direction, irradiance, solid_angle] =
@@ -297,8 +296,8 @@ mod tests {
         }
     }
 
-    /// Every layout, flip and turn: the texel that the world has at a direction is the one that the file has
-    /// at that direction turned and flipped.
+    /// For every layout, flip and turn: the world's texel at a direction equals the file's texel at that
+    /// direction, turned and flipped.
     #[test]
     fn texels_come_back_to_the_world() {
         let layouts = [
@@ -318,7 +317,7 @@ mod tests {
                 .into_iter()
                 .flat_map(|flip| turns.clone().map(move |t| (flip, t)))
             {
-                // The writer flips, then moves columns to the right: the azimuth grows.
+                // The writer flips, then shifts columns to the right, which increases the azimuth.
                 let file_from_world = |world: DVec3| {
                     let flipped = flip.apply(world);
                     let (sin, cos) = (f64::from(turns) * std::f64::consts::FRAC_PI_2).sin_cos();

@@ -1,16 +1,16 @@
-//! Opens input files. Only regular files are read: a pipe would be waited for, and a device has no end.
+//! Opens input files. Only regular files are read: a pipe may block, and a device may be endless.
 
 use crate::error::{Error, Result};
 use std::fs::{File, OpenOptions};
 use std::io::Read as _;
 use std::path::Path;
 
-/// Opens the regular file `path` for reading, and never waits for a writer of a named pipe.
+/// Opens the regular file `path` for reading, without waiting for a writer of a named pipe.
 ///
-/// The open handle is asked what it is. A check of the path before it is opened would be a race.
+/// The file type is checked on the open handle; a check of the path before opening would be a race.
 ///
 /// # Errors
-/// [`Error::Io`] where the system refuses, [`Error::Input`] for a folder, a pipe, a socket or a device.
+/// [`Error::Io`] for system errors, [`Error::Input`] for a folder, a pipe, a socket or a device.
 pub fn open_regular(path: &Path) -> Result<File> {
     let mut options = OpenOptions::new();
     options.read(true);
@@ -30,7 +30,7 @@ pub fn open_regular(path: &Path) -> Result<File> {
 /// Reads the regular file `path`, of at most `limit` bytes.
 ///
 /// # Errors
-/// As [`open_regular`]; [`Error::Limit`] for a larger file, also for one that grows while it is read.
+/// As [`open_regular`]; [`Error::Limit`] for a larger file, including one that grows while it is read.
 pub fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let file = open_regular(path)?;
     let length = file.metadata().map_err(|error| Error::io(path, error))?.len();
@@ -51,7 +51,8 @@ pub fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The error for a path that could not be opened. A socket has its own: the system's says nothing of sockets.
+/// Error for a path that could not be opened. Sockets have their own message; the system's does not mention
+/// sockets.
 fn refused(path: &Path, error: std::io::Error) -> Error {
     match std::fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() => Error::input(path, not_regular(metadata.file_type())),
@@ -59,7 +60,7 @@ fn refused(path: &Path, error: std::io::Error) -> Error {
     }
 }
 
-/// Says what stands where a file is needed, and what helps.
+/// Message for a path that is not a regular file, with the remedy.
 fn not_regular(kind: std::fs::FileType) -> String {
     if kind.is_dir() {
         return "a directory where a file is needed".to_owned();
@@ -119,7 +120,7 @@ mod tests {
             let expected = format!("{}: {name}, not a regular file", path.display());
             assert!(error.starts_with(&expected), "{error}");
         }
-        // Files in /proc give no length, and their content counts.
+        // Files in /proc report no length; the content must still be read.
         if let Ok(bytes) = read_regular(Path::new("/proc/self/status"), 1 << 20) {
             assert!(!bytes.is_empty(), "the content is read");
             assert!(matches!(read_regular(Path::new("/proc/self/status"), 10), Err(Error::Limit { .. })));

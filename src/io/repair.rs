@@ -1,16 +1,16 @@
-//! Radiance that cannot be: NaN, Inf and negative values, refused or set right and counted.
+//! Rejects, or repairs and counts, invalid radiance: NaN, Inf and negative values.
 
 use crate::environment::{LUMINANCE, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::sphere::{equirect, octahedral};
 use std::path::Path;
 
-/// What was set right in a file.
+/// Repairs made to a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Repairs {
     /// Negative values (channels of texels) set to 0.
     pub negative: u64,
-    /// Energy of the negative values over that of the positive ones: luminance times solid angle.
+    /// Energy of the negative values over that of the positive ones, as luminance times solid angle.
     pub negative_energy_share: f64,
     /// NaN values set to 0.
     pub nan: u64,
@@ -25,8 +25,8 @@ impl Repairs {
         self.negative + self.nan + self.infinite > 0
     }
 
-    /// Whether it is worth a warning: any NaN or Inf, and negative values whose energy does not round to 0.00
-    /// %, below which no pixel format shows them.
+    /// Whether to warn: for any NaN or Inf, and for negative values whose energy does not round to 0.00 %.
+    /// Smaller energies show in no pixel format.
     #[must_use]
     pub fn matters(&self) -> bool {
         self.nan + self.infinite > 0 || self.negative_energy_share >= 5e-5
@@ -53,14 +53,14 @@ impl std::fmt::Display for Repairs {
     }
 }
 
-/// Whether there is nothing to refuse or repair, the common case, in one pass that vectorises.
+/// Whether all texels are valid, the common case, in one pass that vectorises.
 pub(super) fn is_sound(texels: &[Rgb]) -> bool {
-    // Bits of what is finite and not negative are less than those of infinity; those of -0 only look worse.
+    // The bits of finite non-negative values are less than those of infinity; -0 is a harmless false alarm.
     let worst = texels.as_flattened().iter().fold(0, |worst, value| worst.max(value.to_bits()));
     worst < f32::INFINITY.to_bits()
 }
 
-/// Refuses or repairs NaN and Inf in rows of `width` texels.
+/// Rejects or repairs NaN and Inf in rows of `width` texels.
 pub(super) fn non_finite(
     path: &Path,
     texels: &mut [Rgb],
@@ -92,19 +92,19 @@ pub(super) fn non_finite(
         if !sanitize_channel(texels, width, channel, repairs) {
             let name = ['R', 'G', 'B'][channel];
             let message =
-                format!("its channel {name} has Inf and no finite value to repair it by; render it again");
+                format!("its channel {name} has Inf and no finite value to repair it with; render it again");
             return Err(Error::input(path, message));
         }
     }
     Ok(())
 }
 
-/// NaN and minus infinity to 0, infinity to the largest finite value around, rings growing until one is
-/// found. Returns whether there was one for every infinity.
+/// Sets NaN and minus infinity to 0, and infinity to the largest finite value in the nearest ring of
+/// neighbours that has one. Returns whether every infinity was repaired.
 #[must_use]
 fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &mut Repairs) -> bool {
     let height = texels.len() / width;
-    // A value grows inwards from the rim of each region, a ring a round: each texel is settled once.
+    // Values propagate inwards from the rim of each region, one ring a round; each texel is set once.
     let mut open: Vec<usize> = (0..texels.len()).filter(|&at| !texels[at][channel].is_finite()).collect();
     let infinite: Vec<usize> =
         open.iter().copied().filter(|&at| texels[at][channel] == f32::INFINITY).collect();
@@ -126,8 +126,8 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
         }
         largest
     };
-    // Regions nested deep cost a round a ring; the rim alone is looked at, so a round costs what it settles
-    // and its neighbours, not the region.
+    // Each round visits only the rim: its cost is that of the texels it sets and their neighbours, not of the
+    // region.
     let mut rim = open.clone();
     while !open.is_empty() {
         let settled: Vec<(usize, f32)> = rim
@@ -136,7 +136,7 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
             .filter_map(|&at| largest_around(texels, at).map(|value| (at, value)))
             .collect();
         if settled.is_empty() {
-            // Nothing finite in the whole channel.
+            // The whole channel has no finite value.
             if !infinite.is_empty() {
                 return false;
             }
@@ -174,7 +174,7 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
 
 /// Sets negative values to 0, counts them and weighs their energy against that of the rest.
 pub(super) fn negative(layout: Layout, texels: &mut [Rgb], repairs: &mut Repairs) {
-    // Without an early end, which would keep it from vectors.
+    // No early exit, so that the loop vectorises.
     if !texels.as_flattened().iter().fold(false, |any, value| any | (*value < 0.0)) {
         return;
     }
@@ -202,7 +202,7 @@ pub(super) fn negative(layout: Layout, texels: &mut [Rgb], repairs: &mut Repairs
     repairs.negative_energy_share = if above > 0.0 { below / above } else { 1.0 };
 }
 
-/// Relative solid angle of a texel, from its centre: exact enough to weigh a share.
+/// Approximate relative solid angle of a texel, evaluated at its centre.
 fn density(layout: Layout, i: u32, j: u32) -> f64 {
     match layout {
         Layout::Panorama { width, height } => equirect::texel_solid_angle(width, height, j),

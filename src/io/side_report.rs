@@ -1,7 +1,7 @@
-//! The report of a bake as readers use it: it says of a file what its container has no place for.
+//! Reads a bake's report for data that a file's container cannot store.
 //!
-//! A report describes a file where it lists the BLAKE3 hash of the file's bytes. Reports of version 0.1 list
-//! no hashes: there the name decides.
+//! A report describes a file if it lists the BLAKE3 hash of the file's bytes. Reports of version 0.1 have no
+//! hashes; they match by name.
 
 use super::provenance::{IRRADIANCE, Provenance, TakenSun};
 
@@ -12,11 +12,10 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Bytes of the longest report that is read.
+/// Longest report that is read, in bytes.
 const LONGEST: u64 = 64 << 20;
 
-/// The parts of a report that say what the files are. Keys that a report lacks are not an error, but for the
-/// levels.
+/// The parts of a report that describe its files. Only the levels are required.
 #[derive(Debug, Deserialize)]
 pub(super) struct SideReport {
     pub(super) levels: Vec<ReportLevel>,
@@ -64,7 +63,7 @@ struct Fingerprint {
     files: BTreeMap<String, String>,
 }
 
-/// What a report says of one file.
+/// A report's description of one file.
 #[derive(Debug)]
 pub(super) struct Described {
     pub(super) provenance: Provenance,
@@ -72,10 +71,10 @@ pub(super) struct Described {
     pub(super) roughness: Vec<f64>,
 }
 
-/// What the report of the file `path`, whose content has that BLAKE3 `hash`, says of it.
+/// Finds the report's description of the file `path` with the given BLAKE3 `hash`.
 ///
-/// The report is `FILE.report.json`, that of the file's bake where it is the irradiance, or `report.json` in
-/// the file's folder or the one above, where a target has folders of its own.
+/// The report is `FILE.report.json`, for an irradiance file that of its bake, or `report.json` in the file's
+/// folder or its parent, for targets with subfolders.
 pub(super) fn of_file(path: &Path, hash: impl Fn() -> blake3::Hash) -> Option<Described> {
     let name = path.file_name()?.to_str()?.to_owned();
     let folders = [path.parent(), path.parent().and_then(Path::parent)];
@@ -94,7 +93,7 @@ pub(super) fn of_file(path: &Path, hash: impl Fn() -> blake3::Hash) -> Option<De
     })
 }
 
-/// The reports that stand beside the single file `path`.
+/// Candidate reports in the folder of the single file `path`.
 fn beside(path: &Path) -> Vec<PathBuf> {
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return Vec::new() };
     let of = |name: &str| path.with_file_name(format!("{name}.{REPORT}"));
@@ -102,9 +101,9 @@ fn beside(path: &Path) -> Vec<PathBuf> {
     std::iter::once(of(name)).chain(main).collect()
 }
 
-/// The report `path`, where it is one.
+/// Reads the report `path`; `None` if it is not one.
 fn read(path: &Path) -> Option<SideReport> {
-    // Most files have none.
+    // Most files have no report.
     if !path.is_file() {
         return None;
     }
@@ -112,8 +111,8 @@ fn read(path: &Path) -> Option<SideReport> {
 }
 
 impl SideReport {
-    /// The path under which this lists the file `name` of that hash. Without hashes, that of a report whose
-    /// name says that it `is_own`, or that of a target's file.
+    /// The path under which the report lists the file `name` with the given hash. Without hashes, matches by
+    /// name: a report that `is_own` by its file name, or a target's file.
     fn listed(&self, name: &str, is_own: bool, hash: &dyn Fn() -> String) -> Option<String> {
         let files = &self.fingerprint.files;
         if files.is_empty() {
@@ -130,8 +129,8 @@ impl SideReport {
         renamed.map(|(path, _)| path.clone())
     }
 
-    /// What this says of the file that it lists as `path`; `None` for files that are no part of the bake
-    /// itself, such as the source without its sun.
+    /// Describes the file listed as `path`; `None` for files that are not levels of the bake, such as the
+    /// source without its sun.
     fn describes(&self, path: &str) -> Option<Described> {
         if path.ends_with("sunless.exr") {
             return None;
@@ -170,7 +169,7 @@ impl SideReport {
         sound.then_some(Described { provenance, roughness })
     }
 
-    /// What this says of all files.
+    /// Provenance of all its files.
     pub(super) fn provenance(&self) -> Provenance {
         let Options { lobe, filter, ladder, rotate_y, mirror } = &self.options;
         Provenance {
@@ -187,7 +186,7 @@ impl SideReport {
         }
     }
 
-    /// The files of the target, where this is the report of one.
+    /// The files of the target, for a target's report.
     pub(super) fn target_files(&self) -> Option<&[String]> {
         self.target.as_ref().map(|target| &target.files[..])
     }
@@ -196,6 +195,5 @@ impl SideReport {
 /// Name of the report in a folder of outputs.
 pub const REPORT: &str = "report.json";
 
-/// Bytes that a report may have when it is read back. Those of the largest bakes have less than a tenth of
-/// it.
+/// Size limit of a report that is read back. The largest bakes need less than a tenth of it.
 pub const MOST_REPORT_BYTES: u64 = 16 << 20;

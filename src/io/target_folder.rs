@@ -1,23 +1,23 @@
-//! Folders as `bake --target` writes them: which of their files holds the levels.
+//! Finds the file with the levels in a folder written by `bake --target`.
 
 use super::side_report::{REPORT, SideReport};
 use crate::error::{Error, Result};
 use crate::target::{Content, TARGETS, Target};
 use std::path::{Path, PathBuf};
 
-/// The file in `folder` that holds the levels of a target: the one that `report.json` names, or without a
-/// report the one that is named as a target's. `None` where `folder` is no folder of a target.
+/// The file in `folder` with a target's levels: the one that `report.json` names, or without a report the one
+/// whose name a target uses. `None` if `folder` is not a target's folder.
 ///
 /// # Errors
 /// [`Error::Input`] for a folder of several targets, and for files of several bakes.
 pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
     let report = folder.join(REPORT);
     if report.is_file() {
-        // What is wrong with a report is said by who reads the folder for its levels.
+        // Reading the folder's levels reports errors in the report.
         let bytes = super::decode::file_bytes(&report, super::side_report::MOST_REPORT_BYTES)?;
         let Ok(report) = serde_json::from_slice::<SideReport>(&bytes) else { return Ok(None) };
         let Some(first) = report.target_files().and_then(<[String]>::first) else { return Ok(None) };
-        // A report is not to lead out of its folder.
+        // A report must not reference files outside its folder.
         let within =
             Path::new(first).components().all(|part| matches!(part, std::path::Component::Normal(_)));
         return Ok(within.then(|| folder.join(first)));
@@ -40,7 +40,7 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
             format!("it holds the folders of targets ({}); name one of them", targets.join(", ")),
         ));
     }
-    // Without a report (`bake --json` prints it instead) names decide.
+    // Without a report (`bake --json` prints it instead) file names decide.
     let mut paths = own.clone();
     for name in own.iter().filter(|name| folder.join(name).is_dir()) {
         paths.extend(

@@ -1,13 +1,13 @@
-//! Temporary files and folders beside outputs, each held by a lock while its process lives.
+//! Temporary files and folders in the outputs' folders, each locked while its process lives.
 //!
 //! A temporary has a random stem `.octagloss-XXXXXX` and up to three entries in the folder of its output:
 //!
-//! - `STEM.lock` exists as long as the others do. Its process locks it; it holds the name of the output.
-//! - `STEM.new` is written, and after an exchange holds what was replaced.
-//! - `STEM.old` is a folder that is set aside where two folders cannot be exchanged.
+//! - `STEM.lock` exists as long as the others do. Its process locks it; it contains the name of the output.
+//! - `STEM.new` is the new output; after an exchange it holds the previous one.
+//! - `STEM.old` is the previous folder, set aside if two folders cannot be exchanged.
 //!
-//! A killed process leaves them behind with a free lock; [`recover`] then puts `STEM.old` back where its
-//! output is missing and removes the rest.
+//! A killed process leaves them behind with a free lock; [`recover`] then restores `STEM.old` if its output
+//! is missing, and removes the rest.
 
 use super::regular::read_regular;
 use crate::error::{Error, Result};
@@ -23,10 +23,10 @@ const LOCK: &str = ".lock";
 const NEW: &str = ".new";
 const OLD: &str = ".old";
 
-/// The temporaries of this process. Held while outputs are put into their places.
+/// The temporaries of this process. Locked while outputs are committed.
 static LIVE: Mutex<Vec<Names>> = Mutex::new(Vec::new());
 
-/// The temporaries of this process while nobody else creates, commits or removes one.
+/// Exclusive access to the temporaries of this process: no other thread creates, commits or removes one.
 pub(super) struct Live(MutexGuard<'static, Vec<Names>>);
 
 impl Live {
@@ -38,7 +38,7 @@ impl Live {
 /// Paths of a temporary.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Names {
-    /// The path of the temporary without its suffix.
+    /// Path of the temporary without its suffix.
     stem: PathBuf,
     /// The output.
     place: PathBuf,
@@ -51,12 +51,12 @@ impl Names {
         name.into()
     }
 
-    /// Removes what the process no longer needs. Puts back what was set aside where the output is missing.
+    /// Removes the temporaries. Restores the folder set aside if the output is missing.
     fn clear(&self) -> io::Result<()> {
         let old = self.with(OLD);
         if exists(&old) && (exists(&self.place) || rename_new(&old, &self.place).is_err()) {
             if !exists(&self.place) {
-                return Err(io::Error::other("the output cannot be put back"));
+                return Err(io::Error::other("the output cannot be restored"));
             }
             remove(&old)?;
         }
@@ -64,7 +64,7 @@ impl Names {
     }
 }
 
-/// A file or folder in the making, removed when dropped unless it was renamed.
+/// A file or folder under construction, removed when dropped unless it was renamed.
 #[derive(Debug)]
 pub(super) struct Temporary {
     names: Names,
@@ -73,19 +73,19 @@ pub(super) struct Temporary {
 }
 
 impl Temporary {
-    /// A temporary in the folder of `place`, without content as yet.
+    /// Creates an empty temporary in the folder of `place`.
     pub(super) fn beside(place: &Path) -> io::Result<Self> {
         let folder = place.parent().ok_or(io::ErrorKind::InvalidInput)?;
         let name = place.file_name().ok_or(io::ErrorKind::InvalidInput)?;
         let mut live = Live::hold();
         for _ in 0..100 {
             let mut lock = Builder::new().prefix(PREFIX).suffix(LOCK).tempfile_in(folder)?;
-            // Another process may clean up between creating and locking: it holds the lock or has removed the
-            // file.
+            // Another process may clean up between creation and locking: then it holds the lock or has
+            // removed the file.
             match lock.as_file().try_lock() {
                 Err(TryLockError::WouldBlock) => continue,
                 Ok(()) if !exists(lock.path()) => continue,
-                // Without locks nobody cleans up.
+                // Without lock support no process cleans up.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
             lock.write_all(name.as_encoded_bytes())?;
@@ -101,7 +101,7 @@ impl Temporary {
         self.names.with(NEW)
     }
 
-    /// Path of what is set aside.
+    /// Path of the folder set aside.
     pub(super) fn old_path(&self) -> PathBuf {
         self.names.with(OLD)
     }
@@ -120,12 +120,12 @@ impl Drop for Temporary {
     }
 }
 
-/// Removes every temporary of this process, and lets no other thread create or commit one from then on: for a
-/// process that is about to exit. Outputs that are being put into their places are completed first.
+/// Removes every temporary of this process before it exits. Waits for commits in progress; afterwards no
+/// thread can create or commit a temporary.
 pub fn remove_temporaries() {
     let live = Live::hold();
     for names in &*live.0 {
-        // Another thread may still write into a folder, which then is not empty.
+        // Retry: another thread may still be writing into a folder.
         let cleared = (0..100).any(|_| {
             let cleared = names.clear().is_ok();
             if !cleared {
@@ -134,15 +134,15 @@ pub fn remove_temporaries() {
             cleared
         });
         if cleared {
-            // What cannot be removed is left for the next run.
+            // The next run removes the rest.
             drop(fs::remove_file(names.with(LOCK)));
         }
     }
     std::mem::forget(live);
 }
 
-/// Cleans up after killed processes in the folder of the output `path`; the outputs that were put back.
-/// Temporaries of living processes are left alone. What cannot be cleaned up stays.
+/// Cleans up after killed processes in the folder of the output `path`; returns the outputs that were
+/// restored. Temporaries of living processes stay, and so do those that cannot be removed.
 pub fn recover(path: &Path) -> Vec<PathBuf> {
     let place = resolved(path).unwrap_or_else(|_| path.to_owned());
     let folder = match place.parent() {
@@ -158,7 +158,7 @@ pub fn recover(path: &Path) -> Vec<PathBuf> {
     locks.filter_map(|entry| recover_one(folder, &entry.path())).collect()
 }
 
-/// Cleans up the temporary of the lock file `path`, where its lock is free.
+/// Cleans up the temporary of the lock file `path` if its lock is free.
 fn recover_one(folder: &Path, path: &Path) -> Option<PathBuf> {
     if !fs::symlink_metadata(path).ok()?.is_file() {
         return None;
@@ -172,14 +172,14 @@ fn recover_one(folder: &Path, path: &Path) -> Option<PathBuf> {
     restores.then_some(names.place)
 }
 
-/// Bytes of the longest name that a lock file holds: file systems have at most 255 characters.
+/// Longest output name in a lock file, in bytes; file systems allow at most 255 characters.
 const LONGEST_NAME: u64 = 4096;
 
-/// The output's name in the lock file `path`; a process killed at the start has not written it.
+/// The output's name in the lock file `path`; `None` if the process was killed before it wrote it.
 fn name_in(path: &Path) -> Option<OsString> {
     let bytes = read_regular(path, LONGEST_NAME).ok()?;
     let name = if bytes.is_empty() { OsString::from("unnamed") } else { os_string(bytes)? };
-    // A plain name: no other folder is reached.
+    // Accept plain names only, which cannot reference another folder.
     (Path::new(&name).file_name() == Some(OsStr::new(&name))).then_some(name)
 }
 
@@ -193,12 +193,12 @@ fn os_string(bytes: Vec<u8>) -> Option<OsString> {
     String::from_utf8(bytes).ok().map(OsString::from)
 }
 
-/// Whether there is anything at `path`, a link that leads nowhere included.
+/// Whether `path` exists, including a dangling link.
 pub(super) fn exists(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
-/// Removes the file or folder `path`, where it exists.
+/// Removes the file or folder `path` if it exists.
 fn remove(path: &Path) -> io::Result<()> {
     let removed = match fs::symlink_metadata(path) {
         Ok(found) if found.is_dir() => fs::remove_dir_all(path),
@@ -211,7 +211,7 @@ fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Exchanges two files or folders in one step; `None` where the system cannot.
+/// Exchanges two files or folders in one step; `None` if the system does not support it.
 pub(super) fn exchange(a: &Path, b: &Path) -> Option<io::Result<()>> {
     renamed(a, b, Flag::Exchange)
 }
@@ -238,7 +238,7 @@ fn renamed(a: &Path, b: &Path, flag: Flag) -> Option<io::Result<()>> {
         Flag::NoReplace => RenameFlags::NOREPLACE,
     };
     match renameat_with(CWD, a, CWD, b, flags) {
-        // Old kernels, and file systems that cannot.
+        // Old kernels, and file systems without support.
         Err(Errno::INVAL | Errno::XDEV | Errno::NOSYS | Errno::NOTSUP) => None,
         other => Some(other.map_err(io::Error::from)),
     }
@@ -251,14 +251,14 @@ fn renamed(_: &Path, _: &Path, flag: Flag) -> Option<io::Result<()>> {
     }
 }
 
-/// The place of the output `path` without links; its last part need not exist.
+/// Resolves the links of the output `path`; its last component need not exist.
 ///
 /// # Errors
-/// [`Error::Io`] naming `path`: no folder to hold it, links in a circle, or a path that leads to a stream of
-/// the process, such as `/dev/stdout`.
+/// [`Error::Io`] naming `path`: missing folder, a link loop, or a path to a stream of the process, such as
+/// `/dev/stdout`.
 pub(super) fn resolved(path: &Path) -> Result<PathBuf> {
     let mut at = path.to_owned();
-    // As many links as Linux follows.
+    // The limit of Linux.
     for _ in 0..40 {
         let folder = folder_of(&at).map_err(|error| with_path(error, path))?;
         let Some(name) = at.file_name() else {
@@ -273,21 +273,21 @@ pub(super) fn resolved(path: &Path) -> Result<PathBuf> {
             Err(_) => return Ok(place),
         }
     }
-    Err(refused(path, "is a link that leads in a circle"))
+    Err(refused(path, "is a link loop"))
 }
 
-/// Whether `path` names an open file of the process rather than a place for an output.
+/// Whether `path` names an open stream of the process.
 fn is_stream(path: &Path) -> bool {
     let streams = ["/proc", "/dev/fd", "/dev/stdin", "/dev/stdout", "/dev/stderr"];
     cfg!(unix) && streams.iter().any(|stream| path.starts_with(stream))
 }
 
-/// The folder that is to hold `path`, which must be there.
+/// The folder of `path`, which must exist.
 fn folder_of(path: &Path) -> Result<&Path> {
     let folder = match path.parent() {
         Some(parent) if parent.as_os_str().is_empty() => Path::new("."),
         Some(parent) => parent,
-        None => return Err(refused(path, "is no place for an output; name a file or folder in one")),
+        None => return Err(refused(path, "cannot be an output; name a file or folder")),
     };
     match fs::metadata(folder) {
         Ok(found) if found.is_dir() => Ok(folder),
@@ -303,7 +303,7 @@ pub(super) fn refused(path: &Path, message: &str) -> Error {
     Error::io(path, io::Error::new(io::ErrorKind::AlreadyExists, message))
 }
 
-/// `error` about `path`.
+/// Replaces the path of `error`.
 pub(super) fn with_path(error: Error, path: &Path) -> Error {
     match error {
         Error::Io { error, .. } => Error::io(path, error),

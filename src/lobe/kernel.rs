@@ -1,5 +1,4 @@
-//! Lobes as the engine evaluates them: float32 kernels of s = |l - R|^2/4, with intervals for cells of
-//! energy.
+//! Lobes in the engines' form: float32 kernels of s = |l - R|^2/4, with intervals for cells of energy.
 
 use crate::lobe::{self, Lobe};
 use std::f64::consts::PI;
@@ -8,11 +7,11 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     pub(crate) shape: Shape,
-    /// Integral over the sphere, closed form.
+    /// Integral over the sphere, in closed form.
     pub(crate) integral: f64,
-    /// GGX's alpha or the like: the distance over which the kernel changes.
+    /// GGX's alpha or its equivalent: the distance over which the kernel changes.
     width: f64,
-    /// A leaf's share of the tolerance, in relation to that of lobes with a peak.
+    /// A leaf's share of the tolerance, relative to lobes with a peak.
     leaf_share: f64,
 }
 
@@ -27,7 +26,7 @@ pub(crate) enum Shape {
     Charlie(Charlie),
 }
 
-/// Numbers of the shapes in `shaders/common/kernel.wgsl`.
+/// Shape numbers in `shaders/common/kernel.wgsl`.
 #[cfg(feature = "gpu")]
 pub(crate) mod shape {
     pub(crate) const GGX: u32 = 0;
@@ -37,7 +36,7 @@ pub(crate) mod shape {
     pub(crate) const COSINE: u32 = 4;
 }
 
-/// Evaluates `$body` with `$radial` bound to whichever kernel `$shape` holds.
+/// Evaluates `$body` with `$radial` bound to the kernel that `$shape` holds.
 macro_rules! with_radial {
     ($shape:expr, $radial:ident => $body:expr) => {
         match $shape {
@@ -83,15 +82,15 @@ impl Kernel {
             _ => alpha,
         };
         let leaf_share = match lobe {
-            // The band takes the more leaves the narrower it is, and all of them err to the same side.
+            // The narrower the band, the more leaves it takes, and all their errors have the same sign.
             Lobe::Charlie => 1.0 / (1.0 + lobe::charlie_power(alpha)).sqrt(),
             _ => 1.0,
         };
         Self { shape, integral: lobe::kernel_integral(lobe, alpha), width, leaf_share }
     }
 
-    /// What a leaf may be expected to be off by for a relRMSE of `error`, in units of the kernel, times the
-    /// mean radiance.
+    /// Acceptable error of a leaf for a relRMSE of `error`, in units of the kernel, divided by the mean
+    /// radiance.
     pub(crate) fn tolerance_per_mean(&self, error: f64) -> f64 {
         leaf_share(error) * self.leaf_share * self.integral
     }
@@ -108,7 +107,7 @@ impl Kernel {
         self.width
     }
 
-    /// Number of the shape and its parameters, as `shaders/common/kernel.wgsl` has them.
+    /// Number and parameters of the shape in `shaders/common/kernel.wgsl`.
     #[cfg(feature = "gpu")]
     pub(crate) fn parameters(&self) -> (u32, f32, f32) {
         match self.shape {
@@ -121,8 +120,7 @@ impl Kernel {
         }
     }
 
-    /// The greatest value that single precision takes for 0: the tails of Phong lobes fall below every
-    /// number.
+    /// The greatest value that single precision flushes to 0: the tails of Phong lobes underflow.
     pub(crate) const fn underflow(&self) -> f32 {
         match self.shape {
             Shape::Phong(_) | Shape::WidePhong(_) => f32::MIN_POSITIVE,
@@ -130,8 +128,8 @@ impl Kernel {
         }
     }
 
-    /// Greatest |dk/ds| from s = 1/4 to the horizon of lobes that are smooth there: what an error of s costs
-    /// where k itself nears 0. Lobes that are not take the extremes over a leaf.
+    /// Greatest |dk/ds| from s = 1/4 to the horizon, for lobes that are smooth there: the effect of an error
+    /// of s where k is near 0. Other lobes take the extremes over a leaf.
     pub(crate) fn grazing_slope(&self) -> f64 {
         match self.shape {
             // Convex, so steepest at 1/4: k = (1 - 2 s) g, and g' = -2 steep w g.
@@ -144,7 +142,7 @@ impl Kernel {
                 let n = f64::from(exponent);
                 2.0 * n * 0.5_f64.powf(n - 1.0)
             }
-            // Of Charlie's two terms, which have opposite signs, neither is above 2.
+            // Charlie's two terms have opposite signs, and neither is above 2.
             Shape::Cosine(_) | Shape::Charlie(_) => 2.0,
             Shape::WidePhong(_) | Shape::Cone(_) => 0.0,
         }
@@ -152,15 +150,15 @@ impl Kernel {
 
     /// Relative rounding error of a sum over `leaves`, without the term of [`Self::grazing_slope`].
     ///
-    /// Float32 centroids are off by 2^-24, and k changes by at most 1/width of itself for a unit of distance
-    /// (GGX: |dk/d(distance)|/k <= distance/(s + alpha^2) <= 1/alpha); a share takes fewer than 32 roundings
-    /// and the sum one a leaf, each 2^-24.
+    /// Float32 centroids have an error of 2^-24, and k changes by at most 1/width of itself per unit of
+    /// distance (GGX: |dk/d(distance)|/k <= distance/(s + alpha^2) <= 1/alpha). A share takes fewer than 32
+    /// roundings and the sum one per leaf, each 2^-24.
     pub(crate) fn rounding(&self, leaves: usize) -> f64 {
         (2.0 / self.width + 32.0 + leaves as f64) / f64::from(1_u32 << 24)
     }
 }
 
-/// The reciprocals of `x` by one division (Montgomery's trick); the last is the most exact.
+/// The reciprocals of `x` by one division (Montgomery's trick); the last is the most accurate.
 #[inline(always)]
 fn reciprocals<const N: usize>(x: [f32; N]) -> [f32; N] {
     let mut before = [1.0; N];
@@ -176,10 +174,10 @@ fn reciprocals<const N: usize>(x: [f32; N]) -> [f32; N] {
     out
 }
 
-/// A kernel of s, decreasing but for [`Charlie`], whose intervals are its own.
+/// A kernel of s; decreasing, except for [`Charlie`], which has its own intervals.
 pub(crate) trait Radial: Copy {
-    /// Whether it is convex with a decreasing second derivative up to the horizon s = 1/2 and 0 beyond: what
-    /// the sharp bounds from mean and variance ask for.
+    /// Whether it is convex with a decreasing second derivative up to the horizon s = 1/2 and 0 beyond: the
+    /// condition of the sharp bounds from mean and variance.
     const SMOOTH: bool;
 
     /// Whether the error from the kink at the horizon is estimated separately.
@@ -188,7 +186,7 @@ pub(crate) trait Radial: Copy {
     /// k at `s`.
     fn value(self, s: f32) -> f32;
 
-    /// k at several places, where one division serves them all.
+    /// k at several places, with one division for all.
     #[inline(always)]
     fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
         s.map(|s| self.value(s))
@@ -200,25 +198,26 @@ pub(crate) trait Radial: Copy {
         (self.values(s), self.curvature(s[N - 1]))
     }
 
-    /// k'' at `s`, below the horizon.
+    /// k'' at `s` in front of the horizon.
     fn curvature(self, s: f32) -> f32 {
         let _ = s;
         0.0
     }
 
-    /// How much k' jumps at the horizon.
+    /// Jump of k' at the horizon.
     fn kink(self) -> f32 {
         0.0
     }
 
-    /// The length t on which k changes around `s`: |k'''| is about 24 k/t^3, as in a tail of t^-2. None,
-    /// where k is not smooth.
+    /// Length scale t of k around `s`: |k'''| is about 24 k/t^3, as in a tail of t^-2. Zero where k is not
+    /// smooth.
     fn scale(self, s: f32) -> f32 {
         let _ = s;
         0.0
     }
 
-    /// |k'''|/24 around `s`, where k is `value`, times a third `moment`; neither is without the other what float32 holds.
+    /// |k'''|/24 around `s`, where k is `value`, times a third `moment`. Either factor alone may exceed the
+    /// range of float32.
     #[inline(always)]
     fn third_order(self, s: f32, value: f32, moment: f32) -> f32 {
         let scale = self.scale(s);
@@ -231,13 +230,13 @@ pub(crate) trait Radial: Copy {
         interval::<Self, ACROSS>(self, squared, trace, along, radius)
     }
 
-    /// How far k spreads between the squared distances 4 `low` and 4 `high`.
+    /// Variation of k between the squared distances 4 `low` and 4 `high`.
     fn spread(self, low: f32, high: f32) -> f32 {
         self.value(low) - self.value(high)
     }
 
-    /// The greatest spread of k over `radius` either way of a distance between `near` and `far`. By default
-    /// all that k spreads between the ends, which is exact for one jump.
+    /// The greatest variation of k within `radius` of a distance between `near` and `far`. The default is the
+    /// variation between the ends, which is exact for one jump.
     fn widest_spread(self, near: f32, far: f32, radius: f32) -> f32 {
         let (near, far) = ((near - radius).max(0.0), far + radius);
         self.spread(0.25 * near * near, (0.25 * far * far).min(1.0))
@@ -245,7 +244,7 @@ pub(crate) trait Radial: Copy {
 
     /// The distance between `near` and `far` at which a cell's relative error is greatest.
     fn worst_distance(self, near: f32, far: f32) -> f32 {
-        // The nearest, but for what only a horizon far away spoils.
+        // The nearest, unless only a far horizon matters.
         let _ = far;
         near
     }
@@ -274,7 +273,7 @@ impl Radial for Ggx {
 
     #[inline(always)]
     fn values_and_curvature<const N: usize>(self, s: [f32; N]) -> ([f32; N], f32) {
-        // At most 1/alpha^2 each: three multiplied stay below what float32 holds.
+        // At most 1/alpha^2 each: the product of three stays within the range of float32.
         let w = reciprocals(s.map(|s| 1.0 + self.steep * s));
         let scaled = w.map(|w| self.peak * w * w);
         let lambert = s.map(|s| 1.0 - 2.0 * s);
@@ -299,8 +298,8 @@ impl Radial for Ggx {
 
     #[inline(always)]
     fn worst_distance(self, near: f32, far: f32) -> f32 {
-        // distance/(s + alpha^2) is greatest at distance 2 alpha.
-        // No clamp, whose check keeps it from vectors.
+        // distance/(s + alpha^2) is greatest at distance 2 alpha. Avoids `clamp`, whose check prevents
+        // vectorisation.
         (1.2 / (self.steep + 1.0).sqrt()).max(near).min(far)
     }
 }
@@ -316,7 +315,7 @@ impl Radial for Phong {
 
     #[inline(always)]
     fn value(self, s: f32) -> f32 {
-        // Through the logarithm: 1 - 2 s would round away a sharp lobe.
+        // By the logarithm: 1 - 2 s would round away a sharp lobe.
         if s < 0.5 { (self.exponent * (-2.0 * s).ln_1p()).exp() } else { 0.0 }
     }
 
@@ -348,8 +347,8 @@ impl Radial for WidePhong {
 
     #[inline(always)]
     fn widest_spread(self, near: f32, far: f32, radius: f32) -> f32 {
-        // k falls most steeply at one end, at the horizon (exponents below 1), or where d (1 - d^2/2)^(n-1)
-        // is greatest.
+        // k is steepest at one end, at the horizon (exponents below 1), or where d (1 - d^2/2)^(n-1) is
+        // greatest.
         let horizon = std::f32::consts::SQRT_2;
         let steepest = if self.exponent > 1.0 { 1.0 / (self.exponent - 0.5).sqrt() } else { horizon };
         let at = |distance: f32| {
@@ -403,12 +402,12 @@ pub(crate) struct Charlie {
     power: f32,
     /// k at its peak.
     crest: f32,
-    /// x = 2 s where the slope of the bend vanishes, below 0 where it nowhere does, and the bend there.
+    /// x = 2 s where the slope of the bend vanishes, below 0 if it does nowhere, and the bend there.
     turn: f32,
     turning: f32,
 }
 
-/// What is lost where x^p is below what [`power`] gives.
+/// Value lost where x^p is below the range of [`power`].
 const NOTHING: f32 = 1e-30;
 
 impl Charlie {
@@ -429,7 +428,7 @@ impl Charlie {
         power(x, self.power)
     }
 
-    /// k'' / 4 at x = 2 s, of which `rise` is the power: p x^(p-2) (p - 1 - (p + 1) x).
+    /// k'' / 4 at x = 2 s, with `rise` the power: p x^(p-2) (p - 1 - (p + 1) x).
     #[inline(always)]
     fn bend(self, x: f32, rise: f32) -> f32 {
         let p = self.power;
@@ -448,13 +447,13 @@ impl Radial for Charlie {
 
     #[inline(always)]
     fn scale(self, s: f32) -> f32 {
-        // As a power's own third derivative has it.
+        // From the third derivative of a power.
         2.88 * s / (1.0 + self.power)
     }
 
     #[inline(always)]
     fn third_order(self, s: f32, _: f32, moment: f32) -> f32 {
-        // p (p - 1) x^(p-3) (p - 2 - (p + 1) x) of x, away from the last factor's zero.
+        // p (p - 1) x^(p-3) (p - 2 - (p + 1) x) of x, with the last factor kept away from zero.
         let (p, x) = (self.power, 2.0 * s);
         let third = p * (p - 1.0) * self.rise(x) * (((p - 2.0) - (p + 1.0) * x).abs() + 1.0);
         (third / (3.0 * x * x * x)).abs() * moment
@@ -467,10 +466,9 @@ impl Radial for Charlie {
     }
 
     /// With h the kernel's own formula, negative beyond the horizon, k = h + max(0, -h). The mean of h is
-    /// h(t) + k''/2 V with k'' somewhere between its extremes over what the cell reaches (Taylor). The mean
-    /// of max(0, -h) lies between its tangent at the horizon and x_b^p times the mean of max(0, x - 1), which
-    /// is at most sqrt(V + (t - 1/2)^2) + t - 1/2 (Scarf 1958). The extremes of k itself bound its mean as
-    /// well.
+    /// h(t) + k''/2 V with k'' between its extremes over the cell's reach (Taylor). The mean of max(0, -h)
+    /// lies between its tangent at the horizon and x_b^p times the mean of max(0, x - 1), which is at most
+    /// sqrt(V + (t - 1/2)^2) + t - 1/2 (Scarf 1958). The extremes of k itself also bound its mean.
     #[inline(always)]
     fn interval<const ACROSS: bool>(self, squared: f32, trace: f32, along: f32, radius: f32) -> Interval {
         let p = self.power;
@@ -489,7 +487,7 @@ impl Radial for Charlie {
         let (tangential, radial) = (along.max(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
         let most = 0.25 * (tangential + radial) * (tangential + radial);
         let least = 0.25 * (tangential - radial).max(0.0) * (tangential - radial).max(0.0);
-        // The bend is steepest at an end or where its own slope vanishes.
+        // The bend is extreme at an end or where its own slope vanishes.
         let [bend_a, bend_b] = [self.bend(a, rise_a), self.bend(b, rise_b)];
         let turning = if (a < self.turn) & (self.turn < b) { self.turning } else { bend_a };
         let steepest = 2.0 * bend_a.max(bend_b).max(turning);
@@ -500,7 +498,7 @@ impl Radial for Charlie {
         let beyond = s - 0.5;
         let over = if b > 1.0 { rise_b * ((most + beyond * beyond).sqrt() + beyond) } else { 0.0 };
         let under = (2.0 * beyond).max(0.0);
-        // The second derivative is not bounded at s = 0.
+        // The second derivative is unbounded at s = 0.
         let sharp = a > 0.0;
         let greatest = if sharp { crest.min(upper + over) } else { crest }.max(0.0) + NOTHING;
         let least = (if sharp { trough.max(lower + under) } else { trough } - NOTHING).max(0.0).min(greatest);
@@ -515,17 +513,17 @@ impl Radial for Charlie {
 
     #[inline(always)]
     fn worst_distance(self, near: f32, far: f32) -> f32 {
-        // At the horizon, where the bend is sharp and ends; but for a wide lobe rather where it begins.
+        // At the horizon, where the bend is sharp and ends; for a wide lobe, where it begins.
         let horizon = std::f32::consts::SQRT_2.max(near).min(far);
         if (self.power < 2.0) & (far < 1.0) { near } else { horizon }
     }
 }
 
 /// x^p to a relative (2 p (2 + |log2(x)|) + 4) 2^-24 where it is above 2^-100, and below 1.1e-30 elsewhere,
-/// for x in [0, 2]: without branches, so that it goes into vectors, which the standard library's does not.
+/// for x in [0, 2]. Branch-free, so that it vectorises, unlike the standard library's.
 #[inline(always)]
 fn power(x: f32, p: f32) -> f32 {
-    // x = 2^whole m, m within a factor of the root of 2 of 1; log(m) by its series in (m - 1)/(m + 1).
+    // x = 2^whole m, with m within a factor of sqrt(2) of 1; log(m) by its series in (m - 1)/(m + 1).
     let bits = x.to_bits();
     let whole = (bits.wrapping_sub(0x3f35_04f3) as i32) >> 23;
     let m = f32::from_bits(bits.wrapping_sub((whole as u32) << 23));
@@ -533,9 +531,9 @@ fn power(x: f32, p: f32) -> f32 {
     let u = t * t;
     let series = t * (2.0 + u * (2.0 / 3.0 + u * (0.4 + u * (2.0 / 7.0 + u * (2.0 / 9.0)))));
     let log2 = whole as f32 + series * std::f32::consts::LOG2_E;
-    // 2^y, y's fraction by the exponential's series.
+    // 2^y, with the fraction of y by the exponential series.
     let y = (p * log2).max(-120.0);
-    // Adding and taking away 1.5 * 2^23 rounds to a whole number.
+    // Adding and subtracting 1.5 * 2^23 rounds to a whole number.
     let rounded = (y + 12_582_912.0) - 12_582_912.0;
     let z = (y - rounded) * std::f32::consts::LN_2;
     let fraction = 1.0
@@ -545,20 +543,21 @@ fn power(x: f32, p: f32) -> f32 {
     fraction * f32::from_bits(((rounded as i32 + 127) as u32) << 23)
 }
 
-/// What is known of the mean of k over a cell of unit energy.
+/// Bounds and estimate of the mean of k over a cell of unit energy.
 #[derive(Clone, Copy)]
 pub(crate) struct Interval {
-    /// The least that it can be.
+    /// Least possible value.
     pub(crate) least: f32,
-    /// The greatest.
+    /// Greatest possible value.
     pub(crate) greatest: f32,
-    /// What it is most likely to be.
+    /// Most likely value.
     pub(crate) estimate: f32,
 }
 
-/// The mean of k over a cell of unit energy: `squared` is the squared distance of its centroid from R,
-/// `trace` and `along` are its covariance's trace and R - centroid's square in it, `radius` its reach; ACROSS
-/// where it may reach beyond the horizon. See [`crate::cpu::adaptive`] for the derivation.
+/// Interval of the mean of k over a cell of unit energy. `squared` is the squared distance of its centroid
+/// from R, `trace` its covariance's trace, `along` the covariance applied to R - centroid on both sides,
+/// `radius` its reach. ACROSS must be true if it may reach beyond the horizon. See [`crate::cpu::adaptive`]
+/// for the derivation.
 #[inline(always)]
 pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     kernel: R,
@@ -576,7 +575,7 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     if !R::SMOOTH {
         return Interval { least: farthest, greatest: nearest, estimate: value };
     }
-    // s - low and high - s without their cancellation.
+    // s - low and high - s, computed without cancellation.
     let down = if distance > radius { 0.25 * (radius * (2.0 * distance - radius) + trace) } else { s };
     let up = (0.25 * (radius * (2.0 * distance + radius) - trace)).max(1e-6 * down);
     let (tangential, radial) = (along.max(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
@@ -596,14 +595,14 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
         let estimate = (value + 0.125 * curvature * along).max(least).min(greatest);
         return Interval { least, greatest, estimate };
     }
-    // What is left of k at its kink, and k without it; below the horizon there is none.
+    // Split k into a hinge at the horizon and a smooth rest; a cell in front of the horizon needs no hinge.
     let kink = if high < 0.5 { 0.0 } else { kernel.kink() };
     let hinge = |s: f32| kink * (0.5 - s).max(0.0);
     let (inner, nearest) = (inner - hinge(s + step_up), nearest - hinge(low));
     let (outer, farthest) = (outer - hinge(s - step_down), farthest - hinge(high));
     let before = 0.5 - s;
     let deviation = (most.min(down * up) + before * before).sqrt();
-    // Differences of hinges are rounded to their greatest's precision, not their own.
+    // Differences of hinges are rounded at the precision of the greater one.
     let rounding = 5e-7 * kink;
     let greatest = if sharp { inner + share_above * (nearest - inner) } else { nearest }
         + 0.5 * kink * (deviation + before)
@@ -612,7 +611,7 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
         - rounding)
         .max(0.0)
         .min(greatest);
-    // The second-order term below the horizon, and what energy spread evenly over s gains from the kink.
+    // Second-order term in front of the horizon, and gain from the kink for energy spread evenly over s.
     let half_width = 0.866 * tangential;
     let second_order = if s < 0.5 { 0.125 * curvature * along } else { 0.0 };
     let across = (half_width - before.abs()).max(0.0);
@@ -621,9 +620,8 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     Interval { least, greatest, estimate }
 }
 
-/// The error to expect of the estimate for a cell of unit energy and the direction it serves worst, among
-/// those within `packet` of an axis at `distance` from its centroid: for choosing which cells to split, no
-/// bound.
+/// Expected error of the estimate for a cell of unit energy and the worst direction among those within
+/// `packet` of an axis at `distance` from its centroid. It selects the cells to split and is not a bound.
 #[inline(always)]
 pub(crate) fn expected_error<R: Radial>(
     kernel: R,
@@ -637,19 +635,18 @@ pub(crate) fn expected_error<R: Radial>(
         return 0.25 * kernel.widest_spread((distance - packet).max(0.0), distance + packet, radius);
     }
     let worst = kernel.worst_distance((distance - packet).max(0.0), distance + packet);
-    // Half of the trace lies along the line to R, give or take.
+    // About half of the trace lies along the line to R.
     let along = 0.6 * trace * worst * worst;
     let interval = kernel.interval::<true>(worst * worst, trace, along, radius);
     let s = 0.25 * (worst * worst + trace);
     let scale = kernel.scale(s);
     let reach = 0.25 * radius * (2.0 * worst + radius);
-    // The third-order term E|s - mean|^3 |k'''|/6, while the series makes sense; else what is certain.
+    // The third-order term E|s - mean|^3 |k'''|/6, where the series converges; otherwise the certain width.
     let moment = 0.25 * (along + 0.25 * trace * radius * radius) * reach;
     let third = kernel.third_order(s, interval.estimate, moment);
     let certain = 0.25 * (interval.greatest - interval.least);
-    // And what the kink leaves open, for the direction that has it nearest: all that lies between Scarf's
-    // bound and Jensen's, for such errors have one sign and add up; no more than what reaches over the
-    // horizon.
+    // Add the uncertainty from the kink, for the direction nearest to it: the gap between Scarf's bound and
+    // Jensen's, as such errors have one sign and accumulate; at most the part that reaches over the horizon.
     let (near, far) = ((distance - packet - radius).max(0.0), distance + packet + radius);
     let over = (0.25 * far * far - 0.5).min(0.5 - 0.25 * near * near).max(0.0);
     let variance = 0.25 * trace * distance * distance;
@@ -666,12 +663,11 @@ pub(crate) fn first_order_width<R: Radial>(kernel: R, distance: f32, radius: f32
     kernel.spread(0.25 * near * near, (0.25 * far * far).min(1.0))
 }
 
-/// The share of the mean radiance that every leaf may be expected to be off by, for a relRMSE of `error` over
-/// the sphere.
+/// The acceptable error of a leaf, as a share of the mean radiance, for a relRMSE of `error` over the sphere.
 ///
 /// Measured, see the table of errors in docs/benchmarks.md: the leaves' errors have random signs and mostly
-/// lie far inside their intervals, the more leaves the further; with this what is reached stays near half of
-/// what was asked.
+/// lie far inside their intervals, farther with more leaves. With this share the error reached stays near
+/// half of the request.
 #[must_use]
 pub fn leaf_share(error: f64) -> f64 {
     0.6 * error * (error / 0.005).powf(0.3).min(1.0)

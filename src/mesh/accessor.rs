@@ -1,10 +1,10 @@
-//! Typed values in the buffers of a glTF file; nothing is read before its place is checked.
+//! Reads typed values from the buffers of a glTF file; every range is checked before it is read.
 
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Root, buffer};
 
-/// Why a file is refused, without its name.
+/// Why a file is rejected, without its name.
 pub(super) type Refusal = String;
 
 /// The structure of a file and its buffers.
@@ -14,7 +14,7 @@ pub(super) struct Buffers<'a> {
     pub(super) data: Vec<Vec<u8>>,
 }
 
-/// Elements of an accessor that lie `stride` bytes apart.
+/// Elements of an accessor, `stride` bytes apart.
 struct Elements<'a> {
     bytes: &'a [u8],
     stride: usize,
@@ -27,7 +27,7 @@ impl<'a> Elements<'a> {
     }
 }
 
-/// The word for a component type in error messages.
+/// Name of a component type in error messages.
 fn name(component: ComponentType) -> String {
     let word = match component {
         ComponentType::I8 => "BYTE",
@@ -43,27 +43,27 @@ fn name(component: ComponentType) -> String {
 fn valid<T: Copy>(value: &Checked<T>) -> Result<T, Refusal> {
     match value {
         Checked::Valid(value) => Ok(*value),
-        Checked::Invalid => Err("a value that glTF does not have".to_owned()),
+        Checked::Invalid => Err("not a valid glTF value".to_owned()),
     }
 }
 
 impl Buffers<'_> {
-    /// The bytes of buffer view `index`, and its stride where it has one.
+    /// The bytes of buffer view `index`, and its stride if it has one.
     pub(super) fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), Refusal> {
         let view: &buffer::View =
-            self.root.buffer_views.get(index).ok_or_else(|| format!("bufferView {index}: there is none"))?;
+            self.root.buffer_views.get(index).ok_or_else(|| format!("bufferView {index} does not exist"))?;
         let number = view.buffer.value();
-        let data = self.data.get(number).ok_or_else(|| format!("buffer {number}: there is none"))?;
+        let data = self.data.get(number).ok_or_else(|| format!("buffer {number} does not exist"))?;
         let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
         let bytes = range(data, offset, length).ok_or_else(|| {
             let held = data.len();
-            format!("bufferView {index}: {length} bytes at {offset} are beyond buffer {number} of {held}")
+            format!("bufferView {index}: {length} bytes at {offset} exceed buffer {number} of {held} bytes")
         })?;
-        // Some exporters write 0 for "packed".
+        // Some exporters write 0 for a packed layout.
         Ok((bytes, view.byte_stride.map(|stride| stride.0).filter(|stride| *stride > 0)))
     }
 
-    /// `count` elements of `size` bytes in buffer view `view`, from byte `offset` of it on.
+    /// `count` elements of `size` bytes in buffer view `view`, from its byte `offset` on.
     fn elements(&self, view: usize, offset: u64, count: u64, size: usize) -> Result<Elements<'_>, Refusal> {
         let (bytes, stride) = self.view(view)?;
         let stride = stride.unwrap_or(size);
@@ -81,14 +81,14 @@ impl Buffers<'_> {
         let bytes = length.and_then(|length| range(bytes, offset, length)).ok_or_else(|| {
             let length = bytes.len();
             format!(
-                "{count} elements of {size} bytes, {stride} apart, at {offset} are beyond bufferView {view} of \
-                 {length}"
+                "{count} elements of {size} bytes, {stride} apart, at offset {offset} exceed bufferView \
+                 {view} of {length} bytes"
             )
         })?;
         Ok(Elements { bytes, stride, size })
     }
 
-    /// Calls `take` with the bytes of every element of accessor `index`, sparse ones in their places.
+    /// Calls `take` with the bytes of every element of accessor `index`, with sparse elements substituted.
     fn each(
         &self,
         index: usize,
@@ -106,7 +106,7 @@ impl Buffers<'_> {
         if let Some(sparse) = &accessor.sparse {
             let amount = sparse.count.0;
             if amount > count {
-                return Err(wrong(format!("{amount} sparse elements of {count}")));
+                return Err(wrong(format!("{amount} sparse elements exceed the count of {count}")));
             }
             let component = valid(&sparse.indices.component_type).map_err(wrong)?.0;
             let (view, offset) = (sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0);
@@ -136,10 +136,10 @@ impl Buffers<'_> {
 
     fn accessor(&self, index: usize, most: usize) -> Result<(&Accessor, ComponentType, Type), Refusal> {
         let wrong = |message: Refusal| format!("accessor {index}: {message}");
-        let accessor = self.root.accessors.get(index).ok_or_else(|| wrong("there is none".to_owned()))?;
-        // Before anything is allocated: elements without a buffer view cost no bytes of the file.
+        let accessor = self.root.accessors.get(index).ok_or_else(|| wrong("it does not exist".to_owned()))?;
+        // Check before any allocation: elements without a buffer view take no bytes of the file.
         if accessor.count.0 > most as u64 {
-            return Err(wrong(format!("{} elements; at most {most} are read", accessor.count.0)));
+            return Err(wrong(format!("{} elements; at most {most} are supported", accessor.count.0)));
         }
         let component = valid(&accessor.component_type).map_err(wrong)?.0;
         Ok((accessor, component, valid(&accessor.type_).map_err(wrong)?))
@@ -151,7 +151,7 @@ impl Buffers<'_> {
         let allowed = matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
         if kind != Type::Scalar || !allowed {
             return Err(format!(
-                "accessor {index}: indices of {kind:?} {}; they must be scalars of unsigned integers",
+                "accessor {index}: indices of {kind:?} {}; they must be unsigned integer scalars",
                 name(component)
             ));
         }
@@ -163,8 +163,8 @@ impl Buffers<'_> {
         Ok(indices)
     }
 
-    /// The vectors in accessor `index`, at most `most`, each of `kinds`: components that are missing are 1.
-    /// Floats, or whole numbers for 0 to 1 where `fractions` are allowed.
+    /// The vectors in accessor `index`, at most `most`, each of `kinds`; missing components are 1. Accepts
+    /// floats, and normalised integers if `fractions` are allowed.
     pub(super) fn vectors<const N: usize>(
         &self,
         index: usize,
@@ -179,7 +179,7 @@ impl Buffers<'_> {
         if !kinds.contains(&kind) || !(component == ComponentType::F32 || fraction) {
             let normalized = if accessor.normalized { ", normalized" } else { "" };
             return Err(format!(
-                "accessor {index}: {kind:?} of {}{normalized} where {kinds:?} of FLOAT is needed",
+                "accessor {index}: {kind:?} of {}{normalized} where {kinds:?} of FLOAT is required",
                 name(component)
             ));
         }
@@ -194,7 +194,7 @@ impl Buffers<'_> {
                     _ => unsigned(component, bytes)? as f32 / 65535.0,
                 };
                 if !value.is_finite() {
-                    return Err(format!("{value} is no coordinate"));
+                    return Err(format!("{value} is not finite"));
                 }
             }
             vectors.push(vector);
@@ -204,14 +204,14 @@ impl Buffers<'_> {
     }
 }
 
-/// Whether normalised whole numbers stand for fractions.
+/// Whether normalised integers are accepted as fractions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fractions {
     Allowed,
     Refused,
 }
 
-/// `length` bytes of `bytes` from `offset` on, where there are as many.
+/// `length` bytes of `bytes` from `offset` on, if there are that many.
 fn range(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
     let start = usize::try_from(offset).ok()?;
     bytes.get(start..start.checked_add(usize::try_from(length).ok()?)?)
@@ -222,6 +222,6 @@ fn unsigned(component: ComponentType, bytes: &[u8]) -> Result<u32, Refusal> {
         (ComponentType::U8, &[a]) => Ok(u32::from(a)),
         (ComponentType::U16, &[a, b]) => Ok(u32::from(u16::from_le_bytes([a, b]))),
         (ComponentType::U32, &[a, b, c, d]) => Ok(u32::from_le_bytes([a, b, c, d])),
-        _ => Err(format!("{} is no unsigned integer", name(component))),
+        _ => Err(format!("{} is not an unsigned integer", name(component))),
     }
 }

@@ -1,4 +1,4 @@
-//! glTF files: the triangles of a scene where its nodes put them, and their materials.
+//! Reads glTF files: the triangles of a scene, transformed by its nodes, and their materials.
 
 use super::accessor::{Buffers, Fractions, Refusal};
 use super::material::{Image, MOST_TEXTURES, Material, Texture, Wrap};
@@ -15,10 +15,10 @@ use ::gltf::json::{self, Root};
 use glam::{DMat4, DQuat, DVec3};
 use std::path::Path;
 
-/// Nodes above a node.
+/// Greatest depth of a node.
 const MOST_DEPTH: usize = 1000;
 
-/// The mesh in `bytes`, the glTF file `path`; `files` reads what it refers to.
+/// Reads the mesh in `bytes`, the glTF file `path`; `files` reads the files that it refers to.
 pub(super) fn read(path: &Path, bytes: &[u8], files: &mut Confined<'_>) -> Result<Mesh> {
     let ::gltf::Gltf { document, blob } =
         ::gltf::Gltf::from_slice(bytes).map_err(|error| Error::input(path, said(&error)))?;
@@ -37,7 +37,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &mut Confined<'_>) -> Resul
     scene.builder.finished(path, images)
 }
 
-/// What a decoder says, on one line and not too long.
+/// The decoder's message, on one line and shortened.
 fn said(error: &::gltf::Error) -> String {
     const MOST: usize = 300;
     let text = match error {
@@ -52,7 +52,7 @@ fn said(error: &::gltf::Error) -> String {
     if text.chars().count() > MOST { text.chars().take(MOST).chain("...".chars()).collect() } else { text }
 }
 
-/// The content of all buffers.
+/// Reads the content of all buffers.
 fn buffers(
     path: &Path,
     root: &Root,
@@ -64,7 +64,7 @@ fn buffers(
         let mut bytes = match &buffer.uri {
             Some(uri) => files.read(uri)?,
             None => blob.take().ok_or_else(|| {
-                let message = format!("buffer {index} has no URI, and the file no binary chunk for it");
+                let message = format!("buffer {index} has no URI, and the file has no binary chunk");
                 Error::input(path, message)
             })?,
         };
@@ -72,7 +72,7 @@ fn buffers(
         if length > bytes.len() as u64 {
             let what = buffer.uri.as_deref().map_or_else(|| "its binary chunk".to_owned(), quoted);
             let held = bytes.len();
-            let message = format!("buffer {index} has {length} bytes, and {what} holds {held}");
+            let message = format!("buffer {index} has {length} bytes, but {what} holds {held}");
             return Err(Error::input(path, message));
         }
         bytes.truncate(length as usize);
@@ -81,20 +81,20 @@ fn buffers(
     Ok(all)
 }
 
-/// A scene while it is read.
+/// State while a scene is read.
 struct Scene<'a> {
     buffers: Buffers<'a>,
     builder: Builder,
-    /// Where the builder has each material of the file; the last is glTF's own.
+    /// Index in the builder of each material of the file; the last is glTF's default.
     materials: Vec<Option<usize>>,
-    /// Where the mesh has each image of the file.
+    /// Index in the mesh of each image of the file.
     images: Vec<Option<usize>>,
     /// Images of the file that materials use.
     used: Vec<usize>,
 }
 
 impl Scene<'_> {
-    /// Adds the triangles of all nodes of the default scene, or else of the first.
+    /// Adds the triangles of all nodes of the default scene, or of the first if there is no default.
     fn walk(&mut self) -> Result<(), Refusal> {
         let root = self.buffers.root;
         let index = root.scene.map_or(0, |scene| scene.value());
@@ -103,21 +103,21 @@ impl Scene<'_> {
             scene.nodes.iter().rev().map(|node| (node.value(), DMat4::IDENTITY, 0)).collect();
         let mut seen = vec![false; root.nodes.len()];
         while let Some((index, parent, depth)) = pending.pop() {
-            let node = root.nodes.get(index).ok_or_else(|| format!("node {index}: there is none"))?;
+            let node = root.nodes.get(index).ok_or_else(|| format!("node {index} does not exist"))?;
             if std::mem::replace(&mut seen[index], true) {
                 return Err(format!(
-                    "node {index} is reached twice: it is in a cycle or has two parents; nodes must form trees"
+                    "node {index} is reached twice, in a cycle or from two parents; nodes must form trees"
                 ));
             }
             if depth > MOST_DEPTH {
-                return Err(format!("node {index} has more than {MOST_DEPTH} nodes above it"));
+                return Err(format!("node {index} is nested more than {MOST_DEPTH} levels deep"));
             }
             let world = parent * transform(node).map_err(|message| format!("node {index}: {message}"))?;
             if !world.is_finite() {
                 return Err(format!("node {index}: its transform is not finite"));
             }
             if let Some(number) = node.mesh.map(|mesh| mesh.value()) {
-                let mesh = root.meshes.get(number).ok_or_else(|| format!("mesh {number}: there is none"))?;
+                let mesh = root.meshes.get(number).ok_or_else(|| format!("mesh {number} does not exist"))?;
                 for (k, primitive) in mesh.primitives.iter().enumerate() {
                     self.add(primitive, world)
                         .map_err(|message| format!("mesh {number}, primitive {k}: {message}"))?;
@@ -161,7 +161,7 @@ impl Scene<'_> {
         for (uv, set) in uvs.iter_mut().zip(textures.unwrap_or_default()) {
             let Some(set) = set else { continue };
             let index = attribute(Semantic::TexCoords(set))
-                .ok_or_else(|| format!("its material needs TEXCOORD_{set}, which it has not"))?;
+                .ok_or_else(|| format!("its material requires TEXCOORD_{set}, which is missing"))?;
             *uv = Some(buffers.vectors::<2>(index, most, &[Type::Vec2], Fractions::Allowed)?);
         }
         let listed = match primitive.indices {
@@ -181,12 +181,12 @@ impl Scene<'_> {
         self.builder.add(&corners, &indices, Some(material), world)
     }
 
-    /// Where the builder has material `index` of the file, or glTF's own.
+    /// Index in the builder of material `index` of the file, or of glTF's default.
     fn material(&mut self, index: Option<usize>) -> Result<usize, Refusal> {
         let root = self.buffers.root;
         let place = index.unwrap_or(root.materials.len());
         let known = self.materials.get(place).copied();
-        let known = known.ok_or_else(|| format!("material {place}: there is none"))?;
+        let known = known.ok_or_else(|| format!("material {place} does not exist"))?;
         if let Some(known) = known {
             return Ok(known);
         }
@@ -237,10 +237,10 @@ impl Scene<'_> {
     fn texture(&mut self, info: &Info) -> Result<Texture, Refusal> {
         let root = self.buffers.root;
         let number = info.index.value();
-        let texture = root.textures.get(number).ok_or_else(|| format!("texture {number}: there is none"))?;
+        let texture = root.textures.get(number).ok_or_else(|| format!("texture {number} does not exist"))?;
         let image = texture.source.value();
         let known = self.images.get(image).copied();
-        let known = known.ok_or_else(|| format!("image {image}: there is none"))?;
+        let known = known.ok_or_else(|| format!("image {image} does not exist"))?;
         let image = known.unwrap_or_else(|| {
             self.images[image] = Some(self.used.len());
             self.used.push(image);
@@ -259,7 +259,7 @@ impl Scene<'_> {
         })
     }
 
-    /// The images that materials use, in the order of their places in the mesh.
+    /// Decodes the images that materials use, in the order of their indices in the mesh.
     fn decoded(&self, path: &Path, files: &mut Confined<'_>) -> Result<Vec<Image>> {
         let mut images = Vec::with_capacity(self.used.len());
         let mut bytes = 0;
@@ -300,7 +300,7 @@ impl Scene<'_> {
     }
 }
 
-/// Parent from child.
+/// The transform from the node to its parent.
 fn transform(node: &Node) -> Result<DMat4, Refusal> {
     if let Some(matrix) = &node.matrix {
         return Ok(DMat4::from_cols_array(&matrix.map(f64::from)));
@@ -311,14 +311,14 @@ fn transform(node: &Node) -> Result<DMat4, Refusal> {
     let turn = node.rotation.as_ref().map_or([0.0, 0.0, 0.0, 1.0], |turn| turn.0);
     let length = turn.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
     if !(length > 0.0 && length.is_finite()) {
-        return Err(format!("rotation {turn:?} is no unit quaternion"));
+        return Err(format!("rotation {turn:?} is not a valid quaternion"));
     }
     let turn = DQuat::from_array(turn.map(|c| f64::from(c) / length));
     let (scale, place) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
     Ok(DMat4::from_scale_rotation_translation(scale, turn, place))
 }
 
-/// Three indices a triangle, by glTF's orders for strips and fans.
+/// Expands strips and fans in glTF's order to three indices per triangle.
 fn triangles(mode: Mode, indices: Vec<u32>) -> Result<Vec<u32>, Refusal> {
     let count = indices.len();
     match mode {
@@ -332,6 +332,6 @@ fn triangles(mode: Mode, indices: Vec<u32>) -> Result<Vec<u32>, Refusal> {
             Ok((0..count.saturating_sub(2)).flat_map(three).collect())
         }
         _ if count.is_multiple_of(3) => Ok(indices),
-        _ => Err(format!("{count} indices are no whole triangles")),
+        _ => Err(format!("{count} indices do not form whole triangles")),
     }
 }

@@ -1,4 +1,4 @@
-//! Surfaces of meshes: glTF's metallic-roughness model and its textures.
+//! Materials of meshes: glTF's metallic-roughness model and its textures.
 
 use crate::error::{Error, Result};
 use image::{ImageReader, Limits};
@@ -11,7 +11,7 @@ pub(super) const MOST_TEXELS: u32 = 8192;
 /// Most bytes of all decoded textures of a mesh.
 pub(super) const MOST_TEXTURES: u64 = 2 << 30;
 
-/// What a surface is made of.
+/// Material of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Colour and opacity, linear: the reflectance of a metal at normal incidence, or the albedo of a
@@ -21,7 +21,7 @@ pub struct Material {
     pub metallic: f32,
     /// Perceptual roughness in \[0, 1\].
     pub roughness: f32,
-    /// Opacity below which there is no surface.
+    /// Opacity below which the surface is discarded.
     pub cutoff: Option<f32>,
     /// Factors of the base colour, in sRGB.
     pub base_texture: Option<Texture>,
@@ -30,7 +30,7 @@ pub struct Material {
 }
 
 impl Default for Material {
-    /// A white metal as rough as can be, as in glTF.
+    /// A white metal of roughness 1, as in glTF.
     fn default() -> Self {
         Self {
             base: [1.0; 4],
@@ -43,26 +43,26 @@ impl Default for Material {
     }
 }
 
-/// An image on a surface.
+/// A reference to an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Texture {
     /// Index of the mesh's images.
     pub image: usize,
-    /// What is beyond the image's edges, along u and v.
+    /// Address modes along u and v.
     pub wrap: [Wrap; 2],
-    /// Whether magnified texels are squares.
+    /// Whether magnification uses nearest-neighbour filtering.
     pub nearest: bool,
 }
 
-/// What a texture shows outside of \[0, 1\].
+/// Address mode outside \[0, 1\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The image again.
+    /// Repeats the image.
     #[default]
     Repeat,
-    /// The image again, every other time mirrored.
+    /// Repeats the image, mirrored every other time.
     Mirror,
-    /// The texels at its edge.
+    /// Repeats the texels at the edge.
     Clamp,
 }
 
@@ -78,10 +78,10 @@ pub struct Image {
 }
 
 impl Image {
-    /// The PNG or JPEG image in `bytes`, called `name`, of the mesh in `path`.
+    /// Decodes the PNG or JPEG image in `bytes`, named `name`, of the mesh in `path`.
     ///
     /// # Errors
-    /// [`Error::Input`] for what is no such image, or too large.
+    /// [`Error::Input`] if it is not such an image, or too large.
     pub(super) fn decoded(path: &Path, name: &str, bytes: &[u8]) -> Result<Self> {
         let wrong = |error: String| Error::input(path, format!("{name}: {error}"));
         let mut limits = Limits::no_limits();
@@ -93,12 +93,12 @@ impl Image {
         };
         let started = reader()?;
         if !matches!(started.format(), Some(image::ImageFormat::Png | image::ImageFormat::Jpeg)) {
-            return Err(wrong("neither PNG nor JPEG by its content".to_owned()));
+            return Err(wrong("its content is neither PNG nor JPEG".to_owned()));
         }
         let (width, height) = started.into_dimensions().map_err(|error| wrong(error.to_string()))?;
         if width.max(height) > MOST_TEXELS {
             return Err(wrong(format!(
-                "{width} x {height} texels; use a texture of at most {MOST_TEXELS} a side"
+                "{width} x {height} texels; use a texture of at most {MOST_TEXELS} per side"
             )));
         }
         let image = reader()?.decode().map_err(|error| wrong(error.to_string()))?.into_rgba8();

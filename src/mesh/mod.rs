@@ -1,4 +1,4 @@
-//! Triangle meshes: a torus knot, and what glTF and OBJ files hold.
+//! Triangle meshes: a torus knot, and meshes from glTF and OBJ files.
 
 mod accessor;
 mod gltf;
@@ -16,37 +16,37 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::path::Path;
 
-/// A corner of a triangle.
+/// A vertex.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Vertex {
-    /// Where it is.
+    /// Position.
     pub position: [f32; 3],
-    /// The surface's unit normal there.
+    /// Unit normal of the surface.
     pub normal: [f32; 3],
     /// Factor of the base colour, linear.
     pub colour: [f32; 4],
-    /// Where it lies in the texture of the base colour, and in the viewer's roughness map.
+    /// Coordinates in the texture of the base colour, and in the viewer's roughness map.
     pub uv: [f32; 2],
-    /// Where it lies in the texture of metalness and roughness.
+    /// Coordinates in the texture of metalness and roughness.
     pub surface_uv: [f32; 2],
 }
 
 /// Triangles of one material.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// Which of the mesh's indices, whole triangles.
+    /// Range of the mesh's indices; whole triangles.
     pub indices: Range<u32>,
-    /// Which of the mesh's materials; `None` where the file has none.
+    /// Index of the mesh's material; `None` if the file has none.
     pub material: Option<usize>,
 }
 
 /// Triangles within about 1 of the origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Corners.
+    /// Vertices.
     pub vertices: Vec<Vertex>,
-    /// Three a triangle.
+    /// Three indices per triangle.
     pub indices: Vec<u32>,
     /// All triangles, by material.
     pub parts: Vec<Part>,
@@ -56,7 +56,7 @@ pub struct Mesh {
     pub images: Vec<Image>,
 }
 
-/// Most corners of a mesh, as read and as drawn.
+/// Most vertices of a mesh, as read and as drawn.
 pub const MOST_VERTICES: usize = 10_000_000;
 
 /// Most indices of a mesh.
@@ -65,11 +65,11 @@ pub const MOST_INDICES: usize = 6 * MOST_VERTICES;
 /// Most bytes of a mesh's file and of all files that it refers to.
 pub const MOST_BYTES: u64 = 1 << 30;
 
-/// The mesh in `bytes`, the file called `name`, which must be whole in itself: .glb, .obj, or .gltf with its
-/// data inside.
+/// Reads the mesh in `bytes`, the file named `name`, which must be self-contained: .glb, .obj, or .gltf with
+/// embedded data.
 ///
 /// # Errors
-/// [`Error::Input`] for a file that holds no mesh, [`Error::Limit`] for a mesh that is too large.
+/// [`Error::Input`] if the file holds no mesh, [`Error::Limit`] if the mesh is too large.
 pub fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
     Mesh::read_from_memory(Path::new(name), bytes)
 }
@@ -118,8 +118,9 @@ impl Mesh {
         Self { vertices, indices, parts, materials: Vec::new(), images: Vec::new() }
     }
 
-    /// The meshes of a file, as one, scaled and moved to within 1 of the origin: glTF (.gltf, .glb) or OBJ.
-    /// Normals that are missing are the triangles'. Other files that it names must lie in its folder.
+    /// Reads all meshes of a glTF (.gltf, .glb) or OBJ file as one, scaled and moved to within 1 of the
+    /// origin. Missing normals are those of the triangles. Other files that it refers to must lie in its
+    /// folder.
     ///
     /// # Errors
     /// Those of [`Mesh::read_within`].
@@ -127,11 +128,11 @@ impl Mesh {
         Self::read_within(path, None)
     }
 
-    /// [`Mesh::read`] for a mesh whose other files lie below the folder `root`, which holds the mesh too.
+    /// [`Mesh::read`] for a mesh whose other files lie below the folder `root`, which also holds the mesh.
     ///
     /// # Errors
-    /// [`Error::Io`] where the system refuses, [`Error::Input`] for a file that holds no mesh or refers to
-    /// files that it may not, [`Error::Limit`] for a mesh that is too large.
+    /// [`Error::Io`] if the file cannot be read, [`Error::Input`] if it holds no mesh or refers to files
+    /// outside `root`, [`Error::Limit`] if the mesh is too large.
     pub fn read_within(path: &Path, root: Option<&Path>) -> Result<Self> {
         let kind = Kind::of(path)?;
         let bytes = read_regular(path, MOST_BYTES)?;
@@ -140,20 +141,20 @@ impl Mesh {
         contained(path, || kind.read(path, &bytes, &mut files))
     }
 
-    /// [`Mesh::read`] for a file in memory, which must be whole in itself: .glb, .obj, or .gltf with its data
-    /// inside.
+    /// [`Mesh::read`] for a file in memory, which must be self-contained: .glb, .obj, or .gltf with embedded
+    /// data.
     ///
     /// # Errors
-    /// [`Error::Input`] for a file that holds no mesh, [`Error::Limit`] for a mesh that is too large.
+    /// [`Error::Input`] if the file holds no mesh, [`Error::Limit`] if the mesh is too large.
     pub fn read_from_memory(path: &Path, bytes: &[u8]) -> Result<Self> {
         let kind = Kind::of(path)?;
         contained(path, || kind.read(path, bytes, &mut Confined::inside(path, MOST_BYTES)))
     }
 
-    /// Moves the mesh to the origin and scales it to 1; refuses one that cannot be seen.
+    /// Moves the mesh to the origin and scales it to 1; rejects a mesh without triangles or extent.
     fn normalised(mut self, path: &Path) -> Result<Self> {
         if self.indices.is_empty() {
-            return Err(Error::input(path, "no triangles; export its surfaces, points and lines have none"));
+            return Err(Error::input(path, "no triangles; export surfaces, not points or lines"));
         }
         let place = |vertex: &Vertex| DVec3::from_array(vertex.position.map(f64::from));
         let (low, high) = self
@@ -166,7 +167,7 @@ impl Mesh {
         let centre = 0.5 * (low + high);
         let radius = self.vertices.iter().map(|vertex| place(vertex).distance(centre)).fold(0.0, f64::max);
         if !(radius.is_finite() && radius > 0.0) {
-            return Err(Error::input(path, format!("corners from {low} to {high} make no object")));
+            return Err(Error::input(path, format!("vertices span {low} to {high}, which has no extent")));
         }
         for vertex in &mut self.vertices {
             vertex.position = ((place(vertex) - centre) / radius).as_vec3().to_array();
@@ -175,7 +176,7 @@ impl Mesh {
     }
 }
 
-/// A format of meshes.
+/// A mesh format.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Gltf,
@@ -183,13 +184,13 @@ enum Kind {
 }
 
 impl Kind {
-    /// What the name of `path` says.
+    /// The format for the extension of `path`.
     fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
         match extension.as_str() {
             "glb" | "gltf" => Ok(Self::Gltf),
             "obj" => Ok(Self::Obj),
-            _ => Err(Error::input(path, "no mesh by its name; .gltf, .glb and .obj are")),
+            _ => Err(Error::input(path, "unknown mesh format; use .gltf, .glb or .obj")),
         }
     }
 
@@ -201,7 +202,7 @@ impl Kind {
     }
 }
 
-/// Attributes of the corners of some triangles, all finite.
+/// Attributes of vertices, all finite.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corners<'a> {
     pub(crate) positions: &'a [[f32; 3]],
@@ -211,33 +212,33 @@ pub(crate) struct Corners<'a> {
     pub(crate) surface_uv: Option<&'a [[f32; 2]]>,
 }
 
-/// A mesh while it is read.
+/// State while a mesh is read.
 #[derive(Debug, Default)]
 pub(crate) struct Builder {
     vertices: Vec<Vertex>,
     materials: Vec<Material>,
-    /// Indices of each material, after those without any.
+    /// Indices by material, after those without one.
     indices: Vec<Vec<u32>>,
     count: usize,
 }
 
 impl Builder {
-    /// Corners and indices that may still be added.
+    /// Vertices and indices that may still be added.
     pub(crate) fn room(&self) -> (usize, usize) {
         (MOST_VERTICES - self.vertices.len(), MOST_INDICES - self.count)
     }
 
-    /// Adds `material`; its index.
+    /// Adds `material`; returns its index.
     pub(crate) fn add_material(&mut self, material: Material) -> usize {
         self.materials.push(material);
         self.materials.len() - 1
     }
 
-    /// Adds triangles of `material`, moved by `world`. Where normals are missing, each corner gets its
-    /// triangle's.
+    /// Adds triangles of `material`, transformed by `world`. Where normals are missing, each vertex gets that
+    /// of its triangle.
     ///
     /// # Errors
-    /// Why they are refused.
+    /// The reason if they are rejected.
     pub(crate) fn add(
         &mut self,
         corners: &Corners<'_>,
@@ -254,21 +255,24 @@ impl Builder {
         ];
         for (name, length) in lengths {
             if let Some(length) = length.filter(|length| *length != count) {
-                return Err(format!("{count} elements of POSITION and {length} of {name}"));
+                return Err(format!("{count} elements of POSITION, but {length} of {name}"));
             }
         }
         if let Some(place) = indices.iter().position(|index| *index as usize >= count) {
-            return Err(format!("index {} at place {place} is none of its {count} corners", indices[place]));
+            return Err(format!(
+                "index {} at position {place} is out of range for {count} vertices",
+                indices[place]
+            ));
         }
         let (room, room_of_indices) = self.room();
         let added = if corners.normals.is_some() { count } else { indices.len() };
         if added > room || indices.len() > room_of_indices {
-            return Err(format!("more than {MOST_VERTICES} corners or {MOST_INDICES} indices in all"));
+            return Err(format!("more than {MOST_VERTICES} vertices or {MOST_INDICES} indices in total"));
         }
         let axes = DMat3::from_mat4(world);
-        // A reflection turns triangles over.
+        // A reflection reverses the winding of triangles.
         let mirrored = axes.determinant() < 0.0;
-        // Cofactors: normals stay across surfaces that are stretched, and no matrix is without them.
+        // Cofactors keep normals perpendicular under non-uniform scale, and exist for every matrix.
         let normal_axes = DMat3::from_cols(
             axes.y_axis.cross(axes.z_axis),
             axes.z_axis.cross(axes.x_axis),
@@ -278,7 +282,7 @@ impl Builder {
         for position in corners.positions {
             let place = world.transform_point3(DVec3::from_array(position.map(f64::from)));
             if !place.as_vec3().is_finite() {
-                return Err(format!("a corner lies at {place}"));
+                return Err(format!("vertex position {place} is out of range"));
             }
             places.push(place);
         }
@@ -321,10 +325,10 @@ impl Builder {
         Ok(())
     }
 
-    /// The mesh, which has `images`.
+    /// Builds the mesh with `images`.
     ///
     /// # Errors
-    /// [`Error::Input`] where there is nothing to see.
+    /// [`Error::Input`] if there is nothing visible.
     pub(crate) fn finished(self, path: &Path, images: Vec<Image>) -> Result<Mesh> {
         let mut indices = Vec::with_capacity(self.count);
         let mut parts = Vec::new();
@@ -340,7 +344,7 @@ impl Builder {
     }
 }
 
-/// `vector` at length 1, however short or long it is; +Y where it is zero.
+/// `vector` at length 1, whatever its length; +Y if it is zero.
 fn unit(vector: DVec3) -> DVec3 {
     let largest = vector.abs().max_element();
     (vector / largest).normalize_or(DVec3::Y)

@@ -1,4 +1,4 @@
-//! OBJ files. Their material libraries are not read.
+//! Reads OBJ files, without their material libraries.
 
 use super::{Builder, Corners, Mesh};
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 
-/// The mesh in `bytes`, the OBJ file `path`.
+/// Reads the mesh in `bytes`, the OBJ file `path`.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh> {
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
     let bytes = without_lines(bytes);
@@ -20,18 +20,18 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh> {
         let finite = [("v", &mesh.positions), ("vn", &mesh.normals), ("vt", &mesh.texcoords)];
         for (keyword, values) in finite {
             if let Some(value) = values.iter().find(|value| !value.is_finite()) {
-                return Err(Error::input(path, format!("{value} in a line {keyword} is no coordinate")));
+                return Err(Error::input(path, format!("{value} in a `{keyword}` line is not finite")));
             }
         }
         let threes = |values: &[f32]| -> Vec<[f32; 3]> { values.as_chunks().0.to_vec() };
         let positions = threes(&mesh.positions);
         let normals = (!mesh.normals.is_empty()).then(|| threes(&mesh.normals));
-        // OBJ counts v upwards.
+        // In OBJ v increases upwards.
         let uv = mesh.texcoords.as_chunks::<2>().0.iter().map(|[u, v]| [*u, 1.0 - v]);
         let uv: Option<Vec<[f32; 2]>> = (!mesh.texcoords.is_empty()).then(|| uv.collect());
         let corners = Corners {
             positions: &positions,
-            // Some corners of a group may have none.
+            // Some vertices of a group may have none.
             normals: normals.as_deref().filter(|normals| normals.len() == positions.len()),
             colours: None,
             uv: uv.as_deref().filter(|uv| uv.len() == positions.len()),
@@ -44,7 +44,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh> {
     builder.finished(path, Vec::new())
 }
 
-/// `bytes` without lines and points, which have no surface: the parser takes those of three corners for
+/// Removes lines and points, which have no surface: the parser would read those with three vertices as
 /// triangles.
 fn without_lines(bytes: &[u8]) -> Cow<'_, [u8]> {
     let is_bare = |line: &[u8]| {

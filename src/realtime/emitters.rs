@@ -1,13 +1,13 @@
 //! Extracts the brightest cells of an OEM as point emitters for the real-time tier.
 //!
-//! A few boxes do not have the shape of a lobe, and under a sun every corner of theirs is visible. A source
-//! that is small against the lobe needs no boxes: its contribution is the lobe's own value there. Therefore
-//! each of the N brightest cells of a grid is clamped to the radiance of the (N+1)-th; the excess becomes a
-//! point emitter. The residual map has neither suns nor lamps. No energy is lost: the lobe over the residual
-//! map plus the lobe over the emitters is the lobe over both.
+//! A few boxes do not have the shape of a lobe, and under a sun each of their corners is visible. A source
+//! that is small compared with the lobe needs no boxes: its contribution is the lobe's own value there.
+//! Therefore each of the N brightest cells of a grid is clamped to the radiance of the (N+1)-th; the excess
+//! becomes a point emitter. The residual map has neither suns nor lamps. Energy is conserved: the lobe over
+//! the residual map plus the lobe over the emitters is the lobe over both.
 //!
 //! As a cell's brightness approaches that of the others, its emitter vanishes: the set of emitters may change
-//! from frame to frame without a step. A constant sky has none.
+//! from frame to frame without a visible step. A constant sky has none.
 
 use crate::lobe;
 use crate::oem::Oem;
@@ -16,8 +16,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Greatest number of emitters. A sun needs a few. Rooms with many lamps and windows would gain from twice as
-/// many (the worst panorama of four boxes at roughness 0.2 would be off by 0.08 instead of 0.11), but every
-/// lobe pays for each.
+/// many (the worst panorama of four boxes at roughness 0.2 would have an error of 0.08 instead of 0.11), but
+/// every lobe pays for each emitter.
 pub const COUNT: usize = 127;
 
 /// Cells along an edge of the grid, if the OEM has as many texels. A cell is between a third and a half of
@@ -53,7 +53,7 @@ pub fn taken_out(oem: &Oem) -> (Vec<Emitter>, Oem) {
         let corner = (cell % side * block, cell / side * block);
         (0..block * block).map(move |k| (corner.0 + k % block, corner.1 + k / block))
     };
-    // A quarter of the sum of the channels' radiance, so that three of them do not overflow.
+    // A quarter of the sum of the channels' radiance, so that the sum does not overflow.
     let brightness = |cell: u32| {
         let [energy, solid_angle] = texels_of(cell).fold([0.0_f32; 2], |[energy, solid_angle], (x, y)| {
             let [r, g, b, w] = oem.texel(x, y);
@@ -82,7 +82,7 @@ pub fn taken_out(oem: &Oem) -> (Vec<Emitter>, Oem) {
     (emitters, Oem::from_square(oem.size(), rest))
 }
 
-/// Makes one emitter of the share `given` of some texels of an OEM of size `inner`.
+/// Makes an emitter from the share `given` of the energy of some texels of an OEM of size `inner`.
 fn emitter(inner: u32, texels: impl Iterator<Item = (u32, u32, [f32; 4])> + Clone, given: f64) -> Emitter {
     let width = 2.0 / f64::from(inner);
     let places = texels.clone().map(|(x, y, _)| (DVec2::new(f64::from(x), f64::from(y)) + 0.5) * width - 1.0);
@@ -106,8 +106,9 @@ fn emitter(inner: u32, texels: impl Iterator<Item = (u32, u32, [f32; 4])> + Clon
     Emitter { direction, spread: apart / energy.iter().sum::<f64>(), energy }
 }
 
-/// Mean squared distance on the sphere from the middle of a texel of width 1 at `uv`, by the map's derivative
-/// there: (4 |p|^2 - (|x| - |y|)^2 - (|z| - |y|)^2) / (12 |p|^4), p being the point of the octahedron.
+/// Mean squared distance on the sphere from the centre of a texel of width 1 at `uv`, from the map's
+/// derivative there: (4 |p|^2 - (|x| - |y|)^2 - (|z| - |y|)^2) / (12 |p|^4), with p the point of the
+/// octahedron.
 fn texel_spread(uv: DVec2) -> f64 {
     let p = octahedron_from_oct(uv);
     let [x, y, z] = p.abs().to_array();
@@ -116,8 +117,8 @@ fn texel_spread(uv: DVec2) -> f64 {
 }
 
 impl Emitter {
-    /// Radiance of a GGX lobe of `alpha` around `direction`, a unit vector; `integral` is the lobe's over the
-    /// sphere.
+    /// Radiance of a GGX lobe of `alpha` around the unit vector `direction`; `integral` is the lobe's
+    /// integral over the sphere.
     ///
     /// A source with variance v around its mean is evaluated at its mean by a lobe of alpha^2 + v/2: near its
     /// centre GGX is 1 - d^2 / 2 alpha^2 of its peak at the distance d, and its peak is proportional to 1 /

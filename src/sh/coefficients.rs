@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 /// The highest supported band.
 pub const MAX_ORDER: u32 = 4;
 
-/// Functions up to [`MAX_ORDER`].
+/// Number of functions up to [`MAX_ORDER`].
 pub const MAX_COUNT: usize = count(MAX_ORDER);
 
 /// The polynomials of the functions, without their factors.
@@ -48,7 +48,7 @@ const POLYNOMIALS: [&str; MAX_COUNT] = [
     "xxxx-6xxyy+yyyy",
 ];
 
-/// Functions up to band `order`.
+/// Number of functions up to band `order`.
 #[must_use]
 pub const fn count(order: u32) -> usize {
     ((order + 1) * (order + 1)) as usize
@@ -148,11 +148,11 @@ pub fn table_harmonics(sat: &Sat) -> [[f64; 4]; MAX_COUNT] {
 
 /// Coefficients of `environment`'s radiance up to band `order` (at most [`MAX_ORDER`]), red, green and blue.
 ///
-/// The basis functions are integrated over each texel to rounding; up to L2 they follow from the exact
-/// moments of the direction.
+/// The basis functions are integrated over each texel to rounding; up to L2 the integrals follow from the
+/// exact moments of the direction.
 ///
 /// # Panics
-/// Where `order` is above [`MAX_ORDER`].
+/// If `order` is above [`MAX_ORDER`].
 #[must_use]
 pub fn spherical_harmonics(environment: &Environment, order: u32) -> Vec<[f64; 3]> {
     assert!(order <= MAX_ORDER, "bands up to L{MAX_ORDER}");
@@ -167,8 +167,8 @@ pub fn spherical_harmonics(environment: &Environment, order: u32) -> Vec<[f64; 3
 
 type Coefficients = Vec<[f64; 3]>;
 
-/// A panorama's: the texels of a row are one block turned by their longitudes, so a few sums along the row
-/// do. Turns about y are simple where y is the pole: y and z change places, and back.
+/// Coefficients of a panorama. The texels of a row are one block rotated by their longitudes, so a few sums
+/// along the row suffice. Rotations about y are simple with y as the pole: exchange y and z before and after.
 fn panorama<const WAVES: usize>(
     environment: &Environment,
     texels: &SourceTexels,
@@ -198,7 +198,7 @@ fn panorama<const WAVES: usize>(
         for (index, coefficient) in coefficients.iter_mut().enumerate() {
             let l = band(index);
             let m = index as i64 - (l * l + l) as i64;
-            // The block is symmetric about longitude 0: only its cosines count.
+            // The block is symmetric about longitude 0: only its cosines contribute.
             let own = integrals[l * l + l + m.unsigned_abs() as usize];
             let wave = if m < 0 { 2 * m.unsigned_abs() as usize } else { (2 * m as usize).saturating_sub(1) };
             for (value, sum) in coefficient.iter_mut().zip(sums[wave]) {
@@ -229,8 +229,8 @@ impl<const WAVES: usize> pulp::NullaryFnOnce for RowSums<'_, WAVES> {
     }
 }
 
-/// Those of cubes and octahedral squares, gathered in each frame's own space from the integrals over every
-/// block.
+/// Coefficients of cubes and octahedral squares, accumulated in each frame's space from the integrals over
+/// every block.
 fn blocks(environment: &Environment, texels: &SourceTexels, order: u32) -> Coefficients {
     let indices = 0..texels.blocks().len();
     let integrals: Vec<[f64; MAX_COUNT]> =
@@ -251,7 +251,7 @@ fn blocks(environment: &Environment, texels: &SourceTexels, order: u32) -> Coeff
     coefficients
 }
 
-/// The integrals of the basis functions over a block, its directions taken through `map` first.
+/// Integrals of the basis functions over a block, with its directions transformed by `map`.
 fn block_integrals(texels: &SourceTexels, block: usize, map: DMat3, order: u32) -> [f64; MAX_COUNT] {
     let texel = &texels.blocks()[block];
     let mut integrals = [0.0; MAX_COUNT];
@@ -270,7 +270,7 @@ fn block_integrals(texels: &SourceTexels, block: usize, map: DMat3, order: u32) 
     integrals.map(|sum| sum / area * texel.solid_angle)
 }
 
-/// The coefficients of d -> f(`map` d), those of f being `coefficients`; `map` is a turn, a flip or both.
+/// Coefficients of d -> f(`map` d) for f with `coefficients`; `map` is a rotation, a reflection or both.
 fn turned(coefficients: &[[f64; 3]], map: DMat3) -> Coefficients {
     if map == DMat3::IDENTITY {
         return coefficients.to_vec();

@@ -6,14 +6,14 @@
 use crate::sh::band;
 use std::f64::consts::PI;
 
-/// What coefficients are multiplied by.
+/// Scaling of coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShScale {
-    /// Nothing: radiance in the orthonormal basis, as three.js's `LightProbe` holds it
-    /// (src/math/SphericalHarmonics3.js applies the cosine when it is asked for irradiance).
+    /// 1: radiance in the orthonormal basis, as in three.js's `LightProbe` (src/math/SphericalHarmonics3.js
+    /// applies the cosine to compute irradiance).
     Radiance,
     /// A_l: irradiance in the orthonormal basis, as `irradianceCoefficients` of EXT_lights_image_based
-    /// (Babylon.js's loader divides it by pi); that extension has the first nine.
+    /// (Babylon.js's loader divides it by pi); the extension stores the first nine.
     Irradiance,
     /// A_l / pi and the constants of the basis: Filament's `sh`, a polynomial of the normal that gives
     /// irradiance over pi (cmgen's "irradiance, pre-scaled base", libs/ibl/src/CubemapSH.cpp).
@@ -40,8 +40,8 @@ pub fn scaled(coefficients: &[[f64; 3]], scale: ShScale) -> Vec<[f64; 3]> {
     coefficients.iter().take(count).enumerate().map(|(index, rgb)| rgb.map(|c| c * factor(index))).collect()
 }
 
-/// Irradiance over pi at the unit `normal`, from coefficients of [`ShScale::Filament`], as Filament's shader
-/// adds it up (shaders/src/surface_light_indirect.fs, `Irradiance_SphericalHarmonics`).
+/// Irradiance over pi at the unit `normal`, from coefficients of [`ShScale::Filament`], as evaluated by
+/// Filament's shader (shaders/src/surface_light_indirect.fs, `Irradiance_SphericalHarmonics`).
 #[must_use]
 pub fn filament_irradiance(coefficients: &[[f64; 3]], normal: glam::DVec3) -> [f64; 3] {
     let n = normal;
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn filaments_polynomial_is_the_irradiance_of_a_smooth_sky() {
-        // Radiance 1 + y/2 + z x: bands 0, 1 and 2 only, so that nine coefficients are all there is.
+        // Radiance 1 + y/2 + z x: bands 0, 1 and 2 only, so nine coefficients are exact.
         let layout = crate::Layout::Cube { size: 32 };
         let mut texels = Vec::new();
         let blank = crate::Environment::new(layout, vec![[0.0; 3]; layout.texel_count()]).expect("valid");
@@ -97,7 +97,7 @@ mod tests {
             fourth = fourth.max((sum(25) - exact).abs());
             most = most.max(exact);
         }
-        // What is left out is A_6 = pi/64 and less of the next band.
+        // The truncation error is A_6 = pi/64 or less of the next band.
         assert!(fourth < 0.5 * second && fourth < 0.03 * most, "{fourth} {second} of {most}");
     }
 

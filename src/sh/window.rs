@@ -1,5 +1,4 @@
-//! Windows for spherical harmonics: bands are scaled down towards the highest, against the ringing of bright
-//! sources.
+//! Windows for spherical harmonics: attenuate high bands to reduce the ringing of bright sources.
 
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{MAX_COUNT, band, basis};
@@ -10,18 +9,18 @@ use std::fmt;
 /// The factor of each band. W > 0 is the width in bands; bands from W up vanish.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ShWindow {
-    /// Nothing.
+    /// No window.
     #[default]
     None,
     /// (1 + cos(pi l/W))/2 (Sloan 2008, "Stupid Spherical Harmonics Tricks").
     Hanning(f64),
-    /// sinc(pi l/W) (the same).
+    /// sinc(pi l/W) (Sloan 2008).
     Lanczos(f64),
     /// sinc(pi l/W)^4, cmgen's (libs/ibl/src/CubemapSH.cpp, `sincWindow`).
     Sinc4(f64),
-    /// [`ShWindow::Sinc4`] of the greatest W for which irradiance is nowhere negative in any channel; no
-    /// window if it is nonnegative anyway. cmgen's `--sh-window=auto` looks for the same W up to 13, in steps
-    /// of a tenth.
+    /// [`ShWindow::Sinc4`] with the largest W for which irradiance is nowhere negative in any channel; no
+    /// window if it is nonnegative already. cmgen's `--sh-window=auto` searches the same W up to 13, in steps
+    /// of 0.1.
     Nonnegative,
 }
 
@@ -47,7 +46,7 @@ impl ShWindow {
         }
     }
 
-    /// `coefficients` times the window, which must be settled.
+    /// Multiplies `coefficients` by the window, which must not be [`ShWindow::Nonnegative`].
     #[must_use]
     pub fn apply(self, coefficients: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let windowed = |(index, rgb): (usize, &[f64; 3])| rgb.map(|value| value * self.factor(band(index)));
@@ -65,7 +64,7 @@ impl ShWindow {
         if holds(Self::None) {
             return Self::None;
         }
-        // A width of one band leaves the mean alone, which is not negative.
+        // A width of one band keeps only the mean, which is non-negative.
         let (mut narrow, mut wide) = (1.0, 64.0);
         for _ in 0..40 {
             let middle: f64 = f64::midpoint(narrow, wide);
@@ -91,11 +90,11 @@ impl fmt::Display for ShWindow {
     }
 }
 
-/// Number of candidate directions; the search for the least value starts at the lowest few. They are 4
-/// degrees apart; minima of a function of band 4 are 45 degrees apart.
+/// Number of candidate directions; the search starts at the lowest few. They are 4 degrees apart; minima of a
+/// function of band 4 are 45 degrees apart.
 const STARTS: u32 = 2000;
 
-/// The least irradiance over all normals, a channel each, from coefficients of radiance.
+/// Minimum irradiance over all normals, per channel, from coefficients of radiance.
 #[must_use]
 pub fn least_irradiance(coefficients: &[[f64; 3]]) -> [f64; 3] {
     let irradiance = scaled(coefficients, ShScale::Irradiance);
@@ -118,7 +117,7 @@ pub fn least_irradiance(coefficients: &[[f64; 3]]) -> [f64; 3] {
     })
 }
 
-/// Downhill from `start` by steps that halve.
+/// Descends from a start point with halving steps.
 fn descended((mut least, mut place): (f64, DVec3), value: &impl Fn(DVec3) -> f64) -> f64 {
     let mut step = 0.05;
     while step > 1e-8 {

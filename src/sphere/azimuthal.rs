@@ -1,4 +1,4 @@
-//! Azimuthal projections of a cap onto a disc: what the sphere map, the dual maps and the polar caps share.
+//! Azimuthal projections of a cap onto a disc, shared by the sphere map, the dual maps and the polar caps.
 //!
 //! A disc lies around an axis; distance r from its centre is a function of the angle theta from the axis, and
 //! azimuth is kept.
@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
-/// How radius and angle depend on each other.
+/// Relation of radius and angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Profile {
     /// r = scale * tan(theta/2): conformal.
@@ -16,12 +16,12 @@ pub(super) enum Profile {
         /// Radius of the equator.
         scale: f64,
     },
-    /// theta = rate * r: distances from the centre are kept.
+    /// theta = rate * r: preserves distances from the centre.
     Equidistant {
         /// Radians per unit of radius.
         rate: f64,
     },
-    /// r = sin(theta/2): Lambert's, areas are kept.
+    /// r = sin(theta/2): Lambert's, preserves areas.
     EqualArea,
 }
 
@@ -42,8 +42,8 @@ static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16));
 /// The rule of 4 points, for densities over squares of [`SMALL`].
 static SMALL_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(4));
 
-/// Rectangles up to this share of the radius have a density smooth enough for [`SMALL_RULE`]: its error is
-/// of the order of (1/64)^8 = 4e-15.
+/// Largest rectangle for [`SMALL_RULE`], as a share of the radius; the error is of the order of (1/64)^8 =
+/// 4e-15.
 const SMALL: f64 = 1.0 / 32.0;
 
 impl Profile {
@@ -100,7 +100,7 @@ impl Disc {
         uv.length_squared() <= self.radius * self.radius
     }
 
-    /// Unit direction at `uv`, also outside the disc; where the profile ends, that of its rim.
+    /// Unit direction at `uv`, also outside the disc; beyond the end of the profile that of its rim.
     pub(super) fn direction(&self, uv: DVec2) -> DVec3 {
         let [right, down, axis] = self.frame;
         let r = uv.length();
@@ -122,7 +122,7 @@ impl Disc {
         self.profile.density(uv.length_squared())
     }
 
-    /// Exact solid angle of what the rectangle from `low` to `high` shares with the disc.
+    /// Exact solid angle of the intersection of the disc with the rectangle from `low` to `high`.
     pub(super) fn solid_angle(&self, low: DVec2, high: DVec2) -> f64 {
         let (extent, farthest) = (high - low, low.abs().max(high.abs()));
         if extent.max_element() <= SMALL * self.radius && self.contains(farthest) {

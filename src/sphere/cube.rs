@@ -4,7 +4,7 @@
 use super::map::{Component, Place, SphereMap};
 use glam::{DVec2, DVec3};
 
-/// The map: component k is face k, u is s and v is t; outside a face its plane goes on, to 90 degrees from
+/// The map: component k is face k, u is s and v is t; outside a face its plane continues, to 90 degrees from
 /// its centre.
 #[derive(Clone, Copy, Debug)]
 pub struct Cube;

@@ -1,7 +1,8 @@
 //! Two discs, a hemisphere each: the dual paraboloid and the dual equidistant map.
 //!
 //! Component 0 is the hemisphere of +Z, component 1 that of -Z; u and v are those of the cube's faces +Z and
-//! -Z. The rims glue to each other; outside the discs the projections go on into the other hemisphere.
+//! -Z. The rims are glued to each other; outside the discs the projections continue into the other
+//! hemisphere.
 
 use super::azimuthal::{Disc, Profile};
 use super::map::{Component, Place, SphereMap};

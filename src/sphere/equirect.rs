@@ -6,7 +6,8 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
 /// The map, in radians: (u, v) from (0, 0) to (2pi, pi), which are 2pi and pi times the functions' u and v.
-/// The poles are singular: a row of texels each. Outside, u goes around and v over the poles.
+/// The poles are singular: a row of texels each. Outside the rectangle u wraps around and v continues over
+/// the poles.
 ///
 /// Blinn and Newell 1976; the cartographers' plane chart.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +41,7 @@ impl SphereMap for Equirect {
 
     fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
         let (height, width) = (i64::from(size), 2 * i64::from(size));
-        // Over a pole and down on the other side, half way around.
+        // Across a pole to the opposite meridian.
         let turn = y.rem_euclid(2 * height);
         let (x, y) = if turn < height { (x, turn) } else { (x + height, 2 * height - 1 - turn) };
         let index = |k: i64| u32::try_from(k).expect("inside the panorama");
@@ -61,7 +62,7 @@ pub fn direction_from_equirect(u: f64, v: f64) -> DVec3 {
 #[must_use]
 pub fn equirect_from_direction(direction: DVec3) -> (f64, f64) {
     let d = direction;
-    // atan2 keeps full precision beside the poles, where acos(y) loses half its digits.
+    // atan2 keeps full precision near the poles, where acos(y) loses half its digits.
     let theta = d.x.hypot(d.z).atan2(d.y);
     (0.5 + d.z.atan2(d.x) / TAU, theta / PI)
 }

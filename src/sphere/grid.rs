@@ -11,7 +11,7 @@ pub struct Grid {
     size: u32,
 }
 
-/// The greatest size, so that positions in a picture of all components stay exact.
+/// Maximum size; positions in a picture of all components stay exact.
 pub const MOST_SIZE: u32 = 16_384;
 
 impl Grid {
@@ -21,7 +21,7 @@ impl Grid {
     /// [`Error::Parameter`] for another size.
     pub fn new(map: &'static dyn SphereMap, size: u32) -> Result<Self> {
         if size == 0 || size > MOST_SIZE {
-            return Err(Error::Parameter(format!("a map of {size} texels a side; choose 1 to {MOST_SIZE}")));
+            return Err(Error::Parameter(format!("a map of {size} texels a side; use 1 to {MOST_SIZE}")));
         }
         Ok(Self { map, size })
     }
@@ -44,13 +44,13 @@ impl Grid {
         self.map.component(component).cells.map(|cells| cells * self.size)
     }
 
-    /// Texels in all.
+    /// Total number of texels.
     #[must_use]
     pub fn texel_count(&self) -> usize {
         self.first_texel(self.map.components())
     }
 
-    /// Number of the first texel of `component`, or of one past the last component: the count.
+    /// Index of the first texel of `component`; for one past the last component the number of texels.
     #[must_use]
     pub fn first_texel(&self, component: u32) -> usize {
         (0..component).map(|k| self.sides(k).map(|side| side as usize).iter().product::<usize>()).sum()
@@ -70,8 +70,8 @@ impl Grid {
         sides
     }
 
-    /// The rank, from 1, of the column (`axis` 0) or row (1) that component `index` begins in, among those
-    /// that any begins in.
+    /// Rank, from 1, of the column (`axis` 0) or row (1) in which component `index` starts, among all start
+    /// columns or rows.
     fn rank(&self, index: u32, axis: usize) -> u32 {
         let begins =
             |place: &u32| (0..self.map.components()).any(|k| self.map.component(k).at[axis] == *place);
@@ -79,7 +79,7 @@ impl Grid {
             .expect("few components")
     }
 
-    /// Where column 0, row 0 of `component` lies in [`Grid::picture_sides`], its border left out.
+    /// Position of column 0, row 0 of `component` in [`Grid::picture_sides`], without its border.
     #[must_use]
     pub fn picture_origin(&self, component: u32, border: u32) -> [u32; 2] {
         let at = self.map.component(component).at;
@@ -113,7 +113,7 @@ impl Grid {
         let component = self.map.component(place.component);
         let at = (place.uv - component.low) / self.step(&component);
         let [width, height] = self.sides(place.component);
-        // Casts of what is negative or too large saturate.
+        // Casts of negative or too large values saturate.
         Texel {
             component: place.component,
             x: (at.x as u32).min(width - 1),
@@ -121,7 +121,7 @@ impl Grid {
         }
     }
 
-    /// Number of `texel`.
+    /// Index of `texel`.
     #[must_use]
     pub fn index(&self, texel: Texel) -> usize {
         let width = self.sides(texel.component)[0] as usize;

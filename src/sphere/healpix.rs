@@ -6,9 +6,9 @@
 //!
 //! Components 0 to 3 are the squares around +Y, 4 to 7 those around the equator (4 at +X, 5 at +Z), 8 to 11
 //! those around -Y. u runs towards the north-east, v towards the north-west, as in the paper's face
-//! coordinates x and y. Outside a square the plane goes on, and beyond a polar triangle's side its
-//! parallels do. Kinks at |sin(latitude)| = 2/3 and singular directions at the poles, where four squares
-//! meet.
+//! coordinates x and y. Outside a square the plane continues, and beyond a polar triangle's side its
+//! parallels continue. Kinks at |sin(latitude)| = 2/3 and singular directions at the poles, where four
+//! squares meet.
 
 use super::map::{Component, Place, SphereMap};
 use glam::{DVec2, DVec3};
@@ -45,7 +45,7 @@ impl SphereMap for Healpix {
             (place.x, height, (1.0 - height * height).sqrt())
         } else {
             let sigma = (2.0 - place.y.abs()).max(0.0);
-            // The triangle that the square reaches into.
+            // The polar triangle that contains this part of the square.
             let centre = if component / 4 == 1 { (place.x / 2.0).floor() * 2.0 + 1.0 } else { middle.x };
             let along = if sigma == 0.0 { 0.0 } else { (place.x - centre) / sigma };
             let squared = sigma * sigma / 3.0;
@@ -80,7 +80,7 @@ impl SphereMap for Healpix {
             (place, column as u32 + if d.y > 0.0 { 0 } else { 8 })
         };
         let mut off = place - middle(component);
-        // The square at +X begins before the full circle ends.
+        // The square at +X crosses the end of the circle.
         if off.x > 4.0 {
             off.x -= 8.0;
         }

@@ -3,12 +3,12 @@
 //! Derived here from the description: Snyder and Mitchell 2001, as the tennis-ball paper quotes it (one
 //! component, equal area, sampling requirement 19.7), is met by the square of the octahedral unfolding with
 //! each hemisphere filled by Shirley and Chiu's concentric map (1997) followed by Lambert's azimuthal
-//! equal-area projection, as Clarberg published it (*Fast Equal-Area Mapping of the (Hemi)Sphere using
-//! SIMD*, 2008). See `docs/maps.md` for what of the quoted row it reproduces.
+//! equal-area projection, as Clarberg published it (*Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD*,
+//! 2008). `docs/maps.md` compares it with the quoted row.
 //!
 //! With p = |u| + |v| <= 1 the upper hemisphere is y = 1 - p^2 at the longitude (pi/2) |v| / p of its
-//! quadrant; the lower one is folded out as in [`super::octahedral`], whose wrapping it shares. Kinks along
-//! the axes and the fold diagonals; the corners are -Y.
+//! quadrant; the lower one is unfolded as in [`super::octahedral`], with the same wrapping. Kinks along the
+//! axes and the fold diagonals; the corners are -Y.
 
 use super::map::{Component, Place, SphereMap, Texel};
 use super::octahedral::{wrap_oct, wrap_texel};

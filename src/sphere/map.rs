@@ -1,19 +1,19 @@
-//! What every map of the sphere offers: components, both direction maps, solid angles, and what lies across
-//! an edge.
+//! Interface of every map of the sphere: components, both direction maps, solid angles, and neighbours across
+//! edges.
 
 use glam::{DVec2, DVec3};
 use std::fmt::Debug;
 
-/// A flat rectangle that a map fills, wholly or in part, with directions.
+/// A flat rectangle that a map covers, wholly or in part, with directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
-    /// Least coordinates; row 0, column 0 of its image.
+    /// Minimum coordinates; row 0, column 0 of its image.
     pub low: DVec2,
-    /// Greatest coordinates.
+    /// Maximum coordinates.
     pub high: DVec2,
     /// Columns and rows of its image, in units of the map's size.
     pub cells: [u32; 2],
-    /// Its place in a picture of the whole map, from the left and from the top, in the same units.
+    /// Its position in a picture of the whole map, from the top left, in the same units.
     pub at: [u32; 2],
 }
 
@@ -40,7 +40,7 @@ impl Component {
 /// A point of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Which component.
+    /// Index of the component.
     pub component: u32,
     /// Coordinates in its rectangle.
     pub uv: DVec2,
@@ -49,7 +49,7 @@ pub struct Place {
 /// A texel of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Texel {
-    /// Which component.
+    /// Index of the component.
     pub component: u32,
     /// Column.
     pub x: u32,
@@ -59,8 +59,8 @@ pub struct Texel {
 
 /// A map of the sphere onto one or more rectangles.
 ///
-/// Each component's *domain* is the part of its rectangle that stands for directions; domains cover the
-/// sphere once. Components are numbered from 0; methods may panic where there is no such component.
+/// Each component's *domain* is the part of its rectangle that represents directions; domains cover the
+/// sphere once. Components are numbered from 0; methods may panic for a missing component.
 pub trait SphereMap: Debug + Sync {
     /// Number of components, at least 1.
     fn components(&self) -> u32;
@@ -74,8 +74,8 @@ pub trait SphereMap: Debug + Sync {
         true
     }
 
-    /// Unit direction at `uv` of `component`. Outside the domain it goes on as the map's documentation
-    /// says, to fill borders.
+    /// Unit direction at `uv` of `component`. Outside the domain it continues as documented for the map, to
+    /// fill borders.
     fn direction(&self, component: u32, uv: DVec2) -> DVec3;
 
     /// The place of `direction` (any length but zero), in a domain.
@@ -84,12 +84,12 @@ pub trait SphereMap: Debug + Sync {
     /// Steradians per unit of area at `uv`, a point of the domain of `component`.
     fn density(&self, component: u32, uv: DVec2) -> f64;
 
-    /// Exact solid angle of what the rectangle from `low` to `high`, a part of the component's own, shares
-    /// with the domain of `component`.
+    /// Exact solid angle of the intersection of the domain of `component` with the rectangle from `low` to
+    /// `high`, a part of the component's rectangle.
     fn solid_angle(&self, component: u32, low: DVec2, high: DVec2) -> f64;
 
-    /// The texel that column `x`, row `y` of the image of `component` stands for, which may lie outside, in
-    /// a map of `size`; `None` where the gluing does not map texels onto texels, and borders are resampled.
+    /// The texel at column `x`, row `y` of the image of `component`, also outside the image, in a map of
+    /// `size`. `None` if the gluing does not map texels onto texels; borders are then resampled.
     fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
         let _ = (size, component, x, y);
         None

@@ -1,9 +1,9 @@
 //! Maps of the sphere, one file each: both direction maps, domains, components, texels' exact solid angles
-//! and what lies across an edge.
+//! and neighbours across edges.
 //!
-//! [`map::SphereMap`] is what all of them offer, [`registry::MAPS`] lists them, [`grid::Grid`] is one with
-//! texels. The three that environments are stored in have functions of their own besides,
-//! `x_from_direction` and `direction_from_x`.
+//! [`map::SphereMap`] is their interface, [`registry::MAPS`] lists them, [`grid::Grid`] divides one into
+//! texels. The three maps that store environments also have free functions, `x_from_direction` and
+//! `direction_from_x`.
 //!
 //! Directions are unit vectors in a right-handed space with y up. Texel centres are half-integer everywhere.
 

@@ -13,7 +13,7 @@ use super::octahedral::{
 };
 use glam::{DVec2, DVec3};
 
-/// The map by its image plane's normal. Wrapping is that of [`super::octahedral`].
+/// The map for a given image plane normal. Wrapping is that of [`super::octahedral`].
 #[derive(Clone, Copy, Debug)]
 pub struct OctahedralPerspective {
     normal: DVec3,
@@ -26,14 +26,14 @@ impl OctahedralPerspective {
     /// The map whose image plane in the octant x, y, z >= 0 has the normal `normal`, of any length.
     ///
     /// # Panics
-    /// Where a component is not positive: the frustum would not meet the plane.
+    /// If a component is not positive: the frustum would not intersect the plane.
     #[must_use]
     pub const fn with_image_plane(normal: DVec3) -> Self {
         assert!(normal.x > 0.0 && normal.y > 0.0 && normal.z > 0.0, "the image plane crosses the frustum");
         Self { normal }
     }
 
-    /// The least and the greatest solid angle of a texel over the mean one.
+    /// Minimum and maximum solid angle of a texel over the mean.
     ///
     /// With (a, b, c) the normal and q barycentric, direction is (q1/a, q2/b, q3/c) and the density is 1 /
     /// (abc |(q1/a, q2/b, q3/c)|^3): at the vertices a^2/(bc), b^2/(ac) and c^2/(ab), greatest where q is

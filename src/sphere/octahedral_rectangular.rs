@@ -1,10 +1,10 @@
 //! The octahedral map, rectangular layout: 2:1, a hemisphere a half.
 //!
 //! Engelhardt and Dachsbacher 2008, equation 3: with p on the octahedron, (p.x - p.z - 1, p.x + p.z) where
-//! p.y >= 0 and (p.z - p.x + 1, p.x + p.z) elsewhere, on [-2, 2] x [-1, 1]. Directions are continuous
-//! across the halves' common side u = 0, and from u = 2 to u = -2; the sides v = 1 and v = -1 each glue to
-//! themselves, turned by 180 degrees about u = 0. So the rectangle, too, repeats over the plane: with
-//! period 4 along u, and turned in every other row of rectangles.
+//! p.y >= 0 and (p.z - p.x + 1, p.x + p.z) elsewhere, on [-2, 2] x [-1, 1]. Directions are continuous across
+//! the halves' common side u = 0, and from u = 2 to u = -2; the sides v = 1 and v = -1 are each glued to
+//! themselves, turned by 180 degrees about u = 0. The rectangle repeats over the plane with period 4 along u,
+//! turned in every other row of rectangles.
 
 use super::map::{Component, Place, SphereMap, Texel};
 use super::octahedral::octahedron_from_oct;
@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 #[derive(Clone, Copy, Debug)]
 pub struct OctahedralRectangular;
 
-/// The point of the rectangle that `uv`, anywhere on the unfolded plane, stands for.
+/// The point of the rectangle equivalent to `uv`, anywhere on the unfolded plane.
 fn wrap(uv: DVec2) -> DVec2 {
     if uv.x.abs() <= 2.0 && uv.y.abs() <= 1.0 {
         return uv;
@@ -63,7 +63,7 @@ impl SphereMap for OctahedralRectangular {
     fn density(&self, _: u32, uv: DVec2) -> f64 {
         let (p, _) = plane(uv);
         let squared = octahedron_from_oct(p).length_squared();
-        // A unit of area here is half of one of the quadratic layout.
+        // A unit of area is half of one in the quadratic layout.
         0.5 / (squared * squared.sqrt())
     }
 

@@ -1,10 +1,10 @@
 //! Polar-capped maps: a band around the equator and two caps.
 //!
-//! Snyder and Mitchell 2001, by the tennis-ball paper's description of them (sections 1 and 4.2). Component
-//! 0 is the band, u the longitude of a panorama and v downwards; components 1 and 2 are the caps of +Y and
-//! -Y, with u and v of the cube's faces +Y and -Y. Stretch is 1 at the equator and at the poles, and
-//! nowhere more. Outside their domains the projections go on beyond the parallels that part them. The
-//! meridian at u = -pi glues to that at u = pi.
+//! Snyder and Mitchell 2001, by the tennis-ball paper's description of them (sections 1 and 4.2). Component 0
+//! is the band, u the longitude of a panorama and v downwards; components 1 and 2 are the caps of +Y and -Y,
+//! with u and v of the cube's faces +Y and -Y. Stretch is 1 at the equator and at the poles, its maximum.
+//! Outside their domains the projections continue beyond the parallels that separate them. The meridian at u
+//! = -pi is glued to that at u = pi.
 
 use super::azimuthal::{Disc, Profile};
 use super::map::{Component, Place, SphereMap};
@@ -32,7 +32,7 @@ pub const STRETCH_INVARIANT: PolarCapped = PolarCapped { kind: Kind::StretchInva
 pub const CONFORMAL: PolarCapped = PolarCapped::conformal(42.2 / 180.0 * PI);
 
 impl PolarCapped {
-    /// The conformal map whose caps begin at `latitude`, in (0, pi/2) radians.
+    /// The conformal map with caps from `latitude`, in (0, pi/2) radians.
     #[must_use]
     pub const fn conformal(latitude: f64) -> Self {
         Self { kind: Kind::Conformal, latitude }

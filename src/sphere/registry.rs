@@ -1,4 +1,4 @@
-//! Every map by its name.
+//! All maps by name.
 
 use super::cube::Cube;
 use super::dual;
@@ -21,7 +21,7 @@ pub struct NamedMap {
     pub name: &'static str,
     /// Name in tables and captions.
     pub title: &'static str,
-    /// Where it was published.
+    /// Publication.
     pub source: &'static str,
     /// The map.
     pub map: &'static dyn SphereMap,

@@ -6,8 +6,8 @@
 //!
 //! Component 4k + 2s + t has its axis pair k in (x, y), (y, z), (z, x), with signs s, t (0 positive, 1
 //! negative): the face through (2, 0, 0), (1, 1, 1), (0, 2, 0) and (1, 1, -1) and its images. u = v = 0 at
-//! the pair's first axis, u = v = 1 at its second, u grows towards the third axis and v away from it.
-//! Outside a square its plane goes on.
+//! the pair's first axis, u = v = 1 at its second, u grows towards the third axis and v away from it. Outside
+//! a square its plane continues.
 
 use super::map::{Component, Place, SphereMap};
 use super::projected_solid_angle;
@@ -17,7 +17,7 @@ use glam::{DVec2, DVec3};
 #[derive(Clone, Copy, Debug)]
 pub struct RhombicDodecahedron;
 
-/// Turns x, y, z into a pair's first, second and third axis.
+/// Permutes x, y, z to a pair's first, second and third axis.
 fn turned(d: DVec3, pair: u32) -> DVec3 {
     match pair {
         0 => d,

@@ -4,8 +4,8 @@
 //! component test of section 2.3. Component 0 is C_1, around +Z and as far as +X and -X; component 1 is C_2,
 //! around -Z and as far as +Y and -Y. u is phi, along the panel; v is -theta, so that a picture has +Y (C_1)
 //! or +X (C_2) at its top. The domain is the rectangle with its corners rounded off by the seam, which lies
-//! in the half planes y = +-sqrt(1/2), z >= 0 and x = +-sqrt(1/2), z <= 0; outside it the panel's own
-//! spherical coordinates go on.
+//! in the half planes y = +-sqrt(1/2), z >= 0 and x = +-sqrt(1/2), z <= 0; outside it the panel's spherical
+//! coordinates continue.
 
 use super::map::{Component, Place, SphereMap};
 use glam::{DVec2, DVec3};
@@ -54,7 +54,7 @@ pub fn seam_point(t: f64) -> DVec3 {
 /// Solid angle of the part of the domain between the panel's centre and (`phi`, `theta`), neither negative.
 fn quarter(phi: f64, theta: f64) -> f64 {
     let sin = theta.sin();
-    // Where the seam falls below theta.
+    // The phi at which the seam falls below theta.
     let leaves = PI - (FRAC_1_SQRT_2 / theta.cos()).min(1.0).asin();
     if phi <= leaves { phi * sin } else { leaves * sin + sines_of_seam(phi) - sines_of_seam(leaves) }
 }

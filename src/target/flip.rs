@@ -1,14 +1,14 @@
-//! Mirrored cubes: for engines that turn a coordinate about when they look into a cube map.
+//! Flipped cubes, for engines that negate a coordinate at cube look-ups.
 
 use crate::chain::{Chain, Level};
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
 use glam::DVec3;
 
-/// The axis on which an engine negates a world direction before it looks it up in a cube map.
+/// Axis along which an engine negates a world direction before a cube look-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Flip {
-    /// None: the cube is looked up by the world's own directions.
+    /// None: the cube is looked up with world directions.
     #[default]
     None,
     /// (x, y, z) is looked up at (-x, y, z).
@@ -34,7 +34,7 @@ impl Flip {
         [Self::None, Self::X, Self::Z].into_iter().find(|flip| flip.name() == name)
     }
 
-    /// Where in the cube the engine finds the world's `direction`; and the other way around.
+    /// Maps a world direction to the engine's look-up direction, and back.
     #[must_use]
     pub fn apply(self, direction: DVec3) -> DVec3 {
         match self {
@@ -44,15 +44,15 @@ impl Flip {
         }
     }
 
-    /// `level` such that what it showed at a direction it shows at that direction flipped: texels change
-    /// places and keep their values.
+    /// Flips `level`: its content at a direction moves to the flipped direction. Texels are permuted, not
+    /// resampled.
     #[must_use]
     pub fn level(self, level: &Level) -> Level {
         if self == Self::None {
             return level.clone();
         }
         let n = level.size() as usize;
-        // A face's image lands on one face, rows and columns staying such: found at the middles of texels.
+        // A face maps to one face, and rows and columns to rows and columns; texel centres give the mapping.
         let coordinate = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
         let texel = |c: f64| ((c + 1.0) / 2.0 * n as f64) as usize;
         let sources: Vec<usize> = Face::ALL
@@ -72,7 +72,7 @@ impl Flip {
         }
     }
 
-    /// Every level of `chain`, by [`Flip::level`].
+    /// Flips every level of `chain`.
     #[must_use]
     pub fn chain(self, chain: &Chain) -> Chain {
         Chain { levels: chain.levels.iter().map(|level| self.level(level)).collect() }

@@ -1,7 +1,7 @@
-//! Targets: what an engine expects of a bake, as a table of presets, and the files that they come to.
+//! Targets: presets of what engines expect of a bake, and their files.
 //!
-//! A [`Target`] is a row of [`TARGETS`]; a [`Plan`] is such a row with whatever was overridden;
-//! [`crate::export::files`] makes its files of a bake.
+//! A [`Target`] is a row of [`TARGETS`]; a [`Plan`] is a row with overrides; [`crate::export::files`] encodes
+//! its files from a bake.
 
 mod flip;
 pub(crate) mod sizes;
@@ -17,26 +17,26 @@ use crate::lobe::Lobe;
 use crate::sh::scale::ShScale;
 use crate::sphere::cube::Face;
 
-/// What a file of a target holds.
+/// Content of a target's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// The prefiltered levels.
     Specular,
-    /// Level 0 alone.
+    /// Level 0 only.
     Skybox,
     /// The levels of the Charlie lobe.
     Sheen,
-    /// The irradiance cube, over pi: what a white diffuse surface reflects.
+    /// The irradiance cube, over pi: the radiance of a white diffuse surface.
     Irradiance,
     /// Spherical harmonics as JSON.
     ShJson,
-    /// Spherical harmonics as the text that cmgen writes.
+    /// Spherical harmonics as text in cmgen's format.
     ShText,
     /// Octahedral levels with their borders.
     Oem,
-    /// The shader code of [`READERS`] that its path names.
+    /// The entry of [`READERS`] named by its path.
     Reader,
-    /// Level 0 as one image, by its path's extension.
+    /// Level 0 as one image; the path's extension selects the format.
     Panorama,
     /// Levels and harmonics in Babylon.js's own container.
     Env,
@@ -48,7 +48,7 @@ pub enum Content {
     Image(LevelName),
 }
 
-/// Shader code that reads an octahedral map, by the file's name.
+/// Shader code for reading an octahedral map, by file name.
 pub const READERS: [(&str, &str); 3] = [
     ("oem.wgsl", include_str!("../../shaders/readers/oem.wgsl")),
     ("oem.glsl", include_str!("../../shaders/readers/oem.glsl")),
@@ -58,18 +58,17 @@ pub const READERS: [(&str, &str); 3] = [
 /// A file of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileSpec {
-    /// Where in the target's folder; `{name}` is the environment's name and `{ext}` the container's
-    /// extension.
+    /// Path in the target's folder; `{name}` is the environment's name and `{ext}` the container's extension.
     pub path: &'static str,
-    /// What is in it.
+    /// Its content.
     pub content: Content,
 }
 
-/// Which forms of diffuse light are written.
+/// Forms of diffuse light to write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Diffuse {
-    /// None, or what the specular levels hold anyway.
+    /// None, or included in the specular levels.
     None,
     /// A cube of irradiance over pi.
     Cube,
@@ -100,39 +99,38 @@ impl Diffuse {
     }
 }
 
-/// What an engine expects.
+/// Preset for an engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// Name on the command line.
     pub name: &'static str,
-    /// Who reads it, in a few words.
+    /// Its reader, in a few words.
     pub reader: &'static str,
     /// The container of its cubes.
     pub container: Container,
     /// Their pixels.
     pub pixel: Pixel,
-    /// What its levels' texels cover.
+    /// Map of its levels' texels.
     pub map: Map,
-    /// Edge of level 0; of a panorama its height.
+    /// Edge of level 0; for a panorama its height.
     pub size: u32,
     /// Edge of the last level; `None` for [`Ladder::default_levels`].
     pub last_size: Option<u32>,
     /// Roughness of the levels.
     pub ladder: Ladder,
-    /// How it looks cubes up.
+    /// Flip of its cube look-ups.
     pub flip: Flip,
-    /// How far to the right of our panoramas' column it looks for the same direction, in quarters of the
-    /// width.
+    /// Right shift of its panoramas' columns relative to ours, in quarters of the width.
     pub quarter_turns: u32,
     /// Its diffuse light.
     pub diffuse: Diffuse,
-    /// Edge of the irradiance cube, where there is one.
+    /// Edge of the irradiance cube, if any.
     pub irradiance_size: u32,
     /// Scaling of its spherical harmonics.
     pub sh_scale: ShScale,
-    /// Its files, but for report.json.
+    /// Its files, except report.json.
     pub files: &'static [FileSpec],
-    /// The engine that has loaded it in a test, with its version; `None` where none has.
+    /// The engine and version that loads it in a test; `None` if untested.
     pub verified: Option<&'static str>,
 }
 
@@ -140,7 +138,7 @@ use Content::{
     Env, Glb, Image, Irradiance, Mips, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox, Specular,
 };
 
-/// This program's own conventions, which the other rows depart from.
+/// This program's own conventions, the base of the other rows.
 const GENERIC: Target = Target {
     name: "generic",
     reader: "this program's own conventions",
@@ -163,7 +161,7 @@ const GENERIC: Target = Target {
     verified: Some("this program"),
 };
 
-/// A bake without a target: `{name}` is that of the output, extension included, and `{stem}` without it.
+/// A bake without a target: `{name}` is the output's name with its extension, `{stem}` without it.
 pub const UNTARGETED: Target = Target {
     name: "",
     files: &[
@@ -173,7 +171,7 @@ pub const UNTARGETED: Target = Target {
     ..GENERIC
 };
 
-/// What the rows of engines share: the size that their own bakers have, and all levels down to one texel.
+/// Base of the engines' rows: the default size of their own bakers, and all levels down to one texel.
 const ENGINE: Target = Target { size: 256, last_size: Some(1), ..GENERIC };
 
 /// The presets.
@@ -373,7 +371,7 @@ impl Target {
         }
     }
 
-    /// What its file at `path`, relative to its folder, holds; `None` where it has none there.
+    /// Content of its file at `path`, relative to its folder; `None` if it has no such file.
     #[must_use]
     pub fn content_of(&self, path: &str) -> Option<Content> {
         let matches = |pattern: &str| {
@@ -394,14 +392,14 @@ impl Target {
         self.files.iter().any(|file| file.content == Sheen)
     }
 
-    /// Whether its files are in a container and pixels that can be chosen.
+    /// Whether the container and pixel format of its files can be chosen.
     #[must_use]
     pub fn has_container(&self) -> bool {
         self.files.iter().any(|file| file.path.contains("{ext}"))
     }
 }
 
-/// A target with everything settled.
+/// A target with all options resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// The preset.
@@ -410,18 +408,18 @@ pub struct Plan {
     pub container: Container,
     /// Their pixels.
     pub pixel: Pixel,
-    /// How its cubes are turned.
+    /// Flip of its cubes.
     pub flip: Flip,
     /// Its diffuse light.
     pub diffuse: Diffuse,
-    /// How its cubes lie in files. The files of targets hold whole cubes: [`OutputLayout::Parts`].
+    /// Layout of its cubes in files. Targets write whole cubes: [`OutputLayout::Parts`].
     pub layout: OutputLayout,
 }
 
-/// What the files of a plan depend on besides the plan.
+/// Parameters of a plan's files.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape<'a> {
-    /// Name of the environment, or of the output where there is no target.
+    /// Name of the environment; without a target that of the output.
     pub name: &'a str,
     /// Number of levels.
     pub levels: u32,
@@ -430,19 +428,19 @@ pub struct Shape<'a> {
 }
 
 impl Plan {
-    /// `target` as it is.
+    /// The plan of `target` without overrides.
     #[must_use]
     pub const fn new(target: &'static Target) -> Self {
         let Target { container, pixel, flip, diffuse, .. } = *target;
         Self { target, container, pixel, flip, diffuse, layout: OutputLayout::Parts }
     }
 
-    /// Whether the container can hold the pixels.
+    /// Checks that the container can hold the pixel format.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where it cannot.
+    /// [`Error::Parameter`] if it cannot.
     pub fn check(&self) -> Result<()> {
-        // Images are floats where half floats do not do.
+        // Images use floats if half floats are insufficient.
         let is_chosen_later = self.pixel == Pixel::Auto && !self.is_single();
         if !self.target.has_container() || is_chosen_later || self.container.holds(self.pixel) {
             return Ok(());
@@ -450,16 +448,16 @@ impl Plan {
         let target =
             if self.is_targeted() { format!("target {}: ", self.target.name) } else { String::new() };
         Err(Error::Parameter(format!(
-            "{target}{} files cannot hold {}; choose another `pixel` or `container`",
+            "{target}{} files cannot hold {}; use another `pixel` or `container`",
             self.container.name(),
             self.pixel.name()
         )))
     }
 
-    /// Whether the files can hold `levels` levels from `size` down.
+    /// Checks that the files can hold `levels` levels from `size` down.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where they cannot.
+    /// [`Error::Parameter`] if they cannot.
     pub fn check_levels(&self, size: u32, levels: u32) -> Result<()> {
         self.target.files.iter().try_for_each(|file| match file.content {
             Oem => crate::oem::level_sizes(size, levels).map(drop),
@@ -469,14 +467,14 @@ impl Plan {
         })
     }
 
-    /// Name of the format of the files that the levels are in.
+    /// Format name of the files with the levels.
     #[must_use]
     pub fn format_name(&self) -> &'static str {
         let own = self.target.files[0].path.rsplit('.').next().unwrap_or_default();
         if self.target.has_container() { self.container.name() } else { own }
     }
 
-    /// Whether this is a target's, and not that of a bake without one.
+    /// Whether this is the plan of a target.
     #[must_use]
     pub const fn is_targeted(&self) -> bool {
         !self.target.name.is_empty()
@@ -488,7 +486,7 @@ impl Plan {
         self.container.is_single() || matches!(self.layout, OutputLayout::Parts | OutputLayout::Mips)
     }
 
-    /// The files that are to be written, with their paths in the output's folder.
+    /// The files to write, with their paths in the output's folder.
     #[must_use]
     pub fn files(&self, shape: &Shape<'_>) -> Vec<(String, Content)> {
         let Shape { name, levels, bounded } = *shape;

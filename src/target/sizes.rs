@@ -2,10 +2,10 @@
 
 use crate::error::{Error, Result};
 
-/// Whether a chain of `levels` from `size` down can go into an `.env`.
+/// Checks that an `.env` can hold a chain of `levels` from `size` down.
 ///
 /// # Errors
-/// [`Error::Parameter`] where the reader would refuse it.
+/// [`Error::Parameter`] if the reader would reject it.
 pub(crate) fn check_env(size: u32, levels: u32) -> Result<()> {
     if size.is_power_of_two() && levels == size.ilog2() + 1 {
         return Ok(());
@@ -17,10 +17,10 @@ pub(crate) fn check_env(size: u32, levels: u32) -> Result<()> {
 
 pub(crate) const EXTENSION: &str = "EXT_lights_image_based";
 
-/// Whether a chain from `size` down can be a light.
+/// Checks that a chain from `size` down can be a light.
 ///
 /// # Errors
-/// [`Error::Parameter`] where the extension forbids it.
+/// [`Error::Parameter`] if the extension forbids it.
 pub(crate) fn check_glb(size: u32) -> Result<()> {
     if size.is_power_of_two() {
         return Ok(());

@@ -1,29 +1,29 @@
-//! The camera: around the origin, which it looks at.
+//! The camera: orbits the origin and looks at it.
 
 use glam::{DMat4, DVec3};
 
 /// An orbit around the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Angle about +Y in radians; 0 stands at -X and looks along +X, the middle of a panorama; growing turns
-    /// to the right.
+    /// Angle about +Y in radians. 0 is at -X, looking along +X, the centre of a panorama; increasing angles
+    /// turn right.
     pub yaw: f64,
     /// Height above the horizon in radians, within (-pi/2, pi/2).
     pub pitch: f64,
-    /// From the origin, in units of an object's radius.
+    /// Distance from the origin, in units of an object's radius.
     pub distance: f64,
-    /// Vertical angle of view in radians of pictures at least 3:2; narrower ones keep the horizontal one of
-    /// those.
+    /// Vertical angle of view in radians, for pictures of at least 3:2. Narrower pictures keep the horizontal
+    /// angle of 3:2.
     pub angle: f64,
 }
 
-/// Width over height of the narrowest pictures that show as much upwards as others.
+/// Least width over height of pictures that show the full vertical angle.
 pub(crate) const WIDE: f64 = 1.5;
 
-/// The yaw that looks along -Z, at what faces +Z as the fronts of glTF models do.
+/// The yaw that looks along -Z, at the front of glTF models, which face +Z.
 pub const FRONT: f64 = -std::f64::consts::FRAC_PI_2;
 
-/// Steepest view: straight down there is no up.
+/// Steepest pitch: the up vector is undefined straight down.
 pub(crate) const MAX_PITCH: f64 = 1.55;
 
 impl Default for Camera {
@@ -32,18 +32,18 @@ impl Default for Camera {
     }
 }
 
-/// A camera's place and axes; right and up are as long as half of the picture is wide and high at distance 1.
+/// Position and axes of a camera; right and up span half of the picture's width and height at distance 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// Where it stands.
+    /// Position.
     pub eye: DVec3,
-    /// Where it looks, unit.
+    /// Viewing direction, a unit vector.
     pub forward: DVec3,
-    /// To the picture's right edge.
+    /// Vector to the picture's right edge.
     pub right: DVec3,
-    /// To the picture's upper edge.
+    /// Vector to the picture's upper edge.
     pub up: DVec3,
-    /// Into clip space, depth 0 to 1.
+    /// To clip space, with depth 0 to 1.
     pub clip_from_world: DMat4,
 }
 
@@ -59,7 +59,7 @@ impl Camera {
         let up = right.cross(forward);
         let tangent = (0.5 * self.angle).tan() * (WIDE / aspect).max(1.0);
         let (right, up) = (right * tangent * aspect, up * tangent);
-        // Clip space is as wide and high as the picture at w = distance along the view.
+        // Clip space spans the picture at w = distance along the view.
         let (near, far) = (0.02 * self.distance, 100.0 * self.distance);
         let deep = far / (far - near);
         let row = |axis: DVec3, shift: f64| axis.extend(shift - axis.dot(eye));

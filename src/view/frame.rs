@@ -1,4 +1,4 @@
-//! What every pixel of a picture shares: the uniforms of the shaders, as they lay them out.
+//! Uniforms shared by every pixel of a picture, in the shaders' layout.
 
 use super::camera::Frame;
 use super::look::{Ball, Look, ROW};
@@ -9,7 +9,7 @@ use crate::sh;
 use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Levels at most of a prefiltered cube.
+/// Most levels of a prefiltered cube.
 pub(super) const MOST_LEVELS: usize = 16;
 
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
@@ -22,7 +22,7 @@ pub(super) struct BallUniform {
 }
 shader::members!(BallUniform { centre, radius, roughness, pad });
 
-/// The uniform of a picture.
+/// Uniform of a picture.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct ViewFrame {
@@ -68,16 +68,16 @@ shader::members!(ViewFrame {
     ball
 });
 
-/// What a picture is looked up in besides the environment's tables.
+/// Parameters of the prefiltered cube.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ladder {
-    /// Levels,
+    /// Number of levels.
     pub(super) count: u32,
-    /// and their roughness.
+    /// Roughness of each level.
     pub(super) roughness: [f32; MOST_LEVELS],
-    /// What texels are multiplied by.
+    /// Factor of the texels.
     pub(super) scale: f32,
-    /// Turns directions of the environment's space into the levels'.
+    /// Maps directions in the environment's space to those of the levels.
     pub(super) levels_from_source: DMat3,
 }
 
@@ -100,7 +100,7 @@ fn columns(matrix: DMat3) -> [[f32; 4]; 3] {
 }
 
 impl ViewFrame {
-    /// The uniform of `look` by a picture's `frame`; `exposure` is in powers of two.
+    /// The uniform of `look` for a picture's `frame`; `exposure` is in powers of two.
     pub(super) fn new(
         look: &Look,
         frame: &Frame,
@@ -142,13 +142,13 @@ impl ViewFrame {
     }
 }
 
-/// The uniform of diffuse light, in the environment's space.
+/// Uniform of the diffuse light, in the environment's space.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct Diffuse {
     /// Harmonics of irradiance over pi.
     harmonics: [[f32; 4]; sh::MAX_COUNT],
-    /// Where the lamp is, and its energy over pi.
+    /// Direction of the lamp, and its energy over pi.
     lamp: [f32; 4],
 }
 shader::members!(Diffuse { harmonics, lamp });
@@ -156,7 +156,7 @@ shader::members!(Diffuse { harmonics, lamp });
 impl Diffuse {
     /// The light of `environment`, without a lamp.
     pub(super) fn new(environment: &Environment) -> Self {
-        // What a cosine over pi leaves of each band (Ramamoorthi and Hanrahan 2001, equation 8).
+        // Convolution factors of cosine over pi per band (Ramamoorthi and Hanrahan 2001, equation 8).
         const BANDS: [f64; 5] = [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0];
         let mut harmonics = [[0.0; 4]; sh::MAX_COUNT];
         let coefficients = sh::spherical_harmonics(environment, sh::MAX_ORDER);
@@ -167,16 +167,16 @@ impl Diffuse {
         Self { harmonics, lamp: [0.0; 4] }
     }
 
-    /// Bytes before those of [`Diffuse::lamp`].
+    /// Byte offset of [`Diffuse::lamp`].
     pub(super) const LAMP_OFFSET: u64 = 16 * sh::MAX_COUNT as u64;
 
-    /// What the uniform holds of `lamp`.
+    /// The lamp entry of the uniform for `lamp`.
     pub(super) fn of_lamp(lamp: Option<Lamp>) -> [f32; 4] {
         const STEPS: u32 = 256;
         let Some(lamp) = lamp else { return [0.0; 4] };
         let towards = lamp.direction();
         let across = towards.any_orthonormal_vector();
-        // Rings around its middle, as wide as its edge.
+        // Integrate over rings around the centre, out to the edge.
         let edge = lamp.edge_angle();
         let energy: f64 = (0..STEPS)
             .map(|k| {
@@ -202,7 +202,7 @@ mod tests {
         let lamp = Lamp::new(DVec3::new(0.0, 2.0, 0.0), 5.0, 0.05, 0.06);
         let [x, y, z, energy] = Diffuse::of_lamp(Some(lamp));
         assert_eq!([x, y, z], [0.0, 1.0, 0.0]);
-        // Radiance times solid angle over pi, of discs up to where it is bright and up to where it is dark.
+        // Radiance times solid angle over pi, for discs up to the inner and the outer radius.
         let [inner, outer] = [0.05_f64, 0.06].map(|angle| 10.0 * (1.0 - angle.cos()));
         assert!((inner..outer).contains(&f64::from(energy)), "{energy} is not within {inner} to {outer}");
         assert_eq!(Diffuse::of_lamp(None), [0.0; 4]);

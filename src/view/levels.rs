@@ -7,7 +7,7 @@ use crate::gpu::Context;
 use glam::DMat3;
 use half::f16;
 
-/// The levels of a bake, to be shown as they are.
+/// The levels of a bake, shown unchanged.
 #[derive(Clone, Debug)]
 pub struct Levels {
     chain: Chain,
@@ -15,41 +15,41 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// The levels of `chain`; `levels_from_world` turns directions of the world into theirs. `None` for a
-    /// single level, which is no more than an environment.
+    /// The levels of `chain`; `levels_from_world` maps world directions to theirs. `None` for a single level,
+    /// which is a plain environment.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for sizes that do not halve, roughness that falls and more levels than can be
-    /// shown.
+    /// [`Error::Parameter`] for sizes that do not halve, decreasing roughness, and more than the supported
+    /// number of levels.
     pub fn new(chain: Chain, levels_from_world: DMat3) -> Result<Option<Self>> {
         if chain.levels.len() < 2 {
             return Ok(None);
         }
         let largest = chain.levels[0].size();
-        let wrong =
-            |message: String| Err(Error::Parameter(format!("levels that cannot be shown: {message}")));
+        let wrong = |message: String| Err(Error::Parameter(format!("cannot show these levels: {message}")));
         if chain.levels.len() > MOST_LEVELS {
-            return wrong(format!("{} of them, and {MOST_LEVELS} can be", chain.levels.len()));
+            return wrong(format!("{} levels; at most {MOST_LEVELS} are supported", chain.levels.len()));
         }
         for (number, level) in (0..).zip(&chain.levels) {
             let expected = largest.checked_shr(number).unwrap_or(0).max(1);
             if level.size() != expected || level.texels.len() != 6 * expected as usize * expected as usize {
                 return wrong(format!(
-                    "level {number} has {} texels a side instead of {expected}",
+                    "level {number} has {} texels per side instead of {expected}",
                     level.size()
                 ));
             }
         }
         if largest.ilog2() + 1 < chain.levels.len() as u32 {
-            return wrong(format!("{} of them below a face of {largest}", chain.levels.len()));
+            return wrong(format!("{} levels for faces of {largest} texels", chain.levels.len()));
         }
         if let Some([a, b]) = chain.levels.array_windows().find(|[a, b]| a.roughness > b.roughness) {
-            return wrong(format!("roughness {} follows {}", b.roughness, a.roughness));
+            return wrong(format!("roughness {} follows {}; it must not decrease", b.roughness, a.roughness));
         }
         Ok(Some(Self { chain, levels_from_world }))
     }
 
-    /// The levels on the device of `context`; `source_from_world` is that of the light that they belong to.
+    /// Uploads the levels to the device of `context`; `source_from_world` is that of the light that they
+    /// belong to.
     pub(super) fn upload(&self, context: &Context, source_from_world: DMat3) -> Result<Cube> {
         upload(context, &self.chain, self.levels_from_world * source_from_world.transpose())
     }
@@ -59,7 +59,7 @@ impl Levels {
 #[derive(Debug)]
 pub(super) struct Cube {
     pub(super) view: wgpu::TextureView,
-    /// Radiance is a texel times two to the power of this, which is the ladder's scale.
+    /// log2 of the ladder's scale: radiance is a texel times 2^`exponent`.
     exponent: i32,
     pub(super) ladder: Ladder,
 }
@@ -73,7 +73,7 @@ impl Cube {
     }
 }
 
-/// `chain` as a texture. Texels are scaled by a power of two where half floats cannot hold them.
+/// Uploads `chain` as a texture, scaled by a power of two if its range exceeds that of half floats.
 pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3) -> Result<Cube> {
     let size = chain.levels[0].size();
     let most = context.device().limits().max_texture_dimension_2d;
@@ -82,7 +82,7 @@ pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3
             what: format!("a cube of {size} x {size} texels a face"),
             needed: 48 * u64::from(size).pow(2),
             available: 48 * u64::from(most).pow(2),
-            remedy: "choose another filter than levels".to_owned(),
+            remedy: "choose a filter other than levels".to_owned(),
         });
     }
     let texture = context.device().create_texture(&wgpu::TextureDescriptor {
@@ -97,7 +97,7 @@ pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3
     });
     let texels = chain.levels.iter().flat_map(|level| level.texels.as_flattened());
     let exponent = exponent_of(texels.copied().fold(0.0, f32::max));
-    // In two steps, each of which float32 can hold.
+    // Scale in two steps, each within the range of float32.
     let (first, second) = (exponent / 2, exponent - exponent / 2);
     let scale = |value: f32| value * (-first as f32).exp2() * (-second as f32).exp2();
     for (mip_level, level) in (0..).zip(&chain.levels) {
@@ -130,7 +130,7 @@ pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3
     Ok(Cube { view, exponent, ladder: Ladder { count, roughness, scale, levels_from_source } })
 }
 
-/// The power of two that light of at most `brightest` is divided by: 0 where half floats hold it well.
+/// log2 of the divisor for light of at most `brightest`: 0 if it suits half floats.
 fn exponent_of(brightest: f32) -> i32 {
     if brightest == 0.0 || (1.0 / 16.0..=f16::MAX.to_f32()).contains(&brightest) {
         return 0;

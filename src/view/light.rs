@@ -1,4 +1,4 @@
-//! An environment on the GPU: its tables, and what rebuilds them every frame.
+//! An environment on the GPU: its tables, and the stages that rebuild them.
 
 use super::frame::Diffuse;
 use super::levels::{self, Cube, Levels};
@@ -23,7 +23,7 @@ use glam::{DMat3, DVec3};
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 
-/// Pipelines that make tables.
+/// Pipelines that build tables.
 #[derive(Debug)]
 pub(super) struct Passes {
     reparameterise: Reparameterise,
@@ -51,8 +51,8 @@ impl Passes {
 /// An environment and its tables on the GPU.
 #[derive(Debug)]
 pub struct Light {
-    /// In its own space: directions are turned into it by `source_from_world`. Its light is `scale`d, as all
-    /// that is made of it.
+    /// In its own space; `source_from_world` maps world directions to it. Its light, and everything derived
+    /// from it, is scaled by `scale`.
     environment: Environment,
     scale: LightScale,
     source_from_world: DMat3,
@@ -61,27 +61,27 @@ pub struct Light {
     /// The automatic exposure of the source, in powers of two.
     exposure: f64,
     diffuse: wgpu::Buffer,
-    /// Those of a bake, or made when they are first asked for.
+    /// The levels of a bake, or built on first use.
     levels: OnceCell<Cube>,
     own_levels: bool,
     boxes: SatTextures,
     fitted: FittedTables,
-    /// From texels to tables, in order.
+    /// Stages from texels to tables, in order.
     stages: Vec<Stage>,
 }
 
-/// Edge of the cube that engines would prefilter.
+/// Edge of the cube of prefiltered levels.
 const LEVELS_SIZE: u32 = 256;
 
-/// Texels of the largest OEM that a viewer makes by itself.
+/// Greatest default OEM size of the viewer.
 const LARGEST: u32 = 2048;
 
-/// The lamp after `seconds` of circling at half height, seven degrees wide: it gives half as much light as an
-/// environment of `mean` luminance does.
+/// The lamp after `seconds` of circling at half height, seven degrees wide. It gives half as much light as an
+/// environment of `mean` luminance.
 fn lamp_after(seconds: f64, mean: f64) -> Lamp {
     const DISC: f64 = 0.0523;
     const EDGE: f64 = 0.0611;
-    /// Radians a second.
+    /// Radians per second.
     const SPEED: f64 = 0.8;
     let (sin, cos) = (SPEED * seconds).sin_cos();
     let radiance = mean / (1.0 - EDGE.cos());
@@ -89,11 +89,11 @@ fn lamp_after(seconds: f64, mean: f64) -> Lamp {
 }
 
 impl Light {
-    /// The tables of `environment`, on an OEM of `inner` texels or as many as suit it.
+    /// Builds the tables of `environment` on an OEM of `inner` texels along an edge, or a suitable default.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] where the tables take more
-    /// than [`crate::memory::LIMIT`] or do not fit the device.
+    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables exceed
+    /// [`crate::memory::LIMIT`] or do not fit the device.
     pub(super) fn new(
         context: &Context,
         passes: &Passes,
@@ -151,14 +151,14 @@ impl Light {
         })
     }
 
-    /// The environment, in its own space. Light that float32 could not compute with is scaled by a power of
-    /// two, which exposures undo.
+    /// The environment, in its own space. Light beyond the range of float32 arithmetic is scaled by a power
+    /// of two; the exposure compensates.
     #[must_use]
     pub const fn environment(&self) -> &Environment {
         &self.environment
     }
 
-    /// Turns directions of a world that is turned by `degrees` about +Y into the environment's own space.
+    /// Maps directions of a world rotated by `degrees` about +Y to the environment's own space.
     #[must_use]
     pub fn source_from_world(&self, degrees: f64) -> DMat3 {
         let (sin, cos) = degrees.to_radians().sin_cos();
@@ -166,18 +166,18 @@ impl Light {
         self.source_from_world * turn
     }
 
-    /// What makes the tables anew, in order: to be recorded whenever the light changes.
+    /// Stages that rebuild the tables, in order; record them whenever the light changes.
     #[must_use]
     pub fn stages(&self) -> &[Stage] {
         &self.stages
     }
 
-    /// Puts a lamp where it is after `seconds` of its circling, or nowhere, and makes the tables anew.
+    /// Places the lamp after `seconds` of circling, or removes it, and rebuilds the tables.
     pub(super) fn move_lamp(&self, context: &Context, seconds: Option<f64>) {
         self.set_lamp(context, seconds.map(|seconds| lamp_after(seconds, self.mean_luminance)));
     }
 
-    /// Makes the tables anew with `lamp` added to the environment, or nothing.
+    /// Rebuilds the tables with `lamp` added to the environment, or without a lamp.
     pub fn set_lamp(&self, context: &Context, lamp: Option<Lamp>) {
         context.queue().write_buffer(&self.lamp, 0, bytemuck::bytes_of(&lamp.unwrap_or_default()));
         let diffuse = Diffuse::of_lamp(lamp);
@@ -199,7 +199,7 @@ impl Light {
         self.exposure
     }
 
-    /// `ev` of the source's light as that of the scaled light, within what float32 holds.
+    /// Converts `ev` for the source's light to the scaled light, clamped to the range of float32.
     pub(super) fn scaled_ev(&self, ev: f64) -> f64 {
         (ev - f64::from(self.scale.exponent())).clamp(-100.0, 100.0)
     }
@@ -208,10 +208,10 @@ impl Light {
         &self.diffuse
     }
 
-    /// Takes the levels of the bake whose level 0 the environment is.
+    /// Sets the levels of the bake whose level 0 is the environment.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where they do not fit the device.
+    /// [`crate::Error::Limit`] if they do not fit the device.
     pub fn set_levels(&mut self, context: &Context, levels: &Levels) -> Result<()> {
         let cube = levels.upload(context, self.source_from_world)?;
         self.levels = OnceCell::from(cube.scaled(self.scale.exponent()));
@@ -219,13 +219,13 @@ impl Light {
         Ok(())
     }
 
-    /// Whether there are levels of a bake.
+    /// Whether the levels are those of a bake.
     #[must_use]
     pub const fn has_own_levels(&self) -> bool {
         self.own_levels
     }
 
-    /// The levels of the bake, or else those of a bake of the environment.
+    /// The levels of the bake, or of a default bake of the environment.
     pub(super) fn levels(&self, context: &Context) -> Result<&Cube> {
         if let Some(cube) = self.levels.get() {
             return Ok(cube);

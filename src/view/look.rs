@@ -1,4 +1,4 @@
-//! What is shown and how: everything that a slider or a switch changes.
+//! Everything that the viewer's controls change.
 
 use super::camera::{Camera, FRONT};
 use crate::environment::Rgb;
@@ -8,7 +8,7 @@ use crate::realtime::tables::COUNTS;
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
-/// What stands under the environment.
+/// The object under the environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Object {
     /// One sphere.
@@ -18,7 +18,7 @@ pub enum Object {
     Row,
     /// A torus knot.
     Knot,
-    /// The mesh of a file.
+    /// A mesh from a file.
     Mesh,
 }
 
@@ -34,7 +34,7 @@ impl Display for Object {
     }
 }
 
-/// From what [`Display`] writes.
+/// Parses the output of [`Display`].
 impl FromStr for Object {
     type Err = String;
 
@@ -44,16 +44,16 @@ impl FromStr for Object {
     }
 }
 
-/// How lobes are answered.
+/// Filter of the reflections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
     /// The single box of the octahedron environment maps paper.
     Box,
-    /// The real-time tier, by so many soft boxes.
+    /// The real-time tier, with this number of soft boxes.
     Fitted(u32),
-    /// A prefiltered cube chain, trilinear, as engines have it.
+    /// A prefiltered cube chain, trilinear, as in engines.
     Levels,
-    /// The certified tier, by the CPU for the pixels that are seen.
+    /// The certified tier, evaluated by the CPU for the visible pixels.
     Adaptive,
 }
 
@@ -68,7 +68,7 @@ impl Display for Filter {
     }
 }
 
-/// From what [`Display`] writes; `fitted` alone is `fitted:4`.
+/// Parses the output of [`Display`]; `fitted` alone means `fitted:4`.
 impl FromStr for Filter {
     type Err = String;
 
@@ -87,7 +87,7 @@ impl FromStr for Filter {
     }
 }
 
-/// What the picture shows.
+/// Content of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Show {
     /// The scene.
@@ -95,34 +95,33 @@ pub enum Show {
     Scene,
     /// The octahedral map.
     Oem,
-    /// Its table: the mean radiance of the box from the upper left corner to each place.
+    /// Its SAT: the mean radiance of the box from the upper left corner to each texel.
     Sat,
     /// The filter's relative error against the certified tier, in false colour.
     Error,
 }
 
-/// From radiance to what a display shows.
+/// Tone mapping from radiance to display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {
-    /// The PBR Neutral tone mapper of the Khronos Group (2024), for colours as they are.
+    /// The PBR Neutral tone mapper of the Khronos Group (2024), which preserves colours.
     #[default]
     Neutral,
     /// Narkowicz's fit of the ACES reference transform (2015).
     Aces,
-    /// Reinhard et al. 2002, equation 3, a channel at a time.
+    /// Reinhard et al. 2002, equation 3, per channel.
     Reinhard,
-    /// Cut off at 1.
+    /// Clamp to 1.
     Linear,
 }
 
-/// What a mesh is made of.
+/// Material of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Paint {
-    /// What its file says, times [`Look::tint`] and [`Look::roughness_factor`]; a file without materials is
-    /// plain.
+    /// The file's materials, times [`Look::tint`] and [`Look::roughness_factor`]; plain if the file has none.
     #[default]
     File,
-    /// A metal of [`Look::metal`] and [`Look::roughness`], as the other objects are.
+    /// A metal of [`Look::metal`] and [`Look::roughness`], like the other objects.
     Plain,
 }
 
@@ -137,7 +136,7 @@ impl Display for Paint {
     }
 }
 
-/// From what [`Display`] writes.
+/// Parses the output of [`Display`].
 impl FromStr for Paint {
     type Err = String;
 
@@ -147,36 +146,36 @@ impl FromStr for Paint {
     }
 }
 
-/// What the viewer shows.
+/// Description of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
-    /// What stands there.
+    /// The object.
     pub object: Object,
-    /// From where it is seen.
+    /// The camera.
     pub camera: Camera,
     /// Perceptual roughness in \[0, 1\]; a row of spheres has its own.
     pub roughness: f64,
-    /// Whether the roughness of a plain surface varies: times a map's.
+    /// Whether a map modulates the roughness of plain surfaces.
     pub textured: bool,
     /// Reflectance of plain metals at normal incidence, linear.
     pub metal: Rgb,
-    /// What a mesh is made of.
+    /// Material of the mesh.
     pub paint: Paint,
     /// Factor of the base colours of a mesh's own materials, linear.
     pub tint: Rgb,
     /// Factor of the roughness of a mesh's own materials.
     pub roughness_factor: f64,
-    /// Roughness of the lobe that the backdrop is seen by, in \[0, 1\].
+    /// Roughness of the lobe for the backdrop, in \[0, 1\].
     pub backdrop: f64,
-    /// Turn of the environment about +Y in degrees.
+    /// Rotation of the environment about +Y in degrees.
     pub turn: f64,
-    /// How bright the picture is.
+    /// Exposure of the picture.
     pub exposure: Exposure,
-    /// From radiance to display.
+    /// Tone mapping.
     pub tone: Tone,
-    /// How lobes are answered.
+    /// Filter of the reflections.
     pub filter: Filter,
-    /// What the picture shows.
+    /// Content of the picture.
     pub show: Show,
 }
 
@@ -213,7 +212,7 @@ pub(super) struct Ball {
 }
 
 impl Look {
-    /// Whether every value is one that can be shown.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
     /// [`Error::Parameter`] naming the value and its range.
@@ -243,26 +242,26 @@ impl Look {
         }
         match self.filter {
             Filter::Fitted(count) if !COUNTS.contains(&count) => {
-                Err(Error::Parameter(format!("no lobes are fitted with {count} boxes; there are {COUNTS:?}")))
+                Err(Error::Parameter(format!("no fitted lobes with {count} boxes; choose one of {COUNTS:?}")))
             }
             _ => Ok(()),
         }
     }
 
-    /// Where the camera stands at first: before the front of a mesh, else where a panorama's middle is seen.
+    /// The initial camera: faces the front of a mesh, otherwise the centre of a panorama.
     #[must_use]
     pub fn first_camera(&self) -> Camera {
         let yaw = if self.object == Object::Mesh { FRONT } else { 0.0 };
         Camera { yaw, ..Camera::default() }
     }
 
-    /// Whether a mesh's own materials are shown, where it has any.
+    /// Whether the materials of a mesh's file are shown, if it has any.
     #[must_use]
     pub fn shows_materials(&self) -> bool {
         self.object == Object::Mesh && self.paint == Paint::File
     }
 
-    /// Whether lobes are asked of the certified tier.
+    /// Whether the picture needs the certified tier.
     #[must_use]
     pub fn needs_truth(&self) -> bool {
         match self.show {
@@ -272,7 +271,7 @@ impl Look {
         }
     }
 
-    /// Whether what is shown is read from tables that are made anew every frame where there is a lamp.
+    /// Whether the picture follows a moving lamp, through tables rebuilt every frame.
     pub(super) const fn follows_lamp(&self) -> bool {
         match self.show {
             Show::Scene => matches!(self.filter, Filter::Box | Filter::Fitted(_)),
@@ -281,7 +280,7 @@ impl Look {
         }
     }
 
-    /// The spheres that are shown.
+    /// The visible spheres.
     pub(super) fn balls(&self) -> Vec<Ball> {
         match self.object {
             Object::Sphere => vec![Ball { centre: [0.0; 3], radius: 1.0, roughness: self.roughness }],

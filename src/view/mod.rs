@@ -1,4 +1,4 @@
-//! The live glossiness slider: objects under an environment, every pixel a lobe of its own roughness.
+//! The live glossiness viewer: objects under an environment, with a lobe of its own roughness in every pixel.
 //!
 //! ```text
 //! environment --light--> OEM, SAT, soft tables, harmonics --+
@@ -7,11 +7,11 @@
 //! truth: reflected directions read back, adaptive lobes ----+        +--present--> tone-mapped pixels
 //! ```
 //!
-//! [`Look`] says what is shown; [`Renderer`] draws it into any texture, in a window or, by [`screenshot()`],
-//! into an image. Surfaces are glTF's metallic-roughness model by the split sum: radiance of the lobe around
-//! the mirrored view, times what the table of [`crate::bake::dfg`] says that the surface reflects of white,
-//! multiple scattering included; and for dielectrics the irradiance of the environment's harmonics. Spheres
-//! and knots are metals, meshes have the materials of their files.
+//! [`Look`] describes the picture. [`Renderer`] draws it into any texture: in a window, or by
+//! [`screenshot()`] into an image. Surfaces follow glTF's metallic-roughness model by the split sum: radiance
+//! of the lobe around the mirrored view, times the reflectance from the table of [`crate::bake::dfg`], with
+//! multiple scattering; dielectrics add the irradiance of the environment's harmonics. Spheres and knots are
+//! metals; meshes use the materials of their files.
 
 mod camera;
 mod frame;

@@ -1,4 +1,4 @@
-//! A mesh on the GPU: its triangles, its materials and their textures.
+//! A mesh on the GPU: triangles, materials and textures.
 
 use super::textures::texture_of;
 use crate::error::{Error, Result};
@@ -8,7 +8,7 @@ use crate::mesh::{Image, Material, Mesh, Part, Texture, Wrap};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// The uniform of a material.
+/// Uniform of a material.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct MaterialUniform {
@@ -20,7 +20,7 @@ pub(super) struct MaterialUniform {
 }
 shader::members!(MaterialUniform { base, metallic, roughness, cutoff, own });
 
-/// Whose a material is.
+/// Origin of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Owner {
     File,
@@ -35,7 +35,7 @@ pub(super) struct Surface {
     surface: (wgpu::TextureView, wgpu::Sampler),
 }
 
-/// What texels stand for.
+/// Encoding of texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Space {
     Srgb,
@@ -43,7 +43,7 @@ enum Space {
 }
 
 impl Surface {
-    /// A metal as white and as rough as the uniform of the picture says.
+    /// A metal with the reflectance and roughness of the picture's uniform.
     pub(super) fn plain(context: &Context) -> Self {
         Self::new(context, &Material::default(), Owner::Viewer, &white(context), &white(context))
     }
@@ -66,7 +66,7 @@ impl Surface {
         Self { uniform, base: base.clone(), surface: surface.clone() }
     }
 
-    /// The resources, for bindings from `first` on.
+    /// Bind group entries from binding `first` on.
     pub(super) fn entries(&self, first: u32) -> Vec<wgpu::BindGroupEntry<'_>> {
         let resources = [
             self.uniform.as_entire_binding(),
@@ -82,7 +82,7 @@ impl Surface {
     }
 }
 
-/// A texture that changes nothing.
+/// A white texture, which leaves factors unchanged.
 fn white(context: &Context) -> (wgpu::TextureView, wgpu::Sampler) {
     let format = wgpu::TextureFormat::Rgba8Unorm;
     let view = texture_of(context, "white", format, [1; 2], &[255; 4]);
@@ -100,10 +100,10 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// `mesh` on the device of `context`.
+    /// Uploads `mesh` to the device of `context`.
     ///
     /// # Errors
-    /// [`Error::Limit`] and [`Error::Parameter`] where it does not fit the device.
+    /// [`Error::Limit`] and [`Error::Parameter`] if it does not fit the device.
     pub(super) fn new(context: &Context, mesh: &Mesh) -> Result<Self> {
         let buffer = |label, usage, bytes: &[u8]| {
             let most = context.device().limits().max_buffer_size;
@@ -170,13 +170,13 @@ fn sampler(context: &Context, wrap: [Wrap; 2], nearest: bool) -> wgpu::Sampler {
     })
 }
 
-/// `image` with all its levels.
+/// Uploads `image` with all mip levels.
 fn upload(context: &Context, image: &Image, space: Space) -> Result<wgpu::TextureView> {
     let most = context.device().limits().max_texture_dimension_2d;
     let (width, height) = (image.width, image.height);
     if width.max(height) > most {
         return Err(Error::Parameter(format!(
-            "a texture of {width} x {height} texels; this GPU has room for {most} a side, use a smaller one"
+            "texture of {width} x {height} texels; this GPU supports {most} per side, use a smaller one"
         )));
     }
     let levels = width.max(height).ilog2() + 1;
@@ -210,7 +210,7 @@ fn upload(context: &Context, image: &Image, space: Space) -> Result<wgpu::Textur
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
 }
 
-/// `image` at half its sides: means of the texels below each, of light rather than of its encoding.
+/// Halves the sides of `image`: averages linear light, not its encoding.
 fn halved(image: &Image, space: Space) -> Image {
     let (width, height) = ((image.width / 2).max(1), (image.height / 2).max(1));
     let light: Vec<f32> = (0..=255_u8)

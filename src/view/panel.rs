@@ -1,22 +1,22 @@
-//! Sliders and switches.
+//! The panel of controls.
 
 use super::camera::MAX_PITCH;
 use super::look::{Filter, Look, Object, Paint, Show, Tone};
 use crate::image::exposure::{self, Exposure};
 use egui::{ComboBox, DragValue, Grid, Rect, RichText, ScrollArea, Slider, SliderClamping, Ui};
 
-/// What the panel changes besides the look.
+/// Settings of the panel outside the look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Motion {
-    /// The environment turns about +Y.
+    /// Rotate the environment about +Y.
     pub(super) turning: bool,
-    /// A lamp circles, and the tables are made anew every frame.
+    /// Move a lamp and rebuild the tables every frame.
     pub(super) lamp: bool,
-    /// Times of the passes are taken.
+    /// Measure the times of the passes.
     pub(super) timing: bool,
 }
 
-/// What the panel tells.
+/// Information that the panel displays.
 #[derive(Debug)]
 pub(super) struct Status<'a> {
     pub(super) environment: &'a str,
@@ -25,14 +25,14 @@ pub(super) struct Status<'a> {
     pub(super) has_mesh: bool,
     /// Whether the mesh has materials of its own.
     pub(super) has_materials: bool,
-    /// Whether the environment is a bake with levels of its own.
+    /// Whether the environment is a bake with its own levels.
     pub(super) has_levels: bool,
     /// The automatic exposure, in powers of two.
     pub(super) exposure: f64,
-    /// Pixels of the picture, and the share that the certified tier has answered.
+    /// Size of the picture in samples, and the certified tier's progress.
     pub(super) size: (u32, u32),
     pub(super) progress: Option<f64>,
-    /// Passes and their seconds.
+    /// Passes and their times in seconds.
     pub(super) times: &'a [(&'static str, f64)],
 }
 
@@ -42,7 +42,7 @@ pub(super) const WIDTH: f32 = 250.0;
 /// Length of a slider in points.
 const SLIDER: f32 = 130.0;
 
-/// Shows the panel's contents; where the roughness slider lies.
+/// Shows the panel's contents; returns the position of the roughness slider.
 pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &Status<'_>) -> Rect {
     let scrolled = ScrollArea::vertical().show(ui, |ui| {
         ui.add_space(6.0);
@@ -58,7 +58,7 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
         let value = if painted { &mut look.roughness_factor } else { &mut look.roughness };
         let roughness = Slider::new(value, 0.0..=1.0).max_decimals(3);
         let roughness = ui.add_enabled(look.object != Object::Row, roughness).rect;
-        ui.add_enabled(!painted, egui::Checkbox::new(&mut look.textured, "varies over the surface"));
+        ui.add_enabled(!painted, egui::Checkbox::new(&mut look.textured, "vary over the surface"));
         if look.object == Object::Mesh && status.has_materials {
             let mut own = look.paint == Paint::File;
             if ui.checkbox(&mut own, "the mesh's own materials").changed() {
@@ -108,13 +108,13 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
             let fixed = ev.clamp(*exposure::RANGE.start(), *exposure::RANGE.end());
             look.exposure = if automatic { Exposure::Auto } else { Exposure::Ev(fixed) };
         }
-        ui.label("Backdrop's roughness");
+        ui.label("Backdrop roughness");
         ui.add(Slider::new(&mut look.backdrop, 0.0..=1.0).max_decimals(3));
-        ui.label("Turn of the environment");
+        ui.label("Environment rotation");
         look.turn = look.turn.rem_euclid(360.0);
         ui.add(Slider::new(&mut look.turn, 0.0..=360.0).step_by(0.1).suffix("\u{b0}"));
-        ui.checkbox(&mut motion.turning, "keeps turning");
-        let lamp = egui::Checkbox::new(&mut motion.lamp, "a lamp circles (tables every frame)");
+        ui.checkbox(&mut motion.turning, "rotate continuously");
+        let lamp = egui::Checkbox::new(&mut motion.lamp, "moving lamp (tables every frame)");
         ui.add_enabled(look.follows_lamp(), lamp);
         ui.separator();
         ui.collapsing("Camera", |ui| {
@@ -146,8 +146,8 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
             ui.label(RichText::new(format!("adaptive: {:.0} %", 100.0 * progress)).weak());
         }
         ui.label(RichText::new(status.adapter).weak());
-        ui.label(RichText::new("Drag to turn, scroll or spread to come nearer; drop an environment or a mesh. H hides this.").weak());
-        // Without the number beside it.
+        ui.label(RichText::new("Drag to turn, scroll or pinch to zoom; drop an environment or a mesh. H hides the panel.").weak());
+        // Exclude the slider's number field.
         roughness.with_max_x(roughness.left() + SLIDER)
     });
     scrolled.inner

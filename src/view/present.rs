@@ -1,11 +1,11 @@
-//! From a linear picture to what a display shows.
+//! Tone-maps a linear picture for the display.
 
 use super::look::{Look, Show, Tone};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
 use std::collections::HashMap;
 
-/// The uniform of what a display shows.
+/// Uniform of the pass.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct Present {
@@ -17,7 +17,7 @@ pub(super) struct Present {
 }
 shader::members!(Present { origin, size, source, tone, pad });
 
-/// Where a picture goes in its target, in pixels from the upper left corner.
+/// Position of a picture in its target, in pixels from the upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewport {
     /// Left edge.
@@ -30,7 +30,7 @@ pub struct Viewport {
     pub height: u32,
 }
 
-/// What shows pictures, in textures of any format.
+/// Presents pictures to textures of any format.
 #[derive(Debug)]
 pub(super) struct Presenter {
     context: Context,
@@ -49,7 +49,7 @@ impl Presenter {
         Self { context: context.clone(), uniform, pipelines: HashMap::new() }
     }
 
-    /// Shows the linear `picture` in `viewport` of `view`, tone-mapped, in sRGB.
+    /// Draws the linear `picture` into `viewport` of `view`, tone-mapped, in sRGB.
     pub(super) fn present(
         &mut self,
         picture: &wgpu::TextureView,
@@ -85,7 +85,7 @@ impl Presenter {
             })
         });
         let tone = match (look.show, look.tone) {
-            // False colours are meant for the display as they are.
+            // False colours are display colours.
             (Show::Error, _) | (_, Tone::Linear) => 3,
             (_, Tone::Neutral) => 0,
             (_, Tone::Aces) => 1,

@@ -1,5 +1,5 @@
-//! Draws a [`Look`] at a [`Light`]: a linear picture first, then, by [`super::present`], what a display shows
-//! of it.
+//! Draws a [`Look`] under a [`Light`]: first a linear picture, then, by [`super::present`], its tone-mapped
+//! form.
 
 use super::frame::{Ladder, ViewFrame};
 use super::light::{Light, Passes};
@@ -21,14 +21,14 @@ use crate::mesh::{Mesh, Part, Vertex};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// Texels along an edge of the split sum's table.
+/// Texels along an edge of the split-sum table.
 const SPLIT_SUM: u32 = 64;
 
 const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// What answers a pixel's question: a shader file, and what it is bound to.
+/// Source of a pixel's radiance: a shader file and its resources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Source {
     Box,
@@ -48,7 +48,7 @@ impl Source {
     }
 }
 
-/// What a pass leaves in every pixel.
+/// Output of a pass per pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Output {
     Picture,
@@ -76,7 +76,7 @@ struct Targets {
     depth: wgpu::TextureView,
 }
 
-/// Everything on a device that draws.
+/// Pipelines and resources for drawing on one device.
 #[derive(Debug)]
 pub struct Renderer {
     context: Context,
@@ -89,27 +89,27 @@ pub struct Renderer {
     pipelines: HashMap<(Source, Output, bool), wgpu::RenderPipeline>,
     split_sum: wgpu::TextureView,
     roughness: wgpu::TextureView,
-    /// A roughness map that changes nothing.
+    /// An even roughness map.
     even: wgpu::TextureView,
     trilinear: wgpu::Sampler,
-    /// What everything but the materials of files is made of.
+    /// Material of everything except meshes with their own materials.
     plain: Surface,
     knot: Model,
     mesh: Option<Model>,
     truth: wgpu::TextureView,
-    /// The picture that is there, and the one that is being drawn.
+    /// The current picture, and the one in progress.
     shown: Option<Targets>,
     next: Option<Targets>,
-    /// What takes the next picture's time, and where in it.
+    /// Timer of the next picture, and its place in it.
     timer: Option<(Timer, u32)>,
     presenter: Presenter,
 }
 
 impl Renderer {
-    /// Compiles what every picture needs; the rest when it is first drawn.
+    /// Compiles the common pipelines; others are compiled on first use.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where a shader fails.
+    /// [`Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context) -> Result<Self> {
         let device = context.device();
         let uniform = |label, size| {
@@ -143,7 +143,7 @@ impl Renderer {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
         let image = texture(true, wgpu::TextureViewDimension::D2);
-        // The picture's, then the material's.
+        // Entries of the picture, then those of the material.
         let frame_entries: Vec<_> = (0..)
             .zip([buffer, flat, flat, flat, buffer, buffer, image, sampler, image, sampler])
             .map(|(binding, ty)| entry(binding, ty))
@@ -193,18 +193,18 @@ impl Renderer {
         &self.context
     }
 
-    /// Makes `environment` ready, on an OEM of `inner` texels or as many as suit it.
+    /// Prepares `environment` on an OEM of `inner` texels along an edge, or a suitable default.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] where the tables do not fit the device.
+    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if the tables do not fit the device.
     pub fn light(&mut self, environment: &Environment, inner: Option<u32>) -> Result<Light> {
         Light::new(&self.context, &self.passes, environment, inner)
     }
 
-    /// Takes `mesh` as the object [`Object::Mesh`].
+    /// Sets the mesh of [`Object::Mesh`].
     ///
     /// # Errors
-    /// [`Error::Limit`] and [`Error::Parameter`] where it does not fit the device.
+    /// [`Error::Limit`] and [`Error::Parameter`] if it does not fit the device.
     pub fn set_mesh(&mut self, mesh: &Mesh) -> Result<()> {
         self.mesh = Some(Model::new(&self.context, mesh)?);
         self.context.check()
@@ -215,16 +215,16 @@ impl Renderer {
         self.mesh.as_ref().is_some_and(|mesh| !mesh.surfaces.is_empty())
     }
 
-    /// Draws the linear picture, `width` x `height` pixels.
+    /// Draws the linear picture with `width` x `height` samples.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a look that cannot be shown, [`Error::Gpu`] where the device fails.
+    /// [`Error::Parameter`] for an unsupported look, [`Error::Gpu`] if the device fails.
     pub fn draw(&mut self, look: &Look, light: &Light, width: u32, height: u32) -> Result<()> {
         self.draw_rows(look, light, (width, height), 0..height)
     }
 
-    /// Draws some rows of a picture of `size`: the first begin another, and with the last it takes the place
-    /// of the one that was there. What takes long is drawn in bands, of one look and one size.
+    /// Draws some rows of a picture of `size`. Row 0 starts a new picture; with the last row it replaces the
+    /// current one. Slow pictures are drawn in bands of one look and size.
     ///
     /// # Errors
     /// Those of [`Renderer::draw`].
@@ -255,8 +255,7 @@ impl Renderer {
         self.context.check()
     }
 
-    /// What every pixel of a picture asks of the environment, read back: direction of the world and
-    /// roughness.
+    /// Reads back the query of every pixel: world direction and roughness.
     ///
     /// # Errors
     /// Those of [`Renderer::draw`].
@@ -276,10 +275,11 @@ impl Renderer {
         Ok(async move { readback::read_texture(&context, &texture).await })
     }
 
-    /// Seconds of every stage of the light and of a picture of `width` x `height` samples, made once more.
+    /// Seconds of every stage of the light and of a picture of `width` x `height` samples; runs each once
+    /// more.
     ///
     /// # Errors
-    /// Those of [`Renderer::draw`], and [`Error::Gpu`] where the adapter has no timestamp queries.
+    /// Those of [`Renderer::draw`], and [`Error::Gpu`] if the adapter has no timestamp queries.
     pub(super) fn times(
         &mut self,
         look: &Look,
@@ -306,7 +306,7 @@ impl Renderer {
         })
     }
 
-    /// Takes answers to a picture's samples, `width` to a row.
+    /// Sets the answers to a picture's samples, `width` per row.
     pub(super) fn set_truth(&mut self, answers: &[[f32; 4]], width: u32) {
         let size = [width, answers.len() as u32 / width];
         self.truth = texture_of(&self.context, "truth", SAMPLES, size, bytemuck::cast_slice(answers));
@@ -445,7 +445,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What a picture of `look` at `light` binds first, for surfaces of one material.
+    /// Bind group 0 for pictures of `look` under `light`, for surfaces of one material.
     fn frame_group(&self, look: &Look, light: &Light, surface: &Surface) -> wgpu::BindGroup {
         let roughness = if look.textured { &self.roughness } else { &self.even };
         let textures = [&self.split_sum, roughness, &self.truth];
@@ -464,7 +464,7 @@ impl Renderer {
         })
     }
 
-    /// Compiles what leaves `output`, for what covers the picture or for meshes.
+    /// Compiles the pipeline for `output`: for meshes, or for the triangle that covers the picture.
     fn pipeline(&mut self, source: Source, output: Output, of_mesh: bool) {
         if self.pipelines.contains_key(&(source, output, of_mesh)) {
             return;
@@ -533,11 +533,10 @@ impl Renderer {
         self.pipelines.insert((source, output, of_mesh), pipeline);
     }
 
-    /// Shows the picture drawn last in `viewport` of `view`, tone-mapped, in sRGB; `encoder` has passes
-    /// before and after.
+    /// Draws the last picture into `viewport` of `view`, tone-mapped, in sRGB, as one pass of `encoder`.
     ///
     /// # Panics
-    /// Where nothing was drawn.
+    /// If no picture was drawn.
     pub fn present(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -551,7 +550,7 @@ impl Renderer {
     }
 }
 
-/// What answers for `filter`.
+/// The source for `filter`.
 const fn source_of(filter: Filter) -> Source {
     match filter {
         Filter::Box => Source::Box,

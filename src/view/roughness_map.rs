@@ -1,9 +1,9 @@
-//! Roughness over a plain surface: a map of the viewer's own.
+//! Roughness maps of plain surfaces.
 
-/// Texels along an edge of the viewer's own map.
+/// Texels along an edge of the built-in map.
 const SIZE: u32 = 256;
 
-/// Factors of roughness, row-major; the surface's u runs along rows and v down, both around.
+/// Factors of roughness, row-major; u runs along rows and v down, and both wrap.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RoughnessMap {
     /// Columns.
@@ -15,17 +15,17 @@ pub(super) struct RoughnessMap {
 }
 
 impl RoughnessMap {
-    /// White: roughness stays as it is.
+    /// White: leaves the roughness unchanged.
     pub(super) fn even() -> Self {
         Self { width: 1, height: 1, texels: vec![255] }
     }
 
-    /// Bands and discs between polished and rough, their edges soft.
+    /// Bands and discs between polished and rough, with soft edges.
     pub(super) fn own() -> Self {
         let texel = |index: u32| {
             let place = |k: u32| (f64::from(k) + 0.5) / f64::from(SIZE);
             let (u, v) = (place(index % SIZE), place(index / SIZE));
-            // Eight by six cells, a disc in every other one, on bands that swell along v.
+            // Eight by six cells with a disc in every other one, on bands that vary along v.
             let cell = |x: f64, count: f64| (x * count).fract() - 0.5;
             let far = cell(u, 8.0).hypot(cell(v, 6.0));
             let odd = ((u * 8.0) as u32 + (v * 6.0) as u32) % 2 == 1;

@@ -1,4 +1,4 @@
-//! Pictures without a window.
+//! Renders pictures without a window.
 
 use super::truth::tolerance;
 use super::{Light, Look, Renderer, Truth, Viewport};
@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::device::readback;
 use image::RgbImage;
 
-/// Size of a picture, and how well it is drawn.
+/// Size and sampling of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Screenshot {
     /// Columns.
@@ -17,15 +17,13 @@ pub struct Screenshot {
     pub samples: u32,
 }
 
-/// The picture that a window would show of `look`, in sRGB. `truth` answers where the look asks for the
-/// certified tier.
+/// Renders `look` as a window would show it, in sRGB. `truth` answers if the look needs the certified tier.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for a look or a size that cannot be shown, [`crate::Error::Gpu`] where the
-/// device fails.
+/// [`crate::Error::Parameter`] for an unsupported look or size, [`crate::Error::Gpu`] if the device fails.
 ///
 /// # Panics
-/// Where the look asks for the certified tier and there is no `truth`.
+/// If the look needs the certified tier and `truth` is `None`.
 pub async fn screenshot(
     renderer: &mut Renderer,
     look: &Look,

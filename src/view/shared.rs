@@ -1,4 +1,4 @@
-//! What the viewer's shaders declare a second time, as [`crate::gpu::shared`] has it for the stages.
+//! Declarations that the viewer's shaders repeat; see [`crate::gpu::shared`] for those of the stages.
 
 use super::frame::{BallUniform, Diffuse, MOST_LEVELS, ViewFrame};
 use super::look::ROW;
@@ -6,7 +6,7 @@ use super::model::MaterialUniform;
 use super::present::Present;
 use crate::gpu::shared::{Constant, Struct};
 
-/// The constants that the viewer's shaders share with Rust.
+/// Constants that the viewer's shaders share with Rust.
 #[must_use]
 pub fn constants() -> Vec<Constant> {
     vec![
@@ -15,7 +15,7 @@ pub fn constants() -> Vec<Constant> {
     ]
 }
 
-/// The uniforms of the viewer's shaders.
+/// Uniforms of the viewer's shaders.
 #[must_use]
 pub fn structs() -> Vec<Struct> {
     let file = "common/view_scene.wgsl";

@@ -1,13 +1,13 @@
-//! Textures of the viewer: what is drawn into, and what is looked up.
+//! Textures of the viewer: render targets and look-up tables.
 
 use super::roughness_map::RoughnessMap;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 
-/// `map` as a texture.
+/// Uploads `map`.
 ///
 /// # Errors
-/// [`Error::Limit`] where it is larger than the device's textures.
+/// [`Error::Limit`] if it exceeds the device's texture size.
 pub(super) fn roughness_texture(context: &Context, map: &RoughnessMap) -> Result<wgpu::TextureView> {
     let size = [map.width, map.height];
     let most = context.device().limits().max_texture_dimension_2d;
@@ -16,13 +16,13 @@ pub(super) fn roughness_texture(context: &Context, map: &RoughnessMap) -> Result
             what: format!("a roughness map of {} x {}", map.width, map.height),
             needed: u64::from(map.width) * u64::from(map.height),
             available: u64::from(most) * u64::from(most),
-            remedy: format!("use one of at most {most} texels a side"),
+            remedy: format!("use one of at most {most} texels per side"),
         });
     }
     Ok(texture_of(context, "roughness map", wgpu::TextureFormat::R8Unorm, size, &map.texels))
 }
 
-/// A texture that is drawn into, and read.
+/// A render target that can be sampled and read back.
 pub(super) fn target(
     context: &Context,
     label: &str,
@@ -43,7 +43,7 @@ pub(super) fn target(
     })
 }
 
-/// A texture of `bytes`, rows one after the other.
+/// A texture of `bytes`, row-major.
 pub(super) fn texture_of(
     context: &Context,
     label: &str,

@@ -1,5 +1,5 @@
-//! The certified tier for the pixels of a picture: what the adaptive filter shows, and what others are
-//! measured by.
+//! The certified tier for the pixels of a picture: shown by the adaptive filter, and the reference for
+//! others.
 
 use super::look::Show;
 use crate::environment::Environment;
@@ -12,20 +12,20 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// What a picture asks of a pixel: a direction of the world and a roughness.
+/// Query of a pixel: world direction and roughness.
 pub(super) type Asked = [f32; 4];
 
-/// Pixels along an edge of the tiles that share walks through the cells.
+/// Edge of the pixel tiles that share traversals of the cells.
 const TILE: usize = 4;
 
-/// An environment, ready for the certified tier.
+/// An environment prepared for the certified tier.
 #[derive(Debug)]
 pub struct Truth {
     reflector: Reflector<'static>,
 }
 
-/// The relRMSE that `show` asks for: of pictures a fifth of what a bake asks for, well below what an eye
-/// tells apart; where errors are shown, the least that has a colour of its own.
+/// The relRMSE for `show`: for pictures a fifth of the bake default, well below the visible threshold; for
+/// errors the least value with a distinct colour.
 pub(super) const fn tolerance(show: Show) -> f64 {
     match show {
         Show::Error => 1e-4,
@@ -34,8 +34,8 @@ pub(super) const fn tolerance(show: Show) -> f64 {
 }
 
 impl Truth {
-    /// Lobes over `environment`, in its own space. The map is the default one, or where the cells of all lobes
-    /// together would not fit beside a large source, the largest that does.
+    /// Prepares lobes over `environment`, in its own space. Uses the default map size, or the largest size at
+    /// which the cells of all lobes fit in memory together with the source.
     ///
     /// # Errors
     /// Those of [`Reflector::new`].
@@ -51,8 +51,8 @@ impl Truth {
         Ok(Self { reflector })
     }
 
-    /// The radiance that each of a picture's pixels asks for, rows of `width` one after the other; directions
-    /// are turned by `source_from_world`. To a relRMSE of `error`.
+    /// Radiance for each query of a picture in rows of `width`, to a relRMSE of `error`; `source_from_world`
+    /// rotates the directions.
     ///
     /// # Errors
     /// Those of [`Reflector::lobes`].
@@ -63,7 +63,7 @@ impl Truth {
         source_from_world: DMat3,
         error: f64,
     ) -> Result<Vec<[f32; 4]>> {
-        // Those of one roughness together, neighbours next to one another.
+        // Group the queries by roughness, with neighbouring pixels adjacent.
         let mut alike: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (index, [.., roughness]) in asked.iter().enumerate() {
             alike.entry(roughness.to_bits()).or_default().push(index);

@@ -1,5 +1,4 @@
-//! What a window shows, whatever windows it is in: the picture, as fine as time allows, and what becomes of
-//! files.
+//! The viewer without its window: progressive drawing of the picture, and opening of files.
 
 use super::levels::Levels;
 use super::light::Light;
@@ -23,38 +22,38 @@ use std::rc::Rc;
 use std::time::Duration;
 use web_time::Instant;
 
-/// A picture is drawn coarsely until nothing changed for this long.
+/// Time without changes after which the full picture is drawn.
 const IDLE: Duration = Duration::from_millis(250);
 
-/// A frame is to be drawn within this time while something changes.
+/// Target time of a frame during changes.
 const FRAME: Duration = Duration::from_millis(40);
 
-/// Time that the certified tier may take of one frame.
+/// Time per frame for the certified tier.
 const SLICE: Duration = Duration::from_millis(60);
 
-/// Coarsest picture: a sample for so many pixels along an edge.
+/// Greatest pixels per sample along an edge.
 const COARSEST: f64 = 10.0;
 
-/// Bands at most that a whole picture is drawn in.
+/// Most bands of a full picture.
 const MOST_BANDS: f64 = 16.0;
 
-/// Steps of refinement of the certified tier: pixels to a sample along an edge.
+/// Refinement steps of the certified tier: pixels per sample along an edge.
 const STEPS: [u32; 4] = [8, 4, 2, 1];
 
-/// Degrees a second that the environment turns by.
+/// Rotation of the environment in degrees per second.
 const TURN: f64 = 24.0;
 
-/// Times of passes are taken so often.
+/// Interval between measurements of the passes' times.
 const TIMES: Duration = Duration::from_millis(500);
 
-/// What a future will leave.
+/// Slot for the result of a future.
 type Later<T> = Rc<RefCell<Option<Result<T>>>>;
 
-/// The certified tier at work on one picture.
+/// Progress of the certified tier on one picture.
 #[derive(Debug)]
 struct Work {
     look: Look,
-    /// Pixels of the picture when it is done.
+    /// Pixels of the final picture.
     full: (u32, u32),
     step: usize,
     /// Samples of this step.
@@ -63,30 +62,30 @@ struct Work {
     answers: Vec<[f32; 4]>,
 }
 
-/// What a frame drew, where another followed it at once.
+/// What the last frame drew, if this one follows without idling.
 #[derive(Clone, Copy, Debug, Default)]
 enum Before {
-    /// Anything, or none followed.
+    /// Other work, or the frames are not consecutive.
     #[default]
     Other,
-    /// The picture that there was.
+    /// Only the existing picture and the panel.
     Bare,
     /// A coarse picture.
     Coarse,
 }
 
-/// A picture of all pixels on its way, in bands that a frame has time for.
+/// A full picture in progress, drawn in bands that fit a frame.
 #[derive(Debug)]
 struct Bands {
     look: Look,
     size: (u32, u32),
-    /// Rows that are done,
+    /// Rows done.
     done: u32,
-    /// and those of the next band.
+    /// Rows of the next band.
     rows: f64,
 }
 
-/// The state of a window.
+/// State of the viewer.
 #[derive(Debug)]
 pub struct Viewer {
     renderer: Renderer,
@@ -99,26 +98,26 @@ pub struct Viewer {
     message: Option<String>,
     has_mesh: bool,
     panel_hidden: bool,
-    /// Where the roughness slider lies in the panel.
+    /// Position of the roughness slider in the panel.
     slider: Option<egui::Rect>,
-    /// Look and samples of the picture that is there.
+    /// Look and samples of the current picture.
     drawn: Option<(Look, (u32, u32))>,
-    /// Pixels that there are for it.
+    /// Pixels available for it.
     full: (u32, u32),
-    /// The whole picture, band after band.
+    /// The full picture in progress.
     bands: Option<Bands>,
-    /// The lamp is in the tables.
+    /// Whether the tables include the lamp.
     lamp_lit: bool,
     started: Instant,
     changed: Instant,
     last_frame: Instant,
-    /// Pixels to a sample along an edge while something changes.
+    /// Pixels per sample along an edge during changes.
     coarseness: f64,
-    /// The size that the panel tells.
+    /// Size shown in the panel.
     told: (u32, u32),
-    /// What the last frame drew,
+    /// What the last frame drew.
     before: Before,
-    /// and how long one takes that draws no picture.
+    /// Duration of a frame that draws no picture.
     bare: Option<Duration>,
     work: Option<Work>,
     times: Vec<(&'static str, f64)>,
@@ -126,7 +125,7 @@ pub struct Viewer {
     timed: Instant,
 }
 
-/// Runs `future` to its end here; in a browser, in its own time.
+/// Runs `future` to completion; in a browser, asynchronously.
 fn later<T: 'static>(context: &Context, future: impl Future<Output = Result<T>> + 'static) -> Later<T> {
     let slot: Later<T> = Rc::default();
     #[cfg(not(target_arch = "wasm32"))]
@@ -147,7 +146,7 @@ fn later<T: 'static>(context: &Context, future: impl Future<Output = Result<T>> 
 }
 
 impl Viewer {
-    /// A viewer of `environment`, called `name`, drawn by `renderer`.
+    /// A viewer of `environment`, named `name`, drawn by `renderer`.
     ///
     /// # Errors
     /// Those of [`Renderer::light`].
@@ -190,7 +189,7 @@ impl Viewer {
         })
     }
 
-    /// Takes the levels of the bake whose level 0 the environment is.
+    /// Sets the levels of the bake whose level 0 is the environment.
     ///
     /// # Errors
     /// Those of [`Light::set_levels`].
@@ -204,30 +203,30 @@ impl Viewer {
         self.renderer.context()
     }
 
-    /// What is shown.
+    /// The current look.
     #[must_use]
     pub const fn look(&self) -> &Look {
         &self.look
     }
 
-    /// To change what is shown.
+    /// The current look, for changes.
     pub const fn look_mut(&mut self) -> &mut Look {
         &mut self.look
     }
 
-    /// What is told to the user, if anything is.
+    /// The message to the user, if any.
     #[must_use]
     pub fn message(&self) -> Option<&str> {
         self.message.as_deref()
     }
 
-    /// Whether there is a mesh to show.
+    /// Whether a mesh is loaded.
     #[must_use]
     pub const fn has_mesh(&self) -> bool {
         self.has_mesh
     }
 
-    /// What the environment is called.
+    /// Name of the environment.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -239,34 +238,34 @@ impl Viewer {
         !self.panel_hidden
     }
 
-    /// Shows the panel, or hides it.
+    /// Shows or hides the panel.
     pub fn set_panel(&mut self, shown: bool) {
         if shown == self.panel_hidden {
             self.panel_hidden = !shown;
-            // The picture has another size now.
+            // The picture's size changes.
             self.drawn = None;
         }
     }
 
-    /// Where the panel has the slider of the roughness: left, top, right and bottom in points.
+    /// Position of the roughness slider in the panel: left, top, right and bottom in points.
     #[must_use]
     pub fn roughness_slider(&self) -> Option<[f32; 4]> {
         self.slider.map(|slider| [slider.left(), slider.top(), slider.right(), slider.bottom()])
     }
 
-    /// Samples of the picture that is there, columns and rows.
+    /// Samples of the current picture, columns and rows.
     #[must_use]
     pub fn picture_size(&self) -> (u32, u32) {
         self.drawn.as_ref().map_or((0, 0), |(_, size)| *size)
     }
 
-    /// Tells the user something.
+    /// Sets the message to the user.
     pub fn tell(&mut self, message: String) {
         self.message = Some(message);
     }
 
-    /// Takes an environment or a mesh, `bytes` of a file called `path`; where it is neither, says so and goes
-    /// on with what there was.
+    /// Opens an environment or a mesh from `bytes`, a file named `path`. On failure sets the message and
+    /// keeps the current content.
     pub fn open(&mut self, path: &Path, bytes: &[u8]) {
         let outcome = if is_mesh(path) {
             Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
@@ -282,7 +281,7 @@ impl Viewer {
         self.message = outcome.err().map(|error| error.to_string());
     }
 
-    /// The same for a file by its path.
+    /// [`Viewer::open`] for a file on disk.
     pub fn open_file(&mut self, path: &Path) {
         let outcome = if is_mesh(path) {
             Mesh::read(path).and_then(|mesh| self.take_mesh(&mesh))
@@ -305,7 +304,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Takes an environment and, of a bake, its `chain`.
+    /// Sets an environment and, for a bake, its `chain`.
     fn take_environment(
         &mut self,
         environment: &Environment,
@@ -314,7 +313,7 @@ impl Viewer {
     ) -> Result<()> {
         let levels = chain.and_then(|chain| Levels::new(chain, DMat3::IDENTITY).transpose());
         let mut light = self.renderer.light(environment, None)?;
-        // Levels that cannot be shown leave an environment that can.
+        // If the levels cannot be shown, still show the environment.
         let taken = levels.map(|levels| light.set_levels(self.renderer.context(), &levels?)).transpose();
         if light.has_own_levels() {
             self.look.filter = Filter::Levels;
@@ -334,25 +333,25 @@ impl Viewer {
     pub fn is_busy(&self) -> bool {
         let settled = self.drawn.as_ref().is_some_and(|(look, _)| *look == self.look);
         let Motion { turning, lamp, timing } = self.motion;
-        // The panel tells the picture's size.
+        // The panel shows the picture's size.
         let told = self.panel_hidden || self.told == self.picture_size();
         !settled || !told || turning || lamp || timing || self.work.is_some() || self.coarse()
     }
 
-    /// Whether the picture that is there is coarser than it might be.
+    /// Whether the current picture is coarser than possible.
     fn coarse(&self) -> bool {
         self.drawn.as_ref().is_some_and(|(_, size)| *size != self.full)
     }
 
-    /// Draws what there is time for, for a picture of `full` pixels.
+    /// Draws as much of a picture of `full` pixels as the frame time allows.
     pub fn draw(&mut self, full: (u32, u32)) {
         if let Err(error) = self.try_draw(full) {
-            // Not again before something changes.
+            // Do not retry before something changes.
             self.drawn = Some((self.look.clone(), full));
             self.work = None;
             self.message = Some(error.to_string());
         }
-        // Only of a frame that follows at once.
+        // Measure consecutive frames only.
         if !self.is_busy() {
             self.before = Before::Other;
         }
@@ -373,7 +372,7 @@ impl Viewer {
             self.lamp_lit = lamp;
             self.drawn = None;
         }
-        // A frame that follows another at once tells how long that took.
+        // Consecutive frames measure the time of the last one.
         match std::mem::take(&mut self.before) {
             Before::Other => {}
             Before::Bare => self.bare = Some(self.bare.map_or(passed, |bare| bare.min(passed))),
@@ -407,12 +406,12 @@ impl Viewer {
         Ok(())
     }
 
-    /// What a picture took against what it may take, in a frame of `passed`.
+    /// Time of the picture in a frame of `passed`, relative to the target.
     fn pace(&self, passed: Duration) -> f64 {
         passed.saturating_sub(self.bare.unwrap_or_default()).as_secs_f64() / FRAME.as_secs_f64()
     }
 
-    /// Draws what there is time for of the picture of `size`, the last frame having taken `passed`.
+    /// Draws the next band of the picture of `size`, after a frame of `passed`.
     fn draw_band(&mut self, size: (u32, u32), passed: Duration) -> Result<()> {
         let (_, height) = size;
         let under_way = self.bands.take().filter(|bands| bands.look == self.look && bands.size == size);
@@ -439,7 +438,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Lets the certified tier work on the picture for a while, coarse samples first.
+    /// Advances the certified tier by one time slice, coarse samples first.
     fn refine(&mut self) -> Result<()> {
         let done = self.drawn.as_ref().is_some_and(|(look, size)| *look == self.look && *size == self.full);
         let at_it = self.work.as_ref().is_some_and(|work| work.look == self.look && work.full == self.full);
@@ -465,7 +464,7 @@ impl Viewer {
         let width = work.size.0 as usize;
         let source_from_world = self.light.source_from_world(work.look.turn);
         while work.answers.len() < asked.len() {
-            // Bands of rows that tiles fill.
+            // Whole rows of tiles.
             let end = (work.answers.len() + 16 * width).min(asked.len());
             let band = &asked[work.answers.len()..end];
             work.answers.extend(truth.answers(band, width, source_from_world, tolerance(work.look.show))?);
@@ -493,7 +492,7 @@ impl Viewer {
         Ok(Work { look: self.look.clone(), full: self.full, step, size, asked, answers: Vec::new() })
     }
 
-    /// Takes the times of the passes now and then.
+    /// Measures the times of the passes at intervals.
     fn take_times(&mut self, now: Instant) -> Result<()> {
         if !self.motion.timing {
             return Ok(());
@@ -514,7 +513,7 @@ impl Viewer {
             match self.renderer.times(&self.look, &self.light, width, height) {
                 Ok(times) => {
                     self.pending_times = Some(later(self.renderer.context(), times));
-                    // That was a whole picture.
+                    // The measurement drew a full picture.
                     self.drawn = Some((self.look.clone(), self.full));
                     self.bands = None;
                 }
@@ -527,7 +526,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Shows the picture in `viewport` of `view`.
+    /// Draws the current picture into `viewport` of `view`.
     pub fn present(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -540,7 +539,7 @@ impl Viewer {
         }
     }
 
-    /// The panel's interface, and where it leaves room for the picture: in pixels of a target of `size`.
+    /// Runs the panel; returns the viewport left for the picture, in pixels of a target of `size`.
     pub fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
         let (width, height) = size;
         if self.panel_hidden {
@@ -580,13 +579,13 @@ impl Viewer {
     }
 }
 
-/// How files are read: a browser's tab can well give 1 GiB of the 4 that WebAssembly addresses.
+/// Read options; in a browser limits memory to 1 GiB of WebAssembly's 4.
 pub(super) fn options() -> ReadOptions {
     let options = ReadOptions::default();
     if cfg!(target_arch = "wasm32") { ReadOptions { memory_limit: 1 << 30, ..options } } else { options }
 }
 
-/// `full` pixels with a sample for `coarseness` of them along an edge.
+/// Samples of a picture of `full` pixels at `coarseness` pixels per sample along an edge.
 fn coarser((width, height): (u32, u32), coarseness: f64) -> (u32, u32) {
     let side = |pixels: u32| ((f64::from(pixels) / coarseness).round() as u32).max(1);
     (side(width), side(height))

@@ -1,4 +1,4 @@
-//! The window in a page: what the page calls.
+//! The viewer in a web page: the interface for JavaScript.
 
 use super::look::{Filter, Look, Object, Paint};
 use super::viewer::{Viewer, is_mesh, options};
@@ -22,7 +22,7 @@ use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::platform::web::{EventLoopExtWebSys, WindowAttributesExtWebSys};
 use winit::window::{Window, WindowId};
 
-/// Panics go to the console.
+/// Logs panics to the console.
 #[wasm_bindgen(start)]
 fn start() {
     console_error_panic_hook::set_once();
@@ -36,7 +36,7 @@ pub struct Page {
     told: Function,
 }
 
-/// What a page changes of a look; what is absent stays.
+/// Changes of a look; absent fields stay unchanged.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Change {
@@ -59,7 +59,7 @@ enum ExposureChange {
     Text(String),
 }
 
-/// What a page is told.
+/// The state reported to the page.
 #[derive(Debug, Serialize)]
 struct State<'a> {
     environment: &'a str,
@@ -73,7 +73,7 @@ struct State<'a> {
     paint: String,
     /// Samples of the picture.
     size: (u32, u32),
-    /// Whether nothing changes any more.
+    /// Whether the picture is final.
     settled: bool,
     panel: bool,
     /// Left, top, right and bottom in CSS pixels.
@@ -82,12 +82,12 @@ struct State<'a> {
 
 #[wasm_bindgen]
 impl Page {
-    /// Shows the environment `bytes`, the file called `name`, on `canvas`, and serves its events from then
-    /// on. Calls `told` without an argument once the device is there, and with a message where the viewer
-    /// cannot go on.
+    /// Shows the environment in `bytes`, the file named `name`, on `canvas`, and handles its events from then
+    /// on. Calls `told` without an argument once the device is ready, and with a message if the viewer cannot
+    /// continue.
     ///
     /// # Errors
-    /// Where the environment cannot be read, or there is a viewer already.
+    /// If the environment cannot be read, or a viewer exists already.
     #[wasm_bindgen(constructor)]
     pub fn new(canvas: HtmlCanvasElement, name: &str, bytes: &[u8], told: Function) -> Result<Self, JsError> {
         let environment = io::read_from_memory(Path::new(name), bytes, &options())?.environment;
@@ -110,21 +110,21 @@ impl Page {
         Ok(page)
     }
 
-    /// Takes an environment or a mesh, `bytes` of the file called `name`; where it is neither, the panel says
-    /// so and the picture stays.
+    /// Opens an environment or a mesh from `bytes`, the file named `name`. On failure the panel shows the
+    /// error and the picture stays.
     pub fn open(&self, name: &str, bytes: &[u8]) {
         self.act(|viewer| viewer.open(Path::new(name), bytes));
     }
 
-    /// Tells the user something in the panel.
+    /// Shows a message in the panel.
     pub fn tell(&self, message: String) {
         self.act(|viewer| viewer.tell(message));
     }
 
-    /// The state as JSON; `null` before the device is there.
+    /// The state as JSON; `null` until the device is ready.
     ///
     /// # Errors
-    /// None: the state has a form in JSON.
+    /// None in practice: the state always serialises.
     pub fn state(&self) -> Result<String, JsError> {
         let application = self.application.borrow();
         let state = application.shown.as_ref().map(|Shown { viewer, .. }| State {
@@ -145,12 +145,12 @@ impl Page {
         Ok(serde_json::to_string(&state)?)
     }
 
-    /// Changes what is shown by `change`, an object in JSON of any of roughness, roughness_factor, backdrop,
-    /// exposure (a number or "auto"), turn, filter, object and paint (as [`Filter`], [`Object`] and [`Paint`]
-    /// are written) and panel.
+    /// Applies `change`, a JSON object with any of roughness, roughness_factor, backdrop, exposure (a number
+    /// or "auto"), turn, filter, object and paint (as [`Filter`], [`Object`] and [`Paint`] format them) and
+    /// panel.
     ///
     /// # Errors
-    /// Where a field is unknown or its value out of range; nothing is changed then.
+    /// If a field is unknown or its value out of range; nothing changes then.
     pub fn set(&self, change: &str) -> Result<(), JsError> {
         let change: Change = serde_json::from_str(change)?;
         let filter: Option<Filter> = parsed("filter", change.filter)?;
@@ -176,7 +176,7 @@ impl Page {
             };
             look.check()?;
             if look.object == Object::Mesh && !viewer.has_mesh() {
-                return Err(crate::Error::Parameter("there is no mesh: open one first".to_owned()));
+                return Err(crate::Error::Parameter("no mesh is loaded; open one first".to_owned()));
             }
             *viewer.look_mut() = look;
             if let Some(shown) = change.panel {
@@ -188,14 +188,14 @@ impl Page {
     }
 }
 
-/// What `text` says, where there is any.
+/// Parses `text`, if present.
 fn parsed<T: FromStr<Err = String>>(what: &str, text: Option<String>) -> Result<Option<T>, JsError> {
     let value = text.map(|text| text.parse()).transpose();
     value.map_err(|error| JsError::new(&format!("{what} {error}")))
 }
 
 impl Page {
-    /// What `act` finds where there is a device; what it changes is drawn.
+    /// Calls `act` if the device is ready, and requests a redraw.
     fn act<T>(&self, act: impl FnOnce(&mut Viewer) -> T) -> Option<T> {
         let mut application = self.application.borrow_mut();
         let Shown { viewer, window, .. } = application.shown.as_mut()?;
@@ -204,7 +204,7 @@ impl Page {
         Some(found)
     }
 
-    /// Hands an event on, and tells the page if it was the last.
+    /// Forwards an event, and reports a fatal error to the page.
     fn hand_on(&self, event: impl FnOnce(&mut Application)) {
         let failure = {
             let mut application = self.application.borrow_mut();
@@ -216,7 +216,7 @@ impl Page {
         }
     }
 
-    /// What the page throws is the page's.
+    /// Ignores exceptions that the page throws.
     fn call(&self, message: &JsValue) {
         self.told.call1(&JsValue::UNDEFINED, message).ok();
     }
@@ -239,12 +239,12 @@ impl ApplicationHandler<Ready> for Page {
     }
 }
 
-/// Reads `bytes`, the file called `name`, and forgets them. WebAssembly ends at a panic, and at memory that
-/// is not to be had: a page has a file read by a worker, with an instance of its own, before [`Page::open`]
-/// takes it.
+/// Reads `bytes`, the file named `name`, and discards the result. WebAssembly aborts on a panic and on failed
+/// allocations. A page therefore has a worker, with an instance of its own, read a file before [`Page::open`]
+/// does.
 ///
 /// # Errors
-/// Where it is neither an environment nor a mesh.
+/// If it is neither an environment nor a mesh.
 #[wasm_bindgen]
 pub fn read(name: &str, bytes: &[u8]) -> Result<(), JsError> {
     let path = Path::new(name);
@@ -256,7 +256,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<(), JsError> {
     Ok(())
 }
 
-/// The paths of all shaders that are whole: none that are for others to include.
+/// The paths of all complete shaders, without files that others include.
 #[wasm_bindgen]
 #[must_use]
 pub fn shader_paths() -> Vec<String> {
@@ -268,7 +268,7 @@ pub fn shader_paths() -> Vec<String> {
     paths.filter(|path| !included(path)).map(str::to_owned).collect()
 }
 
-/// The text of the shader `path`, its includes in place.
+/// The text of the shader `path` with its includes resolved.
 #[wasm_bindgen]
 #[must_use]
 pub fn shader_source(path: &str) -> String {

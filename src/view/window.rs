@@ -17,41 +17,41 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::keyboard::{Key, NamedKey};
 use winit::window::{Window, WindowAttributes, WindowId};
 
-/// What a window shows at first.
+/// Initial content of a window.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// The environment,
+    /// The environment.
     pub environment: Environment,
-    /// and what it is called.
+    /// Name of the environment.
     pub name: String,
-    /// The levels of the bake whose level 0 the environment is.
+    /// The levels of the bake whose level 0 is the environment.
     pub levels: Option<Levels>,
-    /// The object of [`super::Object::Mesh`].
+    /// The mesh of [`super::Object::Mesh`].
     pub mesh: Option<Mesh>,
-    /// How it is shown.
+    /// The initial look.
     pub look: Look,
-    /// Texels of the OEM; `None` for what suits the environment.
+    /// Texels along an edge of the OEM; `None` selects by the environment.
     pub oem_size: Option<u32>,
-    /// The GPU, by a part of its name; `None` for the best that shows windows.
+    /// Part of the GPU's name; `None` selects the best that can present.
     pub adapter: Option<String>,
-    /// The window's size in points.
+    /// Window size in points.
     pub size: (u32, u32),
 }
 
-/// What reaches the event loop once the device is there, or is not to be had.
+/// Message to the event loop: the device, or why there is none.
 pub(super) struct Ready(Box<Result<Shown>>);
 
-/// Opens a window and serves it until it is closed.
+/// Opens a window and runs its event loop until it is closed.
 ///
 /// # Errors
-/// [`Error::Gpu`] where no window or no device can be had.
+/// [`Error::Gpu`] if no window or no device is available.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn run(start: Start) -> Result<()> {
-    // What the system said stands behind the place in winit's source.
+    // The system's message follows the location in winit's source.
     let refused = |error: winit::error::EventLoopError| {
         let said = error.to_string();
         let said = said.rsplit(": ").next().unwrap_or(&said).trim_end_matches('.');
-        Error::Gpu(format!("no window can be opened: {said}; `screenshot` FILE.png needs none"))
+        Error::Gpu(format!("cannot open a window: {said}; `screenshot` FILE.png needs none"))
     };
     let (width, height) = start.size;
     let attributes = Window::default_attributes()
@@ -63,7 +63,7 @@ pub fn run(start: Start) -> Result<()> {
     application.failure.map_or(Ok(()), Err)
 }
 
-/// A window that has its device.
+/// A window with its device.
 pub(super) struct Shown {
     pub(super) window: Arc<Window>,
     surface: wgpu::Surface<'static>,
@@ -71,20 +71,20 @@ pub(super) struct Shown {
     pub(super) viewer: Viewer,
     egui: egui_winit::State,
     painter: egui_wgpu::Renderer,
-    /// Where the pointer is, and whether it turns the camera.
+    /// Position of the pointer, and whether it orbits the camera.
     pointer: (f64, f64),
     dragging: bool,
-    /// Fingers on the picture, and where they are.
+    /// Touches on the picture and their positions.
     fingers: Vec<(u64, DVec2)>,
 }
 
-/// The window's side of the event loop.
+/// State of the event loop.
 pub(super) struct Application {
     start: Option<(Start, WindowAttributes)>,
     messages: EventLoopProxy<Ready>,
-    /// Once the device is there.
+    /// `None` until the device is ready.
     pub(super) shown: Option<Shown>,
-    /// Why it stopped.
+    /// The error that ended the loop.
     pub(super) failure: Option<Error>,
 }
 
@@ -104,7 +104,7 @@ impl Application {
 }
 
 impl Shown {
-    /// The device and the first picture of `start` in `window`.
+    /// Opens the device and creates the viewer of `start` in `window`.
     async fn new(
         start: Start,
         window: Arc<Window>,
@@ -114,23 +114,23 @@ impl Shown {
             wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle_from_env(display));
         let surface = instance
             .create_surface(Arc::clone(&window))
-            .map_err(|error| Error::Gpu(format!("the window cannot be drawn into: {error}")))?;
+            .map_err(|error| Error::Gpu(format!("cannot draw into the window: {error}")))?;
         let adapter = adapter(&instance, &surface, start.adapter.as_deref()).await?;
         let context = Context::new(&adapter).await?;
         let capabilities = surface.get_capabilities(&adapter);
-        // The shader writes sRGB by itself.
+        // The shader encodes sRGB itself.
         let format = capabilities
             .formats
             .iter()
             .copied()
             .find(|format| !format.is_srgb() && format.components() == 4)
             .or_else(|| capabilities.formats.first().copied())
-            .ok_or_else(|| Error::Gpu(format!("{} shows no windows", context.describe())))?;
+            .ok_or_else(|| Error::Gpu(format!("{} cannot present to windows", context.describe())))?;
         let size = window.inner_size();
         let mut configuration =
             surface
                 .get_default_config(&adapter, size.width.max(1), size.height.max(1))
-                .ok_or_else(|| Error::Gpu(format!("{} shows no windows", context.describe())))?;
+                .ok_or_else(|| Error::Gpu(format!("{} cannot present to windows", context.describe())))?;
         configuration.format = format;
         surface.configure(context.device(), &configuration);
         let mut renderer = Renderer::new(context.clone())?;
@@ -172,7 +172,7 @@ impl Shown {
         }
     }
 
-    /// One frame: the interface, the picture, and both on the surface.
+    /// Draws one frame: runs the interface, draws the picture, and presents both.
     fn redraw(&mut self) -> Result<()> {
         let size = (self.configuration.width, self.configuration.height);
         let input = self.egui.take_egui_input(&self.window);
@@ -241,7 +241,7 @@ impl Shown {
         Ok(())
     }
 
-    /// Turns and moves the camera.
+    /// Handles camera input, keys and dropped files.
     fn on_event(&mut self, event: &WindowEvent) {
         match event {
             WindowEvent::DroppedFile(path) => self.viewer.open_file(path),
@@ -279,7 +279,7 @@ impl Shown {
         }
     }
 
-    /// One finger turns the camera, two spread to come nearer.
+    /// One finger orbits the camera; two zoom.
     fn on_touch(&mut self, touch: &Touch) {
         let here = DVec2::new(touch.location.x, touch.location.y);
         let known = self.fingers.iter().position(|(id, _)| *id == touch.id);
@@ -303,13 +303,13 @@ impl Shown {
         }
     }
 
-    /// Comes `times` as near.
+    /// Divides the camera's distance by `times`.
     fn approach(&mut self, times: f64) {
         let camera = &mut self.viewer.look_mut().camera;
         camera.distance = (camera.distance / times).clamp(1.05, 100.0);
     }
 
-    /// Turns the camera by a drag of so many pixels: half a turn for the window's height.
+    /// Orbits the camera by a drag in pixels: half a turn for the window's height.
     fn orbit(&mut self, right: f64, down: f64) {
         let turn = std::f64::consts::PI / f64::from(self.configuration.height);
         let camera = &mut self.viewer.look_mut().camera;
@@ -319,7 +319,7 @@ impl Shown {
     }
 }
 
-/// The adapter called `name`, or the best, that can draw into `surface`.
+/// Selects the adapter named `name`, or the best one, that can present to `surface`.
 async fn adapter(
     instance: &wgpu::Instance,
     surface: &wgpu::Surface<'static>,
@@ -333,7 +333,7 @@ async fn adapter(
         };
         let found = adapters.into_iter().find(called);
         return found.ok_or_else(|| {
-            Error::Gpu(format!("no adapter called {name} shows windows; see `gpu::adapters`"))
+            Error::Gpu(format!("no adapter named {name} can present to windows; see `gpu::adapters`"))
         });
     }
     let options = wgpu::RequestAdapterOptions {
@@ -342,7 +342,7 @@ async fn adapter(
         ..Default::default()
     };
     instance.request_adapter(&options).await.map_err(|error| {
-        Error::Gpu(format!("no adapter shows windows: {error}; install a Vulkan driver, such as Mesa's"))
+        Error::Gpu(format!("no adapter presents to windows: {error}; install a Vulkan driver such as Mesa's"))
     })
 }
 
@@ -353,7 +353,7 @@ impl ApplicationHandler<Ready> for Application {
         let window = match event_loop.create_window(attributes) {
             Ok(window) => Arc::new(window),
             Err(error) => {
-                return self.fail(event_loop, Error::Gpu(format!("no window can be opened: {error}")));
+                return self.fail(event_loop, Error::Gpu(format!("cannot open a window: {error}")));
             }
         };
         let display = Box::new(event_loop.owned_display_handle());
@@ -362,7 +362,7 @@ impl ApplicationHandler<Ready> for Application {
         #[cfg(not(target_arch = "wasm32"))]
         {
             let shown = crate::gpu::block_on(None, shown).and_then(|shown| shown);
-            // Nobody listens once the loop has ended.
+            // The receiver is gone once the loop has ended.
             messages.send_event(Ready(Box::new(shown))).ok();
         }
         #[cfg(target_arch = "wasm32")]
@@ -385,7 +385,7 @@ impl ApplicationHandler<Ready> for Application {
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(shown) = &mut self.shown else { return };
         let response = shown.egui.on_window_event(&shown.window, &event);
-        // It asks for another frame with every frame.
+        // egui requests a repaint with every frame.
         if response.repaint && event != WindowEvent::RedrawRequested {
             shown.window.request_redraw();
         }
@@ -398,7 +398,7 @@ impl ApplicationHandler<Ready> for Application {
                 }
             }
             _ => {
-                // A drag that began on the picture ends anywhere.
+                // A drag that began on the picture may end over the panel.
                 let released = match &event {
                     WindowEvent::MouseInput { state, .. } => *state == ElementState::Released,
                     WindowEvent::Touch(touch) => {

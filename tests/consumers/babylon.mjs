@@ -1,5 +1,5 @@
-// Babylon.js: .env (RGBD in PNG) as scene.environmentTexture of a left-handed scene, where the engine's own glTF loader
-// has x negated.
+// Babylon.js: .env (RGBD in PNG) as scene.environmentTexture of a left-handed scene, in which the engine's
+// glTF loader negates x.
 import { EYES, relativeError, spherePixels } from './pictures.mjs';
 
 // Levels of 256 texels whose roughness is below 1: alpha = 2^(level/0.8)/256.
@@ -10,7 +10,8 @@ const TOLERANCE = 0.02;
 
 const turned = ([x, y, z]) => [-x, y, z];
 
-// What the engine's camera, whose axes the picture tells, sees of the unit sphere, in the world of glTF.
+// Pixels of the unit sphere in the world of glTF, seen by the engine's camera, whose axes come with the
+// picture.
 const pixelsOf = ({ size, right, up }, eye, step) => spherePixels(size, eye, step, [right, up]).map(
     ({ at, normal, mirrored }) => ({ at, normal: turned(normal), mirrored: turned(mirrored) }));
 
@@ -32,11 +33,11 @@ export async function checkBabylon({ open, bake, query, diffuse, tell }) {
         tell(`babylon .env, level ${level} of roughness ${roughnessOf(level).toFixed(3)}, ${EYES.length} views`,
             worst < TOLERANCE, `relative error ${worst.toFixed(4)}`);
     }
-    // The comparison sees a cube that is not turned about as the engine asks for.
+    // The comparison detects a cube with the wrong flip.
     const unflipped = await errorOf('babylon-unflipped', 3, EYES.at(-1));
     tell('babylon, a cube that is not flipped is seen', unflipped > 10 * TOLERANCE, `relative error ${unflipped.toFixed(4)}`);
 
-    // Irradiance over pi, as the engine's shader adds it up from what the engine's parser found
+    // Irradiance over pi, as evaluated by the engine's shader from its parser's result
     // (harmonicsFunctions.fx, computeEnvironmentIrradiance).
     const found = await page.evaluate((url) => window.polynomial(url), '/bake/babylon/world_ibl.env');
     const normals = [];
@@ -50,7 +51,7 @@ export async function checkBabylon({ open, bake, query, diffuse, tell }) {
         return [0, 1, 2].map((c) => Object.entries(terms).reduce((sum, [name, t]) => sum + t * found[name][c], 0));
     };
     const error = relativeError(normals.map(irradiance), diffuse(normals));
-    // What bands above the second hold of this environment's irradiance.
+    // Share of bands above the second in this environment's irradiance.
     tell('babylon spherical polynomial', error < 0.03, `relative error ${error.toFixed(4)}`);
     await page.close();
 }

@@ -1,4 +1,4 @@
-// Bevy: the pair that `bake --target bevy` writes, as EnvironmentMapLight and Skybox, on whichever Vulkan driver there is.
+// Bevy: the pair that `bake --target bevy` writes, as EnvironmentMapLight and Skybox, on any Vulkan driver.
 // The engine is compiled first, which takes minutes.
 //
 //   node tests/consumers/bevy.mjs PROGRAM
@@ -13,7 +13,7 @@ import { finish, programAt, root, tell } from './program.mjs';
 
 // Edge of the pictures (bevy/src/main.rs).
 const SIZE = 256;
-// Roughness of the seven levels but the mirror, so that no two are mixed.
+// Roughness of the seven levels except the mirror, so that no two levels are mixed.
 const LADDER = [1, 2, 3, 4, 5, 6].map((level) => level / 6);
 // Cubes are filtered bilinearly.
 const TOLERANCE = 0.02;
@@ -26,7 +26,7 @@ if (!program) {
 const work = mkdtempSync(join(tmpdir(), 'octagloss-bevy-'));
 const { bake, query, diffuse } = programAt(program, work);
 
-// Pictures of jobs { subject, roughness, folder, eye }, each as rows upwards of four floats.
+// Pictures of jobs { subject, roughness, folder, eye }: rows upwards of four floats.
 function pictures(jobs) {
     const lines = jobs.map(({ subject, roughness, folder, eye }) =>
         [subject, roughness, `${folder}/world_specular.ktx2`, `${folder}/world_diffuse.ktx2`, ...eye].join(' '));
@@ -40,7 +40,8 @@ function pictures(jobs) {
     return jobs.map((_, k) => floats.subarray(k * SIZE * SIZE * 4, (k + 1) * SIZE * SIZE * 4));
 }
 
-// The engine draws the mirrored direction to the normal (environment_map.wgsl, radiance_sample_direction).
+// The engine bends the mirrored direction towards the normal (environment_map.wgsl,
+// radiance_sample_direction).
 function drawn({ mirrored, normal }, roughness) {
     const alpha = Math.max(roughness, 0.089) ** 2;
     const smooth = 1 - alpha;
@@ -50,8 +51,8 @@ function drawn({ mirrored, normal }, roughness) {
 }
 
 const expectedOf = {
-    // One reflection by the lobe, the rest as from a diffuse surface; the fit that the engine has for what is reflected
-    // (pbr_lighting.wgsl, F_AB) adds up to 1 - 0.55 roughness for a white metal, whatever the view.
+    // Single reflection by the lobe, the rest as diffuse. The engine's reflectance fit (pbr_lighting.wgsl,
+    // F_AB) sums to 1 - 0.55 roughness for a white metal, for any view.
     metal: (pixels, roughness) => {
         const lobes = query(pixels.map((p) => drawn(p, roughness)), roughness);
         const rest = diffuse(pixels.map((p) => p.normal));
@@ -66,11 +67,11 @@ try {
     bake('bevy', ['--target', 'bevy']);
     bake('bevy-unflipped', ['--target', 'bevy', '--flip', 'none']);
     const checks = [
-        // Letters have hard edges, which two bilinear filters draw differently.
+        // Letters have hard edges, on which two bilinear filters differ.
         { what: 'skybox', subject: 'sky', roughness: 0, eyes: EYES, most: 0.12 },
         ...LADDER.map((roughness) => ({ what: 'EnvironmentMapLight on metal', subject: 'metal', roughness, eyes: EYES, most: TOLERANCE })),
         { what: 'EnvironmentMapLight on a diffuse surface', subject: 'diffuse', roughness: 1, eyes: EYES, most: TOLERANCE },
-        // The comparison sees a cube that is not turned about as the engine asks for.
+        // The comparison detects a cube with the wrong flip.
         { what: 'skybox that is not flipped', subject: 'sky', roughness: 0, eyes: [EYES[4]], least: 0.3 },
         { what: 'metal under a cube that is not flipped', subject: 'metal', roughness: LADDER[1], eyes: [EYES.at(-1)], least: 0.2 },
         { what: 'diffuse surface under a cube that is not flipped', subject: 'diffuse', roughness: 1, eyes: [EYES.at(-1)], least: 0.2 },

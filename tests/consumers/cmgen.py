@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws cmgen's prefiltered levels above ours: the picture in the README.
+"""Draws cmgen's prefiltered levels above ours, for the picture in the README.
 
     apt-get install libfilament-tools
     cmgen.py target/release/octagloss hdr/sky.exr -o hdr/cmgen.png
@@ -53,7 +53,7 @@ def look_up(faces, d):
 
 
 def sphere(faces, towards, exposure):
-    """A mirror sphere that shows what is around `towards`."""
+    """A mirror sphere that reflects the surroundings of `towards`."""
     front = towards / np.linalg.norm(towards)
     right = np.cross(front, [0, 1, 0])
     right /= np.linalg.norm(right)

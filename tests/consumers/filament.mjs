@@ -1,7 +1,7 @@
-// Filament: KTX 1 as IndirectLight and Skybox, its spherical harmonics by its own parser.
+// Filament: KTX 1 as IndirectLight and Skybox, with spherical harmonics from the engine's parser.
 import { EYES, drawn, relativeError, skyPixels, spherePixels } from './pictures.mjs';
 
-// Roughness of the five levels but the sharpest.
+// Roughness of the five levels except the sharpest.
 const LADDER = [2, 3, 4].map((level) => 1 - Math.sqrt(1 - level / 4));
 // R11G11B10F rounds by up to 1/128, the picture has eight bits, and cubes are filtered bilinearly.
 const TOLERANCE = 0.02;
@@ -20,7 +20,7 @@ export async function checkFilament({ open, bake, query, diffuse, tell }) {
     };
     let worst = 0;
     for (const looking of EYES.slice(0, 6)) worst = Math.max(worst, await skyError('filament', looking));
-    // Letters have hard edges, which two bilinear filters draw differently.
+    // Letters have hard edges, on which two bilinear filters differ.
     tell('filament skybox, 6 views', worst < 0.12, `relative error ${worst.toFixed(4)}`);
     const flipped = await skyError('filament-flipped', EYES[4]);
     tell('filament, a cube that is flipped is seen', flipped > 0.3, `relative error ${flipped.toFixed(4)}`);
@@ -30,14 +30,14 @@ export async function checkFilament({ open, bake, query, diffuse, tell }) {
         for (const eye of EYES.slice(-3)) {
             const picture = await call('sphere', { url: '/bake/filament/world_ibl.ktx', roughness, eye });
             const pixels = spherePixels(picture.size, eye, 16);
-            // A white metal reflects all light: the engine makes up for what one reflection loses.
+            // A white metal reflects all light: the engine compensates for multiple scattering.
             const expected = query(pixels.map((p) => drawn(p, roughness)), roughness);
             worst = Math.max(worst, relativeError(shownAt(picture, pixels), expected));
         }
         tell(`filament IBL, roughness ${roughness.toFixed(3)}, 3 views`, worst < TOLERANCE, `relative error ${worst.toFixed(4)}`);
     }
 
-    // Irradiance over pi, as the engine's shader adds it up from what the engine's parser found.
+    // Irradiance over pi, as evaluated by the engine's shader from its parser's result.
     const sh = await call('harmonics', '/bake/filament/world_ibl.ktx');
     const normals = [];
     for (let k = 0; k < 200; k++) {
@@ -49,7 +49,7 @@ export async function checkFilament({ open, bake, query, diffuse, tell }) {
         return [0, 1, 2].map((c) => terms.reduce((sum, term, k) => sum + term * sh[3 * k + c], 0));
     };
     const error = relativeError(normals.map(irradiance), diffuse(normals));
-    // What bands above the second hold of this environment's irradiance.
+    // Share of bands above the second in this environment's irradiance.
     tell('filament spherical harmonics', sh.length === 27 && error < 0.03, `relative error ${error.toFixed(4)}`);
     await page.close();
 }

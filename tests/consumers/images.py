@@ -89,7 +89,7 @@ def main(program):
                 if not same:
                     failures += check(False, f"{path.name}: OpenEXR and OpenImageIO agree")
             print(f"ok     {pixel or 'auto'}: read by OpenEXR and OpenImageIO alike" if failures == 0 else "")
-        # What they read is what the program answers: roughness 0.5 is level 2 of five, 16 texels a side.
+        # Compare their result with the program's query: roughness 0.5 is level 2 of five, 16 texels a side.
         centres = (np.arange(16) + 0.5) / 8 - 1
         s, t = np.meshgrid(centres, centres)
         shown, exact = [], []
@@ -103,7 +103,7 @@ def main(program):
         failures += check(error < 0.01, f"level 2 as OpenEXR reads it is what query answers: {error:.4f}")
         failures += check(mirrored > 0.2, f"mirrored faces are seen: {mirrored:.4f}")
 
-        # A BC6H cube: OpenImageIO stacks its faces. Level 0 alone: the reader looks for the others elsewhere.
+        # A BC6H cube: OpenImageIO stacks its faces. Level 0 only: the reader expects the others elsewhere.
         labelled = str(ROOT / "hdr" / "labelled.exr")
         for options, place in ((["--pixel", "bc6h"], "a.dds"), (["--format", "exr"], "a")):
             run(program, "bake", labelled, "--size", "64", "--levels", "1", *options, "-o", str(folder / place), "--quiet")

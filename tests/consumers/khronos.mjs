@@ -2,7 +2,7 @@
 import { join } from 'node:path';
 import { EYES, relativeError, sheenReflected, skyPixels, spherePixels } from './pictures.mjs';
 
-// Levels of 256 texels down to 2, and those whose roughness is looked at.
+// Levels of 256 texels down to 2, and the tested ones.
 const LEVELS = 8;
 const LADDER = [1, 2, 3, 4, 5].map((level) => level / (LEVELS - 1));
 // The picture has eight bits, and cubes are filtered bilinearly.
@@ -11,7 +11,7 @@ const TOLERANCE = 0.02;
 const SIZE = 512;
 
 const metal = (roughness) => ({ pbrMetallicRoughness: { metallicFactor: 1, roughnessFactor: roughness } });
-// Without specular reflection a dielectric is diffuse alone, and a black one shows its sheen alone.
+// Without specular reflection a dielectric is only diffuse, and a black one shows only its sheen.
 const dielectric = (base, more = {}) => ({
     pbrMetallicRoughness: { baseColorFactor: [base, base, base, 1], metallicFactor: 0 },
     extensions: { KHR_materials_specular: { specularFactor: 0 }, ...more },
@@ -20,7 +20,7 @@ const sheen = (roughness) => dielectric(0, {
     KHR_materials_sheen: { sheenColorFactor: [1, 1, 1], sheenRoughnessFactor: roughness },
 });
 
-// So that the brightest is just below what eight bits can show.
+// Keeps the brightest value just below the eight-bit maximum.
 const exposureOf = (expected) => 0.9 / Math.max(...expected.flat());
 
 export async function checkKhronos({ open, octagloss, work, bake, query, diffuse, tell }) {
@@ -32,7 +32,8 @@ export async function checkKhronos({ open, octagloss, work, bake, query, diffuse
         { folder: `/bake/${folder}`, table: '/bake/dfg.ktx2', ...options });
     const shownAt = (picture, pixels) => pixels.map(({ at }) => picture.pixels.slice(4 * at, 4 * at + 3));
 
-    // The worst of `eyes`, against `expectedOf` pixels of the sphere; and whether all levels were looked up.
+    // The worst error over `eyes` against `expectedOf` pixels of the sphere, and whether all levels were
+    // used.
     const sphereError = async (folder, material, eyes, expectedOf) => {
         let [worst, all] = [0, true];
         for (const eye of eyes) {
@@ -52,7 +53,7 @@ export async function checkKhronos({ open, octagloss, work, bake, query, diffuse
     };
     let worst = 0;
     for (const looking of EYES.slice(0, 6)) worst = Math.max(worst, await skyError('khronos', looking));
-    // Letters have hard edges, which two bilinear filters draw differently.
+    // Letters have hard edges, on which two bilinear filters differ.
     tell('khronos background, 6 views', worst < 0.12, `relative error ${worst.toFixed(4)}`);
     const flipped = await skyError('khronos-flipped', EYES[0]);
     tell('khronos, a cube that is flipped is seen', flipped > 0.3, `relative error ${flipped.toFixed(4)}`);

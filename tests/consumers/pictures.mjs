@@ -1,18 +1,18 @@
-// What a sphere should look like, from the program's own answers; and how far a picture is from that.
+// Expected pictures of a sphere from the program's queries, and their difference from rendered ones.
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const add = (a, s, b) => a.map((v, c) => v + s * b[c]);
 const unit = (a) => a.map((v) => v / Math.hypot(...a));
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
-// To the right and upwards for whoever looks from `eye` (a unit vector) at the origin.
+// Right and up vectors of a viewer at `eye` (a unit vector) looking at the origin.
 function axesOf(eye) {
     const right = unit(cross(Math.abs(eye[1]) > 0.9 ? [0, 0, 1] : [0, 1, 0], eye));
     return [right, cross(eye, right)];
 }
 
-// Pixels of an orthographic view of the unit sphere from `eye` (a unit vector), rows upwards: index, normal and
-// mirrored view direction. The rim, where a pixel covers many normals, is left out.
+// Pixels of an orthographic view of the unit sphere from `eye` (a unit vector), rows upwards: index, normal
+// and mirrored view direction. Excludes the rim, where a pixel covers many normals.
 export function spherePixels(size, eye, step, [right, up] = axesOf(eye)) {
     const pixels = [];
     for (let j = step >> 1; j < size; j += step) {
@@ -28,12 +28,13 @@ export function spherePixels(size, eye, step, [right, up] = axesOf(eye)) {
     return pixels;
 }
 
-// The direction that both engines look up: the mirrored one drawn to the normal by roughness^4
-// (three: envmap_physical_pars_fragment.glsl.js; Filament: getReflectedVector in surface_light_indirect.fs).
+// Look-up direction of both engines: the mirrored one, bent towards the normal by roughness^4 (three:
+// envmap_physical_pars_fragment.glsl.js; Filament: getReflectedVector in surface_light_indirect.fs).
 export const drawn = ({ mirrored, normal }, roughness) =>
     unit(add(mirrored.map((v) => v * (1 - roughness ** 4)), roughness ** 4, normal));
 
-// Share of light that a white GGX mirror reflects once, for the view's cosine: height-correlated Smith, by 4096 points.
+// Single-scattering reflectance of a white GGX metal for the view's cosine: height-correlated Smith, by 4096
+// points.
 export function reflected(cosine, roughness) {
     const alpha = roughness * roughness;
     const view = [Math.sqrt(1 - cosine * cosine), 0, cosine];
@@ -56,7 +57,7 @@ export function reflected(cosine, roughness) {
     return sum / count;
 }
 
-// Share of light that a white sheen reflects: Charlie's distribution, Ashikhmin's visibility, by 4096 points.
+// Reflectance of a white sheen: Charlie's distribution, Ashikhmin's visibility, by 4096 points.
 export function sheenReflected(cosine, roughness) {
     const alpha = roughness * roughness;
     const view = [Math.sqrt(1 - cosine * cosine), 0, cosine];
@@ -84,7 +85,7 @@ export function relativeError(shown, expected) {
     return Math.sqrt(error / sum((k) => luminance(expected[k]) ** 2));
 }
 
-// The six sides of the world to look from, and a corner.
+// View directions: the six sides of the world, and a corner.
 export const EYES = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1], unit([1, 0.7, -0.5])];
 
 // Pixels of a square view of 90 degrees `looking` along a unit vector, rows upwards: index and direction.

@@ -1,4 +1,4 @@
-// The program: its bakes of one environment, its own answers about it; and what the checks found.
+// Runs the program (bakes and queries of one environment) and reports checks.
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -29,13 +29,13 @@ export function programAt(program, work) {
 
 let failures = 0;
 
-// Tells a check; `ok` false fails the run.
+// Reports a check; `ok` false fails the run.
 export function tell(what, ok, detail) {
     console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}: ${detail}`);
     failures += ok ? 0 : 1;
 }
 
-// Tells the sum and ends with exit status 0 when every check passed, 1 otherwise.
+// Prints the summary and exits with status 0 if every check passed, 1 otherwise.
 export function finish(who) {
     console.log(failures === 0 ? `${who} agree` : `${failures} checks failed`);
     process.exit(failures === 0 ? 0 : 1);

@@ -1,5 +1,5 @@
-// Loads what `octagloss bake --target` writes into the engines themselves, in headless Chromium, renders with them, and
-// compares with the program's own answers (`octagloss query`).
+// Loads the output of `octagloss bake --target` into the engines in headless Chromium, renders with them, and
+// compares the pictures with `octagloss query`.
 //
 //   node tests/consumers/run.mjs PROGRAM [CHROMIUM]
 //

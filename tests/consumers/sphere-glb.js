@@ -3,7 +3,7 @@
 // White metal.
 const metal = (roughness) => ({ pbrMetallicRoughness: { baseColorFactor: [1, 1, 1, 1], metallicFactor: 1, roughnessFactor: roughness } });
 
-// `more` is what else the file's JSON holds; the sphere is node 0 of scene 0.
+// `more` is additional JSON of the file; the sphere is node 0 of scene 0.
 function sphereGlb(material, more = {}) {
     const [rows, columns] = [96, 192];
     const positions = [];

@@ -1,10 +1,10 @@
 // three.js: KTX2 (half floats) and DDS (BC6H), as scene.environment.
 import { EYES, drawn, reflected, relativeError, spherePixels } from './pictures.mjs';
 
-// Roughness of the six levels, so that no two are mixed: 1 - sqrt(1 - level/5).
+// Roughness of the six levels, so that no two levels are mixed: 1 - sqrt(1 - level/5).
 const LADDER = [2, 3, 4, 5].map((level) => 1 - Math.sqrt(1 - level / 5));
-// The engine adds the normal's change from pixel to pixel to the roughness, filters bilinearly, and has a
-// look-up table of its own for what a metal reflects.
+// The engine adds the normal's change from pixel to pixel to the roughness, filters bilinearly, and has its
+// own reflectance look-up table for metals.
 const TOLERANCE = 0.02;
 
 export async function checkThree({ open, bake, query, diffuse, tell }) {
@@ -15,7 +15,7 @@ export async function checkThree({ open, bake, query, diffuse, tell }) {
     const render = async (url, roughness, eye) =>
         page.evaluate((options) => window.sphere(options), { url, roughness, eye });
 
-    // What the sphere should look like: one reflection by the lobe, the rest as from a diffuse surface.
+    // Expected sphere: single reflection by the lobe, the rest as diffuse.
     const expectedOf = (pixels, roughness) => {
         const lobes = query(pixels.map((p) => drawn(p, roughness)), roughness);
         const rest = diffuse(pixels.map((p) => p.normal));
@@ -47,7 +47,7 @@ export async function checkThree({ open, bake, query, diffuse, tell }) {
                 worst < TOLERANCE && levels === 6, `relative error ${worst.toFixed(4)}`);
         }
     }
-    // The comparison sees a cube that is not turned about as three.js asks for.
+    // The comparison detects a cube with the wrong flip.
     const eye = EYES.at(-1);
     const picture = await render('/bake/three-unflipped/world_pmrem.ktx2', LADDER[0], eye);
     const pixels = spherePixels(picture.size, eye, 16);

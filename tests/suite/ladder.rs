@@ -1,12 +1,12 @@
 //! Default sizes and counts of levels, and what a renderer gets from them between texels and levels.
 
 use crate::support::common::Random;
-use octagloss::analysis::oracle::Oracle;
-use octagloss::bake::{BakeSettings, bake};
-use octagloss::image::cube_sampler::SeamlessLevel;
-use octagloss::ladder::Ladder;
-use octagloss::lobe::Lobe;
-use octagloss::target::Target;
+use octagloss::internals::analysis::oracle::Oracle;
+use octagloss::internals::bake::{BakeSettings, bake};
+use octagloss::internals::image::cube_sampler::SeamlessLevel;
+use octagloss::internals::ladder::Ladder;
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::target::Target;
 use octagloss::{Environment, Layout, Map};
 
 #[test]

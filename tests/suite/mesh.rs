@@ -1,7 +1,7 @@
 //! Meshes of files: what is read, and what is refused.
 
 use octagloss::Error;
-use octagloss::mesh::{self, Material, Mesh, Texture, Wrap};
+use octagloss::internals::mesh::{self, Material, Mesh, Texture, Wrap};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -201,7 +201,7 @@ fn faults_of_gltf_are_named_with_their_values() {
         (changed("/nodes", own_node(json!([0]))), "node 0 is reached twice"),
         (changed("/scenes/0/nodes", json!([0, 0])), "node 0 is reached twice"),
         (changed("/nodes/0/rotation", json!([0, 0, 0, 0])), "node 0: rotation"),
-        (changed("/nodes/0", far), "a corner lies at"),
+        (changed("/nodes/0", far), "is out of range"),
         (changed("/nodes/0/translation", json!([1e39, 0, 0])), "number out of range"),
         (changed("/nodes/0/mesh", json!(7)), "Index out of bounds"),
         (changed("/accessors/1/componentType", json!(5126)), "accessor 1: indices of Scalar FLOAT (5126)"),
@@ -214,18 +214,18 @@ fn faults_of_gltf_are_named_with_their_values() {
         (changed("/accessors/1/count", json!(u64::MAX)), "accessor 1: 18446744073709551615 elements"),
         (changed("/accessors/0/count", json!(4)), "4 elements of 12 bytes"),
         (changed("/accessors/1/byteOffset", json!(2)), "3 elements of 2 bytes"),
-        (changed("/accessors/1/byteOffset", json!(u64::MAX)), "beyond bufferView 1"),
-        (changed("/bufferViews/0/byteLength", json!(99)), "99 bytes at 0 are beyond buffer 0 of 42"),
-        (changed("/bufferViews/1/byteOffset", json!(u64::MAX)), "beyond buffer 0"),
+        (changed("/accessors/1/byteOffset", json!(u64::MAX)), "exceed bufferView 1"),
+        (changed("/bufferViews/0/byteLength", json!(99)), "99 bytes at 0 exceed buffer 0 of 42 bytes"),
+        (changed("/bufferViews/1/byteOffset", json!(u64::MAX)), "exceed buffer 0"),
         (changed("/buffers/0/byteLength", json!(43)), "buffer 0 has 43 bytes"),
         (changed("/buffers/0/uri", json!("data:;base64,%%%")), "not base64"),
         (changed("/buffers/0/uri", json!("data:nothing")), "without a comma"),
         (changed("/buffers/0/uri", json!("http://x/y.bin")), "\"http://x/y.bin\""),
         (changed("/buffers/0/uri", json!("file:///etc/passwd")), "\"file:///etc/passwd\""),
         (changed("/buffers/0/uri", json!("beside.bin")), "a file in memory"),
-        (wild(9), "index 9 at place 2 is none of its 3 corners"),
+        (wild(9), "index 9 at position 2 is out of range for 3 vertices"),
         (changed("/meshes/0/primitives/0", nothing), "no triangles"),
-        (changed("/accessors/1/count", json!(2)), "2 indices are no whole triangles"),
+        (changed("/accessors/1/count", json!(2)), "2 indices do not form whole triangles"),
         (changed("/meshes", json!([{"primitives": [{"attributes": {"POSITION": 99}}]}])), "wide.gltf"),
         (changed("/scenes", json!([])), "wide.gltf"),
     ];
@@ -251,7 +251,7 @@ fn long_chains_of_nodes_end() {
     let nodes: Vec<Value> =
         (1..100_000).map(|next| json!({"children": [next]})).chain([json!({"mesh": 0})]).collect();
     let error = read("deep.gltf", changed("/nodes", json!(nodes)).to_string().as_bytes());
-    assert!(error.expect_err("too deep").to_string().contains("more than 1000 nodes above it"));
+    assert!(error.expect_err("too deep").to_string().contains("nested more than 1000 levels deep"));
 }
 
 #[test]
@@ -260,21 +260,21 @@ fn what_is_no_mesh_is_refused_by_name() {
     let cases: [(&str, Vec<u8>, &str); 13] = [
         ("nothing.obj", Vec::new(), "no triangles"),
         ("points.obj", b"v 0 0 0\nv 1 0 0\n".to_vec(), "no triangles"),
-        ("lines.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\np 1\n".to_vec(), "export its surfaces"),
+        ("lines.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\np 1\n".to_vec(), "export surfaces"),
         ("wild.obj", b"v 0 0 0\nf 1 2 900\n".to_vec(), "bounds"),
-        ("nan.obj", b"v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), "NaN in a line v"),
-        ("inf.obj", b"v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), "inf in a line v"),
+        ("nan.obj", b"v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), "NaN in a `v` line"),
+        ("inf.obj", b"v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), "inf in a `v` line"),
         (
             "normal.obj",
             b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn nan 0 1\nf 1//1 2//1 3//1\n".to_vec(),
-            "NaN in a line vn",
+            "NaN in a `vn` line",
         ),
         ("text.glb", b"these are no triangles".to_vec(), "text.glb"),
         ("short.glb", whole[..60].to_vec(), "short.glb"),
         ("tiny.glb", b"glTF\x02\0\0\0\0\0\0\0".to_vec(), "tiny.glb"),
-        ("flat.glb", glb(&triangle(&buffer(&[0.0; 9])), &buffer(&[0.0; 9])), "make no object"),
+        ("flat.glb", glb(&triangle(&buffer(&[0.0; 9])), &buffer(&[0.0; 9])), "no extent"),
         ("empty.gltf", Vec::new(), "empty.gltf"),
-        ("mesh.stl", CUBE.as_bytes().to_vec(), "no mesh by its name"),
+        ("mesh.stl", CUBE.as_bytes().to_vec(), "unknown mesh format"),
     ];
     for (name, bytes, words) in cases {
         let error = read(name, &bytes).expect_err(name).to_string();

@@ -2,10 +2,10 @@
 
 use crate::support::common::{Look, Random, environment, landmarks, texels};
 use glam::{DVec2, DVec3};
-use octagloss::cpu::reparameterise::oem_from_environment;
-use octagloss::geometry::footprints::footprints_from_environment;
-use octagloss::oem::{Oem, OemSize};
-use octagloss::sphere::{cube, equirect, octahedral};
+use octagloss::internals::cpu::reparameterise::oem_from_environment;
+use octagloss::internals::geometry::footprints::footprints_from_environment;
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::sphere::{cube, equirect, octahedral};
 use octagloss::{Environment, Layout, Rgb};
 use std::f64::consts::PI;
 

@@ -2,11 +2,11 @@
 
 use crate::support::common::Random;
 use glam::DVec2;
-use octagloss::analysis::sat_f32::SatF32;
-use octagloss::cpu::sat_scan::scan;
-use octagloss::oem::{Oem, OemSize};
-use octagloss::sat::{FixedPoint, Sat, Scan};
-use octagloss::sphere::octahedral;
+use octagloss::internals::analysis::sat_f32::SatF32;
+use octagloss::internals::cpu::sat_scan::scan;
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::sat::{FixedPoint, Sat, Scan};
+use octagloss::internals::sphere::octahedral;
 
 const SCANS: [Scan; 7] = [
     Scan::Serial,

@@ -4,7 +4,7 @@ mod maps;
 
 use crate::support::common::{Random, landmarks};
 use glam::{DVec2, DVec3};
-use octagloss::sphere::{cube, equirect, octahedral};
+use octagloss::internals::sphere::{cube, equirect, octahedral};
 use std::f64::consts::{PI, TAU};
 
 /// Fewer than 16 roundings of 2^-53 between a direction and itself, none amplified more than threefold (the

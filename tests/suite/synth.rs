@@ -2,13 +2,13 @@
 
 use crate::support::written::{names_in, read_exr_rgb, to_half};
 use glam::DVec3;
-use octagloss::environment::{Environment, Layout, Rgb, luminance};
-use octagloss::io::environment_write::write_environment;
-use octagloss::io::layout::Unfolding;
-use octagloss::io::output::Existing;
-use octagloss::sphere::cube::{self, Face};
-use octagloss::sphere::equirect::equirect_from_direction;
-use octagloss::synth::{RECIPES, SUN_RADIANCE, SUN_RADIUS, labelled_cube, sun_direction, synth};
+use octagloss::internals::environment::{Environment, Layout, Rgb, luminance};
+use octagloss::internals::io::environment_write::write_environment;
+use octagloss::internals::io::layout::Unfolding;
+use octagloss::internals::io::output::Existing;
+use octagloss::internals::sphere::cube::{self, Face};
+use octagloss::internals::sphere::equirect::equirect_from_direction;
+use octagloss::internals::synth::{RECIPES, SUN_RADIANCE, SUN_RADIUS, labelled_cube, sun_direction, synth};
 use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;

@@ -5,18 +5,18 @@ use crate::io::containers::{colours, parse_dds, parse_ktx1, texel_length};
 use crate::io::oem_file::read_ktx2;
 use crate::support::common::Random;
 use glam::DVec3;
-use octagloss::analysis::oracle::Oracle;
-use octagloss::bake::{Bake, BakeSettings, bake, bake_all, unwatched};
-use octagloss::export::files::{Made, files};
-use octagloss::format::Pixel;
-use octagloss::format::container::Container;
-use octagloss::io::{ReadOptions, read_from_memory};
-use octagloss::lobe::{LOBE_KEY, Lobe};
-use octagloss::sh::scale::{ShScale, filament_irradiance, scaled};
-use octagloss::sphere::cube::{Face, direction_from_texel};
-use octagloss::sphere::octahedral;
-use octagloss::synth::synth;
-use octagloss::target::{Content, Diffuse, Flip, Plan, TARGETS, Target, is_target_file};
+use octagloss::internals::analysis::oracle::Oracle;
+use octagloss::internals::bake::{Bake, BakeSettings, bake, bake_all, unwatched};
+use octagloss::internals::export::files::{Made, files};
+use octagloss::internals::format::Pixel;
+use octagloss::internals::format::container::Container;
+use octagloss::internals::io::{ReadOptions, read_from_memory};
+use octagloss::internals::lobe::{LOBE_KEY, Lobe};
+use octagloss::internals::sh::scale::{ShScale, filament_irradiance, scaled};
+use octagloss::internals::sphere::cube::{Face, direction_from_texel};
+use octagloss::internals::sphere::octahedral;
+use octagloss::internals::synth::synth;
+use octagloss::internals::target::{Content, Diffuse, Flip, Plan, TARGETS, Target, is_target_file};
 use octagloss::{Map, Rgb};
 use std::ops::ControlFlow;
 
@@ -492,7 +492,7 @@ fn beside<'a>(plan: &Plan, bake: &'a Bake) -> Vec<Stored<'a>> {
     let made = files(plan, "a", bake, &[]).unwrap();
     if plan.target.map == Map::Octahedral {
         let levels = bake.chain.levels.iter().zip(octahedral_levels(&made));
-        let beside = |(level, stored): (&'a octagloss::chain::Level, Vec<Rgb>)| {
+        let beside = |(level, stored): (&'a octagloss::internals::chain::Level, Vec<Rgb>)| {
             let n = level.layout.sides().0;
             let direction =
                 move |at: u32| octahedral::direction_from_oct(octahedral::texel_centre(n, at % n, at / n));
@@ -502,8 +502,8 @@ fn beside<'a>(plan: &Plan, bake: &'a Bake) -> Vec<Stored<'a>> {
         return levels.map(beside).collect();
     }
     let levels = bake.chain.levels.iter().zip(stored_levels(plan, &made));
-    let beside = |(level, stored): (&'a octagloss::chain::Level, Vec<Rgb>)| {
-        let stored = plan.flip.level(&octagloss::chain::Level { texels: stored, ..level.clone() }).texels;
+    let beside = |(level, stored): (&'a octagloss::internals::chain::Level, Vec<Rgb>)| {
+        let stored = plan.flip.level(&octagloss::internals::chain::Level { texels: stored, ..level.clone() }).texels;
         let n = level.size();
         let direction =
             move |at: u32| direction_from_texel(Face::ALL[(at / (n * n)) as usize], n, at % n, at / n % n);

@@ -1,4 +1,4 @@
-//! Source texels as spherical polygons, in bands that can be walked in parallel.
+//! Source texels as spherical polygons, in bands for parallel processing.
 
 use super::index::{Target, diagonal_columns, pack};
 use crate::environment::Layout;
@@ -9,11 +9,10 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
-/// A parallel is chorded until no chord is farther from it than this, in target texels.
+/// Maximum distance of a chord from its parallel, in target texels.
 const CHORD_SAG: f64 = 1e-5;
 
-/// A source texel or a piece of one: its polygon and the texel's index, packed in the octant's own way or
-/// whole.
+/// A source texel or a piece of one: its polygon and the texel's index, packed for an octant or whole.
 pub(super) struct Cell<'a> {
     pub(super) corners: &'a [DVec3],
     pub(super) index: u32,
@@ -22,12 +21,12 @@ pub(super) struct Cell<'a> {
 }
 
 fn split(rows: u32) -> Vec<Range<u32>> {
-    // Enough bands for every core, few enough that a band's shared parallel costs nothing.
+    // Enough bands for all cores, few enough to amortise the parallels at their edges.
     let band = rows.div_ceil(64).max(4);
     (0..rows).step_by(band as usize).map(|start| start..(start + band).min(rows)).collect()
 }
 
-/// Bands of rows of the first octant; a cube's three quarter faces follow one another.
+/// Bands of rows of the first octant; for a cube three quarter faces in sequence.
 pub(super) fn octant_bands(source: Layout) -> Vec<Range<u32>> {
     match source {
         Layout::Panorama { height, .. } => split(height.div_ceil(2)),
@@ -36,7 +35,7 @@ pub(super) fn octant_bands(source: Layout) -> Vec<Range<u32>> {
     }
 }
 
-/// Bands of rows of the whole source; a cube's faces follow one another.
+/// Bands of rows of the whole source; for a cube its faces in sequence.
 pub(super) fn bands(source: Layout) -> Vec<Range<u32>> {
     match source {
         Layout::Panorama { height, .. } => split(height),
@@ -45,8 +44,8 @@ pub(super) fn bands(source: Layout) -> Vec<Range<u32>> {
     }
 }
 
-/// Calls `visit` with every cell of the first octant in `band`, or of its half next to the X meridian where
-/// the other is its mirror image ([`diagonal_columns`]); indices are packed.
+/// Calls `visit` with every cell of the first octant in `band`, or of its half next to the X meridian if the
+/// other half is its mirror image ([`diagonal_columns`]); indices are packed.
 pub(super) fn for_each_octant_cell(
     source: Layout,
     target: Target,
@@ -55,7 +54,7 @@ pub(super) fn for_each_octant_cell(
 ) {
     match source {
         Layout::Panorama { width, height } => {
-            // Columns count from the X meridian; the last one ends at the Z meridian, or half way.
+            // Columns count from the X meridian to the Z meridian, or half way.
             let count = diagonal_columns(source).map_or(width.div_ceil(4), |columns| columns / 2);
             let columns: Vec<f64> =
                 (0..=count).map(|k| (f64::from(k) * TAU / f64::from(width)).min(FRAC_PI_2)).collect();
@@ -114,7 +113,7 @@ pub(super) fn for_each_cell(
 ) {
     match source {
         Layout::Panorama { width, height } => {
-            // Columns and rows wider than an eighth of the circle go in pieces.
+            // Split columns and rows wider than an eighth of the circle.
             let pieces = 8_u32.div_ceil(width);
             let count = width * pieces;
             let columns: Vec<f64> =
@@ -127,7 +126,7 @@ pub(super) fn for_each_cell(
             });
         }
         Layout::Cube { size } => {
-            // A whole face is less than a hemisphere, but its polygon must not be: halve n = 1.
+            // Halve the single texel of a face for n = 1; polygons must be smaller.
             let pieces = if size == 1 { 2 } else { 1 };
             let edge = |k: u32| f64::from(k) / f64::from(size * pieces) * 2.0 - 1.0;
             for row in band {
@@ -235,7 +234,7 @@ impl Parallel {
         let texels = f64::from(target.edge()) * 1.5;
         for pair in meridians.windows(2) {
             let (a, b) = (at(pair[0]), at(pair[1]));
-            // Chord and arc part most in the middle: by sin(theta) cos(theta) * (1 - cos(half width)).
+            // Chord and arc differ most in the middle, by sin(theta) cos(theta) * (1 - cos(half width)).
             let half_width_squared =
                 ((pair[1].0 - pair[0].0).powi(2) + (pair[1].1 - pair[0].1).powi(2)) / 4.0;
             let sag = sin_theta * cos_theta.abs() * half_width_squared / 2.0 * texels;
@@ -243,7 +242,7 @@ impl Parallel {
             self.starts.push(self.points.len());
             self.points.push(a);
             for k in 1..chords as u32 {
-                // Even steps along the chord, lifted back to the parallel: nearly even along the arc.
+                // Even steps along the chord, projected back to the parallel, are nearly even along the arc.
                 let step = f64::from(k) / chords;
                 let (x, z) = (a.x + (b.x - a.x) * step, a.z + (b.z - a.z) * step);
                 let lift = sin_theta / (x * x + z * z).sqrt();

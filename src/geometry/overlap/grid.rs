@@ -1,16 +1,17 @@
-//! Walks polygons over a target's grid: area and first moments of every texel met, by Green's theorem.
+//! Rasterises polygons over a target's grid: area and first moments of every overlapped texel, by Green's
+//! theorem.
 
 use super::index::{self, Target};
 use glam::{DMat3, DVec2, DVec3};
 
-/// Overlaps smaller than this share of their polygon are rounding, not area.
+/// Smaller overlaps, as a share of their polygon, are rounding errors.
 const NEGLIGIBLE: f64 = 1e-11;
 
-/// Polygons wider than this on the octant's plane are halved: the centroid rule misses about half the square
+/// Wider polygons on the octant's plane are halved: the error of the centroid rule is about half the square
 /// of a piece's width.
 const WIDEST: f64 = 1.0 / 40.0;
 
-/// Area and first moments of a grid cell's overlap, and what the cells to its right inherit.
+/// Area and first moments of a grid cell's overlap, and the cover passed to the cells on its right.
 #[derive(Clone, Copy, Default)]
 pub(in crate::geometry) struct Accumulator {
     area: f64,
@@ -19,7 +20,7 @@ pub(in crate::geometry) struct Accumulator {
     cover_moment: f64,
 }
 
-/// Carries polygons of an octant to a target's texels; keeps its buffers between calls.
+/// Maps polygons of an octant to a target's texels; reuses its buffers.
 pub(super) struct Walker {
     target: Target,
     outline: Vec<DVec2>,
@@ -33,7 +34,7 @@ impl Walker {
     }
 
     /// Calls `emit` with every texel that the polygon `corners` (points of the mirrored octant, any length,
-    /// in order) meets and the solid angle of the overlap. `octant` says which octant it was mirrored from.
+    /// in order) overlaps, and the solid angle of the overlap. `octant` is the octant it was mirrored from.
     pub(super) fn walk(&mut self, corners: &[DVec3], octant: usize, mut emit: impl FnMut(u32, f32)) {
         let (low, high) = extent(corners);
         if (high - low).max_element() <= WIDEST {
@@ -43,7 +44,7 @@ impl Walker {
         }
     }
 
-    /// [`Walker::walk`] by halves, down to pieces of [`WIDEST`].
+    /// [`Walker::walk`] by recursive halving, down to pieces of [`WIDEST`].
     fn walk_halves(&mut self, corners: &[DVec3], octant: usize, emit: &mut impl FnMut(u32, f32)) {
         let (low, high) = extent(corners);
         let (extent, middle) = (high - low, (low + high) / 2.0);
@@ -64,7 +65,7 @@ impl Walker {
         }
     }
 
-    /// [`Walker::walk`] for a polygon that is not too wide.
+    /// [`Walker::walk`] for a polygon of at most [`WIDEST`].
     fn walk_piece(&mut self, corners: &[DVec3], octant: usize, emit: &mut impl FnMut(u32, f32)) {
         match self.target {
             Target::Octahedral(n) => {
@@ -112,7 +113,7 @@ impl Walker {
     }
 }
 
-/// Least and greatest position of a polygon on the octant's plane, along x and z.
+/// Minimum and maximum position of a polygon on the octant's plane, along x and z.
 fn extent(corners: &[DVec3]) -> (DVec2, DVec2) {
     let on_plane = corners.iter().map(|c| DVec2::new(c.x, c.z) / (c.x + c.y + c.z));
     on_plane.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
@@ -156,7 +157,7 @@ fn clip_by(corners: &[DVec3], depth: impl Fn(DVec3) -> f64, out: &mut Vec<DVec3>
     }
 }
 
-/// Cuts polygons anywhere on the sphere into octants; keeps its buffers between calls.
+/// Cuts polygons anywhere on the sphere into octants; reuses its buffers.
 #[derive(Default)]
 pub(super) struct OctantClipper {
     turned: Vec<DVec3>,
@@ -191,7 +192,7 @@ impl OctantClipper {
     }
 }
 
-/// What a polygon and a grid cell share.
+/// Overlap of a polygon with a grid cell.
 #[derive(Clone, Copy)]
 pub(in crate::geometry) struct Overlap {
     pub(in crate::geometry) area: f64,
@@ -225,7 +226,7 @@ pub(in crate::geometry) fn walk_outline(
     if high.x as usize == left && high.y as usize == top {
         return emit(left as u32, top as u32, whole(outline, origin));
     }
-    // One column more takes the cover that leaves the window on the right.
+    // An extra column receives the cover that leaves the window on the right.
     let width = high.x as usize - left + 2;
     let height = high.y as usize - top + 1;
     window.clear();
@@ -240,7 +241,7 @@ pub(in crate::geometry) fn walk_outline(
         from = to;
     }
     let smallest = NEGLIGIBLE * area_twice.abs() / 2.0;
-    // Edges going down (growing y) have the inside counted to their right: positive for one orientation only.
+    // Edges with growing y count the area to their right, which is positive for one orientation only.
     let sign = if area_twice > 0.0 { -1.0 } else { 1.0 };
 
     for y in 0..height {

@@ -9,7 +9,7 @@ use crate::sphere::cube::{self, Face, cube_point};
 use crate::sphere::octahedral;
 use glam::DVec3;
 
-/// The grid that energy is carried to.
+/// Target grid of the energy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// An octahedral square of this many texels along an edge.
@@ -19,7 +19,7 @@ pub enum Target {
 }
 
 impl Target {
-    /// Texels in all.
+    /// Total number of texels.
     #[must_use]
     pub const fn texel_count(self) -> usize {
         match self {
@@ -98,15 +98,15 @@ pub(super) fn cube_texel(n: u32, family: usize, octant: usize, i: u32, j: u32) -
     (face * n + mirrored(n, j, quarter.flip_t)) * n + mirrored(n, i, quarter.flip_s)
 }
 
-/// Packs a source cell of the first octant: family, and its place along each axis.
+/// Packs a source cell of the first octant: family and position along each axis.
 pub(super) const fn pack(family: u32, i: u32, j: u32) -> u32 {
     family << 30 | j << 15 | i
 }
 
-/// The source texels of one octant's packed cells: affine in a cell's place, one map a family.
+/// Maps one octant's packed cells to source texels: affine in a cell's position, one map a family.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SourceMap {
-    /// Texel of place (0, 0), and the steps along i and j.
+    /// Texel of position (0, 0), and the steps along i and j.
     pub(super) families: [[i64; 3]; 3],
 }
 
@@ -121,7 +121,7 @@ impl SourceMap {
         Self { families }
     }
 
-    /// The texel that a packed cell stands for.
+    /// The texel of a packed cell.
     #[inline]
     pub(super) fn texel(&self, packed: u32) -> usize {
         let [origin, step_i, step_j] = self.families[(packed >> 30) as usize];
@@ -130,7 +130,7 @@ impl SourceMap {
     }
 }
 
-/// The source texel of cell (`i`, `j`) of `family` in `octant`, for places inside the source.
+/// The source texel of cell (`i`, `j`) of `family` in `octant`, for positions inside the source.
 fn source_index(source: Layout, octant: usize, family: usize, i: i64, j: i64) -> i64 {
     let mirrored = |n: u32, cell: i64, negative: bool| if negative { i64::from(n) - 1 - cell } else { cell };
     let (x, y, z) = (octant & 1 != 0, octant & 2 != 0, octant & 4 != 0);
@@ -185,7 +185,7 @@ pub(super) const fn octant_row(target: Target, texel: u32) -> usize {
     }
 }
 
-/// Columns of an octant of a panorama that looks the same with x and z exchanged; `None` for other sources.
+/// Columns per octant of a panorama that is symmetric under exchange of x and z; `None` for other sources.
 pub(super) const fn diagonal_columns(source: Layout) -> Option<u32> {
     match source {
         Layout::Panorama { width, .. } if width.is_multiple_of(8) => Some(width / 4),

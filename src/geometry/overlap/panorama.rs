@@ -1,17 +1,16 @@
-//! Panorama to panorama: environments are turned about the axis of the poles only, so rows and columns go
-//! apart.
+//! Panorama to panorama: rotations are about the polar axis only, so rows and columns separate.
 
 use crate::environment::{Environment, Layout, Rgb};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// The mean radiance of `environment`, a panorama, over every texel of another one of the world.
+/// Mean radiance of `environment`, a panorama, over every texel of another panorama in the world.
 pub(super) fn mean_radiances(environment: &Environment, width: u32, height: u32) -> Vec<Rgb> {
     let (source_width, source_height) = match environment.layout() {
         Layout::Panorama { width, height } => (width, height),
         Layout::Cube { .. } | Layout::Octahedral { .. } => unreachable!("the caller looks"),
     };
-    // A meridian's longitude in the source runs with the world's, or against it where the source is mirrored.
+    // Longitude in the source runs with the world's, or against it if the source is mirrored.
     let turn = environment.source_from_world();
     let first = turn.x_axis.z.atan2(turn.x_axis.x) / TAU;
     let sense = (turn.x_axis.x * turn.z_axis.z - turn.z_axis.x * turn.x_axis.z).signum();
@@ -56,12 +55,12 @@ pub(super) fn mean_radiances(environment: &Environment, width: u32, height: u32)
     rows.par_iter().flat_map_iter(|row| columns.iter().map(move |column| texel(row, column))).collect()
 }
 
-/// A place that rounding has moved off the edge of a texel, put back.
+/// Snaps a position to a texel edge within rounding.
 fn snapped(place: f64) -> f64 {
     if (place - place.round()).abs() < 1e-9 { place.round() } else { place }
 }
 
-/// The texels that lie between `a` and `b`, and the part of each that does.
+/// The texels between `a` and `b`, with the overlapped part of each.
 fn spans(a: f64, b: f64) -> impl Iterator<Item = (i64, f64, f64)> {
     let (first, last) = (a.floor() as i64, b.ceil() as i64);
     (first..last.max(first + 1)).map(move |k| (k, a.max(k as f64), b.min((k + 1) as f64)))

@@ -1,8 +1,9 @@
-//! Means over target texels of a fine panorama: every texel's outline is walked over the panorama's own grid.
+//! Means of a fine panorama over target texels: rasterises every target texel's outline over the panorama's
+//! grid.
 //!
-//! A target texel's edges are great circles, smooth curves in longitude and polar angle. Where source texels
-//! are many, walking an octant's outlines over them, and each texel's weights to all eight octants at once,
-//! costs far less than carrying every source texel to the target.
+//! A target texel's edges are great circles, smooth curves in longitude and polar angle. For many source
+//! texels it is much cheaper to rasterise one octant's outlines and apply the weights to all eight octants
+//! than to map every source texel to the target.
 
 use super::grid::{Overlap, walk_outline};
 use super::index::{self, SourceMap, Target, pack};
@@ -12,27 +13,28 @@ use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// Panoramas of this many rows are fine: the sine at an overlap's centroid stands for its mean, which misses
-/// less than (pi/rows)^2/24 of it, 6e-6.
+/// Minimum rows of a fine panorama: the sine at an overlap's centroid approximates its mean with a relative
+/// error below (pi/rows)^2/24 = 6e-6.
 const FINE: u32 = 256;
 
-/// What an edge's chords may misplace, as a share of the texel's area.
+/// Area error allowed for an edge's chords, as a share of the texel's area.
 const MISPLACED: f64 = 3e-5;
 
-/// Nearer to the pole than this many times its length, an edge is no cubic: the cubic misses less than
-/// (length/distance)^3/60 of the texel's width.
+/// Minimum distance of an edge from the pole, in edge lengths, for the cubic approximation, whose error is
+/// below (length/distance)^3/60 of the texel's width.
 const POLAR: f64 = 12.0;
 
-/// Rows of the target that are walked together,
+/// Rows of the target processed together.
 const BAND: usize = 16;
-/// and columns: so few that the shares of a tile stay in the cache while every octant's texels are read.
+/// Columns processed together: few enough that a tile's shares stay in the cache while all octants' texels
+/// are read.
 const TILE: u32 = 32;
 
-/// Rows of the source that are read together.
+/// Rows of the source read together.
 const STRIP: u32 = 4;
 
-/// The mean radiance over every texel of `target`, where `environment` is a fine panorama of more texels than
-/// that; both must be symmetric.
+/// Mean radiance over every texel of `target`; `None` unless `environment` is a fine panorama with more
+/// texels than `target`. Both must be symmetric.
 pub(super) fn mean_radiances(environment: &Environment, target: Target) -> Option<Vec<Rgb>> {
     let Layout::Panorama { width, height } = environment.layout() else { return None };
     if height < FINE || target.texel_count() > environment.texels().len() {
@@ -90,7 +92,7 @@ struct Place {
     total: f64,
 }
 
-/// The means of a tile's texels in all octants, compiled for the widest vectors there are.
+/// Means of a tile's texels in all octants, compiled for the widest available vectors.
 struct Means<'a> {
     texels: &'a [Rgb],
     source_maps: &'a [SourceMap; 8],
@@ -99,7 +101,7 @@ struct Means<'a> {
     means: &'a mut [[Rgb; 8]],
 }
 
-/// Shares that are summed in single precision before they join the rest.
+/// Shares summed in single precision before they are added to the total.
 const RUN: usize = 16;
 
 impl pulp::NullaryFnOnce for Means<'_> {
@@ -108,10 +110,10 @@ impl pulp::NullaryFnOnce for Means<'_> {
     #[inline(always)]
     fn call(self) {
         let values = self.texels.as_flattened();
-        // A fourth value fills the vector: the next texel's, or what stands in for it after the last.
+        // A fourth value fills the vector: the next texel's first value, or a substitute after the last.
         let last = values.len() - 3;
         let end = [values[last], values[last + 1], values[last + 2], 0.0];
-        // One octant after the other: a panorama's rows, a power of two apart, drive each other out of the
+        // Process octants in sequence: a panorama's rows, a power of two apart, evict each other from the
         // caches.
         for (octant, map) in self.source_maps.iter().enumerate() {
             let [origin, step_i, step_j] = map.families[0].map(|texels| 3 * texels as isize);
@@ -160,7 +162,7 @@ impl<'a> Sweep<'a> {
         let mut sides = vec![[Vec::new(), Vec::new()]; rows.len()];
         let (mut outline, mut window) = (Vec::new(), Vec::new());
         let (mut shares, mut places) = (Vec::new(), Vec::new());
-        // Tile by tile, and across the band before along it: what lies near together is read together.
+        // Process tile by tile, across the band before along it, for locality.
         for i in 0..half {
             for (row, [left, right]) in sides.iter_mut().enumerate() {
                 let j = rows.start + row as u32;
@@ -238,12 +240,12 @@ impl<'a> Sweep<'a> {
         out.push(places[1]);
     }
 
-    /// Where `point` lies on the grid; the pole, at longitude 0.
+    /// Position of `point` on the grid; the pole has longitude 0.
     fn place(&self, point: DVec3) -> DVec2 {
         DVec2::new(point.z.atan2(point.x), axis_distance(point).atan2(point.y)) * self.scale
     }
 
-    /// How the place of a point moves while the point moves by `step`.
+    /// Derivative of a point's grid position along `step`.
     fn velocity(&self, point: DVec3, step: DVec3) -> DVec2 {
         let rho = axis_distance(point);
         let rho_step = (point.x * step.x + point.z * step.z) / rho;
@@ -252,12 +254,12 @@ impl<'a> Sweep<'a> {
         DVec2::new(longitude, polar) * self.scale
     }
 
-    /// Appends the chords of the edge between two points, whose places are known, to `out`, without its end.
+    /// Appends the chords of the edge between two points at `places` to `out`, without the end point.
     fn edge(&self, [from, to]: [DVec3; 2], places: [DVec2; 2], out: &mut Vec<DVec2>) {
         let [a, b] = places;
         let nearest = axis_distance(from).min(axis_distance(to));
         if nearest == 0.0 {
-            // A meridian; the pole has the longitude of whatever comes to it.
+            // A meridian; at the pole use the longitude of the other end.
             let x = a.x.max(b.x);
             return out.extend([DVec2::new(x, a.y), DVec2::new(x, b.y)]);
         }
@@ -266,8 +268,8 @@ impl<'a> Sweep<'a> {
         let middle = (from + to) / 2.0;
         let texel = step.abs().max_element().powi(2) * self.scale.element_product()
             / (middle.length_squared() * axis_distance(middle));
-        // One chord cuts off a twelfth of curvature times length, `chords` of them that over their square;
-        // moving the points between them outwards makes the area whole again.
+        // One chord cuts off a twelfth of curvature times length, n chords 1/n^2 of that. Moving the inner
+        // points outwards restores the area.
         let cut = (velocities[0] - velocities[1]).perp_dot(b - a).abs() / 12.0;
         let chords = (cut / (MISPLACED * texel)).sqrt().ceil().clamp(1.0, 4096.0);
         let polar = nearest < POLAR * step.length();
@@ -291,8 +293,7 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// Orders packed cells by strips of rows, and along them by columns: what lies near together is read
-/// together.
+/// Orders packed cells by strips of rows, then by columns, for locality.
 const fn strip_and_column(cell: u32) -> u32 {
     let (column, row) = unpack(cell);
     (row / STRIP) << 15 | column
@@ -350,7 +351,7 @@ mod tests {
     use super::*;
     use glam::DMat3;
 
-    /// The greatest relative difference from what the matrix gives.
+    /// Maximum relative difference from the matrix's result.
     fn off(environment: &Environment, target: Target, means: &[Rgb]) -> f32 {
         let matrix = Overlaps::new(environment.layout(), DMat3::IDENTITY, target).expect("a moderate matrix");
         let texel = |k: usize| matrix.mean_radiance(k, environment.texels());
@@ -363,7 +364,7 @@ mod tests {
 
     #[test]
     fn sweeps_agree_with_the_matrix() {
-        // Columns that the octants do and do not share, rows that the equator does and does not cut.
+        // With and without columns shared by octants and rows cut by the equator.
         for (width, height) in [(512, 256), (514, 257)] {
             let mut state = 1_u32;
             let mut noise = || {
@@ -378,7 +379,7 @@ mod tests {
                 .chain([2, 6, 34, 128].map(Target::Cube))
             {
                 let means = mean_radiances(&environment, target).expect("a fine panorama");
-                // Four sides misplace their share of the texel each, among texels that differ tenfold.
+                // Each of four sides misplaces its share, among texels that differ by a factor of ten.
                 let error = off(&environment, target, &means);
                 assert!(error < 40.0 * MISPLACED as f32, "{width}x{height} to {target:?}: {error:e}");
                 let mut wrong = means;

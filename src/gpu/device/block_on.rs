@@ -6,11 +6,11 @@ use std::future::Future;
 use std::pin::pin;
 use std::task::{Poll, Waker};
 
-/// Waits for `future` and polls the device of `context` meanwhile. Native programs only; in a browser the
-/// event loop drives futures.
+/// Waits for `future`, polling the device of `context`. Native programs only; in a browser the event loop
+/// drives futures.
 ///
 /// # Errors
-/// [`Error::Gpu`] where the device stops answering.
+/// [`Error::Gpu`] if the device stops responding.
 pub fn block_on<F: Future>(context: Option<&Context>, future: F) -> Result<F::Output> {
     let mut future = pin!(future);
     let mut task = std::task::Context::from_waker(Waker::noop());
@@ -21,7 +21,7 @@ pub fn block_on<F: Future>(context: Option<&Context>, future: F) -> Result<F::Ou
         match context {
             Some(context) => {
                 context.device().poll(wgpu::PollType::wait_indefinitely()).map_err(|error| {
-                    Error::Gpu(format!("{} stopped answering: {error}", context.describe()))
+                    Error::Gpu(format!("{} stopped responding: {error}", context.describe()))
                 })?;
             }
             None => std::thread::yield_now(),

@@ -36,7 +36,7 @@ pub fn is_hardware(info: &wgpu::AdapterInfo) -> bool {
     )
 }
 
-/// One line that identifies an adapter: name, kind, backend, driver. Unknown parts are left out; browsers
+/// One line that identifies an adapter: name, kind, backend, driver. Unknown parts are omitted; browsers
 /// hide name and driver.
 #[must_use]
 pub fn describe(info: &wgpu::AdapterInfo) -> String {
@@ -49,11 +49,11 @@ pub fn describe(info: &wgpu::AdapterInfo) -> String {
 }
 
 impl Context {
-    /// A device of `adapter` with baseline limits, but for buffers and textures as large as the adapter has
-    /// them; timestamp queries where there are any.
+    /// Opens a device of `adapter` with baseline limits, except for buffers and textures, which get the
+    /// adapter's own limits. Enables timestamp queries if supported.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the adapter gives no device.
+    /// [`Error::Gpu`] if the adapter provides no device.
     pub async fn new(adapter: &wgpu::Adapter) -> Result<Self> {
         let has = adapter.limits();
         let limits = wgpu::Limits {
@@ -68,7 +68,7 @@ impl Context {
     /// Opens a device with the given limits.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the adapter gives no device.
+    /// [`Error::Gpu`] if the adapter provides no device.
     pub async fn with_limits(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> Result<Self> {
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("octagloss"),
@@ -77,7 +77,7 @@ impl Context {
             ..Default::default()
         };
         let (device, queue) = adapter.request_device(&descriptor).await.map_err(|error| {
-            Error::Gpu(format!("{} gives no device: {error}", describe(&adapter.get_info())))
+            Error::Gpu(format!("{} provides no device: {error}", describe(&adapter.get_info())))
         })?;
         let context = Self::from_device(device, queue);
         let Self { device, failure, .. } = &context;
@@ -127,7 +127,8 @@ impl Context {
         }
     }
 
-    /// [`Error::Limit`] where `bytes` are more than one binding may have; `largest` says what would fit.
+    /// Returns [`Error::Limit`] if `bytes` exceed the limit of one binding; `largest` gives the remedy for
+    /// that limit.
     pub(in crate::gpu) fn fits(
         &self,
         what: &str,
@@ -142,7 +143,7 @@ impl Context {
         Err(Error::Limit { what: what.to_owned(), needed: bytes, available, remedy: largest(available) })
     }
 
-    /// Submits what `record` records.
+    /// Submits the commands that `record` records.
     pub fn submit(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         record(&mut encoder);

@@ -1,4 +1,4 @@
-//! The device and what every stage needs of it: shaders, stages, readback, timers.
+//! The device and its helpers: shaders, stages, readback, timers.
 
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) mod block_on;

@@ -1,12 +1,12 @@
-//! Buffers back to the CPU, without waiting.
+//! Reads buffers back to the CPU, asynchronously.
 
 use super::context::Context;
 use crate::error::{Error, Result};
 
-/// The whole of `buffer`, copied after everything that was submitted before the call.
+/// Reads `buffer` back, after everything submitted before the call.
 ///
 /// # Errors
-/// [`Error::Gpu`] where the device fails.
+/// [`Error::Gpu`] if the device fails.
 pub async fn read<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
     let size = buffer.size();
     let staging = context.device().create_buffer(&wgpu::BufferDescriptor {
@@ -18,7 +18,7 @@ pub async fn read<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) ->
     context.submit(|encoder| encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size));
     let (sender, mapped) = futures_channel::oneshot::channel();
     staging.map_async(wgpu::MapMode::Read, .., move |outcome| {
-        // Nobody listens once the future is dropped.
+        // The receiver is gone if the future was dropped.
         sender.send(outcome).ok();
     });
     let failed = |error: String| Error::Gpu(format!("{}: reading back: {error}", context.describe()));
@@ -29,13 +29,13 @@ pub async fn read<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) ->
     Ok(bytemuck::pod_collect_to_vec(&view))
 }
 
-/// The first level of a two-dimensional `texture` whose texels are `T`, row-major.
+/// Reads the first level of a two-dimensional `texture` with texels of type `T`, row-major.
 ///
 /// # Errors
-/// [`Error::Gpu`] where the device fails.
+/// [`Error::Gpu`] if the device fails.
 ///
 /// # Panics
-/// Where the texture's texels are not as large as `T`.
+/// If the texture's texel size is not that of `T`.
 pub async fn read_texture<T: bytemuck::Pod>(context: &Context, texture: &wgpu::Texture) -> Result<Vec<T>> {
     let size = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
     let texel = size_of::<T>() as u32;

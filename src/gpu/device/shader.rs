@@ -1,4 +1,4 @@
-//! Shader sources: plain WGSL files, where a line `#include "common/name.wgsl"` stands for that file, once.
+//! Shader sources: plain WGSL files. A line `#include "common/name.wgsl"` inserts that file, once per shader.
 
 use super::context::Context;
 
@@ -72,10 +72,10 @@ pub const FILES: &[(&str, &str)] = &files![
     "view/truth.wgsl",
 ];
 
-/// The text of `path` with its includes, each file once, before what includes it.
+/// The text of `path` with its includes resolved. Each file appears once, before the files that include it.
 ///
 /// # Panics
-/// Where there is no such file: names are literals of this crate.
+/// If the file does not exist; names are literals of this crate.
 #[must_use]
 pub fn source(path: &str) -> String {
     let mut text = String::new();
@@ -100,15 +100,15 @@ fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
     }
 }
 
-/// Queries that any shader can have, each with the group that its resources are declared in.
+/// Queries for any shader, each with the group of its resources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Queries {
-    /// Those over [`crate::gpu::box_filter::SatTextures`]: `octagloss_ggx(direction, roughness)` and
+    /// Queries over [`crate::gpu::box_filter::SatTextures`]: `octagloss_ggx(direction, roughness)` and
     /// `octagloss_box(direction, solid_angle)`.
     Boxes(u32),
-    /// That over [`crate::gpu::fitted::FittedTables`]: `octagloss_fitted(direction, roughness)`.
+    /// The query over [`crate::gpu::fitted::FittedTables`]: `octagloss_fitted(direction, roughness)`.
     Fitted(u32),
-    /// That, turned, and diffuse light, over a [`crate::gpu::live::LiveEnvironment`]:
+    /// The same under a rotation, and irradiance, over a [`crate::gpu::live::LiveEnvironment`]:
     /// `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`.
     Live(u32),
 }
@@ -125,7 +125,7 @@ const FITTED: [&str; 5] = [
 /// The rotation of a live environment, at the binding that follows.
 const LIVE: &str = "var<uniform> octagloss_source_from_world: mat3x3<f32>";
 
-/// The functions of `queries` and their resources, for one shader: what they share is there once.
+/// The functions and resources of `queries`, for one shader; shared functions appear once.
 #[must_use]
 pub fn queries(queries: &[Queries]) -> String {
     let mut text = String::new();
@@ -152,7 +152,7 @@ pub fn queries(queries: &[Queries]) -> String {
     text
 }
 
-/// The module of file `path`.
+/// Creates the module of file `path`.
 pub(crate) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
     context.device().create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(path),
@@ -160,7 +160,7 @@ pub(crate) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
     })
 }
 
-/// The pipeline of one entry point, its layout read from the shader.
+/// Creates the pipeline of one entry point, with its layout inferred from the shader.
 pub(in crate::gpu) fn pipeline(
     context: &Context,
     module: &wgpu::ShaderModule,

@@ -1,4 +1,4 @@
-//! Times of stages, by timestamp queries.
+//! Measures the times of stages by timestamp queries.
 
 use super::context::Context;
 use super::readback;
@@ -17,7 +17,7 @@ impl Timer {
     /// A timer for up to `count` stages.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the adapter has no timestamp queries.
+    /// [`Error::Gpu`] if the adapter has no timestamp queries.
     pub fn new(context: &Context, count: u32) -> Result<Self> {
         let device = context.device();
         if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
@@ -37,14 +37,14 @@ impl Timer {
         Ok(Self { queries, resolved, count })
     }
 
-    /// Runs `stages` one after the other; seconds of each, and from the beginning of the first to the end of
+    /// Runs `stages` in order. Returns the seconds of each, and from the beginning of the first to the end of
     /// the last.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the device fails.
+    /// [`Error::Gpu`] if the device fails.
     ///
     /// # Panics
-    /// Where there are no stages, or more than the timer has room for.
+    /// If there are no stages, or more than the timer supports.
     pub async fn run(&self, context: &Context, stages: &[&Stage]) -> Result<(Vec<f64>, f64)> {
         let count = stages.len() as u32;
         assert!((1..=self.count).contains(&count), "1 to {} stages", self.count);
@@ -58,7 +58,7 @@ impl Timer {
         Ok((spans.iter().map(|(from, to)| to - from).collect(), whole))
     }
 
-    /// What the compute pass at `place` writes.
+    /// Timestamp writes of the compute pass at `place`.
     #[must_use]
     pub const fn compute_writes(&self, place: u32) -> wgpu::ComputePassTimestampWrites<'_> {
         wgpu::ComputePassTimestampWrites {
@@ -68,7 +68,7 @@ impl Timer {
         }
     }
 
-    /// What the render pass at `place` writes.
+    /// Timestamp writes of the render pass at `place`.
     #[must_use]
     pub const fn render_writes(&self, place: u32) -> wgpu::RenderPassTimestampWrites<'_> {
         wgpu::RenderPassTimestampWrites {
@@ -78,16 +78,16 @@ impl Timer {
         }
     }
 
-    /// Seconds of each of the first `count` passes, which were submitted before.
+    /// Seconds of each of the first `count` passes, which must have been submitted.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the device fails.
+    /// [`Error::Gpu`] if the device fails.
     pub async fn read(&self, context: &Context, count: u32) -> Result<Vec<f64>> {
         let spans = self.spans(context, count).await?;
         Ok(spans.into_iter().map(|(from, to)| to - from).collect())
     }
 
-    /// Beginnings and ends in seconds, from the first beginning on.
+    /// Beginnings and ends in seconds since the first beginning.
     async fn spans(&self, context: &Context, count: u32) -> Result<Vec<(f64, f64)>> {
         context.submit(|encoder| encoder.resolve_query_set(&self.queries, 0..2 * count, &self.resolved, 0));
         let ticks: Vec<u64> = readback::read(context, &self.resolved).await?;

@@ -12,7 +12,7 @@ use crate::io::provenance::Provenance;
 use ddsfile::{Dds, DxgiFormat, MiscFlag};
 use half::f16;
 
-/// Level 0 as a picture.
+/// Decodes level 0.
 pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     let texture = Texture::open(source)?;
     let Texture { width, height, is_cube, .. } = texture;
@@ -27,7 +27,7 @@ pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     })
 }
 
-/// Every level of a cube; the file says nothing of their `roughness`.
+/// Decodes every level of a cube. The file does not store their `roughness`.
 pub(in crate::io) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Result<Stored> {
     let texture = Texture::open(source)?;
     if !texture.is_cube {
@@ -35,7 +35,7 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Res
     }
     if roughness.len() != texture.levels as usize {
         return Err(source.error(format!(
-            "it has {} levels, its report tells of {}; bake it anew",
+            "it has {} levels, its report lists {}; bake it again",
             texture.levels,
             roughness.len()
         )));
@@ -52,12 +52,12 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Res
     Ok(Stored { chain: Chain { levels }, provenance: provenance(source), format })
 }
 
-/// The flip that the writer's mark says.
+/// Reads the flip from the writer's mark.
 fn provenance(source: &Source<'_>) -> Provenance {
     Provenance { flip: marked_flip(source.bytes), ..Provenance::default() }
 }
 
-/// A file whose header makes sense and whose texels are all there.
+/// A file with a valid header and complete texels.
 struct Texture {
     dds: Dds,
     format: DxgiFormat,
@@ -70,7 +70,7 @@ struct Texture {
 
 impl Texture {
     fn open(source: &Source<'_>) -> Result<Self> {
-        // The crate keeps a copy of the file's bytes.
+        // The crate copies the file's bytes.
         source.check_memory(1, 1, source.bytes.len() as u64)?;
         let dds = Dds::read(source.bytes).map_err(|error| source.decoder_error("DDS", &error))?;
         let Some(extended) = &dds.header10 else {
@@ -101,7 +101,7 @@ impl Texture {
             return Err(source.error(format!("cube faces of {width}x{height} are not square")));
         }
         let faces: u32 = if is_cube { 6 } else { 1 };
-        // A texel takes 16 bytes at most, a cut block four for each of its.
+        // A texel takes at most 16 bytes, a texel of a partial block at most four.
         source.check_memory(width, height, u64::from(faces) * (TEXEL_BYTES + 16))?;
         if levels > width.max(height).ilog2() + 1 {
             return Err(source.error(format!("{levels} levels are more than {width}x{height} can have")));
@@ -110,7 +110,7 @@ impl Texture {
         let needed = u64::from(faces) * texture.offset(levels) as u64;
         if needed > texture.dds.data.len() as u64 {
             return Err(source.error(format!(
-                "truncated: {faces} faces of {levels} levels take {needed} bytes, {} are there; copy it anew",
+                "truncated: {faces} faces of {levels} levels take {needed} bytes, it has {}; copy it again",
                 texture.dds.data.len()
             )));
         }
@@ -153,12 +153,12 @@ impl Texture {
         }
     }
 
-    /// Where a level starts in its face's bytes: each face has its levels, the largest first.
+    /// Offset of a level in its face's bytes; each face stores its levels, the largest first.
     fn offset(&self, level: u32) -> usize {
         (0..level).map(|level| self.bytes(level)).sum()
     }
 
-    /// The texels of a level, a cube's faces one after the other.
+    /// Decodes the texels of a level, face by face.
     fn level(&self, level: u32) -> Vec<Rgb> {
         let (width, height) = self.sides(level);
         let face = |face: u32| {

@@ -1,6 +1,6 @@
 //! DDS output: cube maps with their levels and the DX10 header, laid out by the `ddsfile` crate.
 //!
-//! "Programming Guide for DDS" (Microsoft): faces one after the other, each with all its levels.
+//! "Programming Guide for DDS" (Microsoft): faces in order, each with all its levels.
 
 use crate::chain::Chain;
 use crate::error::{Error, Result};
@@ -34,7 +34,7 @@ pub fn dds_bytes(chain: &Chain, pixel: Pixel) -> Result<CubeFile> {
         format,
         mipmap_levels: Some(chain.levels.len() as u32),
         array_layers: Some(6),
-        // The crate sets the DX10 header's flag alone; older readers go by these.
+        // The crate sets only the DX10 header's flag; older readers use these.
         caps2: Some(Caps2::CUBEMAP | Caps2::CUBEMAP_ALLFACES),
         is_cubemap: true,
         resource_dimension: D3D10ResourceDimension::Texture2D,
@@ -55,10 +55,10 @@ pub fn dds_bytes(chain: &Chain, pixel: Pixel) -> Result<CubeFile> {
     Ok(CubeFile::new(bytes, chain, pixel))
 }
 
-/// Where `dwReserved1` stands, eleven words that no reader uses: behind the magic number and seven words.
+/// Offset of `dwReserved1`, eleven words that no reader uses, after the magic number and seven words.
 const MARK_AT: usize = 32;
 
-/// The program's mark there, before the flip's name. Encoders leave their names in these words likewise.
+/// The program's mark, followed by the flip's name. Other encoders store their names there too.
 const MARK: &[u8; 4] = b"OCTG";
 
 /// Writes the program's mark and `flip` into the reserved words of a file's header.
@@ -69,7 +69,7 @@ pub(in crate::io) fn mark_flip(file: &mut [u8], flip: Flip) {
     word[..flip.name().len()].copy_from_slice(flip.name().as_bytes());
 }
 
-/// The flip that a file says by the program's mark.
+/// Reads the flip from the program's mark.
 pub(in crate::io) fn marked_flip(file: &[u8]) -> Option<Flip> {
     let word = file.get(MARK_AT..)?.strip_prefix(MARK)?.get(..4)?;
     Flip::named(std::str::from_utf8(word).ok()?.trim_end_matches('\0'))

@@ -1,7 +1,7 @@
 //! Several images in one OpenEXR file: as parts, or as the levels of a tiled MIP map.
 //!
 //! "OpenEXR File Layout" and "Technical Introduction to OpenEXR" (openexr.com): parts share their display
-//! window, chunks tell their part, and a MIP map halves down to one pixel.
+//! window, chunks store their part number, and a MIP map halves down to one pixel.
 
 use super::write::{Attribute, BLOCK_ROWS, Image, Packer, Samples, header_bytes, preamble};
 use crate::environment::Rgb;
@@ -15,10 +15,10 @@ const SEVERAL_PARTS: u32 = 0x1000;
 /// Edge of a tile.
 const TILE: u32 = 64;
 
-/// An image of a file that holds several.
+/// One image of a multi-part file.
 #[derive(Clone, Debug)]
 pub struct Part<'a> {
-    /// Its name, not empty, unlike all others.
+    /// Its name, non-empty and unique.
     pub name: String,
     /// Columns, at least 1.
     pub width: u32,
@@ -26,16 +26,16 @@ pub struct Part<'a> {
     pub height: u32,
     /// Row-major.
     pub texels: &'a [Rgb],
-    /// What its header tells, in the order given.
+    /// Its header attributes, in order.
     pub attributes: Vec<(String, Attribute)>,
 }
 
-/// An EXR file of `parts`, scan lines in ZIP blocks of half floats (clamped at their greatest value) or
-/// floats. Their display window is the largest part's.
+/// Encodes an EXR file of `parts`: scan lines in ZIP blocks of half floats (clamped to their maximum) or
+/// floats. The display window is that of the largest part.
 ///
 /// # Errors
-/// [`Error::Parameter`] for no parts, empty or equal names, texels that do not fill their image, and pixels
-/// that EXR does not have.
+/// [`Error::Parameter`] for no parts, empty or duplicate names, texels that do not fill their image, and
+/// pixel formats that EXR does not support.
 pub fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8>> {
     let display = (
         parts.iter().map(|part| part.width).max().unwrap_or(0),
@@ -49,7 +49,7 @@ pub fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8>> {
         let double = parts[..index].iter().any(|other| other.name == part.name);
         if part.name.is_empty() || double {
             return Err(Error::Parameter(format!(
-                "{:?} cannot be the name of an EXR part, or is there twice",
+                "{:?} cannot be the name of an EXR part, or is a duplicate",
                 part.name
             )));
         }
@@ -91,11 +91,11 @@ const fn image<'a>(part: &Part<'a>, pixel: Pixel) -> Image<'a> {
     Image { width: part.width, height: part.height, samples: Samples::Rgb(part.texels), pixel }
 }
 
-/// A tiled EXR file whose MIP levels are `levels`, each the row-major texels of its size: sides halve,
-/// rounded down, and the last has one texel.
+/// Encodes a tiled EXR file with the MIP levels `levels`, each row-major. Sides halve, rounded down, to one
+/// texel.
 ///
 /// # Errors
-/// [`Error::Parameter`] where the levels are not so, and for pixels that EXR does not have.
+/// [`Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
 pub fn exr_mips_bytes(
     (width, height): (u32, u32),
     levels: &[&[Rgb]],
@@ -105,7 +105,7 @@ pub fn exr_mips_bytes(
     let needed = width.max(height).checked_ilog2().map_or(0, |log2| log2 as usize + 1);
     if levels.len() != needed {
         return Err(Error::Parameter(format!(
-            "a MIP map of {width}x{height} has {needed} levels, not {}; leave `levels` out",
+            "a MIP map of {width}x{height} has {needed} levels, not {}; omit `levels`",
             levels.len()
         )));
     }
@@ -118,7 +118,7 @@ pub fn exr_mips_bytes(
         .collect();
     images.iter().try_for_each(Image::check)?;
     let mut out = preamble(TILED);
-    // Edges of a tile, then the mode: MIP levels, sizes rounded down.
+    // Tile edges, then the mode: MIP levels, sizes rounded down.
     let tiles: Vec<u8> = TILE.to_le_bytes().into_iter().chain(TILE.to_le_bytes()).chain([1]).collect();
     header_bytes(&images[0], (width, height), &[("tiles", "tiledesc", &tiles)], attributes, &mut out);
     let count = |image: &Image<'_>| (image.width.div_ceil(TILE) * image.height.div_ceil(TILE)) as usize;

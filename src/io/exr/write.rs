@@ -1,9 +1,9 @@
 //! OpenEXR output: single-part scan lines, half or float, ZIP.
 //!
-//! The container is laid out here, after "OpenEXR File Layout" (openexr.com): the `exr` crate compresses by
-//! miniz_oxide at a fixed level, which takes three to four times as long and makes larger files, and it
-//! writes attributes in the order of a hash map, so that equal inputs give unequal bytes. It reads back what
-//! is written here.
+//! This module writes the container itself, after "OpenEXR File Layout" (openexr.com). The `exr` crate
+//! compresses by miniz_oxide at a fixed level, which takes three to four times as long and makes larger
+//! files. It also writes attributes in hash map order, so that equal inputs give different bytes. Its reader
+//! accepts these files.
 
 use super::deflate::Deflater;
 use crate::environment::Rgb;
@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Rows of a ZIP block.
 pub(in crate::io) const BLOCK_ROWS: usize = 16;
 
-/// The program and its version, as outputs name it.
+/// Program name and version in outputs.
 pub const SOFTWARE: &str = concat!("octagloss ", env!("CARGO_PKG_VERSION"));
 
 /// The value of a header attribute.
@@ -26,7 +26,7 @@ pub enum Attribute {
     Text(String),
 }
 
-/// What goes into a file.
+/// Samples of a file.
 #[derive(Clone, Copy, Debug)]
 pub enum Samples<'a> {
     /// Channels R, G and B.
@@ -35,12 +35,12 @@ pub enum Samples<'a> {
     Luminance(&'a [f32]),
 }
 
-/// The bytes of an EXR file of `width` x `height` row-major samples with `attributes` in the order given.
-/// Half floats are clamped at their greatest value.
+/// Encodes an EXR file of `width` x `height` row-major samples with `attributes` in the given order. Half
+/// floats are clamped to their maximum.
 ///
 /// # Errors
-/// [`Error::Parameter`] where the samples do not fill the image, a side is zero or above 2^31, or `pixel` is
-/// one that EXR does not have.
+/// [`Error::Parameter`] if the samples do not fill the image, a side is zero or above 2^31, or EXR does not
+/// support `pixel`.
 pub fn exr_bytes(
     width: u32,
     height: u32,
@@ -67,13 +67,12 @@ pub fn exr_bytes(
     Ok(out)
 }
 
-/// Magic number and version 2 with `flags`: names up to 31 bytes, a single part of scan lines where there are
-/// none.
+/// Magic number and version 2 with `flags`: names up to 31 bytes; without flags a single part of scan lines.
 pub(in crate::io) fn preamble(flags: u32) -> Vec<u8> {
     [20_000_630_u32, 2 | flags].iter().flat_map(|word| word.to_le_bytes()).collect()
 }
 
-/// Samples and how they are stored.
+/// Samples and their storage.
 #[derive(Clone, Copy)]
 pub(in crate::io) struct Image<'a> {
     pub(in crate::io) width: u32,
@@ -97,7 +96,7 @@ impl Image<'_> {
         }
         match pixel {
             Pixel::F16 | Pixel::F32 => Ok(()),
-            _ => Err(Error::Parameter(format!("EXR has no {}; choose f16 or f32", pixel.name()))),
+            _ => Err(Error::Parameter(format!("EXR does not support {}; use f16 or f32", pixel.name()))),
         }
     }
 
@@ -111,7 +110,7 @@ impl Image<'_> {
     }
 }
 
-/// Compresses blocks, one after the other.
+/// Reusable block compressor.
 pub(in crate::io) struct Packer {
     deflater: Deflater,
     raw: Vec<u8>,
@@ -123,7 +122,7 @@ impl Packer {
         Self { deflater: Deflater::new(), raw: Vec::new(), scratch: Vec::new() }
     }
 
-    /// Appends the block of `columns` and `rows` of `image`: its length, its bytes.
+    /// Appends the block of `columns` and `rows` of `image`: length, then bytes.
     pub(in crate::io) fn push(
         &mut self,
         image: &Image<'_>,
@@ -161,8 +160,8 @@ fn push_row(samples: Samples<'_>, row: Range<usize>, pixel: Pixel, out: &mut Vec
     }
 }
 
-/// Appends `raw` compressed as ZIP has it: bytes of even and of odd position apart, each as its difference
-/// from the one before, then zlib; or as it is where that is no smaller.
+/// Appends `raw` with EXR's ZIP compression: even bytes, then odd bytes, delta-encoded, then zlib; stored raw
+/// if that is not smaller.
 fn zip_block(raw: &[u8], deflater: &mut Deflater, scratch: &mut Vec<u8>, out: &mut Vec<u8>) {
     scratch.clear();
     scratch.extend(raw.iter().step_by(2));
@@ -171,7 +170,7 @@ fn zip_block(raw: &[u8], deflater: &mut Deflater, scratch: &mut Vec<u8>, out: &m
         scratch[at] = scratch[at].wrapping_sub(scratch[at - 1]).wrapping_add(128);
     }
     let start = out.len();
-    // One byte too few for no gain: the block stays raw.
+    // One byte less than raw: without a gain the block stays raw.
     out.resize(start + raw.len() - 1, 0);
     match deflater.deflate(scratch, &mut out[start..]) {
         Some(size) => out.truncate(start + size),
@@ -182,8 +181,8 @@ fn zip_block(raw: &[u8], deflater: &mut Deflater, scratch: &mut Vec<u8>, out: &m
     }
 }
 
-/// Appends the header of `image` in a display window of `display` columns and rows: what every file says,
-/// what its kind demands (`required`: name, type and value), and `attributes`.
+/// Appends the header of `image` in a display window of `display` columns and rows: the common attributes,
+/// those its kind requires (`required`: name, type and value), and `attributes`.
 pub(in crate::io) fn header_bytes(
     image: &Image<'_>,
     display: (u32, u32),

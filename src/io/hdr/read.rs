@@ -1,5 +1,5 @@
-//! Radiance pictures (.hdr, .pic). Scanlines are the `image` crate's work; the header is read here, because
-//! that crate knows neither XYZE nor any orientation but `-Y +X`.
+//! Radiance pictures (.hdr, .pic). The `image` crate decodes scanlines. The header is parsed here, because
+//! that crate supports neither XYZE nor orientations other than `-Y +X`.
 
 use crate::environment::Rgb;
 use crate::error::Result;
@@ -11,13 +11,13 @@ use image::ImageDecoder as _;
 use image::codecs::hdr::HdrDecoder;
 use std::io::Read as _;
 
-/// What a header says.
+/// Content of a header.
 struct Header<'a> {
     is_xyze: bool,
-    /// Stored value over radiance, a channel each: EXPOSURE times COLORCORR.
+    /// Stored value over radiance, per channel: EXPOSURE times COLORCORR.
     exposure: [f64; 3],
     primaries: Option<Primaries>,
-    /// The keys of a bake and their values.
+    /// A bake's key/value pairs.
     pairs: Vec<(String, String)>,
     scan: Scan,
     /// Scanlines.
@@ -30,7 +30,7 @@ impl Header<'_> {
     }
 }
 
-/// Columns, rows and roughness of an image of a bake's level, where its header says the roughness.
+/// Columns, rows and roughness of an image of a bake's level; `None` if its header has no roughness.
 pub(in crate::io) fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
     let header = read_header(source)?;
     let (width, height) = header.scan.sides();
@@ -40,16 +40,16 @@ pub(in crate::io) fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32,
         .map(|roughness| (width, height, roughness)))
 }
 
-/// The order of the pixels: `lines` scanlines of `length` pixels.
+/// Pixel order: `lines` scanlines of `length` pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Scan {
     lines: u32,
     length: u32,
     /// Scanlines are columns.
     by_columns: bool,
-    /// The file begins at the right.
+    /// The file starts at the right.
     from_right: bool,
-    /// The file begins at the bottom.
+    /// The file starts at the bottom.
     from_bottom: bool,
 }
 
@@ -58,14 +58,13 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     let header = read_header(source)?;
     let scan = header.scan;
     let (width, height) = scan.sides();
-    // Pixels in the file's order and in ours, where those differ.
+    // A reordered copy is needed if the file's pixel order differs.
     let copies = if scan.is_plain() { 1 } else { 2 };
     source.check_memory(width, height, copies * TEXEL_BYTES)?;
-    // A run of the old encoding is the least a scanline can be, so a wild header fails before anything is
-    // allocated.
+    // A scanline takes at least one run of the old encoding; this rejects invalid headers before allocation.
     if u64::from(scan.lines) * 4 > header.data.len() as u64 {
         return Err(source.error(format!(
-            "truncated: {} bytes cannot hold the {} scanlines that its header promises; copy it anew",
+            "truncated: {} bytes cannot hold the {} scanlines of its header; copy it again",
             header.data.len(),
             scan.lines
         )));
@@ -95,7 +94,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
             color::transform(&mut texels, matrix);
             warnings.push("its PRIMARIES are not Rec. 709; converted".to_owned());
         } else {
-            warnings.push("its PRIMARIES span no gamut; ignored".to_owned());
+            warnings.push("its PRIMARIES are degenerate; ignored".to_owned());
         }
     }
     let provenance =
@@ -135,7 +134,7 @@ fn read_header<'a>(source: &Source<'a>) -> Result<Header<'a>> {
     let mut rest = source.bytes;
     let mut next_line = || -> Result<String> {
         let Some(end) = rest.iter().position(|&byte| byte == b'\n') else {
-            return Err(source.error("truncated: the Radiance header does not end; copy it anew"));
+            return Err(source.error("truncated: the Radiance header does not end; copy it again"));
         };
         let line = String::from_utf8_lossy(&rest[..end]).trim_end_matches('\r').to_owned();
         rest = &rest[end + 1..];
@@ -145,7 +144,7 @@ fn read_header<'a>(source: &Source<'a>) -> Result<Header<'a>> {
     let mut exposure = [1.0; 3];
     let mut primaries = None;
     let mut pairs = Vec::new();
-    // The first line is the signature, by which the file was known.
+    // Skip the signature.
     next_line()?;
     loop {
         let line = next_line()?;
@@ -162,7 +161,7 @@ fn read_header<'a>(source: &Source<'a>) -> Result<Header<'a>> {
                 other => {
                     let other: String = other.chars().take(40).collect();
                     return Err(source.error(format!(
-                        "FORMAT={other} is not known; 32-bit_rle_rgbe and 32-bit_rle_xyze are"
+                        "FORMAT={other} is not supported; 32-bit_rle_rgbe and 32-bit_rle_xyze are"
                     )));
                 }
             },
@@ -193,8 +192,7 @@ fn read_header<'a>(source: &Source<'a>) -> Result<Header<'a>> {
         let line: String = resolution.chars().take(40).collect();
         let is_huge = |word: &str| word.parse::<u128>().is_ok() && word.parse::<u32>().is_err();
         if resolution.split_whitespace().any(is_huge) {
-            return source
-                .error(format!("the resolution line \"{line}\" promises more pixels than can be read"));
+            return source.error(format!("the resolution line \"{line}\" has more pixels than can be read"));
         }
         source.error(format!("the resolution line \"{line}\" is not like \"-Y 256 +X 512\""))
     })?;
@@ -203,11 +201,10 @@ fn read_header<'a>(source: &Source<'a>) -> Result<Header<'a>> {
 
 fn not_positive(source: &Source<'_>, line: &str) -> crate::Error {
     let line: String = line.chars().take(60).collect();
-    source.error(format!("the header line {line} does not give positive numbers; mend or remove it"))
+    source.error(format!("the header line {line} does not give positive numbers; fix or remove it"))
 }
 
-/// `-Y 256 +X 512` and its seven sisters: the axis named first is the one that goes from scanline to
-/// scanline.
+/// Parses `-Y 256 +X 512` and the seven other orientations; the first axis runs from scanline to scanline.
 fn parse_resolution(line: &str) -> Option<Scan> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [first, lines, second, length] = words[..] else { return None };

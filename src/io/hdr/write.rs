@@ -5,10 +5,10 @@ use crate::error::{Error, Result};
 use crate::format::RGBE_MAX;
 use image::codecs::hdr::HdrEncoder;
 
-/// The bytes of a .hdr file of `width` x `height` row-major texels.
+/// Encodes a .hdr file of `width` x `height` row-major texels.
 ///
 /// # Errors
-/// [`Error::Parameter`] where the texels do not fill the image.
+/// [`Error::Parameter`] if the texels do not fill the image.
 pub fn hdr_bytes(width: u32, height: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
     hdr_bytes_with(width, height, texels, &[])
 }
@@ -16,7 +16,7 @@ pub fn hdr_bytes(width: u32, height: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
 /// [`hdr_bytes`] with a header line `KEY=value` for each pair of `metadata`.
 ///
 /// # Errors
-/// As [`hdr_bytes`]; [`Error::Parameter`] for keys and values that are no part of a line.
+/// As [`hdr_bytes`]; [`Error::Parameter`] for keys and values that a header line cannot hold.
 pub fn hdr_bytes_with(
     width: u32,
     height: u32,
@@ -52,8 +52,8 @@ fn plain_bytes(width: u32, height: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The colour nearest to `rgb` that RGBE holds. The encoder truncates, which darkens by a quarter of a per
-/// cent on average, and wraps its exponent outside of 2^-127..2^127.
+/// Nearest RGBE colour to `rgb`. The encoder truncates, which darkens by 0.25 % on average, and wraps its
+/// exponent outside 2^-127..2^127.
 fn nearest_rgbe(rgb: Rgb) -> Rgb {
     let clamped = rgb.map(|c| c.clamp(0.0, RGBE_MAX));
     let greatest = clamped[0].max(clamped[1]).max(clamped[2]);
@@ -66,7 +66,7 @@ fn nearest_rgbe(rgb: Rgb) -> Rgb {
     };
     let exponent = (greatest.to_bits() >> 23) as i32 - 126;
     let nearest = rounded(exponent);
-    // The greatest may round up to the next power of two, where the quantum is twice as large.
+    // The maximum may round up to the next power of two, where the quantum doubles.
     if nearest.iter().any(|c| f64::from(*c) >= f64::from(exponent).exp2()) {
         rounded(exponent + 1)
     } else {

@@ -1,7 +1,7 @@
-//! KTX 1 files: RGBA16F, RGBA32F, RGB9E5 and R11G11B10F cubes with their mips, little-endian, as `bake` and
-//! cmgen write them.
+//! Reads KTX 1 files: little-endian RGBA16F, RGBA32F, RGB9E5 and R11G11B10F cubes with mips, as written by
+//! `bake` and cmgen.
 //!
-//! "KTX File Format Specification" (Khronos, version 1.0). No crate for it is kept up.
+//! "KTX File Format Specification" (Khronos, version 1.0). No maintained crate reads it.
 
 use super::write::MAGIC;
 use crate::chain::{Chain, Level};
@@ -11,10 +11,10 @@ use crate::io::ktx2::read::{Pixel, parse_roughness, texels_from};
 use crate::io::picture::{Content, Picture, Source, Stored, TEXEL_BYTES, check_finite};
 use crate::io::provenance::Provenance;
 
-/// Words of the header behind the magic number.
+/// Header words after the magic number.
 const WORDS: usize = 13;
 
-/// A parsed file whose levels are all there.
+/// A parsed file with all its levels.
 struct Texture<'a> {
     source: Source<'a>,
     pixel: Pixel,
@@ -24,7 +24,7 @@ struct Texture<'a> {
     levels: Vec<&'a [u8]>,
 }
 
-/// Level 0 as a picture.
+/// Decodes level 0.
 pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     let texture = Texture::open(source)?;
     Ok(Picture {
@@ -38,7 +38,7 @@ pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     })
 }
 
-/// Every level, with its roughness.
+/// Decodes every level with its roughness.
 pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     let texture = Texture::open(source)?;
     let roughness = parse_roughness(source, &|key| texture.text(key), texture.levels.len())?;
@@ -63,7 +63,7 @@ impl<'a> Texture<'a> {
             return Err(source.error("a big-endian KTX file; convert it to little-endian"));
         }
         let pixel = match (internal, kind, format) {
-            // Filament and cmgen write the internal format in place of the type.
+            // Filament and cmgen write the internal format as the type.
             (0x8c3a, 0x8c3a | 0x8c3b, 0x1907) => Pixel::R11G11B10F,
             (0x8c3d, 0x8c3e, 0x1907) => Pixel::Rgb9E5,
             (0x881a, 0x140b, 0x1908) => Pixel::Rgba16F,
@@ -94,10 +94,10 @@ impl<'a> Texture<'a> {
             let said = rest.word()?;
             if said as usize != face {
                 return Err(source.error(format!(
-                    "level {level} says that a face has {said} bytes; {size}x{size} pixels take {face}, copy it anew"
+                    "level {level} has faces of {said} bytes; {size}x{size} pixels take {face}, copy it again"
                 )));
             }
-            // Pixels are multiples of four bytes, so that nothing is padded.
+            // Pixels are multiples of four bytes, so there is no padding.
             stored.push(rest.take(6 * face)?);
         }
         Ok(Self { source: *source, pixel, size: width, pairs, levels: stored })
@@ -121,7 +121,7 @@ impl<'a> Texture<'a> {
     }
 }
 
-/// The bytes that are yet to be read.
+/// The unread bytes.
 struct Rest<'s, 'a> {
     source: &'s Source<'a>,
     bytes: &'a [u8],
@@ -133,7 +133,7 @@ impl<'a> Rest<'_, 'a> {
             let length = self.source.bytes.len();
             return Err(self
                 .source
-                .error(format!("truncated: the KTX data ends after {length} bytes; copy it anew")));
+                .error(format!("truncated: the KTX data ends after {length} bytes; copy it again")));
         };
         self.bytes = rest;
         Ok(taken)
@@ -144,7 +144,7 @@ impl<'a> Rest<'_, 'a> {
     }
 }
 
-/// Pairs of a key and a text, each after its length and padded to four bytes.
+/// Parses key/value pairs, each preceded by its length and padded to four bytes.
 fn pairs_of<'a>(source: &Source<'a>, bytes: &'a [u8]) -> Result<Vec<(String, String)>> {
     let mut rest = Rest { source, bytes };
     let mut pairs = Vec::new();

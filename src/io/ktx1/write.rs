@@ -1,7 +1,7 @@
 //! KTX 1 output: cube maps with their levels, as Filament reads them.
 //!
 //! "KTX File Format Specification" (Khronos, version 1.0), and Filament's libs/image/src/Ktx1Bundle.cpp and
-//! libs/ktxreader/src/Ktx1Reader.cpp for what its reader asks for beyond that.
+//! libs/ktxreader/src/Ktx1Reader.cpp for the further requirements of its reader.
 
 use crate::chain::Chain;
 use crate::error::{Error, Result};
@@ -11,10 +11,10 @@ use crate::io::cube_file::{CubeFile, check_sizes};
 use crate::io::key_values::key_value_bytes;
 use crate::io::ktx2::write::{ROUGHNESS_KEY, roughness_text};
 
-/// What a file begins with.
+/// Magic number.
 pub(in crate::io) const MAGIC: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
 
-/// OpenGL's names of a pixel format.
+/// OpenGL enums of a pixel format.
 struct GlFormat {
     kind: u32,
     kind_bytes: u32,
@@ -26,11 +26,12 @@ struct GlFormat {
 const GL_RGB: u32 = 0x1907;
 const GL_RGBA: u32 = 0x1908;
 
-/// A KTX 1 cube map of `chain`: R11G11B10F, RGB9E5, RGBA16F or RGBA32F. `metadata` are key/value pairs, text.
+/// Encodes `chain` as a KTX 1 cube map: R11G11B10F, RGB9E5, RGBA16F or RGBA32F. `metadata` are text key/value
+/// pairs.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, for BC6H, and for keys that
-/// are empty, double or hold a NUL.
+/// are empty, duplicated or contain a NUL.
 pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     let size = check_sizes("KTX", chain)?;
     let gl = gl_format(pixel)?;
@@ -58,8 +59,8 @@ pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
     bytes.extend(pairs);
     for (index, level) in chain.levels.iter().enumerate() {
         let texels = texel_bytes(level.size(), &level.texels, pixel);
-        // imageSize is that of one face in a cube that is no array; texels are multiples of four bytes, so
-        // nothing is padded.
+        // For a non-array cube imageSize is that of one face. Texels are multiples of four bytes, so there is
+        // no padding.
         let face = u32::try_from(texels.len() / 6).map_err(|_| {
             Error::Parameter(format!("level {index} is larger than the 4 GiB a KTX face may have"))
         })?;
@@ -71,8 +72,8 @@ pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
 
 fn gl_format(pixel: Pixel) -> Result<GlFormat> {
     Ok(match pixel {
-        // Filament knows the type by the internal format's number, not by GL_UNSIGNED_INT_10F_11F_11F_REV
-        // (Ktx1Reader.cpp, toPixelDataType), and so writes cmgen.
+        // Filament and cmgen use the internal format as the type, not GL_UNSIGNED_INT_10F_11F_11F_REV
+        // (Ktx1Reader.cpp, toPixelDataType).
         Pixel::R11g11b10 => {
             GlFormat { kind: 0x8c3a, kind_bytes: 4, format: GL_RGB, internal: 0x8c3a, base: GL_RGB }
         }
@@ -90,7 +91,7 @@ fn gl_format(pixel: Pixel) -> Result<GlFormat> {
         }
         Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
             return Err(Error::Parameter(format!(
-                "{} is not written into KTX 1; choose ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
+                "KTX 1 does not support {}; use ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
                 pixel.name()
             )));
         }

@@ -1,4 +1,4 @@
-//! The KTX2 container: header, level index, data format descriptor, key/value data, levels by Zstandard
+//! The KTX2 container: header, level index, data format descriptor, key/value data, and levels in Zstandard
 //! (scheme 2).
 //!
 //! Khronos KTX File Format Specification 2.0, sections 3 (structure), 4 (fields) and 5.1 (key/value data).
@@ -10,7 +10,7 @@ use crate::io::key_values::key_value_bytes;
 use ktx2::dfd::{Basic, Block};
 use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme};
 
-/// What a file's header says.
+/// Header fields of a file.
 pub(in crate::io) struct Shape {
     pub(in crate::io) format: Format,
     pub(in crate::io) width: u32,
@@ -20,11 +20,11 @@ pub(in crate::io) struct Shape {
     pub(in crate::io) levels: usize,
 }
 
-/// A KTX2 file of `shape`; `texels` gives the bytes of each level, `pairs` are further key/value pairs, text.
-/// One thread, the same bytes always.
+/// Encodes a KTX2 file of `shape`. `texels` returns the bytes of each level; `pairs` are further text
+/// key/value pairs. Single-threaded and deterministic.
 ///
 /// # Errors
-/// [`Error::Parameter`] for keys that are empty, double, hold a NUL, or are reserved ("KTX", "ktx").
+/// [`Error::Parameter`] for keys that are empty, duplicated, contain a NUL, or are reserved ("KTX", "ktx").
 pub(in crate::io) fn ktx2_file(
     shape: &Shape,
     pairs: &[(&str, &str)],
@@ -62,8 +62,8 @@ pub(in crate::io) fn ktx2_file(
     bytes.extend(dfd_bytes);
     bytes.extend(kvd_bytes);
 
-    // The index runs from the largest level to the smallest, the data the other way; supercompressed levels
-    // need no alignment (section 3.9.7).
+    // The index is ordered from the largest level to the smallest, the data in reverse. Supercompressed
+    // levels need no alignment (section 3.9.7).
     for index in (0..levels).rev() {
         let texels = texels(index);
         let data = zstandard::compress(&texels)
@@ -80,12 +80,12 @@ pub(in crate::io) fn ktx2_file(
     Ok(bytes)
 }
 
-/// Pairs in the order of their keys, the writer's own among them.
+/// Encodes the pairs and the writer's own in key order.
 fn metadata_bytes(pairs: &[(&str, &str)]) -> Result<Vec<u8>> {
     if let Some((key, _)) = pairs.iter().find(|(key, _)| key.to_ascii_lowercase().starts_with("ktx")) {
         return Err(Error::Parameter(format!("{key:?} cannot be a key of KTX2 metadata")));
     }
-    // Images are stored row by row, to the right and down.
+    // Images are stored left to right, top to bottom.
     let mut all = vec![("KTXorientation", "rd"), ("KTXwriter", SOFTWARE)];
     all.extend(pairs);
     all.sort_unstable();

@@ -5,20 +5,20 @@ use crate::error::{Error, Result};
 use crate::format::push_halves;
 use ktx2::Format;
 
-/// Which channels a table has.
+/// Channels of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channels {
     /// Red and green: RG16F.
     Two,
-    /// All three and an alpha of 1: RGBA16F.
+    /// Red, green, blue and an alpha of 1: RGBA16F.
     Four,
 }
 
-/// A KTX2 file of a table of `size` x `size` row-major texels, half floats clamped at their greatest value;
-/// `description` goes under the key `octaglossContent`.
+/// Encodes a table of `size` x `size` row-major texels as a KTX2 file. Half floats are clamped to their
+/// maximum; `description` is stored under the key `octaglossContent`.
 ///
 /// # Errors
-/// [`Error::Parameter`] where the texels do not fill the table, or the description holds a NUL.
+/// [`Error::Parameter`] if the texels do not fill the table, or the description contains a NUL.
 pub fn table_bytes(size: u32, texels: &[[f32; 3]], channels: Channels, description: &str) -> Result<Vec<u8>> {
     if texels.is_empty() || texels.len() != size as usize * size as usize || description.contains('\0') {
         return Err(Error::Parameter(format!(

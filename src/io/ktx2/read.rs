@@ -1,5 +1,5 @@
-//! KTX2 files: RGBA16F, RGBA32F, RGB9E5, R11G11B10F and BC6H cubes and 2D images with their mips, plain or
-//! zstd.
+//! Reads KTX2 files: RGBA16F, RGBA32F, RGB9E5, R11G11B10F and BC6H cubes and 2D images with mips,
+//! uncompressed or zstd.
 
 use super::write::ROUGHNESS_KEY;
 use super::zstandard;
@@ -16,7 +16,7 @@ use half::slice::HalfFloatSliceExt as _;
 use ktx2::{Format, SupercompressionScheme};
 use std::borrow::Cow;
 
-/// A parsed file whose header makes sense.
+/// A parsed file with a valid header.
 struct Container<'a> {
     source: Source<'a>,
     reader: ktx2::Reader<&'a [u8]>,
@@ -58,7 +58,7 @@ impl Pixel {
     }
 }
 
-/// Level 0 as a picture.
+/// Decodes level 0.
 pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     let container = Container::open(source)?;
     let picture = Picture {
@@ -76,7 +76,7 @@ pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     }
 }
 
-/// Every level of a cube, with its roughness.
+/// Decodes every level of a cube with its roughness.
 pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     if !source.bytes.starts_with(&ktx2::MAGIC) {
         return Err(source.error("not a KTX2 file; a chain is a KTX2 cube or a level folder"));
@@ -105,16 +105,16 @@ impl<'a> Container<'a> {
         format!("KTX2 {kind}, {}, {} levels", self.pixel.name(), self.reader.levels().len())
     }
 
-    /// What the key/value pairs say of the file's origin.
+    /// Origin recorded in the key/value pairs.
     fn provenance(&self) -> Result<Provenance> {
         Provenance::of_texts(&|key| self.text(key)).map_err(|message| self.source.error(message))
     }
 
     fn open(source: &Source<'a>) -> Result<Self> {
-        // The parser adds up offsets without looking for overflow in every place; its panics are contained.
+        // The parser does not check all offset sums for overflow; its panics are contained.
         let reader = ktx2::Reader::new(source.bytes).map_err(|error| match error {
             ktx2::ParseError::UnexpectedEnd => source.error(format!(
-                "truncated: the KTX2 data ends after {} bytes; copy it anew",
+                "truncated: the KTX2 data ends after {} bytes; copy it again",
                 source.bytes.len()
             )),
             other => source.error(format!("not a readable KTX2 file: {other}")),
@@ -160,16 +160,16 @@ impl<'a> Container<'a> {
                 source.error(format!("{} levels; 32 are the most there can be", reader.levels().len()))
             );
         }
-        // The decompressed bytes of level 0 beside its texels; the mips together are a third of it.
+        // Level 0 takes its decompressed bytes and its texels; all mips together take a third of that.
         let faces = if is_cube { 6 } else { 1 };
         let mips = if reader.levels().len() > 1 { 2 } else { 1 };
-        // Blocks take a byte a texel, and no more than four times that where they are cut.
+        // Blocks take one byte a texel, at most four times that in partial blocks.
         let stored = if matches!(pixel, Pixel::Bc6h { .. }) { 4 } else { pixel.bytes(1, 1) as u64 };
         source.check_memory(width, height, faces * (mips * TEXEL_BYTES + stored))?;
         Ok(Self { source: *source, reader, width, height, pixel, is_cube })
     }
 
-    /// The texels of one level, a cube's faces one after the other.
+    /// Decodes the texels of one level, face by face.
     fn level(&self, level: usize) -> Result<Vec<Rgb>> {
         let side = |full: u32| (full >> level).max(1);
         let (width, height) = (side(self.width), side(self.height));
@@ -180,14 +180,14 @@ impl<'a> Container<'a> {
         let zstd = self.reader.header().supercompression_scheme.is_some();
         let bytes = if zstd {
             Cow::Owned(zstandard::decompress(stored, expected).map_err(|error| {
-                self.source.error(format!("level {level} is corrupt: {error}; copy the file anew"))
+                self.source.error(format!("level {level} is corrupt: {error}; copy the file again"))
             })?)
         } else {
             Cow::Borrowed(stored)
         };
         if bytes.len() != expected {
             return Err(self.source.error(format!(
-                "level {level} holds {} bytes, {width}x{height} pixels take {expected}; copy the file anew",
+                "level {level} holds {} bytes, {width}x{height} pixels take {expected}; copy the file again",
                 bytes.len()
             )));
         }
@@ -204,21 +204,21 @@ impl<'a> Container<'a> {
         Ok(texels)
     }
 
-    /// Whether rows run upwards (`KTXorientation` `ru`), as OpenGL's do.
+    /// Whether rows run upwards (`KTXorientation` `ru`), as in OpenGL.
     fn is_bottom_up(&self) -> bool {
         self.reader
             .key_value_data()
             .any(|(key, value)| key == "KTXorientation" && value.get(1) == Some(&b'u'))
     }
 
-    /// The text under `key`.
+    /// The text value of `key`.
     fn text(&self, key: &str) -> Option<String> {
         let (_, value) = self.reader.key_value_data().find(|(name, _)| *name == key)?;
         Some(String::from_utf8_lossy(value.split(|&byte| byte == 0).next().unwrap_or_default()).into_owned())
     }
 }
 
-/// The roughness of each of `levels` levels, as the keys of a file say it.
+/// Parses the roughness of each of `levels` levels from the keys of a file.
 pub(in crate::io) fn parse_roughness(
     source: &Source<'_>,
     text: &dyn Fn(&str) -> Option<String>,
@@ -226,7 +226,7 @@ pub(in crate::io) fn parse_roughness(
 ) -> Result<Vec<f64>> {
     let Some(text) = text(ROUGHNESS_KEY) else {
         return Err(source.error(format!(
-            "it does not say its levels' roughness (key {ROUGHNESS_KEY}); octagloss bake writes it"
+            "it has no roughness of its levels (key {ROUGHNESS_KEY}); octagloss bake writes it"
         )));
     };
     let parsed: Option<Vec<f64>> =
@@ -234,7 +234,7 @@ pub(in crate::io) fn parse_roughness(
     match parsed {
         Some(roughness) if roughness.len() == levels => Ok(roughness),
         _ => Err(source
-            .error(format!("{ROUGHNESS_KEY} is not {levels} numbers in [0, 1], one a level; bake it anew"))),
+            .error(format!("{ROUGHNESS_KEY} is not {levels} numbers in [0, 1], one a level; bake it again"))),
     }
 }
 
@@ -262,7 +262,7 @@ pub(in crate::io) fn texels_from(pixel: Pixel, bytes: &[u8]) -> Vec<Rgb> {
                 [channel(0), channel(1), channel(2)]
             })
             .collect(),
-        // The caller has seen to blocks.
+        // The caller handles blocks.
         Pixel::Rgb9E5 | Pixel::R11G11B10F | Pixel::Bc6h { .. } => {
             let rgb_from = if pixel == Pixel::Rgb9E5 { rgb_from_rgb9e5 } else { rgb_from_r11g11b10 };
             bytes.as_chunks::<4>().0.iter().map(|texel| rgb_from(u32::from_le_bytes(*texel))).collect()

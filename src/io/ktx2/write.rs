@@ -10,12 +10,12 @@ use crate::io::output::{self, Existing};
 use ktx2::Format;
 use std::path::Path;
 
-/// The key that lists each level's roughness, comma-separated, the sharpest first.
+/// Key of each level's roughness, comma-separated, level 0 first.
 pub const ROUGHNESS_KEY: &str = "octaglossRoughness";
 
-/// Writes `chain` as a KTX2 cube map to `path`, whole or not at all; see [`ktx2_bytes`].
+/// Writes `chain` atomically to `path` as a KTX2 cube map; see [`ktx2_bytes`].
 ///
-/// Returns the texels clamped, a level each.
+/// Returns the number of clamped texels of each level.
 ///
 /// # Errors
 /// As [`ktx2_bytes`] and [`output::write_file`].
@@ -32,12 +32,12 @@ pub fn write_ktx2(
     Ok(ktx2.clamped)
 }
 
-/// A KTX2 cube map of `chain`: RGBA16F, RGBA32F (alpha 1), RGB9E5, R11G11B10F or BC6H. `metadata` are further
-/// key/value pairs, text.
+/// Encodes `chain` as a KTX2 cube map: RGBA16F, RGBA32F (alpha 1), RGB9E5, R11G11B10F or BC6H. `metadata` are
+/// further text key/value pairs.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, and for keys that are empty,
-/// double, hold a NUL, or are reserved ("KTX", "ktx").
+/// duplicated, contain a NUL, or are reserved ("KTX", "ktx").
 pub fn ktx2_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     let size = check_sizes("KTX2", chain)?;
     let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
@@ -57,7 +57,7 @@ pub(in crate::io) fn roughness_text(roughness: impl Iterator<Item = f64>) -> Str
     roughness.map(|r| r.to_string()).collect::<Vec<_>>().join(",")
 }
 
-/// Vulkan's name of a pixel format.
+/// Vulkan format of a pixel format.
 pub(in crate::io) fn format_of(pixel: Pixel) -> Result<Format> {
     Ok(match pixel {
         Pixel::F16 => Format::R16G16B16A16_SFLOAT,

@@ -1,20 +1,20 @@
-//! Zstandard frames, of known sizes: by its own library, and in WebAssembly, which has no C compiler of its
-//! own, by ruzstd.
+//! Zstandard frames of known sizes, by the reference library; in WebAssembly, which lacks a C compiler, by
+//! ruzstd.
 
 use std::io;
 
-/// zstd's own default. On half-float faces of a real panorama level 1 is three times as fast and leaves 14 %
-/// more bytes, level 19 takes sixty times as long and leaves 11 % fewer.
+/// zstd's default. On half-float faces of a real panorama level 1 is three times as fast and 14 % larger;
+/// level 19 takes sixty times as long and is 11 % smaller.
 #[cfg(not(target_arch = "wasm32"))]
 const LEVEL: i32 = 3;
 
-/// A frame of `bytes`. One thread, the same bytes always.
+/// Compresses `bytes` to a frame. Single-threaded and deterministic.
 #[cfg(not(target_arch = "wasm32"))]
 pub(in crate::io) fn compress(bytes: &[u8]) -> io::Result<Vec<u8>> {
     zstd::bulk::compress(bytes, LEVEL)
 }
 
-/// The content of `frame`, an error where it is more than `most` bytes.
+/// Decompresses `frame`; fails if the content exceeds `most` bytes.
 #[cfg(not(target_arch = "wasm32"))]
 pub(in crate::io) fn decompress(frame: &[u8], most: usize) -> io::Result<Vec<u8>> {
     zstd::bulk::decompress(frame, most)

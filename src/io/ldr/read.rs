@@ -1,4 +1,4 @@
-//! PNG and JPEG, taken as sRGB: their values become linear, alpha is ignored.
+//! Reads PNG and JPEG as sRGB: values are linearised, alpha is ignored.
 
 use crate::environment::Rgb;
 use crate::error::Result;
@@ -10,16 +10,16 @@ use std::io::Cursor;
 
 /// Decodes a PNG of any bit depth.
 pub(in crate::io) fn decode_png(source: &Source<'_>) -> Result<Picture> {
-    // The sides stand first of all, in the header chunk; the decoder refuses a zero in words of its own.
+    // Check the size in the header chunk first; the decoder reports a zero size less clearly.
     if let Some((width, height)) = png_size(source.bytes) {
         source.check_memory(width, height, 0)?;
     }
     let limits = png::Limits { bytes: usize::try_from(source.memory_limit).unwrap_or(usize::MAX) };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(source.bytes), limits);
-    // Profiles and texts are compressed: a small file can hold gigabytes of either, and none is used.
+    // Skip profiles and texts: they are unused, and a small file can decompress to gigabytes.
     decoder.set_ignore_iccp_chunk(true);
     decoder.set_ignore_text_chunk(true);
-    // Palettes become colours, and samples of less than a byte become bytes.
+    // Expand palettes to colours and samples of less than a byte to bytes.
     decoder.set_transformations(png::Transformations::EXPAND);
     let refused = |error: png::DecodingError| source.decoder_error("PNG", &error);
     let mut reader = decoder.read_info().map_err(refused)?;
@@ -33,7 +33,7 @@ pub(in crate::io) fn decode_png(source: &Source<'_>) -> Result<Picture> {
     reader.next_frame(&mut samples).map_err(refused)?;
     let table = linear_from_srgb(if is_deep { u16::MAX } else { u8::MAX.into() });
     let linear = |pixel: &[u8], channel: usize| {
-        // Grey has one channel; alpha is the last, and is not read.
+        // Grey has one channel. Alpha is last and not read.
         let channel = if channels >= 3 { channel } else { 0 };
         table[if is_deep {
             usize::from(u16::from_be_bytes([pixel[2 * channel], pixel[2 * channel + 1]]))
@@ -55,16 +55,16 @@ fn png_size(bytes: &[u8]) -> Option<(u32, u32)> {
 pub(in crate::io) fn decode_jpeg(source: &Source<'_>) -> Result<Picture> {
     if !ends_with_its_end(source.bytes) {
         return Err(source.error(format!(
-            "truncated: the JPEG data ends after {} bytes; copy it anew",
+            "truncated: the JPEG data ends after {} bytes; copy it again",
             source.bytes.len()
         )));
     }
-    // The decoder reads the first header only; it allocates no pixels yet.
+    // The constructor only reads the header; it allocates no pixels.
     let decoder =
         JpegDecoder::new(Cursor::new(source.bytes)).map_err(|error| source.decoder_error("JPEG", &error))?;
     let (width, height) = decoder.dimensions();
-    // Beside the texels: the decoded samples, and the copy of a decoder that works on whole images (a
-    // progressive JPEG's coefficients).
+    // Decoded samples in addition to the texels, and a second copy for decoders that work on whole images
+    // (coefficients of a progressive JPEG).
     let samples = u64::from(decoder.color_type().bytes_per_pixel());
     source.check_memory(width, height, TEXEL_BYTES + 4 * samples)?;
     let image = DynamicImage::from_decoder(decoder)
@@ -82,7 +82,7 @@ fn picture(name: &str, bits: u32, (width, height): (u32, u32), texels: Vec<Rgb>)
         texels,
         content: Content::Image,
         format: format!("{name}, {bits} bits a channel, sRGB"),
-        warnings: vec![format!("a {name} is not HDR: what was brighter than its white is lost")],
+        warnings: vec![format!("a {name} is not HDR: radiance above its white is clipped")],
         provenance: Provenance::default(),
     }
 }
@@ -99,12 +99,12 @@ fn linear_from_srgb(greatest: u16) -> Vec<f32> {
         .collect()
 }
 
-/// Whether a JPEG's end marker stands where its segments lead; its decoder fills what is missing with grey.
+/// Whether a JPEG's segments lead to its end marker; the decoder fills missing data with grey.
 fn ends_with_its_end(bytes: &[u8]) -> bool {
     const END: u8 = 0xd9;
     let mut at = 2;
     loop {
-        // To the next marker: past entropy-coded bytes, their stuffing (00) and restarts (d0 to d7).
+        // Skip to the next marker: past entropy-coded bytes, stuffing (00) and restarts (d0 to d7).
         let Some(step) = bytes.get(at..).and_then(|rest| {
             rest.windows(2).position(|pair| pair[0] == 0xff && !matches!(pair[1], 0x00 | 0xd0..=0xd7 | 0xff))
         }) else {

@@ -6,7 +6,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, RgbImage};
 use std::path::Path;
 
-/// Writes `picture` to `path`, whole or not at all.
+/// Writes `picture` atomically to `path`.
 ///
 /// # Errors
 /// As [`output::write_file`].
@@ -15,10 +15,10 @@ pub fn write_png(path: &Path, existing: Existing, picture: &RgbImage) -> Result<
     output::write_file(path, existing, |file| file.write_all(&bytes))
 }
 
-/// `picture` as a file in memory.
+/// Encodes `picture` as a file in memory.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a picture larger than PNG can be.
+/// [`Error::Parameter`] for a picture larger than PNG supports.
 pub fn png_bytes(picture: &RgbImage) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)

@@ -2,26 +2,26 @@
 //!
 //! **Objective.** The difference between the kernel of the soft boxes and GGX, averaged over cells of several
 //! sizes around the lobe's centre. A level has 24 x 24 cells. The cells of the finest level are a fifth of
-//! alpha wide; each further level doubles the width, until the cells reach around the sphere. The squared
-//! means are weighted by solid angle, and each level counts twice as much as the one before, because natural
-//! light has little fine detail: plain squares at one resolution give 1.6 to 1.9 times the error. One hundred
-//! times the fourth power of the difference over the lobe's peak is added; it improves the highlights of
-//! suns. Soft boxes are products of functions of u and of v, so their means over cells are exact and cheap.
+//! alpha wide; each further level doubles the width, until the cells cover the sphere. The squared means are
+//! weighted by solid angle, and each level counts twice as much as the one before, because natural light has
+//! little fine detail: plain squares at one resolution give 1.6 to 1.9 times the error. One hundred times the
+//! fourth power of the difference over the lobe's peak is added; it improves the highlights of suns. Soft
+//! boxes are products of functions of u and of v, so their means over cells are exact and cheap.
 //!
-//! Far from its centre a lobe is small against its peak, and yet most pixels see a sun only through that
+//! Far from its centre a lobe is small compared with its peak, but most pixels see a sun only through that
 //! tail. Therefore the mean square of the error relative to the lobe (or to a constant lobe where that is
-//! larger) counts thirty times. Without this term the harmonics of sharp lobes vary from node to node, which
-//! shows as specks under a sun. A factor of three, as for one and two boxes, leaves ghosts of the sun on dark
-//! ground.
+//! larger) has a weight of thirty. Without this term the harmonics of sharp lobes vary from node to node,
+//! which appears as specks under a sun. A weight of three, as for one and two boxes, leaves ghosts of the sun
+//! on dark ground.
 //!
-//! **Samples.** A node's parameters take part in all lobes around it. A node is therefore fitted to at most
+//! **Samples.** A node's parameters contribute to all lobes around it. A node is therefore fitted to at most
 //! fifteen lobes: its own, those at the centres of the six cells and six edges around it, and those half-way
 //! to the next knots of roughness; the other nodes keep their parameters. Interpolation then adds at most a
-//! tenth to the error; nodes fitted one by one interpolate to three times the error and more. Cone points
-//! have only one cell and two edges, and boxes unlike those beside them: without the midpoints of edges, four
-//! boxes are three times as wrong around them, so the cell at a cone point has more samples. Nodes on the
-//! triangle's sides are tied: there mirrors exchange boxes or keep them, so that the kernel is the same from
-//! both sides of a fold.
+//! tenth to the error; nodes fitted separately interpolate to three times the error and more. Cone points
+//! have only one cell and two edges, and their boxes differ from those of adjacent nodes: without the
+//! midpoints of edges, the error of four boxes is three times as large around them, so the cell at a cone
+//! point has more samples. Nodes on the triangle's sides are tied: there mirrors exchange boxes or keep them,
+//! so that the kernel is the same from both sides of a fold.
 //!
 //! **Result.** Relative RMS errors of luminance on eight panoramas that the fit never used, median / worst,
 //! by number of boxes:
@@ -32,14 +32,14 @@
 //! | 0.3 | 0.106 / 0.27 | 0.048 / 0.14 | 0.016 / 0.08 | 0.008 / 0.04 |
 //! | 0.5 | 0.042 / 0.06 | 0.021 / 0.03 | 0.011 / 0.02 | 0.007 / 0.01 |
 //!
-//! The kernel may be negative: few boxes leave a large share to the harmonics, which ring behind bright light
-//! that is too large for emitters. Without emitters, boxes are off by 0.031 / 0.22 for four and 0.016 / 0.06
-//! for eight at roughness 0.3.
+//! The kernel may be negative: few boxes leave a large share to the harmonics, which ring opposite bright
+//! light that is too large for emitters. Without emitters, the errors at roughness 0.3 are 0.031 / 0.22 for
+//! four boxes and 0.016 / 0.06 for eight.
 //!
 //! **Method.** Levenberg-Marquardt. One node of one layer is fitted from 24 starts, its layer from there ring
-//! by ring, every other layer from its neighbour; then all nodes in turn, in six colours of which no two
-//! nodes of one colour share a lobe, in [`SWEEPS`] sweeps. The order within a node is fixed, so the bytes do
-//! not depend on the number of threads.
+//! by ring, and every other layer from its neighbour. Then all nodes are refitted in [`SWEEPS`] sweeps, in
+//! six colours such that no two nodes of one colour share a lobe. The order within a node is fixed, so the
+//! bytes do not depend on the number of threads.
 //!
 //! ```console
 //! for k in 1 2 4 8; do cargo run --release --example fit_lobes $k; done
@@ -126,12 +126,12 @@ fn layers_from_table(table: &Table) -> Layers {
     layers.chunks_exact(KNOTS.len()).map(<[Layer]>::to_vec).collect()
 }
 
-/// Place of an octave among all.
+/// Index of an octave.
 fn index(octave: u32) -> usize {
     (octave - OCTAVES.start()) as usize
 }
 
-/// alpha at a position in an octave.
+/// Alpha at a position in an octave.
 fn alpha(octave: u32, position: f64) -> f64 {
     (position - f64::from(octave)).exp2()
 }
@@ -181,9 +181,9 @@ fn mean(all: &[&Parameters]) -> Parameters {
     (0..all[0].len()).map(|k| all.iter().map(|x| x[k]).sum::<f64>() / all.len() as f64).collect()
 }
 
-/// Returns a start: boxes from narrow to wide, randomly placed about the middle.
+/// A start: boxes from narrow to wide, placed randomly around the centre.
 fn start(shape: &Shape, number: u32) -> Parameters {
-    // Marsaglia's xorshift: the same numbers everywhere.
+    // Marsaglia's xorshift, for the same numbers on every platform.
     let mut state = number.wrapping_mul(2_654_435_761).wrapping_add(12345);
     let mut random = || {
         state ^= state << 13;
@@ -203,7 +203,7 @@ fn start(shape: &Shape, number: u32) -> Parameters {
     x
 }
 
-/// Fits every node to the lobes around it, colour by colour: nodes of one colour have no lobe in common.
+/// Fits every node to the lobes around it, colour by colour: nodes of one colour share no lobe.
 fn sweep(shape: &'static Shape, layers: &mut Layers) {
     for colour in 0..6 {
         let nodes: Vec<(u32, usize, (usize, usize))> = OCTAVES

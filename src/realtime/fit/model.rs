@@ -1,4 +1,4 @@
-//! The kernel that parameters describe, its distance from the lobe, and that distance's derivatives.
+//! The kernel of the parameters, its distance from the lobe, and the derivatives of that distance.
 
 use crate::lobe::{self, Lobe};
 use crate::realtime::tables::{BOX_PARAMETERS, HARMONICS, Shape};
@@ -9,15 +9,15 @@ use std::f64::consts::{LN_2, PI};
 /// Cells along an edge of a level.
 const CELLS: usize = 24;
 
-/// Cells of the finest level to an alpha.
+/// Cells of the finest level per alpha.
 const FINENESS: f64 = 5.0;
 
 /// Weight of a level relative to the next finer one.
 const COARSER: f64 = 2.0;
 
-/// Weight of the mean square of the relative error over the sphere. The tail of a lobe is small against its
-/// peak, but most pixels see a sun only through it. One or two boxes lose the peak if it counts as much as
-/// for four.
+/// Weight of the mean square of the relative error over the sphere. The tail of a lobe is small compared with
+/// its peak, but most pixels see a sun only through it. One or two boxes lose the peak at the weight used for
+/// four.
 const fn tail(shape: &Shape) -> f64 {
     if shape.boxes() < 4 { 3.0 } else { 30.0 }
 }
@@ -57,7 +57,7 @@ pub(super) struct Quadratic {
     pub(super) hessian: Vec<f64>,
 }
 
-/// One axis of one image of a soft box: mean over each cell, over the box's width; and its derivatives.
+/// One axis of one image of a soft box: mean over each cell, divided by the box's width, and its derivatives.
 struct Profile {
     value: [f64; CELLS],
     by_offset: [f64; CELLS],
@@ -79,7 +79,7 @@ impl Problem {
         let around = direction_from_oct(wrap_oct(centre));
         let integral = lobe::kernel_integral(Lobe::Ggx, alpha);
         let peak = lobe::kernel(Lobe::Ggx, alpha, 0.0) / integral;
-        // An even kernel, in units of the peak.
+        // A constant kernel, in units of the peak.
         let even = 1.0 / (4.0 * PI * peak);
         let lobe_at = |point: DVec2| {
             let s = direction_from_oct(wrap_oct(point)).distance_squared(around) / 4.0;
@@ -111,8 +111,8 @@ impl Problem {
                     }
                 };
                 level.target.push(target);
-                // Each place counts once, in the finest cells around it; relative to the lobe, or to a
-                // constant lobe where that is larger.
+                // Count each place once, in the finest cells around it, relative to the lobe or to a constant
+                // lobe where that is larger.
                 let tail = if inner && !levels.is_empty() {
                     0.0
                 } else {
@@ -129,8 +129,8 @@ impl Problem {
         Self { shape, alpha, blurs, centre, scale, levels }
     }
 
-    /// The distance of the kernel of `x` (masses are given by their square roots) from the lobe. With
-    /// `derivatives`, also its gradient and the Gauss-Newton approximation of its Hessian.
+    /// The distance of the kernel of `x` (with square roots of masses) from the lobe. With `derivatives`,
+    /// also its gradient and the Gauss-Newton approximation of its Hessian.
     pub(super) fn quadratic(&self, x: &[f64], derivatives: bool) -> Quadratic {
         let count = x.len();
         let boxes = self.shape.boxes();
@@ -191,7 +191,7 @@ impl Problem {
         sums
     }
 
-    /// The boxes of `x` and their repetitions over the unfolded plane, as far as they reach into `level`.
+    /// The boxes of `x` and their images in the unfolded plane that reach into `level`.
     fn images(&self, x: &[f64], level: &Level) -> Vec<Image> {
         let mut images = Vec::new();
         let half_window = level.cell * (CELLS / 2) as f64;
@@ -201,7 +201,7 @@ impl Problem {
             let offset = DVec2::new(cu, cv);
             let centre = self.centre + offset * half;
             for (i, j) in (-2..=2).flat_map(|j| (-2..=2).map(move |i| (i, j))) {
-                // Odd tiles are turned by 180 degrees.
+                // Odd tiles are rotated by 180 degrees.
                 let sign = if (i + j) % 2 == 0 { 1.0 } else { -1.0 };
                 let image = sign * centre + 2.0 * DVec2::new(f64::from(i), f64::from(j));
                 let apart = (image - self.centre).abs() - half - blur - half_window;
@@ -256,7 +256,7 @@ fn tent_second_integral(t: f64) -> f64 {
     rest * rest * rest / 6.0 + t.max(0.0)
 }
 
-/// (2l + 1)/4pi P_l for l = 0 to 4: the kernels that pick each order of harmonics.
+/// (2l + 1)/4pi P_l for l = 0 to 4: the kernels that select each order of harmonics.
 fn zonal_kernels(cosine: f64) -> [f64; HARMONICS] {
     let legendre = lobe::legendre(cosine);
     std::array::from_fn(|l| legendre[l] * (2 * l + 1) as f64 / (4.0 * PI))

@@ -12,25 +12,25 @@
 //! brightest cells of the OEM become point emitters first ([`crate::realtime::emitters`]), for which the lobe
 //! itself is evaluated. Everything below concerns the remaining light.
 //!
-//! A soft box is a box read from the SAT of an OEM blurred by a tent ([`crate::cpu::blur`]), one SAT an
-//! octave of alpha. It takes four entries at integer edges, as any box, but has no hard edges. Harmonics to
+//! A soft box is a box read from the SAT of an OEM blurred by a tent ([`crate::cpu::blur`]), with one SAT per
+//! octave of alpha. It takes four entries at integer edges, like any box, but has no hard edges. Harmonics to
 //! order 4 carry GGX's long tail. Boxes of masses m and half-widths h and harmonics of weights c have the
 //! kernel
 //!
 //! ```text
-//! K(l) = sum over boxes of m / (4 hu hv rho) * soft box(l)  +  sum over orders n of c_n (2n + 1)/4pi P_n(l.R)
+//! K(l) = sum over boxes of m / (4 hu hv rho) * soft box(l) + sum over orders n of c_n (2n + 1)/4pi P_n(l.R)
 //! ```
 //!
 //! with rho the solid angle of a unit of (u, v) at R. The kernel is applied to L and to 1; the answer is the
-//! quotient, so a constant stays constant. Harmonics ring behind bright light: answers are clamped to the
-//! least radiance from below.
+//! quotient, so a constant stays constant. Harmonics ring opposite bright light, so answers are clamped to at
+//! least the least radiance.
 //!
 //! Parameters are linear between nodes: 78 nodes in the triangle of directions to which the map's sixteen
 //! symmetries reduce the sphere ([`triangle`]), times 4 knots in each of six octaves of alpha. Octaves
 //! overlap by a quarter, in which one fades into the next. From roughness 0.65 to 0.75 boxes fade into
 //! harmonics alone. A lobe sharper than the finest blur (octave 6, or the blur two OEM texels wide) mixes the
-//! lobe of that blur, in the share t (2 - t) with t the square of alpha over its alpha, with the mirror. The
-//! answer is therefore continuous in direction and roughness, down to the mirror.
+//! lobe of that blur with the mirror. The share of that lobe is t (2 - t), with t the square of alpha over
+//! the blur's alpha. The answer is therefore continuous in direction and roughness, down to the mirror.
 //!
 //! [`crate::realtime::fit`] finds the parameters.
 
@@ -44,15 +44,15 @@ use triangle::{NODES, Place, place};
 /// Supported numbers of boxes.
 pub const COUNTS: [u32; 4] = [1, 2, 4, 8];
 
-/// Parameters of a soft box: root of its mass, centre (in half-widths of its own, from the lobe's), log2 of
-/// its half-widths in units of alpha.
+/// Parameters of a soft box: square root of its mass, offset of its centre from the lobe's in its own
+/// half-widths, log2 of its half-widths in units of alpha.
 pub const BOX_PARAMETERS: usize = 5;
 
 /// Weights of the harmonics of order 0 to 4.
 pub const HARMONICS: usize = 5;
 
-/// Octaves of alpha with parameters of their own: octave k, with blurs 2^-k wide, serves alpha from 1.2 times
-/// that up.
+/// Octaves of alpha with their own parameters: octave k, with blurs 2^-k wide, serves alpha from 1.2 times
+/// 2^-k up.
 pub const OCTAVES: std::ops::RangeInclusive<u32> = 2..=7;
 
 /// Tabulated positions in an octave: log2 of alpha over the blur's half-width.

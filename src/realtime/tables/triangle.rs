@@ -48,7 +48,7 @@ impl Fold {
     }
 }
 
-/// A point among the nodes of the grid: three of them and their shares.
+/// Interpolation weights of a point: three nodes of the grid and their shares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Nodes.
@@ -75,7 +75,7 @@ pub fn node_point(i: usize, j: usize) -> DVec2 {
     DVec2::new(i + j, i - j) / 2.0
 }
 
-/// The nodes around `point` of the triangle, each cell being cut along the direction of v = 0.
+/// The nodes around `point` of the triangle; each cell is split along the direction of v = 0.
 #[must_use]
 pub fn place(point: DVec2) -> Place {
     let at = |value: f64| (value * INTERVALS as f64).clamp(0.0, INTERVALS as f64);

@@ -1,6 +1,6 @@
 //! What the fuzz targets share.
 
-use octagloss::io::{self, LayoutChoice, ReadOptions};
+use octagloss::internals::io::{self, LayoutChoice, ReadOptions};
 use std::path::Path;
 
 /// Bytes that a reader may take for one input.
@@ -37,7 +37,7 @@ pub fn assert_plain(message: &str) {
 
 /// Parses `bytes` as the mesh file `name`, and holds what is read to its promises.
 pub fn read_mesh(name: &str, bytes: &[u8]) {
-    match octagloss::mesh::parse(name, bytes) {
+    match octagloss::internals::mesh::parse(name, bytes) {
         Ok(mesh) => {
             let corners = mesh.vertices.len();
             assert!(mesh.indices.iter().all(|index| (*index as usize) < corners), "an index within {corners}");

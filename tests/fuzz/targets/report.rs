@@ -3,7 +3,7 @@
 //! What is read as a report is written and read again as the same.
 
 use libfuzzer_sys::fuzz_target;
-use octagloss::bake::report::Report;
+use octagloss::internals::bake::report::Report;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(report) = serde_json::from_slice::<Report>(bytes) {

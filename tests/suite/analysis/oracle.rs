@@ -2,11 +2,11 @@
 
 use crate::support::common::{Look, Random, environment, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
-use octagloss::analysis::oracle::{OemOracle, Oracle, reflect, reflect_oem};
-use octagloss::lobe::{LOBES, Lobe, kernel, kernel_integral};
-use octagloss::oem::{Oem, OemSize, bilinear_share};
-use octagloss::sphere::{cube, equirect, octahedral};
-use octagloss::{Environment, Layout, sh};
+use octagloss::internals::analysis::oracle::{OemOracle, Oracle, reflect, reflect_oem};
+use octagloss::internals::lobe::{LOBES, Lobe, kernel, kernel_integral};
+use octagloss::internals::oem::{Oem, OemSize, bilinear_share};
+use octagloss::internals::sphere::{cube, equirect, octahedral};
+use octagloss::internals::{Environment, Layout, sh};
 use std::f64::consts::PI;
 
 const LAYOUTS: [Layout; 5] = [

@@ -1,10 +1,10 @@
 //! How maps stretch: numeric metrics against closed forms, and the table against what was printed.
 
 use glam::{DVec2, DVec3};
-use octagloss::analysis::map_table::{Row, rows};
-use octagloss::analysis::stretch::{Metrics, Stretch, measure};
-use octagloss::sphere::polar_capped::PolarCapped;
-use octagloss::sphere::registry::MAPS;
+use octagloss::internals::analysis::map_table::{Row, rows};
+use octagloss::internals::analysis::stretch::{Metrics, Stretch, measure};
+use octagloss::internals::sphere::polar_capped::PolarCapped;
+use octagloss::internals::sphere::registry::MAPS;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 use std::sync::LazyLock;
 

@@ -1,7 +1,7 @@
 //! A bake stops where its progress callback asks for it.
 
-use octagloss::bake::{BakeSettings, Progress, bake_all};
-use octagloss::synth::synth;
+use octagloss::internals::bake::{BakeSettings, Progress, bake_all};
+use octagloss::internals::synth::synth;
 use octagloss::{Environment, Error};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};

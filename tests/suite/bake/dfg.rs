@@ -1,8 +1,8 @@
 //! The DFG table as files.
 
 use half::f16;
-use octagloss::bake::dfg::{DfgBlue, DfgForm, dfg_table};
-use octagloss::io::ktx2::lookup_table::{Channels, table_bytes};
+use octagloss::internals::bake::dfg::{DfgBlue, DfgForm, dfg_table};
+use octagloss::internals::io::ktx2::lookup_table::{Channels, table_bytes};
 use std::process::Command;
 
 /// vkFormat and texels of a KTX2 table, by offsets of the specification.

@@ -2,12 +2,12 @@
 
 use crate::support::common::{Look, Random, environment, texels};
 use glam::DVec3;
-use octagloss::analysis::oracle::Oracle;
-use octagloss::bake::{BakeSettings, bake};
-use octagloss::geometry::footprints::footprints_over;
-use octagloss::lobe::Lobe;
-use octagloss::sphere::equirect::direction_from_equirect;
-use octagloss::sphere::{equirect, octahedral};
+use octagloss::internals::analysis::oracle::Oracle;
+use octagloss::internals::bake::{BakeSettings, bake};
+use octagloss::internals::geometry::footprints::footprints_over;
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::sphere::equirect::direction_from_equirect;
+use octagloss::internals::sphere::{equirect, octahedral};
 use octagloss::{Environment, Layout, Map, Rgb};
 
 fn luminance(rgb: [f64; 3]) -> f64 {

@@ -99,7 +99,7 @@ fn every_key_of_real_reports_is_documented_with_its_type_and_the_reverse() {
     for report in reports(folder.path()) {
         let wrong = check(&keys, "", &report, &mut used);
         assert!(wrong.is_empty(), "{wrong:?}");
-        assert_eq!(report["schema_version"], octagloss::bake::report::SCHEMA_VERSION);
+        assert_eq!(report["schema_version"], octagloss::internals::bake::report::SCHEMA_VERSION);
     }
     let unused: Vec<_> = keys.keys().filter(|key| !used.contains(**key)).collect();
     assert!(unused.is_empty(), "documented and never written: {unused:?}");

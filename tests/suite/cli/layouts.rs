@@ -2,8 +2,8 @@
 
 use crate::cli::targets::{bake, done, fails, json, octagloss, tree, with_environments};
 use exr::prelude::{ReadChannels as _, ReadLayers as _, read as read_exr};
-use octagloss::io::{ReadOptions, read, read_chain};
-use octagloss::sphere::equirect::{direction_from_equirect, equirect_from_direction};
+use octagloss::internals::io::{ReadOptions, read, read_chain};
+use octagloss::internals::sphere::equirect::{direction_from_equirect, equirect_from_direction};
 use octagloss::{Layout, Rgb};
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 use super::octagloss;
 use crate::support::inputs;
-use octagloss::io::{ReadOptions, read_from_memory};
+use octagloss::internals::io::{ReadOptions, read_from_memory};
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! `octagloss analyze` and `octagloss convert`.
 
 use crate::cli::{done, fails, names, write_panorama};
-use octagloss::io::{self, ReadOptions};
+use octagloss::internals::io::{self, ReadOptions};
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -14,10 +14,10 @@ pub(super) mod view;
 pub(super) mod view_absent;
 pub(super) mod worlds;
 
-use octagloss::format::Pixel;
-use octagloss::io;
-use octagloss::io::exr::write::{Samples, exr_bytes};
-use octagloss::sphere::equirect::direction_from_equirect;
+use octagloss::internals::format::Pixel;
+use octagloss::internals::io;
+use octagloss::internals::io::exr::write::{Samples, exr_bytes};
+use octagloss::internals::sphere::equirect::direction_from_equirect;
 use serde_json::Value;
 use std::fs;
 use std::io::Write as _;
@@ -145,7 +145,7 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (vec!["bake"], "<INPUT>"),
         (bake(&["--filter", "gauss"]), "adaptive:E, fitted:K, box and reference"),
         (bake(&["--filter", "fitted:3"]), "1, 2, 4 or 8"),
-        (bake(&["--filter", "fitted:4", "--lobe", "cone"]), "fitted to ggx"),
+        (bake(&["--filter", "fitted:4", "--lobe", "cone"]), "supports ggx only"),
         (bake(&["--filter", "fitted:4", "--oem-size", "96"]), "a power of two"),
         (bake(&["--filter", "fitted:4", "--bounds"]), "--bounds needs"),
         (bake(&["--filter", "adaptive:0"]), "at least 1e-6, the least that float32 reaches"),
@@ -169,7 +169,7 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (bake(&["--target", "filament", "--pixel", "bc6h"]), "ktx files cannot hold bc6h"),
         (bake(&["--target", "bevy", "--format", "hdr"]), "folder of faces"),
         (bake(&["--target", "bevy", "--format", "exr"]), "exr files cannot hold rgb9e5"),
-        (bake(&["--target", "bevy", "--size", "8", "--levels", "5"]), "more than reach a size of 1"),
+        (bake(&["--target", "bevy", "--size", "8", "--levels", "5"]), "is too many for --size 8"),
         (bake(&["--target", "bevy", "--diffuse", "sh", "--irradiance", "8"]), "leave one out"),
         (bake(&["--target", "bevy", "--name", "a/b"]), "plain name"),
         (bake(&["--flip", "x"]), "--target"),
@@ -199,7 +199,7 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (query(&["--roughness", "0.5", "--filter", "box", "--bound"]), "--bound needs"),
         (query(&["--roughness", "0.5", "--filter", "box", "--lobe", "charlie"]), "adaptive:E"),
         (query(&["--roughness", "0.5", "--filter", "fitted:16"]), "1, 2, 4 or 8"),
-        (query(&["--roughness", "0.5", "--filter", "fitted:2", "--lobe", "phong"]), "fitted to ggx"),
+        (query(&["--roughness", "0.5", "--filter", "fitted:2", "--lobe", "phong"]), "supports ggx only"),
         (query(&["--roughness", "0.5", "--filter", "fitted:2", "--oem-size", "8"]), "a power of two"),
         (query(&["more.exr", "--roughness", "0.5"]), "one environment"),
         (vec!["compare", "sky.exr"], "<B>"),

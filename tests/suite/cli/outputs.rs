@@ -2,7 +2,7 @@
 //! processes.
 
 use crate::cli::{done, fails, json_file, names, octagloss, with_sky};
-use octagloss::io::output::{self, Existing};
+use octagloss::internals::io::output::{self, Existing};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -242,17 +242,17 @@ fn a_report_is_not_taken_for_that_of_another_file() {
     let at = |name: &str| folder.path().join(name);
     for (name, turned) in [("a.dds", "0"), ("b.dds", "90")] {
         done(folder.path(), &small(&["-o", name, "--rotate-y", turned]));
-        octagloss::io::read_chain(&at(name)).expect("its report says its roughness");
+        octagloss::internals::io::read_chain(&at(name)).expect("its report says its roughness");
     }
     assert_eq!(json_file(&at("a.dds.report.json"))["fingerprint"]["files"]["a.dds"], hash(&at("a.dds")));
     // As a kill between the two leaves them.
     fs::copy(at("b.dds"), at("a.dds")).expect("copied");
-    octagloss::io::read_chain(&at("a.dds")).expect_err("the report is of another file");
+    octagloss::internals::io::read_chain(&at("a.dds")).expect_err("the report is of another file");
     // A report of version 0.1 has no such hash: it is believed, and goes before its file is replaced.
     let mut old = json_file(&at("b.dds.report.json"));
     old["fingerprint"].as_object_mut().expect("an object").remove("files");
     fs::write(at("b.dds.report.json"), old.to_string()).expect("writable");
-    octagloss::io::read_chain(&at("b.dds")).expect("believed");
+    octagloss::internals::io::read_chain(&at("b.dds")).expect("believed");
     done(folder.path(), &small(&["-o", "b.dds", "--force", "--json"]));
     assert!(!at("b.dds.report.json").exists());
 }

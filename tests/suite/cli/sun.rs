@@ -1,7 +1,7 @@
 //! `octagloss bake --extract-sun`: the sun as numbers, and bakes of the environment without it.
 
 use crate::cli::{done, fails, json_file, names, octagloss, with_sky, write_panorama};
-use octagloss::io;
+use octagloss::internals::io;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

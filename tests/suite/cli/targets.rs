@@ -1,7 +1,7 @@
 //! `octagloss bake --target` as its users run it.
 
-use octagloss::format::Pixel;
-use octagloss::io::exr::write::{Samples, exr_bytes};
+use octagloss::internals::format::Pixel;
+use octagloss::internals::io::exr::write::{Samples, exr_bytes};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -3,12 +3,12 @@
 use crate::support::bounds::{Outcome, Question, luminance};
 use crate::support::common::{Random, environment};
 use glam::DVec3;
-use octagloss::analysis::oracle::OemOracle;
-use octagloss::filter::{Answer, Filter};
-use octagloss::lobe::{Lobe, kernel_integral};
-use octagloss::oem::{OemSize, bilinear_share};
-use octagloss::reflector::{Reflector, ReflectorSettings, Workspace};
-use octagloss::sphere::octahedral;
+use octagloss::internals::analysis::oracle::OemOracle;
+use octagloss::internals::filter::{Answer, Filter};
+use octagloss::internals::lobe::{Lobe, kernel_integral};
+use octagloss::internals::oem::{OemSize, bilinear_share};
+use octagloss::internals::reflector::{Reflector, ReflectorSettings, Workspace};
+use octagloss::internals::sphere::octahedral;
 use octagloss::{Environment, Layout, Rgb};
 use std::fmt::{Display, Formatter};
 

@@ -3,10 +3,10 @@
 use crate::support::common::Random;
 use glam::{DMat3, DVec3};
 use octagloss::Rgb;
-use octagloss::geometry::bordered::bordered_picture;
-use octagloss::geometry::resample::resample;
-use octagloss::sphere::grid::Grid;
-use octagloss::sphere::registry::{MAPS, NamedMap, named};
+use octagloss::internals::geometry::bordered::bordered_picture;
+use octagloss::internals::geometry::resample::resample;
+use octagloss::internals::sphere::grid::Grid;
+use octagloss::internals::sphere::registry::{MAPS, NamedMap, named};
 
 fn grid(name: &str, size: u32) -> Grid {
     Grid::new(named(name).expect("a map").map, size).expect("a size")

@@ -6,22 +6,22 @@ use crate::cpu::adaptive::{Examination, FURNACE, Outcome, Question, judge, lumin
 use crate::support::common::{Random, environment, landmarks, oem};
 use glam::DVec3;
 use octagloss::Layout;
-use octagloss::cpu::adaptive::Adaptive;
-use octagloss::cpu::cells::Cells;
-use octagloss::cpu::leaves::{LANES, Packet as CpuPacket, Scratch};
-use octagloss::cpu::reparameterise::oem_from_environment;
-use octagloss::filter::Filter;
-use octagloss::geometry::tent::Reconstruction;
-use octagloss::gpu::adaptive::{Answers, Packet, Part};
-use octagloss::gpu::cells::CellTree;
-use octagloss::gpu::engine::{Engine, Reflector};
-use octagloss::gpu::{Context, OemPlanes};
-use octagloss::lobe::Lobe;
-use octagloss::lobe::kernel::{Kernel, leaf_share};
-use octagloss::oem::{Oem, OemSize};
-use octagloss::reflector::ReflectorSettings;
-use octagloss::sphere::cube::{Face, direction_from_texel};
-use octagloss::synth::synth;
+use octagloss::internals::cpu::adaptive::Adaptive;
+use octagloss::internals::cpu::cells::Cells;
+use octagloss::internals::cpu::leaves::{LANES, Packet as CpuPacket, Scratch};
+use octagloss::internals::cpu::reparameterise::oem_from_environment;
+use octagloss::internals::filter::Filter;
+use octagloss::internals::geometry::tent::Reconstruction;
+use octagloss::internals::gpu::adaptive::{Answers, Packet, Part};
+use octagloss::internals::gpu::cells::CellTree;
+use octagloss::internals::gpu::engine::{Engine, Reflector};
+use octagloss::internals::gpu::{Context, OemPlanes};
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::lobe::kernel::{Kernel, leaf_share};
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::reflector::ReflectorSettings;
+use octagloss::internals::sphere::cube::{Face, direction_from_texel};
+use octagloss::internals::synth::synth;
 use rayon::prelude::*;
 
 /// The GPU's cells of `oem`.
@@ -343,7 +343,7 @@ fn packets_of_every_row_of_a_dispatch_are_served() {
         let cells = CellTree::upload(context, &cells, 2, 2, Reconstruction::Constant);
         let found = evaluate(context, passes, &cells, Kernel::new(Lobe::Ggx, 0.5), 0.5, &packets).lanes;
         assert_eq!(found.len(), count * LANES);
-        let served = |lane: &octagloss::filter::Answer| lane.radiance == [1.0; 3];
+        let served = |lane: &octagloss::internals::filter::Answer| lane.radiance == [1.0; 3];
         assert_eq!(found.iter().position(|lane| !served(lane)), None, "a lane that was not served");
     });
 }

@@ -3,11 +3,11 @@
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::luminance;
 use crate::support::common::{Look, Random, environment, texels};
-use octagloss::bake::{Bake, BakeSettings, bake};
-use octagloss::filter::Filter;
-use octagloss::lobe::Lobe;
-use octagloss::lobe::kernel::leaf_share;
-use octagloss::synth::synth;
+use octagloss::internals::bake::{Bake, BakeSettings, bake};
+use octagloss::internals::filter::Filter;
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::lobe::kernel::leaf_share;
+use octagloss::internals::synth::synth;
 use octagloss::{Environment, Layout, Map};
 
 const ERROR: f64 = 0.005;

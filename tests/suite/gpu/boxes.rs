@@ -4,14 +4,14 @@ use super::{UNIT, exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
 use octagloss::Layout;
-use octagloss::cpu::box_filter::{BoxFilter, StackedBox};
-use octagloss::gpu::box_filter::SatTextures;
-use octagloss::gpu::engine::Engine;
-use octagloss::gpu::{Context, SatPlanes};
-use octagloss::lobe::{Lobe, kernel, kernel_integral};
-use octagloss::oem::{Oem, OemSize};
-use octagloss::sat::{Sat, Scan};
-use octagloss::sphere::octahedral::{oct_from_direction, solid_angle_density, wrap_texel};
+use octagloss::internals::cpu::box_filter::{BoxFilter, StackedBox};
+use octagloss::internals::gpu::box_filter::SatTextures;
+use octagloss::internals::gpu::engine::Engine;
+use octagloss::internals::gpu::{Context, SatPlanes};
+use octagloss::internals::lobe::{Lobe, kernel, kernel_integral};
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::sat::{Sat, Scan};
+use octagloss::internals::sphere::octahedral::{oct_from_direction, solid_angle_density, wrap_texel};
 
 /// The textures of `planes`.
 pub(super) fn packed(context: &Context, passes: &Engine, planes: &SatPlanes) -> SatTextures {

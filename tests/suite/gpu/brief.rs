@@ -6,12 +6,12 @@ use super::stages::TakeOver;
 use super::{boxes, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, sat, stages, wait};
 use crate::support::common::{Look, Random, oem as oem_of, texels};
 use octagloss::Layout;
-use octagloss::gpu::copy::Copy;
-use octagloss::gpu::device::readback;
-use octagloss::gpu::sat_f32::SatF32;
-use octagloss::gpu::{Context, OemPlanes, SatPlanes};
-use octagloss::oem::{Oem, OemSize};
-use octagloss::sat::{Sat, Scan};
+use octagloss::internals::gpu::copy::Copy;
+use octagloss::internals::gpu::device::readback;
+use octagloss::internals::gpu::sat_f32::SatF32;
+use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::sat::{Sat, Scan};
 
 /// The entry points that each test below runs.
 const RUN: [(&str, &[&str]); 6] = [

@@ -4,13 +4,13 @@ use super::{UNIT, exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
-use octagloss::cpu::cells::Cells;
-use octagloss::environment::LUMINANCE;
-use octagloss::geometry::tent::Reconstruction;
-use octagloss::gpu::device::readback;
-use octagloss::gpu::engine::Engine;
-use octagloss::gpu::{Context, OemPlanes};
-use octagloss::oem::{Oem, OemSize};
+use octagloss::internals::cpu::cells::Cells;
+use octagloss::internals::environment::LUMINANCE;
+use octagloss::internals::geometry::tent::Reconstruction;
+use octagloss::internals::gpu::device::readback;
+use octagloss::internals::gpu::engine::Engine;
+use octagloss::internals::gpu::{Context, OemPlanes};
+use octagloss::internals::oem::{Oem, OemSize};
 
 /// Fields of four siblings, as `shaders/common/quad.wgsl` orders them.
 type Quad = [[f32; 4]; 15];

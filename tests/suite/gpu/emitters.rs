@@ -4,13 +4,13 @@ use super::{UNIT, exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
-use octagloss::gpu::engine::Engine;
-use octagloss::gpu::fitted::FittedTables;
-use octagloss::gpu::{Context, OemPlanes};
-use octagloss::lobe::{Lobe, kernel_integral};
-use octagloss::oem::{Oem, OemSize};
-use octagloss::realtime::emitters::{Emitter, GRID, taken_out};
-use octagloss::sphere::octahedral::oct_from_direction;
+use octagloss::internals::gpu::engine::Engine;
+use octagloss::internals::gpu::fitted::FittedTables;
+use octagloss::internals::gpu::{Context, OemPlanes};
+use octagloss::internals::lobe::{Lobe, kernel_integral};
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::realtime::emitters::{Emitter, GRID, taken_out};
+use octagloss::internals::sphere::octahedral::oct_from_direction;
 
 /// What float32 leaves open of the emitters of one OEM.
 ///

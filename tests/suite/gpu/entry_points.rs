@@ -1,6 +1,6 @@
 //! The entry points of `shaders/`, and what `src/gpu` binds to each.
 
-use octagloss::gpu::{
+use octagloss::internals::gpu::{
     adaptive, blur, box_filter, cells, copy, emitters, fitted, fixed_point, harmonics, lamp, mirror,
     reparameterise, sat_f32, sat_hensley, sat_scan,
 };
@@ -26,7 +26,7 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
     (
         "blur.wgsl",
         "blur",
-        [octagloss::gpu::octaves::EDGE, octagloss::gpu::octaves::EDGE, 1],
+        [octagloss::internals::gpu::octaves::EDGE, octagloss::internals::gpu::octaves::EDGE, 1],
         &[
             (0, "uniform table"),
             (1, "read red"),

@@ -4,10 +4,10 @@ use super::{UNIT, exceeds, in_full, wait};
 use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
 use octagloss::Layout;
-use octagloss::gpu::lamp::{Lamp, LampPass, PLACES};
-use octagloss::gpu::{Context, OemPlanes};
-use octagloss::oem::{Oem, OemSize};
-use octagloss::sphere::octahedral::{direction_from_oct, wrap_texel};
+use octagloss::internals::gpu::lamp::{Lamp, LampPass, PLACES};
+use octagloss::internals::gpu::{Context, OemPlanes};
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::sphere::octahedral::{direction_from_oct, wrap_texel};
 
 const DISC: f64 = 0.06;
 const EDGE: f64 = 0.08;

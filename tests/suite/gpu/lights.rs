@@ -4,11 +4,11 @@ use super::{wait, with_passes};
 use crate::cpu::adaptive::luminance;
 use crate::cpu::lights::Light;
 use crate::support::common::{Random, environment};
-use octagloss::bake::BakeSettings;
-use octagloss::filter::{Answer, Filter};
-use octagloss::gpu::engine::Reflector;
-use octagloss::lobe::Lobe;
-use octagloss::reflector::Reflector as CpuReflector;
+use octagloss::internals::bake::BakeSettings;
+use octagloss::internals::filter::{Answer, Filter};
+use octagloss::internals::gpu::engine::Reflector;
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::reflector::Reflector as CpuReflector;
 use octagloss::{Environment, Layout, Rgb};
 
 /// What the GPU's gathering and its filters in single precision may be off by, relative to the greatest

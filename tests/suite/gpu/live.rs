@@ -4,12 +4,12 @@
 use super::{exceeds, in_full, wait};
 use crate::support::common::{Look, Random, landmarks, texels};
 use glam::{DMat3, DVec3};
-use octagloss::analysis::oracle;
-use octagloss::filter::Filter;
-use octagloss::gpu::Context;
-use octagloss::gpu::device::readback;
-use octagloss::lobe::Lobe;
-use octagloss::reflector::{Reflector, ReflectorSettings};
+use octagloss::internals::analysis::oracle;
+use octagloss::internals::filter::Filter;
+use octagloss::internals::gpu::Context;
+use octagloss::internals::gpu::device::readback;
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::{Environment, Error, Layout, LiveEnvironment, wgpu};
 
 /// Roughness of the glossy look-ups.

@@ -27,8 +27,8 @@ mod view;
 #[cfg(feature = "view")]
 mod view_meshes;
 
-use octagloss::gpu::engine::Engine;
-use octagloss::gpu::{Context, adapters, block_on};
+use octagloss::internals::gpu::engine::Engine;
+use octagloss::internals::gpu::{Context, adapters, block_on};
 use octagloss::wgpu;
 use std::io::Write as _;
 use std::sync::LazyLock;

@@ -2,12 +2,12 @@
 
 use super::{exceeds, in_full, wait};
 use crate::support::common::{Look, Random, environment, texels};
-use octagloss::cpu::reparameterise::oem_from_environment;
-use octagloss::geometry::footprints::footprints_from_environment;
-use octagloss::gpu::device::readback;
-use octagloss::gpu::reparameterise::{Reparameterise, upload};
-use octagloss::gpu::{Context, OemPlanes};
-use octagloss::oem::{Oem, OemSize};
+use octagloss::internals::cpu::reparameterise::oem_from_environment;
+use octagloss::internals::geometry::footprints::footprints_from_environment;
+use octagloss::internals::gpu::device::readback;
+use octagloss::internals::gpu::reparameterise::{Reparameterise, upload};
+use octagloss::internals::gpu::{Context, OemPlanes};
+use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::{Environment, Layout};
 
 /// Both engines add up the same products, the CPU in double precision. In float32 a term takes two products;

@@ -2,13 +2,13 @@
 
 use super::{in_full, wait};
 use crate::io::oem_file::{directions, levels, read_ktx2, unfolded};
-use octagloss::chain::Level;
-use octagloss::format::Pixel;
-use octagloss::format::container::Container;
-use octagloss::gpu::Context;
-use octagloss::gpu::device::readback;
-use octagloss::io::oem_write::oem_bytes;
-use octagloss::target::READERS;
+use octagloss::internals::chain::Level;
+use octagloss::internals::format::Pixel;
+use octagloss::internals::format::container::Container;
+use octagloss::internals::gpu::Context;
+use octagloss::internals::gpu::device::readback;
+use octagloss::internals::io::oem_write::oem_bytes;
+use octagloss::internals::target::READERS;
 use octagloss::wgpu;
 use octagloss::wgpu::util::DeviceExt as _;
 

@@ -4,11 +4,11 @@
 use super::entry_points::ENTRY_POINTS;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, ImageClass, Literal, Module, Type, TypeInner};
-use octagloss::gpu::device::shader;
-use octagloss::gpu::device::shader::Queries;
-use octagloss::gpu::shared::Struct;
-use octagloss::gpu::{box_filter, fitted};
-use octagloss::target::READERS;
+use octagloss::internals::gpu::device::shader;
+use octagloss::internals::gpu::device::shader::Queries;
+use octagloss::internals::gpu::shared::Struct;
+use octagloss::internals::gpu::{box_filter, fitted};
+use octagloss::internals::target::READERS;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -124,7 +124,7 @@ fn assert_same_names(kind: &str, declared: &BTreeSet<(&str, String)>, expected: 
 }
 
 fn structs() -> Vec<Struct> {
-    [octagloss::gpu::shared::structs(), octagloss::view::shared::structs()].concat()
+    [octagloss::internals::gpu::shared::structs(), octagloss::internals::view::shared::structs()].concat()
 }
 
 impl Shader {
@@ -200,7 +200,7 @@ const OWN_CONSTANTS: &[(&str, &[&str])] = &[
 
 #[test]
 fn constants_are_rust_s() {
-    let expected = [octagloss::gpu::shared::constants(), octagloss::view::shared::constants()].concat();
+    let expected = [octagloss::internals::gpu::shared::constants(), octagloss::internals::view::shared::constants()].concat();
     let mut declared = BTreeSet::new();
     for file in files() {
         let shader = Shader::of_file(file);

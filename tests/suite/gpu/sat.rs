@@ -3,15 +3,15 @@
 use super::{in_full, wait};
 use crate::support::common::{Look, Random, oem, texels};
 use octagloss::Layout;
-use octagloss::gpu::fixed_point::FixedPoint;
-use octagloss::gpu::sat_hensley::SatHensley;
-use octagloss::gpu::sat_scan::SatScan;
-use octagloss::gpu::{Context, OemPlanes, SatPlanes, Stage};
-use octagloss::oem::{Oem, OemSize};
-use octagloss::sat::{Sat, Scan};
+use octagloss::internals::gpu::fixed_point::FixedPoint;
+use octagloss::internals::gpu::sat_hensley::SatHensley;
+use octagloss::internals::gpu::sat_scan::SatScan;
+use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes, Stage};
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::sat::{Sat, Scan};
 
 /// Which exponents and entries differ, in words; None where all are equal.
-fn difference(expected: &Sat, fixed: octagloss::sat::FixedPoint, entries: &[[u64; 4]]) -> Option<String> {
+fn difference(expected: &Sat, fixed: octagloss::internals::sat::FixedPoint, entries: &[[u64; 4]]) -> Option<String> {
     if expected.fixed_point() != fixed {
         return Some(format!("exponents {fixed:?} for {:?}", expected.fixed_point()));
     }
@@ -34,7 +34,7 @@ fn scanned(
     fixed_point: &FixedPoint,
     oem: &Oem,
     stage: impl Fn(&OemPlanes, &SatPlanes) -> Stage,
-) -> (octagloss::sat::FixedPoint, Vec<[u64; 4]>) {
+) -> (octagloss::internals::sat::FixedPoint, Vec<[u64; 4]>) {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let sat = SatPlanes::new(context, oem.size()).expect("small planes");
     let exponents = fixed_point.stage(context, &planes, &sat);

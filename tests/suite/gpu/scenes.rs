@@ -5,19 +5,19 @@ use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::luminance;
 use crate::support::common::{environment, landmarks};
 use glam::DVec3;
-use octagloss::analysis::oracle::OemOracle;
-use octagloss::cpu::reparameterise::oem_from_environment;
-use octagloss::filter::Filter;
-use octagloss::geometry::footprints::footprints_from_environment;
-use octagloss::gpu::device::readback;
-use octagloss::gpu::engine::{Engine, Reflector};
-use octagloss::gpu::reparameterise::upload;
-use octagloss::gpu::{Context, OemPlanes, SatPlanes};
-use octagloss::lobe::Lobe;
-use octagloss::oem::{Oem, OemSize};
-use octagloss::reflector::{Reflector as CpuReflector, ReflectorSettings};
-use octagloss::sat::{Sat, Scan};
-use octagloss::sphere::cube::{Face, direction_from_cube};
+use octagloss::internals::analysis::oracle::OemOracle;
+use octagloss::internals::cpu::reparameterise::oem_from_environment;
+use octagloss::internals::filter::Filter;
+use octagloss::internals::geometry::footprints::footprints_from_environment;
+use octagloss::internals::gpu::device::readback;
+use octagloss::internals::gpu::engine::{Engine, Reflector};
+use octagloss::internals::gpu::reparameterise::upload;
+use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::reflector::{Reflector as CpuReflector, ReflectorSettings};
+use octagloss::internals::sat::{Sat, Scan};
+use octagloss::internals::sphere::cube::{Face, direction_from_cube};
 use octagloss::{Environment, Layout, Rgb};
 
 /// The greatest half float, as suns in files have it.
@@ -239,7 +239,7 @@ fn misplaced(
     let directions: Vec<DVec3> = labels.iter().map(|(direction, _)| from_world(*direction)).collect();
     let answers = wait(context, reflector.query(&directions, Lobe::Ggx, 0.1, filter));
     let distance = |a: Rgb, b: Rgb| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f32>();
-    let wrong = |(answer, own): (&octagloss::filter::Answer, &(DVec3, Rgb))| {
+    let wrong = |(answer, own): (&octagloss::internals::filter::Answer, &(DVec3, Rgb))| {
         let nearest = labels
             .iter()
             .map(|(_, label)| *label)

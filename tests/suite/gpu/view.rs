@@ -2,15 +2,15 @@
 
 use super::{CONTEXTS, block_on, in_full, index, wait};
 use glam::{DMat3, DVec2, DVec3};
-use octagloss::bake::dfg;
-use octagloss::gpu::Context;
-use octagloss::gpu::device::readback;
-use octagloss::gpu::lamp::Lamp;
-use octagloss::image::exposure::Exposure;
-use octagloss::lobe::Lobe;
-use octagloss::reflector::{Reflector, ReflectorSettings};
-use octagloss::synth::synth;
-use octagloss::view::{
+use octagloss::internals::bake::dfg;
+use octagloss::internals::gpu::Context;
+use octagloss::internals::gpu::device::readback;
+use octagloss::internals::gpu::lamp::Lamp;
+use octagloss::internals::image::exposure::Exposure;
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::reflector::{Reflector, ReflectorSettings};
+use octagloss::internals::synth::synth;
+use octagloss::internals::view::{
     Camera, Filter, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Tone, Truth, Viewport, screenshot,
 };
 use octagloss::{Environment, Error, Layout, wgpu};
@@ -55,9 +55,9 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
     let turned = environment.clone().rotated_y(look.turn);
     let reflector = Reflector::new(&turned, &settings).expect("an OEM");
     let filter = match look.filter {
-        Filter::Box => octagloss::filter::Filter::Box,
-        Filter::Fitted(count) => octagloss::filter::Filter::Fitted(count),
-        Filter::Adaptive | Filter::Levels => octagloss::filter::Filter::Adaptive(0.001),
+        Filter::Box => octagloss::internals::filter::Filter::Box,
+        Filter::Fitted(count) => octagloss::internals::filter::Filter::Fitted(count),
+        Filter::Adaptive | Filter::Levels => octagloss::internals::filter::Filter::Adaptive(0.001),
     };
     (0..WIDTH * HEIGHT)
         .into_par_iter()

@@ -5,16 +5,16 @@ use super::view::renderer;
 use super::{on_every_adapter, wait};
 use crate::support::common::Random;
 use glam::{DMat3, DVec3};
-use octagloss::analysis::oracle;
-use octagloss::bake::dfg;
-use octagloss::chain::{Chain, Level};
-use octagloss::filter::Filter as Bake;
-use octagloss::image::exposure::{self, Exposure};
-use octagloss::lobe::Lobe;
-use octagloss::mesh;
-use octagloss::reflector::{Reflector, ReflectorSettings};
-use octagloss::sphere::cube::Face;
-use octagloss::view::{Filter, Levels, Light, Look, Object, Paint, Renderer, Screenshot, Tone, screenshot};
+use octagloss::internals::analysis::oracle;
+use octagloss::internals::bake::dfg;
+use octagloss::internals::chain::{Chain, Level};
+use octagloss::internals::filter::Filter as Bake;
+use octagloss::internals::image::exposure::{self, Exposure};
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::mesh;
+use octagloss::internals::reflector::{Reflector, ReflectorSettings};
+use octagloss::internals::sphere::cube::Face;
+use octagloss::internals::view::{Filter, Levels, Light, Look, Object, Paint, Renderer, Screenshot, Tone, screenshot};
 use octagloss::{Environment, Layout, Rgb};
 use serde_json::{Value, json};
 
@@ -108,7 +108,7 @@ fn front_look() -> Look {
 
 #[test]
 fn gold_plastic_and_white_are_told_apart() {
-    let environment = octagloss::synth::synth("furnace").expect("a recipe");
+    let environment = octagloss::internals::synth::synth("furnace").expect("a recipe");
     let gold = DVec3::new(1.0, 0.766, 0.336);
     let factors = |base: DVec3, metallic: f64, roughness: f64| {
         json!({"baseColorFactor": [base.x, base.y, base.z, 1], "metallicFactor": metallic,
@@ -152,7 +152,7 @@ fn gold_plastic_and_white_are_told_apart() {
 
 #[test]
 fn the_front_is_seen_first_and_masks_have_holes() {
-    let environment = octagloss::synth::synth("furnace").expect("a recipe");
+    let environment = octagloss::internals::synth::synth("furnace").expect("a recipe");
     let red = json!({"baseColorFactor": [1, 0, 0, 1], "metallicFactor": 0});
     let mut hole = materials(json!({"baseColorTexture": {"index": 0}, "metallicFactor": 0}));
     hole[0]["alphaMode"] = json!("MASK");
@@ -278,7 +278,8 @@ fn levels_that_cannot_be_shown_are_refused() {
     falling.levels[2].roughness = 0.2;
     let mut uneven = whole.clone();
     uneven.levels.remove(1);
-    for (chain, words) in [(falling, "roughness 0.2 follows 0.3"), (uneven, "level 1 has 1 texels a side")] {
+    for (chain, words) in [(falling, "roughness 0.2 follows 0.3"), (uneven, "level 1 has 1 texels per side")]
+    {
         let error = Levels::new(chain, DMat3::IDENTITY).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }

@@ -2,12 +2,12 @@
 
 use crate::support::written::chain;
 use glam::DVec3;
-use octagloss::chain::{Chain, Level};
-use octagloss::environment::Rgb;
-use octagloss::image::cube_sampler::SeamlessLevel;
-use octagloss::image::exposure::Exposure;
-use octagloss::image::preview::{contact_sheet, error_picture};
-use octagloss::sphere::cube::{self, Face};
+use octagloss::internals::chain::{Chain, Level};
+use octagloss::internals::environment::Rgb;
+use octagloss::internals::image::cube_sampler::SeamlessLevel;
+use octagloss::internals::image::exposure::Exposure;
+use octagloss::internals::image::preview::{contact_sheet, error_picture};
+use octagloss::internals::sphere::cube::{self, Face};
 
 fn level_of(size: u32, roughness: f64, radiance: impl Fn(Face, DVec3) -> Rgb) -> Level {
     let mut texels = Vec::new();
@@ -200,7 +200,7 @@ fn larger_errors_are_lighter() {
 #[test]
 fn exposure_is_automatic_or_a_number() {
     let chain = chain(4, 1, false);
-    let automatic = octagloss::image::exposure::of_level(&chain.levels[0]);
+    let automatic = octagloss::internals::image::exposure::of_level(&chain.levels[0]);
     let sheet = |exposure| contact_sheet(&chain, exposure).expect("a picture");
     assert_eq!(sheet(Exposure::Auto), sheet(Exposure::Ev(automatic)));
     assert_ne!(sheet(Exposure::Auto), sheet(Exposure::Ev(automatic - 2.0)));

@@ -2,10 +2,10 @@
 
 use half::f16;
 use octagloss::Rgb;
-use octagloss::bake::{BakeSettings, bake};
-use octagloss::chain::Level;
-use octagloss::format::bc6h::{bc6h_blocks, bc6h_length};
-use octagloss::synth::synth;
+use octagloss::internals::bake::{BakeSettings, bake};
+use octagloss::internals::chain::Level;
+use octagloss::internals::format::bc6h::{bc6h_blocks, bc6h_length};
+use octagloss::internals::synth::synth;
 
 /// The texels of one `size` x `size` square of blocks, by `bcdec_rs`.
 pub(crate) fn decoded(size: u32, blocks: &[u8]) -> Vec<Rgb> {

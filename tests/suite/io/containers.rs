@@ -4,13 +4,13 @@ use crate::io::bc6h::decoded;
 use crate::support::written::{chain, first_difference, to_half};
 use half::f16;
 use octagloss::Rgb;
-use octagloss::chain::Chain;
-use octagloss::format::container::Container;
-use octagloss::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
-use octagloss::format::rgbd::{RGBD_MAX, rgb_from_rgbd, rgbd_from_rgb, rgbd_png_bytes};
-use octagloss::format::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
-use octagloss::io::cube_write::cube_bytes;
-use octagloss::io::{ReadOptions, read_chain, read_chain_from_memory, read_from_memory};
+use octagloss::internals::chain::Chain;
+use octagloss::internals::format::container::Container;
+use octagloss::internals::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
+use octagloss::internals::format::rgbd::{RGBD_MAX, rgb_from_rgbd, rgbd_from_rgb, rgbd_png_bytes};
+use octagloss::internals::format::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
+use octagloss::internals::io::cube_write::cube_bytes;
+use octagloss::internals::io::{ReadOptions, read_chain, read_chain_from_memory, read_from_memory};
 use std::path::Path;
 
 const PLAIN: [Pixel; 4] = [Pixel::F16, Pixel::F32, Pixel::Rgb9e5, Pixel::R11g11b10];
@@ -293,7 +293,7 @@ fn the_parsers_detect_faults() {
 fn impossible_requests_are_refused() {
     let good = chain(4, 2, false);
     let words = |result: octagloss::Result<_>| -> String {
-        result.map(|_: octagloss::io::cube_file::CubeFile| ()).unwrap_err().to_string()
+        result.map(|_: octagloss::internals::io::cube_file::CubeFile| ()).unwrap_err().to_string()
     };
     assert!(words(cube_bytes(Container::Ktx1, &good, Pixel::Bc6h, &[])).contains("bc6h"));
     assert!(!Container::Ktx1.holds(Pixel::Bc6h) && Container::Dds.holds(Pixel::Bc6h));

@@ -2,11 +2,11 @@
 
 use crate::support::written::{chain, first_difference, metadata, to_half};
 use half::f16;
-use octagloss::chain::Chain;
-use octagloss::environment::Rgb;
-use octagloss::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
-use octagloss::format::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
-use octagloss::io::ktx2::write::{ROUGHNESS_KEY, ktx2_bytes};
+use octagloss::internals::chain::Chain;
+use octagloss::internals::environment::Rgb;
+use octagloss::internals::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
+use octagloss::internals::format::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
+use octagloss::internals::io::ktx2::write::{ROUGHNESS_KEY, ktx2_bytes};
 
 /// What the independent parser below finds in a file.
 struct Parsed {

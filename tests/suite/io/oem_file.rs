@@ -7,11 +7,11 @@ use exr_crate::ReadChannels as _;
 use exr_crate::ReadLayers as _;
 use glam::{DVec2, DVec3};
 use half::f16;
-use octagloss::chain::Level;
-use octagloss::format::Pixel;
-use octagloss::format::container::Container;
-use octagloss::io::oem_write::oem_bytes;
-use octagloss::oem::level_sizes;
+use octagloss::internals::chain::Level;
+use octagloss::internals::format::Pixel;
+use octagloss::internals::format::container::Container;
+use octagloss::internals::io::oem_write::oem_bytes;
+use octagloss::internals::oem::level_sizes;
 use octagloss::{Layout, Rgb};
 
 /// `count` octahedral levels from `size` down, of random half floats.

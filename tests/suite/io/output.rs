@@ -1,9 +1,9 @@
 //! Outputs appear whole or not at all, and replace nothing that is not ours.
 
 use crate::support::written::{chain, names_in};
-use octagloss::format::Pixel;
-use octagloss::io::ktx2::write::write_ktx2;
-use octagloss::io::output::{Existing, write_file, write_folder};
+use octagloss::internals::format::Pixel;
+use octagloss::internals::io::ktx2::write::write_ktx2;
+use octagloss::internals::io::output::{Existing, write_file, write_folder};
 use std::fs;
 use std::path::Path;
 

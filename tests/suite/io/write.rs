@@ -5,25 +5,25 @@ use crate::support::written::{
 };
 use exr::prelude::{AttributeValue, Text};
 use half::f16;
-use octagloss::bake::Bake;
-use octagloss::chain::{Chain, Level};
-use octagloss::environment::{Environment, Layout, Rgb};
-use octagloss::export::files::{Made, files};
-use octagloss::format::container::Container;
-use octagloss::format::{
+use octagloss::internals::bake::Bake;
+use octagloss::internals::chain::{Chain, Level};
+use octagloss::internals::environment::{Environment, Layout, Rgb};
+use octagloss::internals::export::files::{Made, files};
+use octagloss::internals::format::container::Container;
+use octagloss::internals::format::{
     HALF_MAX, OutputLayout, Pixel, RGB9E5_MAX, push_halves, rgb_from_rgb9e5, rgb9e5_from_rgb,
 };
-use octagloss::io::environment_write::write_environment;
-use octagloss::io::exr::write::{Attribute, Samples, exr_bytes};
-use octagloss::io::hdr::write::hdr_bytes;
-use octagloss::io::ktx2::write::ktx2_bytes;
-use octagloss::io::layout::CROSS_CELLS;
-use octagloss::io::ldr::write::write_png;
-use octagloss::io::output::Existing;
-use octagloss::oem::OemSize;
-use octagloss::sh::window::ShWindow;
-use octagloss::sphere::cube::Face;
-use octagloss::target::{Diffuse, Plan, UNTARGETED};
+use octagloss::internals::io::environment_write::write_environment;
+use octagloss::internals::io::exr::write::{Attribute, Samples, exr_bytes};
+use octagloss::internals::io::hdr::write::hdr_bytes;
+use octagloss::internals::io::ktx2::write::ktx2_bytes;
+use octagloss::internals::io::layout::CROSS_CELLS;
+use octagloss::internals::io::ldr::write::write_png;
+use octagloss::internals::io::output::Existing;
+use octagloss::internals::oem::OemSize;
+use octagloss::internals::sh::window::ShWindow;
+use octagloss::internals::sphere::cube::Face;
+use octagloss::internals::target::{Diffuse, Plan, UNTARGETED};
 use std::collections::BTreeMap;
 use std::fs;
 

@@ -5,13 +5,13 @@ use crate::cpu::adaptive::{ask, luminance, reflector};
 use crate::support::common::{Look, Random, environment, oem, texels};
 use glam::{DQuat, DVec3};
 use octagloss::Layout;
-use octagloss::analysis::oracle::OemOracle;
-use octagloss::filter::Filter;
-use octagloss::lobe::Lobe;
-use octagloss::oem::{Oem, OemSize};
-use octagloss::realtime::emitters::{COUNT, Emitter, GRID, taken_out};
-use octagloss::realtime::tables::COUNTS;
-use octagloss::sphere::octahedral::{direction_from_oct, oct_from_direction, texel_centre};
+use octagloss::internals::analysis::oracle::OemOracle;
+use octagloss::internals::filter::Filter;
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::realtime::emitters::{COUNT, Emitter, GRID, taken_out};
+use octagloss::internals::realtime::tables::COUNTS;
+use octagloss::internals::sphere::octahedral::{direction_from_oct, oct_from_direction, texel_centre};
 use std::f64::consts::PI;
 
 /// The texels of cell `cell` of an OEM of `inner` texels.

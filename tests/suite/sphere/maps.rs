@@ -2,12 +2,12 @@
 
 use crate::support::common::{Random, landmarks};
 use glam::{DVec2, DVec3};
-use octagloss::sphere::grid::Grid;
-use octagloss::sphere::map::{Place, SphereMap, Texel};
-use octagloss::sphere::octahedral_perspective::{ON_FACES, OctahedralPerspective};
-use octagloss::sphere::polar_capped::{CONFORMAL, PolarCapped};
-use octagloss::sphere::registry::{MAPS, NamedMap, named};
-use octagloss::sphere::{cube, octahedral, tennis_ball};
+use octagloss::internals::sphere::grid::Grid;
+use octagloss::internals::sphere::map::{Place, SphereMap, Texel};
+use octagloss::internals::sphere::octahedral_perspective::{ON_FACES, OctahedralPerspective};
+use octagloss::internals::sphere::polar_capped::{CONFORMAL, PolarCapped};
+use octagloss::internals::sphere::registry::{MAPS, NamedMap, named};
+use octagloss::internals::sphere::{cube, octahedral, tennis_ball};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 /// Error of a round trip over the map's condition number; 2^-53 and some dozen roundings are below a

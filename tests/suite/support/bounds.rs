@@ -1,20 +1,20 @@
-//! Certified bounds beside exhaustive integration: questions, and what becomes of the answers.
+//! Checks certified bounds against exhaustive integration.
 
 use super::common::{Random, landmarks};
 use glam::DVec3;
-use octagloss::cpu::leaves::LANES;
-use octagloss::environment::LUMINANCE;
-use octagloss::lobe::Lobe;
+use octagloss::internals::cpu::leaves::LANES;
+use octagloss::internals::environment::LUMINANCE;
+use octagloss::internals::lobe::Lobe;
 use std::fmt::Display;
 
 pub(crate) fn luminance(rgb: [f64; 3]) -> f64 {
     (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }
 
-/// What the oracle itself may be off by, relatively.
+/// Relative error of the oracle.
 pub(crate) const ORACLE: f64 = 1e-7;
 
-/// A question: where and how sharp, and to what tolerance.
+/// A query: directions, lobe, roughness and tolerance.
 pub(crate) struct Question {
     pub(crate) directions: Vec<DVec3>,
     pub(crate) lane: usize,
@@ -24,7 +24,7 @@ pub(crate) struct Question {
 }
 
 impl Question {
-    /// About any of the lobes that every engine has, towards `brightest` or elsewhere.
+    /// A random query with a lobe that every engine supports, towards `brightest` or elsewhere.
     pub(crate) fn new(random: &mut Random, brightest: DVec3) -> Self {
         let lobe = match random.below(10) {
             0 => Lobe::Phong,
@@ -42,7 +42,7 @@ impl Question {
             1 => (brightest + random.direction() * 10_f64.powf(random.between(-3.0, 0.3))).normalize(),
             _ => random.direction(),
         };
-        // Alone, or in a packet up to half a lobe wide.
+        // A single direction, or a packet up to half a lobe wide.
         let count = if random.below(2) == 0 { 1 } else { 1 + random.below(LANES as u32) as usize };
         let spread = 0.5 * roughness * roughness * random.unit();
         let directions: Vec<DVec3> =
@@ -67,13 +67,13 @@ pub(crate) struct Outcome {
     error: f64,
     bound: f64,
     truth: f64,
-    /// What the oracle may be off by.
+    /// Absolute error of the oracle.
     doubt: f64,
     pub(crate) told: String,
 }
 
 impl Outcome {
-    /// An engine's radiance and bound over `scene` beside the `truth`.
+    /// Compares an engine's radiance and bound over `scene` with the `truth`.
     pub(crate) fn new(
         scene: &dyn Display,
         question: &Question,
@@ -91,7 +91,7 @@ impl Outcome {
         Self { error: (value - truth).abs(), bound, truth, doubt: ORACLE * truth, told }
     }
 
-    /// The same with what the oracle may be off by besides.
+    /// Adds `doubt` to the oracle's error.
     pub(crate) fn doubting(self, doubt: f64) -> Self {
         Self { doubt: self.doubt + doubt, ..self }
     }
@@ -100,13 +100,13 @@ impl Outcome {
         self.error <= self.bound + self.doubt
     }
 
-    /// The error over what it may be.
+    /// The error over the allowed error.
     pub(crate) fn ratio(&self) -> f64 {
         if self.error == 0.0 { 0.0 } else { self.error / (self.bound + self.doubt) }
     }
 }
 
-/// Fails with the worst offenders; prints how tight the bounds were.
+/// Fails with the worst violations; prints the tightness of the bounds.
 pub(crate) fn judge(name: &str, outcomes: &[Outcome], expected: usize) {
     assert_eq!(outcomes.len(), expected, "questions were asked");
     let mut wrong: Vec<&Outcome> = outcomes.iter().filter(|outcome| !outcome.holds()).collect();

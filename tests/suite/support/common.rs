@@ -1,11 +1,11 @@
-//! Inputs made in code: deterministic numbers, directions, environments and OEMs.
+//! Generated inputs: deterministic numbers, directions, environments and OEMs.
 
 use glam::DVec3;
-use octagloss::oem::{Oem, OemSize};
-use octagloss::sphere::octahedral;
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::sphere::octahedral;
 use octagloss::{Environment, Layout, Rgb};
 
-/// SplitMix64 (Steele, Lea and Flood 2014): every seed gives the same numbers on every machine.
+/// SplitMix64 (Steele, Lea and Flood 2014): a seed gives the same numbers on every machine.
 pub(crate) struct Random(u64);
 
 impl Random {
@@ -60,18 +60,18 @@ pub(crate) fn landmarks() -> Vec<DVec3> {
     all
 }
 
-/// What a random environment looks like.
+/// Kinds of random environments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Look {
-    /// Every texel on its own, over four decades.
+    /// Independent texels, over four decades.
     Noise,
     /// A dim gradient with a few texels up to 1e6 times brighter.
     Suns,
-    /// Black but for one texel.
+    /// Black except one texel.
     Lone,
     /// A few low frequencies.
     Smooth,
-    /// One value, and another in the upper half.
+    /// A different value in each half.
     Split,
 }
 
@@ -79,7 +79,7 @@ impl Look {
     pub(crate) const ALL: [Self; 5] = [Self::Noise, Self::Suns, Self::Lone, Self::Smooth, Self::Split];
 }
 
-/// The texels of `layout` in a `look`, red, green and blue each their own.
+/// Texels of `layout` in a `look`, with independent channels.
 pub(crate) fn texels(random: &mut Random, look: Look, layout: Layout) -> Vec<Rgb> {
     let count = layout.texel_count();
     let blank = Environment::new(layout, vec![[0.0; 3]; count]).expect("a layout of at least one texel");

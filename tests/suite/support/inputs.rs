@@ -1,4 +1,4 @@
-//! Image files made in code, for the readers' tests and the fuzzer.
+//! Generated image files, for the readers' tests and the fuzzer.
 
 use exr::image::write::layers::WritableLayers;
 use exr::prelude::*;
@@ -7,7 +7,7 @@ use std::io::Cursor;
 /// Linear RGB.
 pub(crate) type Rgb = [f32; 3];
 
-/// A picture of which every texel is different, small integers all: exact in half, RGBE and RGB9E5.
+/// A picture of distinct texels with small integers, exact in half, RGBE and RGB9E5.
 pub(crate) fn numbered(width: u32, height: u32) -> Vec<Rgb> {
     (0..width * height)
         .map(|at| {
@@ -17,8 +17,7 @@ pub(crate) fn numbered(width: u32, height: u32) -> Vec<Rgb> {
         .collect()
 }
 
-/// A Radiance picture without run lengths: `lines` go after the signature, then `resolution`, then the pixels
-/// as given.
+/// A Radiance picture without run lengths: the signature, `lines`, `resolution`, then the pixels as given.
 pub(crate) fn radiance(lines: &str, resolution: &str, pixels: &[Rgb]) -> Vec<u8> {
     let mut bytes = format!("#?RADIANCE\n{lines}\n{resolution}\n").into_bytes();
     for rgb in pixels {
@@ -39,7 +38,7 @@ pub(crate) fn radiance_with_runs(width: u32, height: u32, pixels: &[Rgb]) -> Vec
     bytes
 }
 
-/// How an OpenEXR channel is stored.
+/// Sample type of an OpenEXR channel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Sample {
     Half,
@@ -47,7 +46,7 @@ pub(crate) enum Sample {
     Uint,
 }
 
-/// `values` as samples of that kind.
+/// `values` as samples of `kind`.
 pub(crate) fn samples(kind: Sample, values: impl Iterator<Item = f32>) -> FlatSamples {
     match kind {
         Sample::Half => FlatSamples::F16(values.map(f16::from_f32).collect()),
@@ -133,8 +132,8 @@ pub(crate) enum Ktx2Pixel {
     Rgb9E5,
 }
 
-/// A KTX2 file: its levels' texels (all faces of each), key/value pairs, zstd or plain. As small as the
-/// format allows; nothing of the program's own writer is in it.
+/// A KTX2 file: its levels' texels (all faces of each), key/value pairs, zstd or plain. Minimal, and
+/// independent of the program's writer.
 pub(crate) fn ktx2(
     size: (u32, u32),
     faces: u32,
@@ -177,7 +176,7 @@ pub(crate) fn ktx2(
     };
     let level_count = u32::try_from(levels.len()).unwrap();
     let index_end = 80 + 24 * level_count;
-    // A descriptor without blocks: its own length and no more.
+    // A descriptor without blocks: only its length.
     let descriptor = 4u32.to_le_bytes();
     let header = ::ktx2::Header {
         format: Some(format),

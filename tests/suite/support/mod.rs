@@ -1,4 +1,4 @@
-//! What several tests share.
+//! Shared test code.
 
 pub(super) mod bounds;
 pub(super) mod common;

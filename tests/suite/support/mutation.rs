@@ -3,35 +3,34 @@
 use super::inputs::{self, Ktx2Pixel, Sample};
 use cpu_time::ProcessTime;
 use exr::prelude::{AnyChannel, Blocks, Compression, Image, Vec2};
-use octagloss::chain::{Chain, Level};
-use octagloss::format::Pixel;
-use octagloss::io::ktx1::write::ktx1_bytes;
-use octagloss::io::{self, ReadOptions};
+use octagloss::internals::chain::{Chain, Level};
+use octagloss::internals::format::Pixel;
+use octagloss::internals::io::ktx1::write::ktx1_bytes;
+use octagloss::internals::io::{self, ReadOptions};
 use peakmem_alloc::{PeakMemAlloc, PeakMemAllocTrait as _};
 use std::alloc::System;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 use std::time::Duration;
 
-/// The readers' own limit while they are fuzzed.
+/// Memory limit of the readers during fuzzing.
 pub(crate) const MEMORY_LIMIT: u64 = 64 << 20;
-/// What a reader may allocate at its peak: its limit, and the tables of decoders that do not grow with the
-/// image.
+/// Peak allocation allowed for a reader: its limit and the fixed tables of decoders.
 pub(crate) const PEAK_LIMIT: usize = MEMORY_LIMIT as usize + (8 << 20);
-/// What one reading may compute, in time of the processor: other programs do not lengthen it.
+/// CPU time limit of one read, independent of other programs.
 pub(crate) const TIME_LIMIT: Duration = Duration::from_secs(2);
 
-/// Whether a reader takes the bytes without an error.
+/// Reads the bytes; returns whether that succeeds.
 type Read = Box<dyn Fn(&[u8]) -> bool>;
 
-/// One reader and the files it is tried on.
+/// A reader and its seed files.
 pub(crate) struct Reader {
     pub(crate) name: &'static str,
     seeds: Vec<Vec<u8>>,
     read: Read,
 }
 
-/// What became of a reader's inputs.
+/// Results of a reader's inputs.
 #[derive(Debug)]
 pub(crate) struct Tally {
     pub(crate) mutations: u32,
@@ -43,7 +42,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Whether no panic escaped and no limit was passed.
+    /// Whether no panic escaped and no limit was exceeded.
     pub(crate) fn holds(&self) -> bool {
         self.panics == 0 && self.slowest <= TIME_LIMIT && self.peak_bytes <= PEAK_LIMIT
     }
@@ -90,14 +89,14 @@ impl Random {
     }
 }
 
-/// A seed with one to four wounds.
+/// A seed with one to four mutations.
 fn mutated(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     let mut bytes = seeds[random.below(seeds.len())].clone();
     for _ in 0..=random.below(4) {
         if bytes.is_empty() {
             break;
         }
-        // Half of them in the header, where the sizes are.
+        // Half of them in the header, which contains the sizes.
         let reach = if random.below(2) == 0 { bytes.len().min(400) } else { bytes.len() };
         let at = random.below(reach);
         match random.below(7) {
@@ -126,14 +125,14 @@ fn mutated(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
             }
         }
     }
-    // Checksums set right, or damage would not get past them.
+    // Correct the checksums, so that the damage reaches the decoder.
     if random.below(4) > 0 && bytes.starts_with(b"\x89PNG") {
         mend_png_checksums(&mut bytes);
     }
     bytes
 }
 
-/// Gives every whole chunk of a PNG the checksum of its content.
+/// Corrects the checksum of every complete chunk of a PNG.
 fn mend_png_checksums(bytes: &mut [u8]) {
     let crc32 = |bytes: &[u8]| {
         !bytes.iter().fold(u32::MAX, |crc, byte| {
@@ -153,7 +152,7 @@ fn mend_png_checksums(bytes: &mut [u8]) {
     }
 }
 
-/// Overwrites one, two, four or eight bytes, little or big end first.
+/// Overwrites one, two, four or eight bytes, little or big endian.
 fn write_integer(bytes: &mut [u8], value: u64, random: &mut Random) {
     let width = (1 << random.below(4)).min(bytes.len());
     let little = value.to_le_bytes();
@@ -163,7 +162,7 @@ fn write_integer(bytes: &mut [u8], value: u64, random: &mut Random) {
     }
 }
 
-/// Every reader with its seeds; `folder` is a place for the files of the level folder.
+/// Every reader with its seeds; `folder` receives the files of the level folder.
 pub(crate) fn readers(folder: &Path) -> Vec<Reader> {
     let environment = |name: &'static str, seeds: Vec<Vec<u8>>| Reader {
         name,
@@ -281,7 +280,7 @@ fn ktx2_seeds() -> Vec<Vec<u8>> {
     ]
 }
 
-/// Cubes of KTX 1 that say where they come from.
+/// KTX 1 cubes with provenance.
 fn ktx1_seeds() -> Vec<Vec<u8>> {
     let level = |(size, roughness)| Level::cube(size, roughness, inputs::numbered(size, 6 * size));
     let chain = Chain { levels: [(4, 0.0), (2, 0.5), (1, 1.0)].map(level).to_vec() };
@@ -291,7 +290,7 @@ fn ktx1_seeds() -> Vec<Vec<u8>> {
     [Pixel::F16, Pixel::F32, Pixel::Rgb9e5, Pixel::R11g11b10].map(seed).to_vec()
 }
 
-/// The report of a level folder is what is damaged; its faces stay whole.
+/// Damages the report of a level folder; its faces stay intact.
 fn level_folder(folder: &Path) -> Reader {
     for (level, size) in [(0, 4), (1, 2)] {
         for name in ["px", "nx", "py", "ny", "pz", "nz"] {

@@ -1,15 +1,15 @@
-//! What the tests of the writers share: chains whose texels all differ, and readers.
+//! Shared code of the writers' tests: chains of distinct texels, and readers.
 
 use exr::prelude::{ReadChannels as _, ReadLayers as _, read};
 use half::f16;
-use octagloss::chain::{Chain, Level};
-use octagloss::environment::{Layout, Rgb};
-use octagloss::format::HALF_MAX;
+use octagloss::internals::chain::{Chain, Level};
+use octagloss::internals::environment::{Layout, Rgb};
+use octagloss::internals::format::HALF_MAX;
 use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-/// A number in [0, 1) that depends on nothing but `seed` (splitmix64).
+/// A number in [0, 1) determined by `seed` (splitmix64).
 pub(crate) fn noise(seed: u64) -> f32 {
     let mut z = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -17,7 +17,7 @@ pub(crate) fn noise(seed: u64) -> f32 {
     ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
 }
 
-/// Texels that all differ, over ten octaves.
+/// Distinct texels, over ten octaves.
 pub(crate) fn texels(count: usize, seed: u64) -> Vec<Rgb> {
     (0..count as u64)
         .map(|at| [0, 1, 2].map(|c| (noise(seed * 1_000_003 + at * 3 + c) * 10.0 - 5.0).exp2()))
@@ -52,14 +52,14 @@ pub(crate) fn to_half(texel: Rgb) -> Rgb {
     texel.map(|c| f16::from_f32(c.min(HALF_MAX)).to_f32())
 }
 
-/// Equality of images as the tests below use it: the first texel that differs.
+/// Index of the first texel that differs.
 pub(crate) fn first_difference(a: &[Rgb], b: &[Rgb]) -> Option<usize> {
     assert_eq!(a.len(), b.len(), "images of one size");
     assert!(!a.is_empty(), "something to compare");
     (0..a.len()).find(|at| a[*at] != b[*at])
 }
 
-/// The samples of the channels named, each as f32, through the `exr` crate.
+/// The samples of the named channels as f32, read by the `exr` crate.
 pub(crate) fn read_exr(
     bytes: &[u8],
     names: &[&str],

@@ -1,4 +1,4 @@
-//! Blocks of an OpenEXR file to texels.
+//! Decodes blocks of an OpenEXR file.
 
 use super::select::{Channels, Selection};
 use super::window::{Window, exr_error};
@@ -18,28 +18,29 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::io::Cursor;
 
-/// What one block takes while it is decoded, in its own bytes: compressed, planar and interleaved copies.
+/// Memory of a block during decoding, as a multiple of its size: compressed, planar and interleaved copies.
 const BLOCK_COPIES: u64 = 6;
 
-/// Bytes that the blocks in flight may take together, where one alone does not take more.
+/// Memory limit of all blocks in flight, in bytes; one block may exceed it.
 const IN_FLIGHT_BYTES: u64 = 256 << 20;
 
-/// Layers smaller than this are decoded on the calling thread: waking others would take longer.
+/// Smaller layers are decoded on the calling thread; starting others would take longer.
 pub(super) const PARALLEL_BYTES: usize = 1 << 20;
 
-/// Blocks to decode at once: enough to keep every thread busy, few enough to stay small beside the texels.
+/// Number of blocks to decode in parallel: enough for every thread, few enough to be small relative to the
+/// texels.
 fn batch_size(header: &Header) -> u64 {
     let block = BLOCK_COPIES.saturating_mul(header.max_block_byte_size() as u64).max(1);
     (IN_FLIGHT_BYTES / block).clamp(1, 4 * rayon::current_num_threads() as u64)
 }
 
-/// Refuses a file that is too short for its blocks, before texels are allocated, and one whose blocks would
-/// not fit beside the texels.
+/// Rejects a file that is too short for its blocks, before texels are allocated, and one whose blocks and
+/// texels exceed the memory limit.
 pub(super) fn check_blocks(source: &Source<'_>, header: &Header, window: &Window) -> Result<()> {
     let (count, least) = least_bytes(header);
     if least > source.bytes.len() as u64 {
         return Err(source.error(format!(
-            "truncated: its {count} blocks take at least {least} bytes and the file has {}; copy it anew",
+            "truncated: its {count} blocks take at least {least} bytes and the file has {}; copy it again",
             source.bytes.len()
         )));
     }
@@ -53,15 +54,15 @@ pub(super) fn check_blocks(source: &Source<'_>, header: &Header, window: &Window
     Ok(())
 }
 
-/// The blocks of the largest level, and the fewest bytes that they take in a file.
+/// Number of blocks of the largest level, and their minimum size in a file.
 fn least_bytes(header: &Header) -> (u64, u64) {
-    // An entry of the offset table; a block's place and length; a byte of data.
+    // Offset table entry; block coordinate and length; one byte of data.
     const LEAST_BLOCK: u64 = 8 + 8 + 1;
     let (width, height) = (header.layer_size.x() as u64, header.layer_size.y() as u64);
     let block = header.max_block_pixel_size();
     let across = |side: u64, block: usize| side.div_ceil((block as u64).max(1));
     let count = across(width, block.x()).saturating_mul(across(height, block.y()));
-    // How many bytes of samples a byte of data stands for at most; 0 where there is no such limit.
+    // Maximum compression ratio; 0 if unlimited.
     let most = match header.compression {
         Compression::Uncompressed => 1,
         // Two bytes for a run of 128.
@@ -75,7 +76,7 @@ fn least_bytes(header: &Header) -> (u64, u64) {
     (count, count.saturating_mul(LEAST_BLOCK).max(samples.checked_div(most).unwrap_or(0)))
 }
 
-/// Decodes the selected channels of the largest level into `texels`, rows of the display window.
+/// Decodes the selected channels of the largest level into `texels`, in rows of the display window.
 pub(super) fn decode_into(
     source: &Source<'_>,
     reader: Reader<Cursor<&[u8]>>,
@@ -98,7 +99,7 @@ pub(super) fn decode_into(
             UncompressedBlock::decompress_chunk(chunk, metadata, false).map_err(as_ours)
         })
     };
-    // Distinct places in the number expected cover the image: offset tables may point twice at one block.
+    // Offset tables may reference a block twice: the expected number of distinct positions covers the image.
     let mut places = HashSet::with_capacity(expected.min(source.bytes.len() / 8));
     let mut row = RowBuffer::default();
     let serial = header.layer_size.area() * header.channels.bytes_per_pixel < PARALLEL_BYTES;
@@ -121,18 +122,18 @@ pub(super) fn decode_into(
             let position = block.index.pixel_position;
             if !is_selected || !places.insert((position.x(), position.y())) {
                 return Err(
-                    source.error("corrupt: its offset table leads to wrong blocks; write the file anew")
+                    source.error("corrupt: its offset table references wrong blocks; re-export the file")
                 );
             }
             row.fill(header, selection.channels, window, &block, texels)
-                .ok_or_else(|| source.error("corrupt: a block has the wrong size; write the file anew"))?;
+                .ok_or_else(|| source.error("corrupt: a block has the wrong size; re-export the file"))?;
         }
     }
     Ok(())
 }
 
-/// DWA blocks begin with eleven 64-bit counters of what they inflate to; the decoder reserves that much
-/// unasked.
+/// DWA blocks start with eleven 64-bit counters of their inflated sizes; the decoder allocates these
+/// unchecked.
 fn check_dwa_counters(source: &Source<'_>, header: &Header, chunk: &Chunk) -> Result<()> {
     if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
         return Ok(());
@@ -152,14 +153,14 @@ fn check_dwa_counters(source: &Source<'_>, header: &Header, chunk: &Chunk) -> Re
     let promises_too_much = inflated_counters
         .iter()
         .any(|&at| counters.get(at).is_some_and(|c| u64::from_le_bytes(*c) > greatest));
-    // A block that did not shrink is stored raw and has no counters.
+    // Incompressible blocks are stored raw and have no counters.
     if promises_too_much && !is_whole_block(header, chunk, bytes.len()) {
-        return Err(source.error("corrupt: a DWA block promises more than it can hold; write the file anew"));
+        return Err(source.error("corrupt: the counters of a DWA block exceed its size; re-export the file"));
     }
     Ok(())
 }
 
-/// Whether `length` bytes are exactly the samples of `chunk`'s block.
+/// Whether the samples of `chunk`'s block take exactly `length` bytes.
 fn is_whole_block(header: &Header, chunk: &Chunk, length: usize) -> bool {
     header
         .get_block_data_indices(&chunk.compressed_block)
@@ -167,7 +168,7 @@ fn is_whole_block(header: &Header, chunk: &Chunk, length: usize) -> bool {
         .is_ok_and(|bounds| bounds.size.area() * header.channels.bytes_per_pixel == length)
 }
 
-/// Rows of samples on their way from a block to texels.
+/// Row buffers between a block and texels.
 #[derive(Default)]
 struct RowBuffer {
     halves: Vec<f16>,
@@ -175,7 +176,7 @@ struct RowBuffer {
 }
 
 impl RowBuffer {
-    /// Copies what is visible of `block` into `texels`; `None` where its bytes are not its rows.
+    /// Copies the visible part of `block` into `texels`; `None` if its size does not match its rows.
     fn fill(
         &mut self,
         header: &Header,

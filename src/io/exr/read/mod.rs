@@ -1,5 +1,5 @@
-//! OpenEXR, every compression that the `exr` crate knows. Only the blocks of one layer's largest level are
-//! decoded, straight into texels.
+//! Reads OpenEXR files with every compression that the `exr` crate supports. Only the blocks of one layer's
+//! largest level are decoded, directly into texels.
 
 mod blocks;
 mod select;
@@ -21,7 +21,7 @@ use select::{Channels, Selection};
 use std::io::Cursor;
 use window::{Window, exr_error};
 
-/// Decodes an OpenEXR file into its display window.
+/// Decodes the display window of an OpenEXR file.
 pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     // Bytes 4 to 8 are the version and its flags.
     let is_deep = source.bytes.get(5).is_some_and(|flags| flags & 0x08 != 0);
@@ -85,7 +85,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     }
 }
 
-/// The cube chain in a file with a part for each face of each level, as `bake --out-layout parts` writes it.
+/// Decodes a cube chain with a part for each face of each level, as written by `bake --out-layout parts`.
 pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
         .map_err(|error| exr_error(source, &error))?;
@@ -95,7 +95,7 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
         let (size, texels) = cube_of_parts(source, &metadata, level)?;
         let Some(roughness) = roughness_told(&metadata.headers[first]).filter(|r| (0.0..=1.0).contains(r))
         else {
-            return Err(source.error(format!("its level {level} does not say its roughness; bake it anew")));
+            return Err(source.error(format!("its level {level} has no roughness; bake it again")));
         };
         crate::io::picture::check_finite(source.path, level, size, &texels)?;
         levels.push(Level::cube(size, roughness, texels));
@@ -105,7 +105,7 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     }
     let halves = |(level, expected): (u32, &Level)| expected.size() == (levels[0].size() >> level).max(1);
     if !(0u32..).zip(&levels).all(halves) {
-        return Err(source.error("its levels do not halve; bake it anew"));
+        return Err(source.error("the sizes of its levels do not halve; bake it again"));
     }
     Ok(Stored {
         chain: Chain { levels },
@@ -121,12 +121,12 @@ fn parts_format(metadata: &MetaData) -> String {
     format!("OpenEXR, {sample}, {} parts", metadata.headers.len())
 }
 
-/// What the attributes of `header` say of the file's origin.
+/// Origin recorded in the attributes of `header`.
 fn provenance(source: &Source<'_>, header: &Header) -> Result<Provenance> {
     Provenance::of_texts(&|key| text_told(header, key)).map_err(|message| source.error(message))
 }
 
-/// What the part of a face of a level is called.
+/// Part name of a face of a level.
 fn part_name(level: u32, face: Face) -> String {
     format!("m{level}_{}", face.short_name())
 }
@@ -147,7 +147,7 @@ fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result
         let selected =
             part_named(metadata, &name).and_then(|index| select::of_part(index, &metadata.headers[index]));
         let Some(selection) = selected else {
-            return Err(source.error(format!("its part {name} is missing or not RGB; bake it anew")));
+            return Err(source.error(format!("its part {name} is missing or not RGB; bake it again")));
         };
         let header = &metadata.headers[selection.header];
         let window = Window::of_data(source, header)?;
@@ -190,7 +190,7 @@ fn attributes<'a>(header: &'a Header, name: &'a str) -> impl Iterator<Item = &'a
     all.filter(move |(key, _)| **key == *name).map(|(_, value)| value)
 }
 
-/// Columns, rows and roughness of an image of a bake's level, where its header says the roughness.
+/// Columns, rows and roughness of an image of a bake's level; `None` if its header has no roughness.
 pub(in crate::io) fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
     let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
         .map_err(|error| exr_error(source, &error))?;
@@ -200,11 +200,10 @@ pub(in crate::io) fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32,
     }))
 }
 
-/// Columns and rows of the first data window that the header names; the crate has no words of its own for
-/// none.
+/// Columns and rows of the first data window in the header; the crate has no clear error for an empty one.
 fn data_window(bytes: &[u8]) -> Option<(i64, i64)> {
     const NAME: &[u8] = b"dataWindow\0box2i\0\x10\0\0\0";
-    // Headers are short: pixels that spell an attribute are not looked at.
+    // Search only the header; pixels may look like an attribute.
     let head = &bytes[..bytes.len().min(4096)];
     let at = head.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
     let corner = |k: usize| {
@@ -215,7 +214,7 @@ fn data_window(bytes: &[u8]) -> Option<(i64, i64)> {
     Some((side(corner(0)?, corner(2)?), side(corner(1)?, corner(3)?)))
 }
 
-/// Luminance-chroma to RGB, and the file's primaries to Rec. 709.
+/// Converts luminance-chroma to RGB, and the file's primaries to Rec. 709.
 fn convert_color(header: &Header, channels: Channels, texels: &mut [Rgb], warnings: &mut Vec<String>) {
     let primaries = header.shared_attributes.chromaticities.map_or(color::REC709, primaries_from);
     if let Channels::LuminanceChroma(_) = channels {
@@ -238,7 +237,7 @@ fn convert_color(header: &Header, channels: Channels, texels: &mut [Rgb], warnin
         color::transform(texels, matrix);
         warnings.push("its chromaticities are not Rec. 709; converted".to_owned());
     } else {
-        warnings.push("its chromaticities span no gamut; ignored".to_owned());
+        warnings.push("its chromaticities are degenerate; ignored".to_owned());
     }
 }
 

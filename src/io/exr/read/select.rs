@@ -1,15 +1,15 @@
-//! Which layer of an OpenEXR file is the environment.
+//! Selects the layer of an OpenEXR file to read.
 
 use crate::error::{Result, quoted};
 use crate::io::picture::Source;
 use ::exr::meta::header::Header;
 
-/// Channels to read, by their index in the header's list.
+/// Channels to read, by index in the header's list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Channels {
     /// R, G, B.
     Rgb([usize; 3]),
-    /// Y alone.
+    /// Y only.
     Luminance([usize; 1]),
     /// Y, RY, BY.
     LuminanceChroma([usize; 3]),
@@ -24,20 +24,20 @@ impl Channels {
     }
 }
 
-/// The layer chosen.
+/// The selected layer.
 #[derive(Clone, Debug)]
 pub(super) struct Selection {
-    /// Index of its header (its part of the file).
+    /// Index of its header, that is of its part.
     pub(super) header: usize,
     pub(super) channels: Channels,
     /// Its name; empty for the unnamed layer.
     name: String,
-    /// Names of the layers left alone.
+    /// Names of the other layers.
     others: Vec<String>,
 }
 
 impl Selection {
-    /// What the user should know about the choice.
+    /// Warning about the selection.
     pub(super) fn warning(&self) -> Option<String> {
         let layer = |name: &str| match name {
             "" => "the unnamed layer".to_owned(),
@@ -49,23 +49,23 @@ impl Selection {
             (!self.name.is_empty()).then(|| format!("read {chosen}; there is no unnamed one"))
         } else {
             let others: Vec<String> = self.others.iter().map(|name| layer(name)).collect();
-            Some(format!("read {chosen}; left alone: {}", others.join(", ")))
+            Some(format!("read {chosen}; ignored: {}", others.join(", ")))
         }
     }
 }
 
-/// Ends of layer names that renderers give to the whole picture, best first.
+/// Suffixes of layer names that renderers use for the final image, in order of preference.
 const WHOLE_PICTURE: [&str; 5] = ["", "combined", "beauty", "rgba", "color"];
 
-/// A layer that could be read.
+/// A readable layer.
 struct Candidate {
     header: usize,
     name: String,
     channels: Channels,
 }
 
-/// The layer that most likely is the environment: the unnamed one, else one that is named like a whole
-/// picture, else the first; colour before luminance.
+/// Selects the layer most likely to be the environment: the unnamed one, else one named as the final image,
+/// else the first; colour before luminance.
 pub(super) fn select(source: &Source<'_>, headers: &[Header]) -> Result<Selection> {
     let mut candidates: Vec<Candidate> =
         headers.iter().enumerate().flat_map(|(index, header)| candidates_of(index, header)).collect();
@@ -96,7 +96,7 @@ pub(super) fn select(source: &Source<'_>, headers: &[Header]) -> Result<Selectio
     })
 }
 
-/// The colours of one part.
+/// The colour channels of one part.
 pub(super) fn of_part(index: usize, header: &Header) -> Option<Selection> {
     let candidate =
         candidates_of(index, header).into_iter().find(|c| matches!(c.channels, Channels::Rgb(_)))?;
@@ -104,7 +104,7 @@ pub(super) fn of_part(index: usize, header: &Header) -> Option<Selection> {
     Some(Selection { header, channels, name, others: Vec::new() })
 }
 
-/// The layers of one header: channels that share what stands before their last dot.
+/// The layers of one header: channels with the same name up to the last dot.
 fn candidates_of(index: usize, header: &Header) -> Vec<Candidate> {
     let names: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
     let split = |name: &str| -> (String, String) {
@@ -124,7 +124,7 @@ fn candidates_of(index: usize, header: &Header) -> Vec<Candidate> {
         let triple = |a: &[&str], b: &[&str], c: &[&str]| Some([find(a)?, find(b)?, find(c)?]);
         let rgb = triple(&["R", "RED"], &["G", "GREEN"], &["B", "BLUE"]).map(Channels::Rgb);
         let chroma = || triple(&["Y"], &["RY"], &["BY"]).map(Channels::LuminanceChroma);
-        // A lone Y beside X or Z is a coordinate.
+        // Y with X or Z is a coordinate.
         let luminance =
             || find(&["Y"]).filter(|_| find(&["X", "Z"]).is_none()).map(|index| Channels::Luminance([index]));
         let channels = rgb.or_else(chroma).or_else(luminance)?;

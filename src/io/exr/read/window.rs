@@ -14,7 +14,7 @@ pub(super) fn exr_error(source: &Source<'_>, error: &ExrError) -> crate::Error {
     }
 }
 
-/// The display window, and where the data window lies in it.
+/// The display window, and the position of the data window in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     pub(super) width: u32,
@@ -27,7 +27,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// The data window itself, whatever is displayed of it.
+    /// The whole data window as the image.
     pub(super) fn of_data(source: &Source<'_>, header: &Header) -> Result<Self> {
         let too_large = |_| source.error("its data window is larger than 32 bits can count");
         let (data_width, data_height) = (header.layer_size.x(), header.layer_size.y());
@@ -90,7 +90,7 @@ impl Window {
     }
 }
 
-/// The part of 0..`shown` that `length` from `start` covers.
+/// Intersection of 0..`shown` with `length` from `start`.
 pub(super) fn overlap(start: i64, length: usize, shown: u32) -> Option<std::ops::Range<usize>> {
     let end = start.saturating_add(i64::try_from(length).ok()?).min(i64::from(shown));
     let start = start.max(0);

@@ -1,7 +1,7 @@
-//! Scan lines in ZIP blocks, what most panoramas are, from the file's own bytes straight to texels.
+//! Fast path for scan lines in ZIP blocks, the most common case: decodes the file's bytes directly to texels.
 //!
-//! The general way copies a block five times on its way and inflates it more slowly. What is odd in any
-//! respect is left to it, and so are the words for what is wrong.
+//! The general path copies a block five times and inflates it more slowly. It handles all unusual files and
+//! reports all errors.
 
 use super::super::deflate::Inflater;
 use super::blocks::PARALLEL_BYTES;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::io::Cursor;
 use std::ops::Range;
 
-/// Decodes the selected channels into `texels`; `None` where the file is not of this kind, or not sound.
+/// Decodes the selected channels into `texels`; `None` for a file of another kind or a corrupt one.
 pub(super) fn decode_into(
     source: &Source<'_>,
     metadata: &MetaData,
@@ -42,18 +42,18 @@ pub(super) fn decode_into(
 /// The blocks of a file, top to bottom.
 struct Blocks<'a> {
     bytes: &'a [u8],
-    /// Where each block starts in the file, as the file has it.
+    /// Offset of each block, in the file's byte order.
     offsets: &'a [[u8; 8]],
     top: i32,
     width: usize,
-    /// Lines of a block.
+    /// Lines per block.
     lines: usize,
     bytes_per_pixel: usize,
-    /// Red, green, blue, or one for all.
+    /// Red, green and blue, or one for all three.
     channels: Vec<Channel>,
 }
 
-/// A channel's samples: where they start in a pixel's bytes, all channels before it counted.
+/// A channel's samples and their offset in a pixel's bytes.
 struct Channel {
     before: usize,
     sample_type: SampleType,
@@ -63,7 +63,7 @@ struct Channel {
 struct Scratch {
     inflater: Inflater,
     inflated: Vec<u8>,
-    /// A block's samples, all of them even numbers of bytes.
+    /// A block's samples; every sample is an even number of bytes.
     words: Vec<u16>,
     floats: [Vec<f32>; 3],
 }
@@ -113,7 +113,7 @@ impl<'a> Blocks<'a> {
         })
     }
 
-    /// The compressed bytes of block `k`.
+    /// Compressed bytes of block `k`.
     fn compressed(&self, k: usize) -> Option<&'a [u8]> {
         let block = self.bytes.get(usize::try_from(u64::from_le_bytes(self.offsets[k])).ok()?..)?;
         let (line, block) = block.split_first_chunk()?;
@@ -156,7 +156,7 @@ impl Channel {
         })
     }
 
-    /// Its 16-bit words of one line, among those of the block.
+    /// Range of its 16-bit words of one line within the block.
     fn words(&self, line: usize, width: usize, bytes_per_pixel: usize) -> Range<usize> {
         let start = width * (line * bytes_per_pixel + self.before) / 2;
         start..start + width * self.sample_type.bytes_per_sample() / 2
@@ -174,7 +174,7 @@ impl Channel {
     }
 }
 
-/// Undoes compression; `words` says by its length how many there must be.
+/// Decompresses a block; the length of `words` is the expected length.
 fn unpack(
     compressed: &[u8],
     inflater: &mut Inflater,
@@ -182,7 +182,7 @@ fn unpack(
     words: &mut [u16],
 ) -> Option<()> {
     if compressed.len() == 2 * words.len() {
-        // It would not shrink, and is stored as it is.
+        // Incompressible blocks are stored raw.
         let pairs = compressed.as_chunks().0;
         words.iter_mut().zip(pairs).for_each(|(word, pair)| *word = u16::from_le_bytes(*pair));
         return Some(());
@@ -190,8 +190,8 @@ fn unpack(
     inflated.resize(2 * words.len(), 0);
     let length = inflater.inflate(compressed, inflated)?;
     (length == inflated.len()).then_some(())?;
-    // All even bytes, then all odd ones; each but the first is its difference from the one before, plus 128.
-    // Both run at once: sums wait for one another.
+    // Even bytes come first, then odd ones, each delta-encoded with an offset of 128. Both halves are decoded
+    // together to overlap the dependent sums.
     let (even, odd) = inflated.split_at(words.len());
     let add = |sum: u8, byte: &u8| sum.wrapping_add(byte.wrapping_sub(128));
     let (mut low, mut high) = (128, even.iter().fold(128, add));

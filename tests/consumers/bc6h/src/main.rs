@@ -1,8 +1,7 @@
-//! What BC6H keeps of baked levels by the program's encoder and by others: decibels of log2 radiance, and CPU
-//! seconds.
+//! Compares BC6H encoders on baked levels: PSNR in decibels of log2 radiance, and CPU seconds.
 //!
 //! `octagloss-consumers-bc6h PROGRAM INPUT...` bakes levels of 64, 32, 16 and 8 texels of every input and
-//! prints a table as Markdown, an encoder a row.
+//! prints a Markdown table with one encoder per row.
 
 use std::error::Error;
 use std::path::Path;
@@ -30,8 +29,8 @@ struct Face {
     blocks: Vec<u8>,
 }
 
-/// The faces of `input`, baked once as floats and once as BC6H: in a DDS file every face has its levels
-/// beside it.
+/// The faces of `input`, baked once as floats and once as BC6H: a DDS file stores all levels of a face
+/// together.
 fn faces(program: &str, input: &str, folder: &Path) -> Result<Vec<Face>> {
     let bake = |pixel: &str| -> Result<Vec<u8>> {
         let output = folder.join(format!("{pixel}.dds"));
@@ -119,7 +118,7 @@ fn decoded(size: usize, blocks: &[u8]) -> Vec<Rgb> {
     texels
 }
 
-/// Peak signal over noise in decibels, of log2 of every channel: the peak is the range of the level's own.
+/// PSNR in decibels of log2 of every channel; the peak is the level's own range.
 fn log_psnr(exact: &[Rgb], stored: &[Rgb]) -> f64 {
     let stops = |texels: &[Rgb]| -> Vec<f64> {
         texels.as_flattened().iter().map(|v| f64::from(v.max(1e-6)).log2()).collect()
@@ -131,7 +130,7 @@ fn log_psnr(exact: &[Rgb], stored: &[Rgb]) -> f64 {
     10.0 * ((most - least).powi(2) / noise).log10()
 }
 
-/// Seconds of CPU that this process has taken, in hundredths (proc(5)).
+/// CPU time of this process in seconds, with a resolution of 1/100 (proc(5)).
 fn cpu_seconds() -> Result<f64> {
     let stat = fs::read_to_string("/proc/self/stat")?;
     let after_name = stat.rsplit(')').next().ok_or("no fields")?;

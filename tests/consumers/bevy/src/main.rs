@@ -1,10 +1,10 @@
-//! Pictures by Bevy of what `octagloss bake --target bevy` writes: its own asset loader, shading and skybox,
+//! Renders the output of `octagloss bake --target bevy` in Bevy with its asset loader, shading and skybox,
 //! without a window.
 //!
 //! `octagloss-consumers-bevy FOLDER <JOBS >PICTURES`: a job is a line of words, its files beneath FOLDER;
 //! `metal ROUGHNESS SPECULAR DIFFUSE X Y Z` and `diffuse ROUGHNESS SPECULAR DIFFUSE X Y Z` show a unit sphere
 //! seen from (X, Y, Z), `sky ROUGHNESS SPECULAR DIFFUSE X Y Z` the skybox towards there, 90 degrees wide. A
-//! picture is SIZE x SIZE pixels of four floats, rows upwards, of what the camera receives.
+//! picture is SIZE x SIZE pixels of four floats, rows upwards, of the radiance at the camera.
 
 use std::error::Error;
 use std::io::{BufRead, Write};
@@ -20,7 +20,7 @@ use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::window::ExitCondition;
 
 const SIZE: u32 = 256;
-/// Frames after which what was changed is in the picture; pipelines are compiled by the first.
+/// Frames until a change is in the picture; the first compiles pipelines.
 const SETTLED: usize = 3;
 /// Frames to wait for files and pictures before it is an error.
 const PATIENCE: usize = 10_000;
@@ -63,7 +63,7 @@ impl Job {
     }
 }
 
-/// What the jobs change.
+/// State changed by the jobs.
 #[derive(Resource)]
 struct Scene {
     camera: Entity,
@@ -94,7 +94,7 @@ fn set_up(
             Hdr,
             Msaa::Off,
             Tonemapping::None,
-            // Exposure 1: the camera receives what the maps hold.
+            // Exposure 1: the camera receives the maps' radiance.
             Exposure { ev100: -1.2_f32.log2() },
             RenderTarget::from(picture.clone()),
         ))
@@ -113,7 +113,7 @@ fn arrange(world: &mut World, job: &Job) -> [Handle<Image>; 2] {
         .resource_mut::<Assets<StandardMaterial>>()
         .insert(
             &material,
-            // A dielectric of no reflectance is diffuse alone.
+            // A dielectric without reflectance is only diffuse.
             StandardMaterial {
                 base_color: Color::WHITE,
                 metallic,

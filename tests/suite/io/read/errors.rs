@@ -4,7 +4,7 @@ use super::{error_of, read, read_with};
 use crate::support::inputs::{Sample, exr_rgb, ldr, numbered, radiance, radiance_with_runs};
 use exr::prelude::Compression;
 use octagloss::Error;
-use octagloss::io::{self, ReadOptions};
+use octagloss::internals::io::{self, ReadOptions};
 use std::path::Path;
 
 fn hdr() -> Vec<u8> {
@@ -33,7 +33,7 @@ fn truncated_files_say_so_at_every_length_past_the_header() {
         for length in [from, (from + bytes.len()) / 2, bytes.len() - 20] {
             assert_eq!(
                 error_of(read(name, &bytes[..length])),
-                format!("{name}: truncated: the {format} data ends after {length} bytes; copy it anew")
+                format!("{name}: truncated: the {format} data ends after {length} bytes; copy it again")
             );
         }
     }

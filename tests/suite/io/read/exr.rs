@@ -77,7 +77,7 @@ fn files_too_short_for_their_blocks_are_refused() {
         set(b"chunkCount\0int\0\x04\0\0\0", 0, 8192 / lines);
         let error = error_of(read("a.exr", &vast));
         let wanted = format!(
-            "a.exr: truncated: its {} blocks take at least {least} bytes and the file has {}; copy it anew",
+            "a.exr: truncated: its {} blocks take at least {least} bytes and the file has {}; copy it again",
             8192 / lines,
             vast.len()
         );
@@ -188,10 +188,10 @@ fn named_layers_are_chosen_and_named() {
     };
     for (layers, warning) in [
         (vec![("diffuse.", &wanted)], "read layer diffuse; there is no unnamed one"),
-        (vec![("", &wanted), ("diffuse.", &other)], "read the unnamed layer; left alone: layer diffuse"),
+        (vec![("", &wanted), ("diffuse.", &other)], "read the unnamed layer; ignored: layer diffuse"),
         (
             vec![("View.AO.", &other), ("View.Combined.", &wanted)],
-            "read layer View.Combined; left alone: layer View.AO",
+            "read layer View.Combined; ignored: layer View.AO",
         ),
     ] {
         let layers: Vec<(&str, &[Rgb])> =
@@ -216,7 +216,7 @@ fn a_part_among_several_is_chosen() {
         .with_layer(part("beauty", &wanted));
     let loaded = read("a.exr", &exr_bytes(&image)).unwrap();
     assert_panorama(&loaded, (8, 4), &wanted);
-    assert_eq!(loaded.warnings, ["read layer beauty; left alone: layer depth"]);
+    assert_eq!(loaded.warnings, ["read layer beauty; ignored: layer depth"]);
 }
 
 #[test]
@@ -298,7 +298,7 @@ fn chromaticities_are_converted() {
 
     let point = Vec2(0.3, 0.3);
     let loaded = with(Chromaticities { red: point, green: point, blue: point, white: point });
-    assert_eq!(loaded.warnings, ["its chromaticities span no gamut; ignored"]);
+    assert_eq!(loaded.warnings, ["its chromaticities are degenerate; ignored"]);
 }
 
 #[test]
@@ -328,6 +328,6 @@ fn repeated_blocks_are_refused() {
     let mut broken = bytes.clone();
     broken.copy_within(table..table + 8, table + 8);
     let text = error_of(read("a.exr", &broken));
-    assert_eq!(text, "a.exr: corrupt: its offset table leads to wrong blocks; write the file anew");
+    assert_eq!(text, "a.exr: corrupt: its offset table references wrong blocks; re-export the file");
     assert!(read("a.exr", &bytes).is_ok(), "unbroken");
 }

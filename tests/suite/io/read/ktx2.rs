@@ -4,7 +4,7 @@ use super::{assert_texels, error_of, read};
 use crate::support::inputs::{Ktx2Pixel, Rgb, Sample, exr_rgb, ktx2, numbered, radiance_with_runs};
 use exr::prelude::Compression;
 use octagloss::Layout;
-use octagloss::io::{self, ReadOptions};
+use octagloss::internals::io::{self, ReadOptions};
 use std::fs;
 use std::path::Path;
 
@@ -14,7 +14,7 @@ fn levels() -> Vec<Vec<Rgb>> {
     [8, 4, 2].map(|size| numbered(size, 6 * size)).to_vec()
 }
 
-fn read_chain(bytes: &[u8]) -> octagloss::Result<octagloss::chain::Chain> {
+fn read_chain(bytes: &[u8]) -> octagloss::Result<octagloss::internals::chain::Chain> {
     io::read_chain_from_memory(Path::new("a.ktx2"), bytes, io::DEFAULT_MEMORY_LIMIT)
 }
 
@@ -62,15 +62,15 @@ fn chains_without_sound_roughness_are_refused() {
     for (pairs, wanted) in [
         (
             &[][..],
-            "a.ktx2: it does not say its levels' roughness (key octaglossRoughness); octagloss bake writes it",
+            "a.ktx2: it has no roughness of its levels (key octaglossRoughness); octagloss bake writes it",
         ),
         (
             &[("octaglossRoughness", &b"0,1\0"[..])][..],
-            "a.ktx2: octaglossRoughness is not 3 numbers in [0, 1], one a level; bake it anew",
+            "a.ktx2: octaglossRoughness is not 3 numbers in [0, 1], one a level; bake it again",
         ),
         (
             &[("octaglossRoughness", &b"0,0.5,1.5\0"[..])][..],
-            "a.ktx2: octaglossRoughness is not 3 numbers in [0, 1], one a level; bake it anew",
+            "a.ktx2: octaglossRoughness is not 3 numbers in [0, 1], one a level; bake it again",
         ),
     ] {
         let bytes = ktx2((8, 8), 6, Ktx2Pixel::Rgba16F, true, pairs, &levels());
@@ -84,7 +84,7 @@ fn nan_in_a_chain_is_named() {
     levels[1][16 + 5][2] = f32::NAN;
     let bytes = ktx2((8, 8), 6, Ktx2Pixel::Rgba32F, false, ROUGHNESS, &levels);
     let text = read_chain(&bytes).unwrap_err().to_string();
-    assert_eq!(text, "a.ktx2: level 1 face nx pixel (1, 1) is [2.0, 6.0, NaN]; bake it anew");
+    assert_eq!(text, "a.ktx2: level 1 face nx pixel (1, 1) is [2.0, 6.0, NaN]; bake it again");
     let options = ReadOptions::default();
     levels[0][64 + 9][0] = f32::INFINITY;
     let bytes = ktx2((8, 8), 6, Ktx2Pixel::Rgba32F, false, ROUGHNESS, &levels);
@@ -98,7 +98,7 @@ fn damaged_and_foreign_files_are_named() {
     let length = whole.len() - 10;
     assert_eq!(
         error_of(read("a.ktx2", &whole[..length])),
-        format!("a.ktx2: truncated: the KTX2 data ends after {length} bytes; copy it anew")
+        format!("a.ktx2: truncated: the KTX2 data ends after {length} bytes; copy it again")
     );
     let mut foreign = whole.clone();
     foreign[12] = 37;
@@ -159,7 +159,7 @@ fn broken_level_folders_are_named() {
     fails(format!("{place}/m1_px.exr: 4x4, but report.json says that level 1 is 2x2"));
     fs::remove_file(folder.path().join("m1_px.exr")).unwrap();
     fails(format!(
-        "{place}: m1_px.exr (or .hdr) is missing, though report.json lists its level; bake it anew"
+        "{place}: m1_px.exr (or .hdr) is missing, though report.json lists its level; bake it again"
     ));
     fs::write(folder.path().join("report.json"), r#"{"levels":[{"level":0,"size":4,"roughness":2}]}"#)
         .unwrap();

@@ -5,8 +5,8 @@ use crate::support::inputs::{Rgb, Sample, exr_rgb, numbered};
 use exr::prelude::Compression;
 use glam::DVec3;
 use octagloss::Layout;
-use octagloss::io::{self, LayoutChoice, ReadOptions};
-use octagloss::sphere::cube::{Face, cube_from_direction, direction_from_texel};
+use octagloss::internals::io::{self, LayoutChoice, ReadOptions};
+use octagloss::internals::sphere::cube::{Face, cube_from_direction, direction_from_texel};
 use std::fs;
 use std::path::PathBuf;
 
@@ -160,14 +160,17 @@ fn shapes_that_fit_nothing_name_size_and_remedy() {
     assert_eq!(
         error_of(read("a.exr", &file)),
         "a.exr: 9x4: no known layout has that shape: a panorama is 2:1, crosses 4:3 or 3:4, strips 6:1 or 1:6, an \
-         octahedral square 1:1; resize it, then say which with `layout`"
+         octahedral square 1:1; resize it, then set `layout`"
     );
     for (choice, wanted) in [
-        (LayoutChoice::Equirect, "a panorama must be 2:1; resize it or say another `layout`"),
-        (LayoutChoice::Cross, "a cross must be 4:3 or 3:4; say another `layout`"),
-        (LayoutChoice::Strip, "a strip must be 6:1 or 1:6; say another `layout`"),
-        (LayoutChoice::Faces, "one image is not six faces; give six files, or say `layout` cross or strip"),
-        (LayoutChoice::Octahedral, "an octahedral square must be 1:1; say another `layout`"),
+        (LayoutChoice::Equirect, "a panorama must be 2:1; resize it or set another `layout`"),
+        (LayoutChoice::Cross, "a cross must be 4:3 or 3:4; set another `layout`"),
+        (LayoutChoice::Strip, "a strip must be 6:1 or 1:6; set another `layout`"),
+        (
+            LayoutChoice::Faces,
+            "one image is not six faces; give six files, or set `layout` to cross or strip",
+        ),
+        (LayoutChoice::Octahedral, "an octahedral square must be 1:1; set another `layout`"),
     ] {
         assert_eq!(error_of(read_with("a.exr", &file, &under(choice))), format!("a.exr: 9x4: {wanted}"));
     }

@@ -8,7 +8,7 @@ mod radiance;
 mod repairs;
 
 use crate::support::inputs::Rgb;
-use octagloss::io::{self, Loaded, ReadOptions};
+use octagloss::internals::io::{self, Loaded, ReadOptions};
 use octagloss::{Layout, Result};
 use std::path::Path;
 

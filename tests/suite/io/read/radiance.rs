@@ -65,7 +65,7 @@ fn exposures_multiply_and_divide_the_values() {
         let text = error_of(read("a.hdr", &radiance(&format!("{line}\n"), "-Y 2 +X 4", &pixels)));
         assert_eq!(
             text,
-            format!("a.hdr: the header line {line} does not give positive numbers; mend or remove it")
+            format!("a.hdr: the header line {line} does not give positive numbers; fix or remove it")
         );
     }
 }
@@ -91,7 +91,7 @@ fn primaries_are_converted_with_a_warning() {
     let loaded = read("a.hdr", &radiance(lines, "-Y 1 +X 2", &pixels)).unwrap();
     assert_eq!(loaded.warnings, ["its PRIMARIES are not Rec. 709; converted"]);
     let loaded = read("a.hdr", &radiance("PRIMARIES=0 0 0 0 0 0 0 0\n", "-Y 1 +X 2", &pixels)).unwrap();
-    assert_eq!(loaded.warnings, ["its PRIMARIES span no gamut; ignored"]);
+    assert_eq!(loaded.warnings, ["its PRIMARIES are degenerate; ignored"]);
     assert_texels(loaded.environment.texels(), &pixels);
 }
 
@@ -101,7 +101,7 @@ fn bad_headers_are_named() {
     for (bytes, wanted) in [
         (
             radiance("FORMAT=16-bit_floats\n", "-Y 2 +X 4", &pixels),
-            "a.hdr: FORMAT=16-bit_floats is not known; 32-bit_rle_rgbe and 32-bit_rle_xyze are",
+            "a.hdr: FORMAT=16-bit_floats is not supported; 32-bit_rle_rgbe and 32-bit_rle_xyze are",
         ),
         (
             radiance("", "-Y 2 +Y 4", &pixels),
@@ -109,16 +109,16 @@ fn bad_headers_are_named() {
         ),
         (
             b"#?RADIANCE\nFORMAT=32-bit".to_vec(),
-            "a.hdr: truncated: the Radiance header does not end; copy it anew",
+            "a.hdr: truncated: the Radiance header does not end; copy it again",
         ),
         (radiance("", "-Y 0 +X 4", &[]), "a.hdr: 4x0 has no pixels"),
         (
             radiance("", "-Y 4000000000 +X 8000000000", &pixels),
-            "a.hdr: the resolution line \"-Y 4000000000 +X 8000000000\" promises more pixels than can be read",
+            "a.hdr: the resolution line \"-Y 4000000000 +X 8000000000\" has more pixels than can be read",
         ),
         (
             radiance("", "-Y 2000 +X 4000", &pixels),
-            "a.hdr: truncated: 32 bytes cannot hold the 2000 scanlines that its header promises; copy it anew",
+            "a.hdr: truncated: 32 bytes cannot hold the 2000 scanlines of its header; copy it again",
         ),
     ] {
         assert_eq!(error_of(read("a.hdr", &bytes)), wanted);

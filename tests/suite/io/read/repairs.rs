@@ -3,7 +3,7 @@
 use super::{assert_texels, error_of, read, read_with};
 use crate::support::inputs::{Rgb, Sample, deep_png, exr_rgb, ldr, numbered};
 use exr::prelude::Compression;
-use octagloss::io::{self, ReadOptions};
+use octagloss::internals::io::{self, ReadOptions};
 use std::fs;
 
 fn exr(pixels: &[Rgb]) -> Vec<u8> {
@@ -43,13 +43,13 @@ fn sanitize_repairs_and_counts() {
     wanted[20][1] = 4.0;
     assert_texels(loaded.environment.texels(), &wanted);
     assert_eq!((loaded.repaired.nan, loaded.repaired.infinite, loaded.repaired.negative), (2, 1, 0));
-    assert_eq!(loaded.warnings, ["2 NaN values, 1 infinite values, set right"]);
+    assert_eq!(loaded.warnings, ["2 NaN values, 1 infinite values, repaired"]);
 }
 
 #[test]
 fn infinity_without_anything_finite_is_no_picture() {
     let mut pixels = vec![[1.0, f32::INFINITY, 1.0]; 32];
-    let message = "a.exr: its channel G has Inf and no finite value to repair it by; render it again";
+    let message = "a.exr: its channel G has Inf and no finite value to repair it with; render it again";
     assert_eq!(error_of(read_with("a.exr", &exr(&pixels), &sanitize())), message);
     pixels[3][1] = f32::NAN;
     assert_eq!(error_of(read_with("a.exr", &exr(&pixels), &sanitize())), message, "NaN is not finite");
@@ -94,7 +94,7 @@ fn negative_values_are_zeroed_counted_and_weighed() {
     let wanted = 0.5 * texel / (1.0 - texel);
     let share = loaded.repaired.negative_energy_share;
     assert!((share - wanted).abs() < 1e-6, "{share} for {wanted}");
-    assert_eq!(loaded.warnings, ["3 negative values (2.31 % of the energy), set right"]);
+    assert_eq!(loaded.warnings, ["3 negative values (2.31 % of the energy), repaired"]);
 }
 
 /// The same share whatever the layout: everything negative on one sixth of the sphere.
@@ -124,12 +124,12 @@ fn strict_refuses_every_repair() {
     pixels[0][0] = -1.0;
     let text = error_of(read_with("a.exr", &exr(&pixels), &strict()));
     assert!(text.starts_with("a.exr: 1 negative values (0.0"), "{text}");
-    assert!(text.ends_with("; `strict` allows no repair, leave it out to set them right"), "{text}");
+    assert!(text.ends_with("; `strict` forbids repairs, omit it to repair them"), "{text}");
     pixels[0][0] = f32::NAN;
     let both = ReadOptions { sanitize: true, ..strict() };
     assert_eq!(
         error_of(read_with("a.exr", &exr(&pixels), &both)),
-        "a.exr: 1 NaN values; `strict` allows no repair, leave it out to set them right"
+        "a.exr: 1 NaN values; `strict` forbids repairs, omit it to repair them"
     );
 }
 
@@ -147,7 +147,7 @@ fn png_and_jpeg_are_linearised_with_a_warning() {
             assert!(texel.iter().all(|value| (value - linear).abs() < 1e-6), "{name} {encoded}: {texel:?}");
             assert_eq!(
                 loaded.warnings,
-                [format!("a {name} is not HDR: what was brighter than its white is lost")]
+                [format!("a {name} is not HDR: radiance above its white is clipped")]
             );
             assert_eq!(loaded.format, format!("{name}, 8 bits a channel, sRGB"));
         }
