@@ -1,7 +1,7 @@
 //! Draws a glossy sphere of any roughness with the library's WGSL: `cargo run --release --example render -- 0.3`
 //! writes sphere.png. Device, queue, texture, pipeline and encoder are the renderer's own.
 
-use octagloss::gpu::{Context, adapters, block_on, device::readback};
+use octagloss::internals::gpu::{Context, adapters, block_on, device::readback};
 use octagloss::{Environment, LiveEnvironment, wgpu};
 
 const SPHERE: &str = "

@@ -155,12 +155,37 @@ pub mod internals {
     }
 
     modules![
-        analysis, bake, chain, cpu, environment, error, export, filter, format, geometry, image, io, ladder,
-        lobe, memory, oem, realtime, reflector, sat, sh, sphere, synth, target,
-        #[cfg(feature = "cli")] cli,
-        #[cfg(feature = "gpu")] gpu,
-        #[cfg(feature = "mesh")] mesh,
-        #[cfg(feature = "view")] view,
+        analysis,
+        bake,
+        chain,
+        cpu,
+        environment,
+        error,
+        export,
+        filter,
+        format,
+        geometry,
+        image,
+        io,
+        ladder,
+        lobe,
+        memory,
+        oem,
+        realtime,
+        reflector,
+        sat,
+        sh,
+        sphere,
+        synth,
+        target,
+        #[cfg(feature = "cli")]
+        cli,
+        #[cfg(feature = "gpu")]
+        gpu,
+        #[cfg(feature = "mesh")]
+        mesh,
+        #[cfg(feature = "view")]
+        view,
     ];
 
     pub use super::*;

@@ -15,7 +15,8 @@ fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
 }
 
 // Irradiance on a surface with `normal` (world space, any length but zero) over pi: the radiance that a white
-// diffuse surface reflects. Harmonics up to order 4, and point emitters by their cosines.
+// diffuse surface reflects. Harmonics up to order 4, off by at most 3.4 % of what all light would give from
+// one direction, and point emitters by their cosines.
 fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
     let direction = normalize(octagloss_source_from_world * normal);
     let orders = orders_around(direction);

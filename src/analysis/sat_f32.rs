@@ -1,5 +1,5 @@
 //! The float32 summed-area table of Hensley et al. 2005, with its mean bias: compact and filterable, for LDR
-//! and for comparison. Over HDR environments its boxes are inaccurate, see [`crate::sat`].
+//! and for comparison. Over HDR environments its boxes are inaccurate, see `sat`.
 
 use crate::oem::{Oem, OemSize};
 

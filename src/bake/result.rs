@@ -59,7 +59,7 @@ pub struct Bake {
     pub sheen: Option<Chain>,
     /// Statistics of each sheen level.
     pub sheen_stats: Vec<LevelStats>,
-    /// Spherical harmonics of the source, see [`crate::sh`], windowed.
+    /// Spherical harmonics of the source, see `sh`, windowed.
     pub sh: Vec<[f64; 3]>,
     /// Their window, with its width resolved.
     pub sh_window: ShWindow,

@@ -1,8 +1,8 @@
 //! `octagloss analyze`: maps of the sphere, measured.
 
 use super::outcome::{Outcome, print, usage};
-use clap::Args as ClapArgs;
 use crate::analysis::map_table::{Row, rows};
+use clap::Args as ClapArgs;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -4,7 +4,6 @@ use super::shared_args::{EngineArgs, InputArgs, MAX_THREADS};
 use super::values::{
     Texels, file_name, filter, roughness, sh_window, target, target_help, texels, threshold,
 };
-use clap::{Args as ClapArgs, Parser, Subcommand};
 use crate::bake::dfg::DfgForm;
 use crate::bake::overflow::Overflow;
 use crate::filter::Filter;
@@ -16,6 +15,7 @@ use crate::lobe::Lobe;
 use crate::sh::MAX_ORDER;
 use crate::sh::window::ShWindow;
 use crate::target::{Diffuse, Flip, Target};
+use clap::{Args as ClapArgs, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Texels along an edge of a cube or of an OEM.

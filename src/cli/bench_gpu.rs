@@ -5,7 +5,6 @@ use super::console::Talk;
 use super::engine::Engine;
 use super::outcome::{Outcome, print};
 use super::timing::{Timing, sky, timing};
-use glam::DVec3;
 use crate::bake::BakeSettings;
 use crate::filter::Filter;
 use crate::geometry::tent::Reconstruction;
@@ -24,6 +23,7 @@ use crate::memory;
 use crate::oem::OemSize;
 use crate::sphere::equirect::direction_from_equirect;
 use crate::{Environment, Layout};
+use glam::DVec3;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -6,8 +6,6 @@ use super::input::{self, is_chain_file, read_bake};
 use super::outcome::{Outcome, check_not_input, on_threads, print, usage};
 use super::shared_args::InputArgs;
 use super::values::Texels;
-use anyhow::anyhow;
-use image::RgbImage;
 use crate::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, grid_of, is_measurable,
 };
@@ -20,6 +18,8 @@ use crate::io::{
     output::{self, Existing},
 };
 use crate::lobe::Lobe;
+use anyhow::anyhow;
+use image::RgbImage;
 use serde::Serialize;
 use std::fmt::Write as _;
 

@@ -1,7 +1,7 @@
 //! What is said on standard error.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::bake::Progress;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::collections::BTreeSet;
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::Mutex;

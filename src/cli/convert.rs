@@ -4,9 +4,6 @@ use super::console::{self, Talk};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, usage, write_output};
 use super::shared_args::MAX_THREADS;
 use super::values::finite;
-use clap::Args as ClapArgs;
-use clap::builder::PossibleValuesParser;
-use glam::{DMat3, DVec3};
 use crate::geometry::bordered::bordered_picture;
 use crate::geometry::overlap::{Target, mean_radiances, panorama_mean_radiances};
 use crate::geometry::resample::resample;
@@ -17,6 +14,9 @@ use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use crate::sphere::registry::{MAPS, NamedMap, named};
 use crate::{Environment, Error, Layout, Rgb};
+use clap::Args as ClapArgs;
+use clap::builder::PossibleValuesParser;
+use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 
 /// The most texels along the shorter side.

@@ -1,9 +1,9 @@
 //! Directions as CSV with the header `x,y,z`, from a file or standard input, within stated limits.
 
-use anyhow::{Context as _, anyhow, bail};
-use glam::DVec3;
 use crate::error::quoted;
 use crate::io::regular::open_regular;
+use anyhow::{Context as _, anyhow, bail};
+use glam::DVec3;
 use std::io::Read;
 use std::path::Path;
 

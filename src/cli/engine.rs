@@ -6,7 +6,6 @@ use super::console::with_options;
 use super::outcome::{Outcome, usage};
 use super::shared_args::EngineArgs;
 use super::values::EngineArg;
-use glam::DVec3;
 use crate::Environment;
 #[cfg(feature = "gpu")]
 use crate::Error;
@@ -17,6 +16,7 @@ use crate::memory;
 use crate::reflector::{Reflector, ReflectorSettings, Workspace};
 #[cfg(feature = "gpu")]
 use crate::wgpu;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::OnceCell;
 

@@ -1,8 +1,8 @@
 //! How a subcommand ends, and what it prints.
 
-use anyhow::anyhow;
 use crate::io::output as output_file;
 use crate::io::output::Existing;
+use anyhow::anyhow;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 

@@ -6,10 +6,10 @@ use super::directions::read_directions;
 use super::engine::Query;
 use super::input;
 use super::outcome::{Outcome, on_threads, print, usage};
-use glam::DVec3;
 use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::reflector::ReflectorSettings;
+use glam::DVec3;
 use std::fmt::Write as _;
 
 pub(super) fn run(args: QueryArgs) -> Outcome {

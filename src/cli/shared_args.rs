@@ -1,8 +1,8 @@
 //! Arguments that several subcommands share.
 
 use crate::cli::values::{EngineArg, finite};
-use clap::Args as ClapArgs;
 use crate::io::LayoutChoice;
+use clap::Args as ClapArgs;
 
 /// The most threads that --threads takes.
 pub(super) const MAX_THREADS: i64 = 256;

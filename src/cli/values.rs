@@ -1,12 +1,12 @@
 //! The values of options: what can be chosen, what it stands for, and texts parsed.
 
-use clap::ValueEnum;
 use crate::Map;
 use crate::cpu::adaptive::LEAST_ERROR;
 use crate::filter::Filter;
 use crate::realtime::tables::COUNTS;
 use crate::sh::window::ShWindow;
 use crate::target::{Diffuse, Plan, Shape, TARGETS, Target};
+use clap::ValueEnum;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum EngineArg {

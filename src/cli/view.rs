@@ -5,7 +5,6 @@ use super::outcome::{Outcome, check_not_input, check_output, usage, write_output
 use super::shared_args::InputArgs;
 use super::values::{finite, roughness};
 use super::{engine, input};
-use clap::{Args as ClapArgs, ValueEnum};
 use crate::gpu::{Context, block_on};
 use crate::image::exposure::Exposure;
 use crate::io::LoadedChain;
@@ -17,6 +16,7 @@ use crate::view::{
     run as run_window, screenshot,
 };
 use crate::{Environment, Layout, Rgb};
+use clap::{Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
 
 #[derive(Debug, ClapArgs)]

@@ -3,7 +3,7 @@
 //! # The world of a file
 //!
 //! A file's world is its content with its flip and quarter turns undone. The rotation, mirroring and sun
-//! removal that a bake applied are part of this world. All readers of [`super`] return files in their world,
+//! removal that a bake applied are part of this world. All readers of `io` return files in their world,
 //! so `query`, `view`, `info` and another `bake` agree. Only `compare BAKE SOURCE` goes further: it applies
 //! the bake's rotation, mirroring and sun removal to the source before it compares.
 //!

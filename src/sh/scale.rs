@@ -1,6 +1,6 @@
 //! Spherical harmonics in the scalings that engines expect.
 //!
-//! A radiance whose coefficients (see [`crate::sh`]) are c gives a surface of normal n the irradiance
+//! A radiance whose coefficients (see `sh`) are c gives a surface of normal n the irradiance
 //! sum A_l c_lm Y_lm(n), with A = pi, 2 pi/3, pi/4, 0, -pi/24 (Ramamoorthi and Hanrahan 2001).
 
 use crate::sh::band;

@@ -503,7 +503,8 @@ fn beside<'a>(plan: &Plan, bake: &'a Bake) -> Vec<Stored<'a>> {
     }
     let levels = bake.chain.levels.iter().zip(stored_levels(plan, &made));
     let beside = |(level, stored): (&'a octagloss::internals::chain::Level, Vec<Rgb>)| {
-        let stored = plan.flip.level(&octagloss::internals::chain::Level { texels: stored, ..level.clone() }).texels;
+        let stored =
+            plan.flip.level(&octagloss::internals::chain::Level { texels: stored, ..level.clone() }).texels;
         let n = level.size();
         let direction =
             move |at: u32| direction_from_texel(Face::ALL[(at / (n * n)) as usize], n, at % n, at / n % n);

@@ -7,7 +7,7 @@
 //!   against it.
 //! - [`irradiance`] and [`crate::sh::spherical_harmonics`]: smooth weights over the source.
 //!
-//! It shares the definitions of the maps with the engines (the directions of [`crate::sphere`]) and nothing
+//! It shares the definitions of the maps with the engines (the directions of `sphere`) and nothing
 //! else: kernels, their integrals, quadrature and wrapping are its own.
 
 mod kernel;

@@ -200,7 +200,9 @@ const OWN_CONSTANTS: &[(&str, &[&str])] = &[
 
 #[test]
 fn constants_are_rust_s() {
-    let expected = [octagloss::internals::gpu::shared::constants(), octagloss::internals::view::shared::constants()].concat();
+    let expected =
+        [octagloss::internals::gpu::shared::constants(), octagloss::internals::view::shared::constants()]
+            .concat();
     let mut declared = BTreeSet::new();
     for file in files() {
         let shader = Shader::of_file(file);

@@ -11,7 +11,11 @@ use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
 
 /// Which exponents and entries differ, in words; None where all are equal.
-fn difference(expected: &Sat, fixed: octagloss::internals::sat::FixedPoint, entries: &[[u64; 4]]) -> Option<String> {
+fn difference(
+    expected: &Sat,
+    fixed: octagloss::internals::sat::FixedPoint,
+    entries: &[[u64; 4]],
+) -> Option<String> {
     if expected.fixed_point() != fixed {
         return Some(format!("exponents {fixed:?} for {:?}", expected.fixed_point()));
     }

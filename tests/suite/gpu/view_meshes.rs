@@ -14,7 +14,9 @@ use octagloss::internals::lobe::Lobe;
 use octagloss::internals::mesh;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::internals::sphere::cube::Face;
-use octagloss::internals::view::{Filter, Levels, Light, Look, Object, Paint, Renderer, Screenshot, Tone, screenshot};
+use octagloss::internals::view::{
+    Filter, Levels, Light, Look, Object, Paint, Renderer, Screenshot, Tone, screenshot,
+};
 use octagloss::{Environment, Layout, Rgb};
 use serde_json::{Value, json};
 

@@ -15,7 +15,9 @@ use octagloss::internals::realtime::tables::triangle::{self, node_point, place, 
 use octagloss::internals::realtime::tables::{COUNTS, OCTAVES, SoftBox, Table};
 use octagloss::internals::sat::{Sat, Scan};
 use octagloss::internals::sh;
-use octagloss::internals::sphere::octahedral::{direction_from_oct, oct_from_direction, texel_centre, wrap_texel};
+use octagloss::internals::sphere::octahedral::{
+    direction_from_oct, oct_from_direction, texel_centre, wrap_texel,
+};
 use octagloss::{Environment, Layout};
 use std::f64::consts::PI;
 
