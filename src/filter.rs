@@ -24,7 +24,7 @@ pub enum Filter {
 impl Filter {
     /// Filter for a chain's secondary lobes, sheen and irradiance: fitted lobes support only GGX.
     #[must_use]
-    pub const fn beside(self) -> Self {
+    pub const fn for_other_lobes(self) -> Self {
         match self {
             Self::Fitted(_) => Self::Adaptive(0.005),
             other => other,

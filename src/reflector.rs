@@ -268,7 +268,7 @@ impl<'a> Reflector<'a> {
     /// Emitters, and blurred tables and harmonics of the residual map. The OEM's size must be a power of two.
     fn soft(&self) -> &SoftTables {
         self.soft.get_or_init(|| {
-            let (emitters, rest) = emitters::taken_out(&self.oem);
+            let (emitters, rest) = emitters::extracted(&self.oem);
             let sat = Sat::new(&rest, Scan::default());
             SoftTables {
                 emitters,

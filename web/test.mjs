@@ -27,7 +27,7 @@ const studio = join(root, 'hdr/studio.hdr');
 
 let failures = 0;
 // Reports a check; `ok` false fails the run.
-function tell(what, ok, detail) {
+function show_message(what, ok, detail) {
     console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}: ${detail}`);
     failures += ok ? 0 : 1;
 }
@@ -54,9 +54,9 @@ const webgpu = ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
 // Opens the page; any error or warning in it is a failure.
 async function open(name) {
     const page = await browser.newPage();
-    page.on('pageerror', (error) => tell(name, false, error.message));
+    page.on('pageerror', (error) => show_message(name, false, error.message));
     page.on('console', (message) => {
-        if (['error', 'warn'].includes(message.type())) tell(name, false, message.text());
+        if (['error', 'warn'].includes(message.type())) show_message(name, false, message.text());
     });
     await page.evaluateOnNewDocument(() => {
         window.frames_asked = 0;
@@ -135,7 +135,7 @@ const said = ({ mean, share }) =>
 async function check(page, name, file, change = {}, view = {}) {
     await set(page, { panel: false, ...change });
     const found = await difference(page, await shot(page, name), expected(name, file, { ...change, ...view }));
-    tell(name, agrees(found), `${said(found)} (at most ${most.mean} and ${100 * most.share} %)`);
+    show_message(name, agrees(found), `${said(found)} (at most ${most.mean} and ${100 * most.share} %)`);
 }
 
 // Compiles every shader in the browser; invalid ones must fail.
@@ -171,7 +171,7 @@ async function checkShaders(page) {
     });
     for (const { path, broken, entries, messages } of compiled) {
         const ok = broken ? messages.length > 0 : messages.length === 0 && entries.length > 0;
-        tell(`Tint: ${path}`, ok, messages.map((message) => message.split('\n')[0]).join('; ') || entries.join(', '));
+        show_message(`Tint: ${path}`, ok, messages.map((message) => message.split('\n')[0]).join('; ') || entries.join(', '));
     }
 }
 
@@ -190,9 +190,9 @@ async function checkSlider(page) {
     const after = await shot(page, 'panel-dragged');
     const { roughness } = await state(page);
     // The handle does not reach the ends.
-    tell('the slider is dragged', Math.abs(roughness - 0.7) < 0.05, `${before.roughness} to ${roughness}`);
+    show_message('the slider is dragged', Math.abs(roughness - 0.7) < 0.05, `${before.roughness} to ${roughness}`);
     const changed = await difference(page, after, picture);
-    tell('and the picture follows', !agrees(changed), said(changed));
+    show_message('and the picture follows', !agrees(changed), said(changed));
     await page.keyboard.press('h');
     await page.waitForFunction(() => !window.octagloss.state().panel);
     await check(page, 'dragged', sky, { roughness });
@@ -224,7 +224,7 @@ async function checkMesh(page) {
     writeFileSync(mesh, text);
     const before = await shot(page, 'before-a-mesh');
     await drop(page, 'pyramid.obj', Buffer.from(text), () => window.octagloss.state().object === 'mesh');
-    tell('a mesh is another picture', !agrees(await difference(page, await shot(page, 'mesh'), before)), 'pyramid.obj');
+    show_message('a mesh is another picture', !agrees(await difference(page, await shot(page, 'mesh'), before)), 'pyramid.obj');
     // The camera faces its front.
     await check(page, 'mesh', sky, {}, { mesh, yaw: -Math.PI / 2 });
     await checkBroken(page, 'broken.obj', Buffer.from('f 1 2 3'), 'broken.obj', 'sky.exr');
@@ -257,9 +257,9 @@ async function checkBroken(page, name, bytes, why, shown = 'studio.hdr') {
     const before = await shot(page, `before-${name}`);
     await drop(page, name, bytes, (name) => window.octagloss.state().message?.startsWith(name));
     const { environment, message } = await state(page);
-    tell(`${name} is refused`, message.includes(why), message);
+    show_message(`${name} is refused`, message.includes(why), message);
     const kept = await difference(page, await shot(page, `after-${name}`), before);
-    tell(`${name}: the picture stays`, environment === shown && kept.mean === 0, `${environment}; ${said(kept)}`);
+    show_message(`${name}: the picture stays`, environment === shown && kept.mean === 0, `${environment}; ${said(kept)}`);
 }
 
 let browser;
@@ -275,11 +275,11 @@ try {
     const page = await open('page');
     await settled(page);
     const { environment, adapter, message } = await state(page);
-    tell('the sky is shown', environment === 'sky.exr' && message === null, `on ${adapter}, after ${since()}`);
+    show_message('the sky is shown', environment === 'sky.exr' && message === null, `on ${adapter}, after ${since()}`);
 
     await check(page, 'roughness-0.3', sky);
     const differs = await difference(page, await shot(page, 'roughness-0.3'), expected('roughness-0.35', sky, { roughness: 0.35 }));
-    tell('another roughness differs', !agrees(differs), said(differs));
+    show_message('another roughness differs', !agrees(differs), said(differs));
     await check(page, 'roughness-0.6', sky, { roughness: 0.6 });
     await check(page, 'box', sky, { roughness: 0.3, filter: 'box' });
     await check(page, 'levels', sky, { filter: 'levels' });
@@ -290,7 +290,7 @@ try {
     const asked = await page.evaluate('window.frames_asked');
     await new Promise((resolve) => setTimeout(resolve, 1500));
     const idle = (await page.evaluate('window.frames_asked')) - asked;
-    tell('nothing is drawn while nothing changes', asked > 0 && idle === 0, `${idle} of ${asked} frames`);
+    show_message('nothing is drawn while nothing changes', asked > 0 && idle === 0, `${idle} of ${asked} frames`);
 
     await checkSlider(page);
     await set(page, { roughness: 0.3 });
@@ -302,14 +302,14 @@ try {
     await checkBroken(page, 'half.exr', exr.subarray(0, exr.length / 2), 'half.exr: ');
     await checkBroken(page, 'text.hdr', Buffer.from('no image'), 'not an image');
     await drop(page, 'sky.exr', exr, (name) => window.octagloss.state().environment === name);
-    tell('a good file takes the message away', (await state(page)).message === null, 'sky.exr');
+    show_message('a good file takes the message away', (await state(page)).message === null, 'sky.exr');
 
     await checkMesh(page);
 
     await page.setViewport({ width: 240, height: 300, deviceScaleFactor: 1 });
     await page.waitForFunction(() => String(window.octagloss.state().size) === '240,300', { timeout: 60_000, polling: 200 });
     const resized = await difference(page, await shot(page, 'resized'), expected('resized', sky, { size: [240, 300], yaw: -Math.PI / 2 }));
-    tell('resized', agrees(resized), said(resized));
+    show_message('resized', agrees(resized), said(resized));
 
     const refused = await page.evaluate(() => {
         try {
@@ -319,7 +319,7 @@ try {
             return error.message;
         }
     });
-    tell('a roughness of 2 is refused', refused.includes('roughness 2 is outside'), refused);
+    show_message('a roughness of 2 is refused', refused.includes('roughness 2 is outside'), refused);
     from = performance.now();
     await checkShaders(page);
     console.log(`       shaders: ${since()}`);
@@ -331,7 +331,7 @@ try {
         const page = await open('two pixels a point');
         await set(page, { panel: false });
         const [size, points] = [(await state(page)).size, await page.evaluate('[innerWidth, innerHeight]')];
-        tell('two pixels a point', String(size) === String(points.map((side) => 2 * side)), `${size} on ${points}`);
+        show_message('two pixels a point', String(size) === String(points.map((side) => 2 * side)), `${size} on ${points}`);
         await check(page, 'two-pixels-a-point', sky, {}, { size });
     }
     await browser.close();
@@ -344,11 +344,11 @@ try {
         await page.goto(origin);
         await page.waitForFunction('window.ready === true', { timeout: 60_000 });
         const told = await page.$eval('#message', (element) => element.checkVisibility() && element.textContent);
-        tell(`no ${what} is told`, told && told.startsWith('WebGPU is not available.'), told);
+        show_message(`no ${what} is told`, told && told.startsWith('WebGPU is not available.'), told);
         await page.screenshot({ path: join(pictures, `no-${what}.png`) });
     }
 } catch (error) {
-    tell('run', false, error.stack);
+    show_message('run', false, error.stack);
 } finally {
     await browser?.close();
     server.kill();

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Statistics of an environment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Survey {
+pub struct Statistics {
     /// Least value of each channel.
     pub min: Rgb,
     /// Greatest value of each channel.
@@ -29,7 +29,7 @@ pub struct HalfLoss {
     pub energy_share: f64,
 }
 
-impl Survey {
+impl Statistics {
     /// Computes the statistics of `environment`.
     #[must_use]
     pub fn of(environment: &Environment) -> Self {
@@ -84,12 +84,12 @@ mod tests {
         let layout = Layout::Cube { size: 16 };
         let mut texels = vec![[0.5, 1.0, 2.0]; layout.texel_count()];
         texels[100] = [1e6, 1e6, 0.0];
-        let survey = Survey::of(&Environment::new(layout, texels).expect("valid"));
-        assert_eq!(survey.min, [0.5, 1.0, 0.0]);
-        assert_eq!(survey.max, [1e6, 1e6, 2.0]);
-        assert_eq!(survey.half.texels, 1);
-        assert!((0.93..0.94).contains(&survey.half.energy_share), "{survey:?}");
-        assert!(survey.sun_share() > 0.99, "{survey:?}");
-        assert_eq!(survey.sun.map(|sun| sun.texels), Some(1));
+        let statistics = Statistics::of(&Environment::new(layout, texels).expect("valid"));
+        assert_eq!(statistics.min, [0.5, 1.0, 0.0]);
+        assert_eq!(statistics.max, [1e6, 1e6, 2.0]);
+        assert_eq!(statistics.half.texels, 1);
+        assert!((0.93..0.94).contains(&statistics.half.energy_share), "{statistics:?}");
+        assert!(statistics.sun_share() > 0.99, "{statistics:?}");
+        assert_eq!(statistics.sun.map(|sun| sun.texels), Some(1));
     }
 }

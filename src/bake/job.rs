@@ -52,7 +52,7 @@ impl<'a> Job<'a> {
             if settings.irradiance == Some(0) {
                 return Err(Error::Parameter("`irradiance` must be at least 1".to_owned()));
             }
-            let (specs, beside) = (settings.level_specs()?, settings.filter.beside());
+            let (specs, beside) = (settings.level_specs()?, settings.filter.for_other_lobes());
             let mut chain = |lobe: Lobe, filter: Filter| -> Vec<usize> {
                 specs.iter().map(|spec| index_of(LevelJob { spec: *spec, lobe, filter })).collect()
             };

@@ -71,7 +71,7 @@ impl BakeSettings {
         }
         self.filter.check(self.lobe, self.oem_size)?;
         if self.sheen {
-            self.filter.beside().check(Lobe::Charlie, None)?;
+            self.filter.for_other_lobes().check(Lobe::Charlie, None)?;
         }
         let most = self.map.most_levels(self.size);
         let own = match self.lobe {

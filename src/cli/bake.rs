@@ -2,7 +2,7 @@
 
 use super::args::BakeArgs;
 use super::bake_plan::{self, BakePlan};
-use super::console::{self, Talk};
+use super::console::{self, Console};
 use super::engine::{Baker, Engine};
 use super::fingerprint;
 use super::input::{self, Opened, Source};
@@ -22,7 +22,7 @@ use crate::io::LayoutChoice;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::{self, Existing};
 use crate::sphere::cube::{Face, direction_from_texel};
-use crate::target::Plan;
+use crate::target::TargetPlan;
 use crate::{Environment, Error, memory};
 use anyhow::anyhow;
 use rayon::prelude::*;
@@ -55,14 +55,14 @@ struct Job {
 }
 
 pub(super) fn run(args: BakeArgs) -> Outcome {
-    let talk = Talk::new(args.quiet);
+    let console = Console::new(args.quiet);
     args.engine.check()?;
     let (threads, dry_run) = (args.engine.threads, args.dry_run);
     let work = Work::new(args)?;
     if dry_run {
         return work.foretell();
     }
-    on_threads(threads, || work.run(&talk))
+    on_threads(threads, || work.run(&console))
 }
 
 impl Work {
@@ -170,7 +170,7 @@ impl Work {
                 continue;
             }
             job.outputs.check(&self.common, fresh)?;
-            let opened = job.source.open(&self.input, &Talk::new(true))?;
+            let opened = job.source.open(&self.input, &Console::new(true))?;
             self.check_memory(&opened)?;
             text += &job.outputs.foretold(&self.common, &job.source)?;
         }
@@ -197,7 +197,7 @@ impl Work {
         self.skip_unchanged && request().is_some_and(|request| job.outputs.holds(&self.common, request))
     }
 
-    fn run(&self, talk: &Talk) -> Outcome {
+    fn run(&self, console: &Console) -> Outcome {
         let mut failed = false;
         let mut tell = |failure: Failure| match failure {
             Failure::Failed(error) => {
@@ -208,14 +208,14 @@ impl Work {
             other => Err(other),
         };
         for job in &self.jobs {
-            job.outputs.recover(&self.common, talk)?;
+            job.outputs.recover(&self.common, console)?;
         }
         // What cannot be written is told before anything is baked.
         let fresh = self.fresh_folder()?;
         let mut ready = Vec::new();
         for job in &self.jobs {
             if self.is_up_to_date(job) {
-                talk.note(&format!("{}: unchanged", job.outputs.main.display()));
+                console.note(&format!("{}: unchanged", job.outputs.main.display()));
                 continue;
             }
             match job.outputs.check(&self.common, fresh) {
@@ -225,29 +225,29 @@ impl Work {
         }
         let engine = OnceCell::new();
         for job in ready {
-            if let Err(failure) = self.bake(job, &engine, talk) {
+            if let Err(failure) = self.bake(job, &engine, console) {
                 tell(failure)?;
             }
         }
-        if failed { Err(Failure::Told) } else { Ok(()) }
+        if failed { Err(Failure::Reported) } else { Ok(()) }
     }
 
-    fn bake(&self, job: &Job, engine: &OnceCell<Engine>, talk: &Talk) -> Outcome {
+    fn bake(&self, job: &Job, engine: &OnceCell<Engine>, console: &Console) -> Outcome {
         let start = Instant::now();
         // Before it is read: should it change meanwhile, it is found changed.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
-        let opened = job.source.open(&self.input, talk)?;
+        let opened = job.source.open(&self.input, console)?;
         let settings = self.check_memory(&opened)?;
-        let engine = self.engine.chosen(engine, talk)?;
+        let engine = self.engine.chosen(engine, console)?;
         if settings[0].filter == Filter::Reference {
             let seconds = reference_seconds(&opened.environment, &settings[0])?;
-            talk.note(&format!(
+            console.note(&format!(
                 "{}: the reference filter will take about {}",
                 job.source.path().display(),
                 console::duration(seconds)
             ));
         }
-        let bar = talk.bar(&job.source.stem());
+        let bar = console.bar(&job.source.stem());
         let progress = |progress| {
             bar.bake(progress);
             ControlFlow::Continue(())
@@ -255,12 +255,12 @@ impl Work {
         let (bakes, baker) = engine.bake_all(&opened.environment, &settings, &progress)?;
         drop(bar);
         if let Some(why) = &baker.fallback {
-            talk.note(why);
+            console.note(why);
         }
         let mut warned: Vec<&String> = Vec::new();
         for warning in bakes.iter().flat_map(|bake| &bake.warnings) {
             if !warned.contains(&warning) {
-                talk.warn(&format!("{}: {warning}", job.source.path().display()));
+                console.warn(&format!("{}: {warning}", job.source.path().display()));
                 warned.push(warning);
             }
         }
@@ -281,7 +281,7 @@ impl Work {
             let made = files(&plan.plan, &job.outputs.name, &bake, &metadata(&plan.settings, &opened))?;
             let stored = Stored::new(&plan.plan, &bake, &made);
             for warning in &stored.warnings {
-                talk.warn(&format!("{name}: {warning}"));
+                console.warn(&format!("{name}: {warning}"));
             }
             let report = self.report(&circumstances, plan, &bake, &made, stored);
             reports.push(Report { compressed, ..report });
@@ -302,7 +302,7 @@ impl Work {
         let targets: Vec<_> = self.common.plans.iter().map(|plan| plan.plan.target.name).collect();
         let targets =
             if report.target.is_some() { format!(" for {}", targets.join(", ")) } else { String::new() };
-        talk.note(&format!(
+        console.note(&format!(
             "{}: {}{targets} in {:.2} s on {}, OEM {} + {}, {}",
             job.outputs.main.display(),
             console::bytes(bytes),
@@ -420,7 +420,7 @@ struct Stored {
 }
 
 impl Stored {
-    fn new(plan: &Plan, bake: &Bake, made: &[Made]) -> Self {
+    fn new(plan: &TargetPlan, bake: &Bake, made: &[Made]) -> Self {
         let pixel = plan.pixel;
         let pixels: Vec<Pixel> = bake.chain.levels.iter().map(|level| pixel.stored(&level.texels)).collect();
         let clamped = made.iter().flat_map(|file| &file.clamped).sum();

@@ -10,13 +10,13 @@ use crate::format::container::Container;
 use crate::format::{OutputLayout, Pixel};
 use crate::io::LayoutChoice;
 use crate::lobe::Lobe;
-use crate::target::{Diffuse, Plan, UNTARGETED};
+use crate::target::{Diffuse, TargetPlan, UNTARGETED};
 use std::path::Path;
 
 /// The files to write, and the bake that they are made of.
 #[derive(Clone, Debug)]
 pub(super) struct BakePlan {
-    pub(super) plan: Plan,
+    pub(super) plan: TargetPlan,
     pub(super) settings: BakeSettings,
 }
 
@@ -40,7 +40,7 @@ pub(super) fn plans(args: &BakeArgs) -> Outcome<Vec<BakePlan>> {
         if plans.iter().any(|other| other.plan.target == *target) {
             return usage(format!("--target names {} twice", target.name));
         }
-        plans.push(planned(Plan::new(target), args)?);
+        plans.push(planned(TargetPlan::new(target), args)?);
     }
     if let Some(path) = &args.output {
         if path.as_os_str() == "-" {
@@ -103,7 +103,7 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
 }
 
 /// Refuses what does not go to standard output.
-pub(super) fn check_stdout(args: &BakeArgs, plan: &Plan, inputs: usize) -> Outcome {
+pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, inputs: usize) -> Outcome {
     if inputs > 1 {
         return usage("-o - takes one input; name a folder with -o for several");
     }
@@ -131,12 +131,12 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &Plan, inputs: usize) -> Outco
 
 /// The plan without a target: the format as said, else by the output's extension, else ktx2, and the pixels
 /// that it can have.
-fn untargeted(args: &BakeArgs) -> Outcome<Plan> {
+fn untargeted(args: &BakeArgs) -> Outcome<TargetPlan> {
     let container = container(args)?;
     let layout = args.out_layout.unwrap_or_default();
     let pixel = pixel(args, container, layout)?;
     let diffuse = if args.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
-    let plan = Plan { container, pixel, layout, diffuse, ..Plan::new(&UNTARGETED) };
+    let plan = TargetPlan { container, pixel, layout, diffuse, ..TargetPlan::new(&UNTARGETED) };
     if let Some(path) = args.output.as_deref().filter(|_| !plan.is_single()) {
         let remedy =
             format!(" (with --format {}), and --out-layout parts writes one .exr file", container.name());
@@ -205,7 +205,7 @@ fn pixel(args: &BakeArgs, container: Container, layout: OutputLayout) -> Outcome
 }
 
 /// The preset with what `args` override.
-fn planned(mut plan: Plan, args: &BakeArgs) -> Outcome<BakePlan> {
+fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
     let target = plan.target;
     let fixed =
         |option: &str| usage(format!("target {} has a format of its own; leave {option} out", target.name));

@@ -1,7 +1,7 @@
 //! `octagloss bench --engine gpu`: times of the passes by timestamp queries, as JSON.
 
 use super::args::BenchArgs;
-use super::console::Talk;
+use super::console::Console;
 use super::engine::Engine;
 use super::outcome::{Outcome, print};
 use super::timing::{Timing, sky, timing};
@@ -82,7 +82,7 @@ impl Clock<'_> {
 const BYTES_A_TEXEL: u64 = 2 * 12 + 3 * (12 + 16) / 2;
 
 pub(super) fn run(args: &BenchArgs) -> Outcome {
-    let Engine::Gpu { engine, .. } = args.engine.choose(&Talk::new(true))? else {
+    let Engine::Gpu { engine, .. } = args.engine.choose(&Console::new(true))? else {
         return super::outcome::usage(
             "no hardware GPU; --engine gpu takes any adapter, --engine cpu times the CPU",
         );

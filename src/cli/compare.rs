@@ -1,7 +1,7 @@
 //! `octagloss compare`: how far a bake is from its source or from another bake.
 
 use super::args::CompareArgs;
-use super::console::Talk;
+use super::console::Console;
 use super::input::{self, is_chain_file, read_bake};
 use super::outcome::{Outcome, check_not_input, on_threads, print, usage};
 use super::shared_args::InputArgs;
@@ -38,7 +38,7 @@ struct Comparison {
 }
 
 pub(super) fn run(args: CompareArgs) -> Outcome {
-    let talk = Talk::new(args.quiet);
+    let console = Console::new(args.quiet);
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     if let Some(path) = &args.picture {
         if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
@@ -63,7 +63,7 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
         };
         let comparison = match read_bake(&args.against)? {
             Some(reference) => against_bake(&args, &bake.chain, &reference.chain)?,
-            None => against_source(&args, &bake, &talk)?,
+            None => against_source(&args, &bake, &console)?,
         };
         if let Some(path) = &args.picture {
             write_png(path, existing, &picture(&bake.chain, &comparison.levels)?)?;
@@ -88,19 +88,19 @@ fn against_bake(args: &CompareArgs, bake: &Chain, reference: &Chain) -> Outcome<
     })
 }
 
-fn against_source(args: &CompareArgs, bake: &LoadedChain, talk: &Talk) -> Outcome<Comparison> {
+fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> Outcome<Comparison> {
     let LoadedChain { chain: bake, provenance, .. } = bake;
     let lobe = match (args.lobe, provenance.lobe) {
         (Some(typed), _) => typed,
         (None, Some(told)) => told,
         (None, None) => {
-            talk.warn(&format!("{} does not say its lobe; ggx it is, or --lobe", args.bake.display()));
+            console.warn(&format!("{} does not say its lobe; ggx it is, or --lobe", args.bake.display()));
             Lobe::Ggx
         }
     };
     // The source as the bake's was, unless said otherwise: turned, mirrored and without its sun.
     if provenance.rotate_y.or(args.input.rotate_y).is_none() {
-        talk.warn(&format!(
+        console.warn(&format!(
             "{} does not say how its source was turned; not at all it is, or --rotate-y, --mirror and --extract-sun",
             args.bake.display()
         ));
@@ -112,7 +112,7 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, talk: &Talk) -> Outcom
         ..args.input.clone()
     };
     let source = input::single_source(vec![args.against.clone()], &input)?;
-    let opened = source.open(&input, talk)?;
+    let opened = source.open(&input, console)?;
     let skipped: Vec<usize> = (0..bake.levels.len())
         .filter(|level| !is_measurable(&bake.levels[*level], lobe, opened.environment.layout()))
         .collect();
@@ -125,15 +125,16 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, talk: &Talk) -> Outcom
         .into());
     }
     for level in &skipped {
-        talk.note(&format!("level {level} is left out: its lobe is narrower than two texels of the source"));
+        console
+            .note(&format!("level {level} is left out: its lobe is narrower than two texels of the source"));
     }
     let sampling = sampling(args, lobe);
     if let (Sampling::Grid(count), true) = (sampling, args.picture.is_some()) {
-        talk.note(&format!(
+        console.note(&format!(
             "the picture is of a grid of at most {count} texels a level; --texels all shows all"
         ));
     }
-    let bar = talk.bar("integrating");
+    let bar = console.bar("integrating");
     let progress = |done, total| bar.at(done, total);
     let levels = errors_against_source(bake, &opened.environment, lobe, sampling, &progress);
     Ok(Comparison {

@@ -19,12 +19,12 @@ const ESTIMATE_AFTER: Duration = Duration::from_secs(4);
 const WORTH_SAYING: f64 = 15.0;
 
 /// Notes, warnings and the progress bar; `--quiet` leaves errors only.
-pub(super) struct Talk {
+pub(super) struct Console {
     quiet: bool,
     warned: Mutex<BTreeSet<String>>,
 }
 
-impl Talk {
+impl Console {
     pub(super) fn new(quiet: bool) -> Self {
         Self { quiet, warned: Mutex::new(BTreeSet::new()) }
     }
@@ -215,7 +215,7 @@ pub(super) fn duration(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{ESTIMATE_AFTER, Talk, estimate};
+    use super::{Console, ESTIMATE_AFTER, estimate};
     use std::sync::mpsc;
     use std::thread;
     use std::time::{Duration, Instant};
@@ -224,7 +224,7 @@ mod tests {
     fn an_estimate_is_printed_without_waiting_for_itself() {
         let (sender, done) = mpsc::channel();
         thread::spawn(move || {
-            let mut bar = Talk::new(false).bar("long");
+            let mut bar = Console::new(false).bar("long");
             bar.start = Instant::now().checked_sub(2 * ESTIMATE_AFTER);
             assert!(bar.start.is_some(), "a clock that has run for some seconds");
             bar.at(1, 100);

@@ -1,6 +1,6 @@
 //! `octagloss convert`: an environment from any map of the sphere to any other.
 
-use super::console::{self, Talk};
+use super::console::{self, Console};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, usage, write_output};
 use super::shared_args::MAX_THREADS;
 use super::values::finite;
@@ -85,7 +85,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
     check_not_input(path, [&args.input])?;
     check_output(path, existing)?;
     let map = named(&args.layout).expect("clap knows the names");
-    let talk = Talk::new(args.quiet);
+    let console = Console::new(args.quiet);
     on_threads(args.threads, || {
         let options = ReadOptions {
             layout: if args.from.is_some() { LayoutChoice::Picture } else { LayoutChoice::Auto },
@@ -94,7 +94,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         };
         let loaded = io::read(&args.input, &options)?;
         for warning in &loaded.warnings {
-            talk.warn(&format!("{}: {warning}", args.input.display()));
+            console.warn(&format!("{}: {warning}", args.input.display()));
         }
         let environment = match args.rotate_y {
             Some(degrees) => loaded.environment.rotated_y(degrees),
@@ -112,7 +112,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         let comment = format!("{} of {size} texels a side, border {}", map.title, args.border);
         let bytes = picture_bytes(as_named, width, height, &picture, &comment)?;
         write_output(path, existing, &bytes)?;
-        talk.note(&format!(
+        console.note(&format!(
             "{}: {}, {width} x {height}, {}",
             path.display(),
             map.title,

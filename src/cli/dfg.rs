@@ -1,7 +1,7 @@
 //! `octagloss dfg`: the table of what rough surfaces reflect of white.
 
 use super::args::DfgArgs;
-use super::console::{self, Talk};
+use super::console::{self, Console};
 use super::outcome::{Outcome, check_output, usage, write_output};
 use crate::bake::dfg::{DfgBlue, DfgForm, dfg_table_with};
 use crate::format::Pixel;
@@ -32,8 +32,8 @@ pub(super) fn run(args: DfgArgs) -> Outcome {
         (DfgBlue::Empty, "", Channels::Two)
     };
     let description = format!("{name}{blue_name}; columns: cosine 0 to 1, rows: perceptual roughness 0 to 1");
-    let talk = Talk::new(args.quiet);
-    let bar = talk.bar("integrating");
+    let console = Console::new(args.quiet);
+    let bar = console.bar("integrating");
     let table = dfg_table_with(args.size, form, blue, &|done, total| bar.at(done, total))?;
     drop(bar);
     let bytes = if is_ktx2 {
@@ -43,6 +43,6 @@ pub(super) fn run(args: DfgArgs) -> Outcome {
         exr_bytes(table.size, table.size, Samples::Rgb(&table.texels), Pixel::F16, &attributes)?
     };
     write_output(path, existing, &bytes)?;
-    talk.note(&format!("{}: {}", path.display(), console::bytes(bytes.len() as u64)));
+    console.note(&format!("{}: {}", path.display(), console::bytes(bytes.len() as u64)));
     Ok(())
 }

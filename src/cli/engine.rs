@@ -1,6 +1,6 @@
 //! What computes: the CPU, or an adapter.
 
-use super::console::Talk;
+use super::console::Console;
 #[cfg(feature = "gpu")]
 use super::console::with_options;
 use super::outcome::{Outcome, usage};
@@ -99,17 +99,17 @@ impl EngineArgs {
 
     /// The engine in `engine`, or the one asked for: chosen once an input was read, so that one that cannot
     /// be is answered by its error alone.
-    pub(super) fn chosen<'a>(&self, engine: &'a OnceCell<Engine>, talk: &Talk) -> Outcome<&'a Engine> {
+    pub(super) fn chosen<'a>(&self, engine: &'a OnceCell<Engine>, console: &Console) -> Outcome<&'a Engine> {
         if let Some(engine) = engine.get() {
             return Ok(engine);
         }
-        let chosen = self.choose(talk)?;
+        let chosen = self.choose(console)?;
         Ok(engine.get_or_init(|| chosen))
     }
 
     /// The engine asked for; under `auto` a hardware GPU where there is one, which is said.
     #[cfg(feature = "gpu")]
-    pub(super) fn choose(&self, talk: &Talk) -> Outcome<Engine> {
+    pub(super) fn choose(&self, console: &Console) -> Outcome<Engine> {
         use crate::gpu::device::context::{adapters, describe, is_hardware, may_have_hardware};
         use crate::gpu::{Context, block_on, engine};
 
@@ -117,7 +117,7 @@ impl EngineArgs {
             return Ok(Engine::Cpu);
         }
         let on_cpu = || {
-            talk.note("no hardware GPU found; using the CPU");
+            console.note("no hardware GPU found; using the CPU");
             Ok(Engine::Cpu)
         };
         if self.engine == EngineArg::Auto && self.adapter.is_none() && !may_have_hardware() {
@@ -140,12 +140,12 @@ impl EngineArgs {
         match opened {
             Ok(engine) => {
                 if may_fall_back {
-                    talk.note(&format!("engine: gpu, {}", describe(&adapter.get_info())));
+                    console.note(&format!("engine: gpu, {}", describe(&adapter.get_info())));
                 }
                 Ok(Engine::Gpu { engine: Box::new(engine), may_fall_back })
             }
             Err(error) if may_fall_back && self.adapter.is_none() => {
-                talk.warn(&format!("{error}; the CPU takes over"));
+                console.warn(&format!("{error}; the CPU takes over"));
                 Ok(Engine::Cpu)
             }
             Err(error) => Err(error.into()),
@@ -153,12 +153,12 @@ impl EngineArgs {
     }
 
     #[cfg(not(feature = "gpu"))]
-    pub(super) fn choose(&self, talk: &Talk) -> Outcome<Engine> {
+    pub(super) fn choose(&self, console: &Console) -> Outcome<Engine> {
         if self.engine == EngineArg::Gpu || self.adapter.is_some() {
             return usage("this program was built without the feature gpu; leave --engine and --adapter out");
         }
         if self.engine == EngineArg::Auto {
-            talk.note("built without the gpu feature; using the CPU");
+            console.note("built without the gpu feature; using the CPU");
         }
         Ok(Engine::Cpu)
     }
@@ -201,7 +201,7 @@ impl Engine {
         directions: &[DVec3],
         query: Query,
         #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU falls back"))]
-        talk: &Talk,
+        console: &Console,
     ) -> crate::Result<Vec<Answer>> {
         let Query { lobe, roughness, filter } = query;
         memory::check_query(environment.layout(), settings, lobe, roughness, filter)?;
@@ -224,13 +224,13 @@ impl Engine {
             Self::Gpu { engine, may_fall_back } => {
                 let on_gpu = async {
                     engine.check_fits(environment, settings, filter)?;
-                    let reflector = crate::gpu::engine::Reflector::new(engine, environment, settings)?;
+                    let reflector = crate::gpu::engine::GpuReflector::new(engine, environment, settings)?;
                     reflector.query(directions, lobe, roughness, filter).await
                 };
                 match crate::gpu::block_on(Some(engine.context()), on_gpu)? {
                     Err(error) => match fallback(&error, *may_fall_back) {
                         Some(why) => {
-                            talk.note(&why);
+                            console.note(&why);
                             on_cpu()
                         }
                         None => Err(error),

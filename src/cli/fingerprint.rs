@@ -13,7 +13,7 @@ use crate::io::regular::{open_regular, read_regular};
 use crate::io::side_report::MOST_REPORT_BYTES;
 use crate::io::side_report::REPORT;
 use crate::io::{DEFAULT_MEMORY_LIMIT, levels_path, reported_pairs};
-use crate::target::Plan;
+use crate::target::TargetPlan;
 use crate::{Error, Result};
 use blake3::{Hash, Hasher};
 use std::collections::BTreeMap;
@@ -39,7 +39,7 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
         format!("adapter={:?}", args.engine.adapter),
     ];
     for BakePlan { plan, settings } in plans {
-        let Plan { target, container, pixel, flip, diffuse, layout } = plan;
+        let TargetPlan { target, container, pixel, flip, diffuse, layout } = plan;
         let BakeSettings { map, size, levels: _, ladder, lobe, filter, oem_size, border, .. } = settings;
         let BakeSettings { bounds, irradiance, sh_order, sh_window, sheen, .. } = settings;
         lines.extend([

@@ -1,12 +1,12 @@
 //! `octagloss info`: what is in an environment or in a bake.
 
 use super::args::InfoArgs;
-use super::console::{self, Talk};
+use super::console::{self, Console};
 use super::engine::list_adapters;
 use super::input::{self, Opened, Source, layout_name, read_bake};
 use super::outcome::{Failure, Outcome, print};
 use super::shared_args::InputArgs;
-use crate::analysis::statistics::Survey;
+use crate::analysis::statistics::Statistics;
 use crate::analysis::sun::Brightest;
 use crate::bake::report::SunReport;
 use crate::chain::{Chain, Level};
@@ -93,7 +93,7 @@ struct LevelInfo {
 
 pub(super) fn run(mut args: InfoArgs) -> Outcome {
     // Warnings are part of the answer here.
-    let talk = Talk::new(true);
+    let console = Console::new(true);
     if args.adapters {
         let adapters = list_adapters()?;
         return print(&if args.json {
@@ -107,7 +107,7 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
     args.input.sanitize = !args.input.strict;
     let mut failed = false;
     for source in sources {
-        match describe(&source, &args.input, args.json, &talk) {
+        match describe(&source, &args.input, args.json, &console) {
             Ok(text) => print(&text)?,
             Err(error) => {
                 console::error(&error.to_string());
@@ -115,10 +115,10 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
             }
         }
     }
-    if failed { Err(Failure::Told) } else { Ok(()) }
+    if failed { Err(Failure::Reported) } else { Ok(()) }
 }
 
-fn describe(source: &Source, args: &InputArgs, json: bool, talk: &Talk) -> crate::Result<String> {
+fn describe(source: &Source, args: &InputArgs, json: bool, console: &Console) -> crate::Result<String> {
     let input = source.path().display().to_string();
     let bytes = source.files().iter().map(|file| bytes_in(file)).sum();
     if let Some(bake) = read_bake(source.path())? {
@@ -134,7 +134,7 @@ fn describe(source: &Source, args: &InputArgs, json: bool, talk: &Talk) -> crate
         };
         return Ok(if json { json_line(&info) } else { info.text() });
     }
-    let info = environment_info(input, bytes, source.open(args, talk)?);
+    let info = environment_info(input, bytes, source.open(args, console)?);
     Ok(if json { json_line(&info) } else { info.text() })
 }
 
@@ -179,10 +179,10 @@ fn levels_info(chain: &Chain) -> Vec<LevelInfo> {
 }
 
 fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInfo {
-    let survey = Survey::of(&opened.environment);
-    let energy_share = survey.sun_share();
+    let statistics = Statistics::of(&opened.environment);
+    let energy_share = statistics.sun_share();
     let brightest = |kind: Brightest| {
-        let found = survey.sun.as_ref().filter(|region| region.kind == kind);
+        let found = statistics.sun.as_ref().filter(|region| region.kind == kind);
         found.map(|region| SunReport::new(region, energy_share))
     };
     EnvironmentInfo {
@@ -195,14 +195,14 @@ fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInf
         covers: layout_name(opened.environment.layout()),
         width: opened.width,
         height: opened.height,
-        min: survey.min,
-        max: survey.max,
-        mean: survey.mean,
+        min: statistics.min,
+        max: statistics.max,
+        mean: statistics.mean,
         sun: brightest(Brightest::Sun),
         brightest_region: brightest(Brightest::Region),
         half_float: HalfInfo {
-            clipped_texels: survey.half.texels,
-            lost_energy_share: survey.half.energy_share,
+            clipped_texels: statistics.half.texels,
+            lost_energy_share: statistics.half.energy_share,
         },
         repaired: opened.repaired,
         warnings: opened.warnings,

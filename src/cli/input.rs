@@ -1,6 +1,6 @@
 //! Inputs: which files make one environment, and reading them.
 
-use super::console::Talk;
+use super::console::Console;
 use super::outcome::{Outcome, usage};
 use super::shared_args::InputArgs;
 use crate::analysis::sun::Sun;
@@ -104,7 +104,7 @@ impl Source {
     }
 
     /// Reads, turns, flips and takes the sun out; warnings are said here.
-    pub(super) fn open(&self, args: &InputArgs, talk: &Talk) -> crate::Result<Opened> {
+    pub(super) fn open(&self, args: &InputArgs, console: &Console) -> crate::Result<Opened> {
         let options = ReadOptions {
             layout: args.layout,
             sanitize: args.sanitize,
@@ -134,7 +134,7 @@ impl Source {
             }
         }
         for warning in &warnings {
-            talk.warn(&format!("{}: {warning}", self.path().display()));
+            console.warn(&format!("{}: {warning}", self.path().display()));
         }
         let taken = |sun: &SunReport| TakenSun {
             direction: sun.direction,

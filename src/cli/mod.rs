@@ -1,6 +1,6 @@
 //! The command line: arguments are parsed (`args`), checked into a plan, then run, one file a subcommand.
 //!
-//! Standard output is data and standard error is talk. Exit status: 0 done, 1 failed, 2 usage.
+//! Standard output is data and standard error is console. Exit status: 0 done, 1 failed, 2 usage.
 
 mod analyze;
 mod args;
@@ -46,7 +46,7 @@ pub fn main() -> ExitCode {
     };
     match outcome {
         Ok(()) | Err(Failure::Closed) => ExitCode::SUCCESS,
-        Err(Failure::Told) => ExitCode::from(1),
+        Err(Failure::Reported) => ExitCode::from(1),
         Err(Failure::Failed(error)) => {
             console::error(&format!("{error:#}"));
             ExitCode::from(1)

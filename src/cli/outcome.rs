@@ -14,7 +14,7 @@ pub(super) enum Failure {
     /// It made sense and went wrong; exit status 1.
     Failed(anyhow::Error),
     /// Like `Failed`, told already: one of several inputs went wrong.
-    Told,
+    Reported,
     /// Whoever read standard output has seen enough, which is not an error.
     Closed,
 }

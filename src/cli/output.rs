@@ -1,7 +1,7 @@
 //! Outputs of a bake: where its files go, what they will be, and putting them in place together.
 
 use super::bake_plan::BakePlan;
-use super::console::Talk;
+use super::console::Console;
 use super::fingerprint::{self, fingerprint};
 use super::input::{Opened, Source};
 use super::outcome::{Outcome, print_bytes, usage};
@@ -15,7 +15,7 @@ use crate::io::output::{self, Existing, Output};
 use crate::io::provenance::Provenance;
 use crate::io::regular::read_regular;
 use crate::io::side_report::{MOST_REPORT_BYTES, REPORT};
-use crate::target::{Content, Shape};
+use crate::target::{Content, Naming};
 use crate::{Error, Result};
 use blake3::Hash;
 use serde::Serialize;
@@ -147,7 +147,7 @@ impl Outputs {
                 .filter(|(_, spec)| bounded(spec.roughness))
                 .map(|(level, _)| level)
                 .collect();
-            let shape = Shape { name: &self.name, levels: specs.len() as u32, bounded: &bounded };
+            let shape = Naming { name: &self.name, levels: specs.len() as u32, bounded: &bounded };
             for (path, content) in files.files(&shape) {
                 planned.push(file(Self::within(common, plan, &path), told(plan, content)?));
             }
@@ -209,12 +209,13 @@ impl Outputs {
     }
 
     /// Cleans up after killed runs beside the outputs.
-    pub(super) fn recover(&self, common: &Common, talk: &Talk) -> Outcome {
+    pub(super) fn recover(&self, common: &Common, console: &Console) -> Outcome {
         let mut folders = BTreeSet::new();
         for place in self.places(common)? {
             if folders.insert(place.path.parent().map(Path::to_owned)) {
                 for restored in output::recover(&place.path) {
-                    talk.note(&format!("{}: put back, as a killed run had set it aside", restored.display()));
+                    console
+                        .note(&format!("{}: put back, as a killed run had set it aside", restored.display()));
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! `octagloss query`: radiance of a lobe around given directions.
 
 use super::args::QueryArgs;
-use super::console::Talk;
+use super::console::Console;
 use super::directions::read_directions;
 use super::engine::Query;
 use super::input;
@@ -28,11 +28,11 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         return usage(error.to_string());
     }
     let source = input::single_source(args.inputs, &args.input)?;
-    let talk = Talk::new(args.quiet);
+    let console = Console::new(args.quiet);
     on_threads(args.engine.threads, || {
         let asked = read_directions(&args.directions)?;
-        let opened = source.open(&args.input, &talk)?;
-        let engine = args.engine.choose(&talk)?;
+        let opened = source.open(&args.input, &console)?;
+        let engine = args.engine.choose(&console)?;
         let settings = ReflectorSettings {
             oem_size: args.table.oem_size,
             border: args.table.border,
@@ -41,7 +41,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         };
         let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
         let query = Query { lobe, roughness, filter: args.filter };
-        let answers = engine.query(&opened.environment, &settings, &directions, query, &talk)?;
+        let answers = engine.query(&opened.environment, &settings, &directions, query, &console)?;
         let bound = args.bound;
         let rows: Vec<String> = asked
             .iter()

@@ -1,7 +1,7 @@
 //! `octagloss synth`: the environments that the examples use.
 
 use super::args::SynthArgs;
-use super::console::{self, Talk};
+use super::console::{self, Console};
 use super::outcome::{Outcome, check_output, print, usage, write_output};
 use crate::io::environment_write::environment_bytes;
 use crate::io::output::Existing;
@@ -33,6 +33,6 @@ pub(super) fn run(args: SynthArgs) -> Outcome {
     check_output(&path, existing)?;
     let bytes = environment_bytes(named, &synth(recipe.name)?, recipe.purpose)?;
     write_output(&path, existing, &bytes)?;
-    Talk::new(args.quiet).note(&format!("{}: {}", path.display(), console::bytes(bytes.len() as u64)));
+    Console::new(args.quiet).note(&format!("{}: {}", path.display(), console::bytes(bytes.len() as u64)));
     Ok(())
 }

@@ -5,7 +5,7 @@ use crate::cpu::adaptive::LEAST_ERROR;
 use crate::filter::Filter;
 use crate::realtime::tables::COUNTS;
 use crate::sh::window::ShWindow;
-use crate::target::{Diffuse, Plan, Shape, TARGETS, Target};
+use crate::target::{Diffuse, Naming, TARGETS, Target, TargetPlan};
 use clap::ValueEnum;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -45,7 +45,7 @@ pub(super) fn target_help() -> String {
             None => "unverified: no test loads it into its engine".to_owned(),
         };
         text += &format!("\n\n{}: {} ({tested})\n{}\nFiles:", target.name, target.reader, expansion(target));
-        for (path, _) in Plan::new(target).files(&Shape { name: "NAME", levels: 1, bounded: &[] }) {
+        for (path, _) in TargetPlan::new(target).files(&Naming { name: "NAME", levels: 1, bounded: &[] }) {
             text += &format!(" {path}");
         }
     }

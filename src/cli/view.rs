@@ -1,6 +1,6 @@
 //! `octagloss view`: objects under an environment, in a window or as a picture.
 
-use super::console::Talk;
+use super::console::Console;
 use super::outcome::{Outcome, check_not_input, check_output, usage, write_output};
 use super::shared_args::InputArgs;
 use super::values::{finite, roughness};
@@ -12,8 +12,8 @@ use crate::io::ldr::write::png_bytes;
 use crate::io::output::Existing;
 use crate::synth::synth;
 use crate::view::{
-    Camera, FRONT, Filter, Levels, Look, Mesh, Object, Paint, Renderer, Screenshot, Show, Start, Tone, Truth,
-    run as run_window, screenshot,
+    Camera, FRONT, Levels, Look, Mesh, Object, Paint, Renderer, Screenshot, Show, Start, Technique, Tone,
+    Truth, run as run_window, screenshot,
 };
 use crate::{Environment, Layout, Rgb};
 use clap::{Args as ClapArgs, ValueEnum};
@@ -118,7 +118,7 @@ struct LookArgs {
     /// bake with several levels its own, which is the default there; the other filters have its level 0.
     /// adaptive is the certified tier, by the CPU for the pixels that are seen.
     #[arg(long, value_name = "F")]
-    filter: Option<Filter>,
+    filter: Option<Technique>,
     /// scene, oem, sat or error
     ///
     /// oem is the octahedral map, sat its table (means of the boxes from the corner), error the filter's
@@ -234,13 +234,13 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     if let Some(size) = args.oem_size.filter(|size| !size.is_power_of_two()) {
         return usage(format!("--oem-size {size} is no power of two, which fitted lobes need"));
     }
-    let talk = Talk::new(args.quiet);
+    let console = Console::new(args.quiet);
     let root = args.look.mesh_root.as_deref();
     let mesh = args.look.mesh.as_deref().map(|path| Mesh::read_within(path, root)).transpose()?;
-    let (environment, name) = environment(&args, &talk)?;
-    let levels = levels(&args, &environment, &talk)?;
+    let (environment, name) = environment(&args, &console)?;
+    let levels = levels(&args, &environment, &console)?;
     if levels.is_some() && args.look.filter.is_none() {
-        look.filter = Filter::Levels;
+        look.filter = Technique::Levels;
     }
     let Some(path) = &args.screenshot else {
         let ViewArgs { oem_size, adapter, size, .. } = args;
@@ -254,7 +254,7 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     check_output(path, existing)?;
     let adapter = engine::any_adapter(args.adapter.as_deref())?;
     let context = block_on(None, Context::new(&adapter))??;
-    talk.note(&format!("adapter: {}", context.describe()));
+    console.note(&format!("adapter: {}", context.describe()));
     let mut renderer = Renderer::new(context.clone())?;
     if let Some(mesh) = &mesh {
         renderer.set_mesh(mesh)?;
@@ -271,16 +271,16 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
 }
 
 /// The environment asked for, or the built-in sky, and its name.
-fn environment(args: &ViewArgs, talk: &Talk) -> Outcome<(Environment, String)> {
+fn environment(args: &ViewArgs, console: &Console) -> Outcome<(Environment, String)> {
     if args.inputs.is_empty() {
         return Ok((synth("sky")?, "sky".to_owned()));
     }
     let source = input::single_source(args.inputs.clone(), &args.input)?;
-    Ok((source.open(&args.input, talk)?.environment, source.stem()))
+    Ok((source.open(&args.input, console)?.environment, source.stem()))
 }
 
 /// The levels of the input, where it is a bake with several of them. A sun taken out is still in them.
-fn levels(args: &ViewArgs, environment: &Environment, talk: &Talk) -> Outcome<Option<Levels>> {
+fn levels(args: &ViewArgs, environment: &Environment, console: &Console) -> Outcome<Option<Levels>> {
     let ([path], false) = (&args.inputs[..], args.input.extract_sun) else { return Ok(None) };
     let Some(LoadedChain { chain, .. }) = input::read_bake(path)? else { return Ok(None) };
     if environment.layout() != (Layout::Cube { size: chain.levels[0].size() }) {
@@ -294,7 +294,7 @@ fn levels(args: &ViewArgs, environment: &Environment, talk: &Talk) -> Outcome<Op
         turned = turned.rotated_y(degrees);
     }
     Ok(Levels::new(chain, turned.source_from_world()).unwrap_or_else(|error| {
-        talk.warn(&format!("{}: {error}; its level 0 is filtered anew", path.display()));
+        console.warn(&format!("{}: {error}; its level 0 is filtered anew", path.display()));
         None
     }))
 }

@@ -76,7 +76,7 @@ struct Cell {
 
 /// One level of quads: the quad of cell (i, j) of the level above is at `first` + j * `width` + i.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Level {
+pub(super) struct CellLevel {
     pub(super) first: u32,
     pub(super) width: u32,
 }
@@ -92,7 +92,7 @@ pub struct Cells {
     pub(super) mean_luminance: f64,
     pub(super) quads: Vec<Quad>,
     /// Levels from the finest (texels, or blocks of them) to the root, whose quad is the last.
-    pub(super) levels: Vec<Level>,
+    pub(super) levels: Vec<CellLevel>,
     pub(super) reconstruction: Reconstruction,
     /// Texels along an edge of a finest cell: 1 if the tree reaches texels.
     pub(super) block: u32,
@@ -145,7 +145,10 @@ impl Cells {
         loop {
             let above = width.div_ceil(2);
             let first = quads.len();
-            levels.push(Level { first: u32::try_from(first).expect("fewer than 2^32 cells"), width: above });
+            levels.push(CellLevel {
+                first: u32::try_from(first).expect("fewer than 2^32 cells"),
+                width: above,
+            });
             quads.resize(first + above as usize * above as usize, Quad::default());
             let mut parents = vec![Cell::default(); above as usize * above as usize];
             let rows =

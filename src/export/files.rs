@@ -19,7 +19,7 @@ use crate::lobe::{LOBE_KEY, Lobe};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{name, order_text};
 use crate::sphere::cube::Face;
-use crate::target::{Content, Plan, READERS, Shape};
+use crate::target::{Content, Naming, READERS, TargetPlan};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -42,11 +42,11 @@ pub struct Made {
 /// # Errors
 /// [`Error::Parameter`] if the container cannot hold the pixel format or the levels, and if the plan requires
 /// an irradiance or a sheen cube that was not baked.
-pub fn files(plan: &Plan, name: &str, bake: &Bake, metadata: &[(String, String)]) -> Result<Vec<Made>> {
+pub fn files(plan: &TargetPlan, name: &str, bake: &Bake, metadata: &[(String, String)]) -> Result<Vec<Made>> {
     plan.check()?;
     let levels = &bake.chain.levels;
     let bounded: Vec<u32> = (0..).zip(levels).filter(|(_, l)| l.bounds.is_some()).map(|(k, _)| k).collect();
-    let shape = Shape { name, levels: levels.len() as u32, bounded: &bounded };
+    let shape = Naming { name, levels: levels.len() as u32, bounded: &bounded };
     let make = |(path, content): (String, Content)| {
         let file = file_of(plan, name, bake, metadata, (&path, content))?;
         Ok(Made { path, content, bytes: file.bytes, clamped: file.clamped })
@@ -56,7 +56,7 @@ pub fn files(plan: &Plan, name: &str, bake: &Bake, metadata: &[(String, String)]
 
 /// Encodes the file at `path` of `plan` with `content`.
 fn file_of(
-    plan: &Plan,
+    plan: &TargetPlan,
     name: &str,
     bake: &Bake,
     metadata: &[(String, String)],
@@ -112,7 +112,12 @@ fn irradiance(bake: &Bake) -> Result<&Level> {
 }
 
 /// Encodes the image `name` of a level.
-fn image_file(plan: &Plan, bake: &Bake, metadata: &[(String, String)], name: LevelName) -> Result<CubeFile> {
+fn image_file(
+    plan: &TargetPlan,
+    bake: &Bake,
+    metadata: &[(String, String)],
+    name: LevelName,
+) -> Result<CubeFile> {
     let level = match name.level {
         Some(level) => bake.chain.levels.get(level as usize).ok_or_else(|| missing("a level"))?,
         None => irradiance(bake)?,
@@ -151,7 +156,7 @@ fn image_file(plan: &Plan, bake: &Bake, metadata: &[(String, String)], name: Lev
 }
 
 /// Encodes level 0 as one image, with columns shifted for the engine.
-fn panorama(plan: &Plan, bake: &Bake, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
+fn panorama(plan: &TargetPlan, bake: &Bake, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let level = bake
         .chain
         .levels
@@ -184,7 +189,12 @@ fn panorama(plan: &Plan, bake: &Bake, path: &str, metadata: &[(String, String)])
 
 /// Metadata of a cube: `metadata` with the target and its flip, and in KTX Filament's key for spherical
 /// harmonics.
-fn cube_metadata(plan: &Plan, bake: &Bake, metadata: &[(String, String)], sh: bool) -> Vec<(String, String)> {
+fn cube_metadata(
+    plan: &TargetPlan,
+    bake: &Bake,
+    metadata: &[(String, String)],
+    sh: bool,
+) -> Vec<(String, String)> {
     let mut pairs = Vec::new();
     if plan.container == Container::Ktx1 && sh {
         // Nine lines of three numbers; Ktx1Bundle::getSphericalHarmonics reads 27 of them.
@@ -197,7 +207,7 @@ fn cube_metadata(plan: &Plan, bake: &Bake, metadata: &[(String, String)], sh: bo
 }
 
 /// `metadata` with the target's name and flip, if there is a target.
-fn of_target(plan: &Plan, metadata: &[(String, String)]) -> Vec<(String, String)> {
+fn of_target(plan: &TargetPlan, metadata: &[(String, String)]) -> Vec<(String, String)> {
     if !plan.is_targeted() {
         return metadata.to_vec();
     }
@@ -210,7 +220,7 @@ fn of_target(plan: &Plan, metadata: &[(String, String)]) -> Vec<(String, String)
 }
 
 /// The coefficients in the plan's scaling, with their order.
-fn sh_json(plan: &Plan, bake: &Bake) -> String {
+fn sh_json(plan: &TargetPlan, bake: &Bake) -> String {
     let scale = match plan.target.sh_scale {
         ShScale::Radiance => "radiance, orthonormal basis without the Condon-Shortley phase",
         ShScale::Irradiance => "irradiance, orthonormal basis without the Condon-Shortley phase",

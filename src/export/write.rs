@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::format::container::Container;
 use crate::format::{OutputLayout, Pixel};
 use crate::io::output::{self, Existing, Output};
-use crate::target::{Diffuse, Plan, UNTARGETED};
+use crate::target::{Diffuse, TargetPlan, UNTARGETED};
 use std::path::Path;
 
 /// Options of [`Bake::write`].
@@ -50,7 +50,7 @@ impl Bake {
             _ => Pixel::F16,
         });
         let diffuse = if self.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
-        let plan = Plan { container, pixel, layout, diffuse, ..Plan::new(&UNTARGETED) };
+        let plan = TargetPlan { container, pixel, layout, diffuse, ..TargetPlan::new(&UNTARGETED) };
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let made = files(&plan, &name, self, &options.metadata)?;
         let outputs = if plan.is_single() {

@@ -37,7 +37,7 @@ struct Share {
 
 /// A texel or a part of one, from `low` to `high` in texels of its image.
 #[derive(Clone, Copy)]
-struct Part {
+struct Piece {
     low: DVec2,
     high: DVec2,
 }
@@ -154,7 +154,7 @@ impl<'a> Carrier<'a> {
             let below = line(&self, y + 1);
             for x in 0..columns {
                 let low = DVec2::new(f64::from(x), f64::from(y));
-                let part = Part { low, high: low + 1.0 };
+                let part = Piece { low, high: low + 1.0 };
                 let map = self.source.map();
                 let solid_angle = map.solid_angle(self.component, self.uv(part.low), self.uv(part.high));
                 if solid_angle <= 0.0 {
@@ -200,7 +200,7 @@ impl<'a> Carrier<'a> {
     }
 
     /// Appends the shares of `part`, quartered `depth` times, in steradians up to the part's own error.
-    fn carry(&mut self, part: Part, corners: Corners, depth: u32, source: u32, shares: &mut Vec<Share>) {
+    fn carry(&mut self, part: Piece, corners: Corners, depth: u32, source: u32, shares: &mut Vec<Share>) {
         let middle = (part.low + part.high) / 2.0;
         let centre = self.place(middle);
         if let [Some(a), Some(b), Some(c), Some(d)] = corners
@@ -232,7 +232,7 @@ impl<'a> Carrier<'a> {
             DVec2::new(part.low.x, middle.y),
         ]
         .map(|at| self.place(at));
-        let quarter = |low: DVec2, high: DVec2| Part { low, high };
+        let quarter = |low: DVec2, high: DVec2| Piece { low, high };
         let [a, b, c, d] = corners;
         let parts = [
             (quarter(part.low, middle), [a, top, centre, left]),
@@ -252,7 +252,7 @@ impl<'a> Carrier<'a> {
     }
 
     /// Approximate solid angle of `part`: the density at its centre times its area.
-    fn size_of(&self, part: Part) -> f64 {
+    fn size_of(&self, part: Piece) -> f64 {
         let extent = part.high - part.low;
         let middle = (part.low + part.high) / 2.0;
         let (_, step, _) = self.frame;

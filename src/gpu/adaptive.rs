@@ -104,7 +104,7 @@ impl Packet {
 
 /// Part of a lobe over one reconstruction of the OEM.
 #[derive(Clone, Copy, Debug)]
-pub struct Part<'a> {
+pub struct LobePart<'a> {
     /// The cells.
     pub cells: &'a CellTree,
     /// The lobe.
@@ -115,7 +115,7 @@ pub struct Part<'a> {
     pub share: f64,
 }
 
-impl Part<'_> {
+impl LobePart<'_> {
     fn uniform(&self, count: u32, add: bool) -> Lobe {
         let Self { cells, kernel, error, share } = *self;
         let (shape, first, second) = kernel.parameters();
@@ -214,7 +214,7 @@ impl Adaptive {
     /// # Panics
     /// If there are no parts or more than two.
     #[must_use]
-    pub fn stage(&self, context: &Context, parts: &[Part<'_>], packets: &Packets) -> Stage {
+    pub fn stage(&self, context: &Context, parts: &[LobePart<'_>], packets: &Packets) -> Stage {
         assert!((1..=2).contains(&parts.len()), "one or two parts");
         let Packets { count, packets, results, leaves } = packets;
         let dispatches = parts.iter().zip(leaves).enumerate().map(|(index, (part, leaves))| {
@@ -243,7 +243,7 @@ impl Adaptive {
     pub async fn evaluate(
         &self,
         context: &Context,
-        parts: &[Part<'_>],
+        parts: &[LobePart<'_>],
         packets: &[Packet],
     ) -> Result<Answers> {
         let mut answers = Answers::default();

@@ -24,7 +24,7 @@ const TENT: u64 = 48;
 /// Uniform of one level.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub struct Level {
+pub struct CellLevel {
     first: u32,
     width: u32,
     finer_first: u32,
@@ -172,7 +172,7 @@ impl CellTree {
     }
 }
 
-shader::members!(Level { first, width, finer_first, finer_width, cells, block });
+shader::members!(CellLevel { first, width, finer_first, finer_width, cells, block });
 shader::members!(Tent { centroid, radius, diagonal, pad_0, mixed, pad_1 });
 
 impl BuildCells {
@@ -229,7 +229,7 @@ impl BuildCells {
         let mut dispatches = Vec::from(self.least.dispatches(context, oem, least.as_entire_binding()));
         for (index, &[first, width]) in levels.iter().enumerate() {
             let [finer_first, finer_width] = if index > 0 { levels[index - 1] } else { [0, 0] };
-            let uniform = Level { first, width, finer_first, finer_width, cells, block };
+            let uniform = CellLevel { first, width, finer_first, finer_width, cells, block };
             let uniform = context.uniform("level of cells", &uniform);
             let level = (9, uniform.as_entire_binding());
             dispatches.push(if index == 0 {

@@ -1,6 +1,6 @@
 //! The GPU engine: prepares environments, queries and bakes them.
 
-use super::adaptive::{Adaptive, Answers, Packet, Packets, Part};
+use super::adaptive::{Adaptive, Answers, LobePart, Packet, Packets};
 use super::box_filter::{BoxFilter, SatTextures};
 use super::build_fitted::BuildFitted;
 use super::cells::{BuildCells, CellTree};
@@ -110,7 +110,7 @@ impl Engine {
             check_lobe(level.lobe)?;
             self.check_fits(environment, &reflector_settings, level.filter)?;
         }
-        let reflector = Reflector::new(self, environment, &reflector_settings)?;
+        let reflector = GpuReflector::new(self, environment, &reflector_settings)?;
         bake::bake_job(job, &reflector, progress).await
     }
 
@@ -145,7 +145,7 @@ impl Engine {
             return Err(Error::Parameter("`bake_stages` requires the adaptive filter".to_owned()));
         };
         let job = Job::new(environment, std::slice::from_ref(settings))?;
-        let reflector = Reflector::new(self, environment, &job.reflector_settings())?;
+        let reflector = GpuReflector::new(self, environment, &job.reflector_settings())?;
         let Self { context, reparameterise, adaptive, .. } = self;
         let mut levels = Vec::new();
         for level in job.levels() {
@@ -164,7 +164,7 @@ impl Engine {
             let parts = reflector.parts(lobe, spec.roughness * spec.roughness, error)?;
             levels.push(adaptive.stage(context, &parts, &packets));
         }
-        let Reflector { stage, constant, bilinear, .. } = &reflector;
+        let GpuReflector { stage, constant, bilinear, .. } = &reflector;
         let cells = [constant, bilinear].into_iter().filter_map(OnceLock::get).map(|(_, stage)| stage);
         Ok(std::iter::once(stage).chain(cells).cloned().chain(levels).collect())
     }
@@ -172,7 +172,7 @@ impl Engine {
 
 /// An environment's OEM on the GPU, for queries. Tables are built on first use.
 #[derive(Debug)]
-pub struct Reflector<'a> {
+pub struct GpuReflector<'a> {
     engine: &'a Engine,
     environment: &'a Environment,
     /// Scale of the light in texture, planes and tables.
@@ -188,7 +188,7 @@ pub struct Reflector<'a> {
     fitted: OnceLock<FittedTables>,
 }
 
-impl<'a> Reflector<'a> {
+impl<'a> GpuReflector<'a> {
     /// Uploads `environment` and builds its OEM.
     ///
     /// # Errors
@@ -221,7 +221,7 @@ impl<'a> Reflector<'a> {
         })
     }
 
-    /// The OEM. Its light is that of the source times 2^[`Reflector::light_exponent`].
+    /// The OEM. Its light is that of the source times 2^[`GpuReflector::light_exponent`].
     #[must_use]
     pub const fn planes(&self) -> &OemPlanes {
         &self.planes
@@ -311,7 +311,7 @@ impl<'a> Reflector<'a> {
         Ok(answers)
     }
 
-    /// [`Reflector::evaluate`] in the OEM's units.
+    /// [`GpuReflector::evaluate`] in the OEM's units.
     async fn evaluate_scaled(
         &self,
         groups: &[&[DVec3]],
@@ -369,20 +369,20 @@ impl<'a> Reflector<'a> {
     }
 
     /// The parts of `lobe`, with their cells built.
-    fn parts(&self, lobe: Lobe, alpha: f64, error: f64) -> Result<Vec<Part<'_>>> {
+    fn parts(&self, lobe: Lobe, alpha: f64, error: f64) -> Result<Vec<LobePart<'_>>> {
         let kernel = Kernel::new(lobe, alpha);
         let bilinear = bilinear_share(lobe, alpha, self.planes.size().inner);
         [(1.0 - bilinear, Reconstruction::Constant), (bilinear, Reconstruction::Bilinear)]
             .into_iter()
             .filter(|(share, _)| *share > 0.0)
             .map(|(share, reconstruction)| {
-                Ok(Part { cells: self.cells(reconstruction)?, kernel, error, share })
+                Ok(LobePart { cells: self.cells(reconstruction)?, kernel, error, share })
             })
             .collect()
     }
 }
 
-impl BakeEngine for Reflector<'_> {
+impl BakeEngine for GpuReflector<'_> {
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
         let LevelJob { spec, lobe, filter } = *level;
         let Engine { context, reparameterise, .. } = self.engine;

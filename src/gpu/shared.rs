@@ -99,7 +99,7 @@ pub fn structs() -> Vec<Struct> {
     vec![
         layout!("adaptive.wgsl", "Lobe", adaptive::Lobe),
         layout!("adaptive.wgsl", "Packet", adaptive::Packet),
-        layout!("cells.wgsl", "Level", cells::Level),
+        layout!("cells.wgsl", "Level", cells::CellLevel),
         layout!("cells.wgsl", "Tent", cells::Tent),
         layout!("common/light.wgsl", "OctaglossEmitter", fitted::EmitterWords),
         // Least radiance, two vectors of units, 25 harmonics, emitters.

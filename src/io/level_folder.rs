@@ -4,7 +4,7 @@
 
 use super::decode::Format;
 use super::layout::{LayoutChoice, arrangement};
-use super::panics::contained;
+use super::panics::catching_panics;
 use super::picture::{Content, Picture, Source, Stored, check_finite};
 use super::provenance::Provenance;
 use super::regular::open_regular;
@@ -139,7 +139,7 @@ fn header_bytes(path: &Path) -> Result<Vec<u8>> {
 
 /// Columns, rows and roughness of a level's image; `None` if its header has no roughness.
 fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
-    contained(source.path, || match Format::sniff(source.bytes) {
+    catching_panics(source.path, || match Format::sniff(source.bytes) {
         Some(Format::OpenExr) => exr::read::level_told(source),
         Some(Format::Radiance) => hdr::read::level_told(source),
         _ => Ok(None),
@@ -175,7 +175,7 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
         let path = face_file(folder, level.level, face)?;
         let bytes = super::decode::file_bytes(&path, memory_limit)?;
         let source = Source { path: &path, bytes: &bytes, memory_limit };
-        let mut picture = contained(&path, || super::decode::decode(&source))?;
+        let mut picture = catching_panics(&path, || super::decode::decode(&source))?;
         if (picture.width, picture.height) != (level.size, level.size) {
             return Err(source.error(format!(
                 "{}x{}, but report.json says that level {} is {size}x{size}",
@@ -208,7 +208,7 @@ fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
 fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Picture> {
     let bytes = super::decode::file_bytes(path, memory_limit)?;
     let source = Source { path, bytes: &bytes, memory_limit };
-    let mut picture = contained(path, || super::decode::decode(&source))?;
+    let mut picture = catching_panics(path, || super::decode::decode(&source))?;
     let (width, height) = (picture.width, picture.height);
     let arrangement = arrangement(path, width, height, picture.content, LayoutChoice::Auto)?;
     let (_, rows) = arrangement.layout.sides();

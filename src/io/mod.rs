@@ -42,7 +42,7 @@ pub use repair::Repairs;
 use crate::chain::Chain;
 use crate::environment::Environment;
 use crate::error::{Error, Result, printable};
-use panics::contained;
+use panics::catching_panics;
 use picture::Stored;
 use picture::{Content, Picture, Source};
 use provenance::Provenance;
@@ -124,7 +124,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
     };
     let bytes = file_bytes(file, options.memory_limit)?;
     let source = Source { path: file, bytes: &bytes, memory_limit: options.memory_limit };
-    let mut picture = contained(file, || decode(&source))?;
+    let mut picture = catching_panics(file, || decode(&source))?;
     if picture.provenance.rotate_y.is_none()
         && let Some(described) = side_report::of_file(file, || blake3::hash(&bytes))
     {
@@ -141,7 +141,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
 /// As [`read`].
 pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Loaded> {
     let source = Source { path, bytes, memory_limit: options.memory_limit };
-    let picture = contained(path, || decode(&source))?;
+    let picture = catching_panics(path, || decode(&source))?;
     finish(path, picture, options)
 }
 
@@ -191,9 +191,9 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
                 file.display()
             )));
         };
-        contained(&file, || dds::read::decode_chain(&source, &report.roughness))?
+        catching_panics(&file, || dds::read::decode_chain(&source, &report.roughness))?
     } else {
-        contained(&file, || decode_chain(&source))?
+        catching_panics(&file, || decode_chain(&source))?
     };
     if stored.provenance.rotate_y.is_none()
         && let Some(report) = report()
@@ -210,7 +210,7 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
 /// As [`read_chain`].
 pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<Chain> {
     let source = Source { path, bytes, memory_limit };
-    Ok(in_world(path, contained(path, || decode_chain(&source))?)?.chain)
+    Ok(in_world(path, catching_panics(path, || decode_chain(&source))?)?.chain)
 }
 
 /// Decodes a chain of any container that stores its levels' roughness.
@@ -286,7 +286,7 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
         }
         let bytes = file_bytes(path, options.memory_limit)?;
         let source = Source { path, bytes: &bytes, memory_limit: options.memory_limit };
-        let mut face = contained(path, || decode(&source))?;
+        let mut face = catching_panics(path, || decode(&source))?;
         if face.content == Content::Cube {
             return Err(source.error("already a whole cube; give it alone"));
         }

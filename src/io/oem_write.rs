@@ -9,7 +9,7 @@
 use super::cube_file::CubeFile;
 use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::Attribute;
-use super::ktx2::file::{Shape, ktx2_file};
+use super::ktx2::file::{TextureShape, ktx2_file};
 use super::ktx2::write::{ROUGHNESS_KEY, format_of, roughness_text};
 use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
@@ -86,7 +86,7 @@ pub fn oem_bytes(
             let roughness = roughness_text(levels.iter().map(|level| level.roughness));
             pairs.push((ROUGHNESS_KEY, &roughness));
             let side = sizes[0].bordered();
-            let shape = Shape {
+            let shape = TextureShape {
                 format: format_of(pixel)?,
                 width: side,
                 height: side,

@@ -7,14 +7,14 @@ use std::path::Path;
 use std::sync::Once;
 
 thread_local! {
-    /// Whether this thread runs a contained decoder, whose panics must not be printed to stderr.
+    /// Whether this thread runs a catching_panics decoder, whose panics must not be printed to stderr.
     static CONTAINED: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Runs `decode`; a panic becomes an error about `path`.
 ///
-/// The first call installs a panic hook that forwards all panics except contained ones to the previous hook.
-pub(crate) fn contained<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
+/// The first call installs a panic hook that forwards all panics except catching_panics ones to the previous hook.
+pub(crate) fn catching_panics<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let previous = panic::take_hook();
@@ -32,19 +32,19 @@ pub(crate) fn contained<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> R
 
 #[cfg(test)]
 mod tests {
-    use super::contained;
+    use super::catching_panics;
     use std::path::Path;
 
     #[test]
     fn panic_becomes_a_one_line_error() {
-        let error = contained::<()>(Path::new("a.exr"), || panic!("index out of bounds")).unwrap_err();
+        let error = catching_panics::<()>(Path::new("a.exr"), || panic!("index out of bounds")).unwrap_err();
         assert_eq!(error.to_string(), "a.exr: corrupt: the decoder failed; re-export the file");
     }
 
     #[test]
     fn nested_calls_keep_the_outer_one_contained() {
-        let error = contained::<()>(Path::new("outer"), || {
-            contained::<()>(Path::new("inner"), || panic!("inside")).unwrap_err();
+        let error = catching_panics::<()>(Path::new("outer"), || {
+            catching_panics::<()>(Path::new("inner"), || panic!("inside")).unwrap_err();
             panic!("outside")
         });
         assert!(error.unwrap_err().to_string().starts_with("outer: corrupt"), "the outer file is named");

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// A lobe at one roughness.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
-    pub(crate) shape: Shape,
+    pub(crate) shape: KernelShape,
     /// Integral over the sphere, in closed form.
     pub(crate) integral: f64,
     /// GGX's alpha or its equivalent: the distance over which the kernel changes.
@@ -17,7 +17,7 @@ pub struct Kernel {
 
 /// k(s) of each lobe, scaled as in [`lobe::kernel`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Shape {
+pub(crate) enum KernelShape {
     Ggx(Ggx),
     Phong(Phong),
     WidePhong(WidePhong),
@@ -26,7 +26,7 @@ pub(crate) enum Shape {
     Charlie(Charlie),
 }
 
-/// Shape numbers in `shaders/common/kernel.wgsl`.
+/// KernelShape numbers in `shaders/common/kernel.wgsl`.
 #[cfg(feature = "gpu")]
 pub(crate) mod shape {
     pub(crate) const GGX: u32 = 0;
@@ -40,12 +40,12 @@ pub(crate) mod shape {
 macro_rules! with_radial {
     ($shape:expr, $radial:ident => $body:expr) => {
         match $shape {
-            $crate::lobe::kernel::Shape::Ggx($radial) => $body,
-            $crate::lobe::kernel::Shape::Phong($radial) => $body,
-            $crate::lobe::kernel::Shape::WidePhong($radial) => $body,
-            $crate::lobe::kernel::Shape::Cone($radial) => $body,
-            $crate::lobe::kernel::Shape::Cosine($radial) => $body,
-            $crate::lobe::kernel::Shape::Charlie($radial) => $body,
+            $crate::lobe::kernel::KernelShape::Ggx($radial) => $body,
+            $crate::lobe::kernel::KernelShape::Phong($radial) => $body,
+            $crate::lobe::kernel::KernelShape::WidePhong($radial) => $body,
+            $crate::lobe::kernel::KernelShape::Cone($radial) => $body,
+            $crate::lobe::kernel::KernelShape::Cosine($radial) => $body,
+            $crate::lobe::kernel::KernelShape::Charlie($radial) => $body,
         }
     };
 }
@@ -58,7 +58,7 @@ impl Kernel {
         let shape = match lobe {
             Lobe::Ggx => {
                 let squared = alpha * alpha;
-                Shape::Ggx(Ggx {
+                KernelShape::Ggx(Ggx {
                     peak: (1.0 / (PI * squared)) as f32,
                     steep: ((1.0 - squared) / squared) as f32,
                 })
@@ -66,14 +66,14 @@ impl Kernel {
             Lobe::Phong => {
                 let exponent = lobe::phong_exponent(alpha) as f32;
                 if exponent >= 2.0 {
-                    Shape::Phong(Phong { exponent })
+                    KernelShape::Phong(Phong { exponent })
                 } else {
-                    Shape::WidePhong(WidePhong { exponent })
+                    KernelShape::WidePhong(WidePhong { exponent })
                 }
             }
-            Lobe::Cone => Shape::Cone(Cone { edge: lobe::cone_edge(alpha) as f32 }),
-            Lobe::Cosine => Shape::Cosine(Cosine),
-            Lobe::Charlie => Shape::Charlie(Charlie::new(lobe::charlie_power(alpha) as f32)),
+            Lobe::Cone => KernelShape::Cone(Cone { edge: lobe::cone_edge(alpha) as f32 }),
+            Lobe::Cosine => KernelShape::Cosine(Cosine),
+            Lobe::Charlie => KernelShape::Charlie(Charlie::new(lobe::charlie_power(alpha) as f32)),
         };
         let width = match lobe {
             Lobe::Cosine => 1.0,
@@ -111,20 +111,22 @@ impl Kernel {
     #[cfg(feature = "gpu")]
     pub(crate) fn parameters(&self) -> (u32, f32, f32) {
         match self.shape {
-            Shape::Ggx(Ggx { peak, steep }) => (shape::GGX, peak, steep),
-            Shape::Phong(Phong { exponent }) => (shape::PHONG, exponent, 0.0),
-            Shape::WidePhong(WidePhong { exponent }) => (shape::WIDE_PHONG, exponent, 0.0),
-            Shape::Cone(Cone { edge }) => (shape::CONE, edge, 0.0),
-            Shape::Cosine(Cosine) => (shape::COSINE, 0.0, 0.0),
-            Shape::Charlie(_) => unreachable!("the engine refuses it"),
+            KernelShape::Ggx(Ggx { peak, steep }) => (shape::GGX, peak, steep),
+            KernelShape::Phong(Phong { exponent }) => (shape::PHONG, exponent, 0.0),
+            KernelShape::WidePhong(WidePhong { exponent }) => (shape::WIDE_PHONG, exponent, 0.0),
+            KernelShape::Cone(Cone { edge }) => (shape::CONE, edge, 0.0),
+            KernelShape::Cosine(Cosine) => (shape::COSINE, 0.0, 0.0),
+            KernelShape::Charlie(_) => unreachable!("the engine refuses it"),
         }
     }
 
     /// The greatest value that single precision flushes to 0: the tails of Phong lobes underflow.
     pub(crate) const fn underflow(&self) -> f32 {
         match self.shape {
-            Shape::Phong(_) | Shape::WidePhong(_) => f32::MIN_POSITIVE,
-            Shape::Ggx(_) | Shape::Cone(_) | Shape::Cosine(_) | Shape::Charlie(_) => 0.0,
+            KernelShape::Phong(_) | KernelShape::WidePhong(_) => f32::MIN_POSITIVE,
+            KernelShape::Ggx(_) | KernelShape::Cone(_) | KernelShape::Cosine(_) | KernelShape::Charlie(_) => {
+                0.0
+            }
         }
     }
 
@@ -133,18 +135,18 @@ impl Kernel {
     pub(crate) fn grazing_slope(&self) -> f64 {
         match self.shape {
             // Convex, so steepest at 1/4: k = (1 - 2 s) g, and g' = -2 steep w g.
-            Shape::Ggx(Ggx { peak, steep }) => {
+            KernelShape::Ggx(Ggx { peak, steep }) => {
                 let (peak, steep) = (f64::from(peak), f64::from(steep));
                 let w = 1.0 / (1.0 + 0.25 * steep);
                 peak * w * w * (2.0 + steep * w)
             }
-            Shape::Phong(Phong { exponent }) => {
+            KernelShape::Phong(Phong { exponent }) => {
                 let n = f64::from(exponent);
                 2.0 * n * 0.5_f64.powf(n - 1.0)
             }
             // Charlie's two terms have opposite signs, and neither is above 2.
-            Shape::Cosine(_) | Shape::Charlie(_) => 2.0,
-            Shape::WidePhong(_) | Shape::Cone(_) => 0.0,
+            KernelShape::Cosine(_) | KernelShape::Charlie(_) => 2.0,
+            KernelShape::WidePhong(_) | KernelShape::Cone(_) => 0.0,
         }
     }
 

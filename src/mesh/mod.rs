@@ -9,7 +9,7 @@ pub use material::{Image, Material, Texture, Wrap};
 
 use crate::error::{Error, Result};
 use crate::io::confined::Confined;
-use crate::io::panics::contained;
+use crate::io::panics::catching_panics;
 use crate::io::regular::read_regular;
 use glam::{DMat3, DMat4, DVec3};
 use std::f64::consts::TAU;
@@ -34,7 +34,7 @@ pub struct Vertex {
 
 /// Triangles of one material.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
+pub struct SubMesh {
     /// Range of the mesh's indices; whole triangles.
     pub indices: Range<u32>,
     /// Index of the mesh's material; `None` if the file has none.
@@ -49,7 +49,7 @@ pub struct Mesh {
     /// Three indices per triangle.
     pub indices: Vec<u32>,
     /// All triangles, by material.
-    pub parts: Vec<Part>,
+    pub parts: Vec<SubMesh>,
     /// The materials of the file.
     pub materials: Vec<Material>,
     /// The images of their textures.
@@ -65,7 +65,7 @@ pub const MOST_INDICES: usize = 6 * MOST_VERTICES;
 /// Most bytes of a mesh's file and of all files that it refers to.
 pub const MOST_BYTES: u64 = 1 << 30;
 
-/// Reads the mesh in `bytes`, the file named `name`, which must be self-contained: .glb, .obj, or .gltf with
+/// Reads the mesh in `bytes`, the file named `name`, which must be self-catching_panics: .glb, .obj, or .gltf with
 /// embedded data.
 ///
 /// # Errors
@@ -114,7 +114,7 @@ impl Mesh {
                 indices.extend([a, b, a + 1, a + 1, b, b + 1]);
             }
         }
-        let parts = vec![Part { indices: 0..indices.len() as u32, material: None }];
+        let parts = vec![SubMesh { indices: 0..indices.len() as u32, material: None }];
         Self { vertices, indices, parts, materials: Vec::new(), images: Vec::new() }
     }
 
@@ -138,17 +138,17 @@ impl Mesh {
         let bytes = read_regular(path, MOST_BYTES)?;
         let left = MOST_BYTES - bytes.len() as u64;
         let mut files = Confined::below(path, root, left)?;
-        contained(path, || kind.read(path, &bytes, &mut files))
+        catching_panics(path, || kind.read(path, &bytes, &mut files))
     }
 
-    /// [`Mesh::read`] for a file in memory, which must be self-contained: .glb, .obj, or .gltf with embedded
+    /// [`Mesh::read`] for a file in memory, which must be self-catching_panics: .glb, .obj, or .gltf with embedded
     /// data.
     ///
     /// # Errors
     /// [`Error::Input`] if the file holds no mesh, [`Error::Limit`] if the mesh is too large.
     pub fn read_from_memory(path: &Path, bytes: &[u8]) -> Result<Self> {
         let kind = Kind::of(path)?;
-        contained(path, || kind.read(path, bytes, &mut Confined::inside(path, MOST_BYTES)))
+        catching_panics(path, || kind.read(path, bytes, &mut Confined::inside(path, MOST_BYTES)))
     }
 
     /// Moves the mesh to the origin and scales it to 1; rejects a mesh without triangles or extent.
@@ -336,7 +336,7 @@ impl Builder {
             let first = indices.len() as u32;
             indices.extend(list);
             if indices.len() as u32 > first {
-                parts.push(Part { indices: first..indices.len() as u32, material });
+                parts.push(SubMesh { indices: first..indices.len() as u32, material });
             }
         }
         let Self { vertices, materials, .. } = self;

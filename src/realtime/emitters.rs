@@ -45,7 +45,7 @@ pub struct Emitter {
 ///
 /// The size of the OEM must be a power of two and at least 16 texels.
 #[must_use]
-pub fn taken_out(oem: &Oem) -> (Vec<Emitter>, Oem) {
+pub fn extracted(oem: &Oem) -> (Vec<Emitter>, Oem) {
     let inner = oem.size().inner;
     let block = block(inner);
     let side = inner / block;

@@ -1,6 +1,6 @@
 //! Targets: presets of what engines expect of a bake, and their files.
 //!
-//! A [`Target`] is a row of [`TARGETS`]; a [`Plan`] is a row with overrides; [`crate::export::files`] encodes
+//! A [`Target`] is a row of [`TARGETS`]; a [`TargetPlan`] is a row with overrides; [`crate::export::files`] encodes
 //! its files from a bake.
 
 mod flip;
@@ -401,7 +401,7 @@ impl Target {
 
 /// A target with all options resolved.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct TargetPlan {
     /// The preset.
     pub target: &'static Target,
     /// The container of its cubes.
@@ -418,7 +418,7 @@ pub struct Plan {
 
 /// Parameters of a plan's files.
 #[derive(Clone, Copy, Debug)]
-pub struct Shape<'a> {
+pub struct Naming<'a> {
     /// Name of the environment; without a target that of the output.
     pub name: &'a str,
     /// Number of levels.
@@ -427,7 +427,7 @@ pub struct Shape<'a> {
     pub bounded: &'a [u32],
 }
 
-impl Plan {
+impl TargetPlan {
     /// The plan of `target` without overrides.
     #[must_use]
     pub const fn new(target: &'static Target) -> Self {
@@ -488,8 +488,8 @@ impl Plan {
 
     /// The files to write, with their paths in the output's folder.
     #[must_use]
-    pub fn files(&self, shape: &Shape<'_>) -> Vec<(String, Content)> {
-        let Shape { name, levels, bounded } = *shape;
+    pub fn files(&self, shape: &Naming<'_>) -> Vec<(String, Content)> {
+        let Naming { name, levels, bounded } = *shape;
         let extension = self.container.name();
         let stem = name.rsplit_once('.').map_or(name, |(stem, _)| if stem.is_empty() { name } else { stem });
         let path = |file: &FileSpec| {

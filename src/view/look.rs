@@ -44,9 +44,9 @@ impl FromStr for Object {
     }
 }
 
-/// Filter of the reflections.
+/// Technique of the reflections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Filter {
+pub enum Technique {
     /// The single box of the octahedron environment maps paper.
     Box,
     /// The real-time tier, with this number of soft boxes.
@@ -57,7 +57,7 @@ pub enum Filter {
     Adaptive,
 }
 
-impl Display for Filter {
+impl Display for Technique {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Self::Box => f.write_str("box"),
@@ -69,7 +69,7 @@ impl Display for Filter {
 }
 
 /// Parses the output of [`Display`]; `fitted` alone means `fitted:4`.
-impl FromStr for Filter {
+impl FromStr for Technique {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
@@ -173,8 +173,8 @@ pub struct Look {
     pub exposure: Exposure,
     /// Tone mapping.
     pub tone: Tone,
-    /// Filter of the reflections.
-    pub filter: Filter,
+    /// Technique of the reflections.
+    pub filter: Technique,
     /// Content of the picture.
     pub show: Show,
 }
@@ -194,7 +194,7 @@ impl Default for Look {
             turn: 0.0,
             exposure: Exposure::default(),
             tone: Tone::default(),
-            filter: Filter::Fitted(4),
+            filter: Technique::Fitted(4),
             show: Show::default(),
         }
     }
@@ -241,7 +241,7 @@ impl Look {
             }
         }
         match self.filter {
-            Filter::Fitted(count) if !COUNTS.contains(&count) => {
+            Technique::Fitted(count) if !COUNTS.contains(&count) => {
                 Err(Error::Parameter(format!("no fitted lobes with {count} boxes; choose one of {COUNTS:?}")))
             }
             _ => Ok(()),
@@ -265,7 +265,7 @@ impl Look {
     #[must_use]
     pub fn needs_truth(&self) -> bool {
         match self.show {
-            Show::Scene => self.filter == Filter::Adaptive,
+            Show::Scene => self.filter == Technique::Adaptive,
             Show::Error => true,
             Show::Oem | Show::Sat => false,
         }
@@ -274,7 +274,7 @@ impl Look {
     /// Whether the picture follows a moving lamp, through tables rebuilt every frame.
     pub(super) const fn follows_lamp(&self) -> bool {
         match self.show {
-            Show::Scene => matches!(self.filter, Filter::Box | Filter::Fitted(_)),
+            Show::Scene => matches!(self.filter, Technique::Box | Technique::Fitted(_)),
             Show::Oem | Show::Sat => true,
             Show::Error => false,
         }

@@ -33,11 +33,11 @@ mod viewer;
 pub mod web;
 mod window;
 
-pub use crate::mesh::{Image, Material, Mesh, Part, Texture, Vertex, Wrap};
+pub use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Vertex, Wrap};
 pub use camera::{Camera, FRONT};
 pub use levels::Levels;
 pub use light::Light;
-pub use look::{Filter, Look, Object, Paint, Show, Tone};
+pub use look::{Look, Object, Paint, Show, Technique, Tone};
 pub use present::Viewport;
 pub use renderer::Renderer;
 pub use screenshot::{Screenshot, screenshot};

@@ -4,7 +4,7 @@ use super::textures::texture_of;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
-use crate::mesh::{Image, Material, Mesh, Part, Texture, Wrap};
+use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Wrap};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -94,7 +94,7 @@ fn white(context: &Context) -> (wgpu::TextureView, wgpu::Sampler) {
 pub(super) struct Model {
     pub(super) vertices: wgpu::Buffer,
     pub(super) indices: wgpu::Buffer,
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<SubMesh>,
     /// The mesh's materials.
     pub(super) surfaces: Vec<Surface>,
 }

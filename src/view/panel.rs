@@ -1,7 +1,7 @@
 //! The panel of controls.
 
 use super::camera::MAX_PITCH;
-use super::look::{Filter, Look, Object, Paint, Show, Tone};
+use super::look::{Look, Object, Paint, Show, Technique, Tone};
 use crate::image::exposure::{self, Exposure};
 use egui::{ComboBox, DragValue, Grid, Rect, RichText, ScrollArea, Slider, SliderClamping, Ui};
 
@@ -72,14 +72,14 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 (Object::Row, "row of spheres"),
                 (Object::Knot, "torus knot"),
             ], status.has_mesh.then_some((Object::Mesh, "mesh")));
-            choice(ui, "Filter", &mut look.filter, &[
-                (Filter::Box, "box"),
-                (Filter::Fitted(1), "fitted:1"),
-                (Filter::Fitted(2), "fitted:2"),
-                (Filter::Fitted(4), "fitted:4"),
-                (Filter::Fitted(8), "fitted:8"),
-                (Filter::Levels, if status.has_levels { "the bake's own levels" } else { "prefiltered levels" }),
-                (Filter::Adaptive, "adaptive"),
+            choice(ui, "Technique", &mut look.filter, &[
+                (Technique::Box, "box"),
+                (Technique::Fitted(1), "fitted:1"),
+                (Technique::Fitted(2), "fitted:2"),
+                (Technique::Fitted(4), "fitted:4"),
+                (Technique::Fitted(8), "fitted:8"),
+                (Technique::Levels, if status.has_levels { "the bake's own levels" } else { "prefiltered levels" }),
+                (Technique::Adaptive, "adaptive"),
             ], None);
             choice(ui, "Show", &mut look.show, &[
                 (Show::Scene, "scene"),

@@ -3,7 +3,7 @@
 
 use super::frame::{Ladder, ViewFrame};
 use super::light::{Light, Passes};
-use super::look::{Filter, Look, Object, Show};
+use super::look::{Look, Object, Show, Technique};
 use super::model::{Model, Surface};
 use super::present::{Presenter, Viewport};
 use super::roughness_map::RoughnessMap;
@@ -17,7 +17,7 @@ use crate::gpu::box_filter::SatTextures;
 use crate::gpu::device::timer::Timer;
 use crate::gpu::device::{readback, shader};
 use crate::gpu::fitted::FittedTables;
-use crate::mesh::{Mesh, Part, Vertex};
+use crate::mesh::{Mesh, SubMesh, Vertex};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -243,7 +243,7 @@ impl Renderer {
             (Show::Scene, filter) => (source_of(filter), Output::Picture),
             (Show::Error, filter) => (source_of(filter), Output::Error),
         };
-        if let Filter::Fitted(count) = look.filter {
+        if let Technique::Fitted(count) = look.filter {
             light.fitted().set_count(&self.context, count)?;
         }
         let picture = self.next.as_ref().expect("made").picture.clone();
@@ -365,7 +365,7 @@ impl Renderer {
         }
         .filter(|_| has_mesh);
         let plain = self.frame_group(look, light, &self.plain);
-        let surface = |part: &Part| {
+        let surface = |part: &SubMesh| {
             let own = part.material.filter(|_| look.shows_materials());
             own.and_then(|index| mesh?.surfaces.get(index))
         };
@@ -551,11 +551,11 @@ impl Renderer {
 }
 
 /// The source for `filter`.
-const fn source_of(filter: Filter) -> Source {
+const fn source_of(filter: Technique) -> Source {
     match filter {
-        Filter::Box => Source::Box,
-        Filter::Fitted(_) => Source::Fitted,
-        Filter::Levels => Source::Levels,
-        Filter::Adaptive => Source::Truth,
+        Technique::Box => Source::Box,
+        Technique::Fitted(_) => Source::Fitted,
+        Technique::Levels => Source::Levels,
+        Technique::Adaptive => Source::Truth,
     }
 }

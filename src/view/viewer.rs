@@ -2,7 +2,7 @@
 
 use super::levels::Levels;
 use super::light::Light;
-use super::look::{Filter, Look, Object};
+use super::look::{Look, Object, Technique};
 use super::panel::{Motion, Status, panel};
 use super::present::Viewport;
 use super::renderer::Renderer;
@@ -260,7 +260,7 @@ impl Viewer {
     }
 
     /// Sets the message to the user.
-    pub fn tell(&mut self, message: String) {
+    pub fn show_message(&mut self, message: String) {
         self.message = Some(message);
     }
 
@@ -316,8 +316,8 @@ impl Viewer {
         // If the levels cannot be shown, still show the environment.
         let taken = levels.map(|levels| light.set_levels(self.renderer.context(), &levels?)).transpose();
         if light.has_own_levels() {
-            self.look.filter = Filter::Levels;
-        } else if self.light.has_own_levels() && self.look.filter == Filter::Levels {
+            self.look.filter = Technique::Levels;
+        } else if self.light.has_own_levels() && self.look.filter == Technique::Levels {
             self.look.filter = Look::default().filter;
         }
         self.light = light;

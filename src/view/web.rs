@@ -1,6 +1,6 @@
 //! The viewer in a web page: the interface for JavaScript.
 
-use super::look::{Filter, Look, Object, Paint};
+use super::look::{Look, Object, Paint, Technique};
 use super::viewer::{Viewer, is_mesh, options};
 use super::window::{Application, Ready, Shown, Start};
 use crate::gpu::device::shader;
@@ -117,8 +117,8 @@ impl Page {
     }
 
     /// Shows a message in the panel.
-    pub fn tell(&self, message: String) {
-        self.act(|viewer| viewer.tell(message));
+    pub fn show_message(&self, message: String) {
+        self.act(|viewer| viewer.show_message(message));
     }
 
     /// The state as JSON; `null` until the device is ready.
@@ -146,14 +146,14 @@ impl Page {
     }
 
     /// Applies `change`, a JSON object with any of roughness, roughness_factor, backdrop, exposure (a number
-    /// or "auto"), turn, filter, object and paint (as [`Filter`], [`Object`] and [`Paint`] format them) and
+    /// or "auto"), turn, filter, object and paint (as [`Technique`], [`Object`] and [`Paint`] format them) and
     /// panel.
     ///
     /// # Errors
     /// If a field is unknown or its value out of range; nothing changes then.
     pub fn set(&self, change: &str) -> Result<(), JsError> {
         let change: Change = serde_json::from_str(change)?;
-        let filter: Option<Filter> = parsed("filter", change.filter)?;
+        let filter: Option<Technique> = parsed("filter", change.filter)?;
         let object: Option<Object> = parsed("object", change.object)?;
         let paint: Option<Paint> = parsed("paint", change.paint)?;
         let exposure = match change.exposure {

@@ -16,7 +16,7 @@ use octagloss::internals::sh::scale::{ShScale, filament_irradiance, scaled};
 use octagloss::internals::sphere::cube::{Face, direction_from_texel};
 use octagloss::internals::sphere::octahedral;
 use octagloss::internals::synth::synth;
-use octagloss::internals::target::{Content, Diffuse, Flip, Plan, TARGETS, Target, is_target_file};
+use octagloss::internals::target::{Content, Diffuse, Flip, TARGETS, Target, TargetPlan, is_target_file};
 use octagloss::{Map, Rgb};
 use std::ops::ControlFlow;
 
@@ -103,7 +103,7 @@ fn parse_glb(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
 }
 
 /// The levels of a target's cube, in whatever file they are.
-fn stored_levels(plan: &Plan, made: &[Made]) -> Vec<Vec<Rgb>> {
+fn stored_levels(plan: &TargetPlan, made: &[Made]) -> Vec<Vec<Rgb>> {
     let file = |content| made.iter().find(|file| file.content == content);
     match (file(Content::Specular), file(Content::Env), file(Content::Glb)) {
         (Some(file), ..) => levels(plan.container, plan.pixel, &file.bytes),
@@ -154,8 +154,8 @@ fn engine_direction(target: &str, d: DVec3) -> DVec3 {
     }
 }
 
-fn small(target: &'static Target) -> (Plan, BakeSettings) {
-    let plan = Plan::new(target);
+fn small(target: &'static Target) -> (TargetPlan, BakeSettings) {
+    let plan = TargetPlan::new(target);
     let settings = BakeSettings {
         map: target.map,
         size: 64,
@@ -189,7 +189,7 @@ fn misplaced(target: &'static Target, level: &[Rgb], exact: &[Rgb]) -> usize {
     wrong
 }
 
-fn specular_level0(target: &'static Target, plan: &Plan, bake: &Bake) -> Vec<Rgb> {
+fn specular_level0(target: &'static Target, plan: &TargetPlan, bake: &Bake) -> Vec<Rgb> {
     let made = files(plan, "labelled", bake, &[]).unwrap();
     let levels = stored_levels(plan, &made);
     assert_eq!(levels.len() as u32, target.levels(64), "{}", target.name);
@@ -207,7 +207,7 @@ fn every_letter_is_upright_on_its_side_of_every_engines_world() {
         assert_eq!(misplaced(target, &level, exact), 0, "{}", target.name);
         // The check sees a cube that is turned about otherwise.
         for flip in [Flip::None, Flip::X, Flip::Z].into_iter().filter(|flip| *flip != plan.flip) {
-            let wrong = Plan { flip, ..plan.clone() };
+            let wrong = TargetPlan { flip, ..plan.clone() };
             let level = specular_level0(target, &wrong, &bake);
             assert!(misplaced(target, &level, exact) > 1000, "{} by {flip:?}", target.name);
         }
@@ -488,7 +488,7 @@ struct Stored<'a> {
 }
 
 /// The levels of a target beside what its file holds of them.
-fn beside<'a>(plan: &Plan, bake: &'a Bake) -> Vec<Stored<'a>> {
+fn beside<'a>(plan: &TargetPlan, bake: &'a Bake) -> Vec<Stored<'a>> {
     let made = files(plan, "a", bake, &[]).unwrap();
     if plan.target.map == Map::Octahedral {
         let levels = bake.chain.levels.iter().zip(octahedral_levels(&made));
@@ -516,7 +516,7 @@ fn beside<'a>(plan: &Plan, bake: &'a Bake) -> Vec<Stored<'a>> {
 
 /// Relative RMS errors of luminance against exhaustive integration over the source: of the levels as baked,
 /// and as the target stores them. Levels of roughness 0.15 to 0.9, at texels drawn at random.
-fn errors(plan: &Plan, bake: &Bake, oracle: &Oracle<'_>) -> [f64; 2] {
+fn errors(plan: &TargetPlan, bake: &Bake, oracle: &Oracle<'_>) -> [f64; 2] {
     let mut random = Random::new(5);
     let (mut sums, mut power, mut count) = ([0.0; 2], 0.0, 0);
     for level in beside(plan, bake) {
@@ -545,8 +545,12 @@ fn encodings_add_to_the_error_what_the_readme_says() {
         let environment = synth(name).unwrap();
         let oracle = Oracle::new(&environment);
         let with_levels = TARGETS.iter().filter(|target| target.map != Map::Panorama);
-        let mut plans: Vec<Plan> = with_levels.map(Plan::new).collect();
-        plans.push(Plan { pixel: Pixel::Bc6h, container: Container::Dds, ..Plan::new(&TARGETS[1]) });
+        let mut plans: Vec<TargetPlan> = with_levels.map(TargetPlan::new).collect();
+        plans.push(TargetPlan {
+            pixel: Pixel::Bc6h,
+            container: Container::Dds,
+            ..TargetPlan::new(&TARGETS[1])
+        });
         let settings: Vec<BakeSettings> = plans
             .iter()
             .map(|plan| BakeSettings {

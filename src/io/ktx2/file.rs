@@ -11,7 +11,7 @@ use ktx2::dfd::{Basic, Block};
 use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme};
 
 /// Header fields of a file.
-pub(in crate::io) struct Shape {
+pub(in crate::io) struct TextureShape {
     pub(in crate::io) format: Format,
     pub(in crate::io) width: u32,
     pub(in crate::io) height: u32,
@@ -26,11 +26,11 @@ pub(in crate::io) struct Shape {
 /// # Errors
 /// [`Error::Parameter`] for keys that are empty, duplicated, contain a NUL, or are reserved ("KTX", "ktx").
 pub(in crate::io) fn ktx2_file(
-    shape: &Shape,
+    shape: &TextureShape,
     pairs: &[(&str, &str)],
     texels: impl Fn(usize) -> Vec<u8>,
 ) -> Result<Vec<u8>> {
-    let Shape { format, width, height, faces, levels } = *shape;
+    let TextureShape { format, width, height, faces, levels } = *shape;
     let (basic, type_size) = Basic::from_format(format).expect("the crate knows what is written");
     let block = Block::Basic(basic).to_vec();
     let dfd_bytes = [&(block.len() as u32 + 4).to_le_bytes()[..], &block].concat();

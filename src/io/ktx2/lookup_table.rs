@@ -1,6 +1,6 @@
 //! Look-up tables as 2D KTX2 files: RG16F or RGBA16F, one level, Zstandard.
 
-use super::file::{Shape, ktx2_file};
+use super::file::{TextureShape, ktx2_file};
 use crate::error::{Error, Result};
 use crate::format::push_halves;
 use ktx2::Format;
@@ -34,6 +34,6 @@ pub fn table_bytes(size: u32, texels: &[[f32; 3]], channels: Channels, descripti
     };
     let mut data = Vec::with_capacity(values.len() * 2);
     push_halves(&values, &mut data);
-    let shape = Shape { format, width: size, height: size, faces: 1, levels: 1 };
+    let shape = TextureShape { format, width: size, height: size, faces: 1, levels: 1 };
     ktx2_file(&shape, &[("octaglossContent", description)], |_| data.clone())
 }

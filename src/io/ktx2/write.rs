@@ -1,6 +1,6 @@
 //! KTX2 output: cube maps with their levels.
 
-use super::file::{Shape, ktx2_file};
+use super::file::{TextureShape, ktx2_file};
 use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::format::Pixel;
@@ -43,8 +43,13 @@ pub fn ktx2_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
     let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
     let mut pairs = vec![(ROUGHNESS_KEY, roughness.as_str())];
     pairs.extend(metadata.iter().map(|(key, value)| (key.as_str(), value.as_str())));
-    let shape =
-        Shape { format: format_of(pixel)?, width: size, height: size, faces: 6, levels: chain.levels.len() };
+    let shape = TextureShape {
+        format: format_of(pixel)?,
+        width: size,
+        height: size,
+        faces: 6,
+        levels: chain.levels.len(),
+    };
     let bytes = ktx2_file(&shape, &pairs, |index| {
         let level = &chain.levels[index];
         texel_bytes(level.size(), &level.texels, pixel)

@@ -34,11 +34,11 @@ pub(super) struct Problem {
     centre: DVec2,
     /// Amplitude per unit of mass.
     scale: f64,
-    levels: Vec<Level>,
+    levels: Vec<OctaveLevel>,
 }
 
 /// Square cells around the lobe's centre.
-struct Level {
+struct OctaveLevel {
     low: DVec2,
     cell: f64,
     /// Weight of a squared error.
@@ -85,12 +85,12 @@ impl Problem {
             let s = direction_from_oct(wrap_oct(point)).distance_squared(around) / 4.0;
             lobe::kernel(Lobe::Ggx, alpha, s) / integral / peak
         };
-        let mut levels: Vec<Level> = Vec::new();
+        let mut levels: Vec<OctaveLevel> = Vec::new();
         let mut cell = alpha / FINENESS;
         while levels.last().is_none_or(|level| level.cell * (CELLS as f64) < 3.0) {
             let low = centre - cell * (CELLS / 2) as f64;
             let mut level =
-                Level { low, cell, weights: Vec::new(), target: Vec::new(), harmonics: Vec::new() };
+                OctaveLevel { low, cell, weights: Vec::new(), target: Vec::new(), harmonics: Vec::new() };
             let count = COARSER.powi(levels.len() as i32) * cell * cell / (alpha * alpha);
             for (i, j) in (0..CELLS).flat_map(|j| (0..CELLS).map(move |i| (i, j))) {
                 let at = |x: f64, y: f64| low + DVec2::new(i as f64 + x, j as f64 + y) * cell;
@@ -192,7 +192,7 @@ impl Problem {
     }
 
     /// The boxes of `x` and their images in the unfolded plane that reach into `level`.
-    fn images(&self, x: &[f64], level: &Level) -> Vec<Image> {
+    fn images(&self, x: &[f64], level: &OctaveLevel) -> Vec<Image> {
         let mut images = Vec::new();
         let half_window = level.cell * (CELLS / 2) as f64;
         for (index, blur) in self.blurs.iter().enumerate() {

@@ -12,9 +12,9 @@ use octagloss::internals::cpu::leaves::{LANES, Packet as CpuPacket, Scratch};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::geometry::tent::Reconstruction;
-use octagloss::internals::gpu::adaptive::{Answers, Packet, Part};
+use octagloss::internals::gpu::adaptive::{Answers, LobePart, Packet};
 use octagloss::internals::gpu::cells::CellTree;
-use octagloss::internals::gpu::engine::{Engine, Reflector};
+use octagloss::internals::gpu::engine::{Engine, GpuReflector};
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::lobe::kernel::{Kernel, leaf_share};
@@ -40,7 +40,7 @@ fn evaluate(
     error: f64,
     packets: &[Packet],
 ) -> Answers {
-    let parts = [Part { cells, kernel, error, share: 1.0 }];
+    let parts = [LobePart { cells, kernel, error, share: 1.0 }];
     wait(context, passes.adaptive.evaluate(context, &parts, packets))
 }
 
@@ -93,7 +93,7 @@ fn one_wrong_texel_breaks_a_bound() {
 }
 
 /// How far the engines' sums over the same `leaves` may be apart, in units of the sum: the rounding that each
-/// certifies (see `Kernel::rounding` and `Part::uniform`), with `width` the distance over which the kernel
+/// certifies (see `Kernel::rounding` and `LobePart::uniform`), with `width` the distance over which the kernel
 /// changes.
 fn rounding(width: f64, leaves: usize) -> f64 {
     (10.0 / width + 160.0 + 2.0 * leaves as f64) * UNIT
@@ -272,7 +272,7 @@ fn own_cuts_agree_but_for_decisions_within_rounding() {
 
 /// Answers to `directions` through the engine.
 fn ask(
-    reflector: &Reflector<'_>,
+    reflector: &GpuReflector<'_>,
     context: &Context,
     directions: &[DVec3],
     lobe: Lobe,
@@ -303,9 +303,9 @@ fn a_furnace_is_white() {
             let spotted = environment(layout, spotted);
             let made_ready = |environment, inner| {
                 let settings = ReflectorSettings { oem_size: Some(inner), ..ReflectorSettings::default() };
-                Reflector::new(passes, environment, &settings).expect("a small OEM")
+                GpuReflector::new(passes, environment, &settings).expect("a small OEM")
             };
-            let worst = |reflector: &Reflector<'_>, lobe: Lobe, roughness: f64, filter: Filter| {
+            let worst = |reflector: &GpuReflector<'_>, lobe: Lobe, roughness: f64, filter: Filter| {
                 let answers = ask(reflector, context, &directions, lobe, roughness, filter);
                 let off = answers.iter().flat_map(|rgb| (0..3).map(|c| (rgb[c] / constant[c] - 1.0).abs()));
                 off.fold(0.0, f64::max)

@@ -9,7 +9,7 @@ use octagloss::internals::gpu::fitted::FittedTables;
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::lobe::{Lobe, kernel_integral};
 use octagloss::internals::oem::{Oem, OemSize};
-use octagloss::internals::realtime::emitters::{Emitter, GRID, taken_out};
+use octagloss::internals::realtime::emitters::{Emitter, GRID, extracted};
 use octagloss::internals::sphere::octahedral::oct_from_direction;
 
 /// What float32 leaves open of the emitters of one OEM.
@@ -86,7 +86,7 @@ fn taken_out_by_gpu(context: &Context, passes: &Engine, oem: &Oem) -> (Vec<Emitt
 
 /// The first of `found` that is not what the CPU takes out of `oem`.
 fn difference(oem: &Oem, (emitters, rest): &(Vec<Emitter>, Oem)) -> Option<String> {
-    let (expected, expected_rest) = taken_out(oem);
+    let (expected, expected_rest) = extracted(oem);
     let open = Open::new(oem.size().inner);
     for ((found, expected), before) in rest.texels().iter().zip(expected_rest.texels()).zip(oem.texels()) {
         let off = |c: usize| f64::from((found[c] - expected[c]).abs());
@@ -131,7 +131,7 @@ fn the_brightest_and_the_faintest_light_make_emitters_too() {
             radiance[20 * 64 + 9] = [power; 3];
             let oem = oem(OemSize { inner: 64, border: 0 }, &radiance);
             let (found, rest) = taken_out_by_gpu(context, passes, &oem);
-            let (expected, _) = taken_out(&oem);
+            let (expected, _) = extracted(&oem);
             let name = format!("{power:e} on {}", context.describe());
             assert!(rest.totals()[..3].iter().all(|total| *total == 0.0), "nothing is left of {name}");
             assert_eq!((found.len(), expected.len()), (1, 1), "{name}");

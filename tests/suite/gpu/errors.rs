@@ -7,7 +7,7 @@ use octagloss::internals::filter::Filter;
 use octagloss::internals::geometry::tent::Reconstruction;
 use octagloss::internals::gpu::box_filter::SatTextures;
 use octagloss::internals::gpu::cells::BuildCells;
-use octagloss::internals::gpu::engine::{Engine, Reflector};
+use octagloss::internals::gpu::engine::{Engine, GpuReflector};
 use octagloss::internals::gpu::fitted::FittedTables;
 use octagloss::internals::gpu::reparameterise::{Reparameterise, upload};
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes, adapters, block_on};
@@ -98,7 +98,7 @@ fn limits_name_the_largest_size_that_fits() {
         let engine = Engine::new(context.clone()).expect("shaders that compile");
         let source = environment(Layout::Octahedral { size: 4 }, vec![[1.0; 3]; 16]);
         let settings = ReflectorSettings { oem_size: Some(600), ..ReflectorSettings::default() };
-        assert_eq!(largest(Reflector::new(&engine, &source, &settings)), 512);
+        assert_eq!(largest(GpuReflector::new(&engine, &source, &settings)), 512);
         let bake = |oem_size| {
             let settings = BakeSettings { size: 2, oem_size: Some(oem_size), ..BakeSettings::default() };
             wait_for(context, engine.bake(&source, &settings))
@@ -140,7 +140,7 @@ fn parameters_that_cannot_be_served_are_named() {
 
         let engine = Engine::new(context.clone()).expect("shaders that compile");
         let settings = ReflectorSettings { oem_size: Some(8), ..ReflectorSettings::default() };
-        let reflector = Reflector::new(&engine, &source, &settings).expect("a small OEM");
+        let reflector = GpuReflector::new(&engine, &source, &settings).expect("a small OEM");
         let up = [glam::DVec3::Y];
         for (roughness, filter) in [
             (-0.1, Filter::Box),
@@ -165,7 +165,7 @@ fn parameters_that_cannot_be_served_are_named() {
         let tables = FittedTables::new(context, 16, 4).expect("small tables");
         assert!(matches!(tables.set_count(context, 5), Err(Error::Parameter(_))));
         let none = ReflectorSettings { oem_size: Some(0), ..ReflectorSettings::default() };
-        assert!(matches!(Reflector::new(&engine, &source, &none), Err(Error::Parameter(_))));
+        assert!(matches!(GpuReflector::new(&engine, &source, &none), Err(Error::Parameter(_))));
         // No directions, no answers.
         for filter in [Filter::Box, Filter::Adaptive(0.005)] {
             assert!(wait(context, reflector.query(&[], Lobe::Ggx, 0.5, filter)).is_empty(), "{filter:?}");

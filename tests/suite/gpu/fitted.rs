@@ -9,13 +9,13 @@ use glam::{DVec2, DVec3};
 use octagloss::internals::bake::{BakeSettings, bake};
 use octagloss::internals::cpu::blur::blurred;
 use octagloss::internals::filter::{Answer, Filter};
-use octagloss::internals::gpu::engine::{Engine, Reflector};
+use octagloss::internals::gpu::engine::{Engine, GpuReflector};
 use octagloss::internals::gpu::fitted::FittedTables;
 use octagloss::internals::gpu::octaves::BORDER;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::internals::lobe::{self, Lobe};
 use octagloss::internals::oem::{Oem, OemSize};
-use octagloss::internals::realtime::emitters::{Emitter, taken_out};
+use octagloss::internals::realtime::emitters::{Emitter, extracted};
 use octagloss::internals::realtime::tables::triangle::triangle_from_oct;
 use octagloss::internals::realtime::tables::{COUNTS, KNOTS, SoftBox, Table};
 use octagloss::internals::reflector::{Reflector as CpuReflector, ReflectorSettings};
@@ -166,7 +166,7 @@ impl Judge {
     fn new(random: &mut Random, inner: u32, look: Look) -> Self {
         let layout = Layout::Octahedral { size: inner };
         let environment = environment(layout, texels(random, look, layout));
-        let (emitters, rest) = taken_out(reflector(&environment, inner).oem());
+        let (emitters, rest) = extracted(reflector(&environment, inner).oem());
         let sat = Sat::new(&rest, Scan::default());
         let fixed = sat.fixed_point();
         let peak = |octave| {
@@ -354,8 +354,8 @@ fn a_fitted_furnace_is_white() {
     with_passes("fitted furnace", |context, passes| {
         let settings = ReflectorSettings { oem_size: Some(64), ..ReflectorSettings::default() };
         let [furnace, spotted] = [&furnace, &spotted]
-            .map(|environment| Reflector::new(passes, environment, &settings).expect("a small OEM"));
-        let error = |reflector: &Reflector<'_>, count, roughness| {
+            .map(|environment| GpuReflector::new(passes, environment, &settings).expect("a small OEM"));
+        let error = |reflector: &GpuReflector<'_>, count, roughness| {
             let answers = reflector.query(&directions, Lobe::Ggx, roughness, Filter::Fitted(count));
             let off = |answer: &Answer| {
                 let pairs = answer.radiance.into_iter().zip([0.25, 1.0, 3e4]);
@@ -389,7 +389,7 @@ fn queries_and_bakes_are_the_cpu_s() {
     with_passes("fitted queries and bakes", |context, passes| {
         let settings = ReflectorSettings { oem_size: Some(64), ..ReflectorSettings::default() };
         let on_cpu = CpuReflector::new(&sky, &settings).expect("a small OEM");
-        let on_gpu = Reflector::new(passes, &sky, &settings).expect("a small OEM");
+        let on_gpu = GpuReflector::new(passes, &sky, &settings).expect("a small OEM");
         for (count, roughness) in [(4, 0.25), (1, 0.25), (8, 0.6), (2, 0.9)] {
             let filter = Filter::Fitted(count);
             let expected: Vec<[f32; 3]> = directions

@@ -6,7 +6,7 @@ use crate::cpu::lights::Light;
 use crate::support::common::{Random, environment};
 use octagloss::internals::bake::BakeSettings;
 use octagloss::internals::filter::{Answer, Filter};
-use octagloss::internals::gpu::engine::Reflector;
+use octagloss::internals::gpu::engine::GpuReflector;
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::reflector::Reflector as CpuReflector;
 use octagloss::{Environment, Layout, Rgb};
@@ -31,7 +31,7 @@ fn all_light_is_answered_as_by_the_cpu() {
             light.inner = 16;
             let settings = light.settings();
             let on_cpu = CpuReflector::new(&light.environment, &settings).expect("a small OEM");
-            let on_gpu = Reflector::new(passes, &light.environment, &settings).expect("a small OEM");
+            let on_gpu = GpuReflector::new(passes, &light.environment, &settings).expect("a small OEM");
             assert_eq!(on_cpu.light_exponent(), on_gpu.light_exponent());
             let greatest = f64::from(light.greatest());
             let directions: Vec<_> = (0..4).map(|_| random.direction()).collect();

@@ -10,7 +10,7 @@ use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::geometry::footprints::footprints_from_environment;
 use octagloss::internals::gpu::device::readback;
-use octagloss::internals::gpu::engine::{Engine, Reflector};
+use octagloss::internals::gpu::engine::{Engine, GpuReflector};
 use octagloss::internals::gpu::reparameterise::upload;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::internals::lobe::Lobe;
@@ -159,7 +159,7 @@ fn lobes_of_scenes_are_certified() {
     let directions = landmarks();
     with_passes("lobes of scenes", |context, passes| {
         for (name, source, truths) in &cases {
-            let reflector = Reflector::new(passes, source, &settings).expect("a small OEM");
+            let reflector = GpuReflector::new(passes, source, &settings).expect("a small OEM");
             for (roughness, truths) in truths {
                 let filter = Filter::Adaptive(0.005);
                 let query = reflector.query(&directions, Lobe::Ggx, *roughness, filter);
@@ -234,7 +234,7 @@ fn misplaced(
     from_world: impl Fn(DVec3) -> DVec3,
 ) -> usize {
     let settings = ReflectorSettings { oem_size: Some(32), ..ReflectorSettings::default() };
-    let reflector = Reflector::new(passes, source, &settings).expect("a small OEM");
+    let reflector = GpuReflector::new(passes, source, &settings).expect("a small OEM");
     let labels = labels();
     let directions: Vec<DVec3> = labels.iter().map(|(direction, _)| from_world(*direction)).collect();
     let answers = wait(context, reflector.query(&directions, Lobe::Ggx, 0.1, filter));

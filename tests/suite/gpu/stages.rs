@@ -11,7 +11,7 @@ use octagloss::internals::cpu::cells::Cells;
 use octagloss::internals::cpu::leaves::{Packet as CpuPacket, Scratch};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::geometry::tent::Reconstruction;
-use octagloss::internals::gpu::adaptive::{Packet, Part};
+use octagloss::internals::gpu::adaptive::{LobePart, Packet};
 use octagloss::internals::gpu::cells::CellTree;
 use octagloss::internals::gpu::engine::Engine;
 use octagloss::internals::gpu::reparameterise::upload;
@@ -124,7 +124,7 @@ fn run(
     let textures = packed(context, passes, &sat);
     let stack = super::boxes::one_box(solid_angle());
     let mut boxes = wait(context, passes.box_filter.radiance(context, &textures, directions, &stack));
-    let parts = [Part { cells: &cells, kernel: kernel(), error: ERROR, share: 1.0 }];
+    let parts = [LobePart { cells: &cells, kernel: kernel(), error: ERROR, share: 1.0 }];
     let packets: Vec<Packet> = directions.iter().map(|direction| Packet::new(&[*direction])).collect();
     let answers = wait(context, passes.adaptive.evaluate(context, &parts, &packets));
     let mut lobes: Vec<[f32; 3]> =

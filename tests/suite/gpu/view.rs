@@ -11,7 +11,8 @@ use octagloss::internals::lobe::Lobe;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::internals::synth::synth;
 use octagloss::internals::view::{
-    Camera, Filter, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Tone, Truth, Viewport, screenshot,
+    Camera, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Technique, Tone, Truth, Viewport,
+    screenshot,
 };
 use octagloss::{Environment, Error, Layout, wgpu};
 use rayon::prelude::*;
@@ -55,9 +56,9 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
     let turned = environment.clone().rotated_y(look.turn);
     let reflector = Reflector::new(&turned, &settings).expect("an OEM");
     let filter = match look.filter {
-        Filter::Box => octagloss::internals::filter::Filter::Box,
-        Filter::Fitted(count) => octagloss::internals::filter::Filter::Fitted(count),
-        Filter::Adaptive | Filter::Levels => octagloss::internals::filter::Filter::Adaptive(0.001),
+        Technique::Box => octagloss::internals::filter::Filter::Box,
+        Technique::Fitted(count) => octagloss::internals::filter::Filter::Fitted(count),
+        Technique::Adaptive | Technique::Levels => octagloss::internals::filter::Filter::Adaptive(0.001),
     };
     (0..WIDTH * HEIGHT)
         .into_par_iter()
@@ -186,13 +187,13 @@ fn looks() -> Vec<(&'static str, Look)> {
     let look = Look { exposure: Exposure::Ev(-1.0), ..Look::default() };
     let camera = |yaw, pitch| Camera { yaw, pitch, ..Camera::default() };
     vec![
-        ("box", Look { filter: Filter::Box, roughness: 0.4, ..look.clone() }),
-        ("fitted:1", Look { filter: Filter::Fitted(1), roughness: 0.7, tone: Tone::Aces, ..look.clone() }),
+        ("box", Look { filter: Technique::Box, roughness: 0.4, ..look.clone() }),
+        ("fitted:1", Look { filter: Technique::Fitted(1), roughness: 0.7, tone: Tone::Aces, ..look.clone() }),
         ("a row by fitted:4", Look { object: Object::Row, tone: Tone::Reinhard, ..look.clone() }),
         (
             "fitted:8 from below",
             Look {
-                filter: Filter::Fitted(8),
+                filter: Technique::Fitted(8),
                 camera: camera(2.1, -1.0),
                 turn: 77.0,
                 backdrop: 0.5,
@@ -202,7 +203,7 @@ fn looks() -> Vec<(&'static str, Look)> {
             },
         ),
         ("a knot by fitted:4", Look { object: Object::Knot, camera: camera(0.5, 0.6), ..look.clone() }),
-        ("adaptive", Look { filter: Filter::Adaptive, roughness: 0.25, backdrop: 0.3, ..look }),
+        ("adaptive", Look { filter: Technique::Adaptive, roughness: 0.25, backdrop: 0.3, ..look }),
     ]
 }
 
@@ -238,7 +239,8 @@ pub(super) fn one_picture(context: &Context) {
 #[test]
 fn another_look_is_another_picture() {
     let environment = synth("studio").expect("a recipe");
-    let look = Look { filter: Filter::Box, roughness: 0.4, exposure: Exposure::Ev(-1.0), ..Look::default() };
+    let look =
+        Look { filter: Technique::Box, roughness: 0.4, exposure: Exposure::Ev(-1.0), ..Look::default() };
     let here = expected(&look, &environment, None);
     let changed = [
         Look { roughness: 0.43, ..look.clone() },
@@ -312,11 +314,11 @@ fn a_furnace_is_white() {
         let white =
             Look { metal: [1.0; 3], tone: Tone::Linear, exposure: Exposure::Ev(-1.0), ..Look::default() };
         let looks = [
-            (Object::Row, Filter::Box),
-            (Object::Row, Filter::Levels),
-            (Object::Row, Filter::Fitted(4)),
-            (Object::Knot, Filter::Fitted(4)),
-            (Object::Row, Filter::Adaptive),
+            (Object::Row, Technique::Box),
+            (Object::Row, Technique::Levels),
+            (Object::Row, Technique::Fitted(4)),
+            (Object::Knot, Technique::Fitted(4)),
+            (Object::Row, Technique::Adaptive),
         ];
         for (object, filter) in looks {
             let look = Look { object, filter, ..white.clone() };
@@ -332,7 +334,7 @@ fn a_furnace_is_white() {
 fn errors_are_black_where_there_are_none() {
     let environment = synth("furnace").expect("a recipe");
     in_full("view errors", |context| {
-        let look = Look { show: Show::Error, filter: Filter::Fitted(4), ..Look::default() };
+        let look = Look { show: Show::Error, filter: Technique::Fitted(4), ..Look::default() };
         let dark = shot(context, &look, &environment);
         assert!(dark.iter().flatten().all(|c| *c < 60), "a furnace has no errors above 1e-4");
         let bright = shot(context, &look, &synth("sky").expect("a recipe"));
@@ -371,7 +373,7 @@ fn what_cannot_be_shown_is_refused() {
     let wrong = [
         Look { roughness: 1.5, ..Look::default() },
         Look { exposure: Exposure::Ev(f64::NAN), ..Look::default() },
-        Look { filter: Filter::Fitted(3), ..Look::default() },
+        Look { filter: Technique::Fitted(3), ..Look::default() },
         Look { camera: Camera { distance: 0.5, ..Camera::default() }, ..Look::default() },
     ];
     in_full("view refusals", |context| {

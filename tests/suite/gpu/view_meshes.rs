@@ -15,7 +15,7 @@ use octagloss::internals::mesh;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::internals::sphere::cube::Face;
 use octagloss::internals::view::{
-    Filter, Levels, Light, Look, Object, Paint, Renderer, Screenshot, Tone, screenshot,
+    Levels, Light, Look, Object, Paint, Renderer, Screenshot, Technique, Tone, screenshot,
 };
 use octagloss::{Environment, Layout, Rgb};
 use serde_json::{Value, json};
@@ -98,7 +98,7 @@ fn reflected(f0: DVec3, roughness: f64) -> DVec3 {
 fn front_look() -> Look {
     let look = Look {
         object: Object::Mesh,
-        filter: Filter::Box,
+        filter: Technique::Box,
         tone: Tone::Linear,
         exposure: Exposure::Ev(0.0),
         ..Look::default()
@@ -252,7 +252,7 @@ fn own_levels_are_shown_as_they_are() {
                 for (roughness, expected) in cases {
                     let mut look = Look {
                         object: Object::Row,
-                        filter: Filter::Levels,
+                        filter: Technique::Levels,
                         backdrop: roughness,
                         tone: Tone::Linear,
                         exposure: Exposure::Ev(ev),
@@ -298,7 +298,7 @@ fn automatic_exposure_is_the_preview_s() {
         let light = renderer.light(&environment, Some(16)).expect("tables that fit");
         let expected = exposure::of_level(level);
         assert!((light.exposure() - expected).abs() < 1e-9, "{} and {expected}", light.exposure());
-        let look = Look { filter: Filter::Box, ..Look::default() };
+        let look = Look { filter: Technique::Box, ..Look::default() };
         assert_eq!(look.exposure, Exposure::Auto, "the default");
         let fixed = Look { exposure: Exposure::Ev(expected), ..look.clone() };
         let other = Look { exposure: Exposure::Ev(0.0), ..look.clone() };

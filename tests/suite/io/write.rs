@@ -23,7 +23,7 @@ use octagloss::internals::io::output::Existing;
 use octagloss::internals::oem::OemSize;
 use octagloss::internals::sh::window::ShWindow;
 use octagloss::internals::sphere::cube::Face;
-use octagloss::internals::target::{Diffuse, Plan, UNTARGETED};
+use octagloss::internals::target::{Diffuse, TargetPlan, UNTARGETED};
 use std::collections::BTreeMap;
 use std::fs;
 
@@ -160,7 +160,7 @@ fn level_folder(
 ) -> BTreeMap<String, Made> {
     let diffuse = if irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
     let layout = OutputLayout::Faces;
-    let plan = Plan { container, pixel, diffuse, layout, ..Plan::new(&UNTARGETED) };
+    let plan = TargetPlan { container, pixel, diffuse, layout, ..TargetPlan::new(&UNTARGETED) };
     let bake = Bake {
         chain: chain.clone(),
         stats: Vec::new(),

@@ -9,7 +9,7 @@ use octagloss::internals::analysis::oracle::OemOracle;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::oem::{Oem, OemSize};
-use octagloss::internals::realtime::emitters::{COUNT, Emitter, GRID, taken_out};
+use octagloss::internals::realtime::emitters::{COUNT, Emitter, GRID, extracted};
 use octagloss::internals::realtime::tables::COUNTS;
 use octagloss::internals::sphere::octahedral::{direction_from_oct, oct_from_direction, texel_centre};
 use std::f64::consts::PI;
@@ -83,7 +83,7 @@ fn what_emitters_have_the_rest_has_not() {
         for look in [Look::Noise, Look::Suns, Look::Smooth, Look::Lone] {
             let size = OemSize { inner, border };
             let oem = oem(size, &texels(&mut random, look, Layout::Octahedral { size: inner }));
-            let (emitters, rest) = taken_out(&oem);
+            let (emitters, rest) = extracted(&oem);
             let name = format!("{look:?} {inner} + {border}");
             assert_eq!(wrong(&oem, &emitters, &rest), None, "{name}");
             assert_eq!(Oem::from_square(size, rest.square().copied().collect()), rest);
@@ -112,7 +112,7 @@ fn what_emitters_have_the_rest_has_not() {
 fn an_even_sky_has_none() {
     for inner in [16, 64, 512] {
         let radiance = vec![[0.25, 1.0, 3e4]; (inner * inner) as usize];
-        let (emitters, _) = taken_out(&oem(OemSize { inner, border: 0 }, &radiance));
+        let (emitters, _) = extracted(&oem(OemSize { inner, border: 0 }, &radiance));
         let energy: f64 = emitters.iter().map(|emitter| emitter.energy[2]).sum();
         // Sums and quotients of float32 differ in their last bits.
         assert!(energy <= 3e4 * 4.0 * PI * 1e-7, "{inner}: {energy}");

@@ -4,7 +4,7 @@ use super::select::{Channels, Selection};
 use super::window::{Window, exr_error};
 use crate::environment::Rgb;
 use crate::error::Result;
-use crate::io::panics::contained;
+use crate::io::panics::catching_panics;
 use crate::io::picture::{self, Source, TEXEL_BYTES};
 use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{Chunk, CompressedBlock};
@@ -94,7 +94,7 @@ pub(super) fn decode_into(
         .map_err(as_ours)?;
     let expected = chunks.expected_chunk_count();
     let decompress = |chunk: Chunk| {
-        contained(source.path, || {
+        catching_panics(source.path, || {
             check_dwa_counters(source, header, &chunk)?;
             UncompressedBlock::decompress_chunk(chunk, metadata, false).map_err(as_ours)
         })
