@@ -1,4 +1,4 @@
-//! Default sizes and counts of levels, and what a renderer gets from them between texels and levels.
+//! Default sizes and level counts, and their accuracy at look-ups between texels and levels.
 
 use crate::support::common::Random;
 use octagloss::internals::analysis::oracle::Oracle;
@@ -47,13 +47,13 @@ fn the_linear_ladder_ends_where_look_ups_are_exact_enough() {
             );
         }
     }
-    // Other maps are as fine as a cube at two and three times its edge, by default as well.
+    // Other maps match a cube's resolution at two and three times its edge, also by default.
     assert_eq!(BakeSettings::default().size, 640);
     for (map, edges) in [(Map::Cube, 1), (Map::Panorama, 2), (Map::Octahedral, 3)] {
         assert_eq!(Ladder::Linear.default_size(map, Lobe::Ggx), edges * 640);
         assert_eq!(Ladder::Linear.default_levels(map, edges * 640), 8);
     }
-    // The ladders of engines stay theirs.
+    // The ladders of engines keep their defaults.
     for (ladder, count) in [(Ladder::Filament, 5), (Ladder::Unity, 7), (Ladder::Babylon, 9)] {
         assert_eq!(ladder.default_size(Map::Cube, Lobe::Ggx), 256);
         assert_eq!(ladder.default_levels(Map::Cube, 256), count);
@@ -73,8 +73,8 @@ fn the_linear_ladder_ends_where_look_ups_are_exact_enough() {
     }
 }
 
-/// Relative RMS error of luminance-like sums where a chain of `levels` levels from 64 texels is looked up at
-/// `roughness`.
+/// Returns the relative RMS error of luminance-like sums for look-ups at `roughness` in a chain of `levels`
+/// levels from 64 texels.
 fn delivered(world: &Environment, levels: Option<u32>, roughness: f64) -> f64 {
     let settings = BakeSettings { size: 64, levels, ..BakeSettings::default() };
     let chain = bake(world, &settings).expect("a bake").chain;

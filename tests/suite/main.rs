@@ -1,4 +1,4 @@
-//! The test suite: one binary, a module a concern.
+//! The test suite: one binary, one module per concern.
 
 mod analysis;
 mod bake;
@@ -20,6 +20,6 @@ mod support;
 mod synth;
 mod target;
 
-/// Counts what is allocated, for [`io::fuzz`].
+/// Counts allocations, for [`io::fuzz`].
 #[global_allocator]
 static MEMORY: peakmem_alloc::PeakMemAlloc<std::alloc::System> = peakmem_alloc::PeakMemAlloc::system();

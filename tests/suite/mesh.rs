@@ -1,4 +1,4 @@
-//! Meshes of files: what is read, and what is refused.
+//! Mesh files: reading and refusals.
 
 use octagloss::Error;
 use octagloss::internals::mesh::{self, Material, Mesh, Texture, Wrap};
@@ -18,20 +18,20 @@ fn read(name: &str, bytes: &[u8]) -> Result<Mesh, Error> {
 #[test]
 fn a_cube_is_centred_and_scaled_and_gets_the_normals_of_its_faces() {
     let mesh = read("cube.obj", CUBE.as_bytes()).expect("a mesh");
-    assert_eq!(mesh.indices.len(), 36, "two triangles a face");
+    assert_eq!(mesh.indices.len(), 36, "two triangles per face");
     let corner = 1.0 / 3.0_f32.sqrt();
     for vertex in &mesh.vertices {
         assert!(vertex.position.iter().all(|c| (c.abs() - corner).abs() < 1e-6), "{vertex:?}");
-        // Its face is the one that its normal points to.
+        // The normal points to the face that the vertex is on.
         let along: f32 = vertex.position.iter().zip(vertex.normal).map(|(p, n)| p * n).sum();
         assert!((along - corner).abs() < 1e-6, "{vertex:?}");
     }
 }
 
-/// Corners of the triangle of [`triangle`].
+/// Positions of the corners of [`triangle`].
 const CORNERS: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
-/// A buffer with `positions`, then the indices 0, 1 and 2 in 16 bits.
+/// Returns a buffer with `positions`, then the indices 0, 1 and 2 in 16 bits.
 fn buffer(positions: &[f32]) -> Vec<u8> {
     let mut bytes: Vec<u8> = positions.iter().flat_map(|p| p.to_le_bytes()).collect();
     bytes.extend([0, 0, 1, 0, 2, 0]);
@@ -42,7 +42,7 @@ fn data_uri(bytes: &[u8]) -> String {
     format!("data:application/octet-stream;base64,{}", base64::encode(bytes))
 }
 
-/// A glTF of one triangle with `bytes` as the content of its buffer.
+/// Returns a glTF of one triangle with `bytes` as its buffer.
 pub(crate) fn triangle(bytes: &[u8]) -> Value {
     json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
@@ -58,7 +58,7 @@ pub(crate) fn triangle(bytes: &[u8]) -> Value {
     })
 }
 
-/// `json` with its buffer as the binary chunk of a .glb file.
+/// Returns `json` as a .glb file with its buffer as the binary chunk.
 fn glb(json: &Value, bytes: &[u8]) -> Vec<u8> {
     let mut json = json.clone();
     json["buffers"][0].as_object_mut().expect("a buffer").remove("uri");
@@ -80,7 +80,7 @@ fn glb(json: &Value, bytes: &[u8]) -> Vec<u8> {
     file
 }
 
-/// [`triangle`] with the value at `pointer` replaced.
+/// Returns [`triangle`] with the value at `pointer` replaced.
 fn changed(pointer: &str, value: Value) -> Value {
     let mut json = triangle(&buffer(&CORNERS));
     let (parent, key) = pointer.rsplit_once('/').expect("a pointer");
@@ -99,18 +99,18 @@ fn a_gltf_is_read_where_its_nodes_put_it() {
         let mesh = read(name, &bytes).expect("a mesh");
         assert_eq!(mesh.indices, [0, 1, 2]);
         let [a, b, c] = [0, 1, 2].map(|k| glam::Vec3::from_array(mesh.vertices[k].position));
-        // Twice as wide as high, however it was scaled.
+        // Twice as wide as high, independent of the scale.
         assert!((a.distance(b) / a.distance(c) - 2.0).abs() < 1e-5, "{a} {b} {c}");
         assert!(mesh.vertices.iter().all(|vertex| vertex.normal == [0.0, 0.0, 1.0]));
     }
-    // A reflection leaves the outer side out.
+    // A reflection keeps normals on the outer side.
     let mirrored = changed("/nodes/0/scale", json!([-2, 1, 1])).to_string();
     let mesh = read("mirrored.gltf", mirrored.as_bytes()).expect("a mesh");
     assert!(mesh.vertices.iter().all(|vertex| vertex.normal == [0.0, 0.0, 1.0]));
 }
 
 #[test]
-fn materials_are_the_file_s() {
+fn materials_are_read_from_the_file() {
     let mut json = triangle(&buffer(&CORNERS));
     json["materials"] = json!([
         {"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0.25, 1], "metallicFactor": 0.5,
@@ -123,7 +123,7 @@ fn materials_are_the_file_s() {
         .write_to(&mut png, image::ImageFormat::Png)
         .expect("a picture");
     json["images"] = json!([{"uri": data_uri(png.get_ref())}]);
-    // Two primitives: one of the material, one without any.
+    // Two primitives, one with a material and one without.
     let attributes = json!({"POSITION": 0, "TEXCOORD_0": 2});
     json["accessors"]
         .as_array_mut()
@@ -167,7 +167,7 @@ fn sparse_elements_strips_and_fans_are_read() {
     json["nodes"][0] = json!({"mesh": 0});
     json["accessors"][0].as_object_mut().expect("an accessor").remove("bufferView");
     json["accessors"][0]["count"] = json!(3);
-    // Zeros but for (0, 1, 0): no area, but an extent.
+    // All zeros except (0, 1, 0): no area, but an extent.
     let mesh = read("s.gltf", json.to_string().as_bytes()).expect("a mesh");
     let heights: Vec<f32> = mesh.vertices.iter().map(|vertex| vertex.position[1]).collect();
     assert_eq!(heights, [-1.0, 1.0, -1.0]);
@@ -241,7 +241,7 @@ fn faults_of_gltf_are_named_with_their_values() {
 }
 
 #[test]
-fn lines_beside_faces_are_left_out() {
+fn lines_and_points_next_to_faces_are_ignored() {
     let mesh = read("both.obj", format!("l 1 2 3\n{CUBE} l 1 2\np 4\nl 1 2 3 4").as_bytes()).expect("a mesh");
     assert_eq!(mesh, read("cube.obj", CUBE.as_bytes()).expect("a mesh"));
 }
@@ -283,7 +283,7 @@ fn what_is_no_mesh_is_refused_by_name() {
     assert!(matches!(Mesh::read(Path::new("there/is/none.obj")), Err(Error::Io { .. })));
 }
 
-/// Writes `json` with its buffer at `uri` into `folder`; the path.
+/// Writes `json` with its buffer at `uri` into `folder`; returns the path.
 fn with_uri(folder: &Path, uri: &str) -> std::path::PathBuf {
     let path = folder.join("mesh.gltf");
     fs::write(&path, changed("/buffers/0/uri", json!(uri)).to_string()).expect("a file");
@@ -311,7 +311,7 @@ fn other_files_are_read_below_the_mesh_s_folder_only() {
     refused("../../../../../../../../etc/passwd", "`mesh_root`");
     refused("/dev/zero", "an absolute path");
     refused("none.bin", "none.bin");
-    // A name that no system has is not echoed whole.
+    // An impossibly long name is not echoed in full.
     for long in [format!("{}.bin", "x".repeat(100_000)), "x/".repeat(50_000)] {
         refused(&long, "bytes): ");
         let error = Mesh::read(&with_uri(&inside, &long)).expect_err("no such file").to_string();
@@ -325,7 +325,7 @@ fn other_files_are_read_below_the_mesh_s_folder_only() {
     let elsewhere =
         Mesh::read_within(&path, Some(&inside.join("a part"))).expect_err("not below").to_string();
     assert!(elsewhere.contains("`mesh_root`"), "{elsewhere}");
-    // An image is confined as a buffer is.
+    // Images are confined like buffers.
     let mut json = changed("/buffers/0/uri", json!("b.bin"));
     json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 0}}}]);
     json["textures"] = json!([{"source": 0}]);

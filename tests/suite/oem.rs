@@ -1,4 +1,4 @@
-//! Environment to OEM: every source texel's energy arrives, where it belongs.
+//! Environment to OEM: each source texel's energy arrives completely and in the right place.
 
 use crate::support::common::{Look, Random, environment, landmarks, texels};
 use glam::{DVec2, DVec3};
@@ -11,14 +11,14 @@ use std::f64::consts::PI;
 
 const SUN: f32 = 1e6;
 
-/// What the issue asks of total energy, a channel.
+/// Greatest relative error of total energy, per channel.
 const ENERGY: f64 = 1e-4;
 
 fn oem_of(environment: &Environment, inner: u32, border: u32) -> Oem {
     oem_from_environment(environment, OemSize { inner, border }).expect("an OEM of moderate size")
 }
 
-/// The texel of `layout` that `direction` falls in.
+/// Returns the texel of `layout` that contains `direction`.
 fn texel_towards(layout: Layout, direction: DVec3) -> usize {
     let place = |t: f64, n: u32| ((t * f64::from(n)) as usize).min(n as usize - 1);
     match layout {
@@ -47,8 +47,8 @@ fn solid_angle(layout: Layout, texel: usize) -> f64 {
     }
 }
 
-/// Every texel that touches a pole, edge midpoint, fold edge, face centre or corner, and some on folds
-/// between.
+/// Returns every texel that touches a pole, edge midpoint, fold edge, face centre or corner, and some on
+/// folds in between.
 fn places_of_interest(layout: Layout) -> Vec<usize> {
     let mut places = Vec::new();
     let fold =
@@ -63,7 +63,7 @@ fn places_of_interest(layout: Layout) -> Vec<usize> {
     places
 }
 
-/// An environment of black but for a sun in each channel.
+/// Returns a black environment with a sun in each channel.
 fn three_suns(layout: Layout, suns: [usize; 3]) -> Environment {
     let mut texels = vec![[0.0; 3]; layout.texel_count()];
     for (channel, sun) in suns.into_iter().enumerate() {
@@ -72,7 +72,7 @@ fn three_suns(layout: Layout, suns: [usize; 3]) -> Environment {
     environment(layout, texels)
 }
 
-/// The greatest relative error of a channel's energy.
+/// Returns the greatest relative error of a channel's energy.
 fn energy_error(totals: [f64; 3], layout: Layout, suns: [usize; 3]) -> f64 {
     (0..3)
         .map(|c| (totals[c] / (f64::from(SUN) * solid_angle(layout, suns[c])) - 1.0).abs())
@@ -118,7 +118,7 @@ fn a_sun_arrives_whole_in_odd_and_tiny_squares() {
         Layout::Octahedral { size: 16 },
         Layout::Octahedral { size: 9 },
     ];
-    // Two dozen places, a stride that is prime to the rows.
+    // Two dozen positions, at a stride prime to the rows.
     let everywhere =
         |layout: Layout| (0..layout.texel_count()).step_by(1 + layout.texel_count() / 24).collect::<Vec<_>>();
     let fine = Layout::Panorama { width: 512, height: 256 };
@@ -140,7 +140,7 @@ fn a_sun_arrives_whole_in_odd_and_tiny_squares() {
 #[test]
 fn a_sun_of_an_8k_panorama_arrives_whole() {
     let layout = Layout::Panorama { width: 8192, height: 4096 };
-    // Two poles, an edge midpoint, a fold edge, a face centre, and beside the seam.
+    // Two poles, an edge midpoint, a fold edge, a face centre, and next to the seam.
     let suns = [
         [DVec3::Y, DVec3::NEG_Y, DVec3::X],
         [DVec3::new(0.3, 0.0, -0.7), DVec3::ONE, DVec3::new(-1.0, 0.0, 1e-5)],
@@ -150,7 +150,7 @@ fn a_sun_of_an_8k_panorama_arrives_whole() {
         let environment = three_suns(layout, suns);
         let error = energy_error(rgb_totals(&oem_of(&environment, 512, 0)), layout, suns);
         assert!(error <= ENERGY, "{suns:?}: off by {error:e}");
-        // The bake's level 0, within the 1e-3 that the issue asks for.
+        // Level 0 of the bake, within 1e-3.
         let size = 256;
         let cube = footprints_from_environment(&environment, size).expect("a cube of moderate size");
         let error = energy_error(cube_totals(&cube, size), layout, suns);
@@ -172,7 +172,7 @@ fn cube_totals(cube: &[Rgb], size: u32) -> [f64; 3] {
 }
 
 #[test]
-fn a_missing_share_of_a_sun_shows() {
+fn a_missing_share_of_a_sun_is_detected() {
     let layout = Layout::Panorama { width: 512, height: 256 };
     let suns = [texel_towards(layout, DVec3::X); 3];
     let totals = rgb_totals(&oem_of(&three_suns(layout, suns), 64, 0));
@@ -191,7 +191,8 @@ const SMALL_LAYOUTS: [Layout; 7] = [
     Layout::Octahedral { size: 32 },
 ];
 
-/// Whether every texel's radiance is `constant`, to the rounding of two divisions and a product in float32.
+/// Returns whether every texel's radiance is `constant`, within the rounding of two float32 divisions and a
+/// product.
 fn is_constant(oem: &Oem, constant: Rgb) -> bool {
     let n = oem.size().inner;
     (0..n * n).all(|k| {
@@ -209,27 +210,27 @@ fn a_constant_stays_one() {
             let oem = oem_of(&environment, inner, 0);
             assert!(is_constant(&oem, constant), "{layout:?} to {inner}");
             let whole = oem.totals()[3];
-            // Float32 weights, each rounded to 2^-24 of itself.
+            // Float32 weights, each rounded by 2^-24 of itself.
             assert!((whole / (4.0 * PI) - 1.0).abs() < 1e-7, "{layout:?} to {inner}: {whole}");
         }
     }
     let mut square = oem_of(&environment(SMALL_LAYOUTS[0], vec![constant; 2048]), 8, 0).texels().to_vec();
     square[9][1] *= 1.0 + 8.0 * f32::EPSILON;
     let wrong = Oem::from_square(OemSize { inner: 8, border: 0 }, square);
-    assert!(!is_constant(&wrong, constant), "a wrong texel shows");
+    assert!(!is_constant(&wrong, constant), "a wrong texel must be detected");
 }
 
 #[test]
 fn weights_are_the_exact_solid_angles() {
     let environment = environment(Layout::Cube { size: 2 }, vec![[1.0; 3]; 24]);
-    // Sizes on both sides of every switch of rule.
+    // Sizes on both sides of every change of rule.
     for n in [1, 2, 3, 17, 64, 255, 256, 258, 1024] {
         let oem = oem_of(&environment, n, 0);
         for k in 0..n * n {
             let (x, y) = (k % n, k / n);
             let exact = octahedral::texel_solid_angle(n, x, y);
             let off = (f64::from(oem.texel(x, y)[3]) / exact - 1.0).abs();
-            // One rounding to float32, 2^-24, and what a quadrature may miss.
+            // One rounding to float32, 2^-24, and the quadrature's error.
             assert!(off <= 6.2e-8, "{n} ({x}, {y}): off by {off:e}");
         }
     }
@@ -259,8 +260,8 @@ fn borders_are_the_wrapped_interior() {
     }
 }
 
-/// Mean radiance over a target texel by `count`^2 jittered points, uniform in the map and weighted to solid
-/// angle.
+/// Returns the mean radiance over a target texel by `count`^2 jittered points, uniform in the map and
+/// weighted to solid angle.
 fn brute_mean(environment: &Environment, count: u32, at: impl Fn(f64, f64) -> (DVec3, f64)) -> [f64; 3] {
     let (mut sum, mut area) = ([0.0; 3], 0.0);
     let mut random = Random::new(u64::from(count));
@@ -276,8 +277,8 @@ fn brute_mean(environment: &Environment, count: u32, at: impl Fn(f64, f64) -> (D
     sum.map(|sum| sum / area)
 }
 
-/// An edge through a texel leaves `count` of its points in doubt, each 1/count^2 of it and on its own:
-/// sqrt(count) * count^-2. Texels differ tenfold, there are a few edges, and four standard deviations:
+/// An edge through a texel makes `count` of its points uncertain, each independent and 1/count^2 of the
+/// texel: sqrt(count) * count^-2. With texels differing tenfold, a few edges and four standard deviations:
 /// 10 * 4 * 200^-1.5.
 const JITTERED: f64 = 1.5e-2;
 
@@ -308,7 +309,7 @@ fn every_texel_is_the_mean_over_what_it_covers() {
         }
     }
     assert_eq!(compared, 7 * 3 * (1 + 4 + 9 + 25 + 64));
-    // A texel taken from next door, or mirrored, is off by far more.
+    // A neighbouring or mirrored texel would be off by far more.
     assert!(worst > 1e-6, "something was compared: {worst:e}");
 }
 
@@ -334,7 +335,7 @@ fn level_0_is_the_mean_over_each_texel_in_the_world() {
                     });
                     for c in 0..3 {
                         let off = (f64::from(texel[c]) / expected[c] - 1.0).abs();
-                        // Half as many points a side: 2^1.5 times the error.
+                        // Half as many points per side: 2^1.5 times the error.
                         assert!(
                             off < 2.9 * JITTERED,
                             "{layout:?} turned {degrees} texel {k}: {texel:?} {expected:?}"

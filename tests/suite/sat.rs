@@ -37,7 +37,7 @@ const CONTENTS: [Content; 6] = [
     Content::Decades,
 ];
 
-/// `count` texels, the fourth value a weight.
+/// Returns `count` texels, the fourth value a weight.
 fn texels(content: Content, count: usize) -> Vec<[f32; 4]> {
     let mut random = Random::new(count as u64);
     let sun = count * 2 / 3;
@@ -62,7 +62,7 @@ fn oem(content: Content, inner: u32, border: u32) -> Oem {
     Oem::from_square(OemSize { inner, border }, texels(content, (inner * inner) as usize))
 }
 
-/// floor(value * 2^F), worked out in 128 bits from the value's own definition.
+/// Computes floor(value * 2^F) in 128 bits from the bits of `value`.
 fn fixed(value: f32, exponent: i32) -> u64 {
     // value = mantissa * 2^power, exactly.
     let bits = value.to_bits();
@@ -80,7 +80,7 @@ fn quantised(point: FixedPoint, texel: [f32; 4]) -> [u64; 4] {
     std::array::from_fn(|c| fixed(texel[c], point.exponents[c]))
 }
 
-/// The table by the definition of a sum: down the columns, then along the rows.
+/// Computes the table by definition: sums down the columns, then along the rows.
 fn naive_table(point: FixedPoint, texels: &[[f32; 4]], width: usize) -> Vec<[u64; 4]> {
     let mut table: Vec<[u64; 4]> = texels.iter().map(|t| quantised(point, *t)).collect();
     for k in width..table.len() {
@@ -94,7 +94,7 @@ fn naive_table(point: FixedPoint, texels: &[[f32; 4]], width: usize) -> Vec<[u64
     table
 }
 
-/// Entries that differ.
+/// Counts entries that differ.
 fn mismatches(a: &[[u64; 4]], b: &[[u64; 4]]) -> usize {
     assert!(!a.is_empty() && a.len() == b.len(), "{} entries against {}", a.len(), b.len());
     a.iter().zip(b).filter(|(a, b)| a != b).count()
@@ -107,7 +107,7 @@ fn all_scans_give_the_same_bits() {
             let oem = oem(content, inner, 0);
             let point = FixedPoint::of_square(&oem);
             let expected = naive_table(point, oem.texels(), inner as usize);
-            // The large size once each: the radices differ in small ones as well.
+            // One radix at the large size: small sizes compare all of them.
             for scan in
                 SCANS.into_iter().take(if inner == 1024 && content != Content::OneSun { 3 } else { 7 })
             {
@@ -125,7 +125,7 @@ fn scans_of_a_table_that_is_not_square_agree() {
     let (width, height) = (300, 100);
     for content in CONTENTS {
         let texels = texels(content, width * height);
-        // Any scale will do for a scan; entries may wrap and must wrap alike.
+        // A scan works at any scale; entries may wrap and must wrap alike.
         for exponents in [[40, 30, 50, 40], [0; 4], [-10, 60, 149, 20]] {
             let point = FixedPoint { exponents };
             if !texels.iter().flatten().zip(exponents.iter().cycle()).all(|(v, e)| fits(*v, *e)) {
@@ -143,7 +143,7 @@ fn scans_of_a_table_that_is_not_square_agree() {
     }
 }
 
-/// Whether a texel's integer stays below 2^63 at this scale.
+/// Returns whether a texel's integer stays below 2^63 at this scale.
 fn fits(value: f32, exponent: i32) -> bool {
     value == 0.0 || f64::from(value).log2() + f64::from(exponent) < 63.0
 }
@@ -162,7 +162,7 @@ fn scans_agree_whatever_the_thread_count() {
 }
 
 #[test]
-fn one_wrong_texel_shows_in_a_table() {
+fn one_wrong_texel_is_detected_in_a_table() {
     let oem = oem(Content::Random, 17, 0);
     let expected = naive_table(FixedPoint::of_square(&oem), oem.texels(), 17);
     let mut texels = oem.texels().to_vec();
@@ -194,7 +194,8 @@ fn scales_are_the_largest_that_fit() {
                     continue;
                 }
                 assert!(scaled < two_62 - count, "{content:?} {inner} channel {c}: {scaled:e} fits");
-                // Found from truncated integers: the last 2^-20 below the limit may go unused.
+                // The scale is derived from truncated integers: the last 2^-20 below the limit may stay
+                // unused.
                 assert!(
                     2.0 * scaled > (two_62 - count) * (1.0 - 1e-6),
                     "{content:?} {inner} channel {c}: {scaled:e}"
@@ -204,7 +205,7 @@ fn scales_are_the_largest_that_fit() {
     }
 }
 
-/// The quantised texel of the square that (x, y) of the unfolded plane stands for, by the continuous rule.
+/// Returns the quantised texel of the square at (x, y) of the unfolded plane, by the continuous rule.
 fn plane_texel(oem: &Oem, point: FixedPoint, x: i64, y: i64) -> [u64; 4] {
     let n = f64::from(oem.size().inner);
     let inside =
@@ -212,7 +213,7 @@ fn plane_texel(oem: &Oem, point: FixedPoint, x: i64, y: i64) -> [u64; 4] {
     quantised(point, oem.texel(inside.x as u32, inside.y as u32))
 }
 
-/// A box's sum, texel by texel, in 128 bits.
+/// Sums a box texel by texel in 128 bits.
 fn direct_box(oem: &Oem, point: FixedPoint, [x0, y0, x1, y1]: [i64; 4]) -> [u128; 4] {
     let mut sum = [0; 4];
     for y in y0..y1 {
@@ -248,7 +249,7 @@ fn every_aligned_rectangle_of_an_8x8_table_is_exact() {
 }
 
 #[test]
-fn one_wrong_texel_shows_in_a_box() {
+fn one_wrong_texel_is_detected_in_a_box() {
     let right = oem(Content::Random, 8, 0);
     let mut texels = right.texels().to_vec();
     texels[27][2] = f32::from_bits(texels[27][2].to_bits() + 1);
@@ -257,7 +258,10 @@ fn one_wrong_texel_shows_in_a_box() {
     assert_eq!(point, wrong.fixed_point(), "the same scale");
     let seen =
         |b: [i64; 4]| wrong.plane_box(b[0], b[1], b[2], b[3]).map(u128::from) != direct_box(&right, point, b);
-    assert!(seen([3, 3, 4, 4]) && seen([0, 0, 8, 8]) && !seen([4, 4, 8, 8]), "where it is in the box");
+    assert!(
+        seen([3, 3, 4, 4]) && seen([0, 0, 8, 8]) && !seen([4, 4, 8, 8]),
+        "exactly where the box contains it"
+    );
 }
 
 #[test]
@@ -309,7 +313,7 @@ fn boxes_far_out_on_the_plane_are_exact() {
                 assert_eq!(value, direct_box(&oem, sat.fixed_point(), area), "{content:?} {n} {area:?}");
                 compared += 1;
             }
-            // The greatest box of all: every texel four times, and still no wrap.
+            // The greatest box: every texel four times, without wrapping.
             let side = i64::from(n);
             let greatest = sat.plane_box(-side / 2, 1, 2 * side - side / 2, 2 * side + 1).map(u128::from);
             let whole = direct_box(&oem, sat.fixed_point(), [0, 0, side, side]);
@@ -319,7 +323,7 @@ fn boxes_far_out_on_the_plane_are_exact() {
     assert_eq!(compared, 6 * 6 * 60);
 }
 
-/// A box with fractional edges by direct sums of shares of texels.
+/// Sums a box with fractional edges directly by shares of texels.
 fn direct_fractional(oem: &Oem, point: FixedPoint, low: DVec2, high: DVec2) -> [f64; 4] {
     let share = |t: i64, low: f64, high: f64| (high.min(t as f64 + 1.0) - low.max(t as f64)).max(0.0);
     let mut sum = [0.0; 4];
@@ -358,8 +362,8 @@ fn fractional_boxes_are_their_shares() {
                 let value = sat.fractional_box(low, high);
                 let expected = direct_fractional(&oem, sat.fixed_point(), low, high);
                 for c in 0..4 {
-                    // Nine products and a thousand shares in double precision. Edges carry 2^-50 of a
-                    // coordinate, which counts for texels up to 1e76 times brighter than their neighbours: of
+                    // Nine products and a thousand shares in double precision. Edges are off by 2^-50 of a
+                    // coordinate, and texels may be 1e76 times brighter than their neighbours: relative to
                     // the box's brightest.
                     let scale = expected[c]
                         .max(1e-2 * direct_fractional(&oem, sat.fixed_point(), low.floor(), high.ceil())[c]);
@@ -374,7 +378,10 @@ fn fractional_boxes_are_their_shares() {
         }
     }
     assert_eq!(compared, 6 * 5 * 100 * 4);
-    assert!(seen > compared / 2, "an edge off by a millionth of a texel showed in {seen} of {compared}");
+    assert!(
+        seen > compared / 2,
+        "an edge off by a millionth of a texel was detected in {seen} of {compared}"
+    );
 }
 
 #[test]
@@ -398,11 +405,12 @@ fn float_tables_fail_where_exact_ones_do_not() {
         }
     }
     assert!(compared > 600, "{compared} texels");
-    // Exact but for 0.4 being a float32 and its truncation at 2^-F: 2^-25 of 0.4 and 1.4e6/2^62.
+    // Exact except that 0.4 is a float32 and is truncated at 2^-F: 2^-25 of 0.4 and 1.4e6/2^62.
     assert!(worst_exact < 2e-8, "the exact table is off by {worst_exact:e}");
-    // Partial sums of 4e5 and more are kept to 2^-24 of themselves: 0.02 and more.
+    // Partial sums of 4e5 and more are rounded by 2^-24 of themselves: 0.02 and more.
     assert!(worst_float > 0.02, "the float table is off by {worst_float:e}");
-    // And within its stated bound: (4 d + 3) 2^-24 T / A with d = 20, A = 1 and T the sum of |value - mean|.
+    // The error is within its stated bound: (4 d + 3) 2^-24 T / A with d = 20, A = 1 and T the sum of
+    // |value - mean|.
     let mean = oem.totals()[0] / f64::from(n * n);
     let total: f64 = oem.texels().iter().map(|t| (f64::from(t[0]) - mean).abs()).sum();
     let bound = 83.0 / f64::from(1_u32 << 24) * total;

@@ -7,11 +7,11 @@ use glam::{DVec2, DVec3};
 use octagloss::internals::sphere::{cube, equirect, octahedral};
 use std::f64::consts::{PI, TAU};
 
-/// Fewer than 16 roundings of 2^-53 between a direction and itself, none amplified more than threefold (the
-/// steepest of the maps, the octahedral one, moves a direction by at most 3 for a unit of (u, v)).
+/// Fewer than 16 roundings of 2^-53 per round trip, none amplified more than threefold: the steepest map, the
+/// octahedral one, moves a direction by at most 3 per unit of (u, v).
 const ROUND_TRIP: f64 = 16.0 * 3.0 / (1_u64 << 53) as f64;
 
-/// Directions in every octant, on every axis, edge and diagonal, beside them, and all over.
+/// Returns directions in every octant, on every axis, edge and diagonal, near them, and everywhere.
 fn directions() -> Vec<DVec3> {
     let mut all = landmarks();
     for landmark in landmarks() {
@@ -26,7 +26,7 @@ fn directions() -> Vec<DVec3> {
     all
 }
 
-/// The greatest distance between a direction and what a map makes of it.
+/// Returns the greatest distance between a direction and its round trip.
 fn worst_round_trip(there_and_back: impl Fn(DVec3) -> DVec3) -> f64 {
     let all = directions();
     assert!(all.len() > 20_000, "directions were compared");
@@ -55,8 +55,8 @@ fn the_round_trip_detects_a_wrong_sign_and_a_wrong_fold() {
         let uv = octahedral::oct_from_direction(d);
         octahedral::direction_from_oct(DVec2::new(uv.x, -uv.y))
     });
-    assert!(turned > 1.0, "a flipped v is seen: {turned}");
-    // Equation 2 as printed, a sign where the absolute value belongs.
+    assert!(turned > 1.0, "a flipped v is not detected: {turned}");
+    // Equation 2 as printed, with a sign in place of the absolute value.
     let printed = worst_round_trip(|d| {
         let p = d / (d.x.abs() + d.y.abs() + d.z.abs());
         let sign = |t: f64| 1.0_f64.copysign(t);
@@ -67,7 +67,7 @@ fn the_round_trip_detects_a_wrong_sign_and_a_wrong_fold() {
         };
         octahedral::direction_from_oct(uv.clamp(DVec2::NEG_ONE, DVec2::ONE))
     });
-    assert!(printed > 1.0, "the printed equation is seen: {printed}");
+    assert!(printed > 1.0, "the printed equation is not detected: {printed}");
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn coordinates_survive_the_sphere() {
         let (u, v) = ((uv.x + 1.0) / 2.0, (uv.y + 1.0) / 2.0);
         let direction = equirect::direction_from_equirect(u, v);
         let (back_u, back_v) = equirect::equirect_from_direction(direction);
-        // Longitude is lost towards the poles as 1/sin of the polar angle.
+        // The error of longitude grows towards the poles by 1/sin of the polar angle.
         assert!((back_v - v).abs() <= ROUND_TRIP, "v {v} comes back as {back_v}");
         assert!((back_u - u).abs() * (v * PI).sin() <= ROUND_TRIP, "u {u} comes back as {back_u}");
     }
@@ -144,11 +144,11 @@ fn solid_angles_sum_to_the_sphere() {
     }
     assert!(
         !whole(octahedral_sum(64) + 1e-9 * octahedral::texel_solid_angle(64, 0, 0) * 1e6),
-        "an error shows"
+        "an error must be detected"
     );
 }
 
-/// Area of the spherical triangle by L'Huilier's theorem, which shares nothing with the library's formula.
+/// Area of the spherical triangle by L'Huilier's theorem, which is independent of the library's formula.
 fn l_huilier(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let side = |p: DVec3, q: DVec3| 2.0 * (p.distance(q) / 2.0).asin();
     let (x, y, z) = (side(b, c), side(c, a), side(a, b));
@@ -158,7 +158,7 @@ fn l_huilier(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     4.0 * product.sqrt().atan()
 }
 
-/// A square of a map, cut in 4 x 4 and each part in two triangles; `rising` says which way the cut runs.
+/// Area of a square of a map, as 4 x 4 parts of two triangles each; `rising` selects the diagonal of a part.
 fn triangulated(
     low: DVec2,
     high: DVec2,
@@ -180,19 +180,19 @@ fn triangulated(
     sum
 }
 
-/// How far texel (x, y)'s solid angle is from the triangles', relatively.
+/// Returns the relative difference of texel (x, y)'s solid angle from the triangles'.
 fn octahedral_discrepancy(n: u32, x: u32, y: u32, solid_angle: f64) -> f64 {
     let half = DVec2::splat(1.0 / f64::from(n));
     let centre = octahedral::texel_centre(n, x, y);
-    // Great circles are straight on each face, so the triangles must not straddle a fold: |u| + |v| = const
-    // falls where u v > 0.
+    // Great circles are straight on each face, so no triangle may straddle a fold: |u| + |v| = const falls
+    // where u v > 0.
     let expected =
         triangulated(centre - half, centre + half, octahedral::direction_from_oct, |p| p.x * p.y < 0.0);
     (solid_angle / expected - 1.0).abs()
 }
 
-/// L'Huilier takes the differences of nearly equal sides: 32 triangles of at least 1/400 of a radian, each
-/// exact to 2^-53 / (1/400)^2.
+/// L'Huilier subtracts nearly equal sides: 32 triangles of at least 1/400 of a radian, each exact to
+/// 2^-53 / (1/400)^2.
 const TRIANGLES: f64 = 32.0 * 160_000.0 / (1_u64 << 53) as f64;
 
 #[test]
@@ -216,7 +216,7 @@ fn solid_angles_match_a_triangulation() {
     assert!(compared > 28_000, "{compared} texels compared");
     let n = 5;
     let wrong = octahedral::texel_solid_angle(n, 2, 2) * (1.0 + 2.0 * TRIANGLES);
-    assert!(octahedral_discrepancy(n, 2, 2, wrong) > TRIANGLES, "a wrong texel shows");
+    assert!(octahedral_discrepancy(n, 2, 2, wrong) > TRIANGLES, "a wrong texel must be detected");
 }
 
 #[test]
@@ -225,8 +225,8 @@ fn panorama_rows_match_simpson_s_rule() {
         for j in 0..height {
             let edge = |k: u32| f64::from(k) / f64::from(height) * PI;
             let (a, b) = (edge(j), edge(j + 1));
-            // 64 panels: the error is (b - a)^5 / (2880 * 64^4), relatively below 1e-7 of the widest row and
-            // of any other far less.
+            // 64 panels: the error is (b - a)^5 / (2880 * 64^4), relatively below 1e-7 in the widest row and
+            // far less in others.
             let panels = 64;
             let step = (b - a) / f64::from(panels);
             let at = |t: f64| (a + t * step).sin();
@@ -243,8 +243,7 @@ fn panorama_rows_match_simpson_s_rule() {
 
 #[test]
 fn the_density_is_that_of_small_texels() {
-    // A texel's mean density is that of its centre to second order: h^2/24 times a second derivative below
-    // 100.
+    // A texel's mean density equals its centre's to second order: h^2/24 times a second derivative below 100.
     let n = 256;
     let area = (2.0 / f64::from(n)).powi(2);
     let mut greatest: f64 = 0.0;
@@ -264,8 +263,8 @@ fn the_density_is_that_of_small_texels() {
     assert!((greatest / 3_f64.powf(1.5) - 1.0).abs() < 0.01, "5.196 at the face centres, got {greatest}");
 }
 
-/// Texels of the square and its border of `b` for which `wrap` disagrees with the continuous rule at the
-/// centre.
+/// Counts the texels of the square and its border of `b` for which `wrap` disagrees with the continuous rule
+/// at the centre, and all texels.
 fn disagreements(n: u32, b: i64, wrap: impl Fn(i64, i64) -> (i64, i64)) -> (usize, usize) {
     let size = i64::from(n);
     let (mut wrong, mut compared) = (0, 0);
@@ -295,14 +294,14 @@ fn integer_wrap_is_the_continuous_one() {
             assert!(compared > 0, "n {n} b {b}: texels were compared");
             assert_eq!(wrong, 0, "n {n} b {b}: {wrong} of {compared} texels");
         }
-        // Corners and repeats far away.
+        // Corners and distant tiles.
         assert_eq!(disagreements(n, 5 * i64::from(n), wrap(n)).0, 0, "n {n}, five tiles around");
     }
 }
 
 #[test]
 fn the_wrap_detects_the_rule_that_is_off_by_one_on_the_low_edges() {
-    // A known renderer takes texel -1 to 1 where it takes n to n - 1.
+    // A known renderer maps texel -1 to 1, but n to n - 1.
     let off_by_one = |n: i64| {
         move |mut x: i64, mut y: i64| {
             if x < 0 {
@@ -320,11 +319,11 @@ fn the_wrap_detects_the_rule_that_is_off_by_one_on_the_low_edges() {
     };
     for n in [1_u32, 2, 3, 4, 7, 64] {
         let (wrong, _) = disagreements(n, 1, off_by_one(i64::from(n)));
-        assert!(wrong as u32 >= 2 * n, "n {n}: the low edges are wrong, {wrong} found");
+        assert!(wrong as u32 >= 2 * n, "n {n}: the low edges are wrong, only {wrong} detected");
     }
 }
 
-/// The greatest step of the direction across the edges of the square, in units of the way taken.
+/// Returns the greatest step of the direction across the square's edges, per distance in (u, v).
 fn steepest_step(wrap: impl Fn(DVec2) -> DVec2) -> f64 {
     let mut steepest: f64 = 0.0;
     let epsilon = 1e-6;
@@ -349,5 +348,5 @@ fn directions_are_continuous_over_wrapped_edges() {
     let steepest = steepest_step(octahedral::wrap_oct);
     assert!(steepest > 0.5 && steepest <= 3.0, "{steepest} a unit of (u, v)");
     let torus = steepest_step(|uv| (uv + 1.0).rem_euclid(DVec2::splat(2.0)) - 1.0);
-    assert!(torus > 1000.0, "the wrap of a torus tears: {torus}");
+    assert!(torus > 1000.0, "the wrap of a torus must be discontinuous: {torus}");
 }

@@ -1,4 +1,4 @@
-//! The synthetic environments: what they show, which way round, and that `hdr/` holds what the program makes.
+//! The synthetic environments: content, orientation, and that `hdr/` matches the program's output.
 
 use crate::support::written::{names_in, read_exr_rgb, to_half};
 use glam::DVec3;
@@ -13,8 +13,8 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-/// Sines and powers may differ in their last bit from one platform to the next, and then a rounding: at most
-/// one step of the file's format, relative to the texel's greatest channel.
+/// Sines and powers may differ in the last bit between platforms and then round differently: by at most one
+/// step of the file's format, relative to the texel's greatest channel.
 const HALF_STEP: f32 = 1.0 / 1024.0;
 const RGBE_STEP: f32 = 1.0 / 128.0;
 
@@ -22,7 +22,7 @@ fn hdr_folder() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("hdr")
 }
 
-/// The first texel of `found` further than `step` from `expected`.
+/// Returns the first texel of `found` further than `step` from `expected`.
 fn first_far(found: &[Rgb], expected: &[Rgb], step: f32) -> Option<usize> {
     assert_eq!(found.len(), expected.len());
     assert!(!found.is_empty());
@@ -40,7 +40,7 @@ fn image_of(environment: &Environment) -> Vec<Rgb> {
 }
 
 #[test]
-fn the_committed_files_are_what_synth_makes() {
+fn the_committed_files_match_synth() {
     let mut total = 0;
     for recipe in RECIPES {
         let path = hdr_folder().join(recipe.file_name);
@@ -54,12 +54,12 @@ fn the_committed_files_are_what_synth_makes() {
             (image.pixels().map(|p| p.0).collect(), RGBE_STEP)
         };
         assert_eq!(first_far(&found, &expected, step), None, "{}", recipe.name);
-        // One texel off is seen.
+        // One wrong texel is detected.
         let mut wrong = found.clone();
         wrong[expected.len() / 2][1] *= 1.05;
         assert_eq!(first_far(&wrong, &expected, step), Some(expected.len() / 2), "{}", recipe.name);
     }
-    // The pictures of the README.
+    // The README's images.
     for picture in ["cmgen.png", "ladder.png"] {
         total += fs::read(hdr_folder().join(picture)).unwrap().len();
     }
@@ -114,8 +114,8 @@ fn the_sky_has_a_sun_of_the_right_size_in_the_right_place() {
             others = others.max(bright);
         }
     });
-    // The disc's energy arrives within the accuracy of its supersampling, less the edge texels left out
-    // above.
+    // The disc's energy equals the expected one within the accuracy of its supersampling, minus the edge
+    // texels excluded above.
     let expected = f64::from(SUN_RADIANCE[0]) * 2.0 * PI * (1.0 - SUN_RADIUS.cos());
     assert!((sun_energy / expected - 1.0).abs() < 0.03, "{sun_energy} of {expected}");
     assert!((2..=9).contains(&texels), "{texels} texels");
@@ -142,7 +142,8 @@ fn the_studio_is_dark_with_bright_sharp_lights() {
     assert!(share(1.0, 100.0) > 0.05, "panels");
 }
 
-/// Ink on `face` of the world `labelled`, in a box seen from inside: to the right and down, in [-1, 1].
+/// Counts ink on `face` of the world `labelled`, in a box seen from inside: to the right and down, in
+/// [-1, 1].
 fn ink(environment: &Environment, face: Face, right: [f64; 2], down: [f64; 2]) -> usize {
     let Layout::Panorama { width, height } = environment.layout() else { panic!("a panorama") };
     let mut count = 0;
@@ -150,7 +151,7 @@ fn ink(environment: &Environment, face: Face, right: [f64; 2], down: [f64; 2]) -
         for i in 0..80 {
             let (x, y) = (f64::from(i) / 40.0 - 1.0, f64::from(j) / 40.0 - 1.0);
             if x >= right[0] && x < right[1] && y >= down[0] && y < down[1] {
-                // Standing inside with +Y up, a face's right hand is forward x up.
+                // Seen from inside with +Y up, a face's right is forward x up.
                 let direction = match face {
                     Face::PosX => DVec3::new(1.0, -y, x),
                     Face::NegX => DVec3::new(-1.0, -y, -x),
@@ -169,7 +170,7 @@ fn ink(environment: &Environment, face: Face, right: [f64; 2], down: [f64; 2]) -
     count
 }
 
-/// The topmost row of the letters' cells, in the face's down.
+/// The topmost row of the letters' cells, in the face's down direction.
 const TOP_OF_LETTERS: [f64; 2] = [-0.16, -0.08];
 
 #[test]

@@ -1,5 +1,5 @@
-//! Targets: the labelled environment through each of them, looked up as its engine does, and what they expand
-//! to.
+//! Targets: the labelled environment through each of them, looked up as the engine does, and the settings
+//! that they expand to.
 
 use crate::io::containers::{colours, parse_dds, parse_ktx1, texel_length};
 use crate::io::oem_file::read_ktx2;
@@ -20,7 +20,7 @@ use octagloss::internals::target::{Content, Diffuse, Flip, TARGETS, Target, Targ
 use octagloss::{Map, Rgb};
 use std::ops::ControlFlow;
 
-/// KTX2 levels, by the `ktx2` crate and zstd.
+/// Parses KTX2 levels by the `ktx2` crate and zstd.
 fn parse_ktx2(bytes: &[u8], pixel: Pixel) -> Vec<Vec<Rgb>> {
     let reader = ktx2::Reader::new(bytes).unwrap();
     let header = reader.header();
@@ -57,7 +57,7 @@ fn levels(container: Container, pixel: Pixel, bytes: &[u8]) -> Vec<Vec<Rgb>> {
     }
 }
 
-/// A face as a PNG in RGBD, rows upwards.
+/// Reads a face as a PNG in RGBD, rows upwards.
 fn png_face(bytes: &[u8]) -> Vec<Rgb> {
     let image = image::load_from_memory(bytes).unwrap().into_rgba8();
     assert_eq!(image.width(), image.height());
@@ -65,8 +65,8 @@ fn png_face(bytes: &[u8]) -> Vec<Rgb> {
     texels.chunks(image.width() as usize).rev().flatten().copied().collect()
 }
 
-/// Levels of an `.env`, as `GetEnvInfo` and `CreateRadianceImageDataArrayBufferViews` of Babylon.js find
-/// them.
+/// Parses the levels of an `.env` as Babylon.js does in `GetEnvInfo` and
+/// `CreateRadianceImageDataArrayBufferViews`.
 fn parse_env(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
     assert_eq!(bytes[..8], [0x86, 0x16, 0x87, 0x96, 0xf6, 0xd6, 0x96, 0x36]);
     let end = 8 + bytes[8..].iter().position(|byte| *byte == 0).unwrap();
@@ -81,7 +81,7 @@ fn parse_env(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
     (mipmaps.chunks(6).map(|faces| faces.iter().flat_map(face).collect()).collect(), manifest)
 }
 
-/// Levels of a light of EXT_lights_image_based in a binary glTF.
+/// Parses the levels of a light of EXT_lights_image_based in a binary glTF.
 fn parse_glb(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
     assert_eq!((&bytes[..4], word(4), word(8)), (&b"glTF"[..], 2, bytes.len()));
@@ -102,7 +102,7 @@ fn parse_glb(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
     (levels.iter().map(level).collect(), root.clone())
 }
 
-/// The levels of a target's cube, in whatever file they are.
+/// Reads the levels of a target's cube from its file of any format.
 fn stored_levels(plan: &TargetPlan, made: &[Made]) -> Vec<Vec<Rgb>> {
     let file = |content| made.iter().find(|file| file.content == content);
     match (file(Content::Specular), file(Content::Env), file(Content::Glb)) {
@@ -113,7 +113,7 @@ fn stored_levels(plan: &TargetPlan, made: &[Made]) -> Vec<Vec<Rgb>> {
     }
 }
 
-/// The levels of an octahedral map without their borders.
+/// Reads the levels of an octahedral map without their borders.
 fn octahedral_levels(made: &[Made]) -> Vec<Vec<Rgb>> {
     let (levels, _) = read_ktx2(&made.iter().find(|file| file.content == Content::Oem).unwrap().bytes);
     let count = levels.len();
@@ -126,7 +126,7 @@ fn octahedral_levels(made: &[Made]) -> Vec<Vec<Rgb>> {
     levels.iter().enumerate().map(inside).collect()
 }
 
-/// The hardware's look-up of the nearest texel (OpenGL 4.6, table 8.19), written out anew.
+/// Nearest-texel look-up of the hardware (OpenGL 4.6, table 8.19), implemented independently.
 fn look_up(level: &[Rgb], direction: DVec3) -> Rgb {
     let d = direction;
     let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
@@ -144,10 +144,10 @@ fn look_up(level: &[Rgb], direction: DVec3) -> Rgb {
     level[(face * n + texel(tc)) * n + texel(sc)]
 }
 
-/// What each engine does to a world direction before it looks into a cube, from its own shaders.
+/// Transforms a world direction as each engine's shaders do before a cube look-up.
 fn engine_direction(target: &str, d: DVec3) -> DVec3 {
     match target {
-        // Left-handed engines, into which glTF comes with x negated.
+        // Left-handed engines, which import glTF with x negated.
         "three" | "babylon" | "gltf-ext" | "unity" => DVec3::new(-d.x, d.y, d.z),
         "bevy" => DVec3::new(d.x, d.y, -d.z),
         _ => d,
@@ -168,7 +168,7 @@ fn small(target: &'static Target) -> (TargetPlan, BakeSettings) {
     (plan, settings)
 }
 
-/// How many of the labelled world's texels the engine sees elsewhere than they are.
+/// Counts texels of the labelled world that the engine looks up at the wrong place.
 fn misplaced(target: &'static Target, level: &[Rgb], exact: &[Rgb]) -> usize {
     let mut wrong = 0;
     let mut seen = 0;
@@ -205,7 +205,7 @@ fn every_letter_is_upright_on_its_side_of_every_engines_world() {
         let exact = &bake.chain.levels[0].texels;
         let level = specular_level0(target, &plan, &bake);
         assert_eq!(misplaced(target, &level, exact), 0, "{}", target.name);
-        // The check sees a cube that is turned about otherwise.
+        // The check detects every other flip.
         for flip in [Flip::None, Flip::X, Flip::Z].into_iter().filter(|flip| *flip != plan.flip) {
             let wrong = TargetPlan { flip, ..plan.clone() };
             let level = specular_level0(target, &wrong, &bake);
@@ -214,8 +214,8 @@ fn every_letter_is_upright_on_its_side_of_every_engines_world() {
     }
 }
 
-/// Where each engine finds a world direction in a square or a panorama of its own, (0, 0) top left to (1, 1):
-/// from its own code, for glTF's axes as its importer turns them.
+/// Returns where each engine looks up a world direction in a square or a panorama, from (0, 0) top left to
+/// (1, 1): by its own code, for glTF's axes as its importer turns them.
 fn engine_place(target: &str, d: DVec3) -> (f64, f64) {
     let turns = |y: f64, x: f64| y.atan2(x) / std::f64::consts::TAU;
     let elevation = d.y.acos() / std::f64::consts::PI;
@@ -242,7 +242,7 @@ fn engine_place(target: &str, d: DVec3) -> (f64, f64) {
     }
 }
 
-/// `bytes` with the key `from` renamed `to`, as long.
+/// Returns `bytes` with the key `from` renamed to `to`, of the same length.
 fn renamed(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     while let Some(at) = bytes.windows(from.len()).position(|window| window == from) {
@@ -265,7 +265,7 @@ fn every_letter_is_upright_in_every_square_and_panorama() {
             (128, 128, octahedral_levels(&made).swap_remove(0))
         } else {
             let [file] = &made[..] else { panic!("one file") };
-            // Engines do not know the key that makes this program turn the panorama back.
+            // Engines ignore the key by which this program turns the panorama back.
             let bytes = renamed(&file.bytes, b"octaglossQuarterTurns", b"octaglossQuarterXurns");
             let loaded = read_from_memory(file.path.as_ref(), &bytes, &ReadOptions::default()).unwrap();
             (256, 128, loaded.environment.texels().to_vec())
@@ -283,7 +283,7 @@ fn every_letter_is_upright_in_every_square_and_panorama() {
             });
             wrong.count() as f64 / (6.0 * 64.0 * 64.0)
         };
-        // Texels that an edge of a letter or of a check runs through differ from map to map.
+        // Texels on an edge of a letter or of a check differ from map to map.
         let share = misplaced(|d| d);
         println!("{}: {share:.4} of the texels differ", target.name);
         assert!(share < 0.25, "{}: {share}", target.name);
@@ -296,7 +296,7 @@ fn every_letter_is_upright_in_every_square_and_panorama() {
 }
 
 #[test]
-fn babylons_and_gltfs_headers_say_what_their_readers_ask_for() {
+fn babylons_and_gltfs_headers_hold_what_their_readers_need() {
     let studio = synth("studio").unwrap();
     let made = |name: &str| {
         let (plan, settings) = small(Target::named(name).unwrap());
@@ -340,7 +340,7 @@ fn irradiance_cubes_and_spherical_harmonics_agree_in_the_engines_world() {
     let level = &levels(plan.container, plan.pixel, &diffuse.bytes)[0];
     let sh = scaled(&bake.sh, ShScale::Filament);
     for direction in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
-        // A texel of 8 beside an axis is off by 7 degrees, and nine coefficients leave a tenth.
+        // A texel of 8 next to an axis is off by 7 degrees, and nine coefficients leave an error of a tenth.
         let direction = (direction + DVec3::splat(0.1)).normalize();
         let cube = look_up(level, engine_direction("bevy", direction));
         let polynomial = filament_irradiance(&sh, direction);
@@ -364,7 +364,7 @@ fn filaments_key_holds_what_its_parser_reads() {
     let numbers: Vec<f64> = value.split_whitespace().map(|word| word.parse().unwrap()).collect();
     assert_eq!((key.as_str(), numbers.len(), value.lines().count()), ("sh", 27, 9));
     let expected = scaled(&bake.sh, ShScale::Filament);
-    assert_eq!(numbers, expected.as_flattened(), "every digit");
+    assert_eq!(numbers, expected.as_flattened(), "every digit must match");
     assert_eq!(parse_ktx1(&made[1].bytes, Pixel::R11g11b10).unwrap().levels.len(), 1);
     let text = String::from_utf8(made[2].bytes.clone()).unwrap();
     assert_eq!(text.lines().count(), 9);
@@ -443,7 +443,7 @@ fn the_sheen_cube_holds_the_charlie_lobe() {
     if other.oem == baked.oem {
         assert_eq!(other.chain, *sheen);
     }
-    assert!(files(&plan, "a", &other, &[]).is_err(), "what was not baked is not written");
+    assert!(files(&plan, "a", &other, &[]).is_err(), "levels that were not baked must be refused");
 }
 
 #[test]
@@ -458,8 +458,8 @@ fn several_targets_share_their_levels_and_cost_them_once() {
         ControlFlow::Continue(())
     })
     .unwrap();
-    // generic and bevy have the same five levels; khronos has six of other roughness but the first, and six
-    // of sheen.
+    // generic and bevy have the same five levels; khronos has six of different roughness except the first,
+    // and six of sheen.
     let texels = |sizes: &[u64]| sizes.iter().map(|n| 6 * n * n).sum::<u64>();
     assert_eq!(
         *total.lock().unwrap(),
@@ -479,7 +479,7 @@ fn several_targets_share_their_levels_and_cost_them_once() {
     assert!(bake_all(&studio, &[], &unwatched).is_err());
 }
 
-/// A level as baked and as stored, and where its texels look.
+/// A level as baked and as stored, and the directions of its texels.
 struct Stored<'a> {
     roughness: f64,
     baked: &'a [Rgb],
@@ -487,7 +487,7 @@ struct Stored<'a> {
     direction: Box<dyn Fn(u32) -> DVec3>,
 }
 
-/// The levels of a target beside what its file holds of them.
+/// Pairs the levels of a target with those read back from its file.
 fn beside<'a>(plan: &TargetPlan, bake: &'a Bake) -> Vec<Stored<'a>> {
     let made = files(plan, "a", bake, &[]).unwrap();
     if plan.target.map == Map::Octahedral {
@@ -514,8 +514,8 @@ fn beside<'a>(plan: &TargetPlan, bake: &'a Bake) -> Vec<Stored<'a>> {
     levels.map(beside).collect()
 }
 
-/// Relative RMS errors of luminance against exhaustive integration over the source: of the levels as baked,
-/// and as the target stores them. Levels of roughness 0.15 to 0.9, at texels drawn at random.
+/// Returns relative RMS errors of luminance against exhaustive integration over the source, for the levels as
+/// baked and as stored: levels of roughness 0.15 to 0.9, at random texels.
 fn errors(plan: &TargetPlan, bake: &Bake, oracle: &Oracle<'_>) -> [f64; 2] {
     let mut random = Random::new(5);
     let (mut sums, mut power, mut count) = ([0.0; 2], 0.0, 0);
@@ -568,13 +568,13 @@ fn encodings_add_to_the_error_what_the_readme_says() {
             let [baked, stored] = errors(plan, bake, &oracle);
             println!("{name} | {} {} | {baked:.5} | {stored:.5}", plan.target.name, plan.pixel.name());
             assert!(baked < most_baked, "{name} {}: {baked}", plan.target.name);
-            // Half the last place of each format, and for blocks and gamma what was measured.
+            // Half the last place of each format; measured values for blocks and gamma.
             let most_added = match plan.pixel {
                 Pixel::F16 | Pixel::F32 => 0.0003,
                 Pixel::Rgb9e5 => 0.002,
                 Pixel::R11g11b10 => 0.006,
                 Pixel::Rgbd => 0.012,
-                Pixel::Rgbe | Pixel::Auto => panic!("no target has them"),
+                Pixel::Rgbe | Pixel::Auto => panic!("no target uses them"),
                 Pixel::Bc6h => 0.02,
             };
             assert!(stored < baked + most_added, "{name} {}: {stored} of {baked}", plan.target.name);

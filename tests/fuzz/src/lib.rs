@@ -1,20 +1,19 @@
-//! What the fuzz targets share.
+//! Shared code of the fuzz targets.
 
 use octagloss::internals::io::{self, LayoutChoice, ReadOptions};
 use std::path::Path;
 
-/// Bytes that a reader may take for one input.
+/// Memory limit of a reader for one input, in bytes.
 pub const MEMORY_LIMIT: u64 = 64 << 20;
 
-/// Reads `bytes` as an environment, if they begin with `magic`; `name` has the extension that such files
-/// have.
+/// Reads `bytes` as an environment if they begin with `magic`; `name` has the usual extension of the format.
 pub fn read_environment(name: &str, magic: &[u8], bytes: &[u8]) {
     if bytes.starts_with(magic) {
         read_with_layout(name, bytes, LayoutChoice::Auto);
     }
 }
 
-/// Reads `bytes` as an environment in `layout`, and holds what is read to its promises.
+/// Reads `bytes` as an environment in `layout` and checks the guarantees of the result.
 pub fn read_with_layout(name: &str, bytes: &[u8], layout: LayoutChoice) {
     let options =
         ReadOptions { layout, sanitize: true, memory_limit: MEMORY_LIMIT, ..ReadOptions::default() };
@@ -29,13 +28,13 @@ pub fn read_with_layout(name: &str, bytes: &[u8], layout: LayoutChoice) {
     }
 }
 
-/// Errors are one line of a length that a terminal shows, without control characters.
+/// Asserts that a message is short enough for a terminal and has no control characters.
 pub fn assert_plain(message: &str) {
     assert!(message.len() < 2000, "{} bytes", message.len());
     assert!(!message.contains(char::is_control), "{message:?}");
 }
 
-/// Parses `bytes` as the mesh file `name`, and holds what is read to its promises.
+/// Parses `bytes` as the mesh file `name` and checks the guarantees of the result.
 pub fn read_mesh(name: &str, bytes: &[u8]) {
     match octagloss::internals::mesh::parse(name, bytes) {
         Ok(mesh) => {

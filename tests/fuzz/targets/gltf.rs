@@ -1,6 +1,6 @@
 #![no_main]
 
-//! A glTF file whole in itself, JSON with data URIs or binary.
+//! A self-contained glTF file: JSON with data URIs, or binary.
 
 use libfuzzer_sys::fuzz_target;
 use octagloss_fuzz::read_mesh;

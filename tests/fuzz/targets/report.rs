@@ -1,6 +1,6 @@
 #![no_main]
 
-//! What is read as a report is written and read again as the same.
+//! A report that can be read survives a round trip through JSON.
 
 use libfuzzer_sys::fuzz_target;
 use octagloss::internals::bake::report::Report;

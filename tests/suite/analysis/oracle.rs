@@ -1,4 +1,4 @@
-//! The oracle against values found by hand and by brute force.
+//! Compares the oracle with values derived by hand and by brute force.
 
 use crate::support::common::{Look, Random, environment, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
@@ -17,7 +17,7 @@ const LAYOUTS: [Layout; 5] = [
     Layout::Panorama { width: 3, height: 1 },
 ];
 
-/// Greatest relative difference of three channels.
+/// Returns the greatest relative difference of three channels.
 fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|c| (a[c] - b[c]).abs() / b[c].abs().max(1e-300)).fold(0.0, f64::max)
 }
@@ -34,7 +34,7 @@ fn a_constant_stays_one() {
         for lobe in LOBES {
             for roughness in [0.0, 0.1, 0.35, 0.7, 1.0] {
                 for direction in landmarks().into_iter().step_by(3) {
-                    // The sum over L K and the sum over K take the same terms: rounding of some 500 of them.
+                    // The sums over L K and over K take the same terms: rounding of some 500 of them.
                     let value = oracle.reflect(lobe, roughness, direction);
                     let off = difference(value, [0.25, 2.0, 3e4]);
                     assert!(off < 1e-12, "{layout:?} {lobe:?} {roughness} {direction}: {value:?}");
@@ -43,11 +43,11 @@ fn a_constant_stays_one() {
                 }
             }
         }
-        assert!(spots > 30, "{layout:?}: one brighter texel shows in {spots} lobes");
+        assert!(spots > 30, "{layout:?}: one brighter texel was detected in {spots} lobes");
     }
 }
 
-/// A texel's mean of `integrand`, by midpoints of the map; and the texel's solid angle.
+/// Returns a texel's mean of `integrand` by midpoints of the map, and the texel's solid angle.
 fn brute_texel(layout: Layout, index: usize, integrand: impl Fn(DVec3) -> f64) -> (f64, f64) {
     let index = index as u32;
     let count = if layout.texel_count() < 50 { 512 } else { 64 };
@@ -87,15 +87,15 @@ fn brute_texel(layout: Layout, index: usize, integrand: impl Fn(DVec3) -> f64) -
     (sum / area, solid_angle)
 }
 
-/// A black environment but for texel `index`.
+/// Returns an environment that is black except texel `index`.
 fn lone(layout: Layout, index: usize, value: f32) -> Environment {
     let mut texels = vec![[0.0; 3]; layout.texel_count()];
     texels[index] = [value, 2.0 * value, 0.0];
     environment(layout, texels)
 }
 
-/// A mean over 64 x 64 midpoints of a texel: a smooth kernel is off by (h/64)^2/24 of its curvature, one cut
-/// by the horizon or by a fold by about (1/64)^1.5 of what is at the edge.
+/// Error of a mean over 64 x 64 midpoints of a texel. A smooth kernel is off by (h/64)^2/24 of its curvature;
+/// a kernel cut by the horizon or by a fold by about (1/64)^1.5 of its value at the edge.
 const MIDPOINTS: f64 = 2e-4;
 
 #[test]
@@ -108,27 +108,30 @@ fn a_lone_texel_is_its_kernel_times_its_solid_angle() {
             let environment = lone(layout, index, 1e6);
             let direction = random.direction();
             for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cosine, Lobe::Charlie] {
-                // Wide enough for midpoints to resolve over texels of up to 2 radians, and no Phong lobe that
-                // ends at the horizon in less than a slope.
+                // Wide enough for midpoints to resolve over texels of up to 2 radians. Excludes Phong lobes
+                // that end at the horizon more steeply than linearly.
                 let wide = layout.texel_count() < 50 || lobe == Lobe::Phong;
                 let least = if wide { 0.6 } else { 0.35 };
-                // A band that ends at the horizon in a slope as well.
+                // The Charlie lobe's band must not end more steeply either.
                 let roughness = random.between(if lobe == Lobe::Charlie { 0.75 } else { least }, 0.84);
                 let at = |l: DVec3| kernel(lobe, roughness * roughness, l.distance_squared(direction) / 4.0);
                 let (mean, solid_angle) = brute_texel(layout, index, at);
                 let integral = kernel_integral(lobe, roughness * roughness);
                 let expected = 1e6 * mean * solid_angle / integral;
                 let [value, twice, nothing] = reflect(&environment, lobe, roughness, direction);
-                // Against a tenth of the mean lobe, where the texel is at the lobe's very end.
+                // At the very end of the lobe, compare with a tenth of the mean lobe.
                 let scale = expected.max(1e6 * 0.1 * solid_angle / (4.0 * PI));
                 let off = (value - expected).abs() / scale;
-                // Charlie's point around R and its steep end are found to a power less.
+                // Midpoints converge one power more slowly at Charlie's point around R and at its steep end.
                 let midpoints = if lobe == Lobe::Charlie { 4.0 * MIDPOINTS } else { MIDPOINTS };
                 assert!(
                     off < midpoints,
                     "{layout:?} {index} {lobe:?} {roughness} {direction}: {value} {expected}"
                 );
-                assert!((twice - 2.0 * value).abs() <= 1e-12 * twice && nothing == 0.0, "channels are apart");
+                assert!(
+                    (twice - 2.0 * value).abs() <= 1e-12 * twice && nothing == 0.0,
+                    "channels must be independent"
+                );
                 compared += 1;
                 seen += usize::from(
                     value > 0.0 && (value * (1.0 + 3.0 * MIDPOINTS) - expected).abs() / scale > MIDPOINTS,
@@ -137,13 +140,13 @@ fn a_lone_texel_is_its_kernel_times_its_solid_angle() {
         }
     }
     assert_eq!(compared, 800);
-    assert!(seen > 100, "a texel brighter by three tolerances would be seen in {seen} lobes");
+    assert!(seen > 100, "a texel brighter by three tolerances was detected in {seen} lobes");
 }
 
 #[test]
 fn a_cone_takes_the_share_that_it_covers() {
-    // White within 60 degrees of +Y and black outside; a cone around +Y of any half-angle h sees
-    // (1 - cos min(h, 60)) / (1 - cos h) of white. 60 degrees is a row's edge of a panorama of 12 rows.
+    // White within 60 degrees of +Y and black outside. A cone of half-angle h around +Y sees
+    // (1 - cos min(h, 60)) / (1 - cos h) of white. In a panorama of 12 rows, 60 degrees is a row's edge.
     let layout = Layout::Panorama { width: 24, height: 12 };
     let texels = (0..layout.texel_count()).map(|k| if k / 24 < 4 { [1.0; 3] } else { [0.0; 3] }).collect();
     let environment = environment(layout, texels);
@@ -151,14 +154,14 @@ fn a_cone_takes_the_share_that_it_covers() {
         let half: f64 = roughness * PI / 2.0;
         let expected = (1.0 - half.min(PI / 3.0).cos()) / (1.0 - half.cos());
         let [value, ..] = reflect(&environment, Lobe::Cone, roughness, DVec3::Y);
-        // The texels that the edge runs through are halved ten times: 2^-15 of their own share.
+        // The texels on the edge are halved ten times: 2^-15 of their share.
         assert!((value - expected).abs() < 1e-4, "{roughness}: {value} against {expected}");
-        assert!((value + 2e-4 - expected).abs() > 1e-4, "{roughness}: a difference shows");
+        assert!((value + 2e-4 - expected).abs() > 1e-4, "{roughness}: a difference must be detected");
     }
 }
 
 #[test]
-fn a_hemisphere_splits_lobes_as_it_must() {
+fn a_hemisphere_has_its_share_of_each_lobe() {
     for layout in [
         Layout::Panorama { width: 64, height: 32 },
         Layout::Cube { size: 16 },
@@ -167,8 +170,8 @@ fn a_hemisphere_splits_lobes_as_it_must() {
         let blank = environment(layout, vec![[0.0; 3]; layout.texel_count()]);
         let mut texels = Vec::new();
         blank.for_each_texel(|direction, _, _| texels.push([f32::from(u8::from(direction.y > 0.0)); 3]));
-        // In an octahedral square and a cube the horizon y = 0 runs along texel edges or diagonals; a texel
-        // that it halves is left out of the exact statement by giving it one half.
+        // In an octahedral square and a cube the horizon y = 0 runs along texel edges or diagonals. A texel
+        // that it halves gets the value one half, which keeps the expected values exact.
         let on_fold = |k: usize| match layout {
             Layout::Octahedral { size } => {
                 let (x, y) = (k as u32 % size, k as u32 / size);
@@ -186,7 +189,7 @@ fn a_hemisphere_splits_lobes_as_it_must() {
         for lobe in LOBES {
             for roughness in [0.2, 0.5, 0.9] {
                 let along = |d: DVec3| oracle.reflect(lobe, roughness, d)[0];
-                // By symmetry; to the accuracy promised, at edges of the support too.
+                // By symmetry, to the accuracy promised, also at edges of the support.
                 assert!((along(DVec3::X) - 0.5).abs() < 1e-5, "{layout:?} {lobe:?} {roughness} +X");
                 let (up, down) = (along(DVec3::Y), along(DVec3::NEG_Y));
                 assert!((up + down - 1.0).abs() < 1e-5, "{layout:?} {lobe:?} {roughness} +-Y: {up} {down}");
@@ -221,8 +224,8 @@ fn a_mirror_shows_the_texel_looked_at() {
         environment.for_each_texel(|direction, _, rgb| {
             let expected = rgb.map(f64::from);
             assert_eq!(oracle.reflect(Lobe::Ggx, 0.0, direction), expected, "{layout:?} {direction}");
-            // Beyond s = sin^2(theta/2) lies alpha^2/s of a lobe: 1e-12 over 2e-5 at the narrowest texel's
-            // edge, and the neighbours are up to 1e4 times brighter.
+            // Of a lobe, alpha^2/s lies beyond s = sin^2(theta/2): 1e-12 over 2e-5 at the narrowest texel's
+            // edge, and neighbours are up to 1e4 times brighter.
             let near = oracle.reflect(Lobe::Ggx, 0.001, direction);
             assert!(
                 difference(near, expected) < 5e-4,
@@ -254,7 +257,7 @@ fn rotation_carries_plus_z_to_plus_x() {
 }
 
 #[test]
-fn harmonics_of_known_fields_are_theirs() {
+fn harmonics_of_known_fields_match() {
     for layout in [
         Layout::Panorama { width: 128, height: 64 },
         Layout::Cube { size: 48 },
@@ -268,7 +271,7 @@ fn harmonics_of_known_fields_are_theirs() {
             assert!(red.abs() < 1e-11, "{layout:?} {k}: {red}");
         }
         for band in 1..25 {
-            // 4 + Y_k: c_0 = 4 sqrt(4 pi), c_k = 1 but for texels being constant, 1 - O(h^2).
+            // 4 + Y_k: c_0 = 4 sqrt(4 pi); c_k = 1 - O(h^2), as texels are constant.
             let mut texels = Vec::new();
             constant.for_each_texel(|d, _, _| texels.push([(4.0 + sh::basis(d)[band]) as f32; 3]));
             let sh = sh::spherical_harmonics(&environment(layout, texels).rotated_y(0.0), 4);
@@ -278,7 +281,7 @@ fn harmonics_of_known_fields_are_theirs() {
             }
         }
     }
-    // The basis itself, by the usual formulas at one place.
+    // Check the basis itself against the usual formulas in one direction.
     let d = DVec3::new(0.48, 0.6, 0.64);
     let expected = [
         0.282_094_791_773_878_14,
@@ -322,15 +325,14 @@ fn harmonics_of_a_lone_texel_are_its_integrals() {
             let environment = lone(layout, index, 3.0).rotated_y(turn);
             let world_from_source = environment.source_from_world().transpose();
             let sh = sh::spherical_harmonics(&environment, 4);
-            // Bands up to L2 do not depend on how many there are.
+            // Bands up to L2 do not depend on the number of bands.
             for (few, all) in sh::spherical_harmonics(&environment, 2).iter().zip(&sh) {
                 assert!((few[1] - all[1]).abs() < 1e-13 * sh[0][1], "{layout:?} {index}: {few:?} {all:?}");
             }
             for k in 0..25 {
                 let (mean, solid_angle) = brute_texel(layout, index, |d| sh::basis(world_from_source * d)[k]);
                 let expected = 3.0 * mean * solid_angle;
-                // (h/64)^2/24 of a second derivative of at most 20, h up to 3; and folds, of which 1/64 h is
-                // off.
+                // (h/64)^2/24 of a second derivative of at most 20, with h up to 3; folds are off by 1/64 h.
                 let tolerance = 3.0 * solid_angle * if layout.texel_count() < 50 { 5e-3 } else { 1e-4 };
                 let off = (sh[k][0] - expected).abs();
                 assert!(off < tolerance, "{layout:?} {index} Y{k}: {} against {expected}", sh[k][0]);
@@ -339,8 +341,8 @@ fn harmonics_of_a_lone_texel_are_its_integrals() {
     }
 }
 
-/// The definition of the served lobe, by brute force: every texel's tent and square over midpoints of the
-/// unfolded plane, a two-hundredth of a unit of (u, v) apart.
+/// Computes the served lobe by its definition and by brute force: every texel's tent and square over
+/// midpoints of the unfolded plane, 0.005 of a unit of (u, v) apart.
 fn brute_oem(oem: &Oem, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
     let n = oem.size().inner;
     let h = 2.0 / f64::from(n);
@@ -391,16 +393,16 @@ fn the_served_lobe_is_its_definition() {
                 let direction = random.direction();
                 let expected = brute_oem(&oem, lobe, roughness, direction);
                 let value = oracle.reflect(lobe, roughness, direction);
-                // Midpoints: 0.005^2/24 of the curvature, below 300 in (u, v); jumps of a cone and of a Phong
-                // lobe of a small exponent are found to 40^-1.5 of a texel's own share.
+                // Midpoints: 0.005^2/24 of the curvature, below 300 in (u, v). Jumps of a cone and of a Phong
+                // lobe of a small exponent are found to 40^-1.5 of a texel's share.
                 let smooth = matches!(lobe, Lobe::Ggx | Lobe::Cosine);
                 let tolerance = if smooth { 1e-3 } else { 1e-2 };
                 let off = difference(value, expected);
                 assert!(off < tolerance, "{n} {look:?} {lobe:?} {roughness}: {value:?} against {expected:?}");
                 compared += 1;
                 if smooth {
-                    // One texel of the OEM half as bright again: the comparison must tell, unless it is out
-                    // of sight.
+                    // Brighten one texel of the OEM by half: the comparison must detect it unless it is
+                    // outside the lobe.
                     let mut other = radiance.clone();
                     let k = random.below(n * n) as usize;
                     other[k] = other[k].map(|c| 1.5 * c + 0.5);
@@ -411,7 +413,7 @@ fn the_served_lobe_is_its_definition() {
         }
     }
     assert_eq!(compared, 120);
-    assert!(seen > 25, "a wrong texel was seen {seen} times in 60");
+    assert!(seen > 25, "a wrong texel was detected {seen} times in 60");
 }
 
 #[test]
@@ -426,7 +428,7 @@ fn the_served_mirror_is_the_limit_of_lobes() {
             for direction in (0..4).map(|_| random.direction()).chain(landmarks()) {
                 let mirror = oracle.reflect(Lobe::Ggx, 0.0, direction);
                 let sharp = oracle.reflect(Lobe::Cone, 1e-3, direction);
-                // A cone of 1.6e-3 reaches n/2 * 1.6e-3 of a texel, or sqrt(3) times that; neighbours'
+                // A cone of 1.6e-3 reaches n/2 * 1.6e-3 of a texel, or sqrt(3) times that; neighbouring
                 // energies differ up to fivefold.
                 let off = difference(sharp, mirror);
                 assert!(off < 1.6e-3 * f64::from(n) * 5.0, "{n} {look:?} {direction}: {off:e}");
@@ -451,7 +453,7 @@ fn source_and_oem_agree_on_a_smooth_sky() {
             let source = reflect(&environment, lobe, roughness, direction);
             let served = reflect_oem(&oem, lobe, roughness, direction);
             // The tent blurs by h^2/12 of the energy's Laplacian in (u, v), h = 1/32: below 50 of the mean,
-            // most of it the density's own.
+            // mostly due to the density.
             assert!(difference(served, source) < 4e-3, "{lobe:?} {roughness}: {served:?} against {source:?}");
         }
     }

@@ -1,4 +1,5 @@
-//! How maps stretch: numeric metrics against closed forms, and the table against what was printed.
+//! Stretch metrics of the maps: numeric values against closed forms, and the table against the paper's
+//! printed values.
 
 use glam::{DVec2, DVec3};
 use octagloss::internals::analysis::map_table::{Row, rows};
@@ -8,28 +9,28 @@ use octagloss::internals::sphere::registry::MAPS;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 use std::sync::LazyLock;
 
-/// The table, measured once for all tests.
+/// The table, computed once for all tests.
 static ROWS: LazyLock<Vec<Row>> = LazyLock::new(rows);
 
-/// What was measured of the map `name`.
+/// Returns the metrics of the map `name`.
 fn measured(name: &str) -> Metrics {
     ROWS.iter().find(|row| row.name == Some(name)).expect("a map").metrics
 }
 
-/// Extremes are extrapolated over cells of 1/96: what remains is second order, below (1e-3/96)^2 times
-/// curvatures of at most 1000, and differences round by 2^-53 / 1e-8.
+/// Bound of numeric metrics. Extremes are extrapolated over cells of 1/96: the second-order rest is below
+/// (1e-3/96)^2 times curvatures of at most 1000, and differences round by 2^-53 / 1e-8.
 const CLOSED: f64 = 1e-6;
 
-/// Greatest anisotropy a of a map whose Jacobian has the squared Frobenius norm f and the determinant d: a
-/// + 1/a is f/d.
+/// Returns the greatest anisotropy a of a map whose Jacobian has the squared Frobenius norm f and the
+/// determinant d: a + 1/a is f/d.
 fn anisotropy_of(ratio: f64) -> f64 {
     (ratio + (ratio * ratio - 4.0).sqrt()) / 2.0
 }
 
-/// Closed forms: sampling requirement, anisotropy, lattice requirement.
+/// Returns closed forms: sampling requirement, anisotropy, lattice requirement.
 fn closed_form(name: &str) -> [f64; 3] {
-    // Concentric squares, a wedge's edge: [[g, 0], [-pi/4, pi/4]] with g = 1 at the pole and 2 at the
-    // equator, the lower row over g there.
+    // Concentric squares, at a wedge's edge: [[g, 0], [-pi/4, pi/4]] with g = 1 at the pole and 2 at the
+    // equator, the lower row divided by g.
     let quarter = FRAC_PI_4 * FRAC_PI_4;
     let pole = anisotropy_of((1.0 + 2.0 * quarter) / FRAC_PI_4);
     let equator = anisotropy_of((2.0 + quarter) / FRAC_PI_4);
@@ -56,8 +57,9 @@ fn closed_form(name: &str) -> [f64; 3] {
     }
 }
 
-/// At the poles of the equal-area squares stretch depends on the way there, and is greatest along an axis;
-/// the nearest points beside an axis are a cell off, 1/48 at most, which takes less than its square.
+/// Error at the poles of the equal-area squares, where stretch depends on the direction of approach and is
+/// greatest along an axis. The points nearest to an axis are one cell off, at most 1/48, which costs less
+/// than its square.
 const CONE: f64 = 1.0 / (48.0 * 48.0);
 
 fn agrees(measured: f64, exact: f64, bound: f64) -> bool {
@@ -79,11 +81,11 @@ fn numeric_metrics_are_the_closed_forms() {
         );
         assert!(agrees(metrics.lattice, lattice, bound), "{name}: M {} for {lattice}", metrics.lattice);
         assert!(metrics.lattice <= metrics.sampling * (1.0 + CLOSED), "{name}: M is at most Y");
-        // Nothing samples the sphere with fewer than its own area, nor M with fewer than a hexagonal lattice.
+        // No map samples the sphere with fewer than its area, nor M with fewer than a hexagonal lattice.
         assert!(metrics.sampling >= 4.0 * PI - 1e-5, "{name}");
         assert!(metrics.lattice >= 4.0 * PI * 0.75_f64.sqrt() - 1e-5, "{name}");
     }
-    assert!(!agrees(36.0 * (1.0 + 2.0 * CLOSED), 36.0, CLOSED), "an error shows");
+    assert!(!agrees(36.0 * (1.0 + 2.0 * CLOSED), 36.0, CLOSED), "an error must be detected");
 }
 
 #[test]
@@ -112,7 +114,7 @@ fn relative_solid_angles_are_the_closed_forms() {
 
 #[test]
 fn domains_have_the_areas_of_their_figures() {
-    // 1024^2 points misplace a rim by less than one point a row, both ways.
+    // On 1024^2 points a rim is off by less than one point per row, either way.
     for (name, share) in
         [("dual-paraboloid", FRAC_PI_4), ("sphere-map", FRAC_PI_4), ("cube", 1.0), ("octahedral", 1.0)]
     {
@@ -122,7 +124,7 @@ fn domains_have_the_areas_of_their_figures() {
 }
 
 #[test]
-fn a_jacobian_s_singular_values_are_its_own() {
+fn singular_values_of_a_known_jacobian_match() {
     let turned =
         |angle: f64| (DVec3::new(angle.cos(), angle.sin(), 0.0), DVec3::new(-angle.sin(), angle.cos(), 0.0));
     for angle in [0.0, 0.4, FRAC_PI_4, 2.0] {
@@ -136,7 +138,7 @@ fn a_jacobian_s_singular_values_are_its_own() {
             "{stretch:?}"
         );
     }
-    // Ten to one along a diagonal: dual vectors (1, 0), (0, 1) and their sum; by hand.
+    // Ten to one along a diagonal: dual vectors (1, 0), (0, 1) and their sum, by hand.
     let (x, y) = turned(FRAC_PI_4);
     let along = |way: DVec3| x * way.dot(x) * 10.0 + y * way.dot(y);
     let stretch = Stretch::from_derivatives(along(DVec3::X), along(DVec3::Y));
@@ -155,14 +157,14 @@ fn a_jacobian_s_singular_values_are_its_own() {
     assert!((stretch.spacing * shortest - 1.0).abs() < 1e-12, "{} and {shortest}", stretch.spacing);
 }
 
-/// Whether `value` rounds to `printed`, to as many digits as that has.
+/// Returns whether `value` rounds to `printed`, at its number of digits.
 fn prints_as(value: f64, printed: &str) -> bool {
     let digits = printed.split_once('.').map_or(0, |(_, fraction)| fraction.len());
     format!("{value:.digits$}") == printed
 }
 
 #[test]
-fn the_table_has_the_printed_digits_or_says_why_not() {
+fn the_table_matches_the_printed_digits_or_has_a_note() {
     let mut met = 0;
     for Row { title, printed, metrics, note, .. } in ROWS.iter() {
         let Some(printed) = printed else { continue };
@@ -173,20 +175,20 @@ fn the_table_has_the_printed_digits_or_says_why_not() {
         {
             met += 1;
         } else {
-            assert!(note.is_some(), "{title}: {metrics:?} is explained");
+            assert!(note.is_some(), "{title}: {metrics:?} needs a note");
             // Both rows that are not Y are M.
             assert!(prints_as(metrics.lattice, printed.sampling), "{title}: {metrics:?}");
         }
     }
     assert_eq!(met, 9, "nine of the paper's eleven rows as printed");
     assert_eq!(ROWS.len(), MAPS.len() + 2, "every map and two limits");
-    assert!(!prints_as(36.06, "36.0") && prints_as(f64::INFINITY, "inf"), "a wrong digit shows");
+    assert!(!prints_as(36.06, "36.0") && prints_as(f64::INFINITY, "inf"), "a wrong digit must be detected");
     let planar = measured("octahedral");
     assert!(prints_as(planar.sampling, "36.0") && prints_as(planar.anisotropy, "2.62"));
 }
 
 #[test]
-fn the_printed_conformal_row_needs_its_own_latitude() {
+fn the_printed_conformal_row_needs_another_latitude() {
     // 4 pi ln tan(pi/4 + l/2) + 32 tan^2((pi/2 - l)/2).
     let at = |degrees: f64| measure(&PolarCapped::conformal(degrees.to_radians())).sampling;
     assert!(prints_as(at(42.2), "16.5") && prints_as(at(45.0), "16.6"), "{} and {}", at(42.2), at(45.0));

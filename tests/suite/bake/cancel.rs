@@ -1,4 +1,4 @@
-//! A bake stops where its progress callback asks for it.
+//! A bake stops when its progress callback requests it.
 
 use octagloss::internals::bake::{BakeSettings, Progress, bake_all};
 use octagloss::internals::synth::synth;
@@ -6,7 +6,7 @@ use octagloss::{Environment, Error};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Bakes `environment` until `most` rows are done; the outcome, the texels that were done and those of all.
+/// Bakes `environment` until `most` rows are done; returns the outcome, the texels done and the total.
 fn baked_until(environment: &Environment, most: u64) -> (Result<(), Error>, u64, u64) {
     let settings = BakeSettings { size: 64, levels: Some(3), ..BakeSettings::default() };
     let (calls, done, total) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));

@@ -1,11 +1,11 @@
-//! The DFG table as files.
+//! Files of the DFG table.
 
 use half::f16;
 use octagloss::internals::bake::dfg::{DfgBlue, DfgForm, dfg_table};
 use octagloss::internals::io::ktx2::lookup_table::{Channels, table_bytes};
 use std::process::Command;
 
-/// vkFormat and texels of a KTX2 table, by offsets of the specification.
+/// Returns vkFormat and texels of a KTX2 table, read by the specification's offsets.
 fn parse(bytes: &[u8], channels: usize) -> (u32, Vec<Vec<f32>>) {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     let long = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
@@ -48,11 +48,11 @@ fn the_program_writes_tables_and_refuses_what_it_cannot() {
     };
     assert!(run(&["-o", "a.ktx2", "--size", "8", "--charlie", "--quiet"]).status.success());
     let (_, texels) = parse(&std::fs::read(folder.path().join("a.ktx2")).unwrap(), 4);
-    // Rows are roughness: the first is nearly a mirror, the last far from it, at the rightmost column.
+    // Rows are roughness. In the rightmost column, the first is nearly a mirror, the last far from it.
     let white = |at: usize| texels[at][0] + texels[at][1];
     assert!(white(7) > 0.99 && white(63) < 0.75, "{} {}", white(7), white(63));
     assert!(run(&["-o", "a.exr", "--form", "multiple-scattering", "--quiet"]).status.success());
-    assert_eq!(run(&["-o", "a.exr"]).status.code(), Some(1), "already there");
+    assert_eq!(run(&["-o", "a.exr"]).status.code(), Some(1), "the file exists already");
     assert_eq!(run(&["-o", "a.png"]).status.code(), Some(2));
     assert_eq!(run(&["-o", "b.exr", "--size", "0"]).status.code(), Some(2));
 }

@@ -1,4 +1,4 @@
-//! Levels over panoramas and octahedral squares: footprints by area, lobes by the oracle.
+//! Levels of panoramas and octahedral squares: footprints by area, lobes against the oracle.
 
 use crate::support::common::{Look, Random, environment, texels};
 use glam::DVec3;
@@ -14,7 +14,7 @@ fn luminance(rgb: [f64; 3]) -> f64 {
     0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
-/// The direction of a texel's centre, by the maps' own formulas.
+/// Returns the direction of a texel's centre, by the maps' formulas.
 fn centre(layout: Layout, index: u32) -> DVec3 {
     match layout {
         Layout::Panorama { width, height } => {
@@ -72,7 +72,7 @@ fn footprints_keep_energy_and_constants_however_the_source_is_turned() {
                     let made = footprints_over(&suns, target).unwrap();
                     assert_eq!(made.len(), target.texel_count());
                     let off = energy(target, &made) / exact - 1.0;
-                    // Parallels are chorded, and what of a texel lies beyond the chord goes to its neighbour.
+                    // Parallels are chorded: light of a texel beyond the chord goes to its neighbour.
                     assert!(off.abs() < 1e-4, "{source:?} {turn} {mirrored} {target:?}: {off:e}");
                     let flat = footprints_over(&constant, target).unwrap();
                     assert!(flat.iter().flatten().all(|c| (c - 0.7).abs() < 1e-6), "{source:?} {target:?}");
@@ -84,8 +84,8 @@ fn footprints_keep_energy_and_constants_however_the_source_is_turned() {
 
 #[test]
 fn footprints_are_where_the_world_has_them() {
-    // A source that is its own direction: footprints of a finer or equal map show directions near their
-    // centres.
+    // Every source texel holds its own direction: footprints in a finer or equal map hold directions near
+    // their centres.
     for source in [Layout::Panorama { width: 128, height: 64 }, Layout::Cube { size: 48 }] {
         let blank = environment(source, vec![[0.0; 3]; source.texel_count()]);
         let mut own = Vec::new();
@@ -98,7 +98,7 @@ fn footprints_are_where_the_world_has_them() {
                     let shown = DVec3::from_array(texel.map(f64::from)) * 2.0 - 1.0;
                     let expected = world.source_from_world() * centre(target, index);
                     assert!(shown.distance(expected) < 0.06, "{source:?} {turn} {target:?} {index}: {shown}");
-                    // The check sees a source that is turned otherwise.
+                    // The check detects a source turned the other way.
                     let other = world.source_from_world().transpose() * centre(target, index);
                     if turn == 250.0 && expected.distance(other) > 0.2 {
                         assert!(shown.distance(other) > 0.06);
@@ -115,14 +115,14 @@ fn a_panorama_of_the_same_size_is_the_source_itself() {
     let source = texels(&mut Random::new(3), Look::Noise, layout);
     let plain = environment(layout, source.clone());
     assert_eq!(footprints_over(&plain, layout).unwrap(), source);
-    // A quarter turn moves columns.
+    // A quarter turn shifts columns.
     let turned = footprints_over(&plain.rotated_y(90.0), layout).unwrap();
     for (k, texel) in turned.iter().enumerate() {
         assert_eq!(*texel, source[k / 24 * 24 + (k % 24 + 6) % 24], "texel {k}");
     }
 }
 
-/// Relative RMS error of level `index` of a bake of `map` over `size`, at its texels' centres.
+/// Returns the relative RMS error of level `index` of a bake of `map` over `size`, at its texels' centres.
 fn error(world: &Environment, map: Map, index: usize, shift: u32) -> f64 {
     let settings = BakeSettings { map, size: 32, levels: Some(3), ..BakeSettings::default() };
     let baked = bake(world, &settings).unwrap();
@@ -151,7 +151,7 @@ fn levels_are_true_lobes_at_every_texel_of_their_map() {
             println!("{map:?} level {index}: {off:.5}");
             assert!(off < 0.01, "{map:?} level {index}: {off}");
         }
-        assert!(error(&world, map, 1, 1) > 0.03, "{map:?}: texels that are one off are seen");
+        assert!(error(&world, map, 1, 1) > 0.03, "{map:?}: texels shifted by one must be detected");
     }
 }
 
@@ -164,7 +164,7 @@ fn a_level_of_one_texel_holds_the_mean_of_its_lobe() {
         let baked = bake(&world, &settings).unwrap();
         let last = baked.chain.levels.last().unwrap();
         assert_eq!((last.texels.len(), last.roughness), (1, 1.0), "{map:?}");
-        // A symmetric lobe's mean over all directions is the environment's.
+        // The mean of a symmetric lobe over all directions is the environment's mean.
         let mut sum = 0.0;
         world.for_each_texel(|_, w, radiance| sum += w * f64::from(radiance[0]));
         let mean = sum / (4.0 * std::f64::consts::PI);

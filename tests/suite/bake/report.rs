@@ -1,4 +1,4 @@
-//! `report.json` as `docs/report.md` documents it, and what the line on standard error says of it.
+//! `report.json` against its documentation in `docs/report.md`, and the summary line on standard error.
 
 use crate::cli::{done, json_file, octagloss, with_sky, write_panorama};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// The documented keys with their types.
+/// Returns the documented keys with their types.
 fn documented() -> BTreeMap<&'static str, &'static str> {
     let text = include_str!("../../../docs/report.md");
     let rows = text.lines().filter_map(|line| line.strip_prefix("| `"));
@@ -17,11 +17,11 @@ fn documented() -> BTreeMap<&'static str, &'static str> {
         })
         .collect();
     let map: BTreeMap<_, _> = keys.iter().copied().collect();
-    assert_eq!(map.len(), keys.len(), "no key twice");
+    assert_eq!(map.len(), keys.len(), "no duplicate keys");
     map
 }
 
-/// Whether `value` is of the type that the documentation calls `kind`.
+/// Returns whether `value` has the documented type `kind`.
 fn is_a(kind: &str, value: &Value) -> bool {
     if let Some(kind) = kind.strip_suffix(" or null") {
         return value.is_null() || is_a(kind, value);
@@ -39,7 +39,7 @@ fn is_a(kind: &str, value: &Value) -> bool {
     }
 }
 
-/// Checks `value` at `place` against `keys`; collects the keys that it uses in `used`, and what is wrong.
+/// Checks `value` at `place` against `keys`; collects the keys it uses in `used` and returns the errors.
 fn check(
     keys: &BTreeMap<&'static str, &'static str>,
     place: &str,
@@ -69,7 +69,7 @@ fn check(
     }
 }
 
-/// Reports of every kind of bake.
+/// Returns reports of every kind of bake.
 fn reports(folder: &Path) -> Vec<Value> {
     let small = ["--size", "8", "--levels", "3", "--quiet"];
     let bakes: [(&str, &[&str], &str); 6] = [
@@ -91,7 +91,7 @@ fn reports(folder: &Path) -> Vec<Value> {
 #[test]
 fn every_key_of_real_reports_is_documented_with_its_type_and_the_reverse() {
     let folder = with_sky();
-    // Brighter than half floats hold, for the key of compressed texels.
+    // Brighter than half floats can hold, to obtain the key for compressed texels.
     write_panorama(&folder.path().join("sky.exr"), 32, |d| {
         if d.z > 0.98 { [1e6, 8e5, 6e5] } else { [0.3, 0.5, 1.0 + d.y as f32] }
     });
@@ -103,7 +103,7 @@ fn every_key_of_real_reports_is_documented_with_its_type_and_the_reverse() {
     }
     let unused: Vec<_> = keys.keys().filter(|key| !used.contains(**key)).collect();
     assert!(unused.is_empty(), "documented and never written: {unused:?}");
-    // The check finds what is not documented, and what has another type.
+    // The check detects undocumented keys and wrong types.
     let wrong =
         |text: &str| check(&keys, "", &serde_json::from_str(text).expect("JSON"), &mut BTreeSet::new()).len();
     assert_eq!(wrong(r#"{"seconds": 1.5, "oem": {"size": 64}}"#), 0);
@@ -130,7 +130,7 @@ fn hashes_and_sizes_are_those_of_the_files_and_options_are_filled_in() {
     let options = &report["options"];
     assert_eq!((&options["levels"], &options["oem_size"]), (&5.into(), &report["oem"]["size"]));
     assert_eq!((&options["out_layout"], &options["overflow"]), (&"faces".into(), &"clamp".into()));
-    // Relative bounds are bounds over the mean luminance, and the line says the greatest.
+    // Relative bounds are bounds over the mean luminance; the summary line states the greatest.
     let number = |value: &Value| value.as_f64().expect("a number");
     let mean = number(&report["energy"]["mean_luminance"]);
     for level in &report["levels"].as_array().expect("levels")[1..] {
@@ -143,7 +143,7 @@ fn hashes_and_sizes_are_those_of_the_files_and_options_are_filled_in() {
     }
     let last = ran.err.lines().last().expect("a line");
     assert!(last.contains("certified within ") && last.contains("of the mean luminance for 99 %"), "{last}");
-    // A folder's files, and the mean luminance of a sky that is 2 everywhere.
+    // A folder's files, and the mean luminance of a constant sky of 2.
     write_panorama(&folder.path().join("even.exr"), 32, |_| [2.0; 3]);
     done(folder.path(), &["bake", "even.exr", "--size", "8", "--format", "exr", "-o", "b", "--quiet"]);
     let report = json_file(&folder.path().join("b/report.json"));
@@ -152,9 +152,9 @@ fn hashes_and_sizes_are_those_of_the_files_and_options_are_filled_in() {
 }
 
 #[test]
-fn what_makes_no_difference_is_counted_and_not_warned_about() {
+fn negligible_repairs_are_counted_without_a_warning() {
     let folder = with_sky();
-    // A negative value and one above 65504 in a world whose energy is elsewhere.
+    // A negative value and one above 65504, both with negligible energy.
     write_panorama(&folder.path().join("bright.exr"), 64, |d| match d {
         d if d.y > 0.99 => [65_505.0; 3],
         d if d.y < -0.99 => [-1e-3; 3],
@@ -168,7 +168,7 @@ fn what_makes_no_difference_is_counted_and_not_warned_about() {
     assert_eq!(report["warnings"], serde_json::json!([]));
     let share = report["clamped_energy_share"].as_f64().expect("a share");
     assert!(0.0 < share && share < 5e-5, "{share}");
-    // --strict refuses them still.
+    // --strict still refuses them.
     let strict = octagloss(folder.path(), &[&args[..], &["--strict", "--force"]].concat());
     assert!(strict.code == 1 && strict.err.contains("less than 0.01 % of the energy"), "{}", strict.err);
 }
@@ -192,7 +192,7 @@ fn a_window_is_the_brightest_region_and_no_sun() {
     let ran = done(folder.path(), &[&bake[..], &["--extract-sun"]].concat());
     assert!(ran.err.contains("no sun stands out") && ran.err.contains("at most 0.01 sr"), "{}", ran.err);
     assert!(json_file(&folder.path().join("a.ktx2.report.json"))["sun"].is_null());
-    // The sky of the other tests has a sun, coarse as it is.
+    // The sky of the other tests has a sun, despite its coarse texels.
     let sky = done(folder.path(), &["info", "sky.exr", "--json"]).out;
     let sky: Value = serde_json::from_str(&sky).expect("JSON");
     assert!(sky["sun"].is_object() && sky["brightest_region"].is_null(), "{sky}");

@@ -1,4 +1,4 @@
-//! What cannot be written: disks that are full, folders that refuse; and what would be written, foretold.
+//! Outputs that cannot be written (full disks, folders that refuse), and the predictions of `--dry-run`.
 
 use crate::cli::{done, fails, names, with_sky};
 use std::collections::BTreeSet;
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Every kind of output, into `a` or beside it.
+/// Every kind of output, into `a` or next to it.
 const KINDS: [&[&str]; 8] = [
     &["-o", "a.ktx2", "--irradiance", "2", "--bounds", "--preview", "a.png"],
     &["-o", "a.ktx"],
@@ -32,7 +32,7 @@ fn tree(folder: &Path, within: &str) -> BTreeSet<String> {
 }
 
 #[test]
-fn what_is_foretold_is_what_is_written() {
+fn a_dry_run_lists_exactly_what_is_written() {
     for kind in KINDS {
         let folder = with_sky();
         let args = [&["bake", "sky.exr", "--size", "4", "--levels", "2"], kind].concat();
@@ -44,7 +44,7 @@ fn what_is_foretold_is_what_is_written() {
         let mut written = tree(folder.path(), "");
         assert!(written.remove("sky.exr"));
         assert_eq!(foretold, written, "{kind:?}");
-        // What exists is told here already, and what is up to date is not among what would be written.
+        // A dry run reports existing outputs, and omits those that are up to date.
         fails(folder.path(), &[&args[..], &["--dry-run"]].concat(), 1, "already exists");
         let again = done(folder.path(), &[&args[..], &["--dry-run", "--skip-unchanged"]].concat());
         assert_eq!(again.out, "", "{kind:?}");
@@ -53,10 +53,10 @@ fn what_is_foretold_is_what_is_written() {
     fails(folder.path(), &["bake", "none.exr", "--dry-run"], 1, "none.exr");
 }
 
-/// Runs with files limited to a few kB, as a full disk limits them.
+/// Runs with files limited to a few kB, like a full disk.
 #[cfg(unix)]
 fn limited(folder: &Path, args: &[&str]) -> (Option<i32>, String) {
-    // The program itself sees to it that the kernel does not end it.
+    // The program ignores the kernel's signal itself.
     let script = r#"ulimit -f 4; exec "$0" "$@""#;
     let output = Command::new("sh")
         .args(["-c", script, env!("CARGO_BIN_EXE_octagloss")])
@@ -83,7 +83,7 @@ fn a_full_disk_is_one_line_and_nothing_half_written() {
         );
         assert_eq!(names(folder.path()), ["sky.exr"], "{kind:?}");
 
-        // What was there stays as it was.
+        // Existing files stay as they were.
         done(folder.path(), &args);
         let before: Vec<(String, Vec<u8>)> = tree(folder.path(), "")
             .into_iter()
@@ -98,7 +98,7 @@ fn a_full_disk_is_one_line_and_nothing_half_written() {
         refused += 1;
     }
     assert_eq!(refused, KINDS.len());
-    // The limit is what refuses: small outputs pass.
+    // Only the limit causes the errors: small outputs succeed.
     let folder = with_sky();
     let small = ["bake", "sky.exr", "--size", "2", "-o", "a.ktx2", "--json", "--quiet"];
     assert_eq!(limited(folder.path(), &small).0, Some(0));
@@ -116,7 +116,7 @@ fn standard_output_that_is_full_is_one_line() {
         &["info", "sky.exr"],
     ];
     for args in cases {
-        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has it");
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has /dev/full");
         let output = Command::new(env!("CARGO_BIN_EXE_octagloss"))
             .args(args)
             .current_dir(folder.path())
@@ -137,7 +137,7 @@ fn a_folder_that_refuses_is_one_line() {
     let refusing = folder.path().join("refusing");
     fs::create_dir(&refusing).expect("writable");
     fs::set_permissions(&refusing, fs::Permissions::from_mode(0o555)).expect("ours");
-    // Whoever may write anywhere is refused by the kernel's own folder still.
+    // A user who may write anywhere is still refused by /proc.
     let anywhere = fs::write(refusing.join("probe"), "").is_ok();
     let place = if anywhere { "/proc" } else { "refusing" };
     let cases: [&[&str]; 4] = [

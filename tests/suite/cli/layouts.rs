@@ -1,4 +1,4 @@
-//! `octagloss bake --out-layout` as its users run it, and what the program's own reader makes of it.
+//! `octagloss bake --out-layout` on the command line, and its outputs read back.
 
 use crate::cli::targets::{bake, done, fails, json, octagloss, tree, with_environments};
 use exr::prelude::{ReadChannels as _, ReadLayers as _, read as read_exr};
@@ -14,7 +14,7 @@ fn baked(folder: &Path, layout: &str, out: &str, more: &[&str]) {
 }
 
 #[test]
-fn unfolded_cubes_and_parts_are_the_faces_again() {
+fn unfolded_cubes_and_parts_read_back_as_the_faces() {
     let folder = with_environments();
     let at = |name: &str| folder.path().join(name);
     baked(folder.path(), "faces", "faces", &["--format", "exr", "--pixel", "f32"]);
@@ -25,7 +25,7 @@ fn unfolded_cubes_and_parts_are_the_faces_again() {
         assert_eq!(tree(&at(layout)), files, "{layout}");
         assert_eq!(read_chain(&at(layout)).unwrap(), faces, "{layout}");
         assert_eq!(json(&at(layout).join("report.json"))["options"]["out_layout"], layout);
-        // One image alone is an environment, and so is the folder.
+        // A single image is an environment, and so is the folder.
         for path in [at(layout).join("m0.exr"), at(layout)] {
             let loaded = read(&path, &ReadOptions::default()).unwrap();
             assert_eq!(loaded.environment.layout(), Layout::Cube { size: 16 }, "{layout}");
@@ -41,7 +41,7 @@ fn unfolded_cubes_and_parts_are_the_faces_again() {
     assert_eq!(loaded.environment.texels(), faces.levels[0].texels);
     done(folder.path(), &["compare", "parts.exr", "faces", "--fail-above", "0", "--quiet"]);
     assert!(done(folder.path(), &["info", "parts.exr"]).contains("16"));
-    // A chain that is another's is seen.
+    // A chain from another source is detected.
     done(
         folder.path(),
         &["bake", "b.exr", "--quiet", "--size", "16", "--levels", "3", "--format", "exr", "-o", "other"],
@@ -49,7 +49,7 @@ fn unfolded_cubes_and_parts_are_the_faces_again() {
     let other = octagloss(folder.path(), &["compare", "cross", "other", "--fail-above", "0", "--quiet"]);
     assert_eq!(other.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&other.stderr).contains("is above 0"));
-    // Radiance files hold the same within RGBE.
+    // Radiance files hold the same within RGBE precision.
     baked(folder.path(), "cross", "hdr", &["--format", "hdr"]);
     assert_eq!(tree(&at("hdr")), ["m0.hdr", "m1.hdr", "m2.hdr", "report.json"]);
     for (found, exact) in read_chain(&at("hdr")).unwrap().levels.iter().zip(&faces.levels) {
@@ -60,7 +60,7 @@ fn unfolded_cubes_and_parts_are_the_faces_again() {
     }
 }
 
-/// The brightest texel of a panorama: its direction.
+/// Returns the direction of the brightest texel of a panorama.
 fn brightest(width: usize, texels: &[Rgb]) -> glam::DVec3 {
     let brightest = (0..texels.len()).max_by(|a, b| texels[*a][0].total_cmp(&texels[*b][0])).unwrap();
     let height = texels.len() / width;
@@ -69,7 +69,7 @@ fn brightest(width: usize, texels: &[Rgb]) -> glam::DVec3 {
 }
 
 #[test]
-fn panoramas_and_squares_are_environments_again() {
+fn panoramas_and_squares_read_back_as_environments() {
     let folder = with_environments();
     let at = |name: &str| folder.path().join(name);
     // The sun of the source: texel 100 of 32 columns.
@@ -148,7 +148,7 @@ fn an_octahedral_map_with_a_border_is_read_without_it() {
 }
 
 #[test]
-fn layouts_that_cannot_be_are_refused() {
+fn impossible_layouts_are_refused() {
     let folder = with_environments();
     for (more, words) in [
         (&["--out-layout", "cross", "--format", "ktx2"][..], "exr and hdr"),

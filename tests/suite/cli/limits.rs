@@ -1,4 +1,4 @@
-//! What has no end, is no file, or asks for more than there is: refused soon, by name.
+//! Inputs that are endless, not files, or too large: refused quickly, by name.
 
 use super::octagloss;
 use crate::support::inputs;
@@ -9,10 +9,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// What a refusal may take on a busy machine.
+/// Time limit of a refusal on a busy machine.
 const SOON: Duration = Duration::from_secs(30);
 
-/// Exit status and standard error of the program; fails where it does not end soon.
+/// Returns exit status and standard error of the program; fails if it does not end soon.
 fn soon(folder: &Path, args: &[&str], variables: &[(&str, &str)]) -> (i32, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_octagloss"))
         .current_dir(folder)
@@ -76,7 +76,7 @@ fn pipes_sockets_and_devices_are_refused_by_every_command() {
         ] {
             let (code, text) = soon(here, args, &[]);
             assert_eq!(code, 1, "{args:?}: {text}");
-            // What is no bake is not opened as one.
+            // A file that is not a bake is not opened as one.
             let refused = format!("{place}: {kind}, not a regular file");
             assert!(text.contains(&refused) || text.contains("no bake"), "{args:?}: {text}");
         }
@@ -99,7 +99,7 @@ fn an_endless_standard_input_is_given_up() {
         .spawn()
         .unwrap();
     let mut endless = child.stdin.take().unwrap();
-    // Writing fails once the program has gone.
+    // Writing fails once the program has ended.
     while endless.write_all(&[0; 4096]).is_ok() {}
     let output = child.wait_with_output().unwrap();
     let text = String::from_utf8(output.stderr).unwrap();
@@ -107,7 +107,7 @@ fn an_endless_standard_input_is_given_up() {
     assert!(text.contains("standard input: line 1 is longer than 1000 bytes"), "{text}");
 }
 
-/// A profile that inflates to 256 MiB; 300 kB in the file.
+/// A profile that inflates to 256 MiB, from 300 kB in the file.
 #[cfg(target_os = "linux")]
 #[test]
 fn compressed_profiles_of_png_are_not_inflated() {
@@ -122,7 +122,7 @@ fn compressed_profiles_of_png_are_not_inflated() {
     writer.finish().unwrap();
     assert!(bytes.windows(4).any(|name| name == b"iCCP") && bytes.len() < 1 << 20, "{} bytes", bytes.len());
     fs::write(folder.path().join("bomb.png"), &bytes).unwrap();
-    // As much address space as the program needs for a picture of this size, and less than the profile.
+    // Enough address space for an image of this size, but less than the profile.
     let output = Command::new("sh")
         .args(["-c", "ulimit -v 300000; exec \"$0\" info bomb.png", env!("CARGO_BIN_EXE_octagloss")])
         .env("RAYON_NUM_THREADS", "1")
@@ -174,7 +174,7 @@ fn too_much_memory_is_refused_before_work_with_what_fits() {
     }
     assert!(
         !["a", "a.ktx2", "b", "c.ktx2"].iter().any(|name| folder.path().join(name).exists()),
-        "nothing is left"
+        "no output may remain"
     );
 }
 

@@ -1,4 +1,4 @@
-//! The program as its users run it: exit statuses, messages, what is written where.
+//! The program on the command line: exit statuses, messages and written files.
 
 pub(super) mod full;
 pub(super) mod layouts;
@@ -25,7 +25,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
-/// What a run left.
+/// The result of a run.
 pub(crate) struct Ran {
     pub(crate) code: i32,
     pub(crate) out: String,
@@ -51,14 +51,14 @@ pub(crate) fn octagloss(folder: &Path, args: &[&str]) -> Ran {
     ran(command(folder, args))
 }
 
-/// Runs what must succeed, and says nothing on standard output but data.
+/// Runs a command that must succeed.
 pub(crate) fn done(folder: &Path, args: &[&str]) -> Ran {
     let ran = octagloss(folder, args);
     assert_eq!(ran.code, 0, "{args:?}: {}", ran.err);
     ran
 }
 
-/// Runs what must fail with `code` and one line that holds `words`.
+/// Runs a command that must fail with `code` and one line containing `words`.
 pub(crate) fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     let ran = octagloss(folder, args);
     let errors: Vec<_> = ran.err.lines().filter(|line| line.starts_with("octagloss: error: ")).collect();
@@ -82,7 +82,7 @@ pub(crate) fn write_panorama(path: &Path, width: u32, radiance: impl Fn(glam::DV
     fs::write(path, bytes).expect("writable");
 }
 
-/// A folder with `sky.exr`: a gradient and a small sun towards +Z.
+/// Returns a folder with `sky.exr`: a gradient and a small sun towards +Z.
 pub(crate) fn with_sky() -> TempDir {
     let folder = TempDir::new().expect("a temporary folder");
     write_panorama(&folder.path().join("sky.exr"), 32, |d| {
@@ -112,7 +112,7 @@ fn keys(value: &Value) -> Vec<&str> {
     value.as_object().expect("an object").keys().map(String::as_str).collect()
 }
 
-/// `report` without the keys that may differ between equal runs into files of different names.
+/// Removes the keys of `report` that may differ between equal runs with different file names.
 fn without_seconds(mut report: Value) -> Value {
     let keys = report.as_object_mut().expect("an object");
     for key in ["seconds", "outputs"] {
@@ -238,7 +238,7 @@ fn failures_exit_with_1_and_write_nothing() {
     ];
     for (args, words) in cases {
         fails(folder.path(), args, 1, words);
-        // Of an input that cannot be read nothing else is told.
+        // For an input that cannot be read, nothing else is reported.
         assert_eq!(octagloss(folder.path(), args).err.lines().count(), 1, "{args:?}");
     }
     assert_eq!(names(folder.path()), before);
@@ -301,7 +301,7 @@ fn folders_hold_levels_irradiance_bounds_and_the_report() {
         let ran = done(folder.path(), &args);
         assert_eq!(ran.err, "");
         let names = names(&folder.path().join(format));
-        // A mirror's bound is nothing to write.
+        // A mirror has no bound to write.
         assert_eq!(names.len(), 6 + 12 + 6 + 1, "{names:?}");
         for name in ["irradiance_px", "m0_px", "m1_nz"] {
             assert!(names.contains(&format!("{name}.{format}")), "{name} is not in {names:?}");
@@ -320,7 +320,7 @@ fn folders_hold_levels_irradiance_bounds_and_the_report() {
 }
 
 #[test]
-fn an_output_that_exists_is_kept_unless_forced_and_told_before_anything_is_read() {
+fn an_existing_output_is_kept_unless_forced_and_reported_before_reading() {
     let folder = with_sky();
     for existing in ["missing.ktx2", "missing.ktx2.report.json", "p.png"] {
         fs::write(folder.path().join(existing), "precious").expect("writable");
@@ -349,7 +349,7 @@ fn equal_runs_give_equal_bytes_whatever_the_thread_count() {
 }
 
 #[test]
-fn json_goes_to_standard_output_a_line_an_input() {
+fn json_goes_to_standard_output_one_line_per_input() {
     let folder = with_sky();
     fs::copy(folder.path().join("sky.exr"), folder.path().join("again.exr")).expect("copied");
     let args = ["bake", "sky.exr", "again.exr", "--size", "2", "--json", "-o", "out", "--quiet"];
@@ -412,7 +412,7 @@ fn six_files_are_one_cube_under_layout_faces() {
     let args = [&["bake"], &files[..], &["--layout", "faces", "--size", "4", "--quiet"]].concat();
     done(folder.path(), &args);
     let chain = io::read_chain(&folder.path().join("c.ktx2")).expect("a bake");
-    // The middle of +X is what c_px.exr has.
+    // The middle of +X has the value of c_px.exr.
     assert_eq!(chain.levels[0].texels[5], [5.0; 3]);
 }
 
@@ -430,7 +430,7 @@ fn queries_answer_in_order_and_echo_what_was_typed() {
     assert!(values(rows[2])[3] > 10.0 * values(rows[1])[3], "the sun is at +Z: {rows:?}");
     assert_eq!(rows.len(), 4);
 
-    // An answer depends neither on what else is asked nor on how many threads ask.
+    // An answer depends neither on the other queries nor on the number of threads.
     let mut command =
         command(folder.path(), &["query", "sky.exr", "--directions", "-", "--roughness", "0.4"]);
     command.args(["--bound", "--threads", "2"]).stdin(Stdio::piped()).stdout(Stdio::piped());
@@ -468,7 +468,7 @@ fn bad_directions_are_named_by_line_and_value() {
 }
 
 #[test]
-fn a_reader_that_has_seen_enough_is_no_error() {
+fn a_closed_pipe_is_no_error() {
     let folder = with_sky();
     let rows = "0,1,0\n".repeat(20_000);
     fs::write(folder.path().join("d.csv"), format!("x,y,z\n{rows}")).expect("writable");
@@ -527,7 +527,7 @@ fn info_counts_what_half_floats_clip_and_what_is_no_radiance() {
 }
 
 #[test]
-fn clamped_texels_are_counted_and_told() {
+fn clamped_texels_are_counted_and_reported() {
     let folder = TempDir::new().expect("a temporary folder");
     write_panorama(&folder.path().join("hot.exr"), 16, |d| if d.x > 0.9 { [1e6; 3] } else { [1.0; 3] });
     let ran = done(folder.path(), &["bake", "hot.exr", "--size", "8"]);

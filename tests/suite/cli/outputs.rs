@@ -1,5 +1,5 @@
-//! Outputs of the program: links and streams, names of folders, what killed runs leave behind, signals, two
-//! processes.
+//! Outputs of the program: links and streams, folder names, leftovers of killed runs, signals, and two
+//! concurrent processes.
 
 use crate::cli::{done, fails, json_file, names, octagloss, with_sky};
 use octagloss::internals::io::output::{self, Existing};
@@ -48,7 +48,7 @@ fn streams_and_devices_are_no_outputs() {
     std::os::unix::fs::symlink("/dev/stdout", folder.path().join("f.exr")).expect("a link");
     fails(folder.path(), &["synth", "furnace", "-o", "f.exr", "--force"], 1, "-o -");
     fs::remove_file(folder.path().join("f.exr")).expect("a link");
-    // Standard output is a deleted file: its name must not be taken for a place.
+    // Standard output is a deleted file: its name must not be used as a path.
     let script = r#"exec >gone; rm gone; exec "$0" "$@""#;
     let args = small(&["-o", "/dev/stdout", "--force"]);
     let mut sh = Command::new("sh");
@@ -58,7 +58,7 @@ fn streams_and_devices_are_no_outputs() {
     assert_eq!(names(folder.path()), before);
 }
 
-/// Standard output of the program.
+/// Returns the standard output of the program.
 fn standard_output(folder: &Path, args: &[&str]) -> Vec<u8> {
     let ran = Command::new(env!("CARGO_BIN_EXE_octagloss")).current_dir(folder).args(args).output();
     let ran = ran.expect("the program starts");
@@ -109,7 +109,7 @@ fn a_dash_is_standard_output_and_takes_one_file() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_standard_output_does_not_take_is_an_error() {
+fn an_unwritable_standard_output_is_an_error() {
     let folder = with_sky();
     let run = |redirect: &str, args: &[&str]| {
         let mut sh = Command::new("sh");
@@ -121,15 +121,15 @@ fn what_standard_output_does_not_take_is_an_error() {
     for args in [&bake[..], &["synth", "furnace", "-o", "-"], &["dfg", "--size", "2", "-o", "-"]] {
         let (code, text) = run(">&-", args);
         assert!(code == 1 && text.contains("standard output is closed"), "{args:?}: {code} {text}");
-        // Open for reading alone.
+        // Open for reading only.
         let (code, text) = run("1<sky.exr", args);
         assert!(code == 1 && text.contains("standard output: "), "{args:?}: {code} {text}");
         let (code, text) = run(">/dev/full", args);
         assert!(code == 1 && text.contains("standard output: "), "{args:?}: {code} {text}");
-        assert_eq!(run(">/dev/null", args).0, 0, "{args:?}: the data is not wanted");
+        assert_eq!(run(">/dev/null", args).0, 0, "{args:?}: the data is discarded");
         assert_eq!(run("| true", args).0, 0, "{args:?}: a broken pipe");
     }
-    // What is told rather than written.
+    // Messages instead of data.
     assert_eq!(run(">&-", &["info", "sky.exr"]).0, 0);
     assert_eq!(run("1<sky.exr", &["info", "sky.exr"]).0, 1);
 }
@@ -186,10 +186,10 @@ fn leftovers_go_when_their_lock_is_free_and_set_aside_folders_come_back() {
     fs::write(at(".octagloss-live01.new"), "half").expect("writable");
     let live = fs::File::open(at(".octagloss-live01.lock")).expect("there");
     live.lock().expect("locked");
-    // A path in a lock is no name.
+    // A lock that contains a path instead of a name is left alone.
     fs::write(at(".octagloss-evil01.lock"), "../a").expect("writable");
     fs::write(at(".octagloss-evil01.new"), "half").expect("writable");
-    // A run that was killed between two renames.
+    // A run killed between two renames.
     fs::create_dir(at(".octagloss-dead03.old")).expect("a folder");
     fs::write(at(".octagloss-dead03.old/m0_px.exr"), "old").expect("writable");
     fs::create_dir(at(".octagloss-dead03.new")).expect("a folder");
@@ -205,9 +205,9 @@ fn leftovers_go_when_their_lock_is_free_and_set_aside_folders_come_back() {
         "sky.exr",
     ];
     assert_eq!(names(folder.path()), left);
-    // Not by closing it: a process that another test starts meanwhile holds its copy until it runs.
+    // Unlock instead of closing: a process that another test forks meanwhile holds a copy until it runs.
     live.unlock().expect("unlocked");
-    // Set aside and replaced: the old one goes.
+    // A folder that was set aside and replaced is removed.
     fs::create_dir(at(".octagloss-dead04.old")).expect("a folder");
     fs::write(at(".octagloss-dead04.lock"), "levels").expect("writable");
     assert!(output::recover(&at("other")).is_empty());
@@ -227,7 +227,7 @@ fn several_outputs_are_committed_together_or_not_at_all() {
     let stage = |name: &str, existing| output::stage_file(&at(name), existing, |file| file.write_all(b"new"));
     let staged = |existing| ["a", "c", "b"].map(|name| stage(name, existing));
     let outputs: Vec<_> = staged(Existing::Replace).into_iter().collect::<Result<_, _>>().expect("staged");
-    // The last has become a folder meanwhile.
+    // The last output has become a folder meanwhile.
     fs::remove_file(at("b")).expect("there");
     fs::create_dir(at("b")).expect("a folder");
     let message = output::commit(outputs).expect_err("a folder is in the way").to_string();
@@ -242,22 +242,22 @@ fn a_report_is_not_taken_for_that_of_another_file() {
     let at = |name: &str| folder.path().join(name);
     for (name, turned) in [("a.dds", "0"), ("b.dds", "90")] {
         done(folder.path(), &small(&["-o", name, "--rotate-y", turned]));
-        octagloss::internals::io::read_chain(&at(name)).expect("its report says its roughness");
+        octagloss::internals::io::read_chain(&at(name)).expect("its report states its roughness");
     }
     assert_eq!(json_file(&at("a.dds.report.json"))["fingerprint"]["files"]["a.dds"], hash(&at("a.dds")));
-    // As a kill between the two leaves them.
+    // The state after a kill between writing the file and its report.
     fs::copy(at("b.dds"), at("a.dds")).expect("copied");
     octagloss::internals::io::read_chain(&at("a.dds")).expect_err("the report is of another file");
-    // A report of version 0.1 has no such hash: it is believed, and goes before its file is replaced.
+    // A report of version 0.1 has no such hash: it is trusted, and removed before its file is replaced.
     let mut old = json_file(&at("b.dds.report.json"));
     old["fingerprint"].as_object_mut().expect("an object").remove("files");
     fs::write(at("b.dds.report.json"), old.to_string()).expect("writable");
-    octagloss::internals::io::read_chain(&at("b.dds")).expect("believed");
+    octagloss::internals::io::read_chain(&at("b.dds")).expect("an old report is trusted");
     done(folder.path(), &small(&["-o", "b.dds", "--force", "--json"]));
     assert!(!at("b.dds.report.json").exists());
 }
 
-/// The hash of a file as reports have it.
+/// Returns the hash of a file in the reports' form.
 fn hash(path: &Path) -> String {
     blake3::hash(&fs::read(path).expect("readable")).to_hex().to_string()
 }
@@ -296,7 +296,8 @@ fn two_processes_on_one_output_leave_files_of_one_each() {
 #[cfg(target_os = "linux")]
 #[test]
 fn signals_remove_temporary_files() {
-    // Bakes a folder and sends `signal` while it is written; the exit status, where the signal came in time.
+    // Bakes a folder and sends `signal` while it is written; returns the exit status if the signal came in
+    // time.
     let interrupted = |signal: &str, script: &str| {
         let folder = with_sky();
         let options = ["--size", "512", "--filter", "box", "--engine", "cpu", "--quiet"];
@@ -326,10 +327,10 @@ fn signals_remove_temporary_files() {
         assert!(names(folder.path()).iter().all(|name| !name.starts_with(".octagloss-")), "{signal}");
         in_time.then_some(status.code())
     };
-    // Whatever runs the tests may have set signals to be ignored.
+    // The test runner may have set signals to be ignored.
     let run = r#"exec env --default-signal=INT,HUP,TERM "$0" "$@""#;
     for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
-        // A bake that was complete before the signal came ends with 0.
+        // A bake that completed before the signal ends with 0.
         let codes = (0..50).filter_map(|_| interrupted(signal, run)).filter(|code| *code != Some(0));
         let codes: Vec<_> = codes.take(1).collect();
         assert!(!codes.is_empty() && codes.iter().all(|found| *found == Some(code)), "{signal}: {codes:?}");
@@ -358,7 +359,7 @@ fn bad_fields_are_quoted_and_shortened() {
     assert!(query(&format!("x,y,z\n1,{long},0\n")).contains("line 2 is longer than 1000 bytes"));
     assert!(query("x,y,z\n1,\u{1b}[31m\u{7}2,0\n").contains(r"\u{1b}[31m"));
     assert!(query("x,y,z\n1,infinity,0\n").contains(r#""infinity"; it must be finite"#));
-    // Whatever else a file says.
+    // Arbitrary content in a report.
     fs::write(folder.path().join("bad.dds.report.json"), format!(r#"{{"levels": "{long}\u001b"}}"#))
         .expect("writable");
     done(folder.path(), &small(&["-o", "a.dds"]));
@@ -372,7 +373,7 @@ fn no_input_is_written_over_and_no_output_by_another_input() {
     let folder = with_sky();
     let at = |name: &str| folder.path().join(name);
     done(folder.path(), &small(&["-o", "a.ktx2"]));
-    // A picture over what it shows.
+    // A picture that would overwrite its source.
     fs::copy(at("sky.exr"), at("sky.png")).expect("copied");
     let picture = ["compare", "a.ktx2", "sky.png", "--picture", "sky.png", "--force"];
     fails(folder.path(), &picture, 2, "sky.png is an input");

@@ -21,7 +21,7 @@ fn bake(folder: &Path, input: &str, out: &str, more: &[&str]) {
 }
 
 #[test]
-fn the_sun_is_told_and_the_rest_is_baked_as_if_there_were_none() {
+fn the_sun_is_reported_and_the_rest_is_baked_without_it() {
     let folder = with_sky();
     bake(folder.path(), "sky.exr", "whole.ktx2", &SMALL[..4]);
     bake(folder.path(), "sky.exr", "a.ktx2", &SMALL);
@@ -36,14 +36,14 @@ fn the_sun_is_told_and_the_rest_is_baked_as_if_there_were_none() {
     let sun = json_file(&folder.path().join("a.ktx2.sun.json"));
     assert_eq!(sun, report["sun"]);
     assert!(whole["sun"].is_null() && report["options"]["extract_sun"] == true);
-    // Towards +Z, 5:4:3 over a sky of 0.3, 0.5 and 1.
+    // The sun is towards +Z, with colour 5:4:3, over a sky of 0.3, 0.5 and 1.
     assert!(numbers(&sun["direction"])[2] > 0.999, "{sun}");
     let color = numbers(&sun["color"]);
     assert!(color[0] == 1.0 && (color[1] - 0.8).abs() < 0.01 && (color[2] - 0.6).abs() < 0.01, "{sun}");
     for ((rest, taken), all) in energy(&report).iter().zip(numbers(&sun["irradiance"])).zip(energy(&whole)) {
         assert!(((rest + taken) / all - 1.0).abs() < 1e-12, "{rest} + {taken} is not {all}");
     }
-    // The environment that was written is the one that was baked.
+    // The written environment is the one that was baked.
     bake(folder.path(), "a.ktx2.sunless.exr", "b.ktx2", &SMALL[..4]);
     let read = |name: &str| io::read_chain(&folder.path().join(name)).expect("a bake");
     assert!(read("a.ktx2") == read("b.ktx2") && read("a.ktx2") != read("whole.ktx2"));
@@ -52,7 +52,7 @@ fn the_sun_is_told_and_the_rest_is_baked_as_if_there_were_none() {
         chain.levels[0].texels.iter().map(|texel| texel[0]).fold(0.0, f32::max)
     };
     assert!(brightest("whole.ktx2") > 100.0 && brightest("a.ktx2") < 0.5);
-    // The source is measured without its sun as well.
+    // The source is compared without its sun as well.
     let compare = ["compare", "a.ktx2", "sky.exr", "--texels", "60", "--fail-above", "0.05", "--quiet"];
     done(folder.path(), &compare);
     assert_eq!(octagloss(folder.path(), &[&["compare", "b.ktx2"], &compare[2..]].concat()).code, 1);
@@ -61,11 +61,11 @@ fn the_sun_is_told_and_the_rest_is_baked_as_if_there_were_none() {
 #[test]
 fn cubes_and_turned_environments_lose_the_same_sun() {
     let folder = with_sky();
-    // A sun of 2 degrees: the disc of the other tests is too large for one in a fine cube.
+    // A sun of 2 degrees: the disc of the other tests is too large for a sun in a fine cube.
     write_panorama(&folder.path().join("sky.exr"), 256, |d| {
         if d.z > 0.999_78 { [5e4, 4e4, 3e4] } else { [0.3, 0.5, 1.0 + d.y as f32] }
     });
-    // A cube of the same sky, by its own mirror level.
+    // A cube of the same sky, from its mirror level.
     let cube = ["--size", "64", "--levels", "1", "--pixel", "f32", "--quiet"];
     bake(folder.path(), "sky.exr", "cube.ktx2", &cube);
     for (input, turn) in [("cube.ktx2", "0"), ("sky.exr", "90"), ("cube.ktx2", "90")] {
@@ -78,7 +78,7 @@ fn cubes_and_turned_environments_lose_the_same_sun() {
         let sun = json_file(&folder.path().join("out/sun.json"));
         let towards = numbers(&sun["direction"])[if turn == "0" { 2 } else { 0 }];
         assert!(towards > 0.999, "{input} turned by {turn}: {sun}");
-        // Not turned: turned in a bake of its own it is the same environment.
+        // The file is not turned: a separate bake with the turn gives the same result.
         bake(
             folder.path(),
             "out/sunless.exr",
@@ -91,7 +91,7 @@ fn cubes_and_turned_environments_lose_the_same_sun() {
 }
 
 #[test]
-fn targets_tell_the_sun_once() {
+fn targets_write_the_sun_once() {
     let folder = with_sky();
     let args = [&SMALL[..2], &SMALL[4..], &["--target", "three,bevy"]].concat();
     bake(folder.path(), "sky.exr", "out", &args);

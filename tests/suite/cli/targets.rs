@@ -1,4 +1,4 @@
-//! `octagloss bake --target` as its users run it.
+//! `octagloss bake --target` on the command line.
 
 use octagloss::internals::format::Pixel;
 use octagloss::internals::io::exr::write::{Samples, exr_bytes};
@@ -18,7 +18,7 @@ pub(crate) fn done(folder: &Path, args: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// Fails with `code` and one line that holds `words`, and prints no data.
+/// Fails with `code` and one line containing `words`, and prints no data.
 pub(crate) fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     let output = octagloss(folder, args);
     let told = String::from_utf8(output.stderr).expect("text");
@@ -28,7 +28,7 @@ pub(crate) fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     assert!(output.stdout.is_empty(), "{args:?}");
 }
 
-/// A folder with `a.exr` and `b.exr`, whose brightest texels no half float holds.
+/// Returns a folder with `a.exr` and `b.exr`, whose brightest texels exceed half floats.
 pub(crate) fn with_environments() -> TempDir {
     let folder = TempDir::new().expect("a temporary folder");
     for (name, sun) in [("a.exr", 1e6), ("b.exr", 9e5)] {
@@ -40,7 +40,7 @@ pub(crate) fn with_environments() -> TempDir {
     folder
 }
 
-/// Every file within `folder`, by its path from there.
+/// Lists every file within `folder` by its relative path.
 pub(crate) fn tree(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -80,7 +80,7 @@ fn a_target_is_a_folder_with_its_files_and_a_report() {
     assert_eq!(target["files"], serde_json::json!(["a_ibl.ktx", "a_skybox.ktx", "sh.txt"]));
     assert_eq!(report["options"]["format"], "ktx");
     assert!(report["clamped"].as_u64() > Some(0), "the sun is too bright for R11G11B10F");
-    // By default in the current folder, under the input's name; and --name names the files.
+    // The default is the current folder and the input's name; --name sets the name of the files.
     done(folder.path(), &bake(&["--target", "bevy", "--size", "8", "--name", "dusk"]));
     let files = tree(&folder.path().join("a"));
     assert_eq!(files, ["dusk_diffuse.ktx2", "dusk_specular.ktx2", "report.json"]);
@@ -147,11 +147,11 @@ fn an_existing_folder_is_replaced_by_force_and_never_when_others_files_are_in_it
     fails(folder.path(), &bake(&["--target", "three", "-o", "."]), 2, "holds an input");
     let strays: Vec<String> =
         tree(folder.path()).into_iter().filter(|name| name.contains(".octagloss-")).collect();
-    assert_eq!(strays, Vec::<String>::new(), "nothing half-written is left");
+    assert_eq!(strays, Vec::<String>::new(), "no partial output may remain");
 }
 
 #[test]
-fn a_dry_run_tells_what_would_be_written_and_writes_nothing() {
+fn a_dry_run_lists_what_would_be_written_and_writes_nothing() {
     let folder = with_environments();
     let before = tree(folder.path());
     let told = done(folder.path(), &bake(&["--target", "bevy", "--size", "64", "--dry-run", "-o", "out"]));

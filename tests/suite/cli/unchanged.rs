@@ -1,4 +1,4 @@
-//! `octagloss bake --skip-unchanged`: what is up to date stays, and nothing else does.
+//! `octagloss bake --skip-unchanged`: keeps outputs that are up to date, and only those.
 
 use crate::cli::{done, fails, json_file, names, octagloss, with_sky};
 use std::collections::BTreeSet;
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Every file within `folder` and when it was written.
+/// Lists every file within `folder` with its time of modification.
 fn written(folder: &Path) -> Vec<(PathBuf, SystemTime)> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("a folder") {
@@ -22,7 +22,7 @@ fn written(folder: &Path) -> Vec<(PathBuf, SystemTime)> {
     found
 }
 
-/// Runs `bake --skip-unchanged` with `args` and says whether it left all alone.
+/// Runs `bake --skip-unchanged` with `args`; returns whether it left everything unchanged.
 fn skips(folder: &Path, args: &[&str]) -> bool {
     let before = written(folder);
     let ran = done(folder, &[&["bake"], args, &["--skip-unchanged"]].concat());
@@ -32,7 +32,7 @@ fn skips(folder: &Path, args: &[&str]) -> bool {
     untouched
 }
 
-/// The folder of `path` and its name without digits and without the face: faces and levels are of one kind.
+/// Returns the folder of `path` and its name without digits and face: faces and levels are of one kind.
 fn kind_of(path: &Path) -> (PathBuf, String) {
     let name = path.file_name().expect("a file").to_string_lossy().replace(|c: char| c.is_ascii_digit(), "");
     let face =
@@ -62,8 +62,8 @@ fn unchanged_outputs_stay_whatever_the_container() {
         assert!(skips(folder.path(), &[&args[..], &["--force", "--threads", "1"]].concat()), "{args:?}");
         fails(folder.path(), &[&["bake"], &args[..]].concat(), 1, "already exists");
 
-        // Every output that is damaged shows before anything is baked; one of each kind is damaged, then
-        // deleted, and baked anew.
+        // Damage to any output is detected before baking. One output of each kind is damaged, then deleted,
+        // and baked again.
         let outputs = written(folder.path());
         let mut kinds = BTreeSet::new();
         for (path, _) in outputs.iter().filter(|(path, _)| !path.ends_with("sky.exr")) {
@@ -78,7 +78,7 @@ fn unchanged_outputs_stay_whatever_the_container() {
             fs::remove_file(path).expect("there");
             assert!(!skips(folder.path(), &[&args[..], &["--force"]].concat()), "{}", path.display());
             if !path.to_string_lossy().ends_with("report.json") {
-                assert_eq!(fs::read(path).expect("anew"), sound, "{}", path.display());
+                assert_eq!(fs::read(path).expect("readable"), sound, "{}", path.display());
             }
         }
         assert!(kinds.len() >= 2, "{args:?}: outputs of {kinds:?}");
@@ -87,7 +87,7 @@ fn unchanged_outputs_stay_whatever_the_container() {
 }
 
 #[test]
-fn changed_inputs_and_options_are_baked_anew() {
+fn changed_inputs_and_options_are_baked_again() {
     let folder = with_sky();
     let base = [&SMALL[..], &["-o", "a.ktx2", "--force"]].concat();
     assert!(!skips(folder.path(), &base) && skips(folder.path(), &base));
@@ -108,18 +108,18 @@ fn changed_inputs_and_options_are_baked_anew() {
         &["--bounds"],
         &["--preview", "a.png"],
     ];
-    // Back to the first, which differs from the last.
+    // Back to the first options, which differ from the last.
     changes.push(&[]);
     for change in changes {
         let args = [&base[..], change].concat();
         assert!(!skips(folder.path(), &args), "{change:?}");
         assert!(skips(folder.path(), &args), "{change:?}");
     }
-    // A byte of the input, and the same bytes again elsewhere.
+    // Change one byte of the input, then restore and move it.
     let input = folder.path().join("sky.exr");
     let sound = fs::read(&input).expect("readable");
     let mut other = sound.clone();
-    // In the last block of texels, which ZIP need not have packed.
+    // In the last block of texels, which ZIP may store uncompressed.
     let last = other.len() - 1;
     other[last] ^= 1;
     fs::write(&input, &other).expect("writable");
@@ -140,7 +140,7 @@ fn of_several_inputs_only_the_changed_are_baked() {
         fs::copy(folder.path().join("sky.exr"), folder.path().join("b.exr")).expect("copied");
         let args = [&["b.exr"], &SMALL[..], &["-o", "out", "--force"], target].concat();
         assert!(!skips(folder.path(), &args) && skips(folder.path(), &args));
-        // A lamp more in one of them.
+        // Replace one of them by a world with a lamp.
         crate::cli::write_panorama(&folder.path().join("b.exr"), 32, |d| {
             if d.y > 0.9 { [9.0, 8.0, 7.0] } else { [1.0; 3] }
         });

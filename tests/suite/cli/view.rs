@@ -1,11 +1,11 @@
-//! `octagloss view --screenshot`: pictures without a window, and what is refused.
+//! `octagloss view --screenshot`: pictures without a window, and refusals.
 
 use crate::cli::{done, fails, names, octagloss, with_sky};
 use crate::mesh::triangle;
 use std::fs;
 use std::path::Path;
 
-/// A quick picture: one sample a pixel over a coarse map, by the filter that compiles fastest.
+/// A quick picture: one sample per pixel over a coarse map, by the filter that compiles fastest.
 const QUICK: [&str; 10] =
     ["--size", "48x32", "--samples", "1", "--oem-size", "64", "--filter", "box", "--quiet", "--roughness"];
 
@@ -23,7 +23,7 @@ fn a_picture_is_written_whole_and_only_once() {
     };
     let first = picture("a.png", "0.4");
     assert_eq!(first.dimensions(), (48, 32));
-    assert_eq!(first, picture("b.png", "0.4"), "the same every time");
+    assert_eq!(first, picture("b.png", "0.4"), "the picture must be deterministic");
     assert_ne!(first, picture("c.png", "0.6"));
     let before = fs::read(folder.join("a.png")).expect("readable");
     let again = view(folder, &[&["a.png"], &QUICK[..], &["0.9"]].concat());
@@ -33,7 +33,7 @@ fn a_picture_is_written_whole_and_only_once() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_a_usage_error_and_bad_files_are_told_by_name() {
+fn what_cannot_be_shown_is_a_usage_error_and_bad_files_are_named() {
     let folder = with_sky();
     let folder = folder.path();
     fs::write(folder.join("bad.obj"), "v 0 0 0\n").expect("writable");

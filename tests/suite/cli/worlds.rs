@@ -1,9 +1,7 @@
-//! Every file that a bake writes is read back into its world, whatever its target, flip, rotation and
-//! container.
+//! Every file of a bake is read back into its world, for every target, flip, rotation and container.
 //!
-//! Lobes are radially symmetric, so every level of a bake has its light's first moment in the direction in
-//! which the source has it. A source with a moment of its own in each channel shows every wrong flip and
-//! turn.
+//! Lobes are radially symmetric, so the first moment of light has the source's direction in every level of a
+//! bake. A source with a different moment in each channel reveals every wrong flip and turn.
 
 use crate::cli::targets::{done, fails, tree};
 use glam::DVec3;
@@ -18,10 +16,10 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// Degrees by which a moment may be off: texels of small levels are wide.
+/// Greatest error of a moment, in degrees: texels of small levels are wide.
 const MOST: f64 = 5.0;
 
-/// Where the source is red, green and blue.
+/// Directions of the source's red, green and blue lamps.
 const LAMPS: [DVec3; 3] =
     [DVec3::new(0.6, 0.48, 0.64), DVec3::new(-0.36, -0.48, 0.8), DVec3::new(0.64, -0.6, -0.48)];
 
@@ -34,7 +32,7 @@ fn source() -> Environment {
     Environment::new(layout, texels).expect("sound")
 }
 
-/// A folder with the source as `a.exr`.
+/// Returns a folder with the source as `a.exr`.
 fn with_source() -> TempDir {
     let folder = TempDir::new().expect("a temporary folder");
     let source = source();
@@ -43,7 +41,7 @@ fn with_source() -> TempDir {
     folder
 }
 
-/// The direction of each channel's first moment.
+/// Returns the direction of each channel's first moment.
 fn moments(environment: &Environment) -> [DVec3; 3] {
     let mut sums = [DVec3::ZERO; 3];
     environment.for_each_texel(|direction, solid_angle, radiance| {
@@ -59,13 +57,13 @@ fn moments_of(level: &Level) -> [DVec3; 3] {
     moments(&Environment::new(layout, level.texels.clone()).expect("sound"))
 }
 
-/// The greatest angle between two worlds' moments, in degrees.
+/// Returns the greatest angle between two worlds' moments, in degrees.
 fn angle(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let angles = a.iter().zip(b).map(|(a, b)| a.dot(b).clamp(-1.0, 1.0).acos().to_degrees());
     angles.fold(0.0, f64::max)
 }
 
-/// How the source is turned.
+/// Rotation and mirroring of the source.
 #[derive(Clone, Copy, Debug)]
 struct Turn(&'static [&'static str]);
 
@@ -78,7 +76,7 @@ const TURNS: [Turn; 5] = [
 ];
 
 impl Turn {
-    /// What the user of the bake sees.
+    /// Returns the moments in the world of the bake.
     fn world(self) -> [DVec3; 3] {
         let mut world = source();
         if self.0.contains(&"--mirror") {
@@ -91,14 +89,14 @@ impl Turn {
     }
 }
 
-/// Bakes `a.exr` into `out`, a tiny one.
+/// Bakes `a.exr` into `out`, with a tiny OEM.
 fn bake(folder: &Path, out: &str, args: &[&str]) {
     let common = ["bake", "a.exr", "-o", out, "--force", "--quiet", "--engine", "cpu", "--oem-size", "32"];
     done(folder, &[&common[..], args].concat());
 }
 
-/// Reads everything in `folder/out` and holds it to `world`: the files, and the folder itself where
-/// `is_whole`. Returns how many files were read.
+/// Reads everything in `folder/out`, and the folder itself if `is_whole`, and compares it with `world`.
+/// Returns the number of files read.
 fn check(folder: &Path, out: &str, is_whole: bool, world: [DVec3; 3], what: &str) -> usize {
     let at = folder.join(out);
     let mut paths: Vec<_> =
@@ -109,7 +107,7 @@ fn check(folder: &Path, out: &str, is_whole: bool, world: [DVec3; 3], what: &str
     let mut count = 0;
     for path in paths {
         let name = path.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();
-        // A face alone is no world.
+        // A single face is not an environment.
         if name.contains("_px.") || name.contains("_nx.") || name.contains("_py.") || name.contains("_ny.") {
             continue;
         }
@@ -124,7 +122,7 @@ fn check(folder: &Path, out: &str, is_whole: bool, world: [DVec3; 3], what: &str
             continue;
         }
         let loaded = loaded.unwrap_or_else(|error| panic!("{what}: {error}"));
-        // A Charlie lobe is a band, whose first moment is small; a wrong turn is off by 20 degrees and more.
+        // A Charlie lobe is a band with a small first moment; a wrong turn is off by 20 degrees and more.
         let most = if name.starts_with("sheen") { 12.0 } else { MOST };
         let off = angle(moments(&loaded.environment), world);
         assert!(off < most, "{what}: {name} is {off} degrees off its world");
@@ -147,11 +145,11 @@ fn names(pick: impl Fn(&octagloss::internals::target::Target) -> bool) -> String
 /// Options of tiny bakes.
 const TINY: [&str; 4] = ["--size", "8", "--filter", "adaptive:0.02"];
 
-/// The same with two levels, for what can have fewer than all.
+/// The same with two levels, for outputs that may have fewer than all.
 const TWO_LEVELS: [&str; 6] = ["--size", "8", "--filter", "adaptive:0.02", "--levels", "2"];
 
 #[test]
-fn a_wrong_flip_is_seen() {
+fn a_wrong_flip_is_detected() {
     let world = moments(&source());
     let cube = |flip: Flip| {
         let layout = Layout::Cube { size: 8 };
@@ -219,7 +217,7 @@ fn targets_come_back_to_their_world_whatever_the_container() {
     }
     bake(folder.path(), "out", &[&TINY[..], &["--target", "oem", "--format", "exr"], turn.0].concat());
     assert_eq!(check(folder.path(), "out", true, turn.world(), "oem exr"), 2);
-    // A DDS file says its flip without its report as well; only its levels' roughness is not known then.
+    // A DDS file contains its flip without its report, but not the roughness of its levels.
     bake(folder.path(), "out", &[&TINY[..], &["--target", "unity", "--json"], turn.0].concat());
     assert_eq!(check(folder.path(), "out", true, turn.world(), "unity without a report"), 2);
     fails(
@@ -271,7 +269,7 @@ fn layouts_come_back_to_their_world() {
 #[test]
 fn compare_gives_the_source_the_turns_and_the_sun_of_the_bake() {
     let folder = with_source();
-    // A sun that stands out, so that all depends on its being taken out.
+    // A bright sun, so that the comparison fails unless it is extracted.
     let mut texels = source().texels().to_vec();
     texels[5 * 32 + 9] = [900.0, 800.0, 700.0];
     let bytes = exr_bytes(32, 16, Samples::Rgb(&texels), Pixel::F32, &[]).expect("valid");
@@ -293,7 +291,7 @@ fn compare_gives_the_source_the_turns_and_the_sun_of_the_bake() {
         bake(folder.path(), out, &[&["--size", "16", "--format", format], &args[4..]].concat());
         compare(out);
     }
-    // A report of another file is not believed: the DDS file's orientation is unknown then.
+    // A report of another file is ignored, which leaves the DDS file's orientation unknown.
     let report = folder.path().join("one.dds.report.json");
     let text = fs::read_to_string(&report).expect("readable");
     bake(folder.path(), "one.dds", &["--size", "16", "--format", "dds"]);
@@ -326,7 +324,7 @@ fn what_cannot_be_read_is_named_by_every_command() {
         fails(folder.path(), &[&["query", path], &query[..]].concat(), 1, words);
         fails(folder.path(), &["info", path], 1, words);
         fails(folder.path(), &["bake", path, "-o", "again.ktx2"], 1, words);
-        // The place is named; a file without levels is no bake.
+        // The path is named; a file without levels is not a bake.
         fails(folder.path(), &["compare", path, "a.exr"], 1, words.split(": ").next().expect("a path"));
         #[cfg(feature = "view")]
         fails(folder.path(), &["view", path, "--screenshot", "a.png"], 1, words);
@@ -334,7 +332,7 @@ fn what_cannot_be_read_is_named_by_every_command() {
 }
 
 #[test]
-fn info_says_what_a_bake_is() {
+fn info_describes_a_bake() {
     let folder = with_source();
     let args = ["--target", "three", "--rotate-y", "37", "--mirror", "--extract-sun", "--levels", "2"];
     bake(folder.path(), "out", &[&TINY[..], &args].concat());
@@ -364,7 +362,7 @@ fn info_says_what_a_bake_is() {
         let bytes = info["bytes"].as_u64().expect("a number");
         assert!(if path == "out" { bytes > length } else { bytes == length }, "{path}: {bytes}");
     }
-    // A panorama of a target is an environment, and says where it comes from.
+    // A panorama of a target is an environment with a stated origin.
     bake(folder.path(), "sky", &[&TINY[..], &["--target", "godot", "--rotate-y", "90"]].concat());
     let info: serde_json::Value =
         serde_json::from_str(&done(folder.path(), &["info", "sky", "--json"])).expect("JSON");
@@ -390,13 +388,12 @@ fn a_report_of_another_folder_is_an_error() {
     }
 }
 
-/// The keys of `value` that `kept` names.
+/// Keeps only the keys of `value` in `kept`.
 fn keep(value: &mut serde_json::Value, kept: &[&str]) {
     value.as_object_mut().expect("an object").retain(|key, _| kept.contains(&key.as_str()));
 }
 
-/// Makes the report `path` one of version 0.1: without a schema version, hashes of files, sizes and the
-/// options that came later.
+/// Converts the report `path` to version 0.1: without a schema version, file hashes, sizes and later options.
 fn make_report_old(path: &Path) {
     let mut report = crate::cli::json_file(path);
     let kept = [
@@ -442,7 +439,7 @@ fn make_report_old(path: &Path) {
     fs::write(path, report.to_string()).expect("writable");
 }
 
-/// Makes the KTX2 file `path` one of version 0.1, which says nothing of rotation, mirror and ladder.
+/// Converts the KTX2 file `path` to version 0.1, without rotation, mirror and ladder.
 fn make_ktx2_old(path: &Path, flip: Flip, target: Option<&str>) {
     let bake = load_chain(path).expect("a bake");
     let mut pairs = vec![
@@ -455,7 +452,7 @@ fn make_ktx2_old(path: &Path, flip: Flip, target: Option<&str>) {
     }
     let pairs: Vec<_> = pairs.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
     let bytes = ktx2_bytes(&flip.chain(&bake.chain), Pixel::F16, &pairs).expect("valid").bytes;
-    assert!(fs::read(path).expect("readable").len() > bytes.len(), "it says less");
+    assert!(fs::read(path).expect("readable").len() > bytes.len(), "the old file must be shorter");
     fs::write(path, bytes).expect("writable");
 }
 
@@ -477,7 +474,7 @@ fn files_of_version_0_1_come_back_to_their_world() {
         make_report_old(&at("cube/report.json"));
         assert_eq!(check(folder.path(), "cube", true, turn.world(), name), 2);
         compare("cube/specular.ktx2");
-        // DDS files had no mark of their flip: the report has it.
+        // Old DDS files do not mark their flip: only the report has it.
         let args = [&args[..], &["--format", "dds"]].concat();
         bake(folder.path(), "dds", &args);
         let mut bytes = fs::read(at("dds/specular.dds")).expect("readable");
@@ -487,7 +484,7 @@ fn files_of_version_0_1_come_back_to_their_world() {
         assert_eq!(check(folder.path(), "dds", true, turn.world(), name), 2);
         compare("dds");
     }
-    // A single file with its report beside it, and a folder whose files say nothing.
+    // A single file with its report, and a folder whose files have no metadata.
     bake(folder.path(), "one.ktx2", &[&TWO_LEVELS[..], turn.0].concat());
     make_ktx2_old(&at("one.ktx2"), Flip::None, None);
     make_report_old(&at("one.ktx2.report.json"));

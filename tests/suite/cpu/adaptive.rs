@@ -18,7 +18,7 @@ use octagloss::internals::sphere::{cube, octahedral};
 use octagloss::{Environment, Layout};
 use rayon::prelude::*;
 
-/// An OEM with a look of its own, and where it is brightest.
+/// An OEM of some look, and its brightest place.
 pub(crate) struct Scene {
     pub(crate) oem: Oem,
     pub(crate) look: Look,
@@ -43,17 +43,17 @@ impl Scene {
     }
 }
 
-/// How cells are reconstructed, with the share of a texel's box that the oracle adds for it.
+/// The reconstructions of cells, each with the share of a texel's box that the oracle adds for it.
 pub(crate) const SPREADS: [(Reconstruction, f64); 2] =
     [(Reconstruction::Bilinear, 1.0), (Reconstruction::Constant, 0.0)];
 
-/// What exhaustive integration answers to `question`.
+/// Answers `question` by exhaustive integration.
 pub(crate) fn truth(oracle: &OemOracle, question: &Question, share: f64) -> f64 {
     let direction = question.directions[question.lane];
     luminance(oracle.reflect_with_share(question.lobe, question.roughness, direction, share))
 }
 
-/// The CPU's answer to `question`, beside the `truth`.
+/// Compares the CPU's answer to `question` with the `truth`.
 fn outcome(scene: &Scene, cells: &Cells, question: &Question, truth: f64) -> Outcome {
     let alpha = question.roughness * question.roughness;
     let adaptive = Adaptive::new(cells, Kernel::new(question.lobe, alpha), question.error);
@@ -61,7 +61,7 @@ fn outcome(scene: &Scene, cells: &Cells, question: &Question, truth: f64) -> Out
     Outcome::new(scene, question, shares.radiance[question.lane], shares.bound[question.lane], truth)
 }
 
-/// Asks `questions`, of `lobe` or of any, of each of `scenes` OEMs of the sizes that `size` draws.
+/// Asks `questions`, of `lobe` or of any lobe, of each of `scenes` OEMs of sizes drawn by `size`.
 fn outcomes(
     lobe: Option<Lobe>,
     seed: u64,
@@ -83,7 +83,7 @@ fn outcomes(
         .collect()
 }
 
-/// A scene with questions and what exhaustive integration answers.
+/// A scene with questions and their answers by exhaustive integration.
 pub(crate) struct Examination {
     pub(crate) scene: Scene,
     pub(crate) spread: Reconstruction,
@@ -91,7 +91,7 @@ pub(crate) struct Examination {
 }
 
 impl Examination {
-    /// The `index`th of those that `seed` stands for, about `lobe` or any.
+    /// Draws the `index`th examination of `seed`, with `lobe` or any lobe.
     pub(crate) fn new(
         lobe: Option<Lobe>,
         seed: u64,
@@ -115,7 +115,7 @@ impl Examination {
         Self { scene, spread, questions }
     }
 
-    /// Questions about a texel, with an OEM to serve in which that texel is brighter by ten times the mean.
+    /// Returns questions about one texel, and an OEM to serve in which it is brighter by ten times the mean.
     pub(crate) fn with_wrong_texel(random: &mut Random) -> (Self, Oem) {
         let scene = Scene::new(random, 32);
         let mut square = scene.oem.texels().to_vec();
@@ -136,7 +136,7 @@ impl Examination {
     }
 }
 
-/// Four questions about each of 250 scenes, so that every size, look and reconstruction has its share.
+/// Four questions about each of 250 scenes, so that all sizes, looks and reconstructions occur.
 #[test]
 fn certified_bounds_hold() {
     let sizes = |random: &mut Random| 32 + random.below(97);
@@ -178,16 +178,16 @@ fn one_wrong_texel_breaks_a_bound() {
             compared += 1;
         }
     }
-    assert!(compared == 40 && broken >= 36, "{broken} of {compared} comparisons failed, as they must");
+    assert!(compared == 40 && broken >= 36, "only {broken} of {compared} comparisons failed");
 }
 
-/// A reflector of `environment` with an OEM of `inner` texels.
+/// Returns a reflector of `environment` with an OEM of `inner` texels.
 pub(crate) fn reflector(environment: &Environment, inner: u32) -> Reflector<'_> {
     let settings = ReflectorSettings { oem_size: Some(inner), ..ReflectorSettings::default() };
     Reflector::new(environment, &settings).expect("a small OEM")
 }
 
-/// Answers of one filter, direction by direction.
+/// Returns one filter's answers, direction by direction.
 pub(crate) fn ask(
     reflector: &Reflector<'_>,
     lobe: Lobe,
@@ -204,7 +204,7 @@ pub(crate) fn ask(
 }
 
 #[test]
-fn what_a_reflector_serves_is_what_it_says() {
+fn answers_of_a_reflector_lie_within_their_bounds() {
     let mut random = Random::new(32);
     let mut compared = 0;
     for look in Look::ALL {
@@ -231,7 +231,7 @@ fn what_a_reflector_serves_is_what_it_says() {
     assert_eq!(compared, 300);
 }
 
-/// What the issue asks of a constant environment.
+/// Greatest relative error allowed in a constant environment.
 pub(crate) const FURNACE: f64 = 1e-6;
 
 pub(crate) fn furnace_error(
@@ -282,20 +282,20 @@ fn a_furnace_is_white() {
             let error = furnace_error(&spotted, 64, Lobe::Ggx, filter, &directions);
             assert!(
                 error > FURNACE,
-                "{layout:?} {filter:?}: one texel a hundredth brighter shows: {error:e}"
+                "{layout:?} {filter:?}: one texel 1 % brighter is not detected: {error:e}"
             );
         }
     }
 }
 
-/// Directions on every crease of the map: the three coordinate planes, which hold the fold, the axes and the
-/// square's edges, with the vertices; each with a way across.
+/// Returns directions on every crease of the map, each with a way across: the three coordinate planes, which
+/// contain the fold, the axes and the square's edges, and the vertices.
 fn creases(random: &mut Random) -> Vec<(DVec3, DVec3)> {
     let mut all = Vec::new();
     for (normal, along) in [(DVec3::X, DVec3::Y), (DVec3::Y, DVec3::Z), (DVec3::Z, DVec3::X)] {
         let other = normal.cross(along);
         for k in 0..64 {
-            // The vertices themselves, close to them, and anywhere.
+            // On the vertices, near them, and anywhere.
             let angle = match k % 4 {
                 0 => f64::from(k) / 32.0 * std::f64::consts::PI,
                 1 => f64::from(k / 16) * std::f64::consts::FRAC_PI_2 + 1e-9 * random.between(-1.0, 1.0),
@@ -323,9 +323,9 @@ fn boxes_are_continuous_across_every_fold() {
                     let pair = [(at - across * step).normalize(), (at + across * step).normalize()];
                     let answers = ask(&reflector, lobe, roughness, Filter::Box, &pair);
                     for c in 0..3 {
-                        // The box is at least a texel of weight; moved by a direction's step, 3 sqrt(3) of it
-                        // in (u, v), and resized by as much again with the density, it trades at most 4
-                        // sides' worth of texels that are up to 5.2 times heavier.
+                        // The box has at least one texel's weight. A direction's step moves it by 3 sqrt(3)
+                        // times as much in (u, v) and the density resizes it by as much again. It exchanges
+                        // at most 4 sides' worth of texels that are up to 5.2 times heavier.
                         let allowed =
                             f64::from(brightest) * 2.0 * step * 5.2 * f64::from(n) / 2.0 * 8.0 * 5.2;
                         let change = (answers[0][c] - answers[1][c]).abs();
@@ -360,8 +360,8 @@ fn boxes_are_continuous_in_roughness_down_to_the_mirror() {
             let after = ask(&reflector, lobe, roughness + step, Filter::Box, &directions);
             for (before, after) in before.iter().zip(&after) {
                 for c in 0..3 {
-                    // A side grows by at most 2 n of a unit of roughness; its rim is 4 sides, of texels up to
-                    // 5.2 times heavier, over a box of at least a texel.
+                    // A side grows by at most 2 n per unit of roughness; the rim has 4 sides, of texels up to
+                    // 5.2 times heavier, over a box of at least one texel.
                     let allowed = f64::from(brightest) * 4.0 * 2.0 * f64::from(n) * 5.2 * step;
                     let change = (before[c] - after[c]).abs();
                     assert!(
@@ -394,9 +394,9 @@ fn adaptive_is_continuous_in_roughness_down_to_the_mirror() {
         for roughness in [1e-5, 2e-4, 3e-4, 1e-3] {
             let sharp = ask(&reflector, Lobe::Ggx, roughness, filter, &directions);
             for ((mirror, sharp), direction) in mirror.iter().zip(&sharp).zip(&directions) {
-                // A lobe of alpha up to 1e-6 is a mirror but for the interpolation's slope over a few alpha:
-                // what is left is the adaptive filter's error, a few E of the mean for lobes as sharp as
-                // this. Without interpolation the two would be up to a texel's contrast apart.
+                // A lobe of alpha up to 1e-6 is a mirror except for the interpolation's slope over a few
+                // alpha. The difference is the adaptive filter's error, a few E of the mean for lobes this
+                // sharp. Without interpolation it would be up to a texel's contrast.
                 let (mirror, sharp) = (luminance(*mirror), luminance(*sharp));
                 let allowed = 20.0 * error * mean + 1e-4 * mirror;
                 assert!(
@@ -411,11 +411,11 @@ fn adaptive_is_continuous_in_roughness_down_to_the_mirror() {
 }
 
 #[test]
-fn the_mirror_is_the_oracle_s() {
+fn the_mirror_matches_the_oracle() {
     let mut random = Random::new(37);
     let (mut compared, mut seen) = (0, 0);
-    // The least radiance is a float32 and so is the answer, 2^-24 each; the first counts 1 - w/(texel's solid
-    // angle here) times, at most pi - 1.
+    // The least radiance and the answer are float32, 2^-24 each. The first counts 1 - w/(texel's solid angle
+    // here) times, at most pi - 1.
     let tolerance = std::f64::consts::PI / f64::from(1_u32 << 24);
     for n in [1, 2, 5, 32, 63] {
         for look in [Look::Noise, Look::Smooth, Look::Suns] {
@@ -444,11 +444,11 @@ fn the_mirror_is_the_oracle_s() {
         }
     }
     assert_eq!(compared, 5 * 3 * 56 * 3);
-    assert!(seen > 400, "texels a thousandth brighter showed in {seen} directions of 840");
+    assert!(seen > 400, "texels 0.1 % brighter were detected in {seen} directions of 840");
 }
 
-/// Root mean squares of the steps of `values` between neighbours, by where they lie: inside packets, between
-/// packets, over the map's creases, and over the edges of faces.
+/// Returns root mean squares of the steps of `values` between neighbours: inside packets, between packets,
+/// across the map's creases, and across the edges of faces.
 fn steps(size: u32, values: &[f64]) -> [f64; 4] {
     let n = size as usize;
     let mut sums = [(0.0, 0.0); 4];
@@ -517,7 +517,7 @@ fn steps_of_a_bake_are_no_larger_at_edges_than_inside() {
     for (ratio, kind) in ratios[1..].iter().zip(["packets", "creases", "faces"]) {
         assert!(*ratio <= 1.05 * ratios[0], "{kind}: {ratio} of the oracle's steps, {} inside", ratios[0]);
     }
-    // Steps of E of the mean between packets would be seen.
+    // Steps of E of the mean between packets must be detected.
     let mean = truth.iter().sum::<f64>() / truth.len() as f64;
     let n = size as usize;
     let mut torn = served.clone();
@@ -526,7 +526,10 @@ fn steps_of_a_bake_are_no_larger_at_edges_than_inside() {
         *value += if (i + j) % 2 == 0 { 0.01 * mean } else { 0.0 };
     }
     let torn = steps(size, &torn);
-    assert!(torn[1] / true_steps[1] > 1.05 * torn[0] / true_steps[0], "torn packets show: {torn:?}");
+    assert!(
+        torn[1] / true_steps[1] > 1.05 * torn[0] / true_steps[0],
+        "torn packets are not detected: {torn:?}"
+    );
 }
 
 #[test]
@@ -578,8 +581,8 @@ fn adaptive_steps_little_beyond_the_oracle_s_own_step() {
     assert!(*excess <= 1.0, "a step of {excess} times E of the mean beyond the oracle's: {told}");
 }
 
-/// Lobes that end in a jump or a steep edge, asked for directions of one tile together and one by one: the
-/// edge of every direction is resolved, whichever direction lies nearest to a cell.
+/// Discontinuous and steep lobes, for the directions of one tile together and one by one: the edge of every
+/// direction is resolved, whichever direction is nearest to a cell.
 #[test]
 fn edges_are_resolved_for_every_direction_of_a_packet() {
     let layout = Layout::Panorama { width: 64, height: 32 };

@@ -1,4 +1,4 @@
-//! Light at the ends of float32's range: no NaN, no infinity, no useless bound.
+//! Light at the limits of float32: no NaN, no infinity, no useless bound.
 
 use crate::cli::{done, json_file, write_panorama};
 use crate::cpu::lights::{Light, Tally, examine, examine_unbounded};
@@ -13,15 +13,15 @@ use octagloss::{Error, Layout, Rgb};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// Fails with what a tally holds against the answers.
+/// Fails if the tally has recorded errors.
 fn sound(tally: &Tally) -> Result<(), TestCaseError> {
     let told: Vec<&str> = tally.not_finite.iter().chain(&tally.violations).map(String::as_str).collect();
     prop_assert!(tally.is_sound(), "{}", told.join("\n"));
     Ok(())
 }
 
-/// The same `count` cases every time: a run that finds something new would fail for no change's fault, and
-/// `examples/random_bounds.rs` looks for that.
+/// Runs the same `count` cases every time, so that no unrelated change fails by a new random case.
+/// `examples/random_bounds.rs` searches for new ones.
 fn cases(count: u32) -> ProptestConfig {
     ProptestConfig {
         cases: count,
@@ -67,7 +67,7 @@ proptest! {
                 sh_order: 4,
                 ..BakeSettings::default()
             };
-            // A bake that is not finite is an error.
+            // A bake that is not finite returns an error.
             let baked = bake(&light.environment, &settings).expect("a finite bake");
             let most = baked.levels().flat_map(|level| level.texels.as_flattened()).copied().fold(0.0, f32::max);
             prop_assert!(f64::from(most) <= 1.5 * f64::from(greatest), "{most} of {greatest}: {light}");
@@ -79,10 +79,10 @@ proptest! {
 }
 
 #[test]
-fn a_wrong_answer_is_found_everywhere() {
+fn a_wrong_answer_is_detected_everywhere() {
     let (mut wrong, mut lost) = (Tally::default(), Tally::default());
     for seed in 0..12 {
-        // Half as much again as the truth and the bound allow, and a NaN.
+        // 1.5 times the truth plus three bounds, and a NaN.
         let too_bright = |answer: Answer| Answer {
             radiance: answer.radiance.map(|c| (c + 3.0 * answer.bound.unwrap_or(0.0)).min(f32::MAX)),
             ..answer
@@ -90,20 +90,20 @@ fn a_wrong_answer_is_found_everywhere() {
         wrong = wrong.join(examine(seed, 0, 1, &too_bright));
         lost = lost.join(examine(seed, 0, 1, &|answer| Answer { radiance: [0.0, f32::NAN, 0.0], ..answer }));
     }
-    // Answers of 3.4e38 have no room above them, and black has no bound.
+    // Answers of 3.4e38 cannot be exceeded, and black has no bound.
     let share = wrong.violations.len() as f64 / wrong.compared as f64;
     assert!(wrong.compared > 100 && share > 0.7, "{share} of {} were found", wrong.compared);
-    assert!(lost.not_finite.len() >= 48 && lost.compared + lost.unbounded == 0, "every NaN is found");
+    assert!(lost.not_finite.len() >= 48 && lost.compared + lost.unbounded == 0, "every NaN must be detected");
 }
 
-/// Radiance one, but for one texel.
+/// Returns texels of radiance one, except one texel.
 fn spotted(texel: f32) -> Vec<Rgb> {
     let mut texels = vec![[1.0; 3]; 16 * 8];
     texels[37] = [texel; 3];
     texels
 }
 
-/// Relative error of the answers over `texels`, and the greatest bound over the mean.
+/// Returns the relative error of the answers over `texels`, and the greatest bound over the mean.
 fn error_and_bound(texels: Vec<Rgb>, lobe: Lobe) -> (f64, f64) {
     let source = environment(Layout::Panorama { width: 16, height: 8 }, texels);
     let settings = ReflectorSettings { oem_size: Some(64), ..ReflectorSettings::default() };
@@ -122,13 +122,13 @@ fn error_and_bound(texels: Vec<Rgb>, lobe: Lobe) -> (f64, f64) {
 }
 
 #[test]
-fn dim_texels_spoil_nothing() {
+fn dim_texels_do_not_reduce_accuracy() {
     for lobe in LOBES {
         for texel in [1e-31, 1e-33, 1e-38, 1e-40, f32::from_bits(1)] {
             let (error, bound) = error_and_bound(spotted(texel), lobe);
             assert!(
                 error < 0.02 && bound < 0.5,
-                "{lobe:?} beside {texel:e}: off by {error:e}, bound {bound:e}"
+                "{lobe:?} next to {texel:e}: off by {error:e}, bound {bound:e}"
             );
         }
     }
@@ -143,7 +143,7 @@ fn light_at_both_ends_is_as_exact_as_ordinary_light() {
         for scale in [1e-44_f64, 1e-40, 1e-36, 1e-30, 1e25, 3.4e38] {
             let scaled = texels.iter().map(|t| t.map(|c| (f64::from(c) * scale) as f32)).collect();
             let (error, bound) = error_and_bound(scaled, lobe);
-            // Subnormal numbers are as coarse as they are.
+            // Subnormal numbers have coarser steps.
             let coarse = f64::from(f32::from_bits(1)) / scale;
             assert!(
                 error <= 1.2 * ordinary + 4.0 * coarse && bound <= 1.2 * ordinary_bound + 8.0 * coarse + 1e-6,
@@ -154,8 +154,8 @@ fn light_at_both_ends_is_as_exact_as_ordinary_light() {
 }
 
 #[test]
-fn dim_halves_beside_bright_ones_are_seen() {
-    // A cone that sees nothing of the bright half.
+fn dim_halves_next_to_bright_ones_are_resolved() {
+    // The cone lies entirely in the dim half.
     let texels = (0..32 * 16).map(|k| if k < 32 * 8 { [1.0; 3] } else { [1e-38; 3] }).collect();
     let source = environment(Layout::Panorama { width: 32, height: 16 }, texels);
     let settings = ReflectorSettings { oem_size: Some(64), ..ReflectorSettings::default() };
@@ -185,7 +185,7 @@ fn what_is_not_finite_is_an_error() {
 }
 
 #[test]
-fn a_bake_that_its_pixels_round_to_black_says_so() {
+fn a_bake_rounded_to_black_warns() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write_panorama(&folder.path().join("dim.exr"), 16, |d| [(1e-40 * (1.5 + d.y)) as f32; 3]);
     let small = ["bake", "dim.exr", "--size", "8", "--engine", "cpu", "-o"];
@@ -196,7 +196,7 @@ fn a_bake_that_its_pixels_round_to_black_says_so() {
         let report = json_file(&folder.path().join(format!("{file}.report.json")));
         assert!(report["warnings"].to_string().contains("the output is black"), "{report}");
     }
-    // Where floats may be chosen, they are.
+    // Automatic pixel formats choose f32.
     for layout in ["faces", "cross"] {
         let ran =
             done(folder.path(), &[&small[..], &[layout, "--format", "exr", "--out-layout", layout]].concat());

@@ -15,10 +15,10 @@ use std::fmt::{Display, Formatter};
 /// Lobes below this roughness may be served as mirrors, which have no bound.
 const MIRROR: f64 = 8e-4;
 
-/// Questions asked of each group of environments.
+/// Questions per group of environments.
 const QUESTIONS: u64 = 4;
 
-/// An OEM's size, mostly tiny: exhaustive integration takes as long as there are texels.
+/// Draws an OEM's size, mostly tiny: the time of exhaustive integration grows with the texels.
 fn any_size(random: &mut Random) -> u32 {
     match random.below(500) {
         0 => 9 + random.below(8),
@@ -27,7 +27,7 @@ fn any_size(random: &mut Random) -> u32 {
     }
 }
 
-/// An environment whose light may lie anywhere in float32, and the OEM to ask over.
+/// An environment with light anywhere in float32's range, and the size of its OEM.
 pub(crate) struct Light {
     pub(crate) environment: Environment,
     pub(crate) inner: u32,
@@ -41,12 +41,12 @@ impl Display for Light {
     }
 }
 
-/// Log-uniform over all positive float32, from 1e-45 to 3.4e38.
+/// Draws log-uniformly from all positive float32, from 1e-45 to 3.4e38.
 fn any_light(random: &mut Random) -> f32 {
     (2_f64.powf(random.between(-149.0, 128.0)) as f32).clamp(f32::from_bits(1), f32::MAX)
 }
 
-/// The texels of one of several looks, and its name.
+/// Returns texels of one of several looks, and the look's name.
 fn radiance(random: &mut Random, count: usize) -> (&'static str, Vec<Rgb>) {
     let (one, other) = (any_light(random), any_light(random));
     let near = |random: &mut Random, value: f32| {
@@ -92,13 +92,13 @@ fn radiance(random: &mut Random, count: usize) -> (&'static str, Vec<Rgb>) {
 }
 
 impl Light {
-    /// Any light, in any layout, to be asked over any OEM.
+    /// Draws any light in any layout, for any size of OEM.
     pub(crate) fn new(random: &mut Random) -> Self {
         let inner = any_size(random);
         Self::over(random, inner)
     }
 
-    /// The same over an OEM of `inner` texels.
+    /// Draws the same for an OEM of `inner` texels.
     fn over(random: &mut Random, inner: u32) -> Self {
         let layout = match random.below(5) {
             0 => Layout::Panorama { width: 2 + random.below(15), height: 1 + random.below(8) },
@@ -121,13 +121,13 @@ impl Light {
         ReflectorSettings { oem_size: Some(self.inner), ..ReflectorSettings::default() }
     }
 
-    /// The greatest radiance of any channel.
+    /// Returns the greatest radiance of any channel.
     pub(crate) fn greatest(&self) -> f32 {
         self.environment.texels().as_flattened().iter().copied().fold(0.0, f32::max)
     }
 
-    /// Exhaustive integration over the OEM in the source's own units: where it has the source's texels, from
-    /// those; else from the reflector's OEM, whose scale is taken out in double precision.
+    /// Exhaustive integration over the OEM in the source's units: from the source's texels if the OEM has the
+    /// same, else from the reflector's OEM, whose scale is undone in double precision.
     fn oracle(&self, reflector: &Reflector<'_>) -> (OemOracle, [f64; 3]) {
         let n = self.inner;
         let exact = self.environment.layout() == (Layout::Octahedral { size: n });
@@ -152,18 +152,18 @@ impl Light {
     }
 }
 
-/// What became of questions.
+/// Counts of the outcomes of questions.
 #[derive(Default)]
 pub(crate) struct Tally {
-    /// Answers beside exhaustive integration.
+    /// Answers compared with exhaustive integration.
     pub(crate) compared: u64,
-    /// Answers that have no bound: mirrors and the other filters.
+    /// Answers without a bound: mirrors and the other filters.
     pub(crate) unbounded: u64,
-    /// Answers of which a radiance or a bound was not finite, or negative.
+    /// Answers with a radiance or bound that is not finite or is negative.
     pub(crate) not_finite: Vec<String>,
-    /// Bounds that do not hold, and filters that leave the source's range.
+    /// Bounds that do not hold, and filters that exceed the source's range.
     pub(crate) violations: Vec<String>,
-    /// The greatest error over its bound.
+    /// The greatest ratio of error to bound.
     pub(crate) worst: f64,
     /// The sum of those ratios.
     pub(crate) ratios: f64,
@@ -184,7 +184,7 @@ impl Tally {
         self.not_finite.is_empty() && self.violations.is_empty()
     }
 
-    /// Counts `answer` to `question` beside the `truth`.
+    /// Compares `answer` to `question` with the `truth`.
     fn compare(
         &mut self,
         (seed, group): (u64, u64),
@@ -203,8 +203,8 @@ impl Tally {
             self.unbounded += 1;
             return;
         };
-        // Inside a coarse texel of even energy radiance is up to 5.2 times its mean: more than float32 holds
-        // beside f32::MAX, where answers end.
+        // Inside a coarse texel of constant energy, radiance is up to 5.2 times its mean and may overflow
+        // float32, whereas answers are limited to f32::MAX.
         let truth = truth.min(f64::from(f32::MAX));
         let doubt = doubt(lobe, roughness, truth, asked.energy);
         let outcome = Outcome::new(light, question, answer.radiance, bound, truth).doubting(doubt);
@@ -216,7 +216,7 @@ impl Tally {
         self.worst = self.worst.max(outcome.ratio());
     }
 
-    /// Counts an answer that is no number; whether it is one.
+    /// Returns whether an answer is finite, and records it if not.
     fn is_finite(&mut self, answer: &Answer, told: &dyn Fn() -> String) -> bool {
         let mut values = answer.radiance.into_iter().chain(answer.bound);
         let finite = values.all(|value| value.is_finite() && value >= 0.0);
@@ -227,10 +227,10 @@ impl Tally {
     }
 }
 
-/// Any lobe, the ones that a GPU has not included.
+/// Draws any lobe, including those that the GPU lacks.
 fn question(random: &mut Random, light: &Light) -> Question {
     let mut question = Question::new(random, light.brightest);
-    // Cones and Charlie lobes take exhaustive integration longest.
+    // Exhaustive integration is slowest for cones and Charlie lobes.
     question.lobe = match random.below(16) {
         0..7 => Lobe::Ggx,
         7..11 => Lobe::Phong,
@@ -247,18 +247,18 @@ fn question(random: &mut Random, light: &Light) -> Question {
     question
 }
 
-/// An environment made ready for questions.
+/// An environment prepared for questions.
 struct Asked<'a> {
     light: &'a Light,
     reflector: Reflector<'a>,
     oracle: OemOracle,
-    /// Energy of the whole sphere, luminance.
+    /// Luminance of the whole sphere's energy.
     energy: f64,
 }
 
 /// Asks the adaptive filter [`QUESTIONS`] questions over each of `count` environments, the `group`th of
-/// `seed`, which share the OEM's size and the questions, so that exhaustive integration serves them all.
-/// Compares what `alter` makes of the answers to every direction of a question.
+/// `seed`. They share the OEM's size and the questions, so that one exhaustive integration serves them all.
+/// Applies `alter` to the answers before comparing every direction.
 pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) -> Answer) -> Tally {
     let mut random = Random::new(seed.wrapping_add(group.wrapping_mul(0x9e37_79b9)));
     let inner = any_size(&mut random);
@@ -310,19 +310,18 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
     tally
 }
 
-/// What exhaustive integration may be off by besides a relative 1e-7, where the light has more decades than
-/// its accuracies are stated for: `energy` is the whole sphere's.
+/// Error of exhaustive integration besides a relative 1e-7, for light with more decades than its accuracy is
+/// stated for; `energy` is the whole sphere's.
 fn doubt(lobe: Lobe, roughness: f64, truth: f64, energy: f64) -> f64 {
     let alpha = roughness * roughness;
     match lobe {
-        // What is below 1e-30 of a Phong lobe's peak is left out, and what is faint is less exact.
+        // Phong lobes omit values below 1e-30 of the peak, and faint values are less exact.
         Lobe::Phong => 1e-6 * truth + 1.1e-30 * energy / kernel_integral(lobe, alpha),
         _ => 0.0,
     }
 }
 
-/// Asks the filters that have no bound: their answers stay within the source's range, where they promise
-/// that.
+/// Asks the filters without a bound: where they promise it, answers must stay within the source's range.
 pub(crate) fn examine_unbounded(seed: u64, index: u64) -> Tally {
     let mut random = Random::new(seed.wrapping_add(index.wrapping_mul(0x9e37_79b9)));
     let mut light = Light::new(&mut random);
@@ -345,7 +344,7 @@ pub(crate) fn examine_unbounded(seed: u64, index: u64) -> Tally {
         }
         tally.unbounded += 1;
         let most = answers[0].radiance.into_iter().fold(0.0, f32::max);
-        // Means are; harmonics and the uneven texels of an OEM may overshoot a little.
+        // Means do; harmonics and the uneven texels of an OEM may overshoot slightly.
         let allowed = if matches!(filter, Filter::Box | Filter::Reference) { 1.0 + 1e-6 } else { 1.5 };
         if f64::from(most) > allowed * greatest {
             tally.violations.push(format!("{most} is above {greatest}: {}", told()));

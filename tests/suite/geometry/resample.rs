@@ -1,4 +1,4 @@
-//! From any map to any other: constants, energy, and where light arrives.
+//! Conversion between all maps: constants, energy, and directions of light.
 
 use crate::support::common::Random;
 use glam::{DMat3, DVec3};
@@ -12,7 +12,7 @@ fn grid(name: &str, size: u32) -> Grid {
     Grid::new(named(name).expect("a map").map, size).expect("a size")
 }
 
-/// Energy of each channel over the texels' exact solid angles.
+/// Returns the energy of each channel over the texels' exact solid angles.
 fn energy(grid: &Grid, texels: &[Rgb]) -> [f64; 3] {
     let mut sums = [0.0; 3];
     for texel in grid.texels() {
@@ -24,14 +24,14 @@ fn energy(grid: &Grid, texels: &[Rgb]) -> [f64; 3] {
     sums
 }
 
-/// Noise, a constant, and black but for a few suns, a channel each.
+/// Returns noise, a constant, and black with a few suns, one per channel.
 fn noise(grid: &Grid, seed: u64) -> Vec<Rgb> {
     let mut random = Random::new(seed);
     let count = grid.texel_count();
     (0..count).map(|k| [random.unit() as f32, 1.0, if k % 11 == 5 { 1e4 } else { 0.0 }]).collect()
 }
 
-/// Rounding of halves of a unit in the last place of single precision, in shares, sums and results.
+/// Rounding of shares, sums and results, each by half a unit in the last place of single precision.
 const ROUNDING: f64 = 4.0 / (1_u64 << 24) as f64;
 
 #[test]
@@ -48,13 +48,13 @@ fn energy_and_constants_survive_from_every_map_to_every_map() {
                 assert!(off <= ROUNDING, "{name} to {other}, channel {c}: {off:e} of the energy");
             }
             let off = result.iter().map(|[_, green, _]| (f64::from(*green) - 1.0).abs()).fold(0.0, f64::max);
-            assert!(off <= ROUNDING, "{name} to {other}: a constant is {off:e} off");
+            assert!(off <= ROUNDING, "{name} to {other}: a constant is off by {off:e}");
         }
     }
 }
 
-/// The greatest difference between a map's texels after a conversion and the same function's own, over the
-/// function's range, with the function turned by `turn` at the source.
+/// Returns the greatest difference between converted texels and the function sampled directly. The function
+/// is turned by `turn` at the source.
 fn worst_of_smooth(from: &str, to: &str, turn: DMat3) -> f64 {
     worst_between(from, to, turn, turn)
 }
@@ -79,8 +79,8 @@ fn worst_between(from: &str, to: &str, turn: DMat3, applied: DMat3) -> f64 {
 
 #[test]
 fn light_arrives_where_it_comes_from() {
-    // The function's slope is below 1.2; a texel of 16 is at most pi/16 long and stretched by 3 at most
-    // where it is cut by a rim, which moves its mean by a fraction of that.
+    // The function's slope is below 1.2. A texel of 16 is at most pi/16 long, stretched by at most 3 where a
+    // rim cuts it, which moves its mean by a fraction of that.
     let bound = 0.16;
     let turn = DMat3::from_rotation_y(0.7);
     for NamedMap { name, .. } in &MAPS {
@@ -92,7 +92,7 @@ fn light_arrives_where_it_comes_from() {
     let off = worst_of_smooth("cube", "tennis-ball", DMat3::IDENTITY);
     assert!(off <= bound, "not turned: {off}");
     let wrong = worst_between("cube", "tennis-ball", turn, DMat3::IDENTITY);
-    assert!(wrong > 2.0 * bound, "a rotation left out shows: {wrong}");
+    assert!(wrong > 2.0 * bound, "a missing rotation is not detected: {wrong}");
 }
 
 #[test]
@@ -109,8 +109,8 @@ fn a_map_onto_itself_is_the_same() {
                 changed += usize::from((a - b).abs() > 1e-3);
             }
         }
-        // Texels on folds and rims trade a little with their neighbours where corners are another
-        // component's.
+        // Texels on folds and rims exchange a little with neighbours where corners belong to another
+        // component.
         assert!(changed * 3 <= inside, "{name}: {changed} of {inside} texels changed");
     }
 }

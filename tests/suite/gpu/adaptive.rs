@@ -1,5 +1,5 @@
-//! The adaptive filter: certified bounds against exhaustive integration, the CPU's cuts replayed, cuts of its
-//! own.
+//! The adaptive filter: certified bounds against exhaustive integration, replays of the CPU's cuts, and the
+//! GPU's own cuts.
 
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::{Examination, FURNACE, Outcome, Question, judge, luminance};
@@ -24,7 +24,7 @@ use octagloss::internals::sphere::cube::{Face, direction_from_texel};
 use octagloss::internals::synth::synth;
 use rayon::prelude::*;
 
-/// The GPU's cells of `oem`.
+/// Builds the cell tree of `oem` on the GPU.
 fn tree(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reconstruction) -> CellTree {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let (stage, tree) = passes.cells.stage(context, &planes, block, spread).expect("a small tree");
@@ -48,7 +48,7 @@ fn examinations(seed: u64, scenes: u64, questions: usize, size: fn(&mut Random) 
     (0..scenes).into_par_iter().map(|index| Examination::new(None, seed, index, questions, size)).collect()
 }
 
-/// What the GPU answers to `examination` where `served` is the OEM that it gets.
+/// Runs the questions of `examination` on the GPU, over the OEM `served`.
 fn outcomes(context: &Context, passes: &Engine, examination: &Examination, served: &Oem) -> Vec<Outcome> {
     let Examination { scene, spread, questions } = examination;
     let cells = tree(context, passes, served, 1, *spread);
@@ -88,18 +88,18 @@ fn one_wrong_texel_breaks_a_bound() {
     with_passes("one wrong texel", |context, passes| {
         let outcomes = cases.iter().flat_map(|(case, wrong)| outcomes(context, passes, case, wrong));
         let broken = outcomes.filter(|outcome| !outcome.holds()).count();
-        assert!(broken >= 18, "{broken} of 20 comparisons failed, as they must");
+        assert!(broken >= 18, "only {broken} of 20 comparisons failed");
     });
 }
 
-/// How far the engines' sums over the same `leaves` may be apart, in units of the sum: the rounding that each
-/// certifies (see `Kernel::rounding` and `LobePart::uniform`), with `width` the distance over which the kernel
-/// changes.
+/// Largest difference between the engines' sums over the same `leaves`, relative to the sum: the rounding
+/// that each certifies (see `Kernel::rounding` and `LobePart::uniform`). `width` is the distance over which the
+/// kernel changes.
 fn rounding(width: f64, leaves: usize) -> f64 {
     (10.0 / width + 160.0 + 2.0 * leaves as f64) * UNIT
 }
 
-/// The texels of a level of a cube in tiles of sixteen.
+/// Returns the texel directions of one cube level in tiles of sixteen.
 fn tiles(size: u32) -> Vec<Vec<DVec3>> {
     let mut tiles = Vec::new();
     for face in Face::ALL {
@@ -111,7 +111,7 @@ fn tiles(size: u32) -> Vec<Vec<DVec3>> {
     tiles
 }
 
-/// The synthetic environments' OEMs.
+/// Returns the OEMs of the synthetic environments.
 fn synthetic(inner: u32) -> Vec<(&'static str, Oem)> {
     ["sky", "studio", "labelled", "furnace"]
         .map(|name| {
@@ -122,9 +122,9 @@ fn synthetic(inner: u32) -> Vec<(&'static str, Oem)> {
         .into()
 }
 
-/// The lobes of a bake, and sharper and other ones; (what is not continuous, as cones and the widest Phong
-/// lobes, may differ by a whole leaf where a step lies within rounding of its centroid, and is left to the
-/// certified bounds).
+/// The lobes of a bake, and sharper and other ones. Discontinuous lobes (cones, the widest Phong lobes) are
+/// left to the certified bounds: they may differ by a whole leaf where a step lies within rounding of its
+/// centroid.
 const LOBES: [(Lobe, f64); 8] = [
     (Lobe::Ggx, 0.1),
     (Lobe::Ggx, 0.25),
@@ -136,7 +136,7 @@ const LOBES: [(Lobe, f64); 8] = [
     (Lobe::Cosine, 1.0),
 ];
 
-/// One packet on the CPU.
+/// One packet's cut and radiance on the CPU.
 struct Cut {
     radiance: [[f32; 3]; LANES],
     leaves: usize,
@@ -152,7 +152,8 @@ fn cut(cells: &Cells, kernel: Kernel, error: f64, directions: &[DVec3]) -> Cut {
     Cut { radiance: shares.radiance, leaves: shares.leaves, fields }
 }
 
-/// The first lane where `found` is farther than `relative` of itself and `absolute` from `expected`.
+/// Returns the first lane where `found` differs from `expected` by more than `relative` of it plus
+/// `absolute`.
 fn beyond(expected: &[[f32; 3]], found: &Answers, relative: f64, absolute: [f64; 3]) -> Option<String> {
     assert_eq!(expected.len(), found.lanes.len(), "lanes");
     expected.iter().zip(&found.lanes).enumerate().find_map(|(lane, (expected, found))| {
@@ -189,7 +190,7 @@ fn cuts_of_the_cpu_replayed_agree() {
                     let allowed = rounding(width, cut.leaves);
                     assert_eq!(beyond(&cut.radiance, &found, allowed, [0.0; 3]), None, "{told}");
                     if roughness >= 0.25 {
-                        // What the levels of a bake are held to.
+                        // The tolerance of a bake's levels.
                         assert_eq!(
                             beyond(&cut.radiance, &found, 1e-5_f64.min(allowed), [0.0; 3]),
                             None,
@@ -197,7 +198,7 @@ fn cuts_of_the_cpu_replayed_agree() {
                         );
                     }
                     replayed += 1;
-                    // Without its heaviest leaf it is another answer.
+                    // Scaling the heaviest leaf must change the answer.
                     if cut.leaves > 1 && cut.leaves < 200 {
                         let heaviest =
                             (0..cut.leaves).max_by(|a, b| cut.fields[*a][10].total_cmp(&cut.fields[*b][10]));
@@ -210,13 +211,13 @@ fn cuts_of_the_cpu_replayed_agree() {
             }
         }
         assert_eq!(replayed, 4 * 8 * 8);
-        println!("replayed cuts: {seen} leaves a hundredth brighter showed");
-        assert!(seen > 20, "leaves a hundredth brighter showed in {seen} cuts");
+        println!("replayed cuts: detected a leaf made 1 % brighter in {seen} cuts");
+        assert!(seen > 20, "a leaf made 1 % brighter was detected in only {seen} cuts");
     });
 }
 
-/// E moved by more than the engines' decisions can be apart: the expected error of a cell is a third-order
-/// term, whose factors the engines' roundings move by up to 4 times what they do to the kernel.
+/// Shifts E by more than the engines' decisions can differ. A cell's expected error is a third-order term,
+/// whose factors differ between the engines by up to 4 times the kernel's rounding.
 fn margin(width: f64) -> f64 {
     4.0 * rounding(width, 0)
 }
@@ -265,12 +266,12 @@ fn own_cuts_agree_but_for_decisions_within_rounding() {
                 }
             }
         }
-        println!("own cuts: {strict} of {all} without a decision within rounding");
-        assert!(strict > all * 3 / 4, "{strict} of {all} packets compared to 1e-5");
+        println!("own cuts: {strict} of {all} have no decision within rounding");
+        assert!(strict > all * 3 / 4, "only {strict} of {all} packets compared to 1e-5");
     });
 }
 
-/// Answers to `directions` through the engine.
+/// Queries `directions` through the engine.
 fn ask(
     reflector: &GpuReflector<'_>,
     context: &Context,
@@ -280,7 +281,7 @@ fn ask(
     filter: Filter,
 ) -> Vec<[f64; 3]> {
     let answers = wait(context, reflector.query(directions, lobe, roughness, filter));
-    assert_eq!(answers.len(), directions.len(), "an answer a direction");
+    assert_eq!(answers.len(), directions.len(), "one answer per direction");
     answers.iter().map(|answer| answer.radiance.map(f64::from)).collect()
 }
 
@@ -310,7 +311,7 @@ fn a_furnace_is_white() {
                 let off = answers.iter().flat_map(|rgb| (0..3).map(|c| (rgb[c] / constant[c] - 1.0).abs()));
                 off.fold(0.0, f64::max)
             };
-            // Pairs of a Latin square: every lobe meets every layout and every size, a third of their
+            // The pairs form a Latin square: every lobe meets every layout and every size, in a third of the
             // combinations.
             for (row, inner) in [1, [3, 17, 5][k], 64].into_iter().enumerate() {
                 let reflector = made_ready(&furnace, inner);
@@ -325,7 +326,10 @@ fn a_furnace_is_white() {
             }
             for filter in [Filter::Adaptive(0.005), Filter::Box] {
                 let off = worst(&made_ready(&spotted, 64), Lobe::Ggx, 0.5, filter);
-                assert!(off > FURNACE, "{layout:?} {filter:?}: one texel twice as bright shows: {off:e}");
+                assert!(
+                    off > FURNACE,
+                    "{layout:?} {filter:?}: one texel twice as bright is not detected: {off:e}"
+                );
             }
         }
     });
@@ -333,8 +337,8 @@ fn a_furnace_is_white() {
 
 #[test]
 fn packets_of_every_row_of_a_dispatch_are_served() {
-    // Dispatches have rows of 32768 packets. Nothing lies above the least radiance here, or drivers would
-    // take minutes: what is served holds the least radiance, what is not holds nothing.
+    // A dispatch has rows of 32768 packets. No texel exceeds the least radiance here; otherwise drivers would
+    // take minutes. Served lanes hold the least radiance, the others hold nothing.
     let count = 32_768 + 100;
     let packets = vec![Packet::new(&[DVec3::X]); count];
     let oem = oem(OemSize { inner: 2, border: 0 }, &[[1.0; 3]; 4]);

@@ -1,4 +1,4 @@
-//! Whole bakes of the synthetic environments against the CPU's.
+//! Complete bakes of the synthetic environments, compared with the CPU's.
 
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::luminance;
@@ -33,26 +33,26 @@ fn on_the_cpu(environment: &Environment, filter: Filter) -> Bake {
     bake(environment, &settings(filter)).expect("a small bake")
 }
 
-/// The levels of a bake, the irradiance cube last.
+/// Returns the levels of a bake, the irradiance cube last.
 fn levels(bake: &Bake) -> Vec<&[[f32; 3]]> {
     let levels = bake.chain.levels.iter().chain(&bake.irradiance);
     levels.map(|level| &level.texels[..]).collect()
 }
 
-/// How a bake is judged: the CPU's own, and others with E a little smaller and greater and with the source
-/// turned by what directions are rounded by. Where those agree in a texel no decision lies within rounding of
-/// its threshold: the tolerance, or a cell's touching the horizon or another change of the rule.
+/// Compares a bake with the CPU's and with CPU bakes whose E is slightly smaller or greater or whose source
+/// is turned by the rounding of directions. Where these agree in a texel, no decision lies within rounding of
+/// a threshold: neither of the tolerance nor of a case of the rule, such as a cell touching the horizon.
 struct Judge {
     expected: Bake,
     others: Vec<Bake>,
     /// Relative bound of level 0.
     mirror: f64,
-    /// What one leaf's decision may change.
+    /// Greatest change from one leaf's decision.
     leaf: f64,
 }
 
-/// More than the engines' expected errors can differ by, relatively: OEMs by 2^-24 times some dozens (see the
-/// OEM's own test), the kernels by 4 (10/alpha + 160) 2^-24 with alpha from 1/9 on: together below 1e-4.
+/// Exceeds the relative difference of the engines' expected errors: OEMs differ by some dozens times 2^-24
+/// (see the OEM's test), kernels by 4 (10/alpha + 160) 2^-24 with alpha at least 1/9; together below 1e-4.
 const MARGIN: f64 = 1e-4;
 
 /// Degrees that turn directions by some units of 2^-24.
@@ -68,14 +68,14 @@ impl Judge {
             with(ERROR, TURN),
             with(ERROR, -TURN),
         ];
-        // Footprints: the bound of the OEM's own test.
+        // Footprints: the bound of the OEM's test.
         let sources = environment.layout().texel_count() as f64;
         let mirror = (8.0 + 2.0 * (64.0_f64.min(sources) + sources / 64.0)) * UNIT;
         let leaf = leaf_share(ERROR) * luminance(expected.oem_energy) / (4.0 * std::f64::consts::PI);
         Self { expected, others, mirror, leaf }
     }
 
-    /// The first texel beyond its bound, and how many glossy texels were held to 1e-5 of all.
+    /// Returns the first texel beyond its bound, and the numbers of glossy texels held to 1e-5 and of all.
     fn difference(&self, found: &Bake) -> (Option<String>, [usize; 2]) {
         let (mut wrong, mut counts) = (None, [0; 2]);
         let [expected, found] = [&self.expected, found].map(levels);
@@ -91,7 +91,7 @@ impl Judge {
                 let (relative, absolute) = match (level, open) {
                     (0, _) => (self.mirror, 0.0),
                     (_, false) => (1e-5, 0.0),
-                    // A decision a packet, and one more.
+                    // One decision per packet, plus one.
                     (_, true) => (1e-5, 2.0 * self.leaf),
                 };
                 if level > 0 {
@@ -112,7 +112,7 @@ impl Judge {
 }
 
 #[test]
-fn bakes_are_the_cpu_s() {
+fn bakes_match_the_cpu() {
     let cases: Vec<(&str, Environment, Judge)> = environments()
         .into_iter()
         .map(|(name, environment)| {
@@ -131,7 +131,7 @@ fn bakes_are_the_cpu_s() {
             assert_eq!(difference, None, "{name} on {}", context.describe());
             println!("{name}: {strict} of {all} glossy texels held to 1e-5");
             if *name == "sky" {
-                assert!(strict * 10 > 9 * all, "{name}: {strict} of {all} texels without an open decision");
+                assert!(strict * 10 > 9 * all, "{name}: only {strict} of {all} texels have no open decision");
             }
 
             // The same input gives the same bytes.
@@ -140,7 +140,7 @@ fn bakes_are_the_cpu_s() {
             let bounds = |bake: &Bake| bake.chain.levels.iter().map(|l| l.bounds.clone()).collect::<Vec<_>>();
             assert_eq!(bounds(&again), bounds(&found), "{name}: bounds twice");
 
-            // Energy as on the CPU.
+            // Energy is conserved as on the CPU.
             for c in 0..3 {
                 let (source, oem) = (found.source_energy[c], found.oem_energy[c]);
                 assert!((oem / source - 1.0).abs() <= 1e-4, "{name}: energy {oem} of {source}");
@@ -150,11 +150,11 @@ fn bakes_are_the_cpu_s() {
 }
 
 #[test]
-fn faults_in_bakes_are_seen() {
+fn faults_in_bakes_are_detected() {
     let (_, environment) = environments().swap_remove(3);
     let judge = Judge::new(&environment);
     let seen = |bake: &Bake| judge.difference(bake).0.is_some();
-    assert!(!seen(&judge.expected), "the right one is right");
+    assert!(!seen(&judge.expected), "the correct bake passes");
     for level in 0..4 {
         let size = judge.expected.chain.levels[level].size() as usize;
         let mut one = judge.expected.clone();
@@ -181,11 +181,11 @@ fn faults_in_bakes_are_seen() {
 }
 
 #[test]
-fn boxes_bake_as_on_the_cpu() {
+fn bakes_by_boxes_match_the_cpu() {
     let (_, environment) = environments().swap_remove(1);
     let expected = on_the_cpu(&environment, Filter::Box);
-    // Radiance of the studio spans this much; coordinates move an edge by 24 * 64 units of a texel, four
-    // edges, of texels up to 5.2 times heavier (see the boxes' own test).
+    // The spread of the studio's radiance. Rounding moves each of the four edges by 24 * 64 units of a texel,
+    // and texels are up to 5.2 times heavier than others (see the boxes' test).
     let brightest = environment.texels().iter().flatten().copied().fold(0.0, f32::max);
     let allowed = f64::from(brightest) * 4.0 * 5.2 * 24.0 * 64.0 * UNIT;
     with_passes("bakes by boxes", |context, passes| {
@@ -213,8 +213,8 @@ fn every_lobe_bakes_within_its_bounds() {
                 let (Some(own), Some(other)) = (&e.bounds, &f.bounds) else { continue };
                 for k in 0..e.texels.len() {
                     let [e, f] = [e, f].map(|level| luminance(level.texels[k].map(f64::from)));
-                    // Both certify their distance from the same truth; the OEMs' energies are a few 2^-22
-                    // apart.
+                    // Both bounds certify the distance from the same truth; the OEMs' energies differ by a
+                    // few 2^-22.
                     let allowed = f64::from(own[k]) + f64::from(other[k]) + 1e-6 * e;
                     let off = (e - f).abs();
                     assert!(off <= allowed, "{lobe:?} texel {k}: {f}, not {e}, on {}", context.describe());
@@ -225,7 +225,7 @@ fn every_lobe_bakes_within_its_bounds() {
 }
 
 #[test]
-fn other_maps_are_baked_as_on_the_cpu() {
+fn bakes_of_other_maps_match_the_cpu() {
     let layout = Layout::Panorama { width: 32, height: 16 };
     let sky = environment(layout, texels(&mut Random::new(21), Look::Suns, layout)).rotated_y(40.0);
     with_passes("maps", |context, engine| {
@@ -233,7 +233,7 @@ fn other_maps_are_baked_as_on_the_cpu() {
             let settings = BakeSettings { map, size: 16, levels: Some(3), ..BakeSettings::default() };
             let on_gpu = wait(context, engine.bake(&sky, &settings));
             let on_cpu = bake(&sky, &settings).expect("a small bake");
-            assert_eq!(on_gpu.chain.levels[0], on_cpu.chain.levels[0], "mirrors are the CPU's");
+            assert_eq!(on_gpu.chain.levels[0], on_cpu.chain.levels[0], "the mirror levels differ");
             for (level, (gpu, cpu)) in
                 on_gpu.chain.levels.iter().zip(&on_cpu.chain.levels).enumerate().skip(1)
             {
@@ -244,7 +244,7 @@ fn other_maps_are_baked_as_on_the_cpu() {
                     off += f64::from(gpu - cpu).powi(2);
                     power += f64::from(*cpu).powi(2);
                 }
-                // Both aim at 0.005, and decide alike but at thresholds.
+                // Both aim at 0.005 and decide alike except at thresholds.
                 let error = (off / power).sqrt();
                 assert!(!exceeds(error, 0.002), "{map:?} level {level}: {error} on {}", context.describe());
             }

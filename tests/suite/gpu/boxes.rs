@@ -1,4 +1,5 @@
-//! Boxes over the packed table: integer sums equal the CPU's, radiance within what float32 coordinates allow.
+//! Boxes over the packed table: integer sums equal the CPU's; radiance lies within the error of float32
+//! coordinates.
 
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, landmarks, oem, texels};
@@ -13,7 +14,7 @@ use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
 use octagloss::internals::sphere::octahedral::{oct_from_direction, solid_angle_density, wrap_texel};
 
-/// The textures of `planes`.
+/// Packs `planes` into textures.
 pub(super) fn packed(context: &Context, passes: &Engine, planes: &SatPlanes) -> SatTextures {
     let textures = SatTextures::new(context, planes).expect("small textures");
     let stage = passes.box_filter.pack(context, planes, &textures);
@@ -27,12 +28,12 @@ fn random_sat(random: &mut Random, size: OemSize, look: Look) -> (Oem, Sat) {
     (oem, sat)
 }
 
-/// Boxes inside the square and its border, across every edge and corner, far out, empty, and as large as they
-/// come.
+/// Returns boxes inside the square and its border, across every edge and corner, far outside, empty, and as
+/// large as possible.
 fn boxes(random: &mut Random, size: OemSize) -> Vec<[i32; 4]> {
     let (n, b) = (size.inner as i32, size.border as i32);
     let mut boxes = vec![[0, 0, n, n], [-b, -b, n + b, n + b], [1, 1, 1, 1], [0, 0, 2 * n, 2 * n]];
-    // Every place beside an edge, along both axes: low or high end on it or a texel off.
+    // Every position at an edge, along both axes: the low or high end on it or one texel off.
     let edges: Vec<i32> =
         [-n, -b, 0, n, n + b, 2 * n].iter().flat_map(|edge| [edge - 1, *edge, edge + 1]).collect();
     for _ in 0..120 {
@@ -43,7 +44,7 @@ fn boxes(random: &mut Random, size: OemSize) -> Vec<[i32; 4]> {
         boxes.push([x - w, y - h, x, y]);
         boxes.push([x - w / 2, y - h / 2, x - w / 2 + w, y - h / 2 + h]);
     }
-    // Tiles far out, on both sides of zero.
+    // Distant tiles, on both sides of zero.
     for reach in [5, 250] {
         for _ in 0..120 {
             let mut place = || random.between(-1.0, 1.0) * f64::from(reach * n);
@@ -55,7 +56,7 @@ fn boxes(random: &mut Random, size: OemSize) -> Vec<[i32; 4]> {
     boxes
 }
 
-/// The first box whose sum differs.
+/// Returns the first box whose sum differs.
 fn difference(sat: &Sat, boxes: &[[i32; 4]], found: &[[u64; 4]]) -> Option<String> {
     assert!(!boxes.is_empty() && boxes.len() == found.len(), "{} sums of {}", found.len(), boxes.len());
     boxes.iter().zip(found).find_map(|(area, found)| {
@@ -65,7 +66,7 @@ fn difference(sat: &Sat, boxes: &[[i32; 4]], found: &[[u64; 4]]) -> Option<Strin
     })
 }
 
-/// Holds integer sums of boxes over squares of `sizes` to the CPU's.
+/// Compares integer sums of boxes over squares of `sizes` with the CPU's.
 pub(super) fn integer_sums(context: &Context, passes: &Engine, sizes: &[u32]) {
     let mut random = Random::new(61);
     for &inner in sizes {
@@ -84,14 +85,14 @@ pub(super) fn integer_sums(context: &Context, passes: &Engine, sizes: &[u32]) {
 }
 
 #[test]
-fn integer_sums_equal_the_cpu_s() {
+fn integer_sums_equal_the_cpu() {
     with_passes("integer boxes", |context, passes| {
         integer_sums(context, passes, &[1, 2, 3, 5, 8, 17, 64]);
     });
 }
 
 #[test]
-fn faults_in_tables_are_seen() {
+fn faults_in_tables_are_detected() {
     with_passes("faults in tables", |context, passes| {
         let mut random = Random::new(62);
         let size = OemSize { inner: 17, border: 4 };
@@ -103,7 +104,7 @@ fn faults_in_tables_are_seen() {
             difference(&sat, &boxes, &found).is_some()
         };
         let upload = |sat: &Sat| SatPlanes::upload(context, sat).expect("small planes");
-        assert!(!seen(&upload(&sat)), "the right one is right");
+        assert!(!seen(&upload(&sat)), "the correct table passes");
 
         // One unit in the last place of one texel.
         let mut square: Vec<[f32; 4]> = (0..17 * 17).map(|k| oem.texel(k % 17, k / 17)).collect();
@@ -112,14 +113,14 @@ fn faults_in_tables_are_seen() {
         assert_eq!(wrong.fixed_point(), sat.fixed_point(), "the same scale");
         assert!(seen(&upload(&wrong)), "one wrong texel");
 
-        // A face of the octahedron in the place of another: a quadrant's outer half with its neighbour's.
+        // Swapped faces of the octahedron: the outer half of a quadrant with its neighbour's.
         square[123][0] = f32::from_bits(square[123][0].to_bits() ^ 1);
         for (x, y) in (0..17 * 17).map(|k| (k % 17, k / 17)).filter(|(x, y)| x + y < 8) {
             square.swap(y * 17 + x, y * 17 + 16 - x);
         }
         assert!(seen(&upload(&Sat::new(&Oem::from_square(size, square), Scan::default()))), "swapped faces");
 
-        // A border one texel wider than it is: the same entries, read beside their places.
+        // A border declared one texel too wide: the same entries, read at the wrong positions.
         let off = OemSize { inner: 15, border: 5 };
         let off = SatPlanes::new(context, off).expect("small planes");
         let right = upload(&sat);
@@ -131,7 +132,7 @@ fn faults_in_tables_are_seen() {
         });
         assert!(seen(&off), "a border off by one");
 
-        // A carry that did not arrive: the high word of one entry one too small.
+        // A lost carry: the high word of one entry one too small.
         let dropped = upload(&sat);
         let pitch = 25_u64.next_multiple_of(4);
         let (x, y) = (12_u64, 9_u64);
@@ -142,25 +143,25 @@ fn faults_in_tables_are_seen() {
     });
 }
 
-/// A box of the CPU's filter around `direction`, in texels.
+/// Returns the box of the CPU's filter around `direction`, in texels.
 fn box_around(n: f64, direction: DVec3, solid_angle: f64) -> (DVec2, f64) {
     let uv = oct_from_direction(direction);
     let texels = solid_angle / solid_angle_density(uv) * (n * n / 4.0);
     ((uv + 1.0) * (n / 2.0), 0.5 * (texels + 1.0).sqrt().min(2.0 * n))
 }
 
-/// How far the radiance of a box may be from the CPU's, a channel each.
+/// Bounds the difference of a box's radiance from the CPU's, per channel.
 ///
-/// In float32 a place (u, v) takes 6 roundings of at most 1 and the place in texels one of n; the density 8,
-/// its square root and quotients 8 more of the half side, which is at most n; each end of a side one more:
-/// together below 24 n units. Every edge moved by that much trades as many texels of its side, up to 5.2
-/// times heavier than others, whose radiances are `spread` apart. Nine non-negative products, conversions of
-/// 64 bits and the quotient make 24 units of the value.
+/// In float32, coordinates (u, v) take 6 roundings of values up to 1 and their scaling to texels one of n.
+/// The density takes 8; its square root and quotients take 8 more of the half side, which is at most n; each
+/// end of a side takes one more: together below 24 n units. Moving every edge by that much exchanges as many
+/// texels of its side, up to 5.2 times heavier than others, whose radiances are `spread` apart. Nine
+/// non-negative products, 64-bit conversions and the quotient make 24 units of the value.
 fn bound(oem: &Oem, direction: DVec3, solid_angle: f64, value: [f64; 3]) -> [f64; 3] {
     let n = oem.size().inner;
     let (centre, half) = box_around(f64::from(n), direction, solid_angle);
     let mut range = [[f64::INFINITY, 0.0_f64]; 3];
-    // A texel more on each side, for edges that move across one.
+    // One more texel per side, for edges that move across a texel.
     for y in (centre.y - half).floor() as i64 - 1..=(centre.y + half).ceil() as i64 {
         for x in (centre.x - half).floor() as i64 - 1..=(centre.x + half).ceil() as i64 {
             let (x, y) = wrap_texel(n, x, y);
@@ -174,7 +175,7 @@ fn bound(oem: &Oem, direction: DVec3, solid_angle: f64, value: [f64; 3]) -> [f64
     std::array::from_fn(|c| share * (range[c][1] - range[c][0]) + 24.0 * UNIT * value[c])
 }
 
-/// The first direction whose radiance is beyond its bound.
+/// Returns the first direction whose radiance is beyond its bound.
 pub(super) fn radiance_difference(
     oem: &Oem,
     sat: &Sat,
@@ -182,7 +183,7 @@ pub(super) fn radiance_difference(
     directions: &[DVec3],
     found: &[[f32; 3]],
 ) -> Option<String> {
-    assert!(!directions.is_empty() && directions.len() == found.len(), "an answer a direction");
+    assert!(!directions.is_empty() && directions.len() == found.len(), "one answer per direction");
     let filter = BoxFilter::new(sat, lobe, alpha);
     let solid_angle = solid_angle(lobe, alpha);
     directions.iter().zip(found).find_map(|(direction, found)| {
@@ -197,14 +198,14 @@ pub(super) fn solid_angle(lobe: Lobe, alpha: f64) -> f64 {
     if alpha > 0.0 { kernel_integral(lobe, alpha) / kernel(lobe, alpha, 0.0) } else { 0.0 }
 }
 
-/// A stack of one.
+/// Returns a stack of one box.
 pub(super) fn one_box(solid_angle: f64) -> [StackedBox; 1] {
     [StackedBox { solid_angle, weight: 1.0 }]
 }
 
-/// Stacks are weighted sums of boxes that are held to the CPU's one by one; here that the sums are the CPU's.
+/// Compares the weighted sums only: single boxes have their own tests.
 #[test]
-fn stacks_of_boxes_are_the_cpu_s() {
+fn stacks_of_boxes_match_the_cpu() {
     with_passes("stacks of boxes", |context, passes| {
         let mut random = Random::new(64);
         let directions: Vec<DVec3> = (0..40).map(|_| random.direction()).collect();
@@ -221,16 +222,19 @@ fn stacks_of_boxes_are_the_cpu_s() {
             };
             directions.iter().zip(&found).map(relative).fold(0.0, f64::max)
         };
-        // Edges move by 2^-22 of the square; a smooth sky changes by a few times itself over it.
+        // Edges move by 2^-22 of the square; a smooth sky changes by a few times its own value over it.
         assert!(difference(&stack) < 64.0 * 8.0 / f64::from(1_u32 << 22), "{}", difference(&stack));
         let [first, second, third] = stack;
         let lighter = StackedBox { weight: 2.9, ..first };
-        assert!(difference(&[lighter, second, third]) > 64.0 * 8.0 / f64::from(1_u32 << 22), "weights count");
+        assert!(
+            difference(&[lighter, second, third]) > 64.0 * 8.0 / f64::from(1_u32 << 22),
+            "wrong weights are not detected"
+        );
     });
 }
 
 #[test]
-fn radiance_lies_within_its_bound_of_the_cpu_s() {
+fn radiance_lies_within_its_bound_of_the_cpu() {
     with_passes("box radiance", |context, passes| {
         let mut random = Random::new(63);
         let mut directions = landmarks();
@@ -257,7 +261,7 @@ fn radiance_lies_within_its_bound_of_the_cpu_s() {
                     let size = solid_angle(lobe, alpha);
                     let far = radiance_difference(&oem, &sat, (lobe, alpha), &directions, &ask(size));
                     assert_eq!(far, None, "{look:?} {inner} + {border} on {}", context.describe());
-                    // A box a twentieth larger shows where there is anything to see.
+                    // The comparator detects a box 5 % larger where the image has contrast.
                     if inner >= 16 && look == Look::Noise && roughness > 0.3 {
                         let wrong = ask(size * 1.05);
                         let far = radiance_difference(&oem, &sat, (lobe, alpha), &directions, &wrong);
@@ -267,7 +271,7 @@ fn radiance_lies_within_its_bound_of_the_cpu_s() {
                 }
             }
         }
-        assert_eq!(seen, compared, "boxes a twentieth larger show");
+        assert_eq!(seen, compared, "boxes 5 % larger are detected");
         assert_eq!(compared, 9);
     });
 }

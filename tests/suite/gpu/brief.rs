@@ -1,5 +1,5 @@
-//! Every entry point over small inputs, on every adapter: all that the drivers named in
-//! OCTAGLOSS_BRIEF_ADAPTERS run.
+//! Runs every entry point over small inputs, on every adapter. Drivers named in OCTAGLOSS_BRIEF_ADAPTERS run
+//! only these tests.
 
 use super::entry_points::ENTRY_POINTS;
 use super::stages::TakeOver;
@@ -88,11 +88,11 @@ fn every_entry_point_is_run() {
     let mut all: Vec<String> =
         ENTRY_POINTS.iter().map(|(file, entry, ..)| format!("{file} {entry}")).collect();
     all.sort();
-    assert_eq!(run, all, "a test below runs it, and RUN lists it there");
+    assert_eq!(run, all, "RUN must list every entry point");
 }
 
 #[test]
-fn scans_of_small_tables_are_the_cpu_s() {
+fn scans_of_small_tables_equal_the_cpu() {
     on_every_adapter("brief: scans", |context| {
         sat::scan(context, &[1, 3, 17]);
         sat::doubling(context, &[2, 16], &[3, 17]);
@@ -100,10 +100,10 @@ fn scans_of_small_tables_are_the_cpu_s() {
 }
 
 #[test]
-fn small_maps_are_the_cpu_s() {
+fn small_maps_match_the_cpu() {
     let layouts = [Layout::Panorama { width: 64, height: 32 }, Layout::Cube { size: 7 }];
     on_every_adapter("brief: maps", |context| {
-        // One texel of many sources is gathered by a group, sixteen a side by an invocation each.
+        // A group gathers one texel of many sources; with sixteen per side, one invocation gathers each.
         oem::maps(context, &layouts, &[(1, 0), (16, 8)]);
         oem::footprints(context, &layouts[..1], &[1, 16]);
         lamp::lamps(context, &[(8, 8)]);
@@ -111,7 +111,7 @@ fn small_maps_are_the_cpu_s() {
 }
 
 #[test]
-fn stages_are_the_cpu_s() {
+fn stages_match_the_cpu() {
     on_every_adapter("brief: stages", |context| {
         stages::take_overs(context, passes(context), &[TakeOver::Cells]);
         boxes::integer_sums(context, passes(context), &[5]);
@@ -119,7 +119,7 @@ fn stages_are_the_cpu_s() {
 }
 
 #[test]
-fn small_fitted_lobes_are_the_cpu_s() {
+fn small_fitted_lobes_match_the_cpu() {
     on_every_adapter("brief: fitted lobes", |context| {
         let passes = passes(context);
         emitters::emitters(context, passes, &[(64, 7, Look::Suns)]);
@@ -131,16 +131,16 @@ fn small_fitted_lobes_are_the_cpu_s() {
 
 #[cfg(feature = "view")]
 #[test]
-fn a_picture_is_the_cpu_s() {
+fn a_picture_matches_the_cpu() {
     on_every_adapter("brief: picture", super::view::one_picture);
 }
 
-/// The first entry of the GPU's table of `oem` that is not the sum of what precedes it.
+/// Returns the first entry of the GPU's table of `oem` that differs from its prefix sum.
 ///
-/// A sum over a tree of depth d = 2 ceil(log2 n) takes d roundings of at most the absolute total, on top of
-/// the mean's and of the subtraction's: (4 d + 3) units of the total of the biased values' magnitudes bound
-/// it, as `src/analysis/sat_f32.rs` has it; the mean counts in the bias of every texel, and is compared by
-/// itself.
+/// A sum over a tree of depth d = 2 ceil(log2 n) takes d roundings of at most the absolute total, plus those
+/// of the mean and of the subtraction: (4 d + 3) units of the sum of the biased values' magnitudes bound it,
+/// as derived in `src/analysis/sat_f32.rs`. The mean enters the bias of every texel and is compared
+/// separately.
 fn f32_difference(oem: &Oem, entries: &[[f32; 4]], mean: [f32; 4]) -> Option<String> {
     let side = oem.size().bordered() as usize;
     assert_eq!(entries.len(), side * side, "entries");
@@ -179,17 +179,20 @@ fn float32_tables_are_sums() {
         let count = oem.texels().len() as f64;
         for c in 0..4 {
             let expected = oem.texels().iter().map(|texel| f64::from(texel[c])).sum::<f64>() / count;
-            // Every one of the sums rounds once at most.
+            // Each of the sums rounds once at most.
             let off = (f64::from(mean[0][c]) / expected - 1.0).abs();
             assert!(!exceeds(off, count * super::UNIT), "mean {c}: {} for {expected}", mean[0][c]);
         }
         assert_eq!(f32_difference(&oem, &entries, mean[0]), None, "on {}", context.describe());
         entries[200][1] += 1e-3 * oem.totals()[1] as f32;
-        assert!(f32_difference(&oem, &entries, mean[0]).is_some(), "a thousandth of the total shows");
+        assert!(
+            f32_difference(&oem, &entries, mean[0]).is_some(),
+            "an error of 0.1 % of the total is not detected"
+        );
     });
 }
 
-/// The words of each of the planes of `sat`.
+/// Reads the words of each plane of `sat`.
 fn words(context: &Context, sat: &SatPlanes) -> Vec<Vec<u32>> {
     sat.planes().iter().map(|plane| wait(context, readback::read(context, plane))).collect()
 }
@@ -205,8 +208,8 @@ fn copies_are_exact() {
         let stage = Copy::new(context).stage(context, &planes);
         context.submit(|encoder| stage.record(encoder));
         let after = words(context, &planes);
-        // The first plane goes into the last, then the second into the first, then the third into the second.
-        assert!(before[0] != before[1] && before[1] != before[2], "planes of their own");
+        // Copy the first plane to the last, then the second to the first, then the third to the second.
+        assert!(before[0] != before[1] && before[1] != before[2], "the planes must differ");
         assert_eq!(after, [&before[1], &before[2], &before[2], &before[0]].map(Clone::clone));
     });
 }

@@ -1,4 +1,4 @@
-//! The quadtree of moments against the CPU's, within what float32 sums allow.
+//! Compares the quadtree of moments with the CPU's, within the error of float32 sums.
 
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, oem, texels};
@@ -18,13 +18,13 @@ type Quad = [[f32; 4]; 15];
 const RADIUS: usize = 9;
 const LUMINANCE_FIELD: usize = 10;
 
-/// The GPU's quads over `oem`.
+/// Builds the quads of `oem` on the GPU.
 fn built(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reconstruction) -> Vec<Quad> {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let (stage, tree) = passes.cells.stage(context, &planes, block, spread).expect("a small tree");
     context.submit(|encoder| stage.record(encoder));
     let least: Vec<[f32; 4]> = wait(context, readback::read(context, tree.least()));
-    // One quotient a texel: within 2.5 ulp in the shader, rounded on the CPU.
+    // One quotient per texel: within 2.5 ulp in the shader, rounded on the CPU.
     for (found, expected) in least[0].into_iter().zip(oem.least_radiance()) {
         let off = (f64::from(found) - f64::from(expected)).abs();
         assert!(off <= 6.0 * UNIT * f64::from(expected), "least radiance {found}, not {expected}");
@@ -32,17 +32,16 @@ fn built(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reco
     wait(context, readback::read(context, tree.quads()))
 }
 
-/// Raw luminance of the texels of a cell, and whether some texel's luminance above the least is lost in
-/// rounding.
+/// Raw luminance of a cell's texels, and whether some texel's luminance above the least is lost in rounding.
 #[derive(Clone, Copy, Default)]
 struct Raw {
     luminance: f64,
     unclear: bool,
 }
 
-/// Units in which a texel's luminance above the least may differ between the engines, of the raw luminance E:
-/// the least c takes 6 of c*w <= E, the product 2, the difference 2, and the luminance's products and sums 4
-/// on each side.
+/// Greatest difference between the engines in a texel's luminance above the least, in units of the raw
+/// luminance E: the least c takes 6 of c*w <= E, the product 2, the difference 2, and the luminance's
+/// products and sums 4, on each side.
 const TEXEL: f64 = 18.0;
 
 struct Case<'a> {
@@ -71,7 +70,7 @@ impl Case<'_> {
         (width, cells)
     }
 
-    /// The first cell of `found` that is not the CPU's within its bound, or does not reach as far as its
+    /// Returns the first cell of `found` beyond its bound of the CPU's, or that does not reach as far as its
     /// members.
     fn difference(&self, found: &[Quad]) -> Option<String> {
         let Self { oem, block, spread } = *self;
@@ -84,8 +83,8 @@ impl Case<'_> {
         let (mut first, mut finer, mut level) = (0, None, 0);
         while first < expected.len() {
             let quads = width.div_ceil(2);
-            // Nothing in a cell is farther apart than this: directions move by less than 3 a unit of (u, v),
-            // and texels are spread by up to half of one more on each side.
+            // Greatest distance within a cell: directions move by less than 3 per unit of (u, v), and
+            // spreading extends texels by up to half a texel per side.
             let side = (f64::from(block << level) + 1.0) * 2.0 / n;
             let bound = Bound::new(level, block, (3.0 * 2_f64.sqrt() * side).min(2.0));
             let mut parents = vec![Raw::default(); (quads * quads) as usize];
@@ -117,7 +116,7 @@ impl Case<'_> {
     }
 }
 
-/// Whether some member of a cell reaches farther than the cell says.
+/// Returns a member that reaches farther than its cell's radius.
 fn beyond_reach(cell: &[f64; 15], members: &Quad) -> Option<String> {
     let centroid = |fields: &[f64; 15]| DVec3::new(fields[0], fields[1], fields[2]);
     (0..4).find_map(|k| {
@@ -127,19 +126,19 @@ fn beyond_reach(cell: &[f64; 15], members: &Quad) -> Option<String> {
     })
 }
 
-/// How far a cell may be from the CPU's.
+/// Bounds the difference of a cell from the CPU's.
 struct Bound {
-    /// Merges that made it.
+    /// Number of merges below the cell.
     merges: f64,
     /// Luminance, in units of the raw luminance.
     luminance: f64,
-    /// Greatest distance within it.
+    /// Greatest distance within the cell.
     extent: f64,
 }
 
 impl Bound {
     fn new(level: u32, block: u32, extent: f64) -> Self {
-        // Four members take three additions on each side, a block its texels' number.
+        // Four members take three additions on each side, a block as many as its texels.
         let block = if block > 1 { 2.0 * f64::from(block * block) } else { 0.0 };
         Self {
             merges: f64::from(level) + if block > 0.0 { 1.0 } else { 0.0 },
@@ -161,18 +160,18 @@ impl Bound {
             }
         }
         if expected[LUMINANCE_FIELD] <= 2.0 * noise || found[LUMINANCE_FIELD] == 0.0 {
-            // Nothing but rounding is left above the least radiance; where it lies means nothing.
+            // Only rounding remains above the least radiance, so its position means nothing.
             return None;
         }
-        // Weights off by `relative` move a mean by that share of the extent, once for the cell's own members
-        // and once for each merge below, in numerator and denominator of both engines: four. Differences,
-        // products and quotients of directions take another 16 units.
+        // Weights off by `relative` move a mean by that share of the extent: once for the cell's own members
+        // and once for each merge below, in numerator and denominator of both engines, hence four.
+        // Differences, products and quotients of directions take another 16 units.
         let relative = noise / (expected[LUMINANCE_FIELD] - noise);
         let centroid = (merges + 1.0) * (4.0 * relative * extent + 16.0 * UNIT);
-        // Squares of distances from it: twice the distance times its error, weights as before, and 16 units.
+        // Squared distances from it: twice the distance times its error, weights as before, and 16 units.
         let covariance =
             2.0 * extent * centroid + extent * extent * (merges + 1.0) * (4.0 * relative + 16.0 * UNIT);
-        // Each merge moves a centroid, and rounds up by 2e-6, the CPU by 1e-6.
+        // Each merge moves a centroid, and rounds up by 2e-6 (the CPU by 1e-6).
         let radius = merges * (2.0 * centroid + 1.5e-6 * expected[RADIUS]);
         if far(0..3, centroid) {
             return Some(format!("centroid beyond {centroid:e}"));
@@ -180,7 +179,7 @@ impl Bound {
         if far(3..9, covariance) {
             return Some(format!("covariance beyond {covariance:e}"));
         }
-        // A texel that only one engine sees above the least reaches where it pleases.
+        // A texel above the least in one engine only makes the radius arbitrary.
         if !raw.unclear && far(9..10, radius) {
             return Some(format!("radius beyond {radius:e}"));
         }
@@ -210,7 +209,7 @@ fn cells_lie_within_their_bounds_of_the_cpu() {
 }
 
 #[test]
-fn faults_in_cells_are_seen() {
+fn faults_in_cells_are_detected() {
     with_passes("faults in cells", |context, passes| {
         let mut random = Random::new(52);
         for look in Look::ALL {
@@ -219,7 +218,7 @@ fn faults_in_cells_are_seen() {
             let spread = Reconstruction::Bilinear;
             let case = Case { oem: &oem, block: 1, spread };
             let seen = |wrong: &Oem| case.difference(&built(context, passes, wrong, 1, spread)).is_some();
-            assert!(!seen(&oem), "{look:?}: the right one is right");
+            assert!(!seen(&oem), "{look:?}: the correct tree passes");
 
             let square: Vec<[f32; 4]> = (0..256).map(|k| oem.texel(k % 16, k / 16)).collect();
             let brightest = (0..256).max_by(|a, b| square[*a][1].total_cmp(&square[*b][1])).expect("texels");
@@ -233,7 +232,7 @@ fn faults_in_cells_are_seen() {
             }
             assert!(seen(&Oem::from_square(size, swapped)), "{look:?}: quadrants swapped");
 
-            // Read from one texel beside the square's corner.
+            // Read from one texel off the square's corner.
             let mut shifted = oem.texels().to_vec();
             shifted.rotate_left(1);
             assert!(seen(&Oem::from_bordered(size, shifted)), "{look:?}: a border off by one");

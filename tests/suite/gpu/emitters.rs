@@ -1,4 +1,4 @@
-//! Emitters and the rest on the GPU against the CPU's, within derived bounds.
+//! Compares emitters and the residual map on the GPU with the CPU's, within derived bounds.
 
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, oem, texels};
@@ -12,22 +12,22 @@ use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::realtime::emitters::{Emitter, GRID, extracted};
 use octagloss::internals::sphere::octahedral::oct_from_direction;
 
-/// What float32 leaves open of the emitters of one OEM.
+/// Error bounds of float32 for the emitters of one OEM.
 ///
-/// Sums are the same on both sides, in the same order; a quotient is off by 5 units of 2^-24 on the GPU and
-/// by 1 here. Brightness and the brightest that is left are quotients, their quotient is one more: what a
-/// cell keeps is off by 18 units, relatively, and so, with a product, are the texels of the rest; what it
-/// gives, by 19 units of all it had.
+/// Both sides add the same terms in the same order. A quotient is off by 5 units of 2^-24 on the GPU and by 1
+/// on the CPU. Brightness and the brightest remaining cell are quotients, and their quotient is one more.
+/// What a cell keeps has a relative error of 18 units, and so, with a product, have the residual texels. The
+/// extracted energy is off by 19 units of the cell's total.
 pub(super) struct Open {
     block: u32,
-    /// Of directions: 8 units of a component of each texel's, 8 of its share, sums of `block`^2 of them, and
-    /// a quotient.
+    /// Directions: 8 units of a component of each texel's direction, 8 of its share, sums of `block`^2 of
+    /// them, and a quotient.
     direction: f64,
-    /// Of the mean squared distance: twice the cell's reach times what directions are off by, twice.
+    /// Mean squared distance: twice the cell's reach times the error of directions, twice.
     spread: f64,
 }
 
-/// Of what a cell keeps, relatively, and of the rest.
+/// Relative error of what a cell keeps, and of the residual map.
 const KEPT: f64 = 20.0 * UNIT;
 
 impl Open {
@@ -35,18 +35,18 @@ impl Open {
         let block = (inner / GRID).max(1);
         let sums = f64::from(block * block);
         let direction = (28.0 + sums) * UNIT;
-        // A texel reaches no further from its centre on the sphere than 4.25/inner, as src's lamp has it.
+        // A texel reaches at most 4.25/inner from its centre on the sphere, as derived for the lamp in src.
         let reach = 4.25 * f64::from(block) / f64::from(inner);
         Self { block, direction, spread: 4.0 * reach * direction + (16.0 + sums) * UNIT * reach * reach }
     }
 
-    /// Column and row of the cell of `oem` that `emitter` comes from.
+    /// Returns column and row of the cell of `oem` that `emitter` comes from.
     fn cell(&self, oem: &Oem, emitter: &Emitter) -> [u32; 2] {
         let place = (oct_from_direction(emitter.direction) + 1.0) * f64::from(oem.size().inner) / 2.0;
         [place.x, place.y].map(|place| place as u32 / self.block)
     }
 
-    /// Energy of that cell, that of what it keeps included.
+    /// Returns the energy of that cell, including what it keeps.
     fn energy(&self, oem: &Oem, emitter: &Emitter) -> [f64; 3] {
         let corner = self.cell(oem, emitter).map(|cell| cell * self.block);
         let mut sum = [0.0; 3];
@@ -57,11 +57,12 @@ impl Open {
         sum
     }
 
-    /// How far what `emitter` adds to a lobe of `alpha` around `direction` may be from the CPU's.
+    /// Bounds the difference of `emitter`'s contribution to a lobe of `alpha` around `direction` from the
+    /// CPU's.
     ///
-    /// s is off by d/2 times what directions are, relatively to s + alpha^2 at most by that over 2 alpha,
-    /// which counts twice; alpha^2 by half of the spread's, three times; at the horizon, where the lobe ends,
-    /// by what its peak's tail is there.
+    /// s is off by d/2 times the error of directions: relative to s + alpha^2, at most that error over
+    /// 2 alpha, counted twice. alpha^2 is off by half of the spread's error, counted three times. At the
+    /// horizon, where the lobe ends, the error is the tail of its peak.
     pub(super) fn of_radiance(&self, oem: &Oem, emitter: &Emitter, alpha: f64, direction: DVec3) -> [f64; 3] {
         let sums = f64::from(self.block * self.block);
         let off = self.direction + 4.0 * UNIT;
@@ -75,7 +76,7 @@ impl Open {
     }
 }
 
-/// Emitters of `oem` and the rest, by the GPU.
+/// Extracts emitters of `oem` on the GPU; returns them with the residual map.
 fn taken_out_by_gpu(context: &Context, passes: &Engine, oem: &Oem) -> (Vec<Emitter>, Oem) {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let tables = FittedTables::new(context, oem.size().inner, 1).expect("small tables");
@@ -84,7 +85,7 @@ fn taken_out_by_gpu(context: &Context, passes: &Engine, oem: &Oem) -> (Vec<Emitt
     (wait(context, tables.read_emitters(context)), wait(context, rest.read(context)))
 }
 
-/// The first of `found` that is not what the CPU takes out of `oem`.
+/// Returns the first difference of `found` from the CPU's emitters and residual map of `oem`.
 fn difference(oem: &Oem, (emitters, rest): &(Vec<Emitter>, Oem)) -> Option<String> {
     let (expected, expected_rest) = extracted(oem);
     let open = Open::new(oem.size().inner);
@@ -99,7 +100,7 @@ fn difference(oem: &Oem, (emitters, rest): &(Vec<Emitter>, Oem)) -> Option<Strin
         let energy = open.energy(oem, emitter);
         let place = left.iter().position(|other| open.cell(oem, other) == open.cell(oem, emitter));
         let Some(other) = place.map(|place| left.remove(place)) else {
-            // Cells as bright as the brightest that is left are emitters or none.
+            // A cell as bright as the brightest remaining one may or may not be an emitter.
             if (0..3).any(|c| exceeds(emitter.energy[c], KEPT * energy[c])) {
                 return Some(format!("{emitter:?} of {energy:?} is none of the CPU's"));
             }
@@ -122,9 +123,9 @@ fn difference(oem: &Oem, (emitters, rest): &(Vec<Emitter>, Oem)) -> Option<Strin
         .map(|other| format!("{other:?} is missing"))
 }
 
-/// Radiances at which sums of three overflow float32, and at which energies are hardly above its subnormals.
+/// Radiances at which sums of three overflow float32, and energies barely above its subnormals.
 #[test]
-fn the_brightest_and_the_faintest_light_make_emitters_too() {
+fn extreme_light_makes_emitters_too() {
     with_passes("extreme emitters", |context, passes| {
         for power in [3e38_f32, 2e-33] {
             let mut radiance = vec![[0.0; 3]; 64 * 64];
@@ -133,17 +134,20 @@ fn the_brightest_and_the_faintest_light_make_emitters_too() {
             let (found, rest) = taken_out_by_gpu(context, passes, &oem);
             let (expected, _) = extracted(&oem);
             let name = format!("{power:e} on {}", context.describe());
-            assert!(rest.totals()[..3].iter().all(|total| *total == 0.0), "nothing is left of {name}");
+            assert!(
+                rest.totals()[..3].iter().all(|total| *total == 0.0),
+                "the residual map of {name} must be black"
+            );
             assert_eq!((found.len(), expected.len()), (1, 1), "{name}");
             let apart = found[0].direction.distance(expected[0].direction);
-            assert!(!exceeds(apart, Open::new(64).direction), "{name}: {apart:e} aside");
+            assert!(!exceeds(apart, Open::new(64).direction), "{name}: directions differ by {apart:e}");
             let ratio = found[0].energy[1] / expected[0].energy[1];
             assert!(!exceeds((ratio - 1.0).abs(), KEPT), "{name}: {ratio} times the energy");
         }
     });
 }
 
-/// Holds emitters and the rest of random squares (inner texels, border, look) to the CPU's.
+/// Compares emitters and residual maps of random squares (inner texels, border, look) with the CPU's.
 pub(super) fn emitters(context: &Context, passes: &Engine, cases: &[(u32, u32, Look)]) {
     let mut random = Random::new(133);
     for &(inner, border, look) in cases {
@@ -158,21 +162,21 @@ pub(super) fn emitters(context: &Context, passes: &Engine, cases: &[(u32, u32, L
             difference(&oem, &wrong).is_some()
         };
         let whole = Open::new(inner).energy(&oem, &found.0[0]);
-        assert!(seen(&|emitter| emitter.energy[2] += 1e-5 * whole[2]), "a little more energy, {name}");
+        assert!(seen(&|emitter| emitter.energy[2] += 1e-5 * whole[2]), "slightly more energy, {name}");
         let side = found.0[0].direction.any_orthonormal_vector();
-        assert!(seen(&|emitter| emitter.direction += 1e-4 * side), "a little aside, {name}");
-        assert!(seen(&|emitter| emitter.spread *= 1.3), "a third wider, {name}");
+        assert!(seen(&|emitter| emitter.direction += 1e-4 * side), "slightly displaced, {name}");
+        assert!(seen(&|emitter| emitter.spread *= 1.3), "30 % wider, {name}");
         let missing = (found.0[1..].to_vec(), found.1.clone());
         assert!(difference(&oem, &missing).is_some(), "one missing, {name}");
         let mut texels = found.1.texels().to_vec();
         texels[5][0] = texels[5][0] * 1.00001 + if look == Look::Lone { 1e-5 } else { 0.0 };
         let brighter = (found.0.clone(), Oem::from_bordered(size, texels));
-        assert!(difference(&oem, &brighter).is_some(), "a texel a little brighter, {name}");
+        assert!(difference(&oem, &brighter).is_some(), "a texel slightly brighter, {name}");
     }
 }
 
 #[test]
-fn emitters_and_the_rest_are_the_cpu_s() {
+fn emitters_and_the_residual_match_the_cpu() {
     let cases = [
         (16, 0, Look::Noise),
         (64, 7, Look::Suns),

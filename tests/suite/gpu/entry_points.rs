@@ -1,11 +1,11 @@
-//! The entry points of `shaders/`, and what `src/gpu` binds to each.
+//! The entry points of `shaders/`, and the resources that `src/gpu` binds to each.
 
 use octagloss::internals::gpu::{
     adaptive, blur, box_filter, cells, copy, emitters, fitted, fixed_point, harmonics, lamp, mirror,
     reparameterise, sat_f32, sat_hensley, sat_scan,
 };
 
-/// What stands at a binding of group 0 (of group 1 from 100 on), as `src/gpu` binds it.
+/// The resource at each binding of group 0 (of group 1 from 100 on), as `src/gpu` binds it.
 pub(super) type Bindings = &'static [(u32, &'static str)];
 
 /// Every entry point: workgroup size and bindings.

@@ -1,4 +1,4 @@
-//! What can go wrong is told, and nothing hangs or panics.
+//! Failures are reported as errors; nothing hangs or panics.
 
 use super::{is_brief, wait};
 use crate::support::common::{environment, oem};
@@ -18,8 +18,8 @@ use octagloss::{Environment, Error, Layout, wgpu};
 use std::sync::mpsc;
 use std::time::Duration;
 
-/// Runs `test` with a device of its own on every adapter that runs all tests: what breaks here breaks nobody
-/// else's.
+/// Runs `test` with a separate device on every adapter that runs all tests, so that breaking it affects no
+/// other test.
 fn on_devices_of_their_own(limits: wgpu::Limits, test: impl Fn(Context)) {
     let adapters = block_on(None, adapters()).expect("no device to wait for");
     assert!(!adapters.is_empty(), "no adapter");
@@ -29,7 +29,7 @@ fn on_devices_of_their_own(limits: wgpu::Limits, test: impl Fn(Context)) {
     }
 }
 
-/// Limits small enough to be reached: a mebibyte a binding, textures of 256.
+/// Limits small enough to reach: one mebibyte per binding, textures of 256.
 fn small() -> wgpu::Limits {
     wgpu::Limits {
         max_storage_buffer_binding_size: 1 << 20,
@@ -38,7 +38,7 @@ fn small() -> wgpu::Limits {
     }
 }
 
-/// The last number of the remedy of a limit.
+/// Returns the last number of a limit error's remedy.
 fn largest<T>(outcome: Result<T, Error>) -> u32 {
     match outcome {
         Err(Error::Limit { remedy, needed, available, what }) => {
@@ -46,8 +46,8 @@ fn largest<T>(outcome: Result<T, Error>) -> u32 {
             let mut numbers = remedy.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());
             numbers.next_back().and_then(|digits| digits.parse().ok()).expect("a size in the remedy")
         }
-        Err(other) => panic!("a limit, not {other}"),
-        Ok(_) => panic!("too large"),
+        Err(other) => panic!("expected a limit error: {other}"),
+        Ok(_) => panic!("must exceed a limit"),
     }
 }
 
@@ -59,7 +59,8 @@ fn square(inner: u32) -> OemSize {
 fn limits_name_the_largest_size_that_fits() {
     on_devices_of_their_own(small(), |context| {
         let context = &context;
-        // Four bytes an entry: 512 x 512; eight: 362 x 364 with rows of a multiple of four, told as 360.
+        // At four bytes per entry, 512 x 512 fits. At eight, 362 x 364 does not: rows are padded to a
+        // multiple of four, so the remedy names 360.
         let fits = largest(OemPlanes::new(context, square(513)));
         assert_eq!(fits, 512);
         assert!(OemPlanes::new(context, square(fits)).is_ok());
@@ -103,12 +104,12 @@ fn limits_name_the_largest_size_that_fits() {
             let settings = BakeSettings { size: 2, oem_size: Some(oem_size), ..BakeSettings::default() };
             wait_for(context, engine.bake(&source, &settings))
         };
-        // The cells are what fits least; a bake of what is named goes through, and nothing of this hurt the
+        // The cells have the tightest limit. A bake of the size named succeeds, and no error damaged the
         // device.
         let fits = largest(bake(600));
         assert!((80..512).contains(&fits), "{fits}");
         bake(fits).expect("an OEM that fits");
-        context.check().expect("a device in order");
+        context.check().expect("a usable device");
     });
 }
 
@@ -136,7 +137,7 @@ fn parameters_that_cannot_be_served_are_named() {
         assert!(pass.stage(context, layout, &texture, &planes).is_ok());
         let turned = environment(other, vec![[1.0; 3]; 40]);
         let outcome = pass.footprints(context, &turned, &texture, 2);
-        assert!(matches!(outcome, Err(Error::Parameter(_))), "another environment's texture");
+        assert!(matches!(outcome, Err(Error::Parameter(_))), "a texture of another environment");
 
         let engine = Engine::new(context.clone()).expect("shaders that compile");
         let settings = ReflectorSettings { oem_size: Some(8), ..ReflectorSettings::default() };
@@ -166,21 +167,21 @@ fn parameters_that_cannot_be_served_are_named() {
         assert!(matches!(tables.set_count(context, 5), Err(Error::Parameter(_))));
         let none = ReflectorSettings { oem_size: Some(0), ..ReflectorSettings::default() };
         assert!(matches!(GpuReflector::new(&engine, &source, &none), Err(Error::Parameter(_))));
-        // No directions, no answers.
+        // No directions give no answers.
         for filter in [Filter::Box, Filter::Adaptive(0.005)] {
             assert!(wait(context, reflector.query(&[], Lobe::Ggx, 0.5, filter)).is_empty(), "{filter:?}");
         }
-        context.check().expect("a device in order");
+        context.check().expect("a usable device");
     });
 }
 
-/// What `work` comes to, on a thread of its own; fails where it panics, or hangs: half an hour is more than
-/// any load of the machine makes of it.
+/// Runs `work` on its own thread and returns its result. Fails if it panics or hangs: half an hour exceeds
+/// its time on a machine under any load.
 fn in_time<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
     let (sender, receiver) = mpsc::channel();
     let thread = std::thread::spawn(move || sender.send(work()));
-    let outcome = receiver.recv_timeout(Duration::from_secs(1800)).expect("an end without a panic");
-    thread.join().expect("no panic").expect("somebody listens");
+    let outcome = receiver.recv_timeout(Duration::from_secs(1800)).expect("the work ends without a panic");
+    thread.join().expect("no panic").expect("the receiver is alive");
     outcome
 }
 
@@ -223,8 +224,8 @@ fn a_device_lost_in_the_middle_is_an_error() {
 #[test]
 fn invalid_commands_are_errors_not_panics() {
     on_devices_of_their_own(wgpu::Limits::default(), |context| {
-        context.check().expect("a device in order");
-        // Buffers cannot be that large.
+        context.check().expect("a usable device");
+        // Exceeds the largest buffer size.
         let _ = context.device().create_buffer(&wgpu::BufferDescriptor {
             label: Some("too large"),
             size: 1 << 60,

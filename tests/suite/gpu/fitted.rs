@@ -1,5 +1,5 @@
-//! The real-time tier: blurred tables equal the CPU's to the last bit, harmonics and radiance within what
-//! float32 allows.
+//! The real-time tier: blurred tables equal the CPU's to the last bit; harmonics and radiance lie within
+//! float32 error bounds.
 
 use super::emitters::Open;
 use super::{UNIT, exceeds, wait, with_passes};
@@ -24,7 +24,7 @@ use octagloss::internals::sh;
 use octagloss::internals::sphere::octahedral::{oct_from_direction, wrap_texel};
 use octagloss::{Environment, Layout};
 
-/// The octaves whose tables are read over `inner` texels.
+/// Returns the octaves whose tables are read for `inner` texels.
 fn octaves(inner: u32) -> std::ops::RangeInclusive<u32> {
     1..=(inner / 4).ilog2().min(6)
 }
@@ -33,7 +33,7 @@ fn random_oem(random: &mut Random, size: OemSize, look: Look) -> Oem {
     oem(size, &texels(random, look, Layout::Octahedral { size: size.inner }))
 }
 
-/// Tables over `oem`.
+/// Builds the tables of `oem` on the GPU.
 fn tables(context: &Context, passes: &Engine, oem: &Oem, count: u32) -> FittedTables {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let tables = FittedTables::new(context, oem.size().inner, count).expect("small tables");
@@ -42,7 +42,7 @@ fn tables(context: &Context, passes: &Engine, oem: &Oem, count: u32) -> FittedTa
     tables
 }
 
-/// The first entry of the bordered table that is not what the CPU's table says of the unfolded plane.
+/// Returns the first entry of the bordered table that differs from the CPU's table of the unfolded plane.
 fn difference(expected: &Sat, entries: &[[u64; 4]], [inner, border]: [u32; 2]) -> Option<String> {
     assert_eq!(expected.size().inner, inner, "texels of the blurred square");
     let (n, b) = (i64::from(inner), i64::from(border));
@@ -56,19 +56,19 @@ fn difference(expected: &Sat, entries: &[[u64; 4]], [inner, border]: [u32; 2]) -
     })
 }
 
-/// Holds the blurred tables over random squares (inner texels, border, look) to the CPU's.
+/// Compares the blurred tables of random squares (inner texels, border, look) with the CPU's.
 pub(super) fn blurred_tables(context: &Context, passes: &Engine, cases: &[(u32, u32, Look)]) {
     let mut random = Random::new(91);
     for &(inner, border, look) in cases {
         let oem = random_oem(&mut random, OemSize { inner, border }, look);
         let tables = tables(context, passes, &oem, 4);
-        // Of what emitters leave, which is of floats, by the GPU's own word.
+        // Read back the GPU's residual map: its floats may differ from the CPU's.
         let planes = OemPlanes::upload(context, &oem).expect("small planes");
         let emitters = &passes.build_fitted.emitters;
         let (stage, rest) = emitters.stage(context, &planes, &tables);
         context.submit(|encoder| stage.record(encoder));
         let rest = wait(context, rest.read(context));
-        assert_ne!(rest, oem, "emitters are taken out");
+        assert_ne!(rest, oem, "emitters must be extracted");
         let sat = Sat::new(&rest, Scan::default());
         for octave in octaves(inner) {
             let expected = blurred(&sat, octave);
@@ -76,7 +76,7 @@ pub(super) fn blurred_tables(context: &Context, passes: &Engine, cases: &[(u32, 
             let wrong = difference(&expected, &entries, size);
             let name = format!("{look:?} {inner} + {border} octave {octave} on {}", context.describe());
             assert_eq!(wrong, None, "{name}");
-            // One unit of one channel of one entry shows.
+            // The comparator detects one unit in one channel of one entry.
             let at = random.below(entries.len() as u32) as usize;
             entries[at][random.below(4) as usize] ^= 1;
             assert!(difference(&expected, &entries, size).is_some(), "one wrong bit, {name}");
@@ -85,18 +85,18 @@ pub(super) fn blurred_tables(context: &Context, passes: &Engine, cases: &[(u32, 
 }
 
 #[test]
-fn blurred_tables_are_the_cpu_s_to_the_last_bit() {
+fn blurred_tables_equal_the_cpu_to_the_last_bit() {
     let cases = [(16, 0, Look::Noise), (32, 3, Look::Suns), (128, 0, Look::Suns), (256, 0, Look::Noise)];
     with_passes("blurred tables", |context, passes| blurred_tables(context, passes, &cases));
 }
 
-/// The first coefficient that is further from the CPU's than float32 sums are.
+/// Returns the first coefficient that differs from the CPU's by more than the error of float32 sums.
 fn harmonics_difference(expected: &[[f64; 4]; 25], found: &[[f64; 4]; 25]) -> Option<String> {
     (0..25).flat_map(|k| (0..4).map(move |c| (k, c))).find_map(|(k, c)| {
         let (e, f) = (expected[k][c], found[k][c]);
-        // Each term takes 24 roundings, its basis of at most sqrt((2n + 1)/4pi) among them, and then goes
-        // through 128 sums of a batch, 4 of a workgroup and 128 of all; the integral of the basis is at most
-        // that of its greatest value.
+        // A term takes 24 roundings, including those of its basis of at most sqrt((2n + 1)/4pi). It then
+        // passes through 128 sums of a batch, 4 of a workgroup and 128 of all. The integral of the basis is
+        // at most that of its greatest value.
         let order = (k as f64).sqrt().floor();
         let total = expected[0][c] * (4.0 * std::f64::consts::PI).sqrt();
         let bound =
@@ -106,7 +106,7 @@ fn harmonics_difference(expected: &[[f64; 4]; 25], found: &[[f64; 4]; 25]) -> Op
     })
 }
 
-/// Holds the harmonics of random squares (inner texels, border, look) to the CPU's.
+/// Compares the harmonics of random squares (inner texels, border, look) with the CPU's.
 pub(super) fn harmonics(context: &Context, passes: &Engine, cases: &[(u32, u32, Look)]) {
     let mut random = Random::new(92);
     for &(inner, border, look) in cases {
@@ -121,17 +121,17 @@ pub(super) fn harmonics(context: &Context, passes: &Engine, cases: &[(u32, u32, 
         let wrong = harmonics_difference(&expected, &found);
         assert_eq!(wrong, None, "{look:?} {inner} + {border} on {}", context.describe());
         found[7][1] += 1e-4 * expected[0][1];
-        assert!(harmonics_difference(&expected, &found).is_some(), "a ten-thousandth shows");
+        assert!(harmonics_difference(&expected, &found).is_some(), "an error of 0.01 % is not detected");
     }
 }
 
 #[test]
-fn harmonics_are_the_cpu_s() {
+fn harmonics_match_the_cpu() {
     let cases = [(16, 0, Look::Noise), (64, 7, Look::Suns), (512, 0, Look::Lone)];
     with_passes("harmonics", |context, passes| harmonics(context, passes, &cases));
 }
 
-/// The octaves whose parameters serve `alpha` over `inner` texels, and the alpha that they serve.
+/// Returns the octaves whose parameters serve `alpha` for `inner` texels, and the alpha that they serve.
 fn served(inner: u32, alpha: f64) -> (std::ops::RangeInclusive<u32>, f64) {
     let finest = *octaves(inner).end();
     let alpha = alpha.max((KNOTS[0] - f64::from(finest)).exp2());
@@ -139,7 +139,7 @@ fn served(inner: u32, alpha: f64) -> (std::ops::RangeInclusive<u32>, f64) {
     (own..=(own + 1).min(finest), alpha)
 }
 
-/// Boxes of `octave` around `uv`: offsets and half-widths as they lie there.
+/// Returns the boxes of `octave` around `uv`, with the offsets and half-widths that apply there.
 fn boxes(table: &Table, octave: u32, alpha: f64, uv: DVec2) -> (Vec<SoftBox>, [f64; 5]) {
     let (point, fold) = triangle_from_oct(uv);
     let mut boxes = Vec::new();
@@ -150,14 +150,14 @@ fn boxes(table: &Table, octave: u32, alpha: f64, uv: DVec2) -> (Vec<SoftBox>, [f
     (boxes, weights)
 }
 
-/// An OEM, what the CPU answers over it, and what bounds of the GPU's answers take.
+/// An OEM, the CPU's answers over it, and the inputs of the error bounds.
 struct Judge {
     name: String,
     environment: Environment,
     inner: u32,
     emitters: Vec<Emitter>,
     open: Open,
-    /// The greatest radiance of each channel, by octave, of the blurred tables.
+    /// The greatest radiance of the blurred tables, per octave and channel.
     peaks: Vec<[f64; 3]>,
     mean: [f64; 3],
 }
@@ -186,16 +186,16 @@ impl Judge {
         Self { name, environment, inner, emitters, open: Open::new(inner), peaks, mean }
     }
 
-    /// How far an answer may be from the CPU's `value`, a channel each.
+    /// Bounds the difference of an answer from the CPU's `value`, per channel.
     ///
-    /// In float32 a place (u, v) takes 6 roundings of at most 1, and an end of a box six more of at most 2 or
-    /// 3: 24 units. Shares of nodes move by eleven times that, the place among knots by less, and
-    /// neighbouring nodes differ by about 1 in their parameters, which are logarithms, roots and half-widths:
-    /// 300 units, relatively, of half-widths, offsets and heights. An edge moved by e trades e over the
-    /// half-width of the box's mass for texels as bright as the blurred table's brightest, whose density is
-    /// up to 5.2 times that at the lobe; in energy and in solid angle. Orders of the harmonics are off by 284
-    /// units of (2n + 1) means (as their own test derives it), in both again. Mirrors: places move by 2^-22 n
-    /// of a texel, which trades that share of four texels. Emitters have a bound of their own.
+    /// In float32, coordinates (u, v) take 6 roundings of values up to 1, and each end of a box 6 more of
+    /// values up to 2 or 3: 24 units. Node weights change by eleven times that, and the position among knots
+    /// by less. Neighbouring nodes differ by about 1 in their parameters (logarithms, roots, half-widths), so
+    /// half-widths, offsets and heights have a relative error of 300 units. Moving an edge by e exchanges e
+    /// over the half-width of the box's mass for texels as bright as the blurred table's brightest, whose
+    /// density is up to 5.2 times that at the lobe, in energy and in solid angle. Harmonics of order n are
+    /// off by 284 units of (2n + 1) means (derived in their test), again in both. For mirrors, positions move
+    /// by 2^-22 n of a texel, which exchanges that share of four texels. Emitters have a separate bound.
     fn bound(&self, table: &Table, direction: DVec3, roughness: f64, oem: &Oem, value: [f64; 3]) -> [f64; 3] {
         let uv = oct_from_direction(direction);
         let (octaves, alpha) = served(self.inner, roughness * roughness);
@@ -234,7 +234,7 @@ impl Judge {
     }
 }
 
-/// The first answer that is beyond its bound.
+/// Returns the first answer beyond its bound.
 fn radiance_difference(
     judge: &Judge,
     count: u32,
@@ -242,9 +242,9 @@ fn radiance_difference(
     directions: &[DVec3],
     found: &[[f32; 3]],
 ) -> Option<String> {
-    assert!(!directions.is_empty() && directions.len() == found.len(), "an answer a direction");
+    assert!(!directions.is_empty() && directions.len() == found.len(), "one answer per direction");
     let reflector = reflector(&judge.environment, judge.inner);
-    let table = Table::of(count).expect("a count that there is");
+    let table = Table::of(count).expect("a supported count");
     let expected = ask(&reflector, Lobe::Ggx, roughness, Filter::Fitted(count), directions);
     directions.iter().zip(expected).zip(found).find_map(|((direction, expected), found)| {
         let bound = judge.bound(table, *direction, roughness, reflector.oem(), expected);
@@ -258,7 +258,7 @@ fn radiance_difference(
 /// Roughness at both ends, in the fades of octaves, of the mirror and of the harmonics, and between.
 const ROUGHNESS: [f64; 14] = [0.0, 0.02, 0.1, 0.135, 0.15, 0.2, 0.3, 0.33, 0.4, 0.46, 0.55, 0.68, 0.74, 1.0];
 
-/// Where the map has its hard places, beside those, and anywhere.
+/// Returns directions at the folds and corners of the map, near them, and anywhere.
 fn directions(random: &mut Random) -> Vec<DVec3> {
     let mut directions = landmarks();
     for landmark in landmarks() {
@@ -268,8 +268,8 @@ fn directions(random: &mut Random) -> Vec<DVec3> {
     directions
 }
 
-/// Holds answers over random squares (inner texels, look) by boxes of every count to the CPU's; returns how
-/// many boxes left the tables' border, and how many there were.
+/// Compares answers over random squares (inner texels, look) by boxes of every count with the CPU's. Returns
+/// how many boxes left the tables' border, and how many there were.
 pub(super) fn radiance(
     context: &Context,
     passes: &Engine,
@@ -288,7 +288,7 @@ pub(super) fn radiance(
             wait(context, passes.fitted.radiance(context, &tables, &queries))
         };
         for count in COUNTS {
-            tables.set_count(context, count).expect("a count that there is");
+            tables.set_count(context, count).expect("a supported count");
             for &roughness in all_roughness {
                 let far = radiance_difference(&judge, count, roughness, &directions, &ask(roughness));
                 assert_eq!(far, None, "{} on {}", judge.name, context.describe());
@@ -298,26 +298,26 @@ pub(super) fn radiance(
                 }
             }
         }
-        // Another roughness, another count and another direction's answer show where no sun makes bounds
+        // Wrong roughness, count or order of answers must be detected, except where a sun makes the bounds
         // wide.
         for count in COUNTS.into_iter().filter(|_| look == Look::Noise) {
-            tables.set_count(context, count).expect("a count that there is");
+            tables.set_count(context, count).expect("a supported count");
             let seen = |found: &[[f32; 3]], count| {
                 radiance_difference(&judge, count, 0.4, &directions, found).is_some()
             };
-            assert!(seen(&ask(0.404), count), "a hundredth rougher, fitted:{count}");
+            assert!(seen(&ask(0.404), count), "roughness 1 % greater, fitted:{count}");
             let mut right = ask(0.4);
             let other = if count == 4 { 2 } else { 4 };
             assert!(!seen(&right, count) && seen(&right, other), "fitted:{other} is not fitted:{count}");
             right.rotate_left(1);
-            assert!(seen(&right, count), "answers one place off, fitted:{count}");
+            assert!(seen(&right, count), "answers shifted by one, fitted:{count}");
         }
     }
     [beyond, all]
 }
 
 #[test]
-fn radiance_lies_within_its_bound_of_the_cpu_s() {
+fn radiance_lies_within_its_bound_of_the_cpu() {
     let cases = [(16, Look::Noise), (64, Look::Suns), (256, Look::Smooth)];
     with_passes("fitted radiance", |context, passes| {
         let [beyond, all] = radiance(context, passes, &cases, &ROUGHNESS);
@@ -325,11 +325,11 @@ fn radiance_lies_within_its_bound_of_the_cpu_s() {
     });
 }
 
-/// Boxes around `direction` that do not lie within the tables' border, of those of the own octave.
+/// Counts boxes around `direction`, of those in its own octave, that exceed the tables' border.
 fn leaves_border(count: u32, inner: u32, roughness: f64, direction: DVec3) -> u32 {
     let uv = oct_from_direction(direction);
     let (octaves, alpha) = served(inner, roughness * roughness);
-    let table = Table::of(count).expect("a count that there is");
+    let table = Table::of(count).expect("a supported count");
     let (boxes, _) = boxes(table, *octaves.start(), alpha, uv);
     let leaves = |soft: &SoftBox| {
         let coarse = f64::from(inner.min(8 << soft.octave));
@@ -339,8 +339,7 @@ fn leaves_border(count: u32, inner: u32, roughness: f64, direction: DVec3) -> u3
     boxes.iter().filter(|soft| leaves(soft)).count() as u32
 }
 
-/// What a furnace may be off by: harmonics of radiance and of 1 are each off by 284 units (see their own
-/// test).
+/// Error bound of the furnace: harmonics of radiance and of 1 are each off by 284 units (see their test).
 const FURNACE: f64 = 2.0 * 284.0 * UNIT;
 
 #[test]
@@ -368,20 +367,20 @@ fn a_fitted_furnace_is_white() {
             assert!(!exceeds(off, FURNACE), "fitted:{count} {roughness}: off by {off:e}");
         }
         let off = error(&spotted, 4, 0.2);
-        assert!(off > FURNACE, "one texel a hundredth brighter shows: {off:e}");
+        assert!(off > FURNACE, "one texel 1 % brighter is not detected: {off:e}");
     });
 }
 
 #[test]
-fn queries_and_bakes_are_the_cpu_s() {
+fn queries_and_bakes_match_the_cpu() {
     let layout = Layout::Panorama { width: 64, height: 32 };
     let sky = environment(layout, texels(&mut Random::new(95), Look::Smooth, layout)).rotated_y(40.0);
-    // Boxes of a smooth sky change by a few times its brightest over a radian, of which places are off by
-    // 2^-20; harmonics by what their own test derives.
+    // Boxes of a smooth sky change by a few times its brightest over a radian, and coordinates are off by
+    // 2^-20; the test of harmonics derives their error.
     let brightest = f64::from(sky.texels().iter().flatten().copied().fold(0.0, f32::max));
     let allowed = brightest * (2.0 * 284.0 * 5.0 * UNIT + 4e-6);
     let far = |expected: &[[f32; 3]], found: &[[f32; 3]]| {
-        assert!(!expected.is_empty() && expected.len() == found.len(), "as many answers");
+        assert!(!expected.is_empty() && expected.len() == found.len(), "the same number of answers");
         let pairs = expected.as_flattened().iter().zip(found.as_flattened());
         pairs.map(|(e, f)| f64::from((e - f).abs())).fold(0.0, f64::max)
     };
@@ -413,6 +412,6 @@ fn queries_and_bakes_are_the_cpu_s() {
             assert!(off <= allowed, "level {level}: {off:e} of {allowed:e} on {}", context.describe());
         }
         let off = far(&expected.chain.levels[1].texels, &other.chain.levels[1].texels);
-        assert!(off > allowed, "fitted:1 shows: {off:e}");
+        assert!(off > allowed, "fitted:1 is not detected: {off:e}");
     });
 }

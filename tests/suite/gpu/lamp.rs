@@ -1,4 +1,4 @@
-//! A lamp added to an OEM against the CPU's, within a derived bound.
+//! Compares a lamp added to an OEM with the CPU's, within a derived bound.
 
 use super::{UNIT, exceeds, in_full, wait};
 use crate::support::common::{Look, Random, landmarks, oem, texels};
@@ -12,7 +12,7 @@ use octagloss::internals::sphere::octahedral::{direction_from_oct, wrap_texel};
 const DISC: f64 = 0.06;
 const EDGE: f64 = 0.08;
 
-/// Mean radiance of `lamp` over texel (`x`, `y`) of a square of `inner`, and a little of the light around it.
+/// Returns the mean radiance of `lamp` over texel (`x`, `y`) of a square of `inner`.
 fn mean(lamp: &Lamp, inner: u32, x: u32, y: u32) -> f64 {
     let places = f64::from(PLACES);
     let at = |k: u32| {
@@ -23,16 +23,17 @@ fn mean(lamp: &Lamp, inner: u32, x: u32, y: u32) -> f64 {
     (0..PLACES * PLACES).map(at).sum::<f64>() / (places * places)
 }
 
-/// A direction's components are off by 8 units (two roundings of (u, v), two of the octahedron's point, its
-/// length and the quotient), so a squared distance d^2 at the lamp's edge by 2 sqrt(3) d times that, which
-/// counts 1 over the squared distances of edge and disc; 16 terms, the product and the sum round once each.
+/// A direction's components are off by 8 units: two roundings of (u, v), two of the octahedron's point, its
+/// length and the quotient. A squared distance d^2 at the lamp's edge is off by 2 sqrt(3) d times that,
+/// divided by the difference of the squared distances of edge and disc. 16 terms, the product and the sum
+/// round once each.
 fn bound(radiance: f64) -> f64 {
     let [disc, edge] = [DISC, EDGE].map(|angle| 2.0 * (angle / 2.0).sin());
     let share = 2.0 * 3.0_f64.sqrt() * edge * 8.0 * UNIT / (edge * edge - disc * disc);
     radiance * (share + 20.0 * UNIT)
 }
 
-/// The first texel of `found` that is not `before` and `lamp`.
+/// Returns the first texel of `found` that is not the sum of `before` and `lamp`.
 fn difference(found: &Oem, before: &Oem, lamp: &Lamp, radiance: f64) -> Option<String> {
     let OemSize { inner, border } = before.size();
     let side = before.size().bordered();
@@ -57,7 +58,7 @@ fn lit(context: &Context, pass: &LampPass, before: &Oem, lamp: &Lamp) -> Oem {
     wait(context, planes.read(context))
 }
 
-/// Holds lamps over squares (inner texels, border) to the CPU's.
+/// Compares lamps over squares (inner texels, border) with the CPU's.
 pub(super) fn lamps(context: &Context, sizes: &[(u32, u32)]) {
     let mut random = Random::new(120);
     let places: Vec<DVec3> = landmarks().into_iter().chain((0..10).map(|_| random.direction())).collect();
@@ -76,12 +77,12 @@ pub(super) fn lamps(context: &Context, sizes: &[(u32, u32)]) {
 }
 
 #[test]
-fn a_lamp_is_added_where_it_is() {
+fn lamps_match_the_cpu() {
     in_full("lamp", |context| lamps(context, &[(64, 0), (33, 5), (8, 8), (1, 0)]));
 }
 
 #[test]
-fn a_lamp_elsewhere_or_brighter_shows() {
+fn a_displaced_or_brighter_lamp_is_detected() {
     in_full("lamp faults", |context| {
         let pass = LampPass::new(context);
         let radiance = texels(&mut Random::new(122), Look::Smooth, Layout::Octahedral { size: 64 });

@@ -1,4 +1,4 @@
-//! Light over the whole range of float32 on every adapter, beside the CPU.
+//! Light over the whole range of float32 on every adapter, compared with the CPU.
 
 use super::{wait, with_passes};
 use crate::cpu::adaptive::luminance;
@@ -11,18 +11,17 @@ use octagloss::internals::lobe::Lobe;
 use octagloss::internals::reflector::Reflector as CpuReflector;
 use octagloss::{Environment, Layout, Rgb};
 
-/// What the GPU's gathering and its filters in single precision may be off by, relative to the greatest
-/// radiance near.
+/// Error of the GPU's gathering and its single-precision filters, relative to the greatest radiance nearby.
 const RELATIVE: f64 = 1e-3;
 
-/// Whether two answers of luminance `a` and `b` agree within `allowed`.
+/// Returns whether answers `a` and `b` agree within `allowed` of luminance.
 fn agree(a: &Answer, b: &Answer, allowed: f64) -> bool {
     let value = |answer: &Answer| luminance(answer.radiance.map(f64::from));
     (value(a) - value(b)).abs() <= allowed
 }
 
 #[test]
-fn all_light_is_answered_as_by_the_cpu() {
+fn answers_over_all_light_match_the_cpu() {
     with_passes("light over the whole range", |context, passes| {
         let mut random = Random::new(77);
         let (mut compared, mut differing) = (0, 0);
@@ -60,12 +59,12 @@ fn all_light_is_answered_as_by_the_cpu() {
             }
         }
         assert_eq!(compared, 480);
-        assert!(differing > 100, "half the light was found wrong {differing} times");
+        assert!(differing > 100, "halved light was detected only {differing} times");
     });
 }
 
 #[test]
-fn bakes_at_both_ends_are_those_of_ordinary_light() {
+fn bakes_of_extreme_light_match_ordinary_light() {
     let layout = Layout::Panorama { width: 16, height: 8 };
     let mut random = Random::new(78);
     let texels: Vec<Rgb> = (0..16 * 8).map(|_| [0; 3].map(|_| random.between(0.1, 1.0) as f32)).collect();
@@ -83,7 +82,7 @@ fn bakes_at_both_ends_are_those_of_ordinary_light() {
                 .zip(extreme.levels().flat_map(|level| level.texels.as_flattened()))
             {
                 let (a, b) = (f64::from(*a), f64::from(*b) / scale);
-                assert!((a - b).abs() <= 1e-3 + 4.0 * coarse, "{b} at {scale:e} is {a} else");
+                assert!((a - b).abs() <= 1e-3 + 4.0 * coarse, "{b} at {scale:e}, {a} for ordinary light");
             }
         }
     });

@@ -1,8 +1,8 @@
-//! The GPU engine against the CPU engine and the oracle, on every adapter that the system has.
+//! Tests of the GPU engine against the CPU engine and the oracle, on every adapter of the system.
 //!
-//! A machine without an adapter fails these tests: `tests/run` installs software drivers first. The drivers
-//! named in OCTAGLOSS_REQUIRE_ADAPTERS (parts of names, separated by commas) must be there. Those named in
-//! OCTAGLOSS_BRIEF_ADAPTERS run the tests of `brief` only: every entry point over small inputs.
+//! A machine without an adapter fails these tests: `tests/run` installs software drivers first. Drivers named
+//! in OCTAGLOSS_REQUIRE_ADAPTERS (parts of names, separated by commas) must be present. Drivers named in
+//! OCTAGLOSS_BRIEF_ADAPTERS run only the tests of `brief`: every entry point over small inputs.
 
 mod adaptive;
 mod bake;
@@ -33,7 +33,7 @@ use octagloss::wgpu;
 use std::io::Write as _;
 use std::sync::LazyLock;
 
-/// A context on every adapter, with baseline limits: what passes here passes in a browser.
+/// One context per adapter, with the baseline limits of a browser.
 static CONTEXTS: LazyLock<Vec<Context>> = LazyLock::new(|| {
     let adapters = block_on(None, adapters()).expect("no device to wait for");
     let contexts: Vec<Context> = adapters
@@ -55,18 +55,18 @@ static CONTEXTS: LazyLock<Vec<Context>> = LazyLock::new(|| {
     contexts
 });
 
-/// Every pass on every adapter: compiled once, for some drivers take seconds.
+/// Every pass on every adapter, compiled once because some drivers take seconds.
 static ENGINES: LazyLock<Vec<Engine>> = LazyLock::new(|| {
     let compiled = |context: &Context| Engine::new(context.clone()).expect("shaders that compile");
     CONTEXTS.iter().map(compiled).collect()
 });
 
-/// All passes, compiled for `context`.
+/// Returns all passes, compiled for `context`.
 fn passes(context: &Context) -> &'static Engine {
     &ENGINES[index(context)]
 }
 
-/// Whether `name` is that of an adapter which runs the tests of `brief` only.
+/// Returns whether the adapter `name` runs only the tests of `brief`.
 fn is_brief(name: &str) -> bool {
     let brief = std::env::var("OCTAGLOSS_BRIEF_ADAPTERS").unwrap_or_default().to_lowercase();
     let mut parts = brief.split(',').filter(|part| !part.is_empty());
@@ -78,7 +78,7 @@ fn with_passes(name: &str, test: impl Fn(&Context, &Engine)) {
     in_full(name, |context| test(context, passes(context)));
 }
 
-/// Place of one of [`CONTEXTS`].
+/// Returns the index of `context` in [`CONTEXTS`].
 fn index(context: &Context) -> usize {
     let own = |other: &Context| other.device() == context.device();
     CONTEXTS.iter().position(own).expect("a context of the list")
@@ -87,7 +87,7 @@ fn index(context: &Context) -> usize {
 /// 2^-24: half the distance between 1 and the next float32.
 const UNIT: f64 = 1.0 / (1_u32 << 24) as f64;
 
-/// Whether `off` is more than `allowed`, or either is not a number.
+/// Returns whether `off` exceeds `allowed`, or either is not a number.
 fn exceeds(off: f64, allowed: f64) -> bool {
     off.partial_cmp(&allowed).is_none_or(std::cmp::Ordering::is_gt)
 }
@@ -112,12 +112,12 @@ fn run_on(name: &str, is_asked: impl Fn(&Context) -> bool, test: impl Fn(&Contex
     }
 }
 
-/// Straight to the log, passing tests' output being swallowed.
+/// Writes straight to standard error: the harness hides the output of passing tests.
 fn say(line: &str) {
     writeln!(std::io::stderr(), "gpu: {line}").expect("standard error is open");
 }
 
-/// The outcome of a future on `context`.
+/// Waits for a future on `context`.
 fn wait<T>(context: &Context, future: impl Future<Output = octagloss::Result<T>>) -> T {
     block_on(Some(context), future).and_then(|outcome| outcome).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -1,4 +1,4 @@
-//! Environments to OEMs and footprints: within a derived bound of the CPU's.
+//! Gathering of OEMs and footprints: within a derived bound of the CPU's.
 
 use super::{exceeds, in_full, wait};
 use crate::support::common::{Look, Random, environment, texels};
@@ -10,18 +10,17 @@ use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::{Environment, Layout};
 
-/// Both engines add up the same products, the CPU in double precision. In float32 a term takes two products;
-/// sums of 64 and then of n/64 parts take at most 64 + n/64 roundings, in the energy and in the solid angle
-/// that divides it; the quotients (2.5 ulp each, one of them shared) and the last product make 8. All terms
-/// are positive, so the outcome is off by as many parts in 2^24.
+/// Both engines add the same products, the CPU in double precision. In float32 a term takes two products.
+/// Sums of 64 and then of n/64 parts take at most 64 + n/64 roundings, in the energy and in the solid angle
+/// that divides it. The quotients (2.5 ulp each, one shared) and the last product make 8. All terms are
+/// positive, so the relative error of the result is as many parts in 2^24.
 fn bound(sources_a_texel: f64) -> f64 {
     let sum = 64.0_f64.min(sources_a_texel) + sources_a_texel / 64.0;
     (8.0 + 2.0 * sum) / f64::from(1_u32 << 24)
 }
 
-/// What the CPU's outlines over fine panoramas may misplace: 3e-5 of a texel's area at each of its four edges
-/// (src/geometry/overlap/sweep.rs), filled with the brightest radiance that there is at the worst. The GPU
-/// knows no outlines.
+/// Error of the CPU's outlines over fine panoramas: 3e-5 of a texel's area at each of its four edges
+/// (src/geometry/overlap/sweep.rs), filled with the brightest radiance at worst. The GPU uses no outlines.
 fn misplaced(environment: &Environment) -> f64 {
     let brightest = environment.texels().iter().flatten().fold(0.0_f32, |most, value| most.max(*value));
     match environment.layout() {
@@ -30,7 +29,7 @@ fn misplaced(environment: &Environment) -> f64 {
     }
 }
 
-/// The first texel where `found` is farther from `expected` than `bound` of it and `misplaced` of radiance.
+/// Returns the first texel where `found` differs from `expected` by more than `bound` of it plus `misplaced`.
 fn difference(expected: &[[f32; 4]], found: &[[f32; 4]], bound: f64, misplaced: f64) -> Option<String> {
     assert_eq!(expected.len(), found.len(), "texels");
     expected.iter().zip(found).enumerate().find_map(|(at, (expected, found))| {
@@ -63,7 +62,7 @@ const LAYOUTS: [Layout; 7] = [
     Layout::Octahedral { size: 9 },
 ];
 
-/// Holds maps of `sizes` (inner texels and border) from environments of `layouts` to the CPU's.
+/// Compares maps of `sizes` (inner texels and border) from environments of `layouts` with the CPU's.
 pub(super) fn maps(context: &Context, layouts: &[Layout], sizes: &[(u32, u32)]) {
     let pass = Reparameterise::new(context);
     let mut random = Random::new(41);
@@ -82,7 +81,7 @@ pub(super) fn maps(context: &Context, layouts: &[Layout], sizes: &[(u32, u32)]) 
     }
 }
 
-/// Holds footprints of cubes of `sizes` over environments of `layouts` to the CPU's.
+/// Compares footprints of cubes of `sizes` over environments of `layouts` with the CPU's.
 pub(super) fn footprints(context: &Context, layouts: &[Layout], sizes: &[u32]) {
     let stage = Reparameterise::new(context);
     let mut random = Random::new(42);

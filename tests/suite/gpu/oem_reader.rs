@@ -1,4 +1,4 @@
-//! The shader code that `--target oem` ships, run with an ordinary sampler over the file's own levels.
+//! The shader code that `--target oem` ships, run with an ordinary sampler over the file's levels.
 
 use super::{in_full, wait};
 use crate::io::oem_file::{directions, levels, read_ktx2, unfolded};
@@ -16,10 +16,10 @@ const SIDE: u32 = 48;
 const LEVELS: u32 = 4;
 
 fn reader() -> &'static str {
-    READERS.iter().find(|(name, _)| *name == "oem.wgsl").expect("there").1
+    READERS.iter().find(|(name, _)| *name == "oem.wgsl").expect("oem.wgsl is listed").1
 }
 
-/// What `reader` finds for each of `queries` (direction and roughness) in the file of `levels`.
+/// Runs `reader` for each of `queries` (direction and roughness) over the file's `levels`.
 fn read_on(context: &Context, reader: &str, levels: &[Level], queries: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let file = oem_bytes(Container::Ktx2, levels, Pixel::F16, &[]).unwrap();
     let (images, _) = read_ktx2(&file.bytes);
@@ -44,7 +44,7 @@ fn read_on(context: &Context, reader: &str, levels: &[Level], queries: &[[f32; 4
             wgpu::Extent3d { width: *side, height: *side, depth_or_array_layers: 1 },
         );
     }
-    // Wrapped neither here nor there: clamped, as any texture is by default.
+    // Clamped, not wrapped, as is the default for textures.
     let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
         mag_filter: wgpu::FilterMode::Linear,
         min_filter: wgpu::FilterMode::Linear,
@@ -109,7 +109,8 @@ fn queries() -> Vec<[f32; 4]> {
     all.map(|(k, d)| [d.x as f32, d.y as f32, d.z as f32, roughness[k % 5]]).collect()
 }
 
-/// The greatest difference from trilinear interpolation on the unfolded plane; texels are between 0 and 1.
+/// Returns the greatest difference from trilinear interpolation on the unfolded plane; texels are between 0
+/// and 1.
 fn worst(levels: &[Level], queries: &[[f32; 4]], answers: &[[f32; 4]]) -> f64 {
     assert_eq!(queries.len(), answers.len());
     let off = queries.iter().zip(answers).map(|([x, y, z, roughness], answer)| {
@@ -125,9 +126,9 @@ fn worst(levels: &[Level], queries: &[[f32; 4]], answers: &[[f32; 4]]) -> f64 {
     off.fold(0.0, f64::max)
 }
 
-/// Samplers have 8 bits of place in a texel and of the level, at least (Vulkan's `subTexelPrecisionBits` and
-/// `mipmapPrecisionBits`): up to 1/256 of the difference of two texels three times over; and half floats are
-/// interpolated as such by some.
+/// Samplers have at least 8 fractional bits of texel position and of level (Vulkan's `subTexelPrecisionBits`
+/// and `mipmapPrecisionBits`): up to 1/256 of the difference of two texels three times over. Some interpolate
+/// half floats at half precision.
 const TOLERANCE: f64 = 3.0 / 256.0 + 2.0 / 1024.0;
 
 #[test]
@@ -138,8 +139,8 @@ fn the_reader_looks_up_across_folds_edges_and_corners() {
         let answers = read_on(context, reader(), &levels, &queries);
         let off = worst(&levels, &queries, &answers);
         assert!(off < TOLERANCE, "{}: {off}", context.describe());
-        // The comparison sees a reader that takes the border for a part of the map, and one that folds to the
-        // other side.
+        // The comparison detects a reader that takes the border for a part of the map, and one that folds to
+        // the wrong side.
         for (right, wrong) in [("border / side", "0.0 * border / side"), ("p.x >= 0.0", "p.x < 0.0")] {
             assert!(reader().contains(right), "{right}");
             let answers = read_on(context, &reader().replace(right, wrong), &levels, &queries);

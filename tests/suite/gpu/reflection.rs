@@ -1,5 +1,5 @@
-//! Shaders as their compiler reads them: layouts, constants, bindings and sizes equal Rust's, and baseline
-//! WebGPU holds them.
+//! Reflection of the shaders: layouts, constants, bindings and sizes equal Rust's and stay within the limits
+//! of baseline WebGPU.
 
 use super::entry_points::ENTRY_POINTS;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -12,7 +12,7 @@ use octagloss::internals::target::READERS;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// A shader, parsed and validated with nothing but what every WebGPU has.
+/// A shader, parsed and validated with baseline WebGPU capabilities only.
 struct Shader {
     module: Module,
     info: ModuleInfo,
@@ -22,7 +22,7 @@ impl Shader {
     fn parse(name: &str, source: &str) -> Self {
         let module = naga::front::wgsl::parse_str(source)
             .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
-        // Halves in 32-bit words are of WGSL's core; the compiler counts them apart for older APIs.
+        // WGSL core has halves in 32-bit words; naga lists them as a capability for older APIs.
         let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
             .validate(&module)
             .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
@@ -37,7 +37,7 @@ impl Shader {
         self.module.types[ty].inner.size(self.module.to_ctx())
     }
 
-    /// Names and offsets of a struct's members, padding apart, and its size.
+    /// Returns names and offsets of a struct's members, without padding, and its size.
     fn layout(&self, name: &str) -> Option<(Vec<(String, usize)>, usize)> {
         let (_, ty) = self.module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name))?;
         let TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is a struct") };
@@ -49,7 +49,7 @@ impl Shader {
         ))
     }
 
-    /// The numbers of a named constant.
+    /// Returns the numbers of a named constant.
     fn constant(&self, name: &str) -> Option<Vec<f64>> {
         let constant = self.module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name))?.1;
         let literal = |expression: Handle<Expression>| match self.module.global_expressions[expression] {
@@ -65,18 +65,18 @@ impl Shader {
     }
 }
 
-/// Files with entry points, which stand on their own.
+/// Returns the files with entry points, which are complete shaders.
 fn files() -> impl Iterator<Item = &'static str> {
-    // What includes common/sat.wgsl declares the table first; nothing but functions is in common/.
+    // The files in common/ hold only functions; common/sat.wgsl needs the includer's table declaration.
     shader::FILES.iter().map(|(path, _)| *path).filter(|path| !path.starts_with("common/"))
 }
 
-/// Those of the compute stages.
+/// Returns the files of the compute stages.
 fn stages() -> impl Iterator<Item = &'static str> {
     files().filter(|path| !path.starts_with("view/"))
 }
 
-/// The first member that is elsewhere, or the size that is another.
+/// Describes how the layout of struct `name` differs from the expected `members` and `size`.
 fn layout_difference(shader: &Shader, name: &str, members: &[(&str, usize)], size: usize) -> Option<String> {
     let Some((found, span)) = shader.layout(name) else { return Some(format!("no struct {name}")) };
     let expected: Vec<(String, usize)> = members
@@ -88,7 +88,7 @@ fn layout_difference(shader: &Shader, name: &str, members: &[(&str, usize)], siz
         .then(|| format!("{name}: {found:?} of {span} bytes, in Rust {expected:?} of {size}"))
 }
 
-/// A file of `shaders/` and those that it includes.
+/// Collects a file of `shaders/` and those that it includes.
 fn closure(path: &str, found: &mut Vec<&'static str>) {
     let (path, text) = shader::FILES.iter().find(|(listed, _)| *listed == path).expect("a listed file");
     if found.contains(path) {
@@ -102,7 +102,7 @@ fn closure(path: &str, found: &mut Vec<&'static str>) {
     }
 }
 
-/// The file in which `file` declares what begins with `declaration`.
+/// Returns the file of `file`'s includes whose line begins with `declaration`.
 fn declaring(file: &str, declaration: &str) -> &'static str {
     let mut paths = Vec::new();
     closure(file, &mut paths);
@@ -115,7 +115,7 @@ fn declaring(file: &str, declaration: &str) -> &'static str {
     found[0]
 }
 
-/// Fails unless every name of `declared` is in `expected`, and the other way round.
+/// Fails unless `declared` and `expected` hold the same names.
 fn assert_same_names(kind: &str, declared: &BTreeSet<(&str, String)>, expected: &BTreeSet<(&str, String)>) {
     let untold: Vec<_> = declared.difference(expected).collect();
     let stale: Vec<_> = expected.difference(declared).collect();
@@ -128,7 +128,7 @@ fn structs() -> Vec<Struct> {
 }
 
 impl Shader {
-    /// Names of the structs that lie in uniforms and storage buffers.
+    /// Returns the names of the structs in uniforms and storage buffers.
     fn structs_in_buffers(&self) -> BTreeSet<String> {
         let mut found = BTreeSet::new();
         let mut waiting: Vec<Handle<Type>> = self
@@ -155,7 +155,7 @@ impl Shader {
 }
 
 #[test]
-fn structs_lie_as_rust_writes_them() {
+fn struct_layouts_match_rust() {
     let expected = structs();
     let mut declared = BTreeSet::new();
     for file in files() {
@@ -171,10 +171,10 @@ fn structs_lie_as_rust_writes_them() {
     }
     let names = expected.iter().map(|(path, name, ..)| (*path, (*name).to_owned())).collect();
     assert_same_names("structs", &declared, &names);
-    // One member too early, one renamed, one padded away.
+    // Swapped, moved and additional members must be detected.
     let seen = |from: &str, to: &str| {
         let source = shader::source("sat_scan.wgsl");
-        assert!(source.contains(from), "{from} is in the source");
+        assert!(source.contains(from), "the source must contain {from}");
         let wrong = Shader::parse("a wrong scan", &source.replace(from, to));
         let (.., members, size) = expected.iter().find(|s| s.1 == "Scan").expect("the scan's uniform");
         layout_difference(&wrong, "Scan", members, *size).is_some()
@@ -182,10 +182,10 @@ fn structs_lie_as_rust_writes_them() {
     assert!(!seen("// Tiles along an edge.", "// Tiles."), "a comment changes nothing");
     assert!(seen("    side: u32,\n    pitch: u32,", "    pitch: u32,\n    side: u32,"), "swapped members");
     assert!(seen("    tiles: u32,\n", "    @align(16) tiles: u32,\n"), "a member moved");
-    assert!(seen("    channel: u32,\n", "    channel: u32,\n    more: u32,\n"), "a member more");
+    assert!(seen("    channel: u32,\n", "    channel: u32,\n    more: u32,\n"), "an additional member");
 }
 
-/// Constants that are a shader's own affair, or follow from others.
+/// Constants that only their shader uses, or that are derived from others.
 const OWN_CONSTANTS: &[(&str, &[&str])] = &[
     ("adaptive.wgsl", &["BATCH", "DEPTH", "LEAF_FIELDS", "LEAVES", "PARTS", "PIECES", "STACK"]),
     ("blur.wgsl", &["SCAN_SIZE"]),
@@ -199,7 +199,7 @@ const OWN_CONSTANTS: &[(&str, &[&str])] = &[
 ];
 
 #[test]
-fn constants_are_rust_s() {
+fn constants_match_rust() {
     let expected =
         [octagloss::internals::gpu::shared::constants(), octagloss::internals::view::shared::constants()]
             .concat();
@@ -216,7 +216,7 @@ fn constants_are_rust_s() {
             declared.insert((path, name));
         }
     }
-    // The compiler drops constants without a concrete type, which would go unseen.
+    // The compiler drops constants without a concrete type, which would go unchecked.
     let lines = shader::FILES.iter().flat_map(|(path, text)| text.lines().map(move |line| (*path, line)));
     for (path, line) in lines.filter(|(_, line)| line.starts_with("const ")) {
         let seen = declared.iter().any(|(file, name)| {
@@ -230,7 +230,11 @@ fn constants_are_rust_s() {
     let names = names.map(|(path, name)| (path, name.to_owned())).collect();
     assert_same_names("constants", &declared, &names);
     let source = shader::source("sat_scan.wgsl").replace("const TILE = 64u;", "const TILE = 32u;");
-    assert_eq!(Shader::parse("smaller tiles", &source).constant("TILE"), Some(vec![32.0]), "read, not known");
+    assert_eq!(
+        Shader::parse("smaller tiles", &source).constant("TILE"),
+        Some(vec![32.0]),
+        "the value must be read from the source"
+    );
     let fails = |declared: &BTreeSet<_>| {
         std::panic::catch_unwind(|| assert_same_names("constants", declared, &names)).is_err()
     };
@@ -238,10 +242,10 @@ fn constants_are_rust_s() {
     more.insert(("copy.wgsl", "NEW".to_owned()));
     let mut fewer = declared;
     fewer.pop_first();
-    assert!(fails(&more) && fails(&fewer), "what is new and what is gone is seen");
+    assert!(fails(&more) && fails(&fewer), "new and missing names must be detected");
 }
 
-/// What one entry point uses.
+/// The resources and workgroup of one entry point.
 struct Uses {
     workgroup_size: [u32; 3],
     bindings: BTreeMap<u32, String>,
@@ -275,7 +279,7 @@ impl Shader {
                 let binding = global.binding.expect("a resource's binding");
                 let name = global.name.as_deref().expect("a name");
                 let taken = bindings.insert(100 * binding.group + binding.binding, format!("{kind} {name}"));
-                assert_eq!(taken, None, "one resource a binding, {handle:?}");
+                assert_eq!(taken, None, "one resource per binding, {handle:?}");
             }
             (entry.name.clone(), Uses { workgroup_size: entry.workgroup_size, bindings, workgroup_bytes })
         };
@@ -284,7 +288,7 @@ impl Shader {
 }
 
 #[test]
-fn entry_points_take_what_rust_binds() {
+fn bindings_match_rust() {
     let mut found = Vec::new();
     for file in stages() {
         for (name, uses) in Shader::of_file(file).entry_points() {
@@ -307,7 +311,7 @@ const UNIFORM_BUFFERS: usize = 12;
 const INVOCATIONS: u32 = 256;
 const WORKGROUP_BYTES: u32 = 16_384;
 
-/// What of `uses` is beyond the baseline.
+/// Lists what `uses` exceeds of the baseline limits.
 fn beyond_baseline(uses: &Uses) -> Option<String> {
     let count = |kinds: &[&str]| {
         let kind = |what: &&String| kinds.iter().any(|kind| what.starts_with(kind));
@@ -409,10 +413,10 @@ const VIEW_ENTRY_POINTS: &[(&str, &[&str])] = &[
 ];
 
 #[test]
-fn the_viewer_s_entry_points_are_those_that_it_draws_with() {
+fn the_viewer_s_entry_points_are_listed() {
     let mut found = Vec::new();
     for file in files().filter(|path| path.starts_with("view/")) {
-        // What is parsed is validated with nothing but what every WebGPU has.
+        // Parsing also validates with baseline WebGPU capabilities only.
         let module = Shader::of_file(file).module;
         let mut names: Vec<String> = module.entry_points.iter().map(|entry| entry.name.clone()).collect();
         names.sort();
@@ -450,7 +454,7 @@ fn every_shader_on_disk_is_listed() {
     listed.sort();
     let names = |files: &[(String, String)]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
     assert_eq!(names(&listed), names(&on_disk));
-    assert!(listed == on_disk, "texts are those on disk");
+    assert!(listed == on_disk, "embedded texts must equal those on disk");
 }
 
 #[test]
@@ -504,6 +508,9 @@ fn boxes_and_fitted_lobes_go_into_one_shader() {
         ];
         assert_eq!(found, expected);
     }
-    assert!(naga::front::wgsl::parse_str(&ask(&[boxes])).is_err(), "what is not asked for is not there");
+    assert!(
+        naga::front::wgsl::parse_str(&ask(&[boxes])).is_err(),
+        "functions that were not requested must be absent"
+    );
     assert_eq!(fitted::wgsl(2), shader::queries(&[Queries::Fitted(2)]));
 }

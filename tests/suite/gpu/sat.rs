@@ -1,4 +1,4 @@
-//! Exponents and planes: equal to the CPU's, word for word.
+//! Exponents and planes equal the CPU's, word for word.
 
 use super::{in_full, wait};
 use crate::support::common::{Look, Random, oem, texels};
@@ -10,7 +10,7 @@ use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes, Stage};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
 
-/// Which exponents and entries differ, in words; None where all are equal.
+/// Describes which exponents and entries differ, in words; None if all are equal.
 fn difference(
     expected: &Sat,
     fixed: octagloss::internals::sat::FixedPoint,
@@ -56,7 +56,7 @@ fn random_oem(random: &mut Random, size: OemSize, look: Look) -> Oem {
 
 const SIZES: [u32; 9] = [1, 2, 3, 5, 17, 64, 100, 257, 1024];
 
-/// Holds the production scan over squares of `sizes` to the CPU's table.
+/// Compares the production scan over squares of `sizes` with the CPU's table.
 pub(super) fn scan(context: &Context, sizes: &[u32]) {
     let (fixed_point, scan) = (FixedPoint::new(context), SatScan::new(context));
     let mut random = Random::new(31);
@@ -71,7 +71,7 @@ pub(super) fn scan(context: &Context, sizes: &[u32]) {
     }
 }
 
-/// Holds recursive doubling with each of `radices` over squares of `sizes` to the CPU's table.
+/// Compares recursive doubling with each of `radices` over squares of `sizes` with the CPU's table.
 pub(super) fn doubling(context: &Context, radices: &[u32], sizes: &[u32]) {
     let fixed_point = FixedPoint::new(context);
     let mut random = Random::new(32);

@@ -1,4 +1,4 @@
-//! Scenes where maps and arithmetic have their hard places, through every stage.
+//! Scenes at the hard cases of maps and arithmetic, through every stage.
 
 use super::boxes::{one_box, packed, radiance_difference, solid_angle};
 use super::{UNIT, exceeds, wait, with_passes};
@@ -20,10 +20,10 @@ use octagloss::internals::sat::{Sat, Scan};
 use octagloss::internals::sphere::cube::{Face, direction_from_cube};
 use octagloss::{Environment, Layout, Rgb};
 
-/// The greatest half float, as suns in files have it.
+/// The greatest half float, the usual radiance of suns in files.
 const BRIGHTEST: f32 = 65_504.0;
 
-/// Black but for the texel that is nearest to `direction`.
+/// Returns texels that are black except the one nearest to `direction`.
 fn lone(layout: Layout, direction: DVec3) -> Vec<Rgb> {
     let mut texels = vec![[0.0; 3]; layout.texel_count()];
     let (mut nearest, mut index) = ((f64::NEG_INFINITY, 0), 0);
@@ -60,7 +60,7 @@ fn scenes(layout: Layout) -> Vec<(String, Environment)> {
     scenes.into_iter().map(|(name, texels)| (name, environment(layout, texels))).collect()
 }
 
-/// As the OEM's own test derives it; subnormal products may become 0.
+/// The bound derived in the OEM's test; subnormal products may become 0.
 fn gather_bound(environment: &Environment) -> f64 {
     let sources = environment.layout().texel_count() as f64;
     (8.0 + 2.0 * (64.0_f64.min(sources) + sources / 64.0)) * UNIT
@@ -142,7 +142,7 @@ fn scenes_pass_every_stage() {
 fn lobes_of_scenes_are_certified() {
     let layout = Layout::Cube { size: 8 };
     let settings = ReflectorSettings { oem_size: Some(16), ..ReflectorSettings::default() };
-    // What exhaustive integration says of every scene, over the CPU's OEM.
+    // Exhaustive integration of every scene, over the CPU's OEM.
     let cases: Vec<_> = scenes(layout)
         .into_iter()
         .map(|(name, source)| {
@@ -166,7 +166,7 @@ fn lobes_of_scenes_are_certified() {
                 for ((answer, truth), direction) in wait(context, query).iter().zip(truths).zip(&directions) {
                     let value = luminance(answer.radiance.map(f64::from));
                     let bound = f64::from(answer.bound.expect("a certified bound"));
-                    // The oracle integrates the CPU's OEM, whose energies are the GPU's but for the gather's
+                    // The oracle integrates the CPU's OEM, whose energies equal the GPU's within the gather's
                     // bound.
                     let allowed = bound + (1e-7 + gather_bound(source)) * truth;
                     assert!(
@@ -187,13 +187,13 @@ fn lobes_of_scenes_are_certified() {
     });
 }
 
-/// The label of each quarter of each face: no two alike, no two proportional.
+/// Returns the label of a quarter of a face: no two are equal or proportional.
 fn label(face: Face, right: bool, lower: bool) -> Rgb {
     let k = face.index() as u32 * 4 + u32::from(right) + 2 * u32::from(lower);
     [1.0 + (k % 5) as f32, 1.0 + 2.0 * (k / 5) as f32, 1.0 + ((k * 7) % 24) as f32 * 0.25]
 }
 
-/// A cube whose faces are labelled, but that face `a` has the label of `b` and the other way round.
+/// Returns a cube with labelled faces, with the labels of faces `a` and `b` swapped.
 fn labelled(size: u32, [a, b]: [Face; 2]) -> Environment {
     let mut texels = Vec::new();
     for face in Face::ALL {
@@ -211,7 +211,7 @@ fn labelled(size: u32, [a, b]: [Face; 2]) -> Environment {
     environment(Layout::Cube { size }, texels)
 }
 
-/// The centre of every quarter of every face, with its label.
+/// Returns the centre of every quarter of every face, with its label.
 fn labels() -> Vec<(DVec3, Rgb)> {
     let quarters = [(false, false), (true, false), (false, true), (true, true)];
     Face::ALL
@@ -225,7 +225,7 @@ fn labels() -> Vec<(DVec3, Rgb)> {
         .collect()
 }
 
-/// How many directions of `labels` show another label than their own.
+/// Counts directions of `labels` that return another label than their own.
 fn misplaced(
     context: &Context,
     passes: &Engine,
@@ -257,11 +257,14 @@ fn labelled_faces_stay_where_they_are() {
             let told = format!("{filter:?} on {}", context.describe());
             let source = labelled(16, own);
             assert_eq!(misplaced(context, passes, &source, filter, |d| d), 0, "{told}");
-            // +90 carries what was at +Z to +X.
+            // +90 carries +Z to +X.
             let turned = labelled(16, own).rotated_y(90.0);
             let carried = |d: DVec3| DVec3::new(d.z, d.y, -d.x);
             assert_eq!(misplaced(context, passes, &turned, filter, carried), 0, "turned; {told}");
-            assert!(misplaced(context, passes, &turned, filter, |d| d) >= 16, "turned shows; {told}");
+            assert!(
+                misplaced(context, passes, &turned, filter, |d| d) >= 16,
+                "the turn is not detected; {told}"
+            );
             for pair in
                 [[Face::ALL[0], Face::ALL[1]], [Face::ALL[2], Face::ALL[3]], [Face::ALL[4], Face::ALL[0]]]
             {
@@ -287,14 +290,14 @@ fn labelled_faces_stay_where_they_are() {
     });
 }
 
-/// The first texel that differs, for planted faults.
+/// Returns the first texel that differs, for injected faults.
 fn oem_difference(expected: &Oem, found: &Oem, bound: f64) -> Option<usize> {
     let pairs = expected.texels().iter().zip(found.texels());
     pairs.into_iter().position(|(e, f)| (0..4).any(|c| far(e[c], f[c], bound)))
 }
 
 #[test]
-fn faults_in_oems_are_seen() {
+fn faults_in_oems_are_detected() {
     let size = OemSize { inner: 16, border: 3 };
     with_passes("faults in OEMs", |context, passes| {
         let source = labelled(8, [Face::ALL[0]; 2]);
@@ -302,7 +305,7 @@ fn faults_in_oems_are_seen() {
         let bound = gather_bound(&source);
         let found =
             |source: &Environment| wait(context, gathered(context, passes, source, size).read(context));
-        assert_eq!(oem_difference(&expected, &found(&source), bound), None, "the right one is right");
+        assert_eq!(oem_difference(&expected, &found(&source), bound), None, "the correct OEM passes");
 
         let mut one = source.texels().to_vec();
         one[200][2] *= 1.001;
@@ -313,7 +316,7 @@ fn faults_in_oems_are_seen() {
         let narrower = OemSize { inner: 16, border: 2 };
         let planes = gathered(context, passes, &source, narrower);
         let read = wait(context, planes.read(context));
-        // The same square with the border's rule off by one: each texel beside its place.
+        // The same square with the border's rule off by one: each texel displaced by one.
         let side = size.bordered() as usize;
         let mut texels = vec![[0.0; 4]; side * side];
         for (k, texel) in read.texels().iter().enumerate() {

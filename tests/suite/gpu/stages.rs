@@ -1,4 +1,4 @@
-//! The pipeline with the CPU's stages up to any given one and the GPU's from there on: which stage broke?
+//! Locates a broken stage: the CPU runs the pipeline up to a given stage, the GPU from there on.
 
 use super::boxes::packed;
 use super::{UNIT, wait, with_passes};
@@ -22,8 +22,7 @@ use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
 use octagloss::{Environment, Layout, wgpu};
 
-/// Where the GPU takes over, the last place first: what a run from there on adds to the one before is one
-/// stage.
+/// The stage from which the GPU runs, the last stage first: each variant adds one stage to the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
 pub(super) enum TakeOver {
     /// The CPU's table and cells; packing and queries on the GPU.
@@ -32,7 +31,7 @@ pub(super) enum TakeOver {
     Cells,
     /// The CPU's OEM; exponents and scan too on the GPU.
     Scan,
-    /// The environment: all on the GPU.
+    /// The environment only: all stages on the GPU.
     Reparameterise,
 }
 
@@ -43,7 +42,7 @@ const ROUGHNESS: f64 = 0.5;
 const ERROR: f64 = 0.001;
 const SPREAD: Reconstruction = Reconstruction::Constant;
 
-/// What comes out at the end: boxes, and lobes.
+/// Results of a run: boxes and lobes.
 #[derive(Clone, Debug)]
 struct Outcome {
     boxes: Vec<[f32; 3]>,
@@ -69,7 +68,7 @@ fn on_the_cpu(oem: &Oem, directions: &[DVec3]) -> Outcome {
     }
 }
 
-/// Runs with the GPU from `from` on; `broken` is a stage that is made to fail where it runs on the GPU.
+/// Runs with the GPU from `from` on, and makes the stage `broken` fail if it runs on the GPU.
 fn run(
     context: &Context,
     passes: &Engine,
@@ -92,7 +91,7 @@ fn run(
     } else {
         OemPlanes::upload(context, oem).expect("small planes")
     };
-    // A texel of the square's middle, ten times the total.
+    // A texel in the middle of the square, set to ten times the total.
     let middle = u64::from(SIZE.border + SIZE.inner / 2) * u64::from(planes.table().pitch + 1);
     if breaks(TakeOver::Reparameterise) {
         write(&planes.planes()[1], 4 * middle, (10.0 * oem.totals()[1] as f32).to_bits());
@@ -107,7 +106,7 @@ fn run(
         SatPlanes::upload(context, &Sat::new(oem, Scan::default())).expect("small planes")
     };
     if breaks(TakeOver::Scan) {
-        // The whole square's sum loses its upper half.
+        // The sum of the whole square loses its upper half.
         let last = u64::from(SIZE.border + SIZE.inner - 1) * u64::from(planes.table().pitch + 1);
         write(&sat.planes()[1], 8 * last + 4, 0);
     }
@@ -136,9 +135,9 @@ fn run(
     Outcome { boxes, lobes }
 }
 
-/// Whether two outcomes are another's. Boxes: edges moved by 24 n units trade texels up to `brightest`
-/// bright, as the boxes' own test has it, over a side of at least 1. Lobes: rounding, and two decisions'
-/// share of the tolerance.
+/// Returns whether two outcomes agree. Boxes: edges moved by 24 n units exchange texels up to `brightest`
+/// over a side of at least 1 (see the boxes' test). Lobes: rounding, and two decisions' share of the
+/// tolerance.
 fn agree(expected: &Outcome, found: &Outcome, brightest: f64, mean: f64) -> bool {
     let boxes = brightest * 4.0 * 5.2 * 24.0 * f64::from(SIZE.inner) * UNIT;
     let lobes = 2.0 * leaf_share(ERROR) * mean;
@@ -152,7 +151,7 @@ fn agree(expected: &Outcome, found: &Outcome, brightest: f64, mean: f64) -> bool
     near(&expected.boxes, &found.boxes, boxes) && near(&expected.lobes, &found.lobes, lobes)
 }
 
-/// The first stage, counted from the last, with which the outcome is no longer the CPU's.
+/// Returns the first stage, counted from the last, with which the outcome differs from the CPU's.
 fn broken_stage(
     mut run: impl FnMut(TakeOver) -> Outcome,
     agrees: impl Fn(&Outcome) -> bool,
@@ -160,7 +159,8 @@ fn broken_stage(
     ALL.into_iter().find(|from| !agrees(&run(*from)))
 }
 
-/// Holds runs in which the GPU takes over at every stage to the CPU's, and finds each of the `broken` stages.
+/// Compares runs in which the GPU takes over at each stage with the CPU's, and locates each of the `broken`
+/// stages.
 pub(super) fn take_overs(context: &Context, passes: &Engine, broken: &[TakeOver]) {
     let mut random = Random::new(81);
     let layout = Layout::Panorama { width: 32, height: 16 };

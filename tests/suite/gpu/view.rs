@@ -1,4 +1,4 @@
-//! The viewer's pictures against the CPU's of the same view, ray by ray.
+//! Compares the viewer's pictures with the CPU's of the same view, ray by ray.
 
 use super::{CONTEXTS, block_on, in_full, index, wait};
 use glam::{DMat3, DVec2, DVec3};
@@ -22,19 +22,19 @@ const WIDTH: u32 = 96;
 const HEIGHT: u32 = 64;
 const OEM: u32 = 256;
 
-/// A display's byte may be off by its own rounding and by what half floats (2^-11 of the radiance, an eighth
-/// of a step where the display is brightest), float32 directions and the split sum's table leave: two steps.
+/// Greatest error of a display byte, two steps: its own rounding, half floats (2^-11 of the radiance, an
+/// eighth of a step where the display is brightest), float32 directions and the split sum's table.
 const STEPS: i32 = 2;
 
-/// Pixels on a silhouette, where a ray may pass on the other side, and where tone mapping turns a sun's edge
-/// within a pixel's rounding: this share at most.
+/// Greatest share of pixels beyond that: at silhouettes, where a ray may pass on the other side, and at a
+/// sun's edge, where rounding may flip a tone-mapped pixel.
 const SILHOUETTE: f64 = 0.01;
 
-/// The same for a mesh: corners are snapped to a sixteenth of a pixel at the coarsest (Vulkan's four bits),
-/// which moves silhouettes and, on small triangles, normals.
+/// The same share for a mesh: vertices are snapped to a sixteenth of a pixel at the coarsest (Vulkan's four
+/// bits), which moves silhouettes and, on small triangles, normals.
 const SNAPPED: f64 = 0.03;
 
-/// How two pictures differ: the share of pixels off by more than [`STEPS`].
+/// Returns the share of pixels that differ by more than [`STEPS`].
 fn difference(found: &[[u8; 3]], expected: &[[u8; 3]]) -> f64 {
     assert_eq!(found.len(), expected.len(), "pixels");
     let off = |(a, b): (&[u8; 3], &[u8; 3])| {
@@ -43,14 +43,14 @@ fn difference(found: &[[u8; 3]], expected: &[[u8; 3]]) -> f64 {
     found.iter().zip(expected).filter(|pair| off(*pair)).count() as f64 / found.len() as f64
 }
 
-/// What one ray meets: where it is mirrored to, by which roughness, and what the metal makes of the answer.
+/// What one ray hits: the mirrored direction, the roughness, and how the metal scales the answer.
 struct Seen {
     direction: DVec3,
     roughness: f64,
     factor: DVec3,
 }
 
-/// The CPU's picture of `look`, without any of the viewer's code.
+/// Returns the CPU's picture of `look`, computed without the viewer's code.
 fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<[u8; 3]> {
     let settings = ReflectorSettings { oem_size: Some(OEM), ..ReflectorSettings::default() };
     let turned = environment.clone().rotated_y(look.turn);
@@ -159,14 +159,14 @@ fn display(tone: Tone, colour: DVec3) -> [u8; 3] {
     })
 }
 
-/// What draws on every adapter, one test at a time: compiled once, for some drivers take seconds.
+/// One renderer per adapter, for one test at a time: compiled once because some drivers take seconds.
 static RENDERERS: LazyLock<Vec<Mutex<Renderer>>> = LazyLock::new(|| {
     let compiled = |context: &Context| Renderer::new(context.clone()).expect("shaders that compile");
     CONTEXTS.iter().map(|context| Mutex::new(compiled(context))).collect()
 });
 
 pub(super) fn renderer(context: &Context) -> MutexGuard<'static, Renderer> {
-    // A test that failed left nothing that matters to others.
+    // A failed test leaves no state that affects others.
     RENDERERS[index(context)].lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -208,7 +208,7 @@ fn looks() -> Vec<(&'static str, Look)> {
 }
 
 #[test]
-fn pictures_are_the_cpus() {
+fn pictures_match_the_cpu() {
     let environment = synth("studio").expect("a recipe");
     let knot = Mesh::knot();
     let looks = looks();
@@ -229,7 +229,7 @@ fn compare(context: &Context, name: &str, look: &Look, environment: &Environment
     assert!(off <= most, "{name}: {:.2} % of the pixels are off", 100.0 * off);
 }
 
-/// Holds one picture, by the filter whose shader compiles fastest, to the CPU's.
+/// Compares one picture, by the filter whose shader compiles fastest, with the CPU's.
 pub(super) fn one_picture(context: &Context) {
     let environment = synth("studio").expect("a recipe");
     let (name, look) = &looks()[0];
@@ -251,7 +251,7 @@ fn another_look_is_another_picture() {
     ];
     for other in changed {
         let off = difference(&expected(&other, &environment, None), &here);
-        assert!(off > 2.0 * SNAPPED, "{other:?} is told apart by {off} only");
+        assert!(off > 2.0 * SNAPPED, "{other:?} differs by {off} only");
     }
 }
 
@@ -310,7 +310,7 @@ fn bands_make_the_same_picture() {
 fn a_furnace_is_white() {
     let environment = synth("furnace").expect("a recipe");
     in_full("white furnace", |context| {
-        // A white metal that reflects all light, once or many times, cannot be seen.
+        // A white metal that reflects all light, once or many times, is invisible.
         let white =
             Look { metal: [1.0; 3], tone: Tone::Linear, exposure: Exposure::Ev(-1.0), ..Look::default() };
         let looks = [
@@ -339,7 +339,7 @@ fn errors_are_black_where_there_are_none() {
         assert!(dark.iter().flatten().all(|c| *c < 60), "a furnace has no errors above 1e-4");
         let bright = shot(context, &look, &synth("sky").expect("a recipe"));
         let off = bright.iter().filter(|pixel| pixel[0] > 100).count();
-        assert!(off > 100, "errors of a sky are seen: {off} pixels");
+        assert!(off > 100, "errors of a sky must be visible: {off} pixels");
     });
 }
 
@@ -355,7 +355,7 @@ fn a_lamp_lights_what_is_seen() {
     let lit = Environment::new(layout, lit.collect()).expect("an environment");
     let look = Look { roughness: 0.4, exposure: Exposure::Ev(0.0), ..Look::default() };
     let [without, with] = [&dark, &lit].map(|environment| expected(&look, environment, None));
-    assert!(difference(&without, &with) > 0.05, "a lamp that cannot be seen");
+    assert!(difference(&without, &with) > 0.05, "the lamp must be visible");
     in_full("view of a lamp", |context| {
         let mut renderer = renderer(context);
         let light = renderer.light(&dark, Some(OEM)).expect("tables that fit");
@@ -389,7 +389,7 @@ fn what_cannot_be_shown_is_refused() {
         for width in [0, 100_000] {
             assert!(matches!(ask(&Look::default(), width), Err(Error::Parameter(_))), "{width} columns");
         }
-        // What follows a refusal is drawn.
+        // A refusal does not affect later draws.
         assert!(ask(&Look::default(), 8).is_ok());
     });
 }

@@ -1,5 +1,4 @@
-//! The viewer's meshes and own levels: colours that follow from the materials, and texels as the file has
-//! them.
+//! The viewer's meshes and levels from files: colours follow from the materials, texels equal the file's.
 
 use super::view::renderer;
 use super::{on_every_adapter, wait};
@@ -20,10 +19,10 @@ use octagloss::internals::view::{
 use octagloss::{Environment, Layout, Rgb};
 use serde_json::{Value, json};
 
-/// Pixels along an edge: the one in the middle sees the origin.
+/// Pixels along an edge: the middle one sees the origin.
 const SIDE: u32 = 9;
 
-/// What half floats, the split sum's table and the display's rounding leave.
+/// Error of half floats, the split sum's table and the display's rounding.
 const STEPS: u8 = 2;
 
 fn picture(renderer: &mut Renderer, look: &Look, light: &Light) -> Vec<[u8; 3]> {
@@ -50,13 +49,13 @@ fn near(found: [u8; 3], expected: [u8; 3], what: &str) {
     assert!(!off, "{what}: {found:?} instead of {expected:?}");
 }
 
-/// Squares across z of `material`s, a corner's colour `colour` each, the last facing -Z.
+/// Builds a glTF of two squares across z with `materials` and a texture of `texels`; the second faces -Z.
 fn squares(materials: &Value, texels: &[[u8; 4]]) -> Vec<u8> {
     let mut numbers: Vec<f32> = Vec::new();
     for (z, side) in [(0.1, 1.0), (-0.1, -1.0)] {
         numbers.extend([-side, -1.0, z, side, -1.0, z, side, 1.0, z, -side, 1.0, z]);
     }
-    // Texture coordinates: the middle of the texture everywhere.
+    // Texture coordinates: the middle of the texture for all corners.
     numbers.extend([0.5; 8]);
     let mut bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
     bytes.extend([0, 1, 2, 0, 2, 3]);
@@ -83,13 +82,13 @@ fn squares(materials: &Value, texels: &[[u8; 4]]) -> Vec<u8> {
     json.to_string().into_bytes()
 }
 
-/// A material, and one that is blue for the square behind.
+/// Returns the material `front`, and a blue one for the square behind.
 fn materials(front: Value) -> Value {
     json!([{"pbrMetallicRoughness": front},
         {"pbrMetallicRoughness": {"baseColorFactor": [0, 0, 1, 1], "metallicFactor": 0}}])
 }
 
-/// What a surface at a right angle reflects of white.
+/// Returns the share of white that a surface reflects at normal incidence.
 fn reflected(f0: DVec3, roughness: f64) -> DVec3 {
     let [scale, bias] = dfg::ggx(1.0, roughness);
     (f0 * scale + bias) * (DVec3::ONE + f0 * (1.0 / (scale + bias) - 1.0))
@@ -109,7 +108,7 @@ fn front_look() -> Look {
 }
 
 #[test]
-fn gold_plastic_and_white_are_told_apart() {
+fn materials_reflect_their_expected_colours() {
     let environment = octagloss::internals::synth::synth("furnace").expect("a recipe");
     let gold = DVec3::new(1.0, 0.766, 0.336);
     let factors = |base: DVec3, metallic: f64, roughness: f64| {
@@ -120,7 +119,7 @@ fn gold_plastic_and_white_are_told_apart() {
         let reflected = reflected(DVec3::splat(0.04), roughness);
         reflected + base * (DVec3::ONE - reflected)
     };
-    // sRGB 188 is 0.5029 in linear light.
+    // sRGB 188 is 0.5029 linear.
     let painted = json!({"baseColorTexture": {"index": 0}, "metallicFactor": 0, "roughnessFactor": 0.5});
     let half = DVec3::new(0.5029, 1.0, 0.0);
     let worn = json!({"metallicRoughnessTexture": {"index": 0}, "baseColorFactor": [0.5, 0.5, 0.5, 1]});
@@ -136,7 +135,7 @@ fn gold_plastic_and_white_are_told_apart() {
         ("red plastic", factors(DVec3::X, 0.0, 0.3), texel, &look, plastic(DVec3::X, 0.3)),
         ("white plastic", factors(DVec3::ONE, 0.0, 0.7), texel, &look, DVec3::ONE),
         ("a painted square", painted, texel, &look, plastic(half, 0.5)),
-        // Green 102 is a roughness of 0.4, blue 0 no metal.
+        // Green 102 is a roughness of 0.4; blue 0 is not metallic.
         ("a worn square", worn, other, &look, plastic(grey, 0.4)),
         ("tinted gold", factors(gold, 1.0, 0.6), texel, &tinted, reflected(gold * tint, 0.3)),
         ("a plain metal", factors(gold, 0.0, 0.1), texel, &plain, reflected(DVec3::new(0.9, 0.5, 0.1), 0.6)),
@@ -167,12 +166,12 @@ fn the_front_is_seen_first_and_masks_have_holes() {
         };
         let squares_of_red = squares(&materials(red.clone()), &[[255; 4]]);
         let [r, g, b] = seen(&squares_of_red, &front_look());
-        assert!(r > 200 && g < 128 && b < 128, "red is in front: {r} {g} {b}");
+        assert!(r > 200 && g < 128 && b < 128, "red must be in front: {r} {g} {b}");
         let mut behind = front_look();
         behind.camera.yaw += std::f64::consts::PI;
         let [r, _, b] = seen(&squares_of_red, &behind);
-        assert!(b > 200 && r < 128, "blue is behind: {r} {b}");
-        // Through the hole, the back of the blue square is seen.
+        assert!(b > 200 && r < 128, "from behind, blue must be in front: {r} {b}");
+        // The hole shows the back of the blue square.
         let [r, _, b] = seen(&squares(&hole, &[[255, 0, 0, 100]]), &front_look());
         assert!(b > 200 && r < 128, "a hole: {r} {b}");
         let [r, _, b] = seen(&squares(&hole, &[[255, 0, 0, 200]]), &front_look());
@@ -182,7 +181,7 @@ fn the_front_is_seen_first_and_masks_have_holes() {
 
 #[test]
 fn diffuse_light_is_the_irradiance() {
-    // Smooth, and another from every side.
+    // A smooth environment that differs on every side.
     let layout = Layout::Panorama { width: 64, height: 32 };
     let radiance = |d: DVec3| [0.4 + 0.3 * d.z, 0.4 + 0.3 * d.y, 0.4 - 0.3 * d.x * d.z].map(|c| c as f32);
     let texels = (0..32).flat_map(|j| (0..64).map(move |i| (i, j)));
@@ -208,7 +207,7 @@ fn diffuse_light_is_the_irradiance() {
     });
 }
 
-/// A chain whose faces have a colour each in every level, times `scale`.
+/// Returns a chain with one colour per face in every level, times `scale`.
 fn chain(scale: f32) -> Chain {
     let mut random = Random::new(7);
     let levels = [(4, 0.0), (2, 0.3), (1, 1.0)].map(|(size, roughness)| {
@@ -241,14 +240,14 @@ fn own_levels_are_shown_as_they_are() {
                 let mut light = renderer.light(&turned, Some(16)).expect("tables that fit");
                 let levels = Levels::new(chain.clone(), quarter(turn)).expect("levels").expect("several");
                 light.set_levels(context, &levels).expect("a small cube");
-                // The face that +X of the world lies in.
+                // The face that contains the world's +X.
                 let face = if turn == 0.0 { Face::PosX } else { Face::PosZ };
                 let texel = |level: usize| {
                     DVec3::from_array(chain.levels[level].face(face)[0].map(f64::from)) / f64::from(scale)
                 };
                 let cases =
                     [(0.0, texel(0)), (0.3, texel(1)), (0.65, 0.5 * (texel(1) + texel(2))), (1.0, texel(2))];
-                // The last level is one texel a face: in the middle of a face no other is near.
+                // The last level is one texel per face: in the middle of a face no other contributes.
                 for (roughness, expected) in cases {
                     let mut look = Look {
                         object: Object::Row,
@@ -259,7 +258,7 @@ fn own_levels_are_shown_as_they_are() {
                         ..Look::default()
                     };
                     look.camera.pitch = 0.0;
-                    // The spheres are smaller than a pixel.
+                    // Place the spheres far away, smaller than a pixel.
                     look.camera.distance = 900.0;
                     look.camera.angle = 0.02;
                     let pixels = picture(&mut renderer, &look, &light);
@@ -288,7 +287,7 @@ fn levels_that_cannot_be_shown_are_refused() {
 }
 
 #[test]
-fn automatic_exposure_is_the_preview_s() {
+fn automatic_exposure_matches_the_preview() {
     let chain = chain(1000.0);
     let level = &chain.levels[0];
     let environment =

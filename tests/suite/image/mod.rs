@@ -1,3 +1,3 @@
-//! Pictures.
+//! Image output.
 
 pub(super) mod preview;

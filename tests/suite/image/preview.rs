@@ -1,4 +1,4 @@
-//! Pictures: the contact sheet the right way round and without seams, the error picture at the right texel.
+//! The contact sheet is oriented correctly and seamless; the error picture marks the wrong texel.
 
 use crate::support::written::chain;
 use glam::DVec3;
@@ -44,7 +44,7 @@ fn a_texel_centre_gives_its_texel() {
 
 #[test]
 fn look_up_is_continuous_across_every_edge_and_corner() {
-    // Random texels: any wrong neighbour is a jump.
+    // Random texels: any wrong neighbour causes a jump.
     for size in [1, 2, 3, 8] {
         let seamless = SeamlessLevel::new(&chain(size, 1, false).levels[0]);
         let mut compared = 0;
@@ -69,11 +69,11 @@ fn look_up_is_continuous_across_every_edge_and_corner() {
 
 // Contact sheet
 
-/// Where the tile of the first sphere begins, and its edge, in pixels.
+/// Position and edge of the first sphere's tile, in pixels.
 const TILE_AT: (u32, u32) = (10, 36);
 const TILE: u32 = 240;
 
-/// A world whose faces each have one colour.
+/// Returns a world with one colour per face.
 fn coloured() -> Chain {
     let colour = |face: Face| {
         [
@@ -88,7 +88,7 @@ fn coloured() -> Chain {
     Chain { levels: (0..3).map(|l| level_of(8 >> l, f64::from(l) / 2.0, |face, _| colour(face))).collect() }
 }
 
-/// Which channels of the pixel at `x`, `y` in [-1, 1] of the first tile are bright.
+/// Returns which channels of the pixel at `x`, `y` in [-1, 1] of the first tile are bright.
 fn channels(sheet: &image::RgbImage, x: f64, y: f64) -> [bool; 3] {
     let at = |origin: u32, v: f64| origin + ((v + 1.0) / 2.0 * f64::from(TILE)) as u32;
     sheet.get_pixel(at(TILE_AT.0, x), at(TILE_AT.1, y)).0.map(|c| c > 128)
@@ -107,7 +107,7 @@ fn the_sphere_reflects_what_is_behind_the_camera_and_to_its_sides() {
 }
 
 #[test]
-fn swapped_faces_show_in_the_sheet() {
+fn swapped_faces_are_visible_in_the_sheet() {
     let mut chain = coloured();
     let area = 64;
     let (before, after) = chain.levels[0].texels.split_at_mut(5 * area);
@@ -124,7 +124,7 @@ fn a_smooth_world_has_no_seams_in_the_sphere() {
     };
     let chain = Chain { levels: vec![level_of(32, 0.0, smooth)] };
     let sheet = contact_sheet(&chain, Exposure::Auto).unwrap();
-    // Within four fifths of the ball's radius neighbours differ by no more than the curve's own slope.
+    // Within 0.8 of the ball's radius, neighbours differ by no more than the reflection's slope.
     let mut compared = 0;
     for y in 0..TILE - 1 {
         for x in 0..TILE - 1 {
@@ -173,11 +173,11 @@ fn the_error_picture_shows_one_wrong_texel_where_it_is() {
     let reference = &chain(8, 1, false).levels[0];
     let black = |level: &Level| {
         let picture = error_picture(level, reference).unwrap();
-        // Faces of 96 pixels from (10, 10) on; +Z stands at column 1, row 1.
+        // Faces of 96 pixels from (10, 10) on; +Z is at column 1, row 1.
         let at = |x: u32, y: u32| picture.get_pixel(10 + 96 + x * 12 + 6, 10 + 96 + y * 12 + 6).0 == [0; 3];
         (0..64).filter(|k| !at(k % 8, k / 8)).collect::<Vec<_>>()
     };
-    assert!(black(reference).is_empty(), "no error, no colour");
+    assert!(black(reference).is_empty(), "without errors, no pixel is black");
     let mut wrong = reference.clone();
     wrong.texels[4 * 64 + 19][1] *= 1.5;
     assert_eq!(black(&wrong), [19]);

@@ -1,4 +1,4 @@
-//! BC6H, decoded by another crate than the one that encodes it.
+//! BC6H, decoded by another crate than the encoder.
 
 use half::f16;
 use octagloss::Rgb;
@@ -7,7 +7,7 @@ use octagloss::internals::chain::Level;
 use octagloss::internals::format::bc6h::{bc6h_blocks, bc6h_length};
 use octagloss::internals::synth::synth;
 
-/// The texels of one `size` x `size` square of blocks, by `bcdec_rs`.
+/// Decodes one `size` x `size` square of blocks by `bcdec_rs`.
 pub(crate) fn decoded(size: u32, blocks: &[u8]) -> Vec<Rgb> {
     let (n, across) = (size as usize, (size as usize).div_ceil(4));
     let mut texels = vec![[0.0; 3]; n * n];
@@ -24,14 +24,14 @@ pub(crate) fn decoded(size: u32, blocks: &[u8]) -> Vec<Rgb> {
     texels
 }
 
-/// All six faces of a level, encoded and decoded.
+/// Encodes and decodes all six faces of a level.
 pub(crate) fn through(level: &Level) -> Vec<Rgb> {
     let blocks = bc6h_blocks(level.size(), &level.texels);
     assert_eq!(blocks.len(), 6 * bc6h_length(level.size()));
     blocks.chunks_exact(bc6h_length(level.size())).flat_map(|face| decoded(level.size(), face)).collect()
 }
 
-/// Peak signal over noise in decibels, of log2 of every channel: the peak is the range of the level's own.
+/// Returns the PSNR in decibels of log2 of every channel; the peak is the range of the level itself.
 pub(crate) fn log_psnr(exact: &[Rgb], stored: &[Rgb]) -> f64 {
     let stops = |v: f32| f64::from(v.max(1e-6)).log2();
     let channels = |texels: &[Rgb]| texels.as_flattened().iter().map(|v| stops(*v)).collect::<Vec<_>>();
@@ -62,7 +62,7 @@ fn levels_smaller_than_a_block_and_odd_ones_are_padded() {
     for size in [1, 2, 3, 5, 7] {
         let texels: Vec<Rgb> = (0..6 * size * size).map(|k| [(k / (size * size)) as f32 + 1.0; 3]).collect();
         let level = Level::cube(size, 0.0, texels.clone());
-        // One value a face: whatever was repeated at its edges is that value.
+        // One value per face, so padding must repeat that value.
         for (stored, exact) in through(&level).iter().zip(&texels) {
             assert!((stored[0] / exact[0] - 1.0).abs() < 0.01, "{size}: {stored:?} for {exact:?}");
         }
@@ -70,7 +70,7 @@ fn levels_smaller_than_a_block_and_odd_ones_are_padded() {
 }
 
 #[test]
-fn the_measure_sees_one_wrong_texel() {
+fn the_measure_detects_one_wrong_texel() {
     let texels: Vec<Rgb> = (0..16).map(|k| [f16::from_f32(1.0 + k as f32).to_f32(); 3]).collect();
     let mut wrong = texels.clone();
     wrong[7][1] *= 2.0;

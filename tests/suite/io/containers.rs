@@ -1,4 +1,4 @@
-//! KTX 1 and DDS files by parsers of their own, and DDS by the program's reader.
+//! KTX 1 and DDS files, read by independent parsers; DDS also by the program's reader.
 
 use crate::io::bc6h::decoded;
 use crate::support::written::{chain, first_difference, to_half};
@@ -15,7 +15,7 @@ use std::path::Path;
 
 const PLAIN: [Pixel; 4] = [Pixel::F16, Pixel::F32, Pixel::Rgb9e5, Pixel::R11g11b10];
 
-/// A cube as a parser found it: size, levels, and each level's six faces.
+/// A cube as parsed: size, levels, and each level's six faces.
 pub(crate) struct Cube {
     pub(crate) size: u32,
     pub(crate) pairs: Vec<(String, String)>,
@@ -34,7 +34,7 @@ pub(crate) fn texel_length(pixel: Pixel) -> usize {
     }
 }
 
-/// One face of `size` x `size` from the bytes of `pixel`.
+/// Decodes one face of `size` x `size` from the bytes of `pixel`.
 pub(crate) fn colours(pixel: Pixel, size: u32, bytes: &[u8]) -> Vec<Rgb> {
     let half = |at: usize| f16::from_le_bytes([bytes[at], bytes[at + 1]]).to_f32();
     let float = |at: usize| f32::from_bits(word(bytes, at));
@@ -51,7 +51,7 @@ pub(crate) fn colours(pixel: Pixel, size: u32, bytes: &[u8]) -> Vec<Rgb> {
     }
 }
 
-/// KTX 1 by its specification; `rule` names what does not hold.
+/// Parses KTX 1 by its specification; `rule` names the violated rule.
 pub(crate) fn parse_ktx1(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
     let rule = |holds: bool, what: &str| if holds { Ok(()) } else { Err(what.to_owned()) };
     rule(bytes.starts_with(b"\xabKTX 11\xbb\r\n\x1a\n"), "identifier")?;
@@ -97,11 +97,11 @@ pub(crate) fn parse_ktx1(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
     Ok(Cube { size, pairs, levels })
 }
 
-/// DDS by Microsoft's guide.
+/// Parses DDS by Microsoft's guide.
 pub(crate) fn parse_dds(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
     let rule = |holds: bool, what: &str| if holds { Ok(()) } else { Err(what.to_owned()) };
     rule(bytes.starts_with(b"DDS ") && word(bytes, 4) == 124, "magic and header size")?;
-    // CAPS, HEIGHT, WIDTH, PIXELFORMAT and MIPMAPCOUNT where there are levels.
+    // CAPS, HEIGHT, WIDTH, PIXELFORMAT, and MIPMAPCOUNT if there are several levels.
     let count = word(bytes, 28).max(1);
     let flags = word(bytes, 8);
     rule(flags & 0x1007 == 0x1007, "flags")?;
@@ -142,7 +142,7 @@ pub(crate) fn parse_dds(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
     Ok(Cube { size, pairs: Vec::new(), levels })
 }
 
-/// What `texel` becomes when stored as `pixel`.
+/// Returns `texel` as stored in `pixel`.
 fn stored(pixel: Pixel, texel: Rgb) -> Rgb {
     match pixel {
         Pixel::F16 => to_half(texel),
@@ -162,7 +162,7 @@ fn same(found: &Cube, chain: &Chain, pixel: Pixel) {
 }
 
 #[test]
-fn ktx1_and_dds_hold_every_level_as_their_guides_have_it() {
+fn ktx1_and_dds_hold_every_level_by_their_specifications() {
     for size in [1, 2, 16, 24] {
         let chain = chain(size, size.ilog2() + 1, false);
         for pixel in PLAIN {
@@ -206,7 +206,7 @@ fn the_program_reads_the_dds_that_it_writes() {
 
 #[test]
 fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
-    // 5 leaves blocks cut on every level but the first of 8.
+    // Size 5 has partial blocks on every level, size 8 on the last only.
     for size in [8, 5] {
         let chain = chain(size, 3, false);
         for pixel in [Pixel::Bc6h, Pixel::R11g11b10] {
@@ -229,7 +229,7 @@ fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
                 assert_eq!(first_difference(&found.texels, expected), None, "{size} {pixel:?}");
                 assert_eq!((found.size(), found.roughness), (exact.size(), exact.roughness));
             }
-            // A DDS file's report tells the roughness.
+            // A DDS file's report contains the roughness.
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("a.dds");
             std::fs::write(&path, &dds).unwrap();
@@ -252,14 +252,14 @@ fn rgbd_keeps_radiance_within_what_eight_bits_of_gamma_hold() {
         let value = 2_f32.powf(k as f32 / 250.0 - 8.0).min(RGBD_MAX);
         let code = rgbd_from_rgb([value, value / 3.0, 0.0]);
         let [r, g, b] = rgb_from_rgbd(code);
-        // Half a code, and up to a half of the range lost to the divisor's rounding down.
+        // Half a code, and up to half of the range lost because the divisor is rounded down.
         worst = worst.max((r - value).abs() / value.max(0.25));
         assert!((g - value / 3.0).abs() < 0.02 * value.max(0.25) && b == 0.0, "{value}: {code:?}");
     }
     assert!(worst < 0.013, "{worst}");
     assert_eq!(rgbd_from_rgb([1.0, 0.5, 0.0])[3], 255);
     assert_eq!(rgb_from_rgbd(rgbd_from_rgb([1e9, 0.0, 0.0])), [RGBD_MAX, 0.0, 0.0]);
-    assert_eq!(rgb_from_rgbd([255, 0, 0, 0]), [255.0, 0.0, 0.0], "a divisor of 0 is no division by 0");
+    assert_eq!(rgb_from_rgbd([255, 0, 0, 0]), [255.0, 0.0, 0.0], "a divisor of 0 must not divide by 0");
     let png = rgbd_png_bytes(2, &[[1.0, 0.0, 2.0], [0.2; 3]]).unwrap();
     let read = image::load_from_memory(&png).unwrap().into_rgba8();
     assert_eq!(read.dimensions(), (2, 1));

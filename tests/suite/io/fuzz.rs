@@ -1,10 +1,10 @@
-//! Mutated inputs: every reader ends in an environment or an error, soon and within its memory.
+//! Mutated inputs: every reader returns an environment or an error, in limited time and memory.
 
 use crate::support::mutation;
 use std::process::Command;
 use std::time::Duration;
 
-/// The whole suite shares one allocator, so the peaks are taken in a process where nothing else runs.
+/// Measures peaks in a separate process, because the whole suite shares one allocator.
 #[test]
 fn mutated_inputs_neither_panic_nor_hang_nor_swell() {
     let output = Command::new(std::env::current_exe().unwrap())
@@ -18,19 +18,24 @@ fn mutated_inputs_neither_panic_nor_hang_nor_swell() {
 }
 
 #[test]
-#[ignore = "run by mutated_inputs_neither_panic_nor_hang_nor_swell, in a process of its own"]
+#[ignore = "run by mutated_inputs_neither_panic_nor_hang_nor_swell, in a separate process"]
 fn mutated_inputs_alone() {
     let folder = tempfile::tempdir().unwrap();
     for reader in mutation::readers(folder.path()) {
         let tally = mutation::fuzz(&reader, 5_000, &crate::MEMORY);
         assert_eq!(tally.mutations, 5_000, "{}: all were tried", reader.name);
-        assert_eq!(tally.errors + tally.reads, 5_000, "{}: each ended in one or the other", reader.name);
-        assert!(tally.errors > 500, "{}: the damage must be felt: {tally:?}", reader.name);
+        assert_eq!(
+            tally.errors + tally.reads,
+            5_000,
+            "{}: each must end in an error or an environment",
+            reader.name
+        );
+        assert!(tally.errors > 500, "{}: mutations must cause errors: {tally:?}", reader.name);
         assert!(tally.holds(), "{}: {tally:?}", reader.name);
     }
 }
 
-/// The judgement above must be able to fail.
+/// The tally must be able to fail.
 #[test]
 fn tally_detects_panics_slowness_and_swelling() {
     let good = || mutation::Tally {
@@ -41,7 +46,7 @@ fn tally_detects_panics_slowness_and_swelling() {
         slowest: Duration::from_millis(1),
         peak_bytes: 1000,
     };
-    assert!(good().holds(), "the good one");
+    assert!(good().holds(), "the good tally holds");
     assert!(!mutation::Tally { panics: 1, ..good() }.holds(), "a panic");
     assert!(!mutation::Tally { slowest: Duration::from_secs(3), ..good() }.holds(), "slow");
     assert!(!mutation::Tally { peak_bytes: mutation::PEAK_LIMIT + 1, ..good() }.holds(), "large");
@@ -52,5 +57,5 @@ fn allocator_counts() {
     use peakmem_alloc::PeakMemAllocTrait as _;
     crate::MEMORY.reset_peak_memory();
     std::hint::black_box(vec![0u8; 50 << 20]);
-    assert!(crate::MEMORY.get_peak_memory() > 40 << 20, "fifty megabytes were seen");
+    assert!(crate::MEMORY.get_peak_memory() > 40 << 20, "the allocator must count fifty megabytes");
 }

@@ -1,4 +1,4 @@
-//! The KTX2 writer against the specification, by a parser of its own, and against the `ktx2` crate.
+//! The KTX2 writer, against the specification by an independent parser, and against the `ktx2` crate.
 
 use crate::support::written::{chain, first_difference, metadata, to_half};
 use half::f16;
@@ -8,7 +8,7 @@ use octagloss::internals::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g1
 use octagloss::internals::format::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
 use octagloss::internals::io::ktx2::write::{ROUGHNESS_KEY, ktx2_bytes};
 
-/// What the independent parser below finds in a file.
+/// Contents of a file as read by the independent parser below.
 struct Parsed {
     size: u32,
     pairs: Vec<(String, Vec<u8>)>,
@@ -16,8 +16,8 @@ struct Parsed {
     levels: Vec<Vec<u8>>,
 }
 
-/// Reads a KTX2 file by the specification alone and checks on the way everything that it says about such
-/// files; the first rule broken comes back in words.
+/// Reads a KTX2 file by the specification alone and checks all its rules for such files; returns the first
+/// violated rule.
 fn parse_ktx2(bytes: &[u8], vk_format: u32, type_size: u32, texel_bytes: u32) -> Result<Parsed, String> {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     let long = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
@@ -46,7 +46,7 @@ fn parse_ktx2(bytes: &[u8], vk_format: u32, type_size: u32, texel_bytes: u32) ->
     rule(word(dfd_at + 8) & 0xffff == 2, "version 1.3")?;
     let block = (word(dfd_at + 8) >> 16) as usize;
     rule(block + 4 == dfd_len && (block - 24).is_multiple_of(16), "descriptorBlockSize")?;
-    // BC6H, the only block-compressed one, has a model of its own (133) and blocks of 4 x 4.
+    // BC6H, the only block-compressed format, has its own model (133) and blocks of 4 x 4.
     let (model, edge_of_block) = if vk_format == 143 { (133, 4) } else { (1, 1) };
     rule(word(dfd_at + 12) == model | 1 << 8 | 1 << 16, "RGBSDA, BT.709, linear, straight alpha")?;
     rule(word(dfd_at + 16) == (edge_of_block - 1) * 0x101, "texel blocks of one")?;
@@ -89,7 +89,7 @@ fn parse_ktx2(bytes: &[u8], vk_format: u32, type_size: u32, texel_bytes: u32) ->
     Ok(Parsed { size, pairs, samples, levels })
 }
 
-/// vkFormat, typeSize and bytes a texel.
+/// vkFormat, typeSize and bytes per texel.
 const FORMATS: [(Pixel, u32, u32, u32); 4] = [
     (Pixel::F16, 97, 2, 8),
     (Pixel::F32, 109, 4, 16),
@@ -186,9 +186,9 @@ fn ktx2_samples_are_those_of_the_data_format_specification() {
     };
     assert_eq!(samples(0), float_samples(16));
     assert_eq!(samples(1), float_samples(32));
-    // RGB9E5 as vk2dfd of Khronos' dfdutils, which `ktx validate` compares with, has it: a mantissa of 9 bits
-    // and the exponent of bits 27..31, thrice; the exponent's qualifier is 0x2, its lower the bias 15, its
-    // upper 31.
+    // RGB9E5 as defined by vk2dfd of Khronos' dfdutils, which `ktx validate` compares with: three times a
+    // mantissa of 9 bits and the exponent of bits 27..31. The exponent has the qualifier 0x2, its lower is
+    // the bias 15, its upper 31.
     let expected: Vec<[u32; 4]> = (0..3)
         .flat_map(|channel: u32| {
             [

@@ -1,4 +1,4 @@
-//! Octahedral interchange files, by the `ktx2` and `exr` crates and a bilinear look-up of their own.
+//! Octahedral interchange files, read by the `ktx2` and `exr` crates and an independent bilinear look-up.
 
 use crate::support::common::{Random, landmarks};
 use crate::support::written::first_difference;
@@ -14,7 +14,7 @@ use octagloss::internals::io::oem_write::oem_bytes;
 use octagloss::internals::oem::level_sizes;
 use octagloss::{Layout, Rgb};
 
-/// `count` octahedral levels from `size` down, of random half floats.
+/// Returns `count` octahedral levels from `size` down, of random half floats.
 pub(crate) fn levels(size: u32, count: u32, seed: u64) -> Vec<Level> {
     let mut random = Random::new(seed);
     let mut texel = || [(); 3].map(|()| f16::from_f64(random.unit()).to_f32());
@@ -31,7 +31,7 @@ pub(crate) fn levels(size: u32, count: u32, seed: u64) -> Vec<Level> {
 /// Side and texels of a level of half floats.
 pub(crate) type ReadLevel = (u32, Vec<[f16; 4]>);
 
-/// The levels of a 2D KTX2 file of half floats, and its key/value pairs.
+/// Returns the levels of a 2D KTX2 file of half floats, and its key/value pairs.
 pub(crate) fn read_ktx2(bytes: &[u8]) -> (Vec<ReadLevel>, Vec<(String, String)>) {
     let reader = ktx2::Reader::new(bytes).unwrap();
     let header = reader.header();
@@ -49,7 +49,7 @@ pub(crate) fn read_ktx2(bytes: &[u8]) -> (Vec<ReadLevel>, Vec<(String, String)>)
     (reader.levels().enumerate().map(level).collect(), pairs)
 }
 
-/// Octahedral coordinates, after the rule in the file's metadata.
+/// Returns octahedral coordinates by the rule in the file's metadata.
 fn oct(d: DVec3) -> DVec2 {
     let p = d / (d.x.abs() + d.y.abs() + d.z.abs());
     let s = |t: f64| if t >= 0.0 { 1.0 } else { -1.0 };
@@ -60,8 +60,7 @@ fn oct(d: DVec3) -> DVec2 {
     }
 }
 
-/// Bilinear interpolation of `image` (`side` x `side`) at `place`, in texels, without wrapping: none may be
-/// needed.
+/// Interpolates `image` (`side` x `side`) bilinearly at `place`, in texels; fails if that would wrap.
 pub(crate) fn bilinear(side: u32, place: DVec2, texel: impl Fn(u32, u32) -> [f64; 3]) -> [f64; 3] {
     let at = place - 0.5;
     let low = at.floor();
@@ -75,15 +74,15 @@ pub(crate) fn bilinear(side: u32, place: DVec2, texel: impl Fn(u32, u32) -> [f64
     mix(mix(texel(x, y), texel(x + 1, y), f.x), mix(texel(x, y + 1), texel(x + 1, y + 1), f.x), f.y)
 }
 
-/// What a look-up in the unfolded plane gives, from the square alone: texels beyond an edge are found by
-/// stepping over the sphere, from the centre of a texel to the other side of the edge.
+/// Looks up `direction` in the unfolded plane, using the square alone: finds texels beyond an edge by
+/// stepping over the sphere, from the centre of a texel across the edge.
 pub(crate) fn unfolded(level: &Level, direction: DVec3) -> [f64; 3] {
     let n = level.layout.sides().0;
     let texel = |x: u32, y: u32| {
-        // Undo the border of one texel.
+        // Remove the border of one texel.
         let (x, y) = (f64::from(x) - 1.0, f64::from(y) - 1.0);
         let mut uv = (DVec2::new(x, y) + 0.5) * (2.0 / f64::from(n)) - 1.0;
-        // Across u = 1: (u, v) -> (2 - u, -v), and alike.
+        // Across u = 1: (u, v) -> (2 - u, -v), and likewise for the other edges.
         for _ in 0..2 {
             if uv.x.abs() > 1.0 {
                 uv = DVec2::new(2.0 * uv.x.signum() - uv.x, -uv.y);
@@ -98,7 +97,7 @@ pub(crate) fn unfolded(level: &Level, direction: DVec3) -> [f64; 3] {
     bilinear(n + 2, (oct(direction) + 1.0) / 2.0 * f64::from(n) + 1.0, texel)
 }
 
-/// Directions on and beside every fold, edge midpoint, corner and pole, and anywhere.
+/// Returns directions on and near every fold, edge midpoint, corner and pole, and anywhere.
 pub(crate) fn directions() -> Vec<DVec3> {
     let mut random = Random::new(17);
     let mut all = landmarks();
@@ -107,7 +106,7 @@ pub(crate) fn directions() -> Vec<DVec3> {
             all.extend((0..4).map(|_| (landmark + random.direction() * scale).normalize()));
         }
     }
-    // The lower half's folds lie over x = 0 and z = 0: the square's edges.
+    // The lower half's folds lie over x = 0 and z = 0, the square's edges.
     for k in 0..100 {
         let angle = f64::from(k) * 0.0631;
         all.push(DVec3::new(angle.sin(), angle.cos(), 0.0));
@@ -118,7 +117,7 @@ pub(crate) fn directions() -> Vec<DVec3> {
 }
 
 #[test]
-fn bilinear_look_ups_never_wrap_and_are_those_of_the_unfolded_plane() {
+fn bilinear_look_ups_never_wrap_and_match_the_unfolded_plane() {
     for (size, count) in [(1, 1), (8, 1), (8, 4), (48, 5), (40, 3)] {
         let levels = levels(size, count, 1);
         let file = oem_bytes(Container::Ktx2, &levels, Pixel::F16, &[]).unwrap();
@@ -137,7 +136,7 @@ fn bilinear_look_ups_never_wrap_and_are_those_of_the_unfolded_plane() {
         for (index, (side, texels)) in found.iter().enumerate() {
             let (n, border) = (interior[index], borders[index]);
             assert_eq!((*side, n), (n + 2 * border, size >> index));
-            // The same share of the side at every level: one mapping.
+            // The border's share of the side is the same at every level: one mapping.
             assert_eq!(u64::from(border) * u64::from(found[0].0), u64::from(borders[0]) * u64::from(*side));
             let texel = |x: u32, y: u32| {
                 let [r, g, b, a] = texels[(y * side + x) as usize];
@@ -156,7 +155,7 @@ fn bilinear_look_ups_never_wrap_and_are_those_of_the_unfolded_plane() {
 }
 
 #[test]
-fn a_border_that_is_clamped_is_seen() {
+fn a_clamped_border_is_detected() {
     let levels = levels(16, 1, 2);
     let n = 16;
     let clamped = |x: u32, y: u32| {

@@ -1,4 +1,4 @@
-//! Outputs appear whole or not at all, and replace nothing that is not ours.
+//! Outputs appear whole or not at all, and never replace foreign files.
 
 use crate::support::written::{chain, names_in};
 use octagloss::internals::format::Pixel;
@@ -77,7 +77,7 @@ fn force_never_replaces_a_folder_with_other_files_in_it() {
         assert!(path.join(stranger).exists());
         fs::remove_dir_all(&path).unwrap();
     }
-    // Images of such names that another program wrote, where there is no report.
+    // Images of such names by another program, without a report.
     for name in ["m0.exr", "m7_px.exr", "m0_px.hdr"] {
         fs::create_dir(&path).unwrap();
         fs::write(path.join(name), "#?RADIANCE").unwrap();

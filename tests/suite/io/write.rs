@@ -1,4 +1,4 @@
-//! The writers of images: the same bytes always, and what they write read back by other readers.
+//! The image writers: output is deterministic, and other readers read it back.
 
 use crate::support::written::{
     chain, first_difference, metadata, names_in, noise, read_exr, read_exr_rgb, texels, to_half,
@@ -36,7 +36,7 @@ fn every_half_float_survives_and_midpoints_round_to_even() {
     let expected: Vec<u8> = finite.iter().flat_map(|h| h.to_le_bytes()).collect();
     assert!(bytes == expected);
 
-    // Halfway between two neighbours the one with an even mantissa wins.
+    // Halfway between two neighbours, the one with an even mantissa wins.
     let midpoints: Vec<f32> = values.windows(2).map(|pair| f32::midpoint(pair[0], pair[1])).collect();
     bytes.clear();
     push_halves(&midpoints, &mut bytes);
@@ -89,7 +89,7 @@ fn rgb9e5_rounds_to_nearest_clamps_and_carries() {
         }
         let greatest = colour.into_iter().fold(0.0, f32::max);
         // 255.75 rounds up to a step of twice the size.
-        assert!(step <= (greatest / 255.75).max(2_f32.powi(-24)), "no exponent above need: {colour:?}");
+        assert!(step <= (greatest / 255.75).max(2_f32.powi(-24)), "the exponent is too great: {colour:?}");
     }
 }
 
@@ -122,8 +122,8 @@ fn exr_files_come_back_as_written() {
 }
 
 #[test]
-fn exr_blocks_that_do_not_shrink_and_that_do() {
-    // Random bits stay raw, a constant shrinks to almost nothing.
+fn exr_stores_incompressible_and_compressible_blocks() {
+    // Random bits stay uncompressed; a constant shrinks to almost nothing.
     let random: Vec<f32> = (0..64 * 64).map(|at| noise(at) * 3e38 * noise(at + 9999)).collect();
     let bytes = exr_bytes(64, 64, Samples::Luminance(&random), Pixel::F32, &[]).unwrap();
     assert_eq!(read_exr(&bytes, &["Y"]).2, [random]);
@@ -151,7 +151,7 @@ fn exr_refuses_what_it_cannot_hold() {
     assert!(exr_bytes(1, 1, Samples::Rgb(&[[1.0; 3]]), Pixel::Rgb9e5, &[]).is_err());
 }
 
-/// The files of a level folder.
+/// Returns the files of a level folder.
 fn level_folder(
     chain: &Chain,
     irradiance: Option<Level>,
@@ -192,7 +192,7 @@ fn an_exr_folder_holds_every_face_bound_and_the_irradiance() {
         for face in Face::ALL {
             let name = face.short_name();
             let bytes = &made[&format!("m{index}_{name}.exr")].bytes;
-            // Half floats but where they do not do.
+            // Half floats, except where they do not suffice.
             let expected: Vec<Rgb> =
                 level.face(face).iter().map(|t| if index == 1 { *t } else { to_half(*t) }).collect();
             assert_eq!(first_difference(&read_exr_rgb(bytes), &expected), None, "level {index} {name}");
@@ -204,10 +204,10 @@ fn an_exr_folder_holds_every_face_bound_and_the_irradiance() {
             assert_eq!(read_exr(bytes, &["Y"]).2, [bounds.to_vec()]);
         }
     }
-    // A face in another's place is seen.
+    // A swapped face is detected.
     let other: Vec<Rgb> = chain.levels[0].face(Face::PosX).iter().map(|t| to_half(*t)).collect();
     assert!(first_difference(&read_exr_rgb(&made["m0_nx.exr"].bytes), &other).is_some());
-    // Asked for, half clamps and counts; float does neither.
+    // On request, half clamps and counts; float does neither.
     assert_eq!(clamped(&level_folder(&chain, None, Container::Exr, Pixel::F16)), 1);
     assert_eq!(clamped(&level_folder(&chain, None, Container::Exr, Pixel::F32)), 0);
 }
@@ -242,7 +242,7 @@ fn hdr_files_come_back_within_half_a_step_without_bias() {
     for (texel, back) in original.iter().zip(decoded.pixels()) {
         let greatest = texel.iter().copied().fold(0.0, f32::max);
         for c in 0..3 {
-            // A mantissa has 8 bits and the greatest lies in [128, 256) steps.
+            // A mantissa has 8 bits, and the greatest lies in [128, 256) steps.
             assert!((texel[c] - back[c]).abs() <= greatest / 256.0, "{texel:?} {back:?}");
             sum += f64::from(texel[c]);
             decoded_sum += f64::from(back[c]);

@@ -1,5 +1,5 @@
-//! The brightest cells of an OEM, taken out of it: nothing is lost, nothing steps, and suns have the lobe's
-//! own shape.
+//! Extraction of an OEM's brightest cells: energy is conserved, answers are continuous, and a sun's highlight
+//! has the lobe's shape.
 
 use crate::cpu::adaptive::{ask, luminance, reflector};
 use crate::support::common::{Look, Random, environment, oem, texels};
@@ -14,7 +14,7 @@ use octagloss::internals::realtime::tables::COUNTS;
 use octagloss::internals::sphere::octahedral::{direction_from_oct, oct_from_direction, texel_centre};
 use std::f64::consts::PI;
 
-/// The texels of cell `cell` of an OEM of `inner` texels.
+/// Returns the texels of cell `cell` of an OEM of `inner` texels.
 fn cell(inner: u32, cell: u32) -> Vec<(u32, u32)> {
     let block = (inner / GRID).max(1);
     let side = inner / block;
@@ -22,7 +22,7 @@ fn cell(inner: u32, cell: u32) -> Vec<(u32, u32)> {
     (0..block * block).map(|k| (x + k % block, y + k / block)).collect()
 }
 
-/// Energy and solid angle of texels, in double precision.
+/// Sums energy and solid angle of texels in double precision.
 fn sum(oem: &Oem, texels: &[(u32, u32)]) -> [f64; 4] {
     let mut sum = [0.0; 4];
     for (x, y) in texels {
@@ -37,7 +37,7 @@ fn brightness([r, g, b, w]: [f64; 4]) -> f64 {
     (r + g + b) / w
 }
 
-/// What is wrong with `emitters` and the `rest` of `oem`.
+/// Returns the first error in `emitters` and the residual map `rest` of `oem`.
 fn wrong(oem: &Oem, emitters: &[Emitter], rest: &Oem) -> Option<String> {
     let inner = oem.size().inner;
     let side = inner / (inner / GRID).max(1);
@@ -77,7 +77,7 @@ fn wrong(oem: &Oem, emitters: &[Emitter], rest: &Oem) -> Option<String> {
 }
 
 #[test]
-fn what_emitters_have_the_rest_has_not() {
+fn emitters_and_the_residual_conserve_energy() {
     let mut random = Random::new(130);
     for (inner, border) in [(16, 0), (64, 5), (512, 0), (1024, 0)] {
         for look in [Look::Noise, Look::Suns, Look::Smooth, Look::Lone] {
@@ -88,14 +88,14 @@ fn what_emitters_have_the_rest_has_not() {
             assert_eq!(wrong(&oem, &emitters, &rest), None, "{name}");
             assert_eq!(Oem::from_square(size, rest.square().copied().collect()), rest);
             assert!(!emitters.is_empty() && emitters.len() <= COUNT, "{name}: {}", emitters.len());
-            // One too few, one too strong, one elsewhere, one texel a thousandth brighter.
-            assert!(wrong(&oem, &emitters[1..], &rest).is_some(), "{name}: one too few");
+            // One missing, one too strong, one displaced, one texel 0.1 % brighter.
+            assert!(wrong(&oem, &emitters[1..], &rest).is_some(), "{name}: one missing");
             let mut other = emitters.clone();
             other[0].energy[1] *= 1.001;
             assert!(wrong(&oem, &other, &rest).is_some(), "{name}: one too strong");
             other.clone_from(&emitters);
             other[0].direction = -other[0].direction;
-            assert!(wrong(&oem, &other, &rest).is_some(), "{name}: one elsewhere");
+            assert!(wrong(&oem, &other, &rest).is_some(), "{name}: one displaced");
             if look == Look::Lone {
                 continue;
             }
@@ -109,7 +109,7 @@ fn what_emitters_have_the_rest_has_not() {
 }
 
 #[test]
-fn an_even_sky_has_none() {
+fn an_even_sky_has_no_emitters() {
     for inner in [16, 64, 512] {
         let radiance = vec![[0.25, 1.0, 3e4]; (inner * inner) as usize];
         let (emitters, _) = extracted(&oem(OemSize { inner, border: 0 }, &radiance));
@@ -119,14 +119,14 @@ fn an_even_sky_has_none() {
     }
 }
 
-/// A sky of radiance 1 with a disc of light in it, `radius` radians across its half and `power` bright.
+/// Returns a sky of radiance 1 with a disc of light of radius `radius` in radians and of radiance `power`.
 fn sun(n: u32, towards: DVec3, radius: f64, power: f32) -> Vec<[f32; 3]> {
     let lit = |k: u32| direction_from_oct(texel_centre(n, k % n, k / n)).distance(towards) < radius;
     (0..n * n).map(|k| if lit(k) { [power; 3] } else { [1.0; 3] }).collect()
 }
 
-/// What answers around a small sun may be off by at a roughness, against the exact lobe there: a sun of a few
-/// texels is wide against the sharpest.
+/// Roughness, and error bound of answers around a small sun relative to the exact lobe. For the sharpest
+/// lobe, a sun of a few texels is wide.
 const HIGHLIGHTS: [(f64, f64); 4] = [(0.2, 0.03), (0.3, 0.005), (0.5, 1e-3), (0.7, 1e-3)];
 
 #[test]
@@ -141,12 +141,12 @@ fn the_highlight_of_a_sun_is_the_lobe_itself() {
         let oracle = OemOracle::new(reflector.oem());
         let side = towards.any_orthonormal_vector();
         for (roughness, allowed) in HIGHLIGHTS {
-            // From the highlight's middle to where the sky outshines it, all around.
+            // From the highlight's centre to where the sky outshines it, all around.
             let around = |k: u32| {
                 let turn = DQuat::from_axis_angle(towards, f64::from(k) * 2.4);
                 (towards + turn * side * (roughness * roughness * f64::from(k) / 2.0)).normalize()
             };
-            // Fifteen distances, a third of them at each place.
+            // Fifteen distances, a third of them at each position.
             let directions: Vec<DVec3> = (0..15).skip(index % 3).step_by(3).map(around).collect();
             let truths: Vec<f64> =
                 directions.iter().map(|d| luminance(oracle.reflect(Lobe::Ggx, roughness, *d))).collect();
@@ -160,7 +160,7 @@ fn the_highlight_of_a_sun_is_the_lobe_itself() {
                 println!("fitted:{count} {roughness} around {towards:.2}: {off:.4}");
                 assert!(off < allowed, "fitted:{count} {roughness} around {towards}: off by {off}");
             }
-            // The paper's box has no such shape.
+            // The paper's box does not have this shape.
             let off = worst(Filter::Box);
             assert!(off > 0.2, "a box of {roughness} around {towards}: {off}");
         }
@@ -168,7 +168,7 @@ fn the_highlight_of_a_sun_is_the_lobe_itself() {
 }
 
 #[test]
-fn nothing_steps_while_lamps_outshine_one_another() {
+fn answers_are_continuous_while_lamps_outshine_one_another() {
     let n = 64;
     let layout = Layout::Octahedral { size: n };
     let mut random = Random::new(132);
@@ -179,7 +179,7 @@ fn nothing_steps_while_lamps_outshine_one_another() {
         .map(|place| direction_from_oct(texel_centre(n, *place as u32 % n, *place as u32 / n)))
         .chain((0..5).map(|_| random.direction()))
         .collect();
-    // Lamps of several colours grow from nothing to ten times the brightest texels, each at its own pace.
+    // Lamps of several colours grow from nothing to ten times the brightest texels, at different rates.
     let at = |time: f64| {
         let mut lit = sky.clone();
         for (k, place) in places.iter().enumerate() {
@@ -199,6 +199,6 @@ fn nothing_steps_while_lamps_outshine_one_another() {
             assert!(bend < 1e-3, "answer {place}: {a}, {b}, {c}");
         }
         let [first, last] = [&frames[0], &frames[400]].map(|frame| luminance(frame[place]));
-        assert!(last > first, "lamps light all: {first}, {last}");
+        assert!(last > first, "the lamps must light every answer: {first}, {last}");
     }
 }

@@ -1,4 +1,4 @@
-//! The real-time tier: blurred tables to the last bit, the parameters' symmetry, and what is served against
+//! The real-time tier: blurred tables to the last bit, the symmetry of the parameters, and answers against
 //! exhaustive integration over the OEM.
 
 use crate::cpu::adaptive::{FURNACE, ask, furnace_error, luminance, reflector};
@@ -21,7 +21,7 @@ use octagloss::internals::sphere::octahedral::{
 use octagloss::{Environment, Layout};
 use std::f64::consts::PI;
 
-/// A map of `n` x `n` texels in a `look`, as an environment of its own.
+/// Returns an octahedral environment of `n` x `n` texels in a `look`.
 fn square(random: &mut Random, look: Look, n: u32) -> Environment {
     let layout = Layout::Octahedral { size: n };
     environment(layout, texels(random, look, layout))
@@ -39,7 +39,7 @@ fn blurred_tables_are_two_boxes_on_the_unfolded_plane_to_the_last_bit() {
             let table = blurred(&sat, octave);
             let size = n / factor;
             assert_eq!((table.size(), table.fixed_point()), (OemSize { inner: size, border: 0 }, fixed));
-            // Texel by texel: the mean of the means of the boxes around its corners.
+            // Each texel is the mean of the means of the boxes around its corners.
             let texel = |x: i64, y: i64| {
                 let (x, y) = wrap_texel(n, x, y);
                 sat.bordered_box(x.into(), y.into(), i64::from(x) + 1, i64::from(y) + 1)
@@ -65,7 +65,7 @@ fn blurred_tables_are_two_boxes_on_the_unfolded_plane_to_the_last_bit() {
                 let found = table.bordered_box(x, y, x + 1, y + 1);
                 assert_eq!(found, expected, "octave {octave}, texel ({x}, {y})");
             }
-            // Nothing is lost but less than two units to a texel.
+            // The loss is less than two units per texel.
             let whole = i64::from(size);
             let (before, after) =
                 (sat.plane_box(0, 0, n.into(), n.into()), table.plane_box(0, 0, whole, whole));
@@ -78,7 +78,7 @@ fn blurred_tables_are_two_boxes_on_the_unfolded_plane_to_the_last_bit() {
 
 #[test]
 fn harmonics_are_orthonormal() {
-    // Gauss and Legendre's five nodes in z, and ten longitudes, integrate products of up to order 9.
+    // Five Gauss-Legendre nodes in z and ten longitudes integrate products of up to order 9.
     let nodes = [
         (0.0, 0.568_888_888_888_888_9),
         (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
@@ -135,7 +135,7 @@ fn places_in_the_triangle_interpolate_it() {
             .sum();
         assert!(place.shares.iter().all(|share| *share >= -1e-12), "{place:?}");
         assert!(mean.distance(point) < 1e-12, "{uv} at {point}, among nodes {mean}");
-        // A step in the triangle is the same step around the point that was folded.
+        // A step in the triangle equals the step around the unfolded point.
         let step = DVec2::new(1e-4, 3e-5);
         let there = uv + fold.oct_from_triangle(step);
         if there.abs().max_element() < 1.0 && triangle_from_oct(there).0.distance(point) < 2e-4 {
@@ -150,7 +150,7 @@ fn boxes(table: &Table, octave: u32, alpha: f64, point: DVec2) -> Vec<SoftBox> {
     boxes
 }
 
-/// How far the kernel at `point` is from its image in a mirror of the plane.
+/// Measures how far the kernel at `point` is from its image in a mirror of the plane.
 fn asymmetry(table: &Table, octave: u32, alpha: f64, point: DVec2, mirror: fn(DVec2) -> DVec2) -> f64 {
     let boxes = boxes(table, octave, alpha, point);
     let apart = |a: &SoftBox, b: &SoftBox| {
@@ -164,7 +164,7 @@ fn asymmetry(table: &Table, octave: u32, alpha: f64, point: DVec2, mirror: fn(DV
 fn kernels_on_the_triangle_s_sides_are_their_own_mirror_images() {
     let mut random = Random::new(74);
     for count in COUNTS {
-        let table = Table::of(count).expect("a count that there is");
+        let table = Table::of(count).expect("a supported count");
         let mut inside: f64 = 0.0;
         for octave in OCTAVES {
             for _ in 0..20 {
@@ -180,10 +180,7 @@ fn kernels_on_the_triangle_s_sides_are_their_own_mirror_images() {
                 inside = inside.max(check(DVec2::new(0.5, 0.2), |o| DVec2::new(o.x, -o.y)) / alpha);
             }
         }
-        assert!(
-            inside > 1e-2,
-            "fitted:{count}: elsewhere kernels are not symmetric, and that shows: {inside}"
-        );
+        assert!(inside > 1e-2, "fitted:{count}: kernels inside must not be symmetric: {inside}");
     }
 }
 
@@ -202,11 +199,11 @@ fn a_fitted_furnace_is_white() {
             assert!(error <= FURNACE, "fitted:{count} {inner}: off by {error:e}");
         }
         let error = furnace_error(&spotted, 64, Lobe::Ggx, Filter::Fitted(count), &directions);
-        assert!(error > FURNACE, "fitted:{count}: one texel a hundredth brighter shows: {error:e}");
+        assert!(error > FURNACE, "fitted:{count}: one texel 1 % brighter is not detected: {error:e}");
     }
 }
 
-/// The sixteen turns and mirrors of the sphere that the map is symmetric in.
+/// Returns the sixteen turns and mirrors of the sphere under which the map is symmetric.
 fn symmetries() -> Vec<DMat3> {
     let mut all = Vec::new();
     for signs in (0..8).map(|k| [1, 2, 4].map(|bit| if k & bit == 0 { 1.0 } else { -1.0 })) {
@@ -218,7 +215,7 @@ fn symmetries() -> Vec<DMat3> {
 }
 
 #[test]
-fn every_orientation_answers_alike() {
+fn answers_are_equal_in_every_orientation() {
     let mut random = Random::new(76);
     let n = 64;
     let upright = square(&mut random, Look::Noise, n);
@@ -251,18 +248,18 @@ fn every_orientation_answers_alike() {
     assert_eq!(compared, 16 * 12 * 12 * 3);
 }
 
-/// The greatest second difference of `values` in a row, against the values there: what the eye sees of a step
-/// or a crease.
+/// Returns the greatest second difference of consecutive `values`, relative to the values there: the
+/// visibility of a step or crease.
 fn roughest(values: &[f64]) -> f64 {
     let local = |three: &[f64]| (three[0] - 2.0 * three[1] + three[2]).abs() / three[1].max(1e-9);
     values.windows(3).map(local).fold(0.0, f64::max)
 }
 
-/// What the issue asks of steps.
+/// Greatest step allowed.
 const STEP: f64 = 1e-3;
 
 #[test]
-fn nothing_steps_while_directions_turn() {
+fn answers_are_continuous_in_direction() {
     let mut random = Random::new(77);
     let environments = [Look::Noise, Look::Suns].map(|look| square(&mut random, look, 128));
     let reflectors = environments.each_ref().map(|environment| reflector(environment, 128));
@@ -271,8 +268,7 @@ fn nothing_steps_while_directions_turn() {
         ways.push((landmark, random.direction()));
     }
     for _ in 0..10 {
-        // Across each of the planes in which folds, axes and the square's edges lie, and across the planes of
-        // x = +-z.
+        // Cross each plane that contains folds, axes or the square's edges, and the planes x = +-z.
         let direction = random.direction();
         let diagonal = DVec3::new(direction.x, direction.y, direction.x).normalize();
         ways.extend(
@@ -301,7 +297,7 @@ fn nothing_steps_while_directions_turn() {
 }
 
 #[test]
-fn nothing_steps_while_roughness_grows() {
+fn answers_are_continuous_in_roughness() {
     let mut random = Random::new(78);
     let directions: Vec<DVec3> =
         landmarks().into_iter().chain((0..10).map(|_| random.direction())).step_by(3).collect();
@@ -331,7 +327,7 @@ fn nothing_steps_while_roughness_grows() {
 }
 
 #[test]
-fn a_step_of_a_thousandth_shows() {
+fn a_step_of_a_thousandth_is_detected() {
     let slope = |k: i32| 2.0 + 1e-4 * f64::from(k);
     let smooth: Vec<f64> = (0..50).map(slope).collect();
     let stepped: Vec<f64> = (0..50).map(|k| slope(k) * if k < 25 { 1.0 } else { 1.0 + 1.1 * STEP }).collect();
@@ -371,7 +367,7 @@ fn a_sun_leaves_no_lobe_darker_than_the_darkest_texel() {
 }
 
 #[test]
-fn roughness_0_is_the_oracle_s_mirror_and_little_more_is_near_it() {
+fn roughness_0_is_the_oracle_s_mirror_and_small_roughness_is_near_it() {
     let mut random = Random::new(80);
     let environment = square(&mut random, Look::Noise, 64);
     let reflector = reflector(&environment, 64);
@@ -382,14 +378,14 @@ fn roughness_0_is_the_oracle_s_mirror_and_little_more_is_near_it() {
         let answers = ask(&reflector, Lobe::Ggx, roughness, Filter::Fitted(4), &directions);
         for (answer, direction) in answers.into_iter().zip(&directions) {
             let (found, mirror) = (luminance(answer), luminance(oracle.reflect(Lobe::Ggx, 0.0, *direction)));
-            // There are texels a thousand times brighter than others beside them.
+            // Some texels are a thousand times brighter than their neighbours.
             let allowed = allowed * mirror.max(1.0) * if roughness > 0.0 { 100.0 } else { 1.0 };
             assert!((found - mirror).abs() < allowed, "{roughness} {direction}: {found} for {mirror}");
         }
     }
 }
 
-/// An environment as photographs are: a sky, a floor, lamps of all sizes and a sun two texels wide.
+/// Returns an environment like a photograph: a sky, a floor, lamps of all sizes and a sun two texels wide.
 fn room(random: &mut Random, n: u32) -> Environment {
     let mut lamps: Vec<(DVec3, f64, f64)> =
         (0..12).map(|_| (random.direction(), random.between(0.08, 0.3), random.between(0.5, 8.0))).collect();
@@ -422,7 +418,7 @@ impl<'a> Truths<'a> {
         Self { roughness, directions, rooms: rooms.iter().map(truth).collect() }
     }
 
-    /// Relative RMS error of luminance by `filter`, mean over the rooms.
+    /// Returns the relative RMS error of luminance by `filter`, averaged over the rooms.
     fn error(&self, filter: Filter) -> f64 {
         let error = |(room, truths): &(&Environment, Vec<f64>)| {
             let answers = ask(&reflector(room, ROOM), Lobe::Ggx, self.roughness, filter, self.directions);
@@ -442,7 +438,7 @@ fn rooms() -> Vec<Environment> {
     (0..4).map(|_| room(&mut random, ROOM)).collect()
 }
 
-/// Bounds of the mean error over [`rooms`], by count of boxes, at roughness 0.3, 0.5, 0.75 and 1.
+/// Bounds of the mean error over [`rooms`], per count of boxes, at roughness 0.3, 0.5, 0.75 and 1.
 const ERRORS: [(u32, [f64; 4]); 4] = [
     (1, [0.20, 0.08, 0.015, 0.015]),
     (2, [0.10, 0.04, 0.015, 0.015]),
@@ -462,14 +458,14 @@ fn errors_fall_with_the_count_of_boxes() {
             println!("fitted:{count} at roughness {roughness}: {found:.4}");
             assert!(found < bounds[k], "fitted:{count} at roughness {roughness}: {found}");
         }
-        // The paper's single box keeps none of them.
+        // The paper's single box exceeds the bound of two boxes.
         let found = truths.error(Filter::Box);
         assert!(found > ERRORS[1].1[k], "a single box at roughness {roughness}: {found}");
     }
 }
 
 #[test]
-fn cone_points_are_within_three_times_of_elsewhere() {
+fn errors_at_cone_points_are_within_three_times_those_elsewhere() {
     let rooms = rooms();
     let mut random = Random::new(83);
     let anywhere: Vec<DVec3> = (0..100).map(|_| random.direction()).collect();
@@ -493,15 +489,15 @@ fn cone_points_are_within_three_times_of_elsewhere() {
 }
 
 #[test]
-fn a_node_fitted_again_stays_where_it_is() {
+fn refitting_a_node_does_not_move_it() {
     for (count, octave, knot, place) in
         [(1, 4, 1, (7, 3)), (4, 3, 2, (5, 5)), (4, 4, 1, (11, 4)), (8, 4, 2, (6, 2))]
     {
-        let table = Table::of(count).expect("a count that there is");
+        let table = Table::of(count).expect("a supported count");
         let [before, after] = fit::refit(table, octave, knot, place);
         println!("fitted:{count} octave {octave} knot {knot} {place:?}: {before} became {after}");
         assert!(after <= before && after > 0.8 * before, "fitted:{count} {place:?}: {before} became {after}");
-        // Half floats of another node's parameters: far worse, and the fit finds back.
+        // From half floats of another node's parameters, far worse, the fit must recover.
         let mut values = table.values().to_vec();
         let size = table.shape().parameters();
         let at =
@@ -509,7 +505,7 @@ fn a_node_fitted_again_stays_where_it_is() {
         let (here, other) = (at(triangle::node(place.0, place.1)), at(triangle::node(3, 1)));
         values.copy_within(other..other + size, here);
         let [wrong, mended] = fit::refit(&Table::new(table.shape(), values), octave, knot, place);
-        println!("from another's {wrong}, mended to {mended}");
+        println!("from another node's {wrong}, refitted to {mended}");
         assert!(wrong > 1.5 * before && mended < 0.8 * wrong, "fitted:{count} {place:?}: {wrong}, {mended}");
     }
 }
@@ -530,6 +526,6 @@ fn a_bake_s_texels_are_its_queries_and_level_0_is_the_footprint_mean() {
         let sum = |texels: &[[f32; 3]]| texels.iter().map(|t| luminance(t.map(f64::from))).sum::<f64>();
         let (a, b) = (sum(&a.texels), sum(&b.texels));
         assert!((a / b - 1.0).abs() < 0.03, "energies of {a} and {b}");
-        assert!(a != b, "two filters");
+        assert!(a != b, "the filters must differ");
     }
 }

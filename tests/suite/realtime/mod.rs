@@ -1,4 +1,4 @@
-//! The tier for shaders.
+//! The real-time tier for shaders.
 
 pub(super) mod emitters;
 pub(super) mod fitted;

@@ -1,4 +1,4 @@
-//! Every map of the sphere held to the same contract, and each to its own source.
+//! Every map of the sphere, tested against one contract and against its source.
 
 use crate::support::common::{Random, landmarks};
 use glam::{DVec2, DVec3};
@@ -10,11 +10,11 @@ use octagloss::internals::sphere::registry::{MAPS, NamedMap, named};
 use octagloss::internals::sphere::{cube, octahedral, tennis_ball};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-/// Error of a round trip over the map's condition number; 2^-53 and some dozen roundings are below a
-/// hundredth.
+/// Error of a round trip over the map's condition number; 2^-53 and some dozen roundings stay below a
+/// hundredth of it.
 const ROUND_TRIP: f64 = 1e-12;
 
-/// Directions in every octant, on every axis, edge and diagonal, beside them, and `count` all over.
+/// Returns directions in every octant, on every axis, edge and diagonal, near them, and `count` random ones.
 fn directions(count: u32) -> Vec<DVec3> {
     let mut all = landmarks();
     for landmark in landmarks() {
@@ -27,7 +27,7 @@ fn directions(count: u32) -> Vec<DVec3> {
     all
 }
 
-/// How far the direction moves for a unit of (u, v), at least 1: the greatest over eight steps.
+/// Returns the greatest movement of the direction per unit of (u, v) over eight steps, at least 1.
 fn condition(map: &dyn SphereMap, place: Place) -> f64 {
     let step = 1e-9;
     let at = map.direction(place.component, place.uv);
@@ -39,7 +39,7 @@ fn condition(map: &dyn SphereMap, place: Place) -> f64 {
     moved.fold(1.0, f64::max)
 }
 
-/// The greatest distance between a direction and what a map makes of it, over the condition number there.
+/// Returns the greatest distance of a direction from its round trip, over the condition number there.
 fn worst_round_trip(map: &dyn SphereMap, count: u32, locate: impl Fn(DVec3) -> Place) -> f64 {
     let mut worst: f64 = 0.0;
     for d in directions(count) {
@@ -66,7 +66,7 @@ fn directions_survive_every_map_within_its_domains() {
             let inside =
                 uv.cmpge(rectangle.low - rounding).all() && uv.cmple(rectangle.high + rounding).all();
             assert!(inside, "{name}: {d} lies at {uv} of component {component}, outside {rectangle:?}");
-            // Towards the middle by a little: rounding may carry a point of the rim across.
+            // Move slightly towards the middle: rounding may carry a point of the rim across.
             let middle = (rectangle.low + rectangle.high) / 2.0;
             assert!(
                 map.contains(component, uv.lerp(middle, 1e-9)),
@@ -80,11 +80,11 @@ fn directions_survive_every_map_within_its_domains() {
 fn the_round_trip_detects_a_wrong_sign() {
     for NamedMap { name, map, .. } in &MAPS {
         let worst = worst_round_trip(*map, 100, |d| map.locate(DVec3::new(d.x, d.y, -d.z)));
-        assert!(worst > 1e6 * ROUND_TRIP, "{name}: a mirrored inverse shows, {worst:e}");
+        assert!(worst > 1e6 * ROUND_TRIP, "{name}: a mirrored inverse must be detected: {worst:e}");
     }
 }
 
-/// Points of every component's domain: a grid of `n` x `n`, off the folds.
+/// Returns points of every component's domain: a grid of `n` x `n`, off the folds.
 fn domain_points(map: &dyn SphereMap, n: u32) -> Vec<Place> {
     let mut all = Vec::new();
     for component in 0..map.components() {
@@ -108,14 +108,14 @@ fn coordinates_survive_the_sphere() {
         for Place { component, uv } in points {
             let back = map.locate(map.direction(component, uv));
             assert_eq!(back.component, component, "{name}: component at {uv}");
-            // The inverse is as steep as a unit of direction is small: at most 1/1000 here, near poles and
-            // rims.
+            // The inverse amplifies rounding by the reciprocal of the map's slope, at least 1/1000 here, near
+            // poles and rims.
             assert!(back.uv.distance(uv) <= 1e-11, "{name}: {uv} comes back as {}", back.uv);
         }
     }
 }
 
-/// Sum of the solid angles of all texels of a grid, column by column: long sums of equal terms round one way.
+/// Sums the solid angles of all texels of a grid, column by column: long sums of equal terms round one way.
 fn sphere(map: &'static dyn SphereMap, size: u32) -> f64 {
     let grid = Grid::new(map, size).expect("a size");
     let solid_angles: Vec<f64> = grid.texels().map(|texel| grid.solid_angle(texel)).collect();
@@ -132,8 +132,8 @@ fn solid_angles_sum_to_the_sphere() {
     }
 }
 
-/// The greatest difference between texels' solid angles and the mean density over them, over the greatest
-/// texel.
+/// Returns the greatest difference between texels' solid angles and the mean density over them, relative to
+/// the greatest texel.
 fn solid_angle_discrepancy(map: &'static dyn SphereMap, wrong: f64) -> f64 {
     let grid = Grid::new(map, 6).expect("a size");
     let (mut worst, mut greatest): (f64, f64) = (0.0, 0.0);
@@ -159,16 +159,19 @@ fn solid_angle_discrepancy(map: &'static dyn SphereMap, wrong: f64) -> f64 {
 
 #[test]
 fn solid_angles_are_integrals_of_the_density_over_the_domain() {
-    // A rim of less than two texels' length misplaces at most half a point a row and a column: 2/(2 * 48).
+    // A rim shorter than two texels misplaces at most half a point per row and column: 2/(2 * 48).
     let bound = 1.0 / 48.0;
     for NamedMap { name, map, .. } in &MAPS {
         let off = solid_angle_discrepancy(*map, 1.0);
         assert!(off <= bound, "{name}: {off:e}");
     }
-    assert!(solid_angle_discrepancy(named("tennis-ball").expect("a map").map, 1.05) > bound, "5 % show");
+    assert!(
+        solid_angle_discrepancy(named("tennis-ball").expect("a map").map, 1.05) > bound,
+        "an error of 5 % must be detected"
+    );
 }
 
-/// The greatest difference between the density and that of a small square's image, relative to the greatest.
+/// Returns the greatest difference between the density and that of a small square's image, over the greatest.
 fn density_discrepancy(map: &dyn SphereMap, wrong: f64) -> f64 {
     let (mut worst, mut greatest): (f64, f64) = (0.0, 0.0);
     for Place { component, uv } in domain_points(map, 23) {
@@ -189,16 +192,16 @@ fn density_discrepancy(map: &dyn SphereMap, wrong: f64) -> f64 {
 }
 
 #[test]
-fn densities_are_those_of_small_squares() {
+fn densities_match_small_squares() {
     // Differences of 1e-5: third derivatives below 1000 add 2e-8, rounding 2^-52 / 1e-5.
     for NamedMap { name, map, .. } in &MAPS {
         let off = density_discrepancy(*map, 1.0);
         assert!(off <= 1e-7, "{name}: {off:e}");
-        assert!(density_discrepancy(*map, 1.0 + 1e-6) > 1e-7, "{name}: a wrong density shows");
+        assert!(density_discrepancy(*map, 1.0 + 1e-6) > 1e-7, "{name}: a wrong density must be detected");
     }
 }
 
-/// Texels in a border of `b` that are not where the map's own continuation has them.
+/// Counts texels in a border of `b` that are not where the map's continuation places them.
 fn misplaced(map: &'static dyn SphereMap, size: u32, b: i64, shift: i64) -> Option<usize> {
     let grid = Grid::new(map, size).expect("a size");
     let mut wrong = 0;
@@ -216,7 +219,7 @@ fn misplaced(map: &'static dyn SphereMap, size: u32, b: i64, shift: i64) -> Opti
 }
 
 #[test]
-fn texels_wrap_to_where_the_map_goes_on() {
+fn texels_wrap_by_the_map_s_continuation() {
     let mut wrapped = Vec::new();
     for NamedMap { name, map, .. } in &MAPS {
         for size in [1, 2, 3, 4, 7, 16] {
@@ -225,23 +228,23 @@ fn texels_wrap_to_where_the_map_goes_on() {
             wrapped.push(*name);
         }
         if let Some(wrong) = misplaced(*map, 8, 8, 1) {
-            assert!(wrong > 100, "{name}: a row too far shows");
+            assert!(wrong > 100, "{name}: a shift by one row must be detected");
         }
     }
     wrapped.dedup();
     let expected =
         ["octahedral", "octahedral-rectangular", "octahedral-perspective", "low-distortion", "equirect"];
-    assert_eq!(wrapped, expected, "maps whose texels glue onto texels");
+    assert_eq!(wrapped, expected, "maps whose texels continue onto texels");
 }
 
 #[test]
-fn maps_go_on_continuously_outside_their_domains() {
+fn maps_are_continuous_outside_their_domains() {
     for NamedMap { name, map, .. } in &MAPS {
         for component in 0..map.components() {
             let rectangle = map.component(component);
             let step = rectangle.extent() / 64.0;
-            // Two texels around the rectangle; the mirror ball ends at its rim, the polar squares of
-            // HEALPix in a point.
+            // Two texels around the rectangle. The mirror ball ends at its rim, the polar squares of HEALPix
+            // in a point.
             for k in 0..68 * 68 {
                 let corner = rectangle.low + step * (DVec2::new(f64::from(k % 68), f64::from(k / 68)) - 2.0);
                 let at = |u: f64, v: f64| map.direction(component, corner + step * DVec2::new(u, v));
@@ -266,7 +269,7 @@ fn grids_number_texels_and_find_them_again() {
             let middle = grid.uv(texel.component, f64::from(texel.x) + 0.5, f64::from(texel.y) + 0.5);
             if map.contains(texel.component, middle) {
                 let back = grid.texel_from_direction(grid.direction_from_texel(texel));
-                // Texels cut by a fold through their centre may be found across it.
+                // Texels cut by a fold through their centre may be found on its other side.
                 found += usize::from(back == texel);
             }
         }
@@ -317,7 +320,7 @@ fn the_perspective_map_with_its_image_on_the_faces_is_the_planar_one() {
     let other = OctahedralPerspective::with_image_plane(DVec3::new(1.0, 2.0, 1.0));
     assert!(worst_round_trip(&other, 1000, |d| other.locate(d)) <= ROUND_TRIP, "another plane round-trips");
     let (planar, other) = (octahedral::oct_from_direction(DVec3::ONE), other.locate(DVec3::ONE).uv);
-    assert!(planar.distance(other) > 0.1, "and is another map");
+    assert!(planar.distance(other) > 0.1, "but must be another map");
 }
 
 #[test]
@@ -332,7 +335,7 @@ fn no_other_image_plane_samples_the_octahedron_as_evenly() {
             low >= least && high <= greatest,
             "({a}, {b}, {c}): {low} to {high} in {least} to {greatest}"
         );
-        assert!(low <= least * 1.1 && high >= greatest * 0.98, "({a}, {b}, {c}): both are met");
+        assert!(low <= least * 1.1 && high >= greatest * 0.98, "({a}, {b}, {c}): both extremes are reached");
         greatest / least
     };
     let planar = spread(1.0, 1.0, 1.0);
@@ -365,7 +368,7 @@ fn the_tennis_ball_follows_its_equations() {
         let h = FRAC_1_SQRT_2;
         let first = (c >= 0.0 && b.abs() <= h) || (c <= 0.0 && a.abs() >= h);
         let Place { component, uv } = map.locate(d);
-        // On the seam rounding decides.
+        // On the seam, rounding decides the component.
         let near = if c >= 0.0 { (b.abs() - h).abs() } else { (a.abs() - h).abs() };
         assert!(near < 1e-14 || c == 0.0 || component == u32::from(!first), "{d}: component {component}");
         panels[component as usize] += 1;
@@ -384,13 +387,13 @@ fn the_tennis_ball_follows_its_equations() {
         assert!(theta.abs() <= PI / 4.0 + 1e-12 && phi.abs() <= 0.75 * PI + 1e-12, "{d}: {uv}");
     }
     assert!((f64::from(panels[0]) / f64::from(panels[1]) - 1.0).abs() < 0.06, "congruent: {panels:?}");
-    // Either panel has half the sphere.
+    // Each panel covers half the sphere.
     let half = map.solid_angle(0, map.component(0).low, map.component(0).high);
     assert!((half - TAU).abs() < 1e-13, "{half}");
 }
 
 #[test]
-fn the_seam_parts_the_panels() {
+fn the_seam_separates_the_panels() {
     // Table 2.
     let h = FRAC_1_SQRT_2;
     for (t, expected) in
@@ -402,11 +405,11 @@ fn the_seam_parts_the_panels() {
     for (k, p) in points.iter().enumerate() {
         assert!((p.length() - 1.0).abs() < 1e-15, "on the sphere: {p}");
         assert!(p.distance(points[(k + 1) % points.len()]) < 0.01, "one curve: {p}");
-        // Across the seam, which the half planes' normals point to, lies the other panel.
+        // Across the seam, along the half planes' normals, lies the other panel.
         let across = if p.z >= 0.0 { DVec3::Y * p.y.signum() } else { DVec3::X * p.x.signum() } * 1e-6;
         let sides = [(*p + across).normalize(), (*p - across).normalize()].map(tennis_ball::panel);
         assert!(p.z.abs() < 1e-5 || sides[0] != sides[1], "{p}: {sides:?}");
-        // And on the rim of both domains.
+        // The point is also on the rim of both domains.
         for component in 0..2 {
             let (up, along, forward) = if component == 0 { (p.y, p.x, p.z) } else { (p.x, p.y, -p.z) };
             let (phi, theta) = (along.atan2(forward), up.asin());
@@ -424,7 +427,7 @@ fn capped_maps_meet_at_their_latitude() {
             for (v, component) in [(-edge, 1), (edge, 2)] {
                 let d = map.direction(0, DVec2::new(u, v));
                 let on_cap = d - DVec3::Y * d.y;
-                // A hair towards the pole is on the cap's rim.
+                // A point slightly towards the pole is on the cap's rim.
                 let place = map.locate((d - on_cap * 1e-9).normalize());
                 assert_eq!(place.component, component, "{d}");
                 assert!((place.uv.length() - map.component(component).high.x).abs() < 1e-8, "{d}: {place:?}");
@@ -499,19 +502,19 @@ fn rhombi_have_the_solid_s_vertices() {
             let key = d.to_array().map(|c| (c * 1000.0).round() as i64);
             *counts.entry(key).or_insert(0) += 1;
         }
-        // The face's middle is that of its two axes.
+        // The face's middle lies between its two axes.
         let middle = map.direction(component, DVec2::splat(0.5));
         let axes = middle.abs().to_array().map(|c| (c * 1000.0).round() as i64);
         assert_eq!(axes.iter().filter(|c| **c == 707).count(), 2, "component {component}: {middle}");
     }
-    // Six vertices on the axes, where four faces meet, and eight on the cube's corners, where three do.
+    // Six vertices on the axes, where four faces meet, and eight on the cube's corners, where three meet.
     assert_eq!(counts.len(), 14, "{counts:?}");
     assert_eq!(counts.values().filter(|count| **count == 4).count(), 6, "{counts:?}");
     assert_eq!(counts.values().filter(|count| **count == 3).count(), 8, "{counts:?}");
 }
 
 #[test]
-fn equal_area_maps_are() {
+fn equal_area_maps_have_constant_density() {
     for name in ["low-distortion", "healpix", "sphere-map"] {
         let map = named(name).expect("a map").map;
         let densities: Vec<f64> =

@@ -1,4 +1,4 @@
-//! Files that cannot be read: each its own one-line error.
+//! Unreadable files: each has its own one-line error.
 
 use super::{error_of, read, read_with};
 use crate::support::inputs::{Sample, exr_rgb, ldr, numbered, radiance, radiance_with_runs};
@@ -22,7 +22,7 @@ fn ldr_of(format: image::ImageFormat) -> Vec<u8> {
 }
 
 #[test]
-fn truncated_files_say_so_at_every_length_past_the_header() {
+fn truncation_is_reported_at_every_length_past_the_header() {
     for (name, format, bytes, from) in [
         ("a.hdr", "Radiance HDR", hdr(), 200),
         ("a.exr", "OpenEXR", exr(), 12),
@@ -40,7 +40,7 @@ fn truncated_files_say_so_at_every_length_past_the_header() {
 }
 
 #[test]
-fn a_png_without_pixels_is_said_so() {
+fn a_png_without_pixels_is_refused() {
     let mut bytes = ldr_of(image::ImageFormat::Png);
     bytes[16..20].fill(0);
     assert_eq!(error_of(read("a.png", &bytes)), "a.png: 0x16 has no pixels");
@@ -120,7 +120,7 @@ fn devices_are_refused() {
     );
 }
 
-/// As root every file can be read, so the error is made as the system would report it.
+/// Root can read every file, so the error is made as the system would report it.
 #[cfg(unix)]
 #[test]
 fn refused_permission_is_named() {
@@ -138,7 +138,7 @@ fn refused_permission_is_named() {
     }
 }
 
-/// Damage of every kind ends in one line: no decoder's own newline comes through.
+/// Every kind of damage yields a one-line error: no decoder's newline passes through.
 #[test]
 fn corrupt_blocks_end_in_one_line() {
     for compression in [Compression::ZIP16, Compression::PIZ, Compression::DWAB(None), Compression::B44] {

@@ -30,7 +30,7 @@ fn lossless_compressions_are_read_exactly() {
     }
 }
 
-/// Blocks that would not shrink are stored as they are, among others that do.
+/// Blocks that would not shrink are stored uncompressed, among others that do.
 #[test]
 fn incompressible_blocks_are_read_exactly() {
     let size = (96, 48);
@@ -43,18 +43,18 @@ fn incompressible_blocks_are_read_exactly() {
         .map(|k| if k < 96 * 20 { [noise(), noise(), noise()] } else { [0.5, 1.0, (k % 96) as f32] })
         .collect();
     let bytes = exr_rgb(size, Sample::Half, Compression::ZIP1, &pixels);
-    // A block's samples of blue, as they are in memory.
+    // A block's blue samples, as stored in memory.
     let row: Vec<u8> =
         pixels[..96].iter().flat_map(|[_, _, b]| half::f16::from_f32(*b).to_le_bytes()).collect();
-    assert!(bytes.windows(row.len()).any(|window| window == row), "it is stored");
+    assert!(bytes.windows(row.len()).any(|window| window == row), "the block must be stored uncompressed");
     assert_panorama(&read("a.exr", &bytes).unwrap(), size, &pixels);
 }
 
-/// A file that ends long before its blocks could is refused before its texels are allocated.
+/// Refuses a file too short for its blocks before allocating its texels.
 #[test]
 fn files_too_short_for_their_blocks_are_refused() {
     let black = vec![[0.0; 3]; 64 * 32];
-    // Lines of a block; bytes of samples that a byte of data stands for at most, or 17 bytes for each block.
+    // Lines per block; bytes of samples per byte of data at most, or 17 bytes per block.
     for (compression, lines, least) in [
         (Compression::Uncompressed, 1, 16_384 * 8192 * 6),
         (Compression::RLE, 1, 16_384 * 8192 * 6 / 64),
@@ -63,8 +63,8 @@ fn files_too_short_for_their_blocks_are_refused() {
         (Compression::PIZ, 32, 8192 / 32 * 17),
     ] {
         let whole = exr_rgb((64, 32), Sample::Half, compression, &black);
-        read("a.exr", &whole).expect("as small as such files are");
-        // The same header, as of a picture of 16384 x 8192.
+        read("a.exr", &whole).expect("the smallest valid file");
+        // The same header, for an image of 16384 x 8192.
         let mut vast = whole.clone();
         let mut set = |name: &[u8], offset: usize, value: i32| {
             let at = vast.windows(name.len()).position(|window| window == name).expect("an attribute");
@@ -85,7 +85,7 @@ fn files_too_short_for_their_blocks_are_refused() {
     }
 }
 
-/// Lossy ones come close: a smooth picture within two per cent.
+/// Lossy compressions: a smooth image stays within 2 %.
 #[test]
 fn lossy_compressions_are_read_closely() {
     let size = (72, 36);
@@ -228,7 +228,8 @@ fn missing_color_lists_the_channels() {
     assert_eq!(text, "a.exr: no channels R, G, B and no Y among Z, id; rename or convert them");
 }
 
-/// `pixels` as a data window of `data` size at `position` in a display window that begins at (10, 20).
+/// Returns a file with `pixels` as a data window of `data` size at `position`, in a display window from (10,
+/// 20) on.
 fn windowed(data: (u32, u32), position: (i32, i32), display: (usize, usize), pixels: &[Rgb]) -> Vec<u8> {
     let mut layer =
         layer(data, Compression::ZIP16, Blocks::ScanLines, rgb_channels("", Sample::Half, pixels));
@@ -288,7 +289,7 @@ fn chromaticities_are_converted() {
     };
     let loaded = with(rec709);
     assert_texels(loaded.environment.texels(), &[[1.0, 0.0, 0.0]; 2]);
-    assert!(loaded.warnings.is_empty(), "the program's own: {:?}", loaded.warnings);
+    assert!(loaded.warnings.is_empty(), "no warning for Rec. 709: {:?}", loaded.warnings);
 
     let swapped = Chromaticities { red: rec709.green, green: rec709.red, ..rec709 };
     let loaded = with(swapped);
@@ -302,11 +303,11 @@ fn chromaticities_are_converted() {
 }
 
 #[test]
-fn no_pixels_are_said_so() {
+fn an_empty_data_window_is_refused() {
     let mut bytes = exr_rgb((4, 2), Sample::Half, Compression::ZIP16, &numbered(4, 2));
     let name = b"dataWindow\0box2i\0\x10\0\0\0";
     let at = bytes.windows(name.len()).position(|window| window == name).expect("every file has one");
-    // One column before the first.
+    // A last column before the first.
     bytes[at + name.len() + 8..][..4].copy_from_slice(&(-1_i32).to_le_bytes());
     assert_eq!(error_of(read("a.exr", &bytes)), "a.exr: 0x2 has no pixels");
 }
@@ -318,7 +319,7 @@ fn deep_data_is_refused() {
     assert_eq!(error_of(read("a.exr", &bytes)), "a.exr: deep data; flatten it to one sample a pixel");
 }
 
-/// An offset table that points twice at one block leaves another one out.
+/// An offset table with one block twice lacks another.
 #[test]
 fn repeated_blocks_are_refused() {
     let bytes = exr_rgb((8, 4), Sample::Half, Compression::Uncompressed, &numbered(8, 4));
@@ -329,5 +330,5 @@ fn repeated_blocks_are_refused() {
     broken.copy_within(table..table + 8, table + 8);
     let text = error_of(read("a.exr", &broken));
     assert_eq!(text, "a.exr: corrupt: its offset table references wrong blocks; re-export the file");
-    assert!(read("a.exr", &bytes).is_ok(), "unbroken");
+    assert!(read("a.exr", &bytes).is_ok(), "the original file is valid");
 }

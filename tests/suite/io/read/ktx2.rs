@@ -111,7 +111,7 @@ fn damaged_and_foreign_files_are_named() {
     assert_eq!(error_of(read("a.ktx2", &five_faces)), "a.ktx2: 5 faces; 1 (2D) and 6 (cube) can be read");
 }
 
-/// A folder of two levels in `extension`, as `bake` writes it.
+/// Returns a folder of two levels in `extension`, as written by `bake`.
 fn level_folder(extension: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (level, size) in [(0u32, 4u32), (1, 2)] {

@@ -1,4 +1,4 @@
-//! Layouts: what each shape is taken for, and where each texel of a cross or strip goes.
+//! Layouts: detection by shape, and the place of each texel of a cross or strip.
 
 use super::{assert_texels, error_of, read, read_with};
 use crate::support::inputs::{Rgb, Sample, exr_rgb, numbered};
@@ -21,7 +21,7 @@ fn under(choice: LayoutChoice) -> ReadOptions {
 /// Edge of the faces here.
 const N: u32 = 4;
 
-/// Face images whose texels hold their own direction, shifted to be positive.
+/// Returns a face whose texels hold their own direction, shifted to be positive.
 fn face_image(face: Face) -> Vec<Rgb> {
     (0..N * N)
         .map(|at| (direction_from_texel(face, N, at % N, at / N) + DVec3::splat(2.0)).as_vec3().to_array())
@@ -32,7 +32,7 @@ fn cube() -> Vec<Rgb> {
     Face::ALL.iter().flat_map(|face| face_image(*face)).collect()
 }
 
-/// An image of `columns` x `rows` cells; `turned` ones by 180 degrees.
+/// Returns an image of `columns` x `rows` cells, with `turned` ones rotated by 180 degrees.
 fn cells(columns: u32, rows: u32, places: &[(Face, u32, u32, bool)]) -> ((u32, u32), Vec<Rgb>) {
     let (width, height) = (columns * N, rows * N);
     let mut image = vec![[0.0; 3]; (width * height) as usize];
@@ -100,7 +100,7 @@ fn crosses_and_strips_become_cubes() {
     }
 }
 
-/// In both crosses, cells that touch hold faces that touch: a texel and its neighbour across the edge are as
+/// In both crosses, adjacent cells hold adjacent faces: a texel and its neighbour across the edge are as
 /// close in direction as neighbours within a face at its edge.
 #[test]
 fn crosses_are_continuous_across_their_inner_edges() {
@@ -133,7 +133,7 @@ fn crosses_are_continuous_across_their_inner_edges() {
         }
         assert_eq!(seen, seams, "inner edges of the cross");
     }
-    // What an unturned -Z would give instead is caught by that bound.
+    // The bound detects a -Z that is not turned.
     let wrong = direction_from_texel(Face::NegY, N, 0, N - 1).angle_between(direction_from_texel(
         Face::NegZ,
         N,
@@ -176,7 +176,7 @@ fn shapes_that_fit_nothing_name_size_and_remedy() {
     }
 }
 
-/// Six files in `folder`; the names decide which is which.
+/// Writes six files to `folder`; the names identify the faces.
 fn write_faces(folder: &std::path::Path, names: [&str; 6]) -> Vec<PathBuf> {
     Face::ALL
         .iter()

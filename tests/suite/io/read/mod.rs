@@ -1,4 +1,4 @@
-//! Inputs: every format, orientation and layout, every repair, and the text of every error.
+//! Inputs: every format, orientation and layout, every repair, and every error text.
 
 mod errors;
 mod exr;
@@ -21,7 +21,7 @@ fn read_with(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Loaded> 
     io::read_from_memory(Path::new(name), bytes, options)
 }
 
-/// The error's one line.
+/// Returns the one line of the error.
 fn error_of(outcome: Result<Loaded>) -> String {
     let text = outcome.expect_err("an error was expected").to_string();
     assert_eq!(text.lines().count(), 1, "one line: {text}");

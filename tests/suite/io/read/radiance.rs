@@ -1,4 +1,4 @@
-//! Radiance pictures.
+//! Radiance images.
 
 use super::{assert_panorama, assert_texels, error_of, read};
 use crate::support::inputs::{Rgb, numbered, radiance, radiance_with_runs};
@@ -15,7 +15,7 @@ fn flat_and_run_length_pictures_are_read() {
     assert!(loaded.warnings.is_empty(), "nothing to warn of: {:?}", loaded.warnings);
 }
 
-/// The eight orientations, each by where its first and its second pixel lie in the picture.
+/// The eight orientations, with the positions of their first and second pixel in the upright image.
 #[test]
 fn all_eight_orientations_come_upright() {
     let (width, height) = (16u32, 8u32);

@@ -47,7 +47,7 @@ fn sanitize_repairs_and_counts() {
 }
 
 #[test]
-fn infinity_without_anything_finite_is_no_picture() {
+fn infinity_without_finite_values_is_refused() {
     let mut pixels = vec![[1.0, f32::INFINITY, 1.0]; 32];
     let message = "a.exr: its channel G has Inf and no finite value to repair it with; render it again";
     assert_eq!(error_of(read_with("a.exr", &exr(&pixels), &sanitize())), message);
@@ -80,7 +80,7 @@ fn non_finite_faces_are_named_by_their_file() {
     assert_eq!(io::read_faces(&paths, &sanitize()).unwrap().repaired.nan, 1, "repaired");
 }
 
-/// One negative texel on the equator of a grey panorama: its share is its solid angle's, times its depth.
+/// One negative texel on the equator of a grey panorama: its share is its solid angle times its depth.
 #[test]
 fn negative_values_are_zeroed_counted_and_weighed() {
     let mut pixels = vec![[1.0; 3]; 32];
@@ -88,8 +88,7 @@ fn negative_values_are_zeroed_counted_and_weighed() {
     let loaded = read("a.exr", &exr(&pixels)).unwrap();
     assert_eq!(loaded.environment.texels()[11], [0.0; 3], "set to 0");
     assert_eq!(loaded.repaired.negative, 3, "three channels");
-    // A row beside the equator of four: a quarter turn of latitude, sin(45 degrees)/8 of the half sphere
-    // each.
+    // Of four rows, one next to the equator: each of its texels is sin(45 degrees)/8 of the half sphere.
     let texel = std::f64::consts::FRAC_1_SQRT_2 / 16.0;
     let wanted = 0.5 * texel / (1.0 - texel);
     let share = loaded.repaired.negative_energy_share;
@@ -97,14 +96,14 @@ fn negative_values_are_zeroed_counted_and_weighed() {
     assert_eq!(loaded.warnings, ["3 negative values (2.31 % of the energy), repaired"]);
 }
 
-/// The same share whatever the layout: everything negative on one sixth of the sphere.
+/// The share is the same in every layout: everything negative on one sixth of the sphere.
 #[test]
 fn shares_of_cubes_and_octahedra_are_weighed_by_solid_angle() {
     let mut cube = vec![[1.0; 3]; 6 * 64];
     cube[64..128].fill([-1.0; 3]);
     let loaded = read("a.exr", &exr_rgb((8, 48), Sample::Half, Compression::ZIP16, &cube)).unwrap();
-    assert!((loaded.repaired.negative_energy_share - 0.2).abs() < 1e-9, "one face in six");
-    // The lower half of the octahedral square's diamond complement: |u| + |v| > 1.
+    assert!((loaded.repaired.negative_energy_share - 0.2).abs() < 1e-9, "one face of six is negative");
+    // Outside the square's diamond, |u| + |v| > 1: the lower half of the sphere.
     let n = 64i32;
     let square: Vec<Rgb> = (0..n * n)
         .map(|at| {
@@ -114,7 +113,7 @@ fn shares_of_cubes_and_octahedra_are_weighed_by_solid_angle() {
         .collect();
     let loaded = read("a.exr", &exr_rgb((64, 64), Sample::Half, Compression::ZIP16, &square)).unwrap();
     let share = loaded.repaired.negative_energy_share;
-    assert!((share - 1.0).abs() < 0.1, "half the sphere but for the diagonal's texels: {share}");
+    assert!((share - 1.0).abs() < 0.1, "half the sphere except the diagonal's texels: {share}");
 }
 
 #[test]
@@ -156,7 +155,7 @@ fn png_and_jpeg_are_linearised_with_a_warning() {
 
 #[test]
 fn sixteen_bit_png_keeps_its_depth_and_drops_its_alpha() {
-    // 0x8080 is 128/255 exactly; one step further is between two 8-bit values.
+    // 0x8080 is exactly 128/255; the next value lies between two 8-bit values.
     let pixels = [[0x8080, 0x8081, 0xffff, 0], [0x8080, 0x8081, 0xffff, 0x1234]];
     let loaded = read("a.png", &deep_png(2, 1, &pixels)).unwrap();
     let texels = loaded.environment.texels();
