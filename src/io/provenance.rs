@@ -15,6 +15,7 @@
 //! BLAKE3 hash of every file. A report that lists another hash for a file is ignored. What a file itself says
 //! comes before what its report says.
 
+use super::fit::Pad;
 use crate::chain::{Chain, Level};
 use crate::environment::{Layout, Rgb};
 use crate::lobe::{LOBE_KEY, Lobe};
@@ -34,6 +35,12 @@ pub const ROTATE_KEY: &str = "octaglossRotateY";
 pub const MIRROR_KEY: &str = "octaglossMirror";
 /// The key of the sun that was taken out of the source.
 pub const SUN_KEY: &str = "octaglossSun";
+/// The key of what the source's radiance was multiplied by; absent for 1.
+pub const SCALE_KEY: &str = "octaglossScale";
+/// The key that says that black bars of the source were removed: `yes`; absent otherwise.
+pub const CROP_KEY: &str = "octaglossCrop";
+/// The key of what a source that is not 2:1 was filled up with: `black` or `edge`; absent where it was not.
+pub const PAD_KEY: &str = "octaglossPad";
 /// The key of the filter.
 pub const FILTER_KEY: &str = "octaglossFilter";
 /// The key of the ladder.
@@ -72,6 +79,12 @@ pub struct Provenance {
     pub mirror: Option<bool>,
     /// The sun that was taken out of the source.
     pub sun: Option<TakenSun>,
+    /// What the source's radiance was multiplied by; `None` for 1.
+    pub scale: Option<f64>,
+    /// Whether black bars of the source were removed; `None` where they were not.
+    pub crop: Option<bool>,
+    /// What the source was filled up with to be 2:1.
+    pub pad: Option<Pad>,
     /// The lobe of the levels.
     pub lobe: Option<Lobe>,
     /// The filter, as the command line has it.
@@ -96,6 +109,9 @@ impl Provenance {
             (ROTATE_KEY, self.rotate_y.map(|degrees| degrees.to_string())),
             (MIRROR_KEY, self.mirror.map(|mirror| if mirror { "yes" } else { "no" }.to_owned())),
             (SUN_KEY, sun),
+            (SCALE_KEY, self.scale.map(|scale| scale.to_string())),
+            (CROP_KEY, self.crop.map(|crop| if crop { "yes" } else { "no" }.to_owned())),
+            (PAD_KEY, self.pad.map(|pad| pad.name().to_owned())),
             (LOBE_KEY, self.lobe.map(|lobe| lobe.name().to_owned())),
             (FILTER_KEY, self.filter.clone()),
             (LADDER_KEY, self.ladder.clone()),
@@ -129,12 +145,13 @@ impl Provenance {
                 word.parse().ok().filter(|turns| *turns < 4)
             })?,
             rotate_y: parsed(ROTATE_KEY, of(ROTATE_KEY), "a number of degrees", finite)?,
-            mirror: parsed(MIRROR_KEY, of(MIRROR_KEY), "yes or no", |word| match word {
-                "yes" => Some(true),
-                "no" => Some(false),
-                _ => None,
-            })?,
+            mirror: parsed(MIRROR_KEY, of(MIRROR_KEY), "yes or no", yes_or_no)?,
             sun: parsed(SUN_KEY, of(SUN_KEY), "a direction, an irradiance and a solid angle", taken_sun)?,
+            scale: parsed(SCALE_KEY, of(SCALE_KEY), "a number above 0", |word| {
+                finite(word).filter(|scale| *scale > 0.0)
+            })?,
+            crop: parsed(CROP_KEY, of(CROP_KEY), "yes or no", yes_or_no)?,
+            pad: parsed(PAD_KEY, of(PAD_KEY), "black or edge", Pad::named)?,
             // An older or newer program may know other lobes.
             lobe: of(LOBE_KEY).and_then(|name| Lobe::named(name.trim())),
             filter: of(FILTER_KEY),
@@ -153,6 +170,9 @@ impl Provenance {
             rotate_y: self.rotate_y.or(other.rotate_y),
             mirror: self.mirror.or(other.mirror),
             sun: self.sun.or(other.sun),
+            scale: self.scale.or(other.scale),
+            crop: self.crop.or(other.crop),
+            pad: self.pad.or(other.pad),
             lobe: self.lobe.or(other.lobe),
             filter: self.filter.or(other.filter),
             ladder: self.ladder.or(other.ladder),
@@ -233,6 +253,14 @@ fn finite(word: &str) -> Option<f64> {
     word.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
+fn yes_or_no(word: &str) -> Option<bool> {
+    match word {
+        "yes" => Some(true),
+        "no" => Some(false),
+        _ => None,
+    }
+}
+
 /// `x y z, r g b, steradians`.
 fn taken_sun(text: &str) -> Option<TakenSun> {
     let numbers = |part: &str| -> Option<Vec<f64>> { part.split_whitespace().map(finite).collect() };
@@ -264,6 +292,9 @@ mod tests {
                 irradiance: [1e-5, 2.5, 1e30],
                 solid_angle: 6.8e-5,
             }),
+            scale: Some(0.1),
+            crop: Some(true),
+            pad: Some(Pad::Edge),
             lobe: Some(Lobe::Phong),
             filter: Some("adaptive:0.005".to_owned()),
             ladder: Some("linear".to_owned()),
@@ -291,6 +322,9 @@ mod tests {
             (ROTATE_KEY, "inf"),
             (MIRROR_KEY, "true"),
             (SUN_KEY, "0 1, 1 1 1, 1"),
+            (SCALE_KEY, "0"),
+            (CROP_KEY, "1"),
+            (PAD_KEY, "white"),
         ] {
             let error = read(&[(key.to_owned(), value.to_owned())]).unwrap_err();
             assert!(error.starts_with(&format!("{key} is {value:?}; ")), "{error}");
