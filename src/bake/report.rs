@@ -12,7 +12,7 @@ use crate::chain::Level;
 use crate::environment::{LUMINANCE, Map};
 use crate::filter::Filter;
 use crate::finite::finite;
-use crate::io::Repairs;
+use crate::io::{Pad, Repairs};
 use crate::sh::order_text;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -295,6 +295,15 @@ pub struct OptionsReport {
     pub rotate_y: f64,
     /// Whether the input was flipped.
     pub mirror: bool,
+    /// What radiance was multiplied by. Reports of version 0.2 have it not.
+    #[serde(default = "unscaled")]
+    pub scale: f64,
+    /// Whether black bars were to be removed.
+    #[serde(default)]
+    pub crop: bool,
+    /// What a panorama that is not 2:1 was to be filled up with: `black` or `edge`; `null` for nothing.
+    #[serde(default)]
+    pub pad: Option<String>,
     /// Whether NaN and Inf were to be repaired.
     pub sanitize: bool,
     /// Whether repairs were to be errors.
@@ -308,6 +317,9 @@ pub struct OptionsReport {
     pub sunless: bool,
     /// Edge of the irradiance cube; `null` for none.
     pub irradiance: Option<u32>,
+    /// Edge of the cube of the unfiltered environment that was asked for; `null` for none.
+    #[serde(default)]
+    pub skybox: Option<u32>,
     /// Whether the levels of the Charlie lobe were baked as well.
     #[serde(default)]
     pub sheen: bool,
@@ -402,6 +414,12 @@ pub struct Circumstances {
     pub rotate_y: f64,
     /// Whether it was flipped.
     pub mirror: bool,
+    /// What radiance was multiplied by.
+    pub scale: f64,
+    /// Whether black bars were to be removed.
+    pub crop: bool,
+    /// What a panorama that is not 2:1 was to be filled up with.
+    pub pad: Option<Pad>,
     /// Whether NaN and Inf were to be repaired.
     pub sanitize: bool,
     /// Whether repairs were to be errors.
@@ -487,11 +505,15 @@ impl Report {
                 layout: told.layout,
                 rotate_y: told.rotate_y,
                 mirror: told.mirror,
+                scale: told.scale,
+                crop: told.crop,
+                pad: told.pad.map(|pad| pad.name().to_owned()),
                 sanitize: told.sanitize,
                 strict: told.strict,
                 extract_sun: told.extract_sun,
                 sunless: told.sunless,
                 irradiance: settings.irradiance,
+                skybox: settings.skybox,
                 sheen: settings.sheen,
                 sh_order: settings.sh_order,
                 sh_window: settings.sh_window.to_string(),
@@ -584,6 +606,10 @@ pub fn filter_name(filter: Filter) -> String {
         Filter::Box => "box".to_owned(),
         Filter::Reference => "reference".to_owned(),
     }
+}
+
+fn unscaled() -> f64 {
+    1.0
 }
 
 fn is_zero(count: &u64) -> bool {

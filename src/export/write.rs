@@ -27,7 +27,7 @@ pub struct WriteOptions {
 
 impl Bake {
     /// Writes the levels to `path`: a file, or a folder of images where [`WriteOptions`] ask for one.
-    /// Irradiance and bounds go beside a file, under its name, and into a folder. Either all is written or
+    /// Irradiance, skybox and bounds go beside a file, under its name, and into a folder. Either all is written or
     /// nothing.
     ///
     /// # Errors
@@ -51,7 +51,14 @@ impl Bake {
             _ => Pixel::F16,
         });
         let diffuse = if self.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
-        let plan = Plan { container, pixel, layout, diffuse, ..Plan::new(&UNTARGETED) };
+        let plan = Plan {
+            container,
+            pixel,
+            layout,
+            diffuse,
+            skybox: self.skybox.is_some(),
+            ..Plan::new(&UNTARGETED)
+        };
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let made = files(&plan, &name, self, &options.metadata)?;
         let outputs = if plan.is_single() {
