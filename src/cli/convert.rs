@@ -3,7 +3,7 @@
 use super::console::{self, Talk};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, usage, write_output};
 use super::shared_args::MAX_THREADS;
-use super::values::finite;
+use super::values::{finite, scale};
 use clap::Args as ClapArgs;
 use clap::builder::PossibleValuesParser;
 use glam::{DMat3, DVec3};
@@ -12,7 +12,7 @@ use octagloss::geometry::overlap::{Target, mean_radiances, panorama_mean_radianc
 use octagloss::geometry::resample::resample;
 use octagloss::io::environment_write::picture_bytes;
 use octagloss::io::output::Existing;
-use octagloss::io::{self, LayoutChoice, ReadOptions};
+use octagloss::io::{self, LayoutChoice, Pad, ReadOptions};
 use octagloss::sphere::grid::Grid;
 use octagloss::sphere::map::Texel;
 use octagloss::sphere::registry::{MAPS, NamedMap, named};
@@ -59,6 +59,18 @@ pub(super) struct ConvertArgs {
     /// Turn about +Y; +90 carries +Z to +X [default: 0]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
     pub(super) rotate_y: Option<f64>,
+    /// Multiply radiance by X, above 0 [default: 1]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = scale)]
+    pub(super) scale: Option<f64>,
+    /// Remove a panorama's black bars, as in bake
+    #[arg(long, conflicts_with = "from")]
+    pub(super) crop: bool,
+    /// Fill up a panorama that is not 2:1: black or edge
+    ///
+    /// As in bake; black by default.
+    #[arg(long, value_name = "FILL", num_args = 0..=1, require_equals = true, default_missing_value = "black")]
+    #[arg(conflicts_with = "from", hide_possible_values = true)]
+    pub(super) pad: Option<Pad>,
     /// Repair NaN (to 0) and Inf (to a finite neighbour)
     #[arg(long)]
     pub(super) sanitize: bool,
@@ -90,6 +102,9 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         let options = ReadOptions {
             layout: if args.from.is_some() { LayoutChoice::Picture } else { LayoutChoice::Auto },
             sanitize: args.sanitize,
+            scale: args.scale.unwrap_or(1.0),
+            crop: args.crop,
+            pad: args.pad,
             ..ReadOptions::default()
         };
         let loaded = io::read(&args.input, &options)?;
