@@ -5,7 +5,7 @@ use super::result::{Bake, LevelStats, Meter, OnProgress, sharpest};
 use super::settings::BakeSettings;
 use crate::chain::{Chain, Level, LevelSpec};
 use crate::cpu::box_filter;
-use crate::environment::{Environment, Layout};
+use crate::environment::{Environment, Layout, Map};
 use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::lobe::Lobe;
@@ -29,6 +29,7 @@ struct BakeParts {
     /// The levels of the Charlie lobe, if requested.
     sheen: Option<Vec<usize>>,
     irradiance: Option<usize>,
+    skybox: Option<usize>,
 }
 
 impl<'a> Job<'a> {
@@ -49,8 +50,10 @@ impl<'a> Job<'a> {
                 let (asked, most) = (settings.sh_order, sh::MAX_ORDER);
                 return Err(Error::Parameter(format!("`sh_order` {asked} is above {most}")));
             }
-            if settings.irradiance == Some(0) {
-                return Err(Error::Parameter("`irradiance` must be at least 1".to_owned()));
+            for (size, name) in [(settings.irradiance, "irradiance"), (settings.skybox, "skybox")] {
+                if size == Some(0) {
+                    return Err(Error::Parameter(format!("`{name}` must be at least 1")));
+                }
             }
             let (specs, beside) = (settings.level_specs()?, settings.filter.for_other_lobes());
             let mut chain = |lobe: Lobe, filter: Filter| -> Vec<usize> {
@@ -62,7 +65,16 @@ impl<'a> Job<'a> {
                 let spec = LevelSpec { layout: Layout::Cube { size }, roughness: 1.0 };
                 index_of(LevelJob { spec, lobe: Lobe::Cosine, filter: beside })
             });
-            bakes.push(BakeParts { levels, sheen, irradiance });
+            let skybox = settings.skybox.map(|size| {
+                let layout = match settings.map {
+                    Map::Panorama => Map::Panorama.layout(size.saturating_mul(2), 0),
+                    Map::Cube | Map::Octahedral => Layout::Cube { size },
+                };
+                let spec = LevelSpec { layout, roughness: 0.0 };
+                // As level 0 of that size.
+                index_of(LevelJob { spec, lobe: Lobe::Ggx, filter: settings.filter })
+            });
+            bakes.push(BakeParts { levels, sheen, irradiance, skybox });
         }
         Ok(Self { environment, settings, levels, bakes })
     }
@@ -142,8 +154,9 @@ impl<'a> Job<'a> {
             baked.iter().map(|(level, seconds)| LevelStats::new(level, *seconds)).collect();
         // Move a level into the last bake that uses it; clone it for the others.
         let mut uses = vec![0_u32; baked.len()];
-        for BakeParts { levels, sheen, irradiance } in &self.bakes {
-            levels.iter().chain(sheen.iter().flatten()).chain(irradiance).for_each(|index| uses[*index] += 1);
+        for BakeParts { levels, sheen, irradiance, skybox } in &self.bakes {
+            let all = levels.iter().chain(sheen.iter().flatten()).chain(irradiance).chain(skybox);
+            all.for_each(|index| uses[*index] += 1);
         }
         let Self { settings, levels: jobs, bakes, .. } = self;
         let mut taken = |index: usize, bounds: Bounds| {
@@ -172,6 +185,7 @@ impl<'a> Job<'a> {
                 sheen: parts.sheen.map(|sheen| chain(&sheen, Bounds::Drop)),
                 sheen_stats,
                 irradiance: parts.irradiance.map(|index| taken(index, Bounds::Drop)),
+                skybox: parts.skybox.map(|index| taken(index, Bounds::Drop)),
                 sh: sh_window.apply(sh),
                 sh_window,
                 oem,

@@ -12,7 +12,7 @@ use crate::chain::Level;
 use crate::environment::{LUMINANCE, Map};
 use crate::filter::Filter;
 use crate::finite::finite;
-use crate::io::Repairs;
+use crate::io::{Pad, Repairs};
 use crate::sh::order_text;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -293,6 +293,15 @@ pub struct OptionsReport {
     pub rotate_y: f64,
     /// Whether the input was flipped.
     pub mirror: bool,
+    /// Factor applied to the radiance; absent in reports of version 0.2.
+    #[serde(default = "unscaled")]
+    pub scale: f64,
+    /// Whether to remove black bars.
+    #[serde(default)]
+    pub crop: bool,
+    /// Fill for a panorama that is not 2:1: `black` or `edge`; `null` for none.
+    #[serde(default)]
+    pub pad: Option<String>,
     /// Whether to repair NaN and Inf.
     pub sanitize: bool,
     /// Whether repairs are errors.
@@ -306,6 +315,9 @@ pub struct OptionsReport {
     pub sunless: bool,
     /// Edge of the irradiance cube; `null` for none.
     pub irradiance: Option<u32>,
+    /// Requested edge of the cube of the unfiltered environment; `null` for none.
+    #[serde(default)]
+    pub skybox: Option<u32>,
     /// Whether the levels of the Charlie lobe were also baked.
     #[serde(default)]
     pub sheen: bool,
@@ -400,6 +412,12 @@ pub struct Circumstances {
     pub rotate_y: f64,
     /// Whether the input was flipped.
     pub mirror: bool,
+    /// Factor applied to the radiance.
+    pub scale: f64,
+    /// Whether to remove black bars.
+    pub crop: bool,
+    /// Fill for a panorama that is not 2:1.
+    pub pad: Option<Pad>,
     /// Whether to repair NaN and Inf.
     pub sanitize: bool,
     /// Whether repairs are errors.
@@ -485,11 +503,15 @@ impl Report {
                 layout: told.layout,
                 rotate_y: told.rotate_y,
                 mirror: told.mirror,
+                scale: told.scale,
+                crop: told.crop,
+                pad: told.pad.map(|pad| pad.name().to_owned()),
                 sanitize: told.sanitize,
                 strict: told.strict,
                 extract_sun: told.extract_sun,
                 sunless: told.sunless,
                 irradiance: settings.irradiance,
+                skybox: settings.skybox,
                 sheen: settings.sheen,
                 sh_order: settings.sh_order,
                 sh_window: settings.sh_window.to_string(),
@@ -582,6 +604,10 @@ pub fn filter_name(filter: Filter) -> String {
         Filter::Box => "box".to_owned(),
         Filter::Reference => "reference".to_owned(),
     }
+}
+
+fn unscaled() -> f64 {
+    1.0
 }
 
 fn is_zero(count: &u64) -> bool {

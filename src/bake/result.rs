@@ -55,6 +55,8 @@ pub struct Bake {
     pub stats: Vec<LevelStats>,
     /// The irradiance cube, if requested; values are irradiance/pi.
     pub irradiance: Option<Level>,
+    /// The unfiltered environment, if requested; see [`crate::bake::BakeSettings::skybox`].
+    pub skybox: Option<Level>,
     /// The levels of the Charlie lobe, if requested.
     pub sheen: Option<Chain>,
     /// Statistics of each sheen level.
@@ -74,16 +76,17 @@ pub struct Bake {
 }
 
 impl Bake {
-    /// All levels: the chain, then the irradiance and the sheen, if present.
+    /// All levels: the chain, then the irradiance, the skybox and the sheen, if present.
     pub fn levels(&self) -> impl Iterator<Item = &Level> {
         let sheen = self.sheen.iter().flat_map(|sheen| &sheen.levels);
-        self.chain.levels.iter().chain(&self.irradiance).chain(sheen)
+        self.chain.levels.iter().chain(&self.irradiance).chain(&self.skybox).chain(sheen)
     }
 
     /// Mutable [`Bake::levels`].
     pub fn levels_mut(&mut self) -> impl Iterator<Item = &mut Level> {
         let sheen = self.sheen.iter_mut().flat_map(|sheen| &mut sheen.levels);
-        self.chain.levels.iter_mut().chain(self.irradiance.as_mut()).chain(sheen)
+        let beside = self.irradiance.iter_mut().chain(self.skybox.as_mut());
+        self.chain.levels.iter_mut().chain(beside).chain(sheen)
     }
 }
 

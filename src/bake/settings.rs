@@ -31,6 +31,9 @@ pub struct BakeSettings {
     pub bounds: bool,
     /// Edge of an additional irradiance cube (cosine lobe, divided by pi).
     pub irradiance: Option<u32>,
+    /// Edge of a cube of the unfiltered environment to bake as well; where the levels are panoramas, it is a
+    /// panorama of four times as many columns.
+    pub skybox: Option<u32>,
     /// The highest band of the spherical harmonics, at most [`crate::sh::MAX_ORDER`].
     pub sh_order: u32,
     /// Window applied to their bands.
@@ -52,6 +55,7 @@ impl Default for BakeSettings {
             border: None,
             bounds: false,
             irradiance: None,
+            skybox: None,
             sh_order: 2,
             sh_window: ShWindow::None,
             sheen: false,

@@ -2,7 +2,8 @@
 
 use super::shared_args::{EngineArgs, InputArgs, MAX_THREADS};
 use super::values::{
-    Texels, file_name, filter, roughness, sh_window, target, target_help, texels, threshold,
+    SkyboxArg, Texels, file_name, filter, roughness, sh_window, skybox, target, target_help, texels,
+    threshold,
 };
 use crate::bake::dfg::DfgForm;
 use crate::bake::overflow::Overflow;
@@ -69,6 +70,10 @@ pub(super) enum Command {
     /// Prints the command that compiles the viewer and runs it.
     #[cfg(not(feature = "view"))]
     View(super::view_absent::ViewArgs),
+    /// Print a completion script for a shell
+    Completions(super::completions::CompletionsArgs),
+    /// Print the manual page, or write all pages into a folder
+    Man(super::man::ManArgs),
 }
 
 /// The table that lobes are read from.
@@ -92,13 +97,24 @@ pub(super) struct TableArgs {
 #[derive(Clone, Debug, ClapArgs)]
 pub(super) struct BakeArgs {
     /// Environments: .hdr, .exr, .png, .jpg; .ktx2 or bakes
+    ///
+    /// A folder that is no bake stands for the files in it that can be read, as their extensions say; a quoted
+    /// pattern such as 'in/*.exr' or 'in/**/*.hdr' for those that it matches (*, ? and [a-z] in names, **
+    /// for any folders), unless there is a file of that very name. Hidden files and what earlier bakes wrote
+    /// are left out. Folders that a pattern matches are mirrored in OUT.
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
+    /// Bake what is in the folders of INPUT folders, too
+    ///
+    /// Their folders are mirrored in OUT, so that names need only differ within a folder. Links to folders are
+    /// not followed, and OUT is left out.
+    #[arg(long, short)]
+    pub(super) recursive: bool,
     /// File or folder to write [default: INPUT's name]
     ///
     /// By default in the current folder. A file for ktx2, ktx and dds, a folder for exr, hdr and --target.
-    /// With several inputs a folder that gets one of these for each, named after its input; so does a name
-    /// that ends in / for one input. - is standard output, for an output of one file and nothing beside it.
+    /// With several inputs, a folder or a pattern a folder that gets one of these for each, named after its
+    /// input; so does a name that ends in / for one input. - is standard output, for an output of one file and nothing beside it.
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
     /// Presets for engines, comma-separated
@@ -173,6 +189,14 @@ pub(super) struct BakeArgs {
     /// second file, OUT's stem with .irradiance.ktx2 or the like.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(super) irradiance: Option<u32>,
+    /// Add the unfiltered cube, edge N or source
+    ///
+    /// 1 to 16384 texels, or with source texels about as large as the source's. exr and hdr: skybox_{face}
+    /// beside the levels; other formats: OUT's stem with .skybox.ktx2 or the like; targets: NAME_skybox or
+    /// skybox. unreal, godot and blender get a panorama of 4N x 2N; babylon a .dds and gltf-ext a .ktx2 file of
+    /// half floats. In place of level 0 for filament.
+    #[arg(long, value_name = "N|source", value_parser = skybox)]
+    pub(super) skybox: Option<SkyboxArg>,
     /// Highest band of spherical harmonics, 2 to 4
     ///
     /// In the report and in sh.json; Filament and EXT_lights_image_based have bands up to 2 only. [default:
@@ -210,6 +234,9 @@ pub(super) struct BakeArgs {
     #[arg(long)]
     pub(super) dry_run: bool,
     /// Write a picture of spheres down the ladder
+    ///
+    /// Levels that are panoramas or octahedral squares are shown as cubes. Of several targets one below the
+    /// other.
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
     /// The picture's exposure: auto, or -40 to 40 EV
@@ -264,12 +291,13 @@ pub(super) struct QueryArgs {
     pub(super) inputs: Vec<PathBuf>,
     /// CSV with the header x,y,z; - is standard input
     ///
-    /// At most 4,000,000 directions, 256 MiB, and 1000 bytes a line.
+    /// With the header x,y,z,roughness each row has its own, and one octahedral map, as fine as the sharpest
+    /// asks for, serves all. At most 4,000,000 directions, 256 MiB, and 1000 bytes a line.
     #[arg(long, value_name = "FILE.csv", required = true)]
     pub(super) directions: PathBuf,
     /// Roughness in [0, 1]; 0 is a mirror
     ///
-    /// Required but for the cosine lobe, which has none.
+    /// Required but for the cosine lobe, which has none, and where the rows of --directions say theirs.
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = roughness)]
     pub(super) roughness: Option<f64>,
     /// ggx, phong, cone, cosine or charlie

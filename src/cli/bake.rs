@@ -2,8 +2,9 @@
 
 use super::args::BakeArgs;
 use super::bake_plan::{self, BakePlan};
-use super::console::{self, Console};
+use super::console::{self, Console, Files};
 use super::engine::{Baker, Engine};
+use super::expand::{Expansion, Found, expand};
 use super::fingerprint;
 use super::input::{self, Opened, Source};
 use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
@@ -13,7 +14,7 @@ use crate::analysis::oracle::Oracle;
 use crate::bake::overflow::{Overflow, clamped_share};
 use crate::bake::report::{Circumstances, InputFileReport, Report, TargetReport};
 use crate::bake::{Bake, BakeSettings};
-use crate::export::files::{Made, files};
+use crate::export::{self, files::Made};
 use crate::filter::Filter;
 use crate::format::{Pixel, RGBE_MAX};
 use crate::image::exposure::Exposure;
@@ -27,7 +28,7 @@ use crate::{Environment, Error, memory};
 use anyhow::anyhow;
 use rayon::prelude::*;
 use std::cell::OnceCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -39,6 +40,10 @@ struct Work {
     jobs: Vec<Job>,
     /// The folder for several outputs.
     folder: Option<PathBuf>,
+    /// Whether there may be several inputs, and each is counted.
+    several: bool,
+    /// Folders of inputs that could not be read.
+    unread: Vec<Error>,
     input: InputArgs,
     overflow: Overflow,
     engine: EngineArgs,
@@ -52,6 +57,18 @@ struct Work {
 struct Job {
     source: Source,
     outputs: Outputs,
+    /// The folder of its outputs, which is made where it is missing.
+    folder: Option<PathBuf>,
+    /// `[3/18] ` where there are several.
+    label: String,
+}
+
+/// What became of several inputs.
+#[derive(Default)]
+struct Tally {
+    baked: usize,
+    skipped: usize,
+    failed: usize,
 }
 
 pub(super) fn run(args: BakeArgs) -> Outcome {
@@ -67,18 +84,23 @@ pub(super) fn run(args: BakeArgs) -> Outcome {
 
 impl Work {
     fn new(mut args: BakeArgs) -> Outcome<Self> {
-        let plans = bake_plan::plans(&args)?;
+        let typed = std::mem::take(&mut args.inputs);
+        let Expansion { found, is_open, failures } = expand(typed, args.recursive, args.output.as_deref())?;
+        let several = (is_open || found.len() > 1) && args.input.layout != LayoutChoice::Faces;
+        let plans = bake_plan::plans(&args, several)?;
         let options = fingerprint::options(&plans, &args)?;
-        let several = args.inputs.len() > 1 && args.input.layout != LayoutChoice::Faces;
         if several && args.name.is_some() {
             return usage("--name names one environment; several inputs were given");
         }
-        let sources = input::sources(std::mem::take(&mut args.inputs), &args.input)?;
+        let (paths, withins): (Vec<_>, Vec<_>) =
+            found.into_iter().map(|Found { path, within }| (path, within)).unzip();
+        let sources = input::sources(paths, &args.input)?;
+        let sources: Vec<(Source, PathBuf)> = sources.into_iter().zip(withins).collect();
         if let Some(path) = &args.preview {
             if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
                 return usage(format!("--preview {} must end in .png", path.display()));
             }
-            if sources.len() > 1 {
+            if several {
                 return usage("--preview takes one input, since it names one picture");
             }
         }
@@ -86,19 +108,20 @@ impl Work {
         let is_file = !first.is_targeted() && first.is_single();
         let suffix = if is_file { format!(".{}", first.container.name()) } else { String::new() };
         let mut by_stem = BTreeMap::new();
-        for source in &sources {
-            if let Some(other) = by_stem.insert(source.stem(), source.path()) {
+        for (source, within) in &sources {
+            let name = within.join(source.stem() + &suffix);
+            if let Some(other) = by_stem.insert(name.clone(), source.path()) {
                 return usage(format!(
-                    "{} and {} would both be written as {}{suffix}; rename one or bake them apart",
+                    "{} and {} would both be written as {}; rename one or bake them apart",
                     other.display(),
                     source.path().display(),
-                    source.stem()
+                    name.display()
                 ));
             }
         }
         let place = match &args.output {
             Some(path) if is_stdout(path)? => {
-                bake_plan::check_stdout(&args, first, sources.len())?;
+                bake_plan::check_stdout(&args, first, several)?;
                 Place::Stdout
             }
             _ if is_file => Place::File,
@@ -106,17 +129,22 @@ impl Work {
         };
         let within = several || (is_file && args.output.as_deref().is_some_and(names_folder));
         let folder = args.output.clone().filter(|_| within);
-        let job = |source: Source| {
-            let name = PathBuf::from(source.stem() + &suffix);
+        let total = sources.len();
+        let job = |(number, (source, mirrored)): (usize, (Source, PathBuf))| {
+            let name = mirrored.join(source.stem() + &suffix);
             let main = match &args.output {
                 Some(folder) if within => folder.join(name),
                 Some(path) => path.clone(),
                 None => name,
             };
             let environment = args.name.clone().unwrap_or_else(|| source.stem());
-            Job { outputs: Outputs::new(main, place, environment, args.preview.clone()), source }
+            let folder = main.parent().filter(|folder| within && !folder.as_os_str().is_empty());
+            let folder = folder.map(Path::to_owned);
+            let label = if several { format!("[{number}/{total}] ") } else { String::new() };
+            let outputs = Outputs::new(main, place, environment, args.preview.clone());
+            Job { source, outputs, folder, label }
         };
-        let jobs: Vec<Job> = sources.into_iter().map(job).collect();
+        let jobs: Vec<Job> = (1..).zip(sources).map(job).collect();
         let common = Common {
             sun: bake_plan::sun_files(&args),
             existing: if args.force { Existing::Replace } else { Existing::Keep },
@@ -127,6 +155,8 @@ impl Work {
             common,
             jobs,
             folder,
+            several,
+            unread: failures,
             input: args.input,
             overflow: args.overflow,
             engine: args.engine,
@@ -140,55 +170,67 @@ impl Work {
 
     /// Outputs must differ from one another and from every input.
     fn check_places(&self) -> Outcome {
-        let mut all: Vec<PathBuf> = Vec::new();
+        let inputs = self.jobs.iter().flat_map(|job| job.source.files());
+        let inputs: BTreeSet<PathBuf> = inputs.filter_map(|input| input.canonicalize().ok()).collect();
+        let mut all: BTreeSet<PathBuf> = BTreeSet::new();
         for job in &self.jobs {
             for place in job.outputs.places(&self.common)? {
                 let place = place.path;
-                if all.contains(&place) {
+                // What a folder holds follows it in the order of paths.
+                if let Ok(real) = place.canonicalize()
+                    && let Some(input) = inputs.range(real.clone()..).next()
+                    && input.starts_with(&real)
+                {
+                    let what = if *input == real { "is an input" } else { "holds an input" };
+                    return usage(format!("{} {what}; name another output with -o", place.display()));
+                }
+                if let Some(place) = all.replace(place) {
                     return usage(format!("{} is named for two outputs", place.display()));
                 }
-                if let Ok(real) = place.canonicalize() {
-                    let inputs = self.jobs.iter().flat_map(|job| job.source.files());
-                    let mut inputs = inputs.filter_map(|input| input.canonicalize().ok());
-                    if let Some(input) = inputs.find(|input| input.starts_with(&real)) {
-                        let what = if input == real { "is an input" } else { "holds an input" };
-                        return usage(format!("{} {what}; name another output with -o", place.display()));
-                    }
-                }
-                all.push(place);
             }
         }
         Ok(())
     }
 
-    /// Prints what would be written: a line a file, or with `--json` a line an input.
+    /// Prints what would be written: a line a file, or with `--json` a line an input. What fails is told, and the
+    /// others follow.
     fn foretell(&self) -> Outcome {
-        let fresh = self.fresh_folder()?;
+        self.check_folder()?;
+        let mut failed = self.tell_unread();
         let mut text = String::new();
-        for job in &self.jobs {
-            if self.is_up_to_date(job) {
-                continue;
+        for job in self.jobs.iter().filter(|job| !self.is_up_to_date(job)) {
+            let foretold = || -> Outcome<String> {
+                job.outputs.check(&self.common, job.folder.as_deref())?;
+                let opened = job.source.open(&self.input, &Console::new(true))?;
+                self.check_memory(&opened)?;
+                Ok(job.outputs.foretold(&self.common, &job.source, opened.environment.layout())?)
+            };
+            match foretold() {
+                Ok(lines) => text += &lines,
+                Err(failure) => failed += job.told(failure)?,
             }
-            job.outputs.check(&self.common, fresh)?;
-            let opened = job.source.open(&self.input, &Console::new(true))?;
-            self.check_memory(&opened)?;
-            text += &job.outputs.foretold(&self.common, &job.source)?;
         }
-        print(&text)
+        print(&text)?;
+        if failed > 0 { Err(Failure::Reported) } else { Ok(()) }
     }
 
-    /// The folder for several outputs, where it is yet to be made.
-    fn fresh_folder(&self) -> Outcome<Option<&Path>> {
-        let fresh = self.folder.as_deref().filter(|folder| !folder.exists());
-        match (&self.folder, fresh) {
-            (Some(folder), None) if !folder.is_dir() => {
+    /// Says which folders of inputs could not be read; returns their number.
+    fn tell_unread(&self) -> usize {
+        self.unread.iter().for_each(|error| console::error(&error.to_string()));
+        self.unread.len()
+    }
+
+    /// Checks the folder for several outputs.
+    fn check_folder(&self) -> Outcome {
+        match &self.folder {
+            Some(folder) if !folder.exists() => output::check_folder(folder, Existing::Keep)?,
+            Some(folder) if !folder.is_dir() => {
                 let message = "is a file; several inputs, and names that end in /, need a folder";
                 return Err(anyhow!("{}: {message}", folder.display()).into());
             }
-            (_, Some(fresh)) => output::check_folder(fresh, Existing::Keep)?,
             _ => {}
         }
-        Ok(fresh)
+        Ok(())
     }
 
     /// Whether `job` is to be left alone.
@@ -198,46 +240,48 @@ impl Work {
     }
 
     fn run(&self, console: &Console) -> Outcome {
-        let mut failed = false;
-        let mut tell = |failure: Failure| match failure {
-            Failure::Failed(error) => {
-                console::error(&format!("{error:#}"));
-                failed = true;
-                Ok(())
-            }
-            other => Err(other),
-        };
+        let mut recovered = BTreeSet::new();
         for job in &self.jobs {
-            job.outputs.recover(&self.common, console)?;
+            job.outputs.recover(&self.common, &mut recovered, console)?;
         }
         // What cannot be written is told before anything is baked.
-        let fresh = self.fresh_folder()?;
+        self.check_folder()?;
+        let mut tally = Tally { failed: self.tell_unread(), ..Tally::default() };
         let mut ready = Vec::new();
         for job in &self.jobs {
             if self.is_up_to_date(job) {
-                console.note(&format!("{}: unchanged", job.outputs.main.display()));
+                console.note(&format!("{}{}: unchanged", job.label, job.outputs.main.display()));
+                tally.skipped += 1;
                 continue;
             }
-            match job.outputs.check(&self.common, fresh) {
+            match job.outputs.check(&self.common, job.folder.as_deref()) {
                 Ok(()) => ready.push(job),
-                Err(failure) => tell(failure)?,
+                Err(failure) => tally.failed += job.told(failure)?,
             }
         }
         let engine = OnceCell::new();
-        for job in ready {
-            if let Err(failure) = self.bake(job, &engine, console) {
-                tell(failure)?;
+        let (start, total) = (Instant::now(), ready.len());
+        for (done, job) in ready.into_iter().enumerate() {
+            let files = self.several.then_some(Files { start, done, total });
+            match self.bake(job, files, &engine, console) {
+                Ok(()) => tally.baked += 1,
+                Err(failure) => tally.failed += job.told(failure)?,
             }
         }
-        if failed { Err(Failure::Reported) } else { Ok(()) }
+        let Tally { baked, skipped, failed } = tally;
+        if self.several {
+            console.note(&format!("{baked} baked, {skipped} skipped, {failed} failed"));
+        }
+        if failed > 0 { Err(Failure::Reported) } else { Ok(()) }
     }
 
-    fn bake(&self, job: &Job, engine: &OnceCell<Engine>, console: &Console) -> Outcome {
+    fn bake(&self, job: &Job, files: Option<Files>, engine: &OnceCell<Engine>, console: &Console) -> Outcome {
         let start = Instant::now();
         // Before it is read: should it change meanwhile, it is found changed.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, console)?;
-        let settings = self.check_memory(&opened)?;
+        let plans = self.check_memory(&opened)?;
+        let settings: Vec<BakeSettings> = plans.iter().map(|plan| plan.settings.clone()).collect();
         let engine = self.engine.chosen(engine, console)?;
         if settings[0].filter == Filter::Reference {
             let seconds = reference_seconds(&opened.environment, &settings[0])?;
@@ -247,7 +291,8 @@ impl Work {
                 console::duration(seconds)
             ));
         }
-        let bar = console.bar(&job.source.stem());
+        let name = format!("{}{}", job.label, job.source.stem());
+        let bar = files.map_or_else(|| console.bar(&name), |files| console.bar_of(&name, files));
         let progress = |progress| {
             bar.bake(progress);
             ControlFlow::Continue(())
@@ -265,10 +310,10 @@ impl Work {
             }
         }
         drop(warned);
-        let mut picture = None;
+        let mut sheets = Vec::new();
         let (mut all_made, mut reports) = (Vec::new(), Vec::new());
         let circumstances = Baked { job, input_files, opened: &opened, baker: &baker, start };
-        for (plan, mut bake) in self.common.plans.iter().zip(bakes) {
+        for (plan, mut bake) in plans.iter().zip(bakes) {
             let name = self.place_name(job, plan);
             bake.warnings.dedup();
             let compressed = self
@@ -276,9 +321,14 @@ impl Work {
                 .apply_all(&mut bake, plan.plan.pixel)
                 .map_err(|error| anyhow::Error::from(error).context(name.clone()))?;
             if job.outputs.preview.is_some() {
-                picture = Some(png_bytes(&preview::contact_sheet(&bake.chain, self.exposure)?)?);
+                sheets.push((plan.plan.target.name, preview::contact_sheet(&bake.chain, self.exposure)?));
             }
-            let made = files(&plan.plan, &job.outputs.name, &bake, &metadata(&plan.settings, &opened))?;
+            let made = export::files::files(
+                &plan.plan,
+                &job.outputs.name,
+                &bake,
+                &metadata(&plan.settings, &opened),
+            )?;
             let stored = Stored::new(&plan.plan, &bake, &made);
             for warning in &stored.warnings {
                 console.warn(&format!("{name}: {warning}"));
@@ -287,7 +337,12 @@ impl Work {
             reports.push(Report { compressed, ..report });
             all_made.push(made);
         }
-        if let Some(folder) = &self.folder {
+        let picture = match &sheets[..] {
+            [] => None,
+            [(_, sheet)] => Some(png_bytes(sheet)?),
+            sheets => Some(png_bytes(&preview::stacked(sheets))?),
+        };
+        if let Some(folder) = &job.folder {
             fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
         }
         let bytes = job.outputs.write(
@@ -303,7 +358,8 @@ impl Work {
         let targets =
             if report.target.is_some() { format!(" for {}", targets.join(", ")) } else { String::new() };
         console.note(&format!(
-            "{}: {}{targets} in {:.2} s on {}, OEM {} + {}, {}",
+            "{}{}: {}{targets} in {:.2} s on {}, OEM {} + {}, {}",
+            job.label,
             job.outputs.main.display(),
             console::bytes(bytes),
             start.elapsed().as_secs_f64(),
@@ -321,13 +377,14 @@ impl Work {
         Ok(())
     }
 
-    /// The settings of the bakes, which fit into memory.
-    fn check_memory(&self, opened: &Opened) -> crate::Result<Vec<BakeSettings>> {
-        let plans = &self.common.plans;
+    /// The plans for the source that is `opened`, whose bakes fit into memory.
+    fn check_memory(&self, opened: &Opened) -> crate::Result<Vec<BakePlan>> {
+        let layout = opened.environment.layout();
+        let plans: Vec<BakePlan> = self.common.plans.iter().map(|plan| plan.settled(layout)).collect();
         let settings: Vec<BakeSettings> = plans.iter().map(|plan| plan.settings.clone()).collect();
         let encoded = plans.iter().map(|plan| texel_bytes(plan.plan.pixel)).max();
         memory::check_bake(&opened.environment, &settings, encoded.unwrap_or(0))?;
-        Ok(settings)
+        Ok(plans)
     }
 
     /// What messages about one plan's files begin with.
@@ -344,7 +401,7 @@ impl Work {
     fn report(
         &self,
         baked: &Baked<'_>,
-        BakePlan { plan, settings }: &BakePlan,
+        BakePlan { plan, settings, .. }: &BakePlan,
         bake: &Bake,
         made: &[Made],
         stored: Stored,
@@ -359,6 +416,9 @@ impl Work {
             layout: opened.layout.to_owned(),
             rotate_y: self.input.rotate_y.unwrap_or(0.0),
             mirror: self.input.mirror,
+            scale: self.input.scale.unwrap_or(1.0),
+            crop: self.input.crop,
+            pad: self.input.pad,
             sanitize: self.input.sanitize,
             strict: self.input.strict,
             extract_sun: self.input.extract_sun,
@@ -388,6 +448,19 @@ impl Work {
             report.options.out_layout = Some(plan.layout.name().to_owned());
         }
         report
+    }
+}
+
+impl Job {
+    /// Tells what went wrong with this input, which is then one that failed. Other failures end the program.
+    fn told(&self, failure: Failure) -> Outcome<usize> {
+        match failure {
+            Failure::Failed(error) => {
+                console::error(&format!("{}{error:#}", self.label));
+                Ok(1)
+            }
+            other => Err(other),
+        }
     }
 }
 

@@ -3,14 +3,14 @@
 use super::args::BakeArgs;
 use super::outcome::{Outcome, usage};
 use super::output::{FOREIGN, SunFile, check_folder_name, extension, named_format, names_folder};
-use crate::Map;
+use super::values::SkyboxArg;
 use crate::bake::BakeSettings;
 use crate::filter::Filter;
 use crate::format::container::Container;
 use crate::format::{OutputLayout, Pixel};
-use crate::io::LayoutChoice;
 use crate::lobe::Lobe;
 use crate::target::{Diffuse, TargetPlan, UNTARGETED};
+use crate::{Layout, Map};
 use std::path::Path;
 
 /// The files to write, and the bake that they are made of.
@@ -18,19 +18,26 @@ use std::path::Path;
 pub(super) struct BakePlan {
     pub(super) plan: TargetPlan,
     pub(super) settings: BakeSettings,
+    /// What was asked for; settled in the settings when the source is known.
+    pub(super) skybox: Option<SkyboxArg>,
 }
 
-/// What `args` ask for: a plan for each target, or the one without a target.
-pub(super) fn plans(args: &BakeArgs) -> Outcome<Vec<BakePlan>> {
+impl BakePlan {
+    /// This for a source of `layout`.
+    pub(super) fn settled(&self, layout: Layout) -> Self {
+        let edge = self.skybox.map(|skybox| skybox.edge(layout));
+        Self { settings: BakeSettings { skybox: edge, ..self.settings.clone() }, ..self.clone() }
+    }
+}
+
+/// What `args` ask for: a plan for each target, or the one without a target. `several` inputs have a folder.
+pub(super) fn plans(args: &BakeArgs, several: bool) -> Outcome<Vec<BakePlan>> {
     if args.target.is_empty() {
         let settings = untargeted_settings(args)?;
-        return Ok(vec![BakePlan { plan: untargeted(args)?, settings }]);
+        return Ok(vec![BakePlan { plan: untargeted(args, several)?, settings, skybox: args.skybox }]);
     }
     if args.bounds {
         return usage("--bounds does not go with --target; bake without it for the bounds");
-    }
-    if args.preview.is_some() {
-        return usage("--preview does not go with --target; bake without it for a picture");
     }
     if args.lobe == Lobe::Cosine {
         return usage("--lobe cosine does not go with --target; --diffuse cube adds irradiance");
@@ -69,11 +76,11 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         if args.bounds {
             return usage(format!("--bounds is for --out-layout faces, not {name}"));
         }
-        if args.preview.is_some() && layout.map() != Map::Cube {
-            return usage(format!("--preview shows cubes; leave it or --out-layout {name} out"));
-        }
         if args.irradiance.is_some() && layout.map() != Map::Cube {
             return usage(format!("--irradiance is a cube; leave it or --out-layout {name} out"));
+        }
+        if args.skybox.is_some() && layout.map() != Map::Cube {
+            return usage(format!("--skybox is a cube; leave it or --out-layout {name} out"));
         }
     }
     let map = args.out_layout.map_or(Map::Cube, OutputLayout::map);
@@ -92,6 +99,7 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         border: args.table.border,
         bounds: args.bounds,
         irradiance: args.irradiance,
+        skybox: None,
         sh_order: args.sh_order,
         sh_window: args.sh_window,
         sheen: false,
@@ -103,8 +111,8 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
 }
 
 /// Refuses what does not go to standard output.
-pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, inputs: usize) -> Outcome {
-    if inputs > 1 {
+pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) -> Outcome {
+    if several {
         return usage("-o - takes one input; name a folder with -o for several");
     }
     if !plan.is_single() {
@@ -118,6 +126,7 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, inputs: usize) ->
         (args.skip_unchanged, "--skip-unchanged"),
         (args.preview.is_some(), "--preview"),
         (args.irradiance.is_some(), "--irradiance"),
+        (args.skybox.is_some(), "--skybox"),
         (args.bounds, "--bounds"),
         (args.input.extract_sun, "--extract-sun"),
     ];
@@ -131,12 +140,13 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, inputs: usize) ->
 
 /// The plan without a target: the format as said, else by the output's extension, else ktx2, and the pixels
 /// that it can have.
-fn untargeted(args: &BakeArgs) -> Outcome<TargetPlan> {
-    let container = container(args)?;
+fn untargeted(args: &BakeArgs, several: bool) -> Outcome<TargetPlan> {
+    let container = container(args, several)?;
     let layout = args.out_layout.unwrap_or_default();
     let pixel = pixel(args, container, layout)?;
     let diffuse = if args.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
-    let plan = TargetPlan { container, pixel, layout, diffuse, ..TargetPlan::new(&UNTARGETED) };
+    let skybox = args.skybox.is_some();
+    let plan = TargetPlan { container, pixel, layout, diffuse, skybox, ..TargetPlan::new(&UNTARGETED) };
     if let Some(path) = args.output.as_deref().filter(|_| !plan.is_single()) {
         let remedy =
             format!(" (with --format {}), and --out-layout parts writes one .exr file", container.name());
@@ -146,7 +156,7 @@ fn untargeted(args: &BakeArgs) -> Outcome<TargetPlan> {
 }
 
 /// The format as said, else by the output's extension, else that of the layout.
-fn container(args: &BakeArgs) -> Outcome<Container> {
+fn container(args: &BakeArgs, several: bool) -> Outcome<Container> {
     let file = args.output.as_deref().filter(|path| !names_folder(path));
     let named = file.and_then(named_format);
     let output = || args.output.as_deref().unwrap_or(Path::new("")).display().to_string();
@@ -157,7 +167,6 @@ fn container(args: &BakeArgs) -> Outcome<Container> {
             output()
         ));
     }
-    let several = args.inputs.len() > 1 && args.input.layout != LayoutChoice::Faces;
     if let (true, Some(_)) = (several, named) {
         return usage(format!("several inputs are written into a folder; {} names a file", output()));
     }
@@ -244,6 +253,7 @@ fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
     plan.pixel = args.pixel.unwrap_or(plan.pixel);
     plan.flip = args.flip.unwrap_or(plan.flip);
     plan.diffuse = args.diffuse.unwrap_or(plan.diffuse);
+    plan.skybox |= args.skybox.is_some();
     if let Err(error) = args.filter.check(args.lobe, args.table.oem_size) {
         return usage(error.to_string());
     }
@@ -276,13 +286,14 @@ fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
         border: args.table.border,
         bounds: false,
         irradiance: cube.then(|| args.irradiance.unwrap_or(target.irradiance_size)),
+        skybox: None,
         sh_order: args.sh_order,
         sh_window: args.sh_window,
         sheen: target.has_sheen(),
     };
     let specs = settings.level_specs().and_then(|specs| plan.check_levels(size, specs.len() as u32));
     match specs {
-        Ok(()) => Ok(BakePlan { plan, settings }),
+        Ok(()) => Ok(BakePlan { plan, settings, skybox: args.skybox }),
         Err(error) => usage(format!("target {}: {error}", target.name)),
     }
 }

@@ -98,7 +98,8 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
             Lobe::Ggx
         }
     };
-    // The source as the bake's was, unless said otherwise: turned, mirrored and without its sun.
+    // The source as the bake's was, unless said otherwise: scaled, cropped, padded, turned, mirrored and without
+    // its sun.
     if provenance.rotate_y.or(args.input.rotate_y).is_none() {
         console.warn(&format!(
             "{} does not say how its source was turned; not at all it is, or --rotate-y, --mirror and --extract-sun",
@@ -109,6 +110,9 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
         rotate_y: args.input.rotate_y.or(provenance.rotate_y),
         mirror: args.input.mirror || provenance.mirror.unwrap_or(false),
         extract_sun: args.input.extract_sun || provenance.sun.is_some(),
+        scale: args.input.scale.or(provenance.scale),
+        crop: args.input.crop || provenance.crop.unwrap_or(false),
+        pad: args.input.pad.or(provenance.pad),
         ..args.input.clone()
     };
     let source = input::single_source(vec![args.against.clone()], &input)?;

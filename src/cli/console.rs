@@ -46,24 +46,44 @@ impl Console {
     /// Progress of one piece of work: an estimate for work that is long, and on a terminal a bar, hidden at
     /// first.
     pub(super) fn bar(&self, name: &str) -> Bar {
+        self.bar_like(name, None, "{prefix} {wide_bar} {percent:>3} %, {eta} left")
+    }
+
+    /// Progress of one of several files: on a terminal a bar with an estimate for all files, and else nothing.
+    pub(super) fn bar_of(&self, name: &str, files: Files) -> Bar {
+        self.bar_like(name, Some(files), "{prefix} {wide_bar} {percent:>3} %{msg}")
+    }
+
+    fn bar_like(&self, name: &str, files: Option<Files>, template: &str) -> Bar {
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::hidden());
-        let style = ProgressStyle::with_template("{prefix} {wide_bar} {percent:>3} %, {eta} left")
-            .expect("the template is a literal");
-        bar.set_style(style);
-        bar.set_prefix(name.to_owned());
+        bar.set_style(ProgressStyle::with_template(template).expect("the template is a literal"));
+        bar.set_prefix(printable(name));
         Bar {
             bar,
             start: (!self.quiet).then(Instant::now),
+            files,
             is_terminal: std::io::stderr().is_terminal(),
             said: Mutex::new(Said::default()),
         }
     }
 }
 
+/// How far a run over several files is.
+#[derive(Clone, Copy)]
+pub(super) struct Files {
+    /// When the first began.
+    pub(super) start: Instant,
+    pub(super) done: usize,
+    /// Those that are baked.
+    pub(super) total: usize,
+}
+
 /// A progress bar on standard error, taken away when dropped.
 pub(super) struct Bar {
     bar: ProgressBar,
+    /// None where nothing is to be said.
     start: Option<Instant>,
+    files: Option<Files>,
     is_terminal: bool,
     said: Mutex<Said>,
 }
@@ -78,6 +98,9 @@ impl Bar {
     /// `done` of `total`; from any thread, in any order.
     pub(super) fn at(&self, done: u64, total: u64) {
         let Some(start) = self.start else { return };
+        if let Some(files) = self.files {
+            return self.at_file(files, done, total);
+        }
         let elapsed = start.elapsed();
         if elapsed < PATIENCE {
             return;
@@ -92,9 +115,23 @@ impl Bar {
                 self.bar.suspend(|| line("", &format!("{prefix}: {estimate}")));
             }
         }
-        if !self.is_terminal {
+        if self.is_terminal {
+            self.show(&mut said, done, total);
+        }
+    }
+
+    /// [`Self::at`] of one of several files.
+    fn at_file(&self, files: Files, done: u64, total: u64) {
+        let elapsed = files.start.elapsed();
+        if !self.is_terminal || elapsed < PATIENCE {
             return;
         }
+        let Ok(mut said) = self.said.try_lock() else { return };
+        self.bar.set_message(files.left(elapsed, done as f64 / total.max(1) as f64));
+        self.show(&mut said, done, total);
+    }
+
+    fn show(&self, said: &mut Said, done: u64, total: u64) {
         if !said.bar {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
             said.bar = true;
@@ -105,6 +142,18 @@ impl Bar {
 
     pub(super) fn bake(&self, progress: Progress) {
         self.at(progress.done, progress.total);
+    }
+}
+
+impl Files {
+    /// How long all files go on, in words; nothing before the first estimate. `share` of the present one is done.
+    fn left(self, elapsed: Duration, share: f64) -> String {
+        let done = self.done as f64 + share;
+        if done == 0.0 {
+            return String::new();
+        }
+        let rest = elapsed.as_secs_f64() * (self.total as f64 - done).max(0.0) / done;
+        format!(", about {} left for all files", duration(rest))
     }
 }
 
@@ -129,10 +178,11 @@ pub(super) fn error(text: &str) {
 }
 
 /// Settings and remedies of the library as its errors name them, and what this program has in their place.
-const OPTIONS: [(&str, &str); 20] = [
+const OPTIONS: [(&str, &str); 24] = [
     ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
     ("`border`", "--border"),
     ("`container`", "--format"),
+    ("`crop`", "--crop"),
     ("`filter`", "--filter"),
     ("`irradiance`", "--irradiance"),
     ("`ladder`", "--ladder"),
@@ -141,11 +191,14 @@ const OPTIONS: [(&str, &str); 20] = [
     ("`mesh_root`", "--mesh-root"),
     ("`oem_size`", "--oem-size"),
     ("`overflow`", "--overflow"),
+    ("`pad`", "--pad"),
     ("`pixel`", "--pixel"),
     ("`sanitize`", "--sanitize"),
+    ("`scale`", "--scale"),
     ("`screenshot`", "--screenshot"),
     ("`sh_order`", "--sh-order"),
     ("`size`", "--size"),
+    ("`skybox`", "--skybox"),
     ("`strict`", "--strict"),
     ("`Existing::Replace`", "--force"),
     ("`gpu::adapters`", "octagloss info --adapters"),
@@ -215,7 +268,7 @@ pub(super) fn duration(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Console, ESTIMATE_AFTER, estimate};
+    use super::{Console, ESTIMATE_AFTER, Files, estimate};
     use std::sync::mpsc;
     use std::thread;
     use std::time::{Duration, Instant};
@@ -232,6 +285,14 @@ mod tests {
         });
         // Far more than it takes, and it would wait for ever.
         done.recv_timeout(Duration::from_secs(120)).expect("the bar waits for itself");
+    }
+
+    #[test]
+    fn several_files_are_estimated_together() {
+        let files = Files { start: Instant::now(), done: 2, total: 18 };
+        assert_eq!(files.left(Duration::from_secs(10), 0.0), ", about 80 seconds left for all files");
+        assert_eq!(files.left(Duration::from_secs(10), 0.5), ", about 62 seconds left for all files");
+        assert_eq!(Files { done: 0, ..files }.left(Duration::from_secs(10), 0.0), "");
     }
 
     #[test]

@@ -3,13 +3,13 @@
 use super::console::{self, Console};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, usage, write_output};
 use super::shared_args::MAX_THREADS;
-use super::values::finite;
+use super::values::{finite, scale};
 use crate::geometry::bordered::bordered_picture;
 use crate::geometry::overlap::{Target, mean_radiances, panorama_mean_radiances};
 use crate::geometry::resample::resample;
 use crate::io::environment_write::picture_bytes;
 use crate::io::output::Existing;
-use crate::io::{self, LayoutChoice, ReadOptions};
+use crate::io::{self, LayoutChoice, Pad, ReadOptions};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use crate::sphere::registry::{MAPS, NamedMap, named};
@@ -59,6 +59,18 @@ pub(super) struct ConvertArgs {
     /// Turn about +Y; +90 carries +Z to +X [default: 0]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
     pub(super) rotate_y: Option<f64>,
+    /// Multiply radiance by X, above 0 [default: 1]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = scale)]
+    pub(super) scale: Option<f64>,
+    /// Remove a panorama's black bars, as in bake
+    #[arg(long, conflicts_with = "from")]
+    pub(super) crop: bool,
+    /// Fill up a panorama that is not 2:1: black or edge
+    ///
+    /// As in bake; black by default.
+    #[arg(long, value_name = "FILL", num_args = 0..=1, require_equals = true, default_missing_value = "black")]
+    #[arg(conflicts_with = "from", hide_possible_values = true)]
+    pub(super) pad: Option<Pad>,
     /// Repair NaN (to 0) and Inf (to a finite neighbour)
     #[arg(long)]
     pub(super) sanitize: bool,
@@ -90,6 +102,9 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         let options = ReadOptions {
             layout: if args.from.is_some() { LayoutChoice::Picture } else { LayoutChoice::Auto },
             sanitize: args.sanitize,
+            scale: args.scale.unwrap_or(1.0),
+            crop: args.crop,
+            pad: args.pad,
             ..ReadOptions::default()
         };
         let loaded = io::read(&args.input, &options)?;

@@ -1,4 +1,5 @@
-//! Directions as CSV with the header `x,y,z`, from a file or standard input, within stated limits.
+//! Directions as CSV with the header `x,y,z` or `x,y,z,roughness`, from a file or standard input, within stated
+//! limits.
 
 use crate::error::quoted;
 use crate::io::regular::open_regular;
@@ -7,10 +8,20 @@ use glam::DVec3;
 use std::io::Read;
 use std::path::Path;
 
-/// A direction as it was typed and as it is meant.
+/// A row as it was typed and as it is meant.
 pub(super) struct Asked {
-    pub(super) typed: [String; 3],
+    /// Its values, separated by commas.
+    pub(super) typed: String,
     pub(super) direction: DVec3,
+    /// Where the rows say it.
+    pub(super) roughness: Option<f64>,
+}
+
+/// All rows.
+pub(super) struct Directions {
+    pub(super) asked: Vec<Asked>,
+    /// Whether each row has a roughness of its own.
+    pub(super) has_roughness: bool,
 }
 
 /// What is accepted of a file or of standard input, which may have no end.
@@ -28,7 +39,7 @@ pub(super) struct Limits {
 pub(super) const LIMITS: Limits = Limits { rows: 4_000_000, bytes: 256 << 20, line: 1000 };
 
 /// Reads the directions in the CSV file `path`, or on standard input where that is `-`.
-pub(super) fn read_directions(path: &Path) -> anyhow::Result<Vec<Asked>> {
+pub(super) fn read_directions(path: &Path) -> anyhow::Result<Directions> {
     if path == Path::new("-") {
         return parse_directions(std::io::stdin().lock(), LIMITS).context("standard input");
     }
@@ -36,7 +47,7 @@ pub(super) fn read_directions(path: &Path) -> anyhow::Result<Vec<Asked>> {
 }
 
 /// Parses directions, one a line.
-pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Result<Vec<Asked>> {
+pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
     let text = read_text(from, limits)?;
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -47,21 +58,25 @@ pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Resul
     let header = records.next().transpose()?.ok_or_else(|| anyhow!("empty; a line x,y,z must come first"))?;
     // A byte order mark is no part of the name.
     let names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
-    if names != ["x", "y", "z"] {
-        bail!("line 1 is {}; the header must be x,y,z", quoted(&names.join(",")));
-    }
+    let has_roughness = match names[..] {
+        ["x", "y", "z"] => false,
+        ["x", "y", "z", "roughness"] => true,
+        _ => bail!("line 1 is {}; the header must be x,y,z or x,y,z,roughness", quoted(&names.join(","))),
+    };
     let mut asked = Vec::new();
     for record in records {
         let record = record?;
         let line = record.position().map_or(0, |position| line_of(position, &text));
-        if record.len() != 3 {
-            bail!("line {line} has {} values; x,y,z are three", record.len());
+        match (record.len(), has_roughness) {
+            (3, false) | (4, true) => {}
+            (count, false) => bail!("line {line} has {count} values; x,y,z are three"),
+            (count, true) => bail!("line {line} has {count} values; x,y,z,roughness are four"),
         }
         if asked.len() == limits.rows {
             bail!("more than {} directions, at line {line}; ask for them in parts", limits.rows);
         }
-        let mut direction = [0.0_f64; 3];
-        for ((value, text), name) in direction.iter_mut().zip(&record).zip(names.iter()) {
+        let mut values = [0.0_f64; 4];
+        for ((value, text), name) in values.iter_mut().zip(&record).zip(names.iter()) {
             *value =
                 text.parse().map_err(|_| anyhow!("line {line}: {name} is {}, not a number", quoted(text)))?;
             if !value.is_finite() {
@@ -69,17 +84,22 @@ pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Resul
             }
         }
         // Scaled first: squares of tiny and huge lengths leave the range of floats.
-        let direction = DVec3::from_array(direction);
+        let [x, y, z, roughness] = values;
+        if !(0.0..=1.0).contains(&roughness) {
+            bail!("line {line}: roughness is {}; it must be between 0 and 1", quoted(&record[3]));
+        }
+        let direction = DVec3::new(x, y, z);
         let longest = direction.abs().max_element();
         if longest == 0.0 {
             bail!("line {line}: 0,0,0 points nowhere");
         }
         asked.push(Asked {
-            typed: std::array::from_fn(|c| record[c].to_owned()),
+            typed: record.iter().collect::<Vec<_>>().join(","),
             direction: (direction / longest).normalize(),
+            roughness: has_roughness.then_some(roughness),
         });
     }
-    Ok(asked)
+    Ok(Directions { asked, has_roughness })
 }
 
 /// Reads all of `from`, and stops at the first limit that it passes.
@@ -120,7 +140,7 @@ mod tests {
 
     fn error(text: &[u8], limits: Limits) -> String {
         match parse_directions(text, limits) {
-            Ok(asked) => panic!("{} directions were read", asked.len()),
+            Ok(read) => panic!("{} directions were read", read.asked.len()),
             Err(error) => format!("{error:#}"),
         }
     }
@@ -128,7 +148,7 @@ mod tests {
     #[test]
     fn limits_stop_what_has_no_end() {
         let few = Limits { rows: 2, bytes: 30, line: 10 };
-        assert_eq!(parse_directions(&b"x,y,z\n1,0,0\n0,1,0\n"[..], few).expect("within").len(), 2);
+        assert_eq!(parse_directions(&b"x,y,z\n1,0,0\n0,1,0\n"[..], few).expect("within").asked.len(), 2);
         let rows = error(b"x,y,z\n1,0,0\n0,1,0\n0,0,1\n", few);
         assert_eq!(rows, "more than 2 directions, at line 4; ask for them in parts");
         let endless = parse_directions(std::io::repeat(0), LIMITS).err().expect("no end").to_string();
@@ -136,6 +156,25 @@ mod tests {
         let lines = parse_directions(std::io::repeat(b'\n'), Limits { bytes: 100_000, ..LIMITS });
         let lines = lines.err().expect("no end").to_string();
         assert!(lines.starts_with("more than 100000 bytes, at line "), "{lines}");
+    }
+
+    #[test]
+    fn rows_may_have_a_roughness() {
+        let read =
+            parse_directions(&b"x,y,z,roughness\n1,0,0, .25\n0,2,0,1\n"[..], LIMITS).expect("two rows");
+        assert!(read.has_roughness);
+        let rows: Vec<_> = read.asked.iter().map(|asked| (&asked.typed[..], asked.roughness)).collect();
+        assert_eq!(rows, [("1,0,0,.25", Some(0.25)), ("0,2,0,1", Some(1.0))]);
+        assert!(!parse_directions(&b"x,y,z\n"[..], LIMITS).expect("no rows").has_roughness);
+        for (text, words) in [
+            ("x,y,z,roughness\n1,0,0\n", "line 2 has 3 values; x,y,z,roughness are four"),
+            ("x,y,z\n1,0,0,1\n", "line 2 has 4 values; x,y,z are three"),
+            ("x,y,z,roughness\n1,0,0,1.5\n", "line 2: roughness is \"1.5\"; it must be between 0 and 1"),
+            ("x,y,z,roughness\n1,0,0,nan\n", "line 2: roughness is \"nan\"; it must be finite"),
+            ("x,y,z,r\n", "line 1 is \"x,y,z,r\"; the header must be x,y,z or x,y,z,roughness"),
+        ] {
+            assert_eq!(error(text.as_bytes(), LIMITS), words);
+        }
     }
 
     #[test]

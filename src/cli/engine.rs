@@ -19,6 +19,7 @@ use crate::wgpu;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::OnceCell;
+use std::collections::BTreeMap;
 
 /// An engine, chosen.
 pub(super) enum Engine {
@@ -31,12 +32,36 @@ pub(super) enum Engine {
     },
 }
 
-/// A lobe to be asked for.
-#[derive(Clone, Copy)]
-pub(super) struct Query {
+/// What is to be asked for.
+pub(super) struct Query<'a> {
     pub(super) lobe: Lobe,
-    pub(super) roughness: f64,
     pub(super) filter: Filter,
+    pub(super) directions: &'a [DVec3],
+    /// Of each direction.
+    pub(super) roughness: &'a [f64],
+}
+
+/// The directions of one roughness.
+struct Alike {
+    roughness: f64,
+    /// Their places in the query.
+    places: Vec<usize>,
+    directions: Vec<DVec3>,
+}
+
+impl Query<'_> {
+    /// The directions by their roughness: a lobe is prepared once.
+    fn alike(&self) -> Vec<Alike> {
+        // Bits of what is not negative are in the order of the numbers.
+        let mut by_roughness: BTreeMap<u64, Alike> = BTreeMap::new();
+        for (place, (direction, roughness)) in self.directions.iter().zip(self.roughness).enumerate() {
+            let none = || Alike { roughness: *roughness, places: Vec::new(), directions: Vec::new() };
+            let alike = by_roughness.entry(roughness.to_bits()).or_insert_with(none);
+            alike.places.push(place);
+            alike.directions.push(*direction);
+        }
+        by_roughness.into_values().collect()
+    }
 }
 
 /// Who baked, as the report has it.
@@ -193,52 +218,60 @@ impl Engine {
         }
     }
 
-    /// Answers to each of `directions` on its own, so that none depends on what else is asked.
+    /// Answers to each direction on its own, so that none depends on what else is asked but by `settings`.
     pub(super) fn query(
         &self,
         environment: &Environment,
         settings: &ReflectorSettings,
-        directions: &[DVec3],
-        query: Query,
+        query: &Query<'_>,
         #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU falls back"))]
         console: &Console,
     ) -> crate::Result<Vec<Answer>> {
-        let Query { lobe, roughness, filter } = query;
-        memory::check_query(environment.layout(), settings, lobe, roughness, filter)?;
-        let on_cpu = || {
+        let Query { lobe, filter, .. } = *query;
+        let all = query.alike();
+        for Alike { roughness, .. } in &all {
+            memory::check_query(environment.layout(), settings, lobe, *roughness, filter)?;
+        }
+        let none = Answer { radiance: [0.0; 3], bound: None };
+        let mut ordered = vec![none; query.directions.len()];
+        let mut put = |alike: &Alike, answers: Vec<Answer>| {
+            alike.places.iter().zip(answers).for_each(|(place, answer)| ordered[*place] = answer);
+        };
+        let on_cpu = |put: &mut dyn FnMut(&Alike, Vec<Answer>)| {
             let reflector = Reflector::new(environment, settings)?;
-            let lobes = reflector.lobes(lobe, roughness, filter)?;
-            let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
-                answers.clear();
-                lobes.evaluate(&[*direction], workspace, answers);
-                answers[0]
-            };
-            Ok(directions
-                .par_iter()
-                .map_init(|| (Workspace::default(), Vec::with_capacity(1)), answer)
-                .collect())
+            for alike in &all {
+                let lobes = reflector.lobes(lobe, alike.roughness, filter)?;
+                let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
+                    answers.clear();
+                    lobes.evaluate(&[*direction], workspace, answers);
+                    answers[0]
+                };
+                let directions = alike.directions.par_iter();
+                let start = || (Workspace::default(), Vec::with_capacity(1));
+                put(alike, directions.map_init(start, answer).collect());
+            }
+            Ok(())
         };
         match self {
-            Self::Cpu => on_cpu(),
+            Self::Cpu => on_cpu(&mut put)?,
             #[cfg(feature = "gpu")]
             Self::Gpu { engine, may_fall_back } => {
                 let on_gpu = async {
                     engine.check_fits(environment, settings, filter)?;
                     let reflector = crate::gpu::engine::GpuReflector::new(engine, environment, settings)?;
-                    reflector.query(directions, lobe, roughness, filter).await
+                    for alike in &all {
+                        put(alike, reflector.query(&alike.directions, lobe, alike.roughness, filter).await?);
+                    }
+                    Ok(())
                 };
-                match crate::gpu::block_on(Some(engine.context()), on_gpu)? {
-                    Err(error) => match fallback(&error, *may_fall_back) {
-                        Some(why) => {
-                            console.note(&why);
-                            on_cpu()
-                        }
-                        None => Err(error),
-                    },
-                    answers => answers,
+                if let Err(error) = crate::gpu::block_on(Some(engine.context()), on_gpu)? {
+                    let Some(why) = fallback(&error, *may_fall_back) else { return Err(error) };
+                    console.note(&why);
+                    on_cpu(&mut put)?;
                 }
             }
         }
+        Ok(ordered)
     }
 }
 

@@ -7,7 +7,7 @@ use super::outcome::Outcome;
 use super::shared_args::InputArgs;
 use crate::bake::BakeSettings;
 use crate::bake::report::{FingerprintReport, InputFileReport, Report, filter_name};
-use crate::format::LevelName;
+use crate::format::{LevelName, Shown};
 use crate::io::exr::write::SOFTWARE;
 use crate::io::regular::{open_regular, read_regular};
 use crate::io::side_report::MOST_REPORT_BYTES;
@@ -23,11 +23,14 @@ use std::path::{Path, PathBuf};
 /// Everything that outputs depend on besides their input, a line `key=value` each with defaults filled in: all
 /// but where, how loud and how fast.
 pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
-    let InputArgs { layout, rotate_y, mirror, sanitize, strict, extract_sun } = &args.input;
+    let InputArgs { layout, rotate_y, mirror, scale, crop, pad, sanitize, strict, extract_sun } = &args.input;
     let mut lines = vec![
         format!("layout={layout:?}"),
         format!("rotate_y={}", rotate_y.unwrap_or(0.0)),
         format!("mirror={mirror}"),
+        format!("scale={}", scale.unwrap_or(1.0)),
+        format!("crop={crop}"),
+        format!("pad={pad:?}"),
         format!("sanitize={sanitize}"),
         format!("strict={strict}"),
         format!("extract_sun={extract_sun}"),
@@ -38,10 +41,11 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
         format!("engine={:?}", args.engine.engine),
         format!("adapter={:?}", args.engine.adapter),
     ];
-    for BakePlan { plan, settings } in plans {
-        let TargetPlan { target, container, pixel, flip, diffuse, layout } = plan;
+    for BakePlan { plan, settings, skybox } in plans {
+        // Whether there is a skybox says its size.
+        let TargetPlan { target, container, pixel, flip, diffuse, layout, skybox: _ } = plan;
         let BakeSettings { map, size, levels: _, ladder, lobe, filter, oem_size, border, .. } = settings;
-        let BakeSettings { bounds, irradiance, sh_order, sh_window, sheen, .. } = settings;
+        let BakeSettings { bounds, irradiance, sh_order, sh_window, sheen, skybox: _, .. } = settings;
         lines.extend([
             format!("target={}", target.name),
             format!("container={}", container.name()),
@@ -62,6 +66,7 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
             format!("sh_order={sh_order}"),
             format!("sh_window={sh_window}"),
             format!("sheen={sheen}"),
+            format!("skybox={skybox:?}"),
         ]);
     }
     Ok(lines.join("\n"))
@@ -88,7 +93,7 @@ pub(super) fn requested(source: &Source, options: &str) -> Result<(Hash, Vec<Inp
         let levels = levels_path(path)?;
         let counts = |name: &str| {
             let stem = name.split_once('.').map_or(name, |(stem, _)| stem);
-            LevelName::parse(stem).is_some_and(|name| name.level == Some(0))
+            LevelName::parse(stem).is_some_and(|name| name.shown == Shown::Level(0))
         };
         let hash = hash_where(&levels, &counts)?;
         add(hash.as_bytes());

@@ -11,8 +11,8 @@ use crate::analysis::sun::Brightest;
 use crate::bake::report::SunReport;
 use crate::chain::{Chain, Level};
 use crate::environment::LUMINANCE;
-use crate::io::Repairs;
 use crate::io::provenance::{Provenance, TakenSun};
+use crate::io::{Pad, Repairs};
 use crate::lobe::Lobe;
 use crate::sphere::cube;
 use serde::Serialize;
@@ -30,6 +30,9 @@ struct Origin {
     rotate_y: Option<f64>,
     mirror: Option<bool>,
     sun: Option<TakenSun>,
+    scale: f64,
+    crop: bool,
+    pad: Option<&'static str>,
     lobe: Option<&'static str>,
     filter: Option<String>,
     ladder: Option<String>,
@@ -219,6 +222,9 @@ impl Origin {
             rotate_y: provenance.rotate_y,
             mirror: provenance.mirror,
             sun: provenance.sun,
+            scale: provenance.scale.unwrap_or(1.0),
+            crop: provenance.crop.unwrap_or(false),
+            pad: provenance.pad.map(Pad::name),
             lobe: provenance.lobe.map(Lobe::name),
             filter: provenance.filter,
             ladder: provenance.ladder,
@@ -250,6 +256,11 @@ impl Origin {
                 format!("taken out, direction {x:.4} {y:.4} {z:.4}, irradiance {}", triple(sun.irradiance)),
             )
         }));
+        if self.scale != 1.0 {
+            rows.push(("scale", format!("radiance times {}", self.scale)));
+        }
+        rows.extend(self.crop.then(|| ("cropped", "black bars".to_owned())));
+        rows.extend(self.pad.map(|pad| ("padded", pad.to_owned())));
         rows.push(("lobe", self.lobe.map_or_else(unknown, str::to_owned)));
         rows.push(("filter", self.filter.clone().unwrap_or_else(unknown)));
         rows.extend(self.ladder.clone().map(|ladder| ("ladder", ladder)));

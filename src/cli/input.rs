@@ -37,6 +37,10 @@ pub(super) struct Opened {
 
 /// The environments that `paths` are: each its own, or six one under `--layout faces`.
 pub(super) fn sources(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Vec<Source>> {
+    let fits = args.crop || args.pad.is_some();
+    if fits && !matches!(args.layout, LayoutChoice::Auto | LayoutChoice::Equirect) {
+        return usage("--pad and --crop are for panoramas; leave --layout out");
+    }
     match (args.layout, paths.len()) {
         // A single KTX2 cube or level folder holds its faces already.
         (LayoutChoice::Faces, 6 | 1) => Ok(vec![Source(paths)]),
@@ -109,6 +113,9 @@ impl Source {
             layout: args.layout,
             sanitize: args.sanitize,
             strict: args.strict,
+            scale: args.scale.unwrap_or(1.0),
+            crop: args.crop,
+            pad: args.pad,
             ..ReadOptions::default()
         };
         let loaded = match &self.0[..] {
@@ -148,6 +155,9 @@ impl Source {
                 rotate_y: Some(args.rotate_y.unwrap_or(0.0)),
                 mirror: Some(args.mirror),
                 sun: sun.as_ref().map(taken),
+                scale: args.scale.filter(|scale| *scale != 1.0),
+                crop: args.crop.then_some(true),
+                pad: args.pad,
                 ..Provenance::default()
             },
             sun,

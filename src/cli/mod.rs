@@ -10,14 +10,17 @@ mod bench;
 #[cfg(feature = "gpu")]
 mod bench_gpu;
 mod compare;
+mod completions;
 mod console;
 mod convert;
 mod dfg;
 mod directions;
 mod engine;
+mod expand;
 mod fingerprint;
 mod info;
 mod input;
+mod man;
 mod outcome;
 mod output;
 mod query;
@@ -70,6 +73,8 @@ fn run(command: Command) -> Outcome {
         Command::Dfg(args) => dfg::run(args),
         Command::Analyze(args) => analyze::run(&args),
         Command::Convert(args) => convert::run(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(*args),
         #[cfg(not(feature = "view"))]
@@ -82,7 +87,7 @@ fn refuse(error: &clap::Error) -> Outcome {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => usage(
-            "a subcommand is missing: bake, query, info, compare, bench, synth, dfg, analyze, convert or view; see octagloss --help",
+            "a subcommand is missing: bake, query, info, compare, bench, synth, dfg, analyze, convert, view, completions or man; see octagloss --help",
         ),
         _ => {
             let text = error.render().to_string();

@@ -8,15 +8,16 @@ use super::outcome::{Outcome, print_bytes, usage};
 use crate::bake::BakeSettings;
 use crate::bake::report::{OutputFileReport, Report, filter_name};
 use crate::export::files::Made;
-use crate::format::LevelName;
 use crate::format::container::Container;
+use crate::format::{LevelName, Pixel, Shown};
 use crate::io::environment_write::exact_exr_bytes;
 use crate::io::output::{self, Existing, Output};
 use crate::io::provenance::Provenance;
 use crate::io::regular::read_regular;
 use crate::io::side_report::{MOST_REPORT_BYTES, REPORT};
 use crate::target::{Content, Naming};
-use crate::{Error, Result};
+use crate::{Error, Layout, Result};
+use anyhow::anyhow;
 use blake3::Hash;
 use serde::Serialize;
 use serde_json::json;
@@ -131,13 +132,15 @@ impl Outputs {
         Self::within(common, plan, &self.beside(REPORT))
     }
 
-    /// Every file that will be written.
-    fn planned(&self, common: &Common) -> Result<Vec<Planned>> {
+    /// Every file that will be written, for a source of `layout` where it is known.
+    fn planned(&self, common: &Common, layout: Option<Layout>) -> Result<Vec<Planned>> {
         let file = |path: String, told: String| Planned { path: path.into(), told, is_report: false };
         let mut planned = Vec::new();
         let mut reports = Vec::new();
         for plan in &common.plans {
-            let BakePlan { plan: files, settings } = plan;
+            let settled = layout.map(|layout| plan.settled(layout));
+            let plan = settled.as_ref().unwrap_or(plan);
+            let BakePlan { plan: files, settings, .. } = plan;
             let specs = settings.level_specs()?;
             // A mirror has no bounds.
             let bounded =
@@ -190,7 +193,7 @@ impl Outputs {
         if self.place == Place::Stdout {
             return Ok(places);
         }
-        for file in self.planned(common)?.iter().filter(|file| counts(file)) {
+        for file in self.planned(common, None)?.iter().filter(|file| counts(file)) {
             let place = self.place_of(&file.path);
             if !places.contains(&place) || !place.is_folder {
                 places.push(place);
@@ -208,9 +211,13 @@ impl Outputs {
         })
     }
 
-    /// Cleans up after killed runs beside the outputs.
-    pub(super) fn recover(&self, common: &Common, console: &Console) -> Outcome {
-        let mut folders = BTreeSet::new();
+    /// Cleans up after killed runs beside the outputs, where `folders` does not say that it is done.
+    pub(super) fn recover(
+        &self,
+        common: &Common,
+        folders: &mut BTreeSet<Option<PathBuf>>,
+        console: &Console,
+    ) -> Outcome {
         for place in self.places(common)? {
             if folders.insert(place.path.parent().map(Path::to_owned)) {
                 for restored in output::recover(&place.path) {
@@ -222,12 +229,20 @@ impl Outputs {
         Ok(())
     }
 
-    /// Fails where writing would before it begins. What is to stand in `fresh`, a folder that is yet to be
-    /// made, replaces nothing.
-    pub(super) fn check(&self, common: &Common, fresh: Option<&Path>) -> Outcome {
+    /// Fails where writing would before it begins. What is to stand in `folder`, which is made where it is
+    /// missing, replaces nothing then.
+    pub(super) fn check(&self, common: &Common, folder: Option<&Path>) -> Outcome {
+        let is_made = |path: &Path| folder.is_some() && path.parent() == folder;
         for OutputPlace { path, is_folder } in self.places(common)? {
-            if fresh.is_some() && path.parent() == fresh {
-                continue;
+            if is_made(&path) {
+                let mut above = path.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
+                let there = above.find(|folder| folder.symlink_metadata().is_ok());
+                if let Some(there) = there.filter(|there| !there.is_dir()) {
+                    return Err(anyhow!("{}: is a file where a folder is needed", there.display()).into());
+                }
+                if there != path.parent() {
+                    continue;
+                }
             }
             if is_folder {
                 output::check_folder(&path, common.existing)?;
@@ -239,7 +254,7 @@ impl Outputs {
     }
 
     /// What would be written for `source`: a line a file, or with `--json` one of JSON.
-    pub(super) fn foretold(&self, common: &Common, source: &Source) -> Result<String> {
+    pub(super) fn foretold(&self, common: &Common, source: &Source, layout: Layout) -> Result<String> {
         let full = |file: &Planned| {
             if self.preview.as_deref() == Some(&file.path) {
                 return file.path.display().to_string();
@@ -249,7 +264,7 @@ impl Outputs {
             }
             self.base().join(&file.path).display().to_string()
         };
-        let planned = self.planned(common)?;
+        let planned = self.planned(common, Some(layout))?;
         if common.json {
             let files: Vec<_> =
                 planned.iter().map(|file| json!({"path": full(file), "content": file.told})).collect();
@@ -382,12 +397,15 @@ fn slashed(path: &Path) -> String {
 type Files<'a> = Vec<(PathBuf, &'a [u8])>;
 
 /// What a file of `plan` will be.
-fn told(BakePlan { plan, settings }: &BakePlan, content: Content) -> Result<String> {
+fn told(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> Result<String> {
     let pixel = plan.pixel.name();
+    let skybox = settings.skybox.unwrap_or(settings.size);
     Ok(match content {
         Content::Specular => cube_told(pixel, settings.size, settings.level_specs()?.len()),
         Content::Sheen => cube_told(&format!("{pixel} sheen"), settings.size, settings.level_specs()?.len()),
-        Content::Skybox => cube_told(pixel, settings.size, 1),
+        Content::Skybox if !plan.target.has_container() => cube_told(Pixel::F16.name(), skybox, 1),
+        Content::Skybox => cube_told(pixel, skybox, 1),
+        Content::SkyboxPanorama => format!("panorama {}x{}", 4 * skybox, 2 * skybox),
         Content::Irradiance => {
             let size = settings.irradiance.unwrap_or(plan.target.irradiance_size);
             cube_told(&format!("{pixel} irradiance"), size, 1)
@@ -402,15 +420,16 @@ fn told(BakePlan { plan, settings }: &BakePlan, content: Content) -> Result<Stri
         Content::Mips => {
             format!("{pixel} panorama {}, {} levels", settings.size, settings.level_specs()?.len())
         }
-        Content::Image(LevelName { level, face, is_bound }) => {
+        Content::Image(LevelName { shown, face, is_bound }) => {
             let specs = settings.level_specs()?;
-            let size = level
-                .map_or(settings.irradiance.unwrap_or(0), |level| specs[level as usize].layout.sides().1);
-            let what = match (is_bound, level, face) {
-                (true, ..) => return Ok(format!("f32 error bounds {size}")),
-                (_, None, _) => "irradiance ",
-                _ => "",
+            let (size, what) = match shown {
+                Shown::Level(level) => (specs[level as usize].layout.sides().1, ""),
+                Shown::Irradiance => (settings.irradiance.unwrap_or(0), "irradiance "),
+                Shown::Skybox => (skybox, "skybox "),
             };
+            if is_bound {
+                return Ok(format!("f32 error bounds {size}"));
+            }
             let layout = if face.is_some() { "face" } else { plan.layout.name() };
             format!("{pixel} {what}{layout} {size}")
         }

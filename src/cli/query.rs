@@ -2,7 +2,7 @@
 
 use super::args::QueryArgs;
 use super::console::Console;
-use super::directions::read_directions;
+use super::directions::{Directions, read_directions};
 use super::engine::Query;
 use super::input;
 use super::outcome::{Outcome, on_threads, print, usage};
@@ -15,12 +15,9 @@ use std::fmt::Write as _;
 pub(super) fn run(args: QueryArgs) -> Outcome {
     args.engine.check()?;
     let lobe = args.lobe;
-    let roughness = match (lobe, args.roughness) {
-        (Lobe::Cosine, None) => 1.0,
-        (Lobe::Cosine, Some(_)) => return usage("--lobe cosine has no roughness; leave --roughness out"),
-        (_, Some(roughness)) => roughness,
-        (_, None) => return usage("--roughness R is needed, R in [0, 1]"),
-    };
+    if lobe == Lobe::Cosine && args.roughness.is_some() {
+        return usage("--lobe cosine has no roughness; leave --roughness out");
+    }
     if args.bound && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bound needs --filter adaptive:E; the others certify nothing");
     }
@@ -30,26 +27,41 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     let source = input::single_source(args.inputs, &args.input)?;
     let console = Console::new(args.quiet);
     on_threads(args.engine.threads, || {
-        let asked = read_directions(&args.directions)?;
+        let Directions { asked, has_roughness } = read_directions(&args.directions)?;
+        let shared = match (lobe, args.roughness, has_roughness) {
+            (Lobe::Cosine, _, false) => 1.0,
+            (Lobe::Cosine, _, true) => return usage("--lobe cosine has no roughness; leave the column out"),
+            (_, Some(roughness), false) => roughness,
+            (_, Some(_), true) => {
+                return usage("--roughness and the column roughness contradict each other; leave one out");
+            }
+            (_, None, false) => {
+                return usage(
+                    "--roughness R is needed, R in [0, 1], or a column roughness of the directions",
+                );
+            }
+            // Not used: the rows say theirs.
+            (_, None, true) => 1.0,
+        };
+        let roughness: Vec<f64> = asked.iter().map(|asked| asked.roughness.unwrap_or(shared)).collect();
         let opened = source.open(&args.input, &console)?;
         let engine = args.engine.choose(&console)?;
         let settings = ReflectorSettings {
             oem_size: args.table.oem_size,
             border: args.table.border,
-            sharpest: lobe.served_roughness(roughness),
+            sharpest: sharpest(lobe, &roughness, shared),
             fitted: matches!(args.filter, Filter::Fitted(_)),
         };
         let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
-        let query = Query { lobe, roughness, filter: args.filter };
-        let answers = engine.query(&opened.environment, &settings, &directions, query, &console)?;
+        let query = Query { lobe, filter: args.filter, directions: &directions, roughness: &roughness };
+        let answers = engine.query(&opened.environment, &settings, &query, &console)?;
         let bound = args.bound;
         let rows: Vec<String> = asked
             .iter()
             .zip(answers)
             .map(|(asked, answer)| {
                 let [r, g, b] = answer.radiance;
-                let [x, y, z] = &asked.typed;
-                let mut row = format!("{x},{y},{z},{r:?},{g:?},{b:?}");
+                let mut row = format!("{},{r:?},{g:?},{b:?}", asked.typed);
                 if bound {
                     row.push(',');
                     // A mirror is a look-up: it has no bound, and the field is empty.
@@ -61,7 +73,15 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
                 row
             })
             .collect();
-        let header = if bound { "x,y,z,r,g,b,bound\n" } else { "x,y,z,r,g,b\n" };
-        print(&(header.to_owned() + &rows.concat()))
+        let (own, more) = (if has_roughness { ",roughness" } else { "" }, if bound { ",bound" } else { "" });
+        print(&(format!("x,y,z{own},r,g,b{more}\n") + &rows.concat()))
     })
+}
+
+/// The least roughness that the lobe is served with, mirrors aside; `shared` where no row has one.
+fn sharpest(lobe: Lobe, roughness: &[f64], shared: f64) -> f64 {
+    let served = roughness.iter().map(|roughness| lobe.served_roughness(*roughness));
+    let (mirrors, lobes): (Vec<f64>, Vec<f64>) = served.partition(|roughness| *roughness == 0.0);
+    let least = lobes.into_iter().reduce(f64::min).or(mirrors.first().copied());
+    least.unwrap_or_else(|| lobe.served_roughness(shared))
 }

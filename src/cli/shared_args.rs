@@ -1,7 +1,7 @@
 //! Arguments that several subcommands share.
 
-use crate::cli::values::{EngineArg, finite};
-use crate::io::LayoutChoice;
+use crate::cli::values::{EngineArg, finite, scale};
+use crate::io::{LayoutChoice, Pad};
 use clap::Args as ClapArgs;
 
 /// The most threads that --threads takes.
@@ -23,6 +23,26 @@ pub(super) struct InputArgs {
     /// Flip left to right, for photographs from inside
     #[arg(long)]
     pub(super) mirror: bool,
+    /// Multiply radiance by X, above 0 [default: 1]
+    ///
+    /// When the input is read, before all else: the sun, bounds and compare's errors are those of the scaled
+    /// light. What goes beyond float32 is an error.
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = scale)]
+    pub(super) scale: Option<f64>,
+    /// Remove a panorama's black bars, where it is not 2:1
+    ///
+    /// Rows above and below, or columns left and right, that are black throughout, as many as stand over 2:1;
+    /// of a panorama of 2:1 a black frame around all of it. What was removed is said.
+    #[arg(long)]
+    pub(super) crop: bool,
+    /// Fill up a panorama that is not 2:1: black or edge
+    ///
+    /// For panoramas of a part of the sphere, such as 360 x 120 degrees. The picture comes into the middle;
+    /// black, the default, adds black rows above and below (or columns left and right), from where no light
+    /// comes; --pad=edge repeats the outermost ones. Takes every picture for a panorama, after --crop.
+    #[arg(long, value_name = "FILL", num_args = 0..=1, require_equals = true, default_missing_value = "black")]
+    #[arg(hide_possible_values = true)]
+    pub(super) pad: Option<Pad>,
     /// Repair NaN (to 0) and Inf (to a finite neighbour)
     ///
     /// Inf becomes the largest finite value around it. What was repaired is counted.

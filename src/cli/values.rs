@@ -1,11 +1,11 @@
 //! The values of options: what can be chosen, what it stands for, and texts parsed.
 
-use crate::Map;
 use crate::cpu::adaptive::LEAST_ERROR;
 use crate::filter::Filter;
 use crate::realtime::tables::COUNTS;
 use crate::sh::window::ShWindow;
 use crate::target::{Diffuse, Naming, TARGETS, Target, TargetPlan};
+use crate::{Layout, Map};
 use clap::ValueEnum;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -23,6 +23,42 @@ pub(super) enum EngineArg {
 pub(super) enum Texels {
     Some(usize),
     All,
+}
+
+/// How large a skybox is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SkyboxArg {
+    Edge(u32),
+    /// Texels as large as the source's.
+    Source,
+}
+
+/// The largest edge of a cube.
+const MAX_EDGE: u32 = 16_384;
+
+impl SkyboxArg {
+    /// The edge of the cube for a source of `layout`.
+    pub(super) fn edge(self, layout: Layout) -> u32 {
+        let source = match layout {
+            Layout::Panorama { width, .. } => width.div_ceil(4),
+            Layout::Cube { size } => size,
+            Layout::Octahedral { size } => size.div_ceil(2),
+        };
+        match self {
+            Self::Edge(edge) => edge,
+            Self::Source => source.clamp(1, MAX_EDGE),
+        }
+    }
+}
+
+pub(super) fn skybox(text: &str) -> Result<SkyboxArg, String> {
+    match text {
+        "source" => Ok(SkyboxArg::Source),
+        _ => match text.parse() {
+            Ok(edge) if (1..=MAX_EDGE).contains(&edge) => Ok(SkyboxArg::Edge(edge)),
+            _ => Err(format!("must be 1 to {MAX_EDGE}, or source")),
+        },
+    }
 }
 
 /// The target of that name.
@@ -89,6 +125,11 @@ fn number(text: &str) -> Result<f64, String> {
 
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     Some(number(text)?).filter(|value| value.is_finite()).ok_or_else(|| "must be finite".to_owned())
+}
+
+/// What radiance is multiplied by.
+pub(super) fn scale(text: &str) -> Result<f64, String> {
+    Some(finite(text)?).filter(|value| *value > 0.0).ok_or_else(|| "must be above 0".to_owned())
 }
 
 pub(super) fn roughness(text: &str) -> Result<f64, String> {

@@ -282,7 +282,11 @@ fn environment(args: &ViewArgs, console: &Console) -> Outcome<(Environment, Stri
 /// The levels of the input, where it is a bake with several of them. A sun taken out is still in them.
 fn levels(args: &ViewArgs, environment: &Environment, console: &Console) -> Outcome<Option<Levels>> {
     let ([path], false) = (&args.inputs[..], args.input.extract_sun) else { return Ok(None) };
-    let Some(LoadedChain { chain, .. }) = input::read_bake(path)? else { return Ok(None) };
+    let Some(LoadedChain { mut chain, .. }) = input::read_bake(path)? else { return Ok(None) };
+    if let Some(scale) = args.input.scale {
+        let values = chain.levels.iter_mut().flat_map(|level| level.texels.as_flattened_mut());
+        values.for_each(|value| *value = ((f64::from(*value) * scale) as f32).min(f32::MAX));
+    }
     if environment.layout() != (Layout::Cube { size: chain.levels[0].size() }) {
         return Ok(None);
     }

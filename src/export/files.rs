@@ -6,7 +6,7 @@ use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::container::Container;
-use crate::format::{LevelName, OutputLayout, Pixel};
+use crate::format::{LevelName, OutputLayout, Pixel, Shown};
 use crate::io::cube_file::CubeFile;
 use crate::io::cube_write::cube_bytes;
 use crate::io::exr::write::{Attribute, Samples, exr_bytes};
@@ -62,18 +62,26 @@ fn file_of(
     metadata: &[(String, String)],
     (path, content): (&str, Content),
 ) -> Result<CubeFile> {
+    // Targets with containers of their own have a skybox in another one.
+    let own = || path.rsplit_once('.').and_then(|(_, extension)| Container::named(extension));
+    let container =
+        if plan.target.has_container() { plan.container } else { own().unwrap_or(plan.container) };
+    let pixel = if container.holds(plan.pixel) { plan.pixel } else { Pixel::F16 };
     let cube = |levels: &[Level], sh: bool| {
         let chain = Chain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
         let mut pairs = cube_metadata(plan, bake, metadata, sh);
+        let mut set_lobe = |lobe: Lobe| {
+            let own = pairs.iter_mut().filter(|(key, _)| key == LOBE_KEY);
+            own.for_each(|(_, value)| lobe.name().clone_into(value));
+        };
         match content {
-            Content::Sheen => {
-                let lobe = pairs.iter_mut().filter(|(key, _)| key == LOBE_KEY);
-                lobe.for_each(|(_, value)| Lobe::Charlie.name().clone_into(value));
-            }
+            Content::Sheen => set_lobe(Lobe::Charlie),
+            // A mirror whatever the lobe of the levels.
+            Content::Skybox if bake.skybox.is_some() => set_lobe(Lobe::Ggx),
             Content::Irradiance => pairs = irradiance_pairs(&pairs),
             _ => {}
         }
-        cube_bytes(plan.container, &chain, plan.pixel, &pairs)
+        cube_bytes(container, &chain, pixel, &pairs)
     };
     let levels = &bake.chain.levels[..];
     let text = |text: String| CubeFile { bytes: text.into_bytes(), clamped: Vec::new() };
@@ -81,7 +89,11 @@ fn file_of(
         Content::ShJson => text(sh_json(plan, bake)),
         Content::ShText => text(sh_text(bake)),
         Content::Specular => cube(levels, plan.diffuse.has_sh())?,
-        Content::Skybox => cube(&levels[..1], false)?,
+        Content::Skybox => cube(std::slice::from_ref(skybox(bake)?), false)?,
+        Content::SkyboxPanorama => {
+            let bytes = panorama(plan, skybox(bake)?, path, metadata)?;
+            CubeFile { bytes, clamped: Vec::new() }
+        }
         Content::Sheen => {
             let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
             cube(&sheen.levels, false)?
@@ -92,7 +104,10 @@ fn file_of(
             let (_, code) = READERS.iter().find(|(name, _)| *name == path).expect("a reader of that name");
             text((*code).to_owned())
         }
-        Content::Panorama => CubeFile { bytes: panorama(plan, bake, path, metadata)?, clamped: Vec::new() },
+        Content::Panorama => {
+            let level = levels.first().ok_or_else(|| missing("a panorama"))?;
+            CubeFile { bytes: panorama(plan, level, path, metadata)?, clamped: Vec::new() }
+        }
         Content::Env => babylon::env_bytes(&plan.flip.chain(&bake.chain), &bake.sh, plan.flip)?,
         Content::Glb => gltf::glb_bytes(&plan.flip.chain(&bake.chain), &bake.sh, name)?,
         Content::Mips => CubeFile {
@@ -111,6 +126,11 @@ fn irradiance(bake: &Bake) -> Result<&Level> {
     bake.irradiance.as_ref().ok_or_else(|| missing("an irradiance cube"))
 }
 
+/// The unfiltered environment: the requested skybox, else level 0.
+fn skybox(bake: &Bake) -> Result<&Level> {
+    bake.skybox.as_ref().or(bake.chain.levels.first()).ok_or_else(|| missing("a skybox"))
+}
+
 /// Encodes the image `name` of a level.
 fn image_file(
     plan: &TargetPlan,
@@ -118,12 +138,13 @@ fn image_file(
     metadata: &[(String, String)],
     name: LevelName,
 ) -> Result<CubeFile> {
-    let level = match name.level {
-        Some(level) => bake.chain.levels.get(level as usize).ok_or_else(|| missing("a level"))?,
-        None => irradiance(bake)?,
+    let level = match name.shown {
+        Shown::Level(level) => bake.chain.levels.get(level as usize).ok_or_else(|| missing("a level"))?,
+        Shown::Irradiance => irradiance(bake)?,
+        Shown::Skybox => skybox(bake)?,
     };
     let (size, area) = (level.size(), level.size() as usize * level.size() as usize);
-    let roughness = name.level.map(|_| level.roughness);
+    let roughness = matches!(name.shown, Shown::Level(_)).then_some(level.roughness);
     if name.is_bound {
         let bounds = level.bounds.as_ref().ok_or_else(|| missing("a bound"))?;
         let bounds = &bounds[name.face.map_or(0, Face::index) * area..][..area];
@@ -155,13 +176,8 @@ fn image_file(
     Ok(CubeFile { bytes, clamped: vec![pixel.clamped(&texels)] })
 }
 
-/// Encodes level 0 as one image, with columns shifted for the engine.
-fn panorama(plan: &TargetPlan, bake: &Bake, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
-    let level = bake
-        .chain
-        .levels
-        .first()
-        .ok_or_else(|| Error::Parameter("a panorama is required but was not baked".to_owned()))?;
+/// Encodes `level` as one image, with columns shifted for the engine.
+fn panorama(plan: &TargetPlan, level: &Level, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let (width, height) = level.layout.sides();
     if !width.is_multiple_of(4) {
         return Err(Error::Parameter(format!(

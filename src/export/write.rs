@@ -26,8 +26,9 @@ pub struct WriteOptions {
 }
 
 impl Bake {
-    /// Writes the levels to `path`: a file, or a folder of images if [`WriteOptions`] select one. Irradiance
-    /// and bounds go into the folder, or next to the file under its name. All outputs are written or none.
+    /// Writes the levels to `path`: a file, or a folder of images if [`WriteOptions`] select one. Irradiance,
+    /// skybox and bounds go into the folder, or next to the file under its name. All outputs are written or
+    /// none.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a path whose extension names no format, and for pixels or levels that the
@@ -50,7 +51,14 @@ impl Bake {
             _ => Pixel::F16,
         });
         let diffuse = if self.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
-        let plan = TargetPlan { container, pixel, layout, diffuse, ..TargetPlan::new(&UNTARGETED) };
+        let plan = TargetPlan {
+            container,
+            pixel,
+            layout,
+            diffuse,
+            skybox: self.skybox.is_some(),
+            ..TargetPlan::new(&UNTARGETED)
+        };
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let made = files(&plan, &name, self, &options.metadata)?;
         let outputs = if plan.is_single() {

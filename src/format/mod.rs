@@ -9,6 +9,6 @@ pub mod r11g11b10;
 pub mod rgbd;
 pub(crate) mod texel_bytes;
 
-pub use level_name::LevelName;
+pub use level_name::{LevelName, Shown};
 pub use output_layout::OutputLayout;
 pub use pixel::*;

@@ -2,8 +2,9 @@
 //! false colour. 8-bit sRGB, deterministic.
 
 use crate::chain::{Chain, Level};
-use crate::environment::{Rgb, exact_luminance};
+use crate::environment::{Environment, Layout, Rgb, exact_luminance};
 use crate::error::{Error, Result};
+use crate::geometry::overlap::{Target, mean_radiances};
 use crate::image::cube_sampler::SeamlessLevel;
 use crate::image::exposure::{self, Exposure};
 use crate::image::font;
@@ -12,6 +13,7 @@ use crate::sphere::cube::Face;
 use glam::DVec3;
 use image::{Rgb as Pixel, RgbImage};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Pixels along an edge of a sphere's tile.
 const TILE: u32 = 240;
@@ -19,6 +21,8 @@ const TILE: u32 = 240;
 const FACE: u32 = TILE / 4;
 const GAP: u32 = 10;
 const LABEL: u32 = 26;
+/// Rows above a sheet that has a name.
+const TITLE: u32 = 36;
 /// Spheres in a row.
 const COLUMNS: u32 = 5;
 /// Samples along an edge of a pixel.
@@ -33,25 +37,26 @@ const HALF_VIEW: f64 = 0.385;
 /// Roughness of the backdrop level; the nearest level is used.
 const BACKDROP_ROUGHNESS: f64 = 0.35;
 
-/// Draws the contact sheet of a chain: for each level a mirror sphere, shaded by one look-up in that level,
-/// in front of a blurred backdrop, with the level's six faces as a cross below. The camera looks along +X,
-/// the centre of a panorama; the sphere reflects the scene behind the camera. Crosses show face images as
-/// stored in files.
+/// Draws the contact sheet of a chain, its levels resampled to cubes: for each level a mirror sphere, shaded
+/// by one look-up in that level, in front of a blurred backdrop, with the level's six faces as a cross below.
+/// The camera looks along +X, the centre of a panorama; the sphere reflects the scene behind the camera.
+/// Crosses show face images as stored in files.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels.
 pub fn contact_sheet(chain: &Chain, exposure: Exposure) -> Result<RgbImage> {
+    let cubes = chain.levels.iter().map(as_cube).collect::<Result<Vec<_>>>()?;
     let distance = |level: &Level| (level.roughness - BACKDROP_ROUGHNESS).abs();
-    let Some(backdrop) = chain.levels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
+    let Some(backdrop) = cubes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
         return Err(Error::Parameter("a preview needs at least one level".to_owned()));
     };
     let backdrop = SeamlessLevel::new(backdrop);
-    let exposure = exposure.ev(exposure::of_level(&chain.levels[0])).exp2();
-    let count = chain.levels.len() as u32;
+    let exposure = exposure.ev(exposure::of_level(&cubes[0])).exp2();
+    let count = cubes.len() as u32;
     let (columns, rows) = (count.min(COLUMNS), count.div_ceil(COLUMNS));
     let cell_height = LABEL + TILE + GAP + 3 * FACE + GAP;
     let mut sheet = RgbImage::from_pixel(columns * (TILE + GAP) + GAP, rows * cell_height + GAP, PAPER);
-    for (level, index) in chain.levels.iter().zip(0..) {
+    for (level, index) in cubes.iter().zip(0..) {
         let (x, y) = (GAP + index % COLUMNS * (TILE + GAP), GAP + index / COLUMNS * cell_height);
         draw_text(&mut sheet, x, y, 2, &format!("R {:.3}", level.roughness));
         let size = level.size().to_string();
@@ -60,6 +65,33 @@ pub fn contact_sheet(chain: &Chain, exposure: Exposure) -> Result<RgbImage> {
         draw_cross(&mut sheet, x, y + LABEL + TILE + GAP, FACE, level, |texel| display(texel, exposure));
     }
     Ok(sheet)
+}
+
+/// Stacks named sheets, each below its name.
+#[must_use]
+pub fn stacked(sheets: &[(&str, RgbImage)]) -> RgbImage {
+    let width = sheets.iter().map(|(_, sheet)| sheet.width()).max().unwrap_or(1);
+    let height: u32 = sheets.iter().map(|(_, sheet)| TITLE + sheet.height()).sum();
+    let mut all = RgbImage::from_pixel(width, height.max(1), PAPER);
+    let mut top = 0;
+    for (name, sheet) in sheets {
+        draw_text(&mut all, GAP, top + GAP, 3, name);
+        image::imageops::replace(&mut all, sheet, 0, i64::from(top + TITLE));
+        top += TITLE + sheet.height();
+    }
+    all
+}
+
+/// Resamples `level` to a cube whose faces have as many texels as a quarter of the horizon.
+fn as_cube(level: &Level) -> Result<Cow<'_, Level>> {
+    let size = match level.layout {
+        Layout::Cube { .. } => return Ok(Cow::Borrowed(level)),
+        Layout::Panorama { width, .. } => width.div_ceil(4),
+        Layout::Octahedral { size } => size.div_ceil(2),
+    };
+    let environment = Environment::new(level.layout, level.texels.clone())?;
+    let texels = mean_radiances(&environment, Target::Cube(size), true)?;
+    Ok(Cow::Owned(Level::cube(size, level.roughness, texels)))
 }
 
 /// Colour range of [`error_picture`]: relative errors from 0.01 % to 100 %, on a log scale.

@@ -48,7 +48,7 @@ impl Format {
         }
     }
 
-    const fn extensions(self) -> &'static [&'static str] {
+    fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Radiance => &["hdr", "pic", "rgbe", "xyze"],
             Self::OpenExr => &["exr"],
@@ -61,6 +61,23 @@ impl Format {
     }
 }
 
+impl Format {
+    const ALL: [Self; 7] =
+        [Self::OpenExr, Self::Radiance, Self::Png, Self::Jpeg, Self::Ktx1, Self::Ktx2, Self::Dds];
+}
+
+/// Extensions of the supported formats.
+pub fn readable_extensions() -> impl Iterator<Item = &'static str> {
+    Format::ALL.into_iter().flat_map(Format::extensions).copied()
+}
+
+/// Whether `path` has one of them.
+#[must_use]
+pub fn has_readable_name(path: &Path) -> bool {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    extension.is_some_and(|own| readable_extensions().any(|extension| extension == own))
+}
+
 /// Extensions of unsupported image formats: a readable file with one of them is misnamed.
 const FOREIGN_EXTENSIONS: [&str; 7] = ["bmp", "gif", "pfm", "tga", "tif", "tiff", "webp"];
 
@@ -68,10 +85,7 @@ const FOREIGN_EXTENSIONS: [&str; 7] = ["bmp", "gif", "pfm", "tga", "tif", "tiff"
 fn misnamed(path: &Path, format: Format) -> Option<String> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     let extension = extension.as_str();
-    let images = [Format::Radiance, Format::OpenExr, Format::Png, Format::Jpeg];
-    let all = [&images[..], &[Format::Ktx1, Format::Ktx2, Format::Dds]].concat();
-    let known = FOREIGN_EXTENSIONS.contains(&extension)
-        || all.iter().any(|other| other.extensions().contains(&extension));
+    let known = FOREIGN_EXTENSIONS.contains(&extension) || readable_extensions().any(|own| own == extension);
     (known && !format.extensions().contains(&extension))
         .then(|| format!("named .{extension} but holds {}; read by its content", format.name()))
 }

@@ -15,6 +15,7 @@ mod decode;
 pub mod environment_write;
 pub mod exr;
 mod face_names;
+mod fit;
 pub mod hdr;
 mod key_values;
 pub mod ktx1;
@@ -35,12 +36,14 @@ mod target_folder;
 mod temporary;
 
 use decode::{Format, decode, file_bytes, unreadable};
+pub use decode::{has_readable_name, readable_extensions};
+pub use fit::Pad;
 pub use layout::LayoutChoice;
 pub use picture::DEFAULT_MEMORY_LIMIT;
 pub use repair::Repairs;
 
 use crate::chain::Chain;
-use crate::environment::Environment;
+use crate::environment::{Environment, Rgb};
 use crate::error::{Error, Result, printable};
 use panics::catching_panics;
 use picture::Stored;
@@ -59,6 +62,12 @@ pub struct ReadOptions {
     pub sanitize: bool,
     /// Reject anything that needs repair, including negative radiance.
     pub strict: bool,
+    /// Factor for the radiance, finite and above 0.
+    pub scale: f64,
+    /// Remove the black bars of a panorama that is not 2:1.
+    pub crop: bool,
+    /// Fill up a panorama that is not 2:1; every image is then read as a panorama.
+    pub pad: Option<Pad>,
     /// Peak memory of reading one environment, including the file, in bytes.
     pub memory_limit: u64,
 }
@@ -69,6 +78,9 @@ impl Default for ReadOptions {
             layout: LayoutChoice::Auto,
             sanitize: false,
             strict: false,
+            scale: 1.0,
+            crop: false,
+            pad: None,
             memory_limit: DEFAULT_MEMORY_LIMIT,
         }
     }
@@ -156,7 +168,7 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     }
     let ordered = face_names::in_face_order(paths)?;
     let (picture, repaired) = read_square_faces(&ordered, options)?;
-    finish_finite(ordered[0], picture, false, repaired, options)
+    finish_finite(ordered[0], picture, options.layout, false, repaired, options)
 }
 
 /// Reads a prefiltered cube chain: a KTX or KTX2 file, a DDS file with its report in the same folder, an EXR
@@ -245,6 +257,16 @@ pub fn levels_path(path: &Path) -> Result<PathBuf> {
     })
 }
 
+/// Whether the folder `path` holds a bake rather than sources: levels, a report, or the levels of a target.
+/// Panoramas do not count, since sources have such names too.
+#[must_use]
+pub fn is_bake_folder(path: &Path) -> bool {
+    let levels = || target_folder::levels_file(path).ok().flatten();
+    path.join(side_report::REPORT).is_file()
+        || level_folder::has_levels(path)
+        || levels().is_some_and(|file| !target_folder::is_panorama(&file))
+}
+
 /// Origin of the file `path` with the given BLAKE3 `hash`, from its report, as key/value pairs.
 #[must_use]
 pub fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, String)> {
@@ -326,13 +348,41 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
 
 /// Converts a picture to an environment: layout, repairs, checks.
 fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Loaded> {
+    let layout = fit::fit(path, &mut picture, options)?;
     let mut repaired = Repairs::default();
     // Most pictures need no repair; one pass detects them.
     let sound = repair::is_sound(&picture.texels);
     if !sound {
         finite(path, &mut picture, options, &mut repaired)?;
     }
-    finish_finite(path, picture, sound, repaired, options)
+    finish_finite(path, picture, layout, sound, repaired, options)
+}
+
+/// Multiplies radiance by `scale`; returns what the user should know of that.
+fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>> {
+    if !(scale.is_finite() && scale > 0.0) {
+        return Err(Error::Parameter(format!("`scale` {scale} must be finite and above 0")));
+    }
+    if scale == 1.0 {
+        return Ok(None);
+    }
+    let values = texels.as_flattened_mut();
+    let greatest = values.iter().copied().fold(0.0, f32::max);
+    let times = |value: f32| (f64::from(value) * scale) as f32;
+    if times(greatest).is_infinite() {
+        let most = f64::from(f32::MAX) / f64::from(greatest);
+        return Err(Error::input(
+            path,
+            format!(
+                "`scale` {scale} takes its greatest value, {greatest:.3e}, beyond float32; at most {most:.3e} does not"
+            ),
+        ));
+    }
+    for value in values {
+        *value = times(*value);
+    }
+    Ok((greatest > 0.0 && times(greatest) == 0.0)
+        .then(|| format!("`scale` {scale} rounds all its light to 0")))
 }
 
 /// Rejects or repairs NaN and Inf.
@@ -354,12 +404,13 @@ fn finite(path: &Path, picture: &mut Picture, options: &ReadOptions, repaired: &
 fn finish_finite(
     path: &Path,
     picture: Picture,
+    layout: LayoutChoice,
     sound: bool,
     mut repaired: Repairs,
     options: &ReadOptions,
 ) -> Result<Loaded> {
     let Picture { width, height, texels, content, format, mut warnings, provenance } = picture;
-    let arrangement = layout::arrangement(path, width, height, content, options.layout)?;
+    let arrangement = layout::arrangement(path, width, height, content, layout)?;
     let texels = arrangement.arrange(texels, width);
     let mut texels =
         provenance.world_texels(arrangement.layout, texels).map_err(|message| Error::input(path, message))?;
@@ -373,6 +424,7 @@ fn finish_finite(
         ));
     }
     warnings.extend(repaired.matters().then(|| format!("{repaired}, repaired")));
+    warnings.extend(scaled(path, &mut texels, options.scale)?);
     // Some warnings quote layer and channel names.
     let warnings = warnings.iter().map(|warning| printable(warning)).collect();
     let environment = Environment::of_sound(arrangement.layout, texels)?;

@@ -14,6 +14,7 @@
 //! the BLAKE3 hash of every file. A report that lists another hash for a file is ignored. The file takes
 //! precedence over its report.
 
+use super::fit::Pad;
 use crate::chain::{Chain, Level};
 use crate::environment::{Layout, Rgb};
 use crate::lobe::{LOBE_KEY, Lobe};
@@ -33,6 +34,12 @@ pub const ROTATE_KEY: &str = "octaglossRotateY";
 pub const MIRROR_KEY: &str = "octaglossMirror";
 /// Key of the sun removed from the source.
 pub const SUN_KEY: &str = "octaglossSun";
+/// Key of the factor applied to the source's radiance; absent for 1.
+pub const SCALE_KEY: &str = "octaglossScale";
+/// Key that marks removed black bars of the source: `yes`, or absent.
+pub const CROP_KEY: &str = "octaglossCrop";
+/// Key of the fill of a source that is not 2:1: `black` or `edge`, or absent.
+pub const PAD_KEY: &str = "octaglossPad";
 /// Key of the filter.
 pub const FILTER_KEY: &str = "octaglossFilter";
 /// Key of the ladder.
@@ -71,6 +78,12 @@ pub struct Provenance {
     pub mirror: Option<bool>,
     /// The sun removed from the source.
     pub sun: Option<TakenSun>,
+    /// What the source's radiance was multiplied by; `None` for 1.
+    pub scale: Option<f64>,
+    /// Whether black bars of the source were removed; `None` where they were not.
+    pub crop: Option<bool>,
+    /// What the source was filled up with to be 2:1.
+    pub pad: Option<Pad>,
     /// The lobe of the levels.
     pub lobe: Option<Lobe>,
     /// The filter, in command-line syntax.
@@ -95,6 +108,9 @@ impl Provenance {
             (ROTATE_KEY, self.rotate_y.map(|degrees| degrees.to_string())),
             (MIRROR_KEY, self.mirror.map(|mirror| if mirror { "yes" } else { "no" }.to_owned())),
             (SUN_KEY, sun),
+            (SCALE_KEY, self.scale.map(|scale| scale.to_string())),
+            (CROP_KEY, self.crop.map(|crop| if crop { "yes" } else { "no" }.to_owned())),
+            (PAD_KEY, self.pad.map(|pad| pad.name().to_owned())),
             (LOBE_KEY, self.lobe.map(|lobe| lobe.name().to_owned())),
             (FILTER_KEY, self.filter.clone()),
             (LADDER_KEY, self.ladder.clone()),
@@ -128,12 +144,13 @@ impl Provenance {
                 word.parse().ok().filter(|turns| *turns < 4)
             })?,
             rotate_y: parsed(ROTATE_KEY, of(ROTATE_KEY), "a number of degrees", finite)?,
-            mirror: parsed(MIRROR_KEY, of(MIRROR_KEY), "yes or no", |word| match word {
-                "yes" => Some(true),
-                "no" => Some(false),
-                _ => None,
-            })?,
+            mirror: parsed(MIRROR_KEY, of(MIRROR_KEY), "yes or no", yes_or_no)?,
             sun: parsed(SUN_KEY, of(SUN_KEY), "a direction, an irradiance and a solid angle", taken_sun)?,
+            scale: parsed(SCALE_KEY, of(SCALE_KEY), "a number above 0", |word| {
+                finite(word).filter(|scale| *scale > 0.0)
+            })?,
+            crop: parsed(CROP_KEY, of(CROP_KEY), "yes or no", yes_or_no)?,
+            pad: parsed(PAD_KEY, of(PAD_KEY), "black or edge", Pad::named)?,
             // Other versions may know other lobes.
             lobe: of(LOBE_KEY).and_then(|name| Lobe::named(name.trim())),
             filter: of(FILTER_KEY),
@@ -152,6 +169,9 @@ impl Provenance {
             rotate_y: self.rotate_y.or(other.rotate_y),
             mirror: self.mirror.or(other.mirror),
             sun: self.sun.or(other.sun),
+            scale: self.scale.or(other.scale),
+            crop: self.crop.or(other.crop),
+            pad: self.pad.or(other.pad),
             lobe: self.lobe.or(other.lobe),
             filter: self.filter.or(other.filter),
             ladder: self.ladder.or(other.ladder),
@@ -232,6 +252,14 @@ fn finite(word: &str) -> Option<f64> {
     word.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
+fn yes_or_no(word: &str) -> Option<bool> {
+    match word {
+        "yes" => Some(true),
+        "no" => Some(false),
+        _ => None,
+    }
+}
+
 /// Parses `x y z, r g b, steradians`.
 fn taken_sun(text: &str) -> Option<TakenSun> {
     let numbers = |part: &str| -> Option<Vec<f64>> { part.split_whitespace().map(finite).collect() };
@@ -263,6 +291,9 @@ mod tests {
                 irradiance: [1e-5, 2.5, 1e30],
                 solid_angle: 6.8e-5,
             }),
+            scale: Some(0.1),
+            crop: Some(true),
+            pad: Some(Pad::Edge),
             lobe: Some(Lobe::Phong),
             filter: Some("adaptive:0.005".to_owned()),
             ladder: Some("linear".to_owned()),
@@ -290,6 +321,9 @@ mod tests {
             (ROTATE_KEY, "inf"),
             (MIRROR_KEY, "true"),
             (SUN_KEY, "0 1, 1 1 1, 1"),
+            (SCALE_KEY, "0"),
+            (CROP_KEY, "1"),
+            (PAD_KEY, "white"),
         ] {
             let error = read(&[(key.to_owned(), value.to_owned())]).unwrap_err();
             assert!(error.starts_with(&format!("{key} is {value:?}; ")), "{error}");

@@ -3,6 +3,7 @@
 //! A report describes a file if it lists the BLAKE3 hash of the file's bytes. Reports of version 0.1 have no
 //! hashes; they match by name.
 
+use super::fit::Pad;
 use super::provenance::{IRRADIANCE, Provenance, TakenSun};
 
 use crate::lobe::Lobe;
@@ -46,6 +47,9 @@ struct Options {
     ladder: Option<String>,
     rotate_y: Option<f64>,
     mirror: Option<bool>,
+    scale: Option<f64>,
+    crop: Option<bool>,
+    pad: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -97,7 +101,8 @@ pub(super) fn of_file(path: &Path, hash: impl Fn() -> blake3::Hash) -> Option<De
 fn beside(path: &Path) -> Vec<PathBuf> {
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return Vec::new() };
     let of = |name: &str| path.with_file_name(format!("{name}.{REPORT}"));
-    let main = name.contains(".irradiance.").then(|| of(&name.replacen(".irradiance.", ".", 1)));
+    let kinds = [".irradiance.", ".skybox."].into_iter().filter(|kind| name.contains(kind));
+    let main = kinds.map(|kind| of(&name.replacen(kind, ".", 1)));
     std::iter::once(of(name)).chain(main).collect()
 }
 
@@ -138,6 +143,7 @@ impl SideReport {
         let content = match &self.target {
             Some(target) => Target::named(&target.name)?.content_of(path)?,
             None if path.contains(".irradiance.") || path.starts_with("irradiance") => Content::Irradiance,
+            None if path.contains(".skybox.") || path.starts_with("skybox") => Content::Skybox,
             None => Content::Specular,
         };
         let mut provenance = self.provenance();
@@ -153,8 +159,11 @@ impl SideReport {
                 provenance.lobe = Some(Lobe::Charlie);
                 of(&self.sheen)
             }
-            Content::Skybox => of(self.levels.get(..1)?),
-            Content::Panorama => {
+            Content::Skybox => {
+                provenance.lobe = provenance.lobe.filter(|lobe| lobe.has_mirror()).or(Some(Lobe::Ggx));
+                vec![0.0]
+            }
+            Content::Panorama | Content::SkyboxPanorama => {
                 provenance.quarter_turns = provenance
                     .target
                     .as_deref()
@@ -171,7 +180,7 @@ impl SideReport {
 
     /// Provenance of all its files.
     pub(super) fn provenance(&self) -> Provenance {
-        let Options { lobe, filter, ladder, rotate_y, mirror } = &self.options;
+        let Options { lobe, filter, ladder, rotate_y, mirror, scale, crop, pad } = &self.options;
         Provenance {
             target: self.target.as_ref().map(|target| target.name.clone()),
             content: None,
@@ -180,6 +189,9 @@ impl SideReport {
             rotate_y: rotate_y.filter(|degrees| degrees.is_finite()),
             mirror: *mirror,
             sun: self.sun,
+            scale: scale.filter(|scale| scale.is_finite() && *scale > 0.0 && *scale != 1.0),
+            crop: crop.filter(|crop| *crop),
+            pad: pad.as_deref().and_then(Pad::named),
             lobe: lobe.as_deref().and_then(Lobe::named),
             filter: filter.clone(),
             ladder: ladder.clone(),

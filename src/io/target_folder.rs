@@ -67,3 +67,9 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
         }
     }
 }
+
+/// Whether the file `path` is named as a target's panorama.
+pub(super) fn is_panorama(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    TARGETS.iter().any(|target| target.content_of(&name) == Some(Content::Panorama))
+}

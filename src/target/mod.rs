@@ -11,7 +11,7 @@ pub use flip::Flip;
 use crate::environment::Map;
 use crate::error::{Error, Result};
 use crate::format::container::{CONTAINERS, Container};
-use crate::format::{LevelName, OutputLayout, Pixel};
+use crate::format::{LevelName, OutputLayout, Pixel, Shown};
 use crate::ladder::Ladder;
 use crate::lobe::Lobe;
 use crate::sh::scale::ShScale;
@@ -22,8 +22,10 @@ use crate::sphere::cube::Face;
 pub enum Content {
     /// The prefiltered levels.
     Specular,
-    /// Level 0 only.
+    /// The unfiltered environment: level 0, or a cube of its own.
     Skybox,
+    /// The unfiltered environment as a panorama.
+    SkyboxPanorama,
     /// The levels of the Charlie lobe.
     Sheen,
     /// The irradiance cube, over pi: the radiance of a white diffuse surface.
@@ -128,6 +130,8 @@ pub struct Target {
     pub irradiance_size: u32,
     /// Scaling of its spherical harmonics.
     pub sh_scale: ShScale,
+    /// Whether it writes its skybox by default.
+    pub has_skybox: bool,
     /// Its files, except report.json.
     pub files: &'static [FileSpec],
     /// The engine and version that loads it in a test; `None` if untested.
@@ -135,7 +139,8 @@ pub struct Target {
 }
 
 use Content::{
-    Env, Glb, Image, Irradiance, Mips, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox, Specular,
+    Env, Glb, Image, Irradiance, Mips, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox, SkyboxPanorama,
+    Specular,
 };
 
 /// This program's own conventions, the base of the other rows.
@@ -153,9 +158,11 @@ const GENERIC: Target = Target {
     diffuse: Diffuse::None,
     irradiance_size: 32,
     sh_scale: ShScale::Radiance,
+    has_skybox: false,
     files: &[
         FileSpec { path: "specular.{ext}", content: Specular },
         FileSpec { path: "irradiance.{ext}", content: Irradiance },
+        FileSpec { path: "skybox.{ext}", content: Skybox },
         FileSpec { path: "sh.json", content: ShJson },
     ],
     verified: Some("this program"),
@@ -167,6 +174,7 @@ pub const UNTARGETED: Target = Target {
     files: &[
         FileSpec { path: "{name}", content: Specular },
         FileSpec { path: "{stem}.irradiance.{ext}", content: Irradiance },
+        FileSpec { path: "{stem}.skybox.{ext}", content: Skybox },
     ],
     ..GENERIC
 };
@@ -190,6 +198,7 @@ pub const TARGETS: [Target; 12] = [
         files: &[
             FileSpec { path: "{name}_pmrem.{ext}", content: Specular },
             FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
+            FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: Some("three 0.187"),
@@ -205,6 +214,7 @@ pub const TARGETS: [Target; 12] = [
         ladder: Ladder::Filament,
         diffuse: Diffuse::Sh,
         sh_scale: ShScale::Filament,
+        has_skybox: true,
         files: &[
             FileSpec { path: "{name}_ibl.{ext}", content: Specular },
             FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
@@ -228,6 +238,7 @@ pub const TARGETS: [Target; 12] = [
         files: &[
             FileSpec { path: "{name}_specular.{ext}", content: Specular },
             FileSpec { path: "{name}_diffuse.{ext}", content: Irradiance },
+            FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: Some("bevy 0.19"),
@@ -246,6 +257,7 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "ggx/specular.{ext}", content: Specular },
             FileSpec { path: "charlie/sheen.{ext}", content: Sheen },
             FileSpec { path: "lambertian/diffuse.{ext}", content: Irradiance },
+            FileSpec { path: "skybox.{ext}", content: Skybox },
             FileSpec { path: "sh.json", content: ShJson },
         ],
         verified: Some("glTF Sample Renderer 1.1 (npm)"),
@@ -264,6 +276,7 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "oem.glsl", content: Reader },
             FileSpec { path: "oem.hlsl", content: Reader },
             FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
+            FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: Some("its own readers"),
@@ -277,7 +290,11 @@ pub const TARGETS: [Target; 12] = [
         pixel: Pixel::Rgbd,
         ladder: Ladder::Babylon,
         flip: Flip::X,
-        files: &[FileSpec { path: "{name}_ibl.env", content: Env }],
+        // The container has all levels or none.
+        files: &[
+            FileSpec { path: "{name}_ibl.env", content: Env },
+            FileSpec { path: "{name}_skybox.dds", content: Skybox },
+        ],
         verified: Some("babylonjs 9.34"),
         ..ENGINE
     },
@@ -289,7 +306,10 @@ pub const TARGETS: [Target; 12] = [
         last_size: Some(16),
         flip: Flip::X,
         sh_scale: ShScale::Irradiance,
-        files: &[FileSpec { path: "{name}_ibl.glb", content: Glb }],
+        files: &[
+            FileSpec { path: "{name}_ibl.glb", content: Glb },
+            FileSpec { path: "{name}_skybox.ktx2", content: Skybox },
+        ],
         verified: None,
         ..ENGINE
     },
@@ -306,6 +326,7 @@ pub const TARGETS: [Target; 12] = [
         files: &[
             FileSpec { path: "{name}_specular.{ext}", content: Specular },
             FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
+            FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
             FileSpec { path: "{name}_sh.json", content: ShJson },
         ],
         verified: None,
@@ -322,7 +343,10 @@ pub const TARGETS: [Target; 12] = [
         size: 1024,
         last_size: Some(1024),
         quarter_turns: 1,
-        files: &[FileSpec { path: "{name}_panorama.hdr", content: Panorama }],
+        files: &[
+            FileSpec { path: "{name}_panorama.hdr", content: Panorama },
+            FileSpec { path: "{name}_skybox.hdr", content: SkyboxPanorama },
+        ],
         verified: None,
         ..ENGINE
     },
@@ -336,7 +360,10 @@ pub const TARGETS: [Target; 12] = [
         size: 1024,
         last_size: Some(1024),
         quarter_turns: 3,
-        files: &[FileSpec { path: "{name}_panorama.exr", content: Panorama }],
+        files: &[
+            FileSpec { path: "{name}_panorama.exr", content: Panorama },
+            FileSpec { path: "{name}_skybox.exr", content: SkyboxPanorama },
+        ],
         verified: None,
         ..ENGINE
     },
@@ -349,7 +376,10 @@ pub const TARGETS: [Target; 12] = [
         map: Map::Panorama,
         size: 1024,
         last_size: Some(1024),
-        files: &[FileSpec { path: "{name}_panorama.exr", content: Panorama }],
+        files: &[
+            FileSpec { path: "{name}_panorama.exr", content: Panorama },
+            FileSpec { path: "{name}_skybox.exr", content: SkyboxPanorama },
+        ],
         verified: None,
         ..ENGINE
     },
@@ -414,6 +444,8 @@ pub struct TargetPlan {
     pub diffuse: Diffuse,
     /// Layout of its cubes in files. Targets write whole cubes: [`OutputLayout::Parts`].
     pub layout: OutputLayout,
+    /// Whether the unfiltered environment is written as well.
+    pub skybox: bool,
 }
 
 /// Parameters of a plan's files.
@@ -432,7 +464,8 @@ impl TargetPlan {
     #[must_use]
     pub const fn new(target: &'static Target) -> Self {
         let Target { container, pixel, flip, diffuse, .. } = *target;
-        Self { target, container, pixel, flip, diffuse, layout: OutputLayout::Parts }
+        let skybox = target.has_skybox;
+        Self { target, container, pixel, flip, diffuse, layout: OutputLayout::Parts, skybox }
     }
 
     /// Checks that the container can hold the pixel format.
@@ -496,8 +529,8 @@ impl TargetPlan {
             file.path.replace("{name}", name).replace("{stem}", stem).replace("{ext}", extension)
         };
         let image = |name: LevelName| (format!("{name}.{extension}"), Image(name));
-        let images = |level: Option<u32>| -> Vec<(String, Content)> {
-            let name = LevelName { level, face: None, is_bound: false };
+        let images = |shown: Shown| -> Vec<(String, Content)> {
+            let name = LevelName { shown, face: None, is_bound: false };
             match self.layout {
                 OutputLayout::Faces => {
                     Face::ALL.map(|face| image(LevelName { face: Some(face), ..name })).to_vec()
@@ -508,9 +541,11 @@ impl TargetPlan {
         let of = |file: &FileSpec| match file.content {
             Irradiance if !self.diffuse.has_cube() => Vec::new(),
             ShJson | ShText if !self.diffuse.has_sh() => Vec::new(),
+            Skybox | SkyboxPanorama if !self.skybox => Vec::new(),
             Specular if self.layout == OutputLayout::Mips => vec![(path(file), Mips)],
-            Specular if !self.is_single() => (0..levels).flat_map(|level| images(Some(level))).collect(),
-            Irradiance if !self.is_single() => images(None),
+            Specular if !self.is_single() => (0..levels).flat_map(|k| images(Shown::Level(k))).collect(),
+            Irradiance if !self.is_single() => images(Shown::Irradiance),
+            Skybox if !self.is_single() => images(Shown::Skybox),
             content => vec![(path(file), content)],
         };
         let folder = if self.is_single() { format!("{name}.bounds/") } else { String::new() };

@@ -157,7 +157,7 @@ fn impossible_layouts_are_refused() {
         (&["--out-layout", "equirect", "--pixel", "rgb9e5"], "f16 and f32"),
         (&["--out-layout", "strip", "--bounds"], "--bounds"),
         (&["--out-layout", "octahedral", "--irradiance", "4"], "--irradiance"),
-        (&["--out-layout", "equirect", "--preview", "a.png"], "--preview"),
+        (&["--out-layout", "equirect", "--skybox", "4"], "--skybox"),
         (&["--out-layout", "cross", "--target", "three"], "--target"),
         (&["--target", "oem", "--size", "100", "--levels", "4"], "multiple of 8"),
         (&["--target", "oem", "--format", "dds"], "ktx2 and exr"),

@@ -1,10 +1,16 @@
 //! The program on the command line: exit statuses, messages and written files.
 
+pub(super) mod fit;
+pub(super) mod folders;
 pub(super) mod full;
 pub(super) mod layouts;
 pub(super) mod limits;
 pub(super) mod maps;
 pub(super) mod outputs;
+pub(super) mod pictures;
+pub(super) mod scale;
+pub(super) mod shells;
+pub(super) mod skybox;
 pub(super) mod sun;
 pub(super) mod targets;
 pub(super) mod unchanged;
@@ -191,7 +197,6 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (bake(&["other.exr", "--preview", "p.png"]), "one input"),
         (bake(&["other.exr", "--layout", "faces"]), "six files"),
         (bake(&["--out-layout", "parts", "-o", "sky.exr"]), "is an input"),
-        (query(&[]), "--roughness"),
         (query(&["--roughness", "1.1"]), "between 0 and 1"),
         (query(&["--roughness", "-0.1"]), "between 0 and 1"),
         (query(&["--roughness", "NaN"]), "between 0 and 1"),

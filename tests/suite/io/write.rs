@@ -165,6 +165,7 @@ fn level_folder(
         chain: chain.clone(),
         stats: Vec::new(),
         irradiance,
+        skybox: None,
         sheen: None,
         sheen_stats: Vec::new(),
         sh: vec![[0.0; 3]; 9],

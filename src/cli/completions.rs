@@ -1,0 +1,22 @@
+//! `octagloss completions`: scripts by which shells complete commands and options.
+
+use super::args::Args;
+use super::outcome::{Outcome, print_bytes};
+use clap::{Args as ClapArgs, CommandFactory as _};
+use clap_complete::Shell;
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct CompletionsArgs {
+    /// bash, zsh, fish, elvish or powershell
+    ///
+    /// bash: octagloss completions bash > ~/.local/share/bash-completion/completions/octagloss. zsh: a file
+    /// _octagloss in a folder of $fpath. fish: ~/.config/fish/completions/octagloss.fish.
+    #[arg(value_name = "SHELL", hide_possible_values = true)]
+    shell: Shell,
+}
+
+pub(super) fn run(args: &CompletionsArgs) -> Outcome {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Args::command(), "octagloss", &mut script);
+    print_bytes(&script)
+}

@@ -1,0 +1,257 @@
+//! Inputs as they are typed: of folders and patterns the files that they stand for.
+//!
+//! Folders are walked in the order of their names. Hidden files, links to folders, what earlier bakes wrote and
+//! the folder of this one's output are left out.
+
+use super::outcome::{Failure, Outcome, usage};
+use crate::Error;
+use crate::io::side_report::REPORT;
+use crate::io::{has_readable_name, is_bake_folder, readable_extensions};
+use glob::{MatchOptions, Pattern};
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// An input.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Found {
+    pub(super) path: PathBuf,
+    /// The folders between the folder or pattern that was typed and the file; empty for a file that was typed.
+    pub(super) within: PathBuf,
+}
+
+/// All inputs.
+#[derive(Debug, Default)]
+pub(super) struct Expansion {
+    pub(super) found: Vec<Found>,
+    /// Whether a folder or a pattern was typed, which may stand for any number of files.
+    pub(super) is_open: bool,
+    /// Folders that could not be read.
+    pub(super) failures: Vec<Error>,
+}
+
+/// Where files are looked for.
+struct Walk<'a> {
+    recursive: bool,
+    /// The folder of the output, without links; none where it is not there yet.
+    output: Option<&'a Path>,
+    found: Vec<Found>,
+    failures: Vec<Error>,
+}
+
+/// A part of a pattern between slashes.
+#[derive(Debug)]
+enum Part {
+    /// `**`: any number of folders.
+    Folders,
+    /// A name without wildcards.
+    Literal(String),
+    Wild(Pattern),
+}
+
+/// What `typed` stands for; files go to `output`.
+pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>) -> Outcome<Expansion> {
+    let output = output.and_then(|path| path.canonicalize().ok());
+    let mut all = Expansion::default();
+    let mut seen = BTreeSet::new();
+    for path in typed {
+        let mut walk = Walk { recursive, output: output.as_deref(), found: Vec::new(), failures: Vec::new() };
+        let what = if path.is_dir() && !is_bake_folder(&path) {
+            walk.folder(&path, Path::new(""));
+            "holds"
+        } else if let Some((base, parts)) = pattern(&path) {
+            walk.pattern(base, Path::new(""), &parts);
+            "matches"
+        } else {
+            seen.insert(path.clone());
+            all.found.push(Found { path, within: PathBuf::new() });
+            continue;
+        };
+        let Walk { found, failures, .. } = walk;
+        if found.is_empty() {
+            let failure = |error| Err(Failure::Failed(anyhow::Error::new(error)));
+            return failures.into_iter().next().map_or_else(|| nothing(&path, what, recursive), failure);
+        }
+        all.is_open = true;
+        all.failures.extend(failures);
+        // Patterns may overlap.
+        all.found.extend(found.into_iter().filter(|found| seen.insert(found.path.clone())));
+    }
+    Ok(all)
+}
+
+fn nothing(path: &Path, what: &str, recursive: bool) -> Outcome<Expansion> {
+    let more = if what == "holds" && !recursive { "; --recursive looks into its folders, too" } else { "" };
+    usage(format!(
+        "{} {what} no file that can be read: {}{more}",
+        path.display(),
+        readable_extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(" ")
+    ))
+}
+
+impl Walk<'_> {
+    /// The files in `folder`, and with `--recursive` those in its folders.
+    fn folder(&mut self, folder: &Path, within: &Path) {
+        for name in self.names(folder) {
+            let path = folder.join(&name);
+            if !is_real_folder(&path) {
+                self.take(path, within);
+            } else if self.recursive && self.is_walked(&path) {
+                self.folder(&path, &within.join(name));
+            }
+        }
+    }
+
+    /// The files below `folder` that `parts` match.
+    fn pattern(&mut self, folder: &Path, within: &Path, parts: &[Part]) {
+        let Some((first, rest)) = parts.split_first() else { return };
+        match first {
+            Part::Folders => {
+                self.pattern(folder, within, rest);
+                for name in self.names(folder) {
+                    let path = folder.join(&name);
+                    if is_real_folder(&path) && self.is_walked(&path) {
+                        self.pattern(&path, &within.join(name), parts);
+                    }
+                }
+            }
+            Part::Literal(name) => {
+                let path = folder.join(name);
+                if !rest.is_empty() {
+                    // Outputs never leave their folder.
+                    let within = match &name[..] {
+                        ".." => within.parent().unwrap_or(within).to_owned(),
+                        name => within.join(name),
+                    };
+                    self.pattern(&path, &within, rest);
+                } else if path.symlink_metadata().is_ok() && !path.is_dir() {
+                    self.take(path, within);
+                }
+            }
+            Part::Wild(pattern) => {
+                let options = MatchOptions { require_literal_leading_dot: true, ..MatchOptions::new() };
+                for name in self.names(folder) {
+                    if !pattern.matches_with(&name.to_string_lossy(), options) {
+                        continue;
+                    }
+                    let path = folder.join(&name);
+                    if rest.is_empty() {
+                        self.take(path, within);
+                    } else if path.is_dir() && !self.is_output(&path) {
+                        self.pattern(&path, &within.join(name), rest);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes the file `path`, where it is named as one that can be read. What is wrong with it otherwise is said
+    /// when it is read.
+    fn take(&mut self, path: PathBuf, within: &Path) {
+        if has_readable_name(&path) && !path.is_dir() {
+            self.found.push(Found { path, within: within.to_owned() });
+        }
+    }
+
+    /// What is in `folder` and may be an input, in the order of the names.
+    fn names(&mut self, folder: &Path) -> Vec<OsString> {
+        let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let entries = match fs::read_dir(here) {
+            Ok(entries) => entries,
+            // Patterns need not fit everywhere.
+            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+                return Vec::new();
+            }
+            Err(error) => {
+                self.failures.push(Error::io(here, error));
+                return Vec::new();
+            }
+        };
+        let mut names = Vec::new();
+        for entry in entries {
+            match entry {
+                Ok(entry) => names.push(entry.file_name()),
+                Err(error) => {
+                    self.failures.push(Error::io(here, error));
+                    break;
+                }
+            }
+        }
+        names.sort();
+        let reported = reported(&names);
+        names.retain(|name| {
+            let name = name.to_string_lossy();
+            !name.starts_with('.') && !reported.iter().any(|bake| bake.wrote(&name))
+        });
+        names
+    }
+
+    /// Whether the folder `path` is looked into for inputs.
+    fn is_walked(&self, path: &Path) -> bool {
+        !self.is_output(path) && !is_bake_folder(path)
+    }
+
+    fn is_output(&self, path: &Path) -> bool {
+        self.output.is_some_and(|output| path.canonicalize().is_ok_and(|path| path == output))
+    }
+}
+
+/// A single file that a bake wrote, as the report beside it tells.
+struct Reported {
+    name: String,
+    stem: String,
+}
+
+impl Reported {
+    /// Whether `name` is the file's or that of a file or folder that was written with it.
+    fn wrote(&self, name: &str) -> bool {
+        let after = |start: &str| name.strip_prefix(start);
+        after(&self.name).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+            || after(&self.stem).is_some_and(|rest| {
+                [".irradiance.", ".skybox."].into_iter().any(|kind| rest.starts_with(kind))
+            })
+    }
+}
+
+/// The files in a folder of `names` that have reports beside them.
+fn reported(names: &[OsString]) -> Vec<Reported> {
+    let suffix = format!(".{REPORT}");
+    let of = |name: &OsString| {
+        let name = name.to_str()?.strip_suffix(&suffix)?.to_owned();
+        let stem = name.rsplit_once('.').map_or(name.clone(), |(stem, _)| stem.to_owned());
+        Some(Reported { name, stem })
+    };
+    names.iter().filter_map(of).collect()
+}
+
+/// Whether `path` is a folder itself, and not a link to one: links may lead in a circle.
+fn is_real_folder(path: &Path) -> bool {
+    path.symlink_metadata().is_ok_and(|metadata| metadata.is_dir())
+}
+
+/// The folder before the first wildcard of `path` and the parts from there on; `None` for a path without
+/// wildcards, and for one that is there as it was typed.
+fn pattern(path: &Path) -> Option<(&Path, Vec<Part>)> {
+    const WILD: [char; 3] = ['*', '?', '['];
+    let text = path.to_str().filter(|text| text.contains(WILD))?;
+    if path.symlink_metadata().is_ok() {
+        return None;
+    }
+    let wild = text.find(WILD)?;
+    let start = text[..wild].rfind(std::path::is_separator).map_or(0, |slash| slash + 1);
+    let mut parts: Vec<Part> = Vec::new();
+    for part in text[start..].split(std::path::is_separator).filter(|part| !["", "."].contains(part)) {
+        match part {
+            "**" if matches!(parts.last(), Some(Part::Folders)) => {}
+            "**" => parts.push(Part::Folders),
+            _ if part.contains(WILD) => parts.push(Part::Wild(Pattern::new(part).ok()?)),
+            _ => parts.push(Part::Literal(part.to_owned())),
+        }
+    }
+    if matches!(parts.last(), Some(Part::Folders)) {
+        parts.push(Part::Wild(Pattern::new("*").ok()?));
+    }
+    Some((Path::new(&text[..start]), parts))
+}

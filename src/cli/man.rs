@@ -1,0 +1,61 @@
+//! `octagloss man`: manual pages.
+
+use super::args::Args;
+use super::console::Console;
+use super::outcome::{Outcome, print_bytes};
+use crate::Error;
+use crate::io::output::{self, Existing, Output};
+use clap::{Args as ClapArgs, Command, CommandFactory as _};
+use clap_mangen::Man;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct ManArgs {
+    /// Write all pages there, one a subcommand
+    ///
+    /// octagloss.1, octagloss-bake.1 and so on. Without it the main page goes to standard output.
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+    /// Replace pages that exist
+    #[arg(long)]
+    force: bool,
+}
+
+pub(super) fn run(args: &ManArgs) -> Outcome {
+    let mut command = Args::command();
+    // Subcommands get their full names.
+    command.build();
+    let Some(folder) = &args.output else { return print_bytes(&page(&command)?) };
+    let commands = std::iter::once(&command).chain(command.get_subcommands());
+    let pages = commands
+        .map(|command| {
+            let name = command.get_display_name().unwrap_or(command.get_name());
+            Ok((folder.join(format!("{name}.1")), page(command)?))
+        })
+        .collect::<Outcome<Vec<(PathBuf, Vec<u8>)>>>()?;
+    write(folder, &pages, args.force)?;
+    let (count, folder) = (pages.len(), folder.display());
+    Console::new(args.quiet).note(&format!("{folder}: {count} manual pages; man -l shows one"));
+    Ok(())
+}
+
+/// The page of `command`.
+fn page(command: &Command) -> Outcome<Vec<u8>> {
+    let mut page = Vec::new();
+    // A page says the version in its footer, and only the program itself has one.
+    let command = command.clone().version(env!("CARGO_PKG_VERSION"));
+    Man::new(command).render(&mut page).map_err(anyhow::Error::new)?;
+    Ok(page)
+}
+
+/// Writes `pages` into `folder` together.
+fn write(folder: &Path, pages: &[(PathBuf, Vec<u8>)], force: bool) -> Outcome {
+    let existing = if force { Existing::Replace } else { Existing::Keep };
+    fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+    let outputs: Vec<_> = pages.iter().map(|(path, page)| (path.clone(), Output::File(&page[..]))).collect();
+    Ok(output::commit(output::stage_all(&outputs, existing)?)?)
+}
