@@ -29,6 +29,8 @@
 //! `view` (feature `view`, not in the defaults) shows objects under an environment by all of these, in a
 //! window or as pictures.
 //!
+//! `plot` (feature `plot`, not in the defaults) draws figures of the maps of [`sphere`], and charts.
+//!
 //! [`analysis::oracle`] integrates exhaustively in double precision and shares no code with the engine but
 //! the maps of [`sphere`]; [`analysis::compare`] measures a bake by it.
 //!
@@ -125,6 +127,8 @@ pub mod memory;
 #[cfg(feature = "mesh")]
 pub mod mesh;
 pub mod oem;
+#[cfg(feature = "plot")]
+pub mod plot;
 pub mod realtime;
 pub mod reflector;
 pub mod sat;

@@ -15,6 +15,11 @@ mod convert;
 mod dfg;
 mod directions;
 mod engine;
+#[cfg(feature = "plot")]
+mod figures;
+#[cfg(not(feature = "plot"))]
+mod figures_absent;
+mod figures_args;
 mod fingerprint;
 mod info;
 mod input;
@@ -22,6 +27,8 @@ mod outcome;
 mod output;
 mod query;
 mod shared_args;
+#[cfg(not(all(feature = "plot", feature = "view")))]
+mod shell;
 mod signals;
 mod synth;
 mod timing;
