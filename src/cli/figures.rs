@@ -66,7 +66,8 @@ fn chosen(args: &FigureArgs) -> Outcome<Vec<Entry>> {
     let of_map = |entry: &Entry| {
         args.map.is_empty() || entry.map.is_some_and(|map| args.map.iter().any(|name| name == map.name))
     };
-    let named = |entry: &Entry| args.figure.is_empty() || args.figure.iter().any(|name| is_called(entry, name));
+    let named =
+        |entry: &Entry| args.figure.is_empty() || args.figure.iter().any(|name| is_called(entry, name));
     let chosen: Vec<Entry> = all.into_iter().filter(|entry| of_map(entry) && named(entry)).collect();
     if chosen.is_empty() {
         return usage(format!(

@@ -46,10 +46,13 @@ pub(super) fn border(name: String, size: u32, border: u32) -> Figure {
             continue;
         }
         let (y, x) = (origin.y - 14.0, origin.x - 14.0);
-        let (middle, text) = ((from + to) / 2.0, match label {
-            "s" => format!("s = {size}"),
-            _ => format!("b = {border}"),
-        });
+        let (middle, text) = (
+            (from + to) / 2.0,
+            match label {
+                "s" => format!("s = {size}"),
+                _ => format!("b = {border}"),
+            },
+        );
         scene.arrow(DVec2::new(middle.x, y), DVec2::new(from.x, y), 1.2, INK);
         scene.arrow(DVec2::new(middle.x, y), DVec2::new(to.x, y), 1.2, INK);
         scene.text(DVec2::new(middle.x, y - 9.0), &text, SMALL, Anchor::Middle, INK);

@@ -1,7 +1,7 @@
 //! Charts of named series over two axes, as PNG and SVG.
 
 use super::figure::{Figure, Form};
-use super::look::{Colour, FAINT, INK, LABEL, MARGIN, SERIES, SMALL, SOFT, TINY};
+use super::look::{Colour, FAINT, INK, LABEL, MARGIN, PAPER, SERIES, SMALL, SOFT, TINY};
 use super::page::{WIDTH, page};
 use super::scene::{Anchor, Frame, Scene};
 use crate::error::{Error, Result};
@@ -104,15 +104,22 @@ impl Chart {
             DVec2::new(across, y.at(point[1], frame.high.y, frame.low.y))
         };
         self.draw_axes(&mut scene, &frame, &x, &y);
-        for (k, series) in self.series.iter().enumerate() {
-            draw_series(&mut scene, series, SERIES[k % SERIES.len()], place);
-        }
+        // Twice: labels keep off the marks, and their plates must not cover any.
+        let draw = |scene: &mut Scene| {
+            for (k, series) in self.series.iter().enumerate() {
+                draw_series(scene, series, SERIES[k % SERIES.len()], place);
+            }
+        };
+        draw(&mut scene);
         for series in &self.series {
             for (point, label) in series.points.iter().zip(&series.labels) {
                 if !label.is_empty() {
                     scene.label(place(*point), label, TINY, &frame);
                 }
             }
+        }
+        if self.series.iter().any(|series| !series.labels.is_empty()) {
+            draw(&mut scene);
         }
         Ok(Figure::new(name.to_owned(), self.title.clone(), self.caption.clone(), scene))
     }
@@ -151,12 +158,7 @@ impl Chart {
     }
 }
 
-fn draw_series(
-    scene: &mut Scene,
-    series: &Series,
-    colour: Colour,
-    place: impl Fn([f64; 2]) -> DVec2,
-) {
+fn draw_series(scene: &mut Scene, series: &Series, colour: Colour, place: impl Fn([f64; 2]) -> DVec2) {
     let points: Vec<DVec2> = series.points.iter().map(|point| place(*point)).collect();
     if matches!(series.marks, Marks::Line | Marks::LineAndDots) {
         scene.line(points.clone(), 2.2, colour);
@@ -169,9 +171,12 @@ fn draw_series(
 fn mark(scene: &mut Scene, marks: Marks, at: DVec2, colour: Colour) {
     match marks {
         Marks::Line => {}
-        Marks::LineAndDots => scene.disc(at, 3.6, colour),
+        Marks::LineAndDots => scene.disc(at, 4.2, colour),
         Marks::Dots => scene.disc(at, 5.0, colour),
-        Marks::Rings => scene.circle(at, 5.0, 1.8, colour),
+        Marks::Rings => {
+            scene.disc(at, 7.0, PAPER);
+            scene.circle(at, 7.0, 1.8, colour);
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The sphere seen from far away.
 
-use super::look::{Colour, FAINT, INK, PAPER};
+use super::look::{Colour, INK, PAPER, THIN};
 use super::scene::{Frame, Scene};
 use super::sheet::boundary;
 use crate::sphere::map::SphereMap;
@@ -95,7 +95,7 @@ impl Globe {
                     a * cos + b * sin
                 })
                 .collect();
-            self.line(scene, &circle, 0.8, FAINT);
+            self.line(scene, &circle, 0.8, THIN);
         }
     }
 

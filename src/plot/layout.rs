@@ -14,11 +14,11 @@ pub(super) fn layout(name: String, map: &'static NamedMap) -> Figure {
     let components = map.map.components();
     let parts = match components {
         1 => "one component".to_owned(),
-        _ => format!("{components} components, each above its least u and v"),
+        _ => format!("{components} components, numbered or named above"),
     };
     let caption = format!(
         "The map's domain, {parts}; grey is outside it. Blue: parallels, orange: meridians, every 15\u{b0}; \
-         the equator and the planes x = 0 and z = 0 are thick. Pastels: the eight octants of directions. Dots: \
+         the equator and the planes x\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0 are thick. Pastels: the eight octants of directions. Dots: \
          the axes. Source: {}.",
         map.source
     );
@@ -28,7 +28,7 @@ pub(super) fn layout(name: String, map: &'static NamedMap) -> Figure {
     sheet.fill_octants(&mut scene);
     sheet.graticule(&mut scene, 15);
     sheet.frames(&mut scene);
-    if components == 1 && map.name.starts_with("octahedral") || map.name == "low-distortion" {
+    if map.name.starts_with("octahedral") || map.name == "low-distortion" {
         sheet.octant_names(&mut scene);
     }
     sheet.axes(&mut scene);

@@ -8,9 +8,11 @@ pub(super) const PAPER: Colour = [255, 255, 255];
 /// Text and outlines.
 pub(super) const INK: Colour = [32, 36, 44];
 /// Captions and tick labels.
-pub(super) const SOFT: Colour = [82, 88, 98];
+pub(super) const SOFT: Colour = [62, 68, 78];
 /// Grid lines and empty parts of a rectangle.
 pub(super) const FAINT: Colour = [222, 225, 230];
+/// Lines over heat maps.
+pub(super) const THIN: Colour = [138, 144, 154];
 /// What a map's rectangle holds outside its domain.
 pub(super) const OUTSIDE: Colour = [240, 241, 243];
 /// Parallels.
@@ -45,15 +47,13 @@ pub(super) const OCTANTS: [Colour; 8] = [
     [196, 224, 222],
 ];
 
-/// Colours over the logarithm of a positive value.
+/// Colours over the logarithm of a positive value, in 32 steps: their edges are contour lines.
 #[derive(Clone, Copy, Debug)]
 pub struct ColourScale {
     stops: &'static [Colour],
     low: f64,
     high: f64,
     pub(super) ticks: &'static [(f64, &'static str)],
-    /// Whether values beyond the lower and the upper end occur, which the colour bar then says.
-    pub(super) open: [bool; 2],
 }
 
 /// Relative solid angles, the range of figure 5 of the octahedron paper: green texels are smaller than the
@@ -73,7 +73,6 @@ pub const RELATIVE_SOLID_ANGLE: ColourScale = ColourScale {
     low: 0.25,
     high: 4.0,
     ticks: &[(0.25, "1/4"), (0.5, "1/2"), (1.0, "1"), (2.0, "2"), (4.0, "4")],
-    open: [true, false],
 };
 
 /// Ratios of both stretches.
@@ -96,8 +95,10 @@ pub const ANISOTROPY: ColourScale = ColourScale {
         (2.0 * std::f64::consts::SQRT_2, "2.83"),
         (4.0, "4"),
     ],
-    open: [false, true],
 };
+
+/// Steps of a scale; every tick is in the middle of one.
+const STEPS: f64 = 32.0;
 
 impl ColourScale {
     /// Least and greatest value that have colours of their own.
@@ -120,9 +121,9 @@ impl ColourScale {
         self.colour_at(self.share(value))
     }
 
-    /// The colour at `share` of the scale, 0 to 1.
+    /// The colour of the step nearest to `share` of the scale, 0 to 1.
     pub(super) fn colour_at(&self, share: f64) -> Colour {
-        let at = share * (self.stops.len() - 1) as f64;
+        let at = (share * STEPS).round() / STEPS * (self.stops.len() - 1) as f64;
         let k = (at as usize).min(self.stops.len() - 2);
         mix(self.stops[k], self.stops[k + 1], at - k as f64)
     }

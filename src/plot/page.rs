@@ -24,8 +24,9 @@ pub(super) fn page(width: f64, height: f64, title: &str, caption: &str) -> (Scen
 /// Width that [`colour_bar`] takes.
 pub(super) const BAR_WIDTH: f64 = 96.0;
 
-/// A colour bar at the left of `frame`, with its ticks and `name` beside it.
-pub(super) fn colour_bar(scene: &mut Scene, frame: &Frame, scale: &ColourScale, name: &str) {
+/// A colour bar at the left of `frame`, with its ticks and `name` beside it; an end beyond which `range`
+/// reaches is a tip.
+pub(super) fn colour_bar(scene: &mut Scene, frame: &Frame, scale: &ColourScale, name: &str, range: [f64; 2]) {
     let (left, right) = (frame.low.x, frame.low.x + 20.0);
     let tip = 12.0;
     let (top, bottom) = (frame.low.y + tip, frame.high.y - tip);
@@ -34,20 +35,22 @@ pub(super) fn colour_bar(scene: &mut Scene, frame: &Frame, scale: &ColourScale, 
         image::Rgb(scale.colour_at(1.0 - (f64::from(y) + 0.5) / f64::from(rows)))
     });
     scene.picture(DVec2::new(left, top), DVec2::new(right, bottom), gradient);
-    // An open end is a tip in its colour.
-    let middle = (left + right) / 2.0;
-    let mut rim = vec![DVec2::new(left, bottom), DVec2::new(left, top)];
-    for (open, y, way, share) in [(scale.open[1], top, -tip, 1.0), (scale.open[0], bottom, tip, 0.0)] {
-        let (near, far) = if way < 0.0 { (left, right) } else { (right, left) };
-        let tip = DVec2::new(middle, y + way);
-        if open {
-            let corners = [DVec2::new(near, y), tip, DVec2::new(far, y)];
-            scene.polygon(corners, scale.colour_at(share));
-            rim.push(tip);
+    let [low, high] = scale.range();
+    let ends = [
+        (range[1] > high * 1.001, DVec2::new(left, top), DVec2::new(right, top), -tip, 1.0),
+        (range[0] < low / 1.001, DVec2::new(right, bottom), DVec2::new(left, bottom), tip, 0.0),
+    ];
+    let mut rim = Vec::new();
+    for (is_open, from, to, way, share) in ends {
+        rim.push(from);
+        if is_open {
+            let end = (from + to) / 2.0 + DVec2::new(0.0, way);
+            scene.polygon([from, end, to], scale.colour_at(share));
+            rim.push(end);
         }
-        rim.push(DVec2::new(far, y));
+        rim.push(to);
     }
-    scene.line(rim, 1.0, INK);
+    scene.outline(rim, 1.0, INK);
     for (value, text) in scale.ticks {
         let y = bottom + (top - bottom) * scale.share(*value);
         scene.line(vec![DVec2::new(right, y), DVec2::new(right + 6.0, y)], 1.0, INK);

@@ -7,38 +7,33 @@ use crate::error::Result;
 
 pub(super) fn sampling(name: &str) -> Result<Figure> {
     let rows = rows();
-    let mut points: Vec<([f64; 2], Vec<&str>)> = Vec::new();
-    let close = |a: f64, b: f64| a == b || (a / b - 1.0).abs() < 1e-3;
-    for row in &rows {
-        let at = [row.metrics.sampling, row.metrics.anisotropy];
-        match points.iter_mut().find(|(other, _)| close(other[0], at[0]) && close(other[1], at[1])) {
-            Some((_, titles)) => titles.push(row.title),
-            None => points.push((at, vec![row.title])),
+    let all = rows.iter().map(|row| ([row.metrics.sampling, row.metrics.anisotropy], row.title));
+    let (y_points, y_labels) = grouped(all);
+    let all = rows.iter().map(|row| ([row.metrics.lattice, row.metrics.anisotropy], row.title));
+    let (m_points, mut m_labels) = grouped(all);
+    // A ring around a dot needs no second label.
+    for (point, label) in m_points.iter().zip(&mut m_labels) {
+        if y_points.iter().any(|other| is_close(*other, *point)) {
+            label.clear();
         }
     }
-    let label = |titles: &Vec<&str>| match titles[..] {
-        [first, .., last] if titles.iter().all(|title| title.starts_with("Octahedral")) => {
-            format!("{first}, {}", last.trim_start_matches("Octahedral "))
-        }
-        _ => titles.join(", "),
-    };
     let y = Series {
-        name: "Y: the stretch must not exceed a sample's".to_owned(),
-        points: points.iter().map(|(point, _)| *point).collect(),
-        labels: points.iter().map(|(_, titles)| label(titles)).collect(),
+        name: "Y: by the greatest stretch".to_owned(),
+        points: y_points,
+        labels: y_labels,
         marks: Marks::Dots,
     };
     let m = Series {
-        name: "M: for ideal, anisotropic reconstruction".to_owned(),
-        points: rows.iter().map(|row| [row.metrics.lattice, row.metrics.anisotropy]).collect(),
-        labels: Vec::new(),
+        name: "M: by the texels' lattice".to_owned(),
+        points: m_points,
+        labels: m_labels,
         marks: Marks::Rings,
     };
     let chart = Chart {
         title: "What maps cost: sampling requirement and anisotropy".to_owned(),
         caption: "Columns Y, M and anisotropy of `octagloss analyze --table`; less of each is better. Y is \
-                  equation 6 of the tennis-ball paper, M counts texels that resolve as much as isotropic samples \
-                  do. Infinite values lie beyond the gap at the end of their axis."
+                  equation 6 of the tennis-ball paper, M is what texels need where \
+                  reconstruction is ideal and may be anisotropic. Rings around dots: M equals Y. Infinite values lie beyond the gap at the end of their axis."
             .to_owned(),
         x: Axis { label: "sampling requirement".to_owned(), range: Some([10.0, 46.0]), scale: Scale::Linear },
         y: Axis {
@@ -49,4 +44,30 @@ pub(super) fn sampling(name: &str) -> Result<Figure> {
         series: vec![m, y],
     };
     chart.figure(name)
+}
+
+/// Whether both are drawn at the same place.
+fn is_close(a: [f64; 2], b: [f64; 2]) -> bool {
+    let close = |a: f64, b: f64| a == b || (a / b - 1.0).abs() < 1e-3;
+    close(a[0], b[0]) && close(a[1], b[1])
+}
+
+/// Points and the titles of those at the same place.
+fn grouped<'a>(all: impl Iterator<Item = ([f64; 2], &'a str)>) -> (Vec<[f64; 2]>, Vec<String>) {
+    let (mut points, mut labels): (Vec<[f64; 2]>, Vec<String>) = (Vec::new(), Vec::new());
+    for (point, title) in all {
+        match points.iter().position(|other| is_close(*other, point)) {
+            Some(k) => {
+                // "Octahedral (rectangular)" after "Octahedral": "Octahedral, rectangular".
+                let first = labels[k].split(", ").next().unwrap_or_default().to_owned();
+                let more = title.strip_prefix(&first).map(|rest| rest.trim_matches([' ', '(', ')']));
+                labels[k] += &format!(", {}", more.unwrap_or(title));
+            }
+            None => {
+                points.push(point);
+                labels.push(title.to_owned());
+            }
+        }
+    }
+    (points, labels)
 }

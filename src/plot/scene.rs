@@ -16,12 +16,27 @@ pub(super) enum Anchor {
 /// Something drawn. Later items cover earlier ones.
 #[derive(Clone, Debug)]
 pub(super) enum Item {
-    Polygon { points: Vec<DVec2>, fill: Colour },
-    Line { points: Vec<DVec2>, width: f64, colour: Colour },
-    Disc { centre: DVec2, radius: f64, fill: Colour },
+    Polygon {
+        points: Vec<DVec2>,
+        fill: Colour,
+    },
+    Line {
+        points: Vec<DVec2>,
+        width: f64,
+        colour: Colour,
+    },
+    Disc {
+        centre: DVec2,
+        radius: f64,
+        fill: Colour,
+    },
     Text(Text),
     /// Pixels stretched over the rectangle from `low` to `high`.
-    Picture { low: DVec2, high: DVec2, pixels: RgbImage },
+    Picture {
+        low: DVec2,
+        high: DVec2,
+        pixels: RgbImage,
+    },
 }
 
 /// A line of text; `at` is the point of its baseline that `anchor` says.
@@ -163,9 +178,8 @@ impl Scene {
 
     /// A circle's line.
     pub(super) fn circle(&mut self, centre: DVec2, radius: f64, width: f64, colour: Colour) {
-        let points: Vec<DVec2> = (0..360)
-            .map(|k| centre + DVec2::from_angle(f64::from(k).to_radians()) * radius)
-            .collect();
+        let points: Vec<DVec2> =
+            (0..360).map(|k| centre + DVec2::from_angle(f64::from(k).to_radians()) * radius).collect();
         self.outline(points, width, colour);
     }
 
@@ -203,7 +217,8 @@ impl Scene {
     /// A label beside `point` on a white plate, where it covers no other text and lies within `bounds`; of
     /// several such places the first, going around from the right, or else the right.
     pub(super) fn label(&mut self, point: DVec2, text: &str, em: f64, bounds: &Frame) {
-        let taken: Vec<Frame> = self.texts().map(|text| text.frame().grown(2.0)).collect();
+        let texts = self.texts().map(|text| text.frame().grown(2.0));
+        let taken: Vec<Frame> = texts.chain(self.dots(point)).collect();
         let width = text_width(text, em);
         let place = |angle: f64, distance: f64| {
             let way = DVec2::from_angle(angle);
@@ -212,7 +227,7 @@ impl Scene {
             Text { at, text: text.to_owned(), em, anchor: Anchor::Middle, upwards: false, colour: INK }
         };
         let quarter = std::f64::consts::FRAC_PI_4;
-        let places = [8.0, 16.0, 26.0]
+        let places = [9.0, 16.0, 26.0]
             .into_iter()
             .flat_map(|distance| (0..8).map(move |k| (f64::from(k) * quarter, distance)));
         let fits = |text: &Text| {
@@ -220,16 +235,26 @@ impl Scene {
             bounds.holds(&frame) && !taken.iter().any(|other| other.overlaps(&frame))
         };
         let mut texts = places.map(|(angle, distance)| place(angle, distance));
-        let text = texts.find(fits).unwrap_or_else(|| place(0.0, 8.0));
+        let text = texts.find(fits).unwrap_or_else(|| place(0.0, 9.0));
         self.polygon(text.frame().grown(1.5).corners(), PAPER);
         self.items.push(Item::Text(text));
     }
 
+    /// Dots that labels must not cover, but for that at `point`.
+    fn dots(&self, point: DVec2) -> impl Iterator<Item = Frame> {
+        self.items.iter().filter_map(move |item| match item {
+            Item::Disc { centre, radius, .. } if centre.distance(point) > 1.0 && *radius > 4.0 => {
+                Some(Frame::new(centre - *radius, centre + *radius))
+            }
+            _ => None,
+        })
+    }
+
     /// A dot with a [`Scene::label`].
     pub(super) fn point(&mut self, point: DVec2, text: &str, bounds: &Frame) {
+        self.label(point, text, TINY, bounds);
         self.disc(point, 4.5, PAPER);
         self.disc(point, 3.2, INK);
-        self.label(point, text, TINY, bounds);
     }
 
     /// A straight arrow.
@@ -244,7 +269,8 @@ impl Scene {
 /// `text` in lines of at most `width` pixels.
 pub(super) fn wrapped(text: &str, em: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
+    // Spaces that do not break stay.
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
         match lines.last_mut() {
             Some(line) if text_width(&format!("{line} {word}"), em) <= width => {
                 line.push(' ');

@@ -25,8 +25,8 @@ fn half_circle(k: u32) -> Vec<DVec3> {
 
 pub(super) fn seam(name: String) -> Figure {
     let title = "Tennis-ball: the seam on the sphere and around both panels".to_owned();
-    let caption = "The seam is four half circles, in the half planes y = \u{b1}\u{221a}\u{bd} where z is \
-                   positive and x = \u{b1}\u{221a}\u{bd} where it is negative (Herron, section 2.1). Each has one \
+    let caption = "The seam is four half circles, in the half planes y\u{a0}=\u{a0}\u{b1}\u{221a}\u{bd} where z is \
+                   positive and x\u{a0}=\u{a0}\u{b1}\u{221a}\u{bd} where it is negative (Herron, section 2.1). Each has one \
                    colour on the sphere and in the panels, whose sides it forms. Dashed: the parts behind the \
                    sphere. C\u{2081} lies around +Z, C\u{2082} around \u{2212}Z; u is \u{3c6}, v is \
                    \u{2212}\u{3b8}.";
@@ -35,7 +35,9 @@ pub(super) fn seam(name: String) -> Figure {
     let radius = 165.0;
     let half = body.extent().x / 2.0;
     let halves: Vec<Vec<DVec3>> = (0..4).map(half_circle).collect();
-    for (k, (eye, label)) in [(FRONT, "seen from +X +Y +Z"), (-FRONT, "from the other side")].into_iter().enumerate() {
+    for (k, (eye, label)) in
+        [(FRONT, "seen from +X +Y +Z"), (-FRONT, "from the other side")].into_iter().enumerate()
+    {
         let centre = DVec2::new(body.low.x + half * (k as f64 + 0.5), body.low.y + radius + 6.0);
         let globe = Globe::new(centre, radius, eye);
         globe.fill(&mut scene, |direction| {
@@ -71,12 +73,19 @@ fn draw_on_panels(scene: &mut Scene, sheet: &Sheet, points: &[DVec3], colour: Co
         let middle = TennisBall.direction(component, DVec2::ZERO);
         // A hair inside the panel: towards its middle line.
         let inside = |point: &DVec3| {
-            let towards = if component == 0 { DVec3::new(point.x, 0.0, point.z) } else { DVec3::new(0.0, point.y, point.z) };
+            let towards = if component == 0 {
+                DVec3::new(point.x, 0.0, point.z)
+            } else {
+                DVec3::new(0.0, point.y, point.z)
+            };
             (*point + (towards + middle * 0.2) * 1e-6).normalize()
         };
         let places: Vec<Place> = points.iter().map(|point| TennisBall.locate(inside(point))).collect();
-        let line: Vec<DVec2> =
-            places.into_iter().filter(|place| place.component == component).map(|place| sheet.at(place)).collect();
+        let line: Vec<DVec2> = places
+            .into_iter()
+            .filter(|place| place.component == component)
+            .map(|place| sheet.at(place))
+            .collect();
         scene.line(line, 4.0, colour);
     }
 }

@@ -3,9 +3,10 @@
 use super::globe::AXES;
 use super::look::{Colour, FAINT, INK, LATITUDE, LONGITUDE, OCTANTS, OUTSIDE, SMALL, TINY};
 use super::page::rectangle_ticks;
+use super::render::text_width;
 use super::scene::{Anchor, Frame, Scene};
 use crate::sphere::grid::Grid;
-use crate::sphere::map::{Place, SphereMap};
+use crate::sphere::map::{Component, Place, SphereMap};
 use crate::sphere::registry::NamedMap;
 use glam::{DVec2, DVec3};
 use image::RgbImage;
@@ -27,18 +28,37 @@ pub(super) struct Sheet {
 impl Sheet {
     /// The greatest sheet of `row` that fits into `most` pixels.
     pub(super) fn fitting(row: &'static NamedMap, most: DVec2) -> Self {
-        let fits = |size: u32| {
-            let sides = Grid::new(row.map, size).ok()?.picture_sides(BORDER);
-            DVec2::from(sides.map(f64::from)).cmple(most).all().then_some(size)
+        let of_size = |size: u32| {
+            let grid = Grid::new(row.map, size).expect("a size of a figure");
+            Self { row, grid, origin: DVec2::ZERO }
         };
-        let size = (1..=most.max_element() as u32).rev().find_map(fits).unwrap_or(1);
-        let grid = Grid::new(row.map, size).expect("a size of a figure");
-        Self { row, grid, origin: DVec2::ZERO }
+        let sizes = (1..=most.max_element() as u32).rev().map(of_size);
+        sizes.into_iter().find(|sheet| sheet.extent().cmple(most).all()).unwrap_or_else(|| of_size(1))
     }
 
     /// Width and height in pixels.
     pub(super) fn extent(&self) -> DVec2 {
-        DVec2::from(self.grid.picture_sides(BORDER).map(f64::from))
+        let ends = (0..self.map().components()).map(|k| {
+            let frame = self.frame(k);
+            frame.high - self.origin + f64::from(BORDER)
+        });
+        ends.fold(DVec2::ZERO, DVec2::max)
+    }
+
+    /// Where `component` begins, in cells: as in pictures of the map, but for the cube's row, which is broken
+    /// into two.
+    fn cell(&self, component: u32) -> [u32; 2] {
+        if self.row.name == "cube" {
+            return [component % 3, component / 3];
+        }
+        self.map().component(component).at
+    }
+
+    /// The rank, from 1, of the column (`axis` 0) or row (1) that `component` begins in, among those that any
+    /// begins in.
+    fn rank(&self, component: u32, axis: usize) -> u32 {
+        let begins = |place: &u32| (0..self.map().components()).any(|k| self.cell(k)[axis] == *place);
+        (0..=self.cell(component)[axis]).filter(begins).count() as u32
     }
 
     /// The same with its top in the middle of that of `frame`.
@@ -53,7 +73,11 @@ impl Sheet {
 
     /// The rectangle of `component`.
     pub(super) fn frame(&self, component: u32) -> Frame {
-        let low = self.origin + DVec2::from(self.grid.picture_origin(component, BORDER).map(f64::from));
+        let cell = self.cell(component);
+        let start = [0, 1].map(|axis| {
+            f64::from(cell[axis] * self.grid.size() + BORDER * (2 * self.rank(component, axis) - 1))
+        });
+        let low = self.origin + DVec2::from(start);
         Frame::new(low, low + DVec2::from(self.grid.sides(component).map(f64::from)))
     }
 
@@ -105,29 +129,24 @@ impl Sheet {
         for (component, k) in components.iter().zip(0..) {
             let frame = self.frame(k);
             scene.outline(frame.corners(), 1.0, FAINT);
-            let rim: Vec<DVec2> = boundary(map, k, 240)
-                .into_iter()
-                .map(|uv| self.at(Place { component: k, uv }))
-                .collect();
+            let rim: Vec<DVec2> =
+                boundary(map, k, 240).into_iter().map(|uv| self.at(Place { component: k, uv })).collect();
             scene.outline(rim, 1.4, INK);
-            let covers = |from: u32, to: u32, a: u32, b: u32| from < b && a < to;
-            let below = components.iter().any(|other| {
-                let span = (other.at[0], other.at[0] + other.cells[0]);
-                other.at[1] > component.at[1]
-                    && covers(span.0, span.1, component.at[0], component.at[0] + component.cells[0])
-            });
-            let left = components.iter().any(|other| {
-                let span = (other.at[1], other.at[1] + other.cells[1]);
-                other.at[0] < component.at[0]
-                    && covers(span.0, span.1, component.at[1], component.at[1] + component.cells[1])
-            });
+            let own = self.cell(k);
+            let cells = (0..map.components()).map(|other| self.cell(other));
+            let (mut below, mut left) = (false, false);
+            for other in cells {
+                below |= other[0] == own[0] && other[1] > own[1];
+                left |= other[1] == own[1] && other[0] < own[0];
+            }
             // Components of other extents have ticks of their own.
-            let alike = components.iter().all(|other| other.low == component.low && other.high == component.high);
+            let is_like = |other: &Component| other.low == component.low && other.high == component.high;
+            let alike = components.iter().all(is_like);
             let sides = [!below || !alike, !left || !alike];
             rectangle_ticks(scene, &frame, component.low, component.high, sides);
             let name = component_name(self.row.name, k);
             if !name.is_empty() {
-                scene.text(frame.low - DVec2::new(0.0, 5.0), &name, SMALL, Anchor::Start, INK);
+                scene.text(frame.low + DVec2::new(9.0, -6.0), &name, SMALL, Anchor::Start, INK);
             }
         }
     }
@@ -176,9 +195,7 @@ impl Sheet {
         let at = |k: u32| range[0] + (range[1] - range[0]) * f64::from(k) / f64::from(steps);
         // Longer than any step of a smooth curve.
         let far = 0.06 * self.extent().max_element();
-        let apart = |a: Place, b: Place| {
-            a.component != b.component || self.at(a).distance(self.at(b)) > far
-        };
+        let apart = |a: Place, b: Place| a.component != b.component || self.at(a).distance(self.at(b)) > far;
         let mut line = vec![self.at(place(at(0)))];
         for k in 1..=steps {
             let (mut from, mut to) = (at(k - 1), at(k));
@@ -192,9 +209,16 @@ impl Sheet {
                         to = middle;
                     }
                 }
-                line.push(self.at(place(from)));
+                // At a singular direction its ends may lie anywhere; then there is a gap of a step.
+                let is_near = |a: DVec2, b: DVec2| a.distance(b) <= far;
+                let (end, start) = (self.at(place(from)), self.at(place(to)));
+                if line.last().is_some_and(|last| is_near(*last, end)) {
+                    line.push(end);
+                }
                 scene.line(std::mem::take(&mut line), width, colour);
-                line.push(self.at(place(to)));
+                if is_near(start, self.at(place(at(k)))) {
+                    line.push(start);
+                }
             }
             line.push(self.at(place(at(k))));
         }
@@ -204,19 +228,30 @@ impl Sheet {
     /// Dots at the six axes, in every corner where one lies.
     pub(super) fn axes(&self, scene: &mut Scene) {
         for (axis, name) in AXES {
-            for place in self.places(axis) {
+            let places = self.places(axis);
+            // A singular direction is a whole line.
+            if places.len() > 4 {
+                let frame = self.frame(places[0].component);
+                let middle = (frame.low + frame.high) / 2.0;
+                let distance = |place: &Place| self.at(*place).distance(middle);
+                let nearest = places.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                let at = self.at(*nearest.expect("more than four"));
+                scene.label(at, &format!("{name}: the whole line"), TINY, &frame);
+                continue;
+            }
+            for place in places {
                 let frame = self.frame(place.component);
                 scene.point(self.at(place), name, &frame);
             }
         }
     }
 
-    /// Every place that directions around `direction` come close to, a few at most.
+    /// Every place that directions around `direction` come close to.
     fn places(&self, direction: DVec3) -> Vec<Place> {
         let across = direction.any_orthonormal_vector();
         let mut places: Vec<Place> = Vec::new();
-        for k in 0..12 {
-            let (sin, cos) = (TAU * (f64::from(k) + 0.3) / 12.0).sin_cos();
+        for k in 0..24 {
+            let (sin, cos) = (TAU * (f64::from(k) + 0.02) / 24.0).sin_cos();
             let near = direction + (across * cos + direction.cross(across) * sin) * 1e-7;
             let place = self.map().locate(near);
             let known = |other: &Place| {
@@ -226,11 +261,6 @@ impl Sheet {
                 places.push(place);
             }
         }
-        // Singular directions are whole lines: two of their places say enough.
-        if places.len() > 4 {
-            let last = places.len() - 1;
-            places = vec![places[0], places[last / 2]];
-        }
         places
     }
 
@@ -239,9 +269,13 @@ impl Sheet {
         for k in 0..8_u32 {
             let sign = |bit: u32| if k & bit == 0 { 1.0 } else { -1.0 };
             let direction = DVec3::new(sign(1), sign(2), sign(4));
-            let text = |bit: u32, name: &str| format!("{}{name}", if k & bit == 0 { "+" } else { "\u{2212}" });
+            let text =
+                |bit: u32, name: &str| format!("{}{name}", if k & bit == 0 { "+" } else { "\u{2212}" });
             let name = format!("{} {} {}", text(1, "X"), text(2, "Y"), text(4, "Z"));
-            scene.centred(self.at(self.map().locate(direction)), &name, TINY, INK);
+            let at = self.at(self.map().locate(direction));
+            let half = DVec2::new(text_width(&name, TINY) / 2.0 + 2.0, 0.55 * TINY);
+            scene.polygon(Frame::new(at - half, at + half).corners(), OCTANTS[k as usize]);
+            scene.centred(at, &name, TINY, INK);
         }
     }
 }

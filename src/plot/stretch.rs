@@ -4,7 +4,7 @@ use super::figure::Figure;
 use super::globe::{FRONT, Globe};
 use super::look::{ANISOTROPY, ColourScale, INK, LABEL, RELATIVE_SOLID_ANGLE, SMALL, SOFT};
 use super::page::{BAR_WIDTH, WIDTH, colour_bar, page};
-use super::scene::Frame;
+use super::scene::{Frame, Scene};
 use crate::analysis::stretch::{Stretch, measure};
 use crate::sphere::map::SphereMap;
 use crate::sphere::registry::{NamedMap, named};
@@ -45,54 +45,62 @@ pub(super) fn solid_angle(name: String, map: &'static NamedMap) -> Figure {
     let caption = format!(
         "Solid angle of a texel over the mean of all texels, from {} to {}. Purple texels are larger than the \
          mean (undersampled), green ones smaller (oversampled). Dark lines: rims of the map's rectangles and \
-         domains. Grey lines: the planes x = 0, y = 0 and z = 0. Left: +X, +Y and +Z face the reader; right: \
+         domains. Grey lines: the planes x\u{a0}=\u{a0}0, y\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0. Left: +X, +Y and +Z face the reader; right: \
          the other side.",
         shown(least),
         shown(greatest)
     );
     let title = format!("{}: relative solid angle", map.title);
-    two_views(name, title, caption, map, &RELATIVE_SOLID_ANGLE, "solid angle / mean", |direction| {
-        relative_solid_angle(map.map, direction)
-    })
+    let scale =
+        Scale { colours: &RELATIVE_SOLID_ANGLE, name: "solid angle / mean", range: [least, greatest] };
+    let value = |direction: DVec3| relative_solid_angle(map.map, direction);
+    let scene = two_views(&title, &caption, map, &scale, value);
+    Figure::new(name, title, caption, scene)
 }
 
 pub(super) fn anisotropy(name: String, map: &'static NamedMap) -> Figure {
     let greatest = measure(map.map).anisotropy;
     let caption = format!(
         "Greater over lesser stretch of a texel, up to {}; 1 is conformal. Dark lines: rims of the map's \
-         rectangles and domains. Grey lines: the planes x = 0, y = 0 and z = 0. Left: +X, +Y and +Z face the \
+         rectangles and domains. Grey lines: the planes x\u{a0}=\u{a0}0, y\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0. Left: +X, +Y and +Z face the \
          reader; right: the other side.",
         shown(greatest)
     );
     let title = format!("{}: anisotropy", map.title);
-    two_views(name, title, caption, map, &ANISOTROPY, "greater / lesser stretch", |direction| {
-        anisotropy_at(map.map, direction)
-    })
+    let scale = Scale { colours: &ANISOTROPY, name: "greater / lesser stretch", range: [1.0, greatest] };
+    let scene = two_views(&title, &caption, map, &scale, |direction| anisotropy_at(map.map, direction));
+    Figure::new(name, title, caption, scene)
+}
+
+/// A colour scale, its name, and the range of values shown.
+struct Scale {
+    colours: &'static ColourScale,
+    name: &'static str,
+    range: [f64; 2],
 }
 
 fn two_views(
-    name: String,
-    title: String,
-    caption: String,
+    title: &str,
+    caption: &str,
     map: &NamedMap,
-    scale: &ColourScale,
-    scale_name: &str,
+    scale: &Scale,
     value: impl Fn(DVec3) -> f64 + Sync,
-) -> Figure {
-    let (mut scene, body) = page(WIDTH, HEIGHT, &title, &caption);
+) -> Scene {
+    let (mut scene, body) = page(WIDTH, HEIGHT, title, caption);
     let radius = HEIGHT / 2.0 - 24.0;
     let room = body.extent().x - BAR_WIDTH - 20.0;
     for (share, eye) in [(0.25, FRONT), (0.75, -FRONT)] {
         let centre = DVec2::new(body.low.x + room * share, (body.low.y + body.high.y) / 2.0);
         let globe = Globe::new(centre, radius, eye);
-        globe.fill(&mut scene, |direction| scale.colour(value(direction)));
+        globe.fill(&mut scene, |direction| scale.colours.colour(value(direction)));
         globe.planes(&mut scene);
         globe.rims(&mut scene, map.map);
         globe.axes(&mut scene);
     }
-    let bar = Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 30.0), body.high - DVec2::new(0.0, 30.0));
-    colour_bar(&mut scene, &bar, scale, scale_name);
-    Figure::new(name, title, caption, scene)
+    let bar =
+        Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 30.0), body.high - DVec2::new(0.0, 30.0));
+    colour_bar(&mut scene, &bar, scale.colours, scale.name, scale.range);
+    scene
 }
 
 /// Figure 5 of the octahedron paper.
@@ -107,6 +115,7 @@ pub(super) fn compared(name: String) -> Figure {
     let (mut scene, body) = page(WIDTH, height, &title, caption);
     let radius = 128.0;
     let room = body.extent().x - BAR_WIDTH - 10.0;
+    let mut extremes = [1.0_f64; 2];
     let maps = ["octahedral", "octahedral-perspective", "cube"];
     for (k, map) in maps.into_iter().enumerate() {
         let map = named(map).expect("one of the maps");
@@ -119,11 +128,13 @@ pub(super) fn compared(name: String) -> Figure {
             globe.axes(&mut scene);
         }
         let [least, greatest] = measure(map.map).relative_solid_angle;
+        extremes = [extremes[0].min(least), extremes[1].max(greatest)];
         let range = format!("{} to {}", shown(least), shown(greatest));
         scene.centred(DVec2::new(x, body.low.y + 10.0), map.title, LABEL, INK);
         scene.centred(DVec2::new(x, body.low.y + 32.0), &range, SMALL, SOFT);
     }
-    let bar = Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 80.0), body.high - DVec2::new(0.0, 60.0));
-    colour_bar(&mut scene, &bar, &RELATIVE_SOLID_ANGLE, "solid angle / mean");
+    let bar =
+        Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 80.0), body.high - DVec2::new(0.0, 60.0));
+    colour_bar(&mut scene, &bar, &RELATIVE_SOLID_ANGLE, "solid angle / mean", extremes);
     Figure::new(name, title, caption.to_owned(), scene)
 }

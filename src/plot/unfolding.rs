@@ -13,14 +13,16 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 pub(super) fn unfolding(name: String) -> Figure {
     let title = "The octahedron and its unfolding".to_owned();
     let caption = "As figure 1 of Engelhardt and Dachsbacher 2008. The upper faces are flattened onto the plane \
-                   y = 0; the edges at \u{2212}Y are cut, and the lower faces turn outwards around the equator. \
+                   y\u{a0}=\u{a0}0; the edges at \u{2212}Y are cut, and the lower faces turn outwards around the equator. \
                    This gives the square, whose four corners are \u{2212}Y. The rectangle has the upper faces in \
                    its left half and the lower ones in its right half.";
     let (mut scene, body) = page(WIDTH, 810.0, &title, caption);
     let third = body.extent().x / 3.0;
-    let eye = DVec3::new(0.55, 0.75, 1.0);
+    let eye = DVec3::new(0.45, 0.95, 1.0);
     for (k, (share, label)) in
-        [(0.0, "octahedron"), (0.45, "lower faces turn outwards"), (0.8, "nearly flat")].into_iter().enumerate()
+        [(0.0, "octahedron"), (0.5, "lower faces turn outwards"), (0.85, "nearly flat")]
+            .into_iter()
+            .enumerate()
     {
         let centre = DVec2::new(body.low.x + third * (k as f64 + 0.5), body.low.y + 160.0);
         let radius = [128.0, 112.0, 96.0][k];
@@ -62,13 +64,14 @@ fn draw_octahedron(scene: &mut Scene, globe: &Globe, share: f64) {
         .collect();
     // From the farthest to the nearest.
     faces.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, octant, corners) in faces {
+    for (_, octant, corners) in &faces {
         let corners = corners.map(|corner| globe.place(corner).0);
-        scene.polygon(corners, OCTANTS[octant]);
+        scene.polygon(corners, OCTANTS[*octant]);
         scene.outline(corners, 1.4, INK);
     }
     let bounds = Frame::new(globe.centre - globe.radius * 2.2, globe.centre + globe.radius * 2.2);
-    let mut corners = vec![(DVec3::X, "+X"), (DVec3::Z, "+Z"), (DVec3::NEG_X, "\u{2212}X")];
+    let mut corners =
+        vec![(DVec3::X, "+X"), (DVec3::Z, "+Z"), (DVec3::NEG_X, "\u{2212}X"), (DVec3::NEG_Z, "\u{2212}Z")];
     if share == 0.0 {
         corners.extend([(DVec3::Y, "+Y"), (DVec3::NEG_Y, "\u{2212}Y")]);
     } else {
@@ -77,8 +80,20 @@ fn draw_octahedron(scene: &mut Scene, globe: &Globe, share: f64) {
         corners.push((DVec3::Y * (1.0 - share), "+Y"));
     }
     for (corner, name) in corners {
-        scene.point(globe.place(corner).0, name, &bounds);
+        if !faces.iter().any(|(.., face)| hides(globe, *face, corner)) {
+            scene.point(globe.place(corner).0, name, &bounds);
+        }
     }
+}
+
+/// Whether the triangle `face` lies before `point`.
+fn hides(globe: &Globe, face: [DVec3; 3], point: DVec3) -> bool {
+    let [a, b, c] = face.map(|corner| globe.place(corner).0);
+    let at = globe.place(point).0;
+    let whole = (b - a).perp_dot(c - a);
+    let shares = [(b - at).perp_dot(c - at), (c - at).perp_dot(a - at), (a - at).perp_dot(b - at)];
+    let depth: f64 = shares.iter().zip(face).map(|(share, corner)| share / whole * globe.depth(corner)).sum();
+    shares.iter().all(|share| share / whole > 1e-6) && depth > globe.depth(point) + 1e-6
 }
 
 /// Where -Y is taken by the face over the edge between `side`'s x and z, at `share` of the way to the plane.
