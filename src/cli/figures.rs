@@ -32,9 +32,9 @@ pub(super) fn run(args: &FigureArgs) -> Outcome {
     let done = AtomicU64::new(0);
     let draw = |entry: &Entry| -> octagloss::Result<Vec<(String, Vec<u8>)>> {
         let figure = entry.draw(&content)?;
-        let files = Form::ALL.map(|form| Ok((path(entry, form), figure.bytes(form)?)));
+        let files = Form::ALL.map(|form| (path(entry, form), figure.bytes(form)));
         bar.at(done.fetch_add(1, Ordering::Relaxed) + 1, entries.len() as u64);
-        files.into_iter().collect()
+        Ok(files.into())
     };
     let files: Vec<Vec<(String, Vec<u8>)>> = entries.par_iter().map(draw).collect::<Result<_, _>>()?;
     drop(bar);

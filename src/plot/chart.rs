@@ -114,7 +114,7 @@ impl Chart {
         for series in &self.series {
             for (point, label) in series.points.iter().zip(&series.labels) {
                 if !label.is_empty() {
-                    scene.label(place(*point), label, TINY, &frame);
+                    scene.label(place(*point), label, TINY, 12.0, &frame);
                 }
             }
         }
@@ -130,7 +130,7 @@ impl Chart {
     /// As [`Chart::figure`] and [`write_file`]; [`Error::Parameter`] for another extension.
     pub fn write(&self, path: &Path, existing: Existing) -> Result<()> {
         let form = Form::of(path)?;
-        let bytes = self.figure("chart")?.bytes(form)?;
+        let bytes = self.figure("chart")?.bytes(form);
         write_file(path, existing, |file| file.write_all(&bytes))
     }
 

@@ -3,7 +3,6 @@
 use super::render;
 use super::scene::{Frame, Scene};
 use crate::error::{Error, Result};
-use crate::io::ldr::write::png_bytes;
 use std::path::Path;
 
 /// A form of file.
@@ -90,13 +89,11 @@ impl Figure {
     }
 
     /// The figure as a file in memory.
-    ///
-    /// # Errors
-    /// As [`png_bytes`].
-    pub fn bytes(&self, form: Form) -> Result<Vec<u8>> {
+    #[must_use]
+    pub fn bytes(&self, form: Form) -> Vec<u8> {
         match form {
-            Form::Png => png_bytes(&render::picture(&self.scene)),
-            Form::Svg => Ok(render::svg(&self.scene, &self.title, &self.caption).into_bytes()),
+            Form::Png => render::png(&render::picture(&self.scene)),
+            Form::Svg => render::svg(&self.scene, &self.title, &self.caption).into_bytes(),
         }
     }
 }

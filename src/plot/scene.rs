@@ -214,20 +214,21 @@ impl Scene {
         baseline
     }
 
-    /// A label beside `point` on a white plate, where it covers no other text and lies within `bounds`; of
-    /// several such places the first, going around from the right, or else the right.
-    pub(super) fn label(&mut self, point: DVec2, text: &str, em: f64, bounds: &Frame) {
+    /// A label at least `gap` pixels from `point` on a white plate, where it covers no other text and lies
+    /// within `bounds`; of several such places the first, going around from the right, or else the right.
+    pub(super) fn label(&mut self, point: DVec2, text: &str, em: f64, gap: f64, bounds: &Frame) {
         let texts = self.texts().map(|text| text.frame().grown(2.0));
         let taken: Vec<Frame> = texts.chain(self.dots(point)).collect();
-        let width = text_width(text, em);
+        let half = DVec2::new(text_width(text, em), em) / 2.0;
         let place = |angle: f64, distance: f64| {
             let way = DVec2::from_angle(angle);
-            let centre = point + way * distance + DVec2::new(way.x * width / 2.0, way.y * em / 2.0);
-            let at = centre + DVec2::new(0.0, 0.35 * em);
+            // The plate's side or corner is nearest to the point.
+            let side = DVec2::select(way.abs().cmpgt(DVec2::splat(0.1)), way.signum(), DVec2::ZERO);
+            let at = point + way * distance + side * half + DVec2::new(0.0, 0.35 * em);
             Text { at, text: text.to_owned(), em, anchor: Anchor::Middle, upwards: false, colour: INK }
         };
         let quarter = std::f64::consts::FRAC_PI_4;
-        let places = [9.0, 16.0, 26.0]
+        let places = [gap, gap + 7.0, gap + 17.0]
             .into_iter()
             .flat_map(|distance| (0..8).map(move |k| (f64::from(k) * quarter, distance)));
         let fits = |text: &Text| {
@@ -235,7 +236,7 @@ impl Scene {
             bounds.holds(&frame) && !taken.iter().any(|other| other.overlaps(&frame))
         };
         let mut texts = places.map(|(angle, distance)| place(angle, distance));
-        let text = texts.find(fits).unwrap_or_else(|| place(0.0, 9.0));
+        let text = texts.find(fits).unwrap_or_else(|| place(0.0, gap));
         self.polygon(text.frame().grown(1.5).corners(), PAPER);
         self.items.push(Item::Text(text));
     }
@@ -252,7 +253,7 @@ impl Scene {
 
     /// A dot with a [`Scene::label`].
     pub(super) fn point(&mut self, point: DVec2, text: &str, bounds: &Frame) {
-        self.label(point, text, TINY, bounds);
+        self.label(point, text, TINY, 9.0, bounds);
         self.disc(point, 4.5, PAPER);
         self.disc(point, 3.2, INK);
     }

@@ -236,7 +236,7 @@ impl Sheet {
                 let distance = |place: &Place| self.at(*place).distance(middle);
                 let nearest = places.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
                 let at = self.at(*nearest.expect("more than four"));
-                scene.label(at, &format!("{name}: the whole line"), TINY, &frame);
+                scene.label(at, &format!("{name}: the whole line"), TINY, 9.0, &frame);
                 continue;
             }
             for place in places {

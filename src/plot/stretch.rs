@@ -109,24 +109,22 @@ pub(super) fn compared(name: String) -> Figure {
     let caption = "As figure 5 of Engelhardt and Dachsbacher 2008, in its range of 1/4 to 4: solid angle of a \
                    texel over the mean of all texels. Purple: undersampled, green: oversampled. The perspective \
                    projection has the octahedron's faces as image planes, and is then the planar projection; \
-                   the paper shows another one and does not say which. Above: +X, +Y and +Z face the reader; \
-                   below: the other side.";
-    let height = 640.0;
+                   the paper shows \
+                   another one and does not say which. +X, +Y and +Z face the reader; the other side is alike.";
+    let height = 336.0;
     let (mut scene, body) = page(WIDTH, height, &title, caption);
-    let radius = 128.0;
+    let radius = 133.0;
     let room = body.extent().x - BAR_WIDTH - 10.0;
     let mut extremes = [1.0_f64; 2];
     let maps = ["octahedral", "octahedral-perspective", "cube"];
     for (k, map) in maps.into_iter().enumerate() {
         let map = named(map).expect("one of the maps");
         let x = body.low.x + room * (k as f64 + 0.5) / 3.0;
-        for (y, eye) in [(180.0, FRONT), (490.0, -FRONT)] {
-            let globe = Globe::new(DVec2::new(x, body.low.y + y), radius, eye);
-            globe.fill(&mut scene, |d| RELATIVE_SOLID_ANGLE.colour(relative_solid_angle(map.map, d)));
-            globe.planes(&mut scene);
-            globe.rims(&mut scene, map.map);
-            globe.axes(&mut scene);
-        }
+        let globe = Globe::new(DVec2::new(x, body.low.y + 52.0 + radius), radius, FRONT);
+        globe.fill(&mut scene, |d| RELATIVE_SOLID_ANGLE.colour(relative_solid_angle(map.map, d)));
+        globe.planes(&mut scene);
+        globe.rims(&mut scene, map.map);
+        globe.axes(&mut scene);
         let [least, greatest] = measure(map.map).relative_solid_angle;
         extremes = [extremes[0].min(least), extremes[1].max(greatest)];
         let range = format!("{} to {}", shown(least), shown(greatest));
@@ -134,7 +132,7 @@ pub(super) fn compared(name: String) -> Figure {
         scene.centred(DVec2::new(x, body.low.y + 32.0), &range, SMALL, SOFT);
     }
     let bar =
-        Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 80.0), body.high - DVec2::new(0.0, 60.0));
+        Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 40.0), body.high - DVec2::new(0.0, 4.0));
     colour_bar(&mut scene, &bar, &RELATIVE_SOLID_ANGLE, "solid angle / mean", extremes);
     Figure::new(name, title, caption.to_owned(), scene)
 }

@@ -16,7 +16,7 @@ pub(super) fn unfolding(name: String) -> Figure {
                    y\u{a0}=\u{a0}0; the edges at \u{2212}Y are cut, and the lower faces turn outwards around the equator. \
                    This gives the square, whose four corners are \u{2212}Y. The rectangle has the upper faces in \
                    its left half and the lower ones in its right half.";
-    let (mut scene, body) = page(WIDTH, 810.0, &title, caption);
+    let (mut scene, body) = page(WIDTH, 776.0, &title, caption);
     let third = body.extent().x / 3.0;
     let eye = DVec3::new(0.45, 0.95, 1.0);
     for (k, (share, label)) in
@@ -24,13 +24,13 @@ pub(super) fn unfolding(name: String) -> Figure {
             .into_iter()
             .enumerate()
     {
-        let centre = DVec2::new(body.low.x + third * (k as f64 + 0.5), body.low.y + 160.0);
+        let centre = DVec2::new(body.low.x + third * (k as f64 + 0.5), body.low.y + 130.0);
         let radius = [128.0, 112.0, 96.0][k];
         draw_octahedron(&mut scene, &Globe::new(centre, radius, eye), share);
-        let below = DVec2::new(centre.x, body.low.y + 336.0);
+        let below = DVec2::new(centre.x, body.low.y + 302.0);
         scene.text(below, label, LABEL, Anchor::Middle, INK);
     }
-    let top = body.low.y + 372.0;
+    let top = body.low.y + 338.0;
     let square = Frame::new(DVec2::new(body.low.x, top), DVec2::new(body.low.x + 400.0, body.high.y));
     let rectangle = Frame::new(DVec2::new(body.low.x + 410.0, top + 60.0), body.high);
     for (map, frame, label) in [

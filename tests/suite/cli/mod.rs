@@ -1,5 +1,9 @@
 //! The program as its users run it: exit statuses, messages, what is written where.
 
+#[cfg(feature = "plot")]
+pub(super) mod figures;
+#[cfg(not(feature = "plot"))]
+pub(super) mod figures_absent;
 pub(super) mod full;
 pub(super) mod layouts;
 pub(super) mod limits;
