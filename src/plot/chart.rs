@@ -10,6 +10,7 @@ use glam::DVec2;
 use plotters::coord::combinators::{IntoLogRange as _, LogCoord};
 use plotters::coord::ranged1d::{BoldPoints, Ranged as _};
 use plotters::coord::types::RangedCoordf64;
+use std::cmp::Ordering;
 use std::path::Path;
 
 /// A chart.
@@ -228,7 +229,7 @@ impl Placed {
             },
             (None, None) => [1.0, 2.0],
         };
-        if !(low < high) || bad(low) || !high.is_finite() {
+        if low.partial_cmp(&high) != Some(Ordering::Less) || bad(low) || !high.is_finite() {
             return Err(Error::Parameter(format!(
                 "the {name} axis {:?} cannot go from {low} to {high}",
                 axis.label

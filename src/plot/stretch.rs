@@ -110,7 +110,7 @@ pub(super) fn compared(name: String) -> Figure {
                    texel over the mean of all texels. Purple: undersampled, green: oversampled. The perspective \
                    projection has the octahedron's faces as image planes, and is then the planar projection; \
                    the paper shows \
-                   another one and does not say which. +X, +Y and +Z face the reader; the other side is alike.";
+                   another one and does not say which. +X, +Y and +Z face the reader; the other side has the same values.";
     let height = 336.0;
     let (mut scene, body) = page(WIDTH, height, &title, caption);
     let radius = 133.0;
