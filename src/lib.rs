@@ -113,6 +113,8 @@ mod memory;
 #[cfg(feature = "mesh")]
 mod mesh;
 mod oem;
+#[cfg(feature = "plot")]
+mod plot;
 mod realtime;
 mod reflector;
 mod sat;

@@ -1,5 +1,10 @@
 //! `octagloss analyze`: maps of the sphere, measured.
 
+#[cfg(feature = "plot")]
+use super::figures;
+#[cfg(not(feature = "plot"))]
+use super::figures_absent as figures;
+use super::figures_args::FigureArgs;
 use super::outcome::{Outcome, print, usage};
 use crate::analysis::map_table::{Row, rows};
 use clap::Args as ClapArgs;
@@ -22,11 +27,16 @@ pub(super) struct AnalyzeArgs {
     /// Print the table as JSON, on one line
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) figures: FigureArgs,
 }
 
 pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
+    if args.figures.plot {
+        return figures::run(&args.figures);
+    }
     if !(args.table || args.csv || args.json) {
-        return usage("analyze has nothing to do; ask for --table, --csv or --json");
+        return usage("analyze has nothing to do; ask for --table, --csv, --json or --plot");
     }
     let rows = rows();
     if args.json {

@@ -17,6 +17,11 @@ mod dfg;
 mod directions;
 mod engine;
 mod expand;
+#[cfg(feature = "plot")]
+mod figures;
+#[cfg(not(feature = "plot"))]
+mod figures_absent;
+mod figures_args;
 mod fingerprint;
 mod info;
 mod input;
@@ -25,6 +30,8 @@ mod outcome;
 mod output;
 mod query;
 mod shared_args;
+#[cfg(not(all(feature = "plot", feature = "view")))]
+mod shell;
 mod signals;
 mod synth;
 mod timing;

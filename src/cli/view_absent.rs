@@ -1,8 +1,9 @@
 //! `octagloss view` in a build without the feature `view`: prints the command that runs it.
 
 use super::outcome::{Outcome, usage};
+use super::shell::quoted;
 use clap::Args as ClapArgs;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
 
 /// Whatever follows `view`: the arguments of the command to run.
 #[derive(Debug, ClapArgs)]
@@ -10,16 +11,6 @@ pub(super) struct ViewArgs {
     /// Arguments of the viewer
     #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
-}
-
-/// `argument` as a POSIX shell reads it.
-fn quoted(argument: &OsStr) -> String {
-    let text = argument.to_string_lossy();
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+@%".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        return text.into_owned();
-    }
-    format!("'{}'", text.replace('\'', r"'\''"))
 }
 
 pub(super) fn run(args: &ViewArgs) -> Outcome {

@@ -160,7 +160,8 @@ fn srgb(linear: Rgb) -> Pixel<u8> {
     }))
 }
 
-fn display(radiance: Rgb, exposure: f64) -> Pixel<u8> {
+/// Radiance to 8-bit sRGB as every picture shows it; `exposure` is a factor.
+pub(crate) fn display(radiance: Rgb, exposure: f64) -> Pixel<u8> {
     srgb(tone_mapped(radiance, exposure))
 }
 

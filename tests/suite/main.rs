@@ -13,6 +13,8 @@ mod ladder;
 #[cfg(feature = "mesh")]
 mod mesh;
 mod oem;
+#[cfg(feature = "plot")]
+mod plot;
 mod realtime;
 mod sat;
 mod sphere;

@@ -1,5 +1,9 @@
 //! The program on the command line: exit statuses, messages and written files.
 
+#[cfg(feature = "plot")]
+pub(super) mod figures;
+#[cfg(not(feature = "plot"))]
+pub(super) mod figures_absent;
 pub(super) mod fit;
 pub(super) mod folders;
 pub(super) mod full;

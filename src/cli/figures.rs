@@ -1,0 +1,110 @@
+//! `octagloss analyze --plot`: figures of the maps, into a folder.
+
+use super::console::{self, Console};
+use super::figures_args::FigureArgs;
+use super::outcome::{Outcome, usage};
+use super::output::check_folder_name;
+use crate::io::output::{self, Existing, Output};
+use crate::io::{self, LayoutChoice, ReadOptions};
+use crate::plot::catalogue::{Content, Entry, Kind, MOST_SIZE, entries};
+use crate::plot::figure::Form;
+use rayon::prelude::*;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+pub(super) fn run(args: &FigureArgs) -> Outcome {
+    let folder = args.output.as_ref().expect("clap requires it");
+    check_folder_name(folder, "")?;
+    let entries = chosen(args)?;
+    let content = content(args)?;
+    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    // Before drawing, what would fail after it.
+    output::recover(folder);
+    let is_new = !folder.exists();
+    let path = |entry: &Entry, form: Form| format!("{}.{}", entry.name(), form.extension());
+    for (entry, form) in entries.iter().flat_map(|entry| Form::ALL.map(|form| (entry, form))) {
+        if !is_new {
+            output::check_file(&folder.join(path(entry, form)), existing)?;
+        }
+    }
+    let console = Console::new(args.quiet);
+    let bar = console.bar("figures");
+    let done = AtomicU64::new(0);
+    let draw = |entry: &Entry| -> crate::Result<Vec<(String, Vec<u8>)>> {
+        let figure = entry.draw(&content)?;
+        let files = Form::ALL.map(|form| (path(entry, form), figure.bytes(form)));
+        bar.at(done.fetch_add(1, Ordering::Relaxed) + 1, entries.len() as u64);
+        Ok(files.into())
+    };
+    let files: Vec<Vec<(String, Vec<u8>)>> = entries.par_iter().map(draw).collect::<Result<_, _>>()?;
+    drop(bar);
+    let files: Vec<(String, Vec<u8>)> = files.into_iter().flatten().collect();
+    let outputs: Vec<(PathBuf, Output<'_>)> = if is_new {
+        let inside = files.iter().map(|(name, bytes)| (name.clone(), &bytes[..])).collect();
+        vec![(folder.clone(), Output::Folder(inside))]
+    } else {
+        files.iter().map(|(name, bytes)| (folder.join(name), Output::File(bytes))).collect()
+    };
+    output::commit(output::stage_all(&outputs, existing)?)?;
+    for (name, bytes) in &files {
+        console.note(&format!("{}: {}", folder.join(name).display(), console::bytes(bytes.len() as u64)));
+    }
+    Ok(())
+}
+
+/// The figures that `--map` and `--figure` ask for.
+fn chosen(args: &FigureArgs) -> Outcome<Vec<Entry>> {
+    let all = entries();
+    for name in &args.figure {
+        if !all.iter().any(|entry| is_called(entry, name)) {
+            let kinds = Kind::ALL.map(Kind::name).join(", ");
+            return usage(format!(
+                "there is no figure {name:?}; there are {kinds}, and those of one map, such as layout-cube"
+            ));
+        }
+    }
+    let of_map = |entry: &Entry| {
+        args.map.is_empty() || entry.map.is_some_and(|map| args.map.iter().any(|name| name == map.name))
+    };
+    let named =
+        |entry: &Entry| args.figure.is_empty() || args.figure.iter().any(|name| is_called(entry, name));
+    let chosen: Vec<Entry> = all.into_iter().filter(|entry| of_map(entry) && named(entry)).collect();
+    if chosen.is_empty() {
+        return usage(format!(
+            "--figure {} is no figure of --map {}; leave one of them out",
+            args.figure.join(" --figure "),
+            args.map.join(" --map ")
+        ));
+    }
+    Ok(chosen)
+}
+
+fn is_called(entry: &Entry, name: &str) -> bool {
+    entry.kind.name() == name || entry.name() == name
+}
+
+/// What the figures show.
+fn content(args: &FigureArgs) -> Outcome<Content> {
+    let mut content = Content::new()?;
+    content.size = args.size.unwrap_or(content.size);
+    if content.size == 0 || content.size > MOST_SIZE {
+        return usage(format!("--size {} must be 1 to {MOST_SIZE} texels", content.size));
+    }
+    content.border = args.border.unwrap_or(content.border.min(content.size));
+    if content.border > content.size {
+        return usage(format!(
+            "--border {} is wider than the map, {} texels a side",
+            content.border, content.size
+        ));
+    }
+    if let Some(path) = &args.panorama {
+        let options = ReadOptions { layout: LayoutChoice::Auto, ..ReadOptions::default() };
+        let loaded = io::read(path, &options)?;
+        for warning in &loaded.warnings {
+            Console::new(args.quiet).warn(&format!("{}: {warning}", path.display()));
+        }
+        content.panorama = loaded.environment;
+        content.panorama_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    }
+    Ok(content)
+}

@@ -1,0 +1,51 @@
+//! Arguments of `octagloss analyze --plot`, in every build.
+
+use crate::sphere::registry::MAPS;
+use clap::Args as ClapArgs;
+use clap::builder::PossibleValuesParser;
+use std::path::PathBuf;
+
+#[derive(Debug, ClapArgs)]
+pub(super) struct FigureArgs {
+    /// Draw figures of the maps into the folder -o, as PNG and SVG
+    ///
+    /// For every map: relative solid angle and anisotropy on the sphere, the layout, and a panorama in the
+    /// layout. Besides: three maps compared (figure 5 of the octahedron paper), the unfolding of the octahedron,
+    /// the border of its square (figure 4), the seam of the tennis ball, and sampling requirement against
+    /// anisotropy. Builds with the feature plot only.
+    #[arg(long, requires = "output", conflicts_with_all = ["table", "csv", "json"])]
+    pub(super) plot: bool,
+    /// The folder of the figures
+    #[arg(short, long, value_name = "FOLDER", requires = "plot")]
+    pub(super) output: Option<PathBuf>,
+    /// Draw the figures of this map only; repeat for several
+    #[arg(
+        long,
+        value_name = "MAP",
+        requires = "plot",
+        value_parser = PossibleValuesParser::new(MAPS.iter().map(|map| map.name)),
+        hide_possible_values = true
+    )]
+    pub(super) map: Vec<String>,
+    /// Draw this figure only; repeat for several
+    ///
+    /// A kind (solid-angle, anisotropy, layout, panorama, compared, unfolding, border, seam or sampling), or one
+    /// figure of a map, such as layout-cube.
+    #[arg(long, value_name = "NAME", requires = "plot")]
+    pub(super) figure: Vec<String>,
+    /// What the figures called panorama show [default: the environment sky of synth]
+    #[arg(long, value_name = "FILE", requires = "plot")]
+    pub(super) panorama: Option<PathBuf>,
+    /// Texels along the square of the figure border, 1 to 12 [default: 8]
+    #[arg(long, value_name = "N", requires = "plot")]
+    pub(super) size: Option<u32>,
+    /// Width of the border in that figure, at most N [default: 2]
+    #[arg(long, value_name = "B", requires = "plot")]
+    pub(super) border: Option<u32>,
+    /// Say nothing but errors
+    #[arg(long, short, requires = "plot")]
+    pub(super) quiet: bool,
+    /// Replace figures that exist
+    #[arg(long, requires = "plot")]
+    pub(super) force: bool,
+}

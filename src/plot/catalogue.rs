@@ -1,0 +1,166 @@
+//! The figures that there are, and drawing one.
+
+use super::figure::Figure;
+use super::{border, layout, panorama, sampling, seam, stretch, unfolding};
+use crate::environment::Environment;
+use crate::error::{Error, Result};
+use crate::sphere::registry::{MAPS, NamedMap};
+
+/// What a figure shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Relative solid angle on the sphere.
+    SolidAngle,
+    /// Anisotropy on the sphere.
+    Anisotropy,
+    /// The domain with faces, parallels and meridians.
+    Layout,
+    /// A panorama in the layout.
+    Panorama,
+    /// Relative solid angles of three maps side by side.
+    Compared,
+    /// The unfolding of the octahedron.
+    Unfolding,
+    /// The border of the octahedral square.
+    Border,
+    /// The seam of the tennis ball.
+    Seam,
+    /// Sampling requirement against anisotropy.
+    Sampling,
+}
+
+impl Kind {
+    /// All kinds; the first four have a figure for every map.
+    pub const ALL: [Self; 9] = [
+        Self::SolidAngle,
+        Self::Anisotropy,
+        Self::Layout,
+        Self::Panorama,
+        Self::Compared,
+        Self::Unfolding,
+        Self::Border,
+        Self::Seam,
+        Self::Sampling,
+    ];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SolidAngle => "solid-angle",
+            Self::Anisotropy => "anisotropy",
+            Self::Layout => "layout",
+            Self::Panorama => "panorama",
+            Self::Compared => "compared",
+            Self::Unfolding => "unfolding",
+            Self::Border => "border",
+            Self::Seam => "seam",
+            Self::Sampling => "sampling",
+        }
+    }
+
+    /// Whether every map has one.
+    #[must_use]
+    pub const fn is_of_a_map(self) -> bool {
+        matches!(self, Self::SolidAngle | Self::Anisotropy | Self::Layout | Self::Panorama)
+    }
+}
+
+/// A figure that can be drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// What it shows.
+    pub kind: Kind,
+    /// The map that it shows, where it is of one.
+    pub map: Option<&'static NamedMap>,
+}
+
+/// All figures: map by map, then those of several maps.
+#[must_use]
+pub fn entries() -> Vec<Entry> {
+    let of_maps = MAPS.iter().flat_map(|map| {
+        let kinds = Kind::ALL.into_iter().filter(|kind| kind.is_of_a_map());
+        kinds.map(move |kind| Entry { kind, map: Some(map) })
+    });
+    let others = Kind::ALL.into_iter().filter(|kind| !kind.is_of_a_map());
+    of_maps.chain(others.map(|kind| Entry { kind, map: None })).collect()
+}
+
+/// What figures show besides the maps.
+#[derive(Clone, Debug)]
+pub struct Content {
+    /// What [`Kind::Panorama`] draws.
+    pub panorama: Environment,
+    /// What it is called in captions.
+    pub panorama_name: String,
+    /// Texels along the square of [`Kind::Border`], 1 to [`MOST_SIZE`].
+    pub size: u32,
+    /// Width of its border in texels, at most the size.
+    pub border: u32,
+}
+
+/// The largest square of [`Kind::Border`] whose texels have room for their names.
+pub const MOST_SIZE: u32 = 12;
+
+impl Content {
+    /// The synthetic sky, and 8 texels with a border of 2.
+    ///
+    /// # Errors
+    /// As [`crate::synth::synth`].
+    pub fn new() -> Result<Self> {
+        let panorama = crate::synth::synth("sky")?;
+        Ok(Self { panorama, panorama_name: "hdr/sky.exr".to_owned(), size: 8, border: 2 })
+    }
+
+    /// Whether the square and its border can be drawn.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] naming the size or the border.
+    pub fn check(&self) -> Result<()> {
+        let Self { size, border, .. } = *self;
+        if size == 0 || size > MOST_SIZE {
+            return Err(Error::Parameter(format!("`size` is {size}; choose 1 to {MOST_SIZE} texels")));
+        }
+        if border > size {
+            return Err(Error::Parameter(format!(
+                "`border` {border} is wider than the map, {size} texels a side"
+            )));
+        }
+        Ok(())
+    }
+}
+
+impl Entry {
+    /// Its name in files: the kind, and the map where it is of one.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self.map {
+            Some(map) => format!("{}-{}", self.kind.name(), map.name),
+            None => self.kind.name().to_owned(),
+        }
+    }
+
+    /// Draws it.
+    ///
+    /// # Errors
+    /// As [`Content::check`].
+    ///
+    /// # Panics
+    /// Where a figure of a map has none.
+    pub fn draw(&self, content: &Content) -> Result<Figure> {
+        content.check()?;
+        let map = || self.map.expect("a figure of a map has a map");
+        let name = self.name();
+        Ok(match self.kind {
+            Kind::SolidAngle => stretch::solid_angle(name, map()),
+            Kind::Anisotropy => stretch::anisotropy(name, map()),
+            Kind::Layout => layout::layout(name, map()),
+            Kind::Panorama => panorama::panorama(name, map(), content),
+            Kind::Compared => stretch::compared(name),
+            Kind::Unfolding => unfolding::unfolding(name),
+            Kind::Border => border::border(name, content.size, content.border),
+            Kind::Seam => seam::seam(name),
+            Kind::Sampling => sampling::sampling(&name)?,
+        })
+    }
+}

@@ -1,0 +1,138 @@
+//! How maps stretch, on the sphere: relative solid angle and anisotropy.
+
+use super::figure::Figure;
+use super::globe::{FRONT, Globe};
+use super::look::{ANISOTROPY, ColourScale, INK, LABEL, RELATIVE_SOLID_ANGLE, SMALL, SOFT};
+use super::page::{BAR_WIDTH, WIDTH, colour_bar, page};
+use super::scene::{Frame, Scene};
+use crate::analysis::stretch::{Stretch, measure};
+use crate::sphere::map::SphereMap;
+use crate::sphere::registry::{NamedMap, named};
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+
+/// Height of the drawing with two spheres.
+const HEIGHT: f64 = 430.0;
+
+/// The solid angle of a small texel of `map` at `direction` over the mean of all texels.
+fn relative_solid_angle(map: &dyn SphereMap, direction: DVec3) -> f64 {
+    let place = map.locate(direction);
+    let component = map.component(place.component);
+    let texels = |k: u32| f64::from(map.component(k).cells.iter().product::<u32>());
+    let own = texels(place.component);
+    let all: f64 = (0..map.components()).map(texels).sum();
+    map.density(place.component, place.uv) * component.area() / own * all / (4.0 * PI)
+}
+
+/// The ratio of both stretches of `map` at `direction`.
+fn anisotropy_at(map: &dyn SphereMap, direction: DVec3) -> f64 {
+    let place = map.locate(direction);
+    let component = map.component(place.component);
+    // Towards the middle of the rectangle, so that no difference crosses its rim.
+    let middle = (component.low + component.high) / 2.0;
+    let uv = middle.lerp(place.uv, 1.0 - 1e-5);
+    let ratio = Stretch::at(map, place.component, uv, 1e-7 * component.extent().min_element()).anisotropy();
+    if ratio.is_nan() { f64::INFINITY } else { ratio }
+}
+
+/// `value` with two digits, or the sign of infinity.
+fn shown(value: f64) -> String {
+    if value.is_finite() { format!("{value:.2}") } else { "\u{221e}".to_owned() }
+}
+
+pub(super) fn solid_angle(name: String, map: &'static NamedMap) -> Figure {
+    let [least, greatest] = measure(map.map).relative_solid_angle;
+    let caption = format!(
+        "Solid angle of a texel over the mean of all texels, from {} to {}. Purple texels are larger than the \
+         mean (undersampled), green ones smaller (oversampled). Dark lines: rims of the map's rectangles and \
+         domains. Grey lines: the planes x\u{a0}=\u{a0}0, y\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0. Left: +X, +Y and +Z face the reader; right: \
+         the other side.",
+        shown(least),
+        shown(greatest)
+    );
+    let title = format!("{}: relative solid angle", map.title);
+    let scale =
+        Scale { colours: &RELATIVE_SOLID_ANGLE, name: "solid angle / mean", range: [least, greatest] };
+    let value = |direction: DVec3| relative_solid_angle(map.map, direction);
+    let scene = two_views(&title, &caption, map, &scale, value);
+    Figure::new(name, title, caption, scene)
+}
+
+pub(super) fn anisotropy(name: String, map: &'static NamedMap) -> Figure {
+    let greatest = measure(map.map).anisotropy;
+    let caption = format!(
+        "Greater over lesser stretch of a texel, up to {}; 1 is conformal. Dark lines: rims of the map's \
+         rectangles and domains. Grey lines: the planes x\u{a0}=\u{a0}0, y\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0. Left: +X, +Y and +Z face the \
+         reader; right: the other side.",
+        shown(greatest)
+    );
+    let title = format!("{}: anisotropy", map.title);
+    let scale = Scale { colours: &ANISOTROPY, name: "greater / lesser stretch", range: [1.0, greatest] };
+    let scene = two_views(&title, &caption, map, &scale, |direction| anisotropy_at(map.map, direction));
+    Figure::new(name, title, caption, scene)
+}
+
+/// A colour scale, its name, and the range of values shown.
+struct Scale {
+    colours: &'static ColourScale,
+    name: &'static str,
+    range: [f64; 2],
+}
+
+fn two_views(
+    title: &str,
+    caption: &str,
+    map: &NamedMap,
+    scale: &Scale,
+    value: impl Fn(DVec3) -> f64 + Sync,
+) -> Scene {
+    let (mut scene, body) = page(WIDTH, HEIGHT, title, caption);
+    let radius = HEIGHT / 2.0 - 24.0;
+    let room = body.extent().x - BAR_WIDTH - 20.0;
+    for (share, eye) in [(0.25, FRONT), (0.75, -FRONT)] {
+        let centre = DVec2::new(body.low.x + room * share, (body.low.y + body.high.y) / 2.0);
+        let globe = Globe::new(centre, radius, eye);
+        globe.fill(&mut scene, |direction| scale.colours.colour(value(direction)));
+        globe.planes(&mut scene);
+        globe.rims(&mut scene, map.map);
+        globe.axes(&mut scene);
+    }
+    let bar =
+        Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 30.0), body.high - DVec2::new(0.0, 30.0));
+    colour_bar(&mut scene, &bar, scale.colours, scale.name, scale.range);
+    scene
+}
+
+/// Figure 5 of the octahedron paper.
+pub(super) fn compared(name: String) -> Figure {
+    let title = "Relative solid angle: planar octahedral, perspective octahedral, cube".to_owned();
+    let caption = "As figure 5 of Engelhardt and Dachsbacher 2008, in its range of 1/4 to 4: solid angle of a \
+                   texel over the mean of all texels. Purple: undersampled, green: oversampled. The perspective \
+                   projection has the octahedron's faces as image planes, and is then the planar projection; \
+                   the paper shows \
+                   another one and does not say which. +X, +Y and +Z face the reader; the other side has the same values.";
+    let height = 336.0;
+    let (mut scene, body) = page(WIDTH, height, &title, caption);
+    let radius = 133.0;
+    let room = body.extent().x - BAR_WIDTH - 10.0;
+    let mut extremes = [1.0_f64; 2];
+    let maps = ["octahedral", "octahedral-perspective", "cube"];
+    for (k, map) in maps.into_iter().enumerate() {
+        let map = named(map).expect("one of the maps");
+        let x = body.low.x + room * (k as f64 + 0.5) / 3.0;
+        let globe = Globe::new(DVec2::new(x, body.low.y + 52.0 + radius), radius, FRONT);
+        globe.fill(&mut scene, |d| RELATIVE_SOLID_ANGLE.colour(relative_solid_angle(map.map, d)));
+        globe.planes(&mut scene);
+        globe.rims(&mut scene, map.map);
+        globe.axes(&mut scene);
+        let [least, greatest] = measure(map.map).relative_solid_angle;
+        extremes = [extremes[0].min(least), extremes[1].max(greatest)];
+        let range = format!("{} to {}", shown(least), shown(greatest));
+        scene.centred(DVec2::new(x, body.low.y + 10.0), map.title, LABEL, INK);
+        scene.centred(DVec2::new(x, body.low.y + 32.0), &range, SMALL, SOFT);
+    }
+    let bar =
+        Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 40.0), body.high - DVec2::new(0.0, 4.0));
+    colour_bar(&mut scene, &bar, &RELATIVE_SOLID_ANGLE, "solid angle / mean", extremes);
+    Figure::new(name, title, caption.to_owned(), scene)
+}
