@@ -186,6 +186,8 @@ pub mod internals {
         gpu,
         #[cfg(feature = "mesh")]
         mesh,
+        #[cfg(feature = "plot")]
+        plot,
         #[cfg(feature = "view")]
         view,
     ];
