@@ -84,6 +84,20 @@ fn check_bake_within(
     };
     let largest = settings.iter().map(|settings| settings.size).max().unwrap_or(1);
     let border = settings.iter().filter_map(|settings| settings.border).max().unwrap_or(0);
+    let skybox = settings.iter().filter_map(|settings| settings.skybox).max();
+    let lower = |settings: &mut BakeSettings, size: u32| {
+        settings.skybox = settings.skybox.map(|own| own.min(size));
+    };
+    if let Some(skybox) = skybox
+        && let Some(size) = largest_that(1, skybox, |size| fits(&|settings| lower(settings, size)))
+    {
+        return Err(Error::Limit {
+            what: "this bake".to_owned(),
+            needed,
+            available: limit,
+            remedy: at_most("`skybox`", Some(size)),
+        });
+    }
     // If the bake does not fit even with the smallest levels, the OEM and its tables, or the source, are too
     // large.
     let remedy = if fits(&|settings| shrink(settings, 1)) {
@@ -166,6 +180,19 @@ mod tests {
             assert!(words.starts_with("`oem_size` "), "{words}");
             check_bake(&environment, &[BakeSettings { oem_size: Some(size), ..settings }], 8).expect("fits");
         }
+    }
+
+    #[test]
+    fn a_skybox_that_is_too_large_is_named() {
+        let environment = environment();
+        let settings = BakeSettings { size: 64, skybox: Some(16_384), ..BakeSettings::default() };
+        let words = remedy(check_bake(&environment, std::slice::from_ref(&settings), 8));
+        let size: u32 = words.split(' ').nth(1).and_then(|word| word.parse().ok()).expect("a size");
+        assert!(words.starts_with("`skybox` "), "{words}");
+        check_bake(&environment, &[BakeSettings { skybox: Some(size), ..settings }], 8).expect("it fits");
+        // A small one is not what is too large.
+        let settings = BakeSettings { size: 16_384, skybox: Some(4), ..BakeSettings::default() };
+        assert!(remedy(check_bake(&environment, &[settings], 8)).starts_with("`size` "));
     }
 
     #[test]

@@ -153,7 +153,7 @@ impl Files {
             return String::new();
         }
         let rest = elapsed.as_secs_f64() * (self.total as f64 - done).max(0.0) / done;
-        format!(", about {} left for all files", duration(rest))
+        format!(", {} left in all", duration(rest))
     }
 }
 
@@ -218,13 +218,17 @@ fn line(kind: &str, text: &str) {
     writeln!(std::io::stderr(), "octagloss: {kind}{}", printable(&text.join(" "))).ok();
 }
 
+/// `text` without control characters.
+pub(super) fn escaped(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() })
+        .collect()
+}
+
 /// `text` without control characters, which would reach the terminal, and its middle left out where it is
 /// long.
 fn printable(text: &str) -> String {
-    let escaped: String = text
-        .chars()
-        .map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() })
-        .collect();
+    let escaped = escaped(text);
     if escaped.len() <= LONGEST {
         return escaped;
     }
@@ -290,8 +294,8 @@ mod tests {
     #[test]
     fn several_files_are_estimated_together() {
         let files = Files { start: Instant::now(), done: 2, total: 18 };
-        assert_eq!(files.left(Duration::from_secs(10), 0.0), ", about 80 seconds left for all files");
-        assert_eq!(files.left(Duration::from_secs(10), 0.5), ", about 62 seconds left for all files");
+        assert_eq!(files.left(Duration::from_secs(10), 0.0), ", 80 seconds left in all");
+        assert_eq!(files.left(Duration::from_secs(10), 0.5), ", 62 seconds left in all");
         assert_eq!(Files { done: 0, ..files }.left(Duration::from_secs(10), 0.0), "");
     }
 

@@ -55,7 +55,8 @@ enum Part {
 pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>) -> Outcome<Expansion> {
     let output = output.and_then(|path| path.canonicalize().ok());
     let mut all = Expansion::default();
-    let mut seen = BTreeSet::new();
+    // What is found twice, or found and typed, is one input; what is typed twice is left to be told.
+    let (mut named, mut met) = (BTreeSet::new(), BTreeSet::new());
     for path in typed {
         let mut walk = Walk { recursive, output: output.as_deref(), found: Vec::new(), failures: Vec::new() };
         let what = if path.is_dir() && !is_bake_folder(&path) {
@@ -65,8 +66,10 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
             walk.pattern(base, Path::new(""), &parts);
             "matches"
         } else {
-            seen.insert(path.clone());
-            all.found.push(Found { path, within: PathBuf::new() });
+            if !met.contains(&path) {
+                named.insert(path.clone());
+                all.found.push(Found { path, within: PathBuf::new() });
+            }
             continue;
         };
         let Walk { found, failures, .. } = walk;
@@ -76,8 +79,8 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
         }
         all.is_open = true;
         all.failures.extend(failures);
-        // Patterns may overlap.
-        all.found.extend(found.into_iter().filter(|found| seen.insert(found.path.clone())));
+        let mut is_new = |path: &PathBuf| !named.contains(path) && met.insert(path.clone());
+        all.found.extend(found.into_iter().filter(|found| is_new(&found.path)));
     }
     Ok(all)
 }

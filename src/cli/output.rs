@@ -1,7 +1,7 @@
 //! Outputs of a bake: where its files go, what they will be, and putting them in place together.
 
 use super::bake_plan::BakePlan;
-use super::console::Console;
+use super::console::{Console, escaped};
 use super::fingerprint::{self, fingerprint};
 use super::input::{Opened, Source};
 use super::outcome::{Outcome, print_bytes, usage};
@@ -271,7 +271,7 @@ impl Outputs {
             let input = source.path().display().to_string();
             return Ok(json!({"input": input, "files": files}).to_string() + "\n");
         }
-        Ok(planned.iter().map(|file| format!("{}\t{}\n", full(file), file.told)).collect())
+        Ok(planned.iter().map(|file| format!("{}\t{}\n", escaped(&full(file)), file.told)).collect())
     }
 
     /// Writes the files `made` of each plan, completes the `reports` and writes them, and puts everything in place together.

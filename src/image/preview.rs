@@ -56,10 +56,10 @@ pub fn contact_sheet(chain: &Chain, exposure: Exposure) -> Result<RgbImage> {
     let (columns, rows) = (count.min(COLUMNS), count.div_ceil(COLUMNS));
     let cell_height = LABEL + TILE + GAP + 3 * FACE + GAP;
     let mut sheet = RgbImage::from_pixel(columns * (TILE + GAP) + GAP, rows * cell_height + GAP, PAPER);
-    for (level, index) in cubes.iter().zip(0..) {
+    for ((level, own), index) in cubes.iter().zip(&chain.levels).zip(0..) {
         let (x, y) = (GAP + index % COLUMNS * (TILE + GAP), GAP + index / COLUMNS * cell_height);
         draw_text(&mut sheet, x, y, 2, &format!("R {:.3}", level.roughness));
-        let size = level.size().to_string();
+        let size = own.size().to_string();
         draw_text(&mut sheet, x + TILE - 2 * font::text_width(&size), y, 2, &size);
         draw_sphere(&mut sheet, x, y + LABEL, level, &backdrop, exposure);
         draw_cross(&mut sheet, x, y + LABEL + TILE + GAP, FACE, level, |texel| display(texel, exposure));

@@ -142,7 +142,7 @@ impl Bars {
 fn bars(picture: &Picture) -> (Bars, Bars) {
     let black = if picture.format.starts_with("JPEG") { JPEG_BLACK } else { 0.0 };
     // NaN is not black.
-    let is_lit = |texel: &Rgb| texel.iter().any(|c| *c > black || c.is_nan());
+    let is_lit = |texel: &Rgb| texel.iter().any(|c| c.is_nan() || *c > black);
     let width = picture.width as usize;
     let (mut left, mut right) = (width, 0);
     let mut lit_rows: Option<(u32, u32)> = None;

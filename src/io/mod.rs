@@ -374,7 +374,7 @@ fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>>
         return Err(Error::input(
             path,
             format!(
-                "`scale` {scale} takes its greatest value, {greatest:.3e}, beyond float32; at most {most:.3e} does not"
+                "`scale` {scale:?} takes its greatest value, {greatest:.3e}, beyond float32; at most {most:.3e} does not"
             ),
         ));
     }
@@ -382,7 +382,7 @@ fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>>
         *value = times(*value);
     }
     Ok((greatest > 0.0 && times(greatest) == 0.0)
-        .then(|| format!("`scale` {scale} rounds all its light to 0")))
+        .then(|| format!("`scale` {scale:?} rounds all its light to 0")))
 }
 
 /// Rejects or repairs NaN and Inf.

@@ -82,8 +82,6 @@ fn recursive_mirrors_the_tree_and_leaves_the_output_out() {
     let ran = bake(folder.path(), &args);
     assert_eq!((ran.code, lines(&ran).last()), (1, Some(&"0 baked, 0 skipped, 4 failed")), "{}", ran.err);
     // Folders of targets.
-    let ran = bake(folder.path(), &["in", "-r", "-o", "three", "--target", "three,bevy"]);
-    assert_eq!(ran.code, 1, "three is too small for its ladder: {}", ran.err);
     let args = ["bake", "in", "-r", "-o", "targets", "--target", "bevy", "--size", "8", "--quiet"];
     done(folder.path(), &args);
     assert!(tree(&folder.path().join("targets")).contains(&"x/y/sky/sky_specular.ktx2".to_owned()));
@@ -103,9 +101,12 @@ fn equal_names_are_told_with_both_inputs() {
         "in/a.exr and in/a.hdr would both be written as a.ktx2",
     );
     fails(folder.path(), &["bake", "in/x", "in/a.exr", "-o", "out"], 2, "in/x/a.exr and in/a.exr would both");
-    let ran = bake(folder.path(), &["in/x", "in/x/a.exr", "-o", "out"]);
-    assert_eq!(ran.code, 2, "typed as well as found: {}", ran.err);
     assert!(!folder.path().join("out").exists());
+    // What is typed as well as found is one input.
+    for inputs in [["in/x", "in/x/a.exr"], ["in/x/a.exr", "in/x"], ["in/x", "in/x"]] {
+        let ran = bake(folder.path(), &[&inputs[..], &["-o", "out", "--force"]].concat());
+        assert_eq!(lines(&ran).last(), Some(&"1 baked, 0 skipped, 0 failed"), "{}", ran.err);
+    }
 }
 
 #[test]
@@ -257,7 +258,7 @@ fn odd_names_pipes_and_circles_of_links_do_no_harm() {
         assert_eq!(said.last(), Some(&"6 baked, 0 skipped, 2 failed"), "{}", ran.err);
         assert!(said.iter().any(|line| line.contains("circle.exr: Too many levels")), "{}", ran.err);
         assert!(said.iter().any(|line| line.contains("pipe.exr: a named pipe")), "{}", ran.err);
-        assert!(said.iter().any(|line| line.contains("new\\nline.ktx2")), "{}", ran.err);
+        assert!(said.iter().any(|line| line.contains("new line.ktx2")), "{}", ran.err);
         let expected = [
             "latin\u{fffd}.ktx2",
             "linked.ktx2",
@@ -294,7 +295,7 @@ fn a_folder_that_cannot_be_read_is_told_and_the_rest_is_baked() {
 fn many_files_cost_no_more_than_their_bakes() {
     let folder = with_skies(&[]);
     // Every other is no image.
-    for number in 0..400 {
+    for number in 0..200 {
         let path = folder.path().join(format!("in/{number:03}.exr"));
         if number % 2 == 0 {
             fs::copy(folder.path().join("sky.exr"), path).expect("copied");
@@ -303,9 +304,9 @@ fn many_files_cost_no_more_than_their_bakes() {
         }
     }
     let ran = bake(folder.path(), &["in", "-o", "out", "--oem-size", "16"]);
-    assert_eq!((ran.code, lines(&ran).last()), (1, Some(&"200 baked, 0 skipped, 200 failed")));
-    assert!(lines(&ran).iter().any(|line| line.starts_with("[399/400] out/398.ktx2")), "{}", ran.err);
+    assert_eq!((ran.code, lines(&ran).last()), (1, Some(&"100 baked, 0 skipped, 100 failed")));
+    assert!(lines(&ran).iter().any(|line| line.starts_with("[199/200] out/198.ktx2")), "{}", ran.err);
     let again = ["in", "-o", "out", "--oem-size", "16", "--force", "--skip-unchanged", "--quiet"];
     let ran = bake(folder.path(), &again);
-    assert_eq!((ran.code, ran.err.lines().count()), (1, 200));
+    assert_eq!((ran.code, ran.err.lines().count()), (1, 100));
 }

@@ -12,6 +12,7 @@ pub(super) mod limits;
 pub(super) mod maps;
 pub(super) mod outputs;
 pub(super) mod pictures;
+pub(super) mod roughness_column;
 pub(super) mod scale;
 pub(super) mod shells;
 pub(super) mod skybox;
