@@ -38,6 +38,34 @@ impl Level {
     }
 }
 
+/// What the texels of a chain are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum ChainKind {
+    /// Lobes along the texels' directions, of the level's roughness.
+    #[default]
+    Sampled,
+    /// Values whose trilinear look-ups are nearest the lobes, between texels and levels as well.
+    Solved,
+}
+
+impl ChainKind {
+    /// Name on the command line, in reports and in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sampled => "sampled",
+            Self::Solved => "solved",
+        }
+    }
+
+    /// The kind called `name`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::Sampled, Self::Solved].into_iter().find(|kind| kind.name() == name)
+    }
+}
+
 /// Levels from the sharpest to the roughest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {

@@ -106,6 +106,7 @@
 pub mod analysis;
 pub mod bake;
 pub mod chain;
+pub mod chain_lookup;
 pub mod cpu;
 pub mod environment;
 pub mod error;

@@ -3,9 +3,10 @@
 use super::level::{BakedLevel, LevelJob};
 use super::result::{Bake, LevelStats, Meter, OnProgress, sharpest};
 use super::settings::BakeSettings;
+use super::solve::solve;
 use crate::chain::{Chain, Level, LevelSpec};
 use crate::cpu::box_filter;
-use crate::environment::{Environment, Layout};
+use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::lobe::Lobe;
@@ -30,6 +31,8 @@ struct BakeParts {
     /// The levels of the Charlie lobe, where they are asked for.
     sheen: Option<Vec<usize>>,
     irradiance: Option<usize>,
+    /// The lobes between its levels, where these are solved.
+    nodes: Vec<usize>,
 }
 
 impl<'a> Job<'a> {
@@ -63,7 +66,9 @@ impl<'a> Job<'a> {
                 let spec = LevelSpec { layout: Layout::Cube { size }, roughness: 1.0 };
                 index_of(LevelJob { spec, lobe: Lobe::Cosine, filter: beside })
             });
-            bakes.push(BakeParts { levels, sheen, irradiance });
+            let node = |spec| LevelJob { spec, lobe: settings.lobe, filter: settings.filter };
+            let nodes = settings.nodes(specs.len()).iter().map(|found| index_of(node(found.spec))).collect();
+            bakes.push(BakeParts { levels, sheen, irradiance, nodes });
         }
         Ok(Self { environment, settings, levels, bakes })
     }
@@ -143,8 +148,9 @@ impl<'a> Job<'a> {
             baked.iter().map(|(level, seconds)| LevelStats::new(level, *seconds)).collect();
         // The last bake to use a level gets the level itself.
         let mut uses = vec![0_u32; baked.len()];
-        for BakeParts { levels, sheen, irradiance } in &self.bakes {
-            levels.iter().chain(sheen.iter().flatten()).chain(irradiance).for_each(|index| uses[*index] += 1);
+        for BakeParts { levels, sheen, irradiance, nodes } in &self.bakes {
+            let all = levels.iter().chain(sheen.iter().flatten()).chain(irradiance).chain(nodes);
+            all.for_each(|index| uses[*index] += 1);
         }
         let Self { settings, levels: jobs, bakes, .. } = self;
         let mut taken = |index: usize, bounds: Bounds| {
@@ -162,14 +168,23 @@ impl<'a> Job<'a> {
             let sh = &sh[..sh::count(settings.sh_order)];
             let sh_window = settings.sh_window.settled(sh);
             let bounds = if settings.bounds { Bounds::Keep } else { Bounds::Drop };
-            let stats_of = |indices: &[usize]| indices.iter().map(|index| stats[*index].clone()).collect();
+            let stats_of = |indices: &[usize]| -> Vec<LevelStats> {
+                indices.iter().map(|index| stats[*index].clone()).collect()
+            };
             let sheen_stats = stats_of(parts.sheen.as_deref().unwrap_or_default());
             let mut chain = |indices: &[usize], bounds: Bounds| Chain {
                 levels: indices.iter().map(|index| taken(*index, bounds)).collect(),
             };
+            let (mut own, mut stats) = (chain(&parts.levels, bounds), stats_of(&parts.levels));
+            let nodes = settings.nodes(own.levels.len());
+            let lobes = chain(&parts.nodes, Bounds::Drop);
+            let lobes: Vec<&[Rgb]> = lobes.levels.iter().map(|lobe| &lobe.texels[..]).collect();
+            for index in solve(&mut own.levels, &nodes, &lobes) {
+                stats[index].drop_bounds();
+            }
             Bake {
-                chain: chain(&parts.levels, bounds),
-                stats: stats_of(&parts.levels),
+                chain: own,
+                stats,
                 sheen: parts.sheen.map(|sheen| chain(&sheen, Bounds::Drop)),
                 sheen_stats,
                 irradiance: parts.irradiance.map(|index| taken(index, Bounds::Drop)),

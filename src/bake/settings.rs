@@ -1,6 +1,7 @@
 //! What to bake.
 
-use crate::chain::LevelSpec;
+use super::solve::{self, Node};
+use crate::chain::{ChainKind, LevelSpec};
 use crate::environment::Map;
 use crate::error::{Error, Result};
 use crate::filter::Filter;
@@ -35,6 +36,8 @@ pub struct BakeSettings {
     pub sh_order: u32,
     /// What their bands are multiplied by.
     pub sh_window: ShWindow,
+    /// What the texels of the levels are. Irradiance and sheen are always sampled.
+    pub chain: ChainKind,
     /// Bake the sizes and roughnesses of the chain with the Charlie lobe (sheen) as well.
     pub sheen: bool,
 }
@@ -54,6 +57,7 @@ impl Default for BakeSettings {
             irradiance: None,
             sh_order: 2,
             sh_window: ShWindow::None,
+            chain: ChainKind::Sampled,
             sheen: false,
         }
     }
@@ -70,6 +74,16 @@ impl BakeSettings {
             return Err(Error::Parameter("`size` must be at least 1".to_owned()));
         }
         self.filter.check(self.lobe, self.oem_size)?;
+        if self.chain == ChainKind::Solved {
+            if self.map != Map::Cube || self.lobe != Lobe::Ggx {
+                return Err(Error::Parameter("`chain` solved is for cubes of the lobe ggx".to_owned()));
+            }
+            if self.bounds {
+                return Err(Error::Parameter(
+                    "`bounds` are those of sampled texels; `chain` solved has none".to_owned(),
+                ));
+            }
+        }
         if self.sheen {
             self.filter.beside().check(Lobe::Charlie, None)?;
         }
@@ -93,5 +107,13 @@ impl BakeSettings {
         Ok((0..levels)
             .map(|level| LevelSpec { layout: self.map.layout(self.size, level), roughness: roughness(level) })
             .collect())
+    }
+
+    /// The lobes between the levels that a solved chain is made of; none for a sampled one.
+    pub(crate) fn nodes(&self, levels: usize) -> Vec<Node> {
+        match self.chain {
+            ChainKind::Sampled => Vec::new(),
+            ChainKind::Solved => solve::nodes(self.size, levels as u32, self.ladder),
+        }
     }
 }

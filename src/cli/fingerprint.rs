@@ -41,7 +41,7 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
     for BakePlan { plan, settings } in plans {
         let Plan { target, container, pixel, flip, diffuse, layout } = plan;
         let BakeSettings { map, size, levels: _, ladder, lobe, filter, oem_size, border, .. } = settings;
-        let BakeSettings { bounds, irradiance, sh_order, sh_window, sheen, .. } = settings;
+        let BakeSettings { bounds, irradiance, sh_order, sh_window, chain, sheen, .. } = settings;
         lines.extend([
             format!("target={}", target.name),
             format!("container={}", container.name()),
@@ -61,6 +61,7 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
             format!("irradiance={irradiance:?}"),
             format!("sh_order={sh_order}"),
             format!("sh_window={sh_window}"),
+            format!("chain={}", chain.name()),
             format!("sheen={sheen}"),
         ]);
     }

@@ -2,7 +2,7 @@
 
 use super::{babylon, gltf};
 use crate::bake::Bake;
-use crate::chain::{Chain, Level};
+use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::container::Container;
@@ -14,7 +14,7 @@ use crate::io::hdr::write::hdr_bytes_with;
 use crate::io::layout::Unfolding;
 use crate::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::io::oem_write::oem_bytes;
-use crate::io::provenance::{Provenance, QUARTER_TURNS_KEY, irradiance_pairs};
+use crate::io::provenance::{CHAIN_KEY, Provenance, QUARTER_TURNS_KEY, irradiance_pairs};
 use crate::lobe::{LOBE_KEY, Lobe};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{name, order_text};
@@ -69,6 +69,8 @@ fn file_of(
             Content::Sheen => {
                 let lobe = pairs.iter_mut().filter(|(key, _)| key == LOBE_KEY);
                 lobe.for_each(|(_, value)| Lobe::Charlie.name().clone_into(value));
+                let chain = pairs.iter_mut().filter(|(key, _)| key == CHAIN_KEY);
+                chain.for_each(|(_, value)| ChainKind::Sampled.name().clone_into(value));
             }
             Content::Irradiance => pairs = irradiance_pairs(&pairs),
             _ => {}

@@ -15,7 +15,7 @@
 //! BLAKE3 hash of every file. A report that lists another hash for a file is ignored. What a file itself says
 //! comes before what its report says.
 
-use crate::chain::{Chain, Level};
+use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::{Layout, Rgb};
 use crate::lobe::{LOBE_KEY, Lobe};
 use crate::target::Flip;
@@ -38,6 +38,8 @@ pub const SUN_KEY: &str = "octaglossSun";
 pub const FILTER_KEY: &str = "octaglossFilter";
 /// The key of the ladder.
 pub const LADDER_KEY: &str = "octaglossLadder";
+/// The key that says what the levels' texels are: `sampled` or `solved`.
+pub const CHAIN_KEY: &str = "octaglossChain";
 /// The key that says what the file holds, where that is not the levels of a bake.
 pub const CONTENT_KEY: &str = "octaglossContent";
 
@@ -78,6 +80,8 @@ pub struct Provenance {
     pub filter: Option<String>,
     /// The ladder, as the command line has it.
     pub ladder: Option<String>,
+    /// What the levels' texels are.
+    pub chain: Option<ChainKind>,
 }
 
 impl Provenance {
@@ -99,6 +103,7 @@ impl Provenance {
             (LOBE_KEY, self.lobe.map(|lobe| lobe.name().to_owned())),
             (FILTER_KEY, self.filter.clone()),
             (LADDER_KEY, self.ladder.clone()),
+            (CHAIN_KEY, self.chain.map(|chain| chain.name().to_owned())),
         ];
         pairs.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
     }
@@ -139,6 +144,7 @@ impl Provenance {
             lobe: of(LOBE_KEY).and_then(|name| Lobe::named(name.trim())),
             filter: of(FILTER_KEY),
             ladder: of(LADDER_KEY),
+            chain: of(CHAIN_KEY).and_then(|name| ChainKind::named(name.trim())),
         })
     }
 
@@ -156,6 +162,7 @@ impl Provenance {
             lobe: self.lobe.or(other.lobe),
             filter: self.filter.or(other.filter),
             ladder: self.ladder.or(other.ladder),
+            chain: self.chain.or(other.chain),
         }
     }
 
@@ -215,11 +222,12 @@ impl Provenance {
     }
 }
 
-/// The pairs of a bake's levels as those of its irradiance: the lobe is the cosine, there is no ladder.
+/// The pairs of a bake's levels as those of its irradiance: the lobe is the cosine, there is no ladder and
+/// no kind of chain.
 #[must_use]
 pub fn irradiance_pairs(pairs: &[(String, String)]) -> Vec<(String, String)> {
     let own = [(CONTENT_KEY, IRRADIANCE), (LOBE_KEY, Lobe::Cosine.name())];
-    let others = |key: &str| ![CONTENT_KEY, LOBE_KEY, LADDER_KEY].contains(&key);
+    let others = |key: &str| ![CONTENT_KEY, LOBE_KEY, LADDER_KEY, CHAIN_KEY].contains(&key);
     let own = own.map(|(key, value)| (key.to_owned(), value.to_owned()));
     own.into_iter().chain(pairs.iter().filter(|(key, _)| others(key)).cloned()).collect()
 }
@@ -267,6 +275,7 @@ mod tests {
             lobe: Some(Lobe::Phong),
             filter: Some("adaptive:0.005".to_owned()),
             ladder: Some("linear".to_owned()),
+            chain: Some(ChainKind::Solved),
         }
     }
 

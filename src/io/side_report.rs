@@ -5,6 +5,7 @@
 
 use super::provenance::{IRRADIANCE, Provenance, TakenSun};
 
+use crate::chain::ChainKind;
 use crate::lobe::Lobe;
 use crate::target::{Content, Flip, Target};
 use serde::Deserialize;
@@ -28,6 +29,7 @@ pub(super) struct SideReport {
     sun: Option<TakenSun>,
     #[serde(default)]
     target: Option<TargetPart>,
+    chain: Option<String>,
     #[serde(default)]
     fingerprint: Fingerprint,
 }
@@ -148,10 +150,12 @@ impl SideReport {
                 provenance.content = Some(IRRADIANCE.to_owned());
                 provenance.lobe = Some(Lobe::Cosine);
                 provenance.ladder = None;
+                provenance.chain = None;
                 vec![1.0]
             }
             Content::Sheen => {
                 provenance.lobe = Some(Lobe::Charlie);
+                provenance.chain = provenance.chain.map(|_| ChainKind::Sampled);
                 of(&self.sheen)
             }
             Content::Skybox => of(self.levels.get(..1)?),
@@ -184,6 +188,7 @@ impl SideReport {
             lobe: lobe.as_deref().and_then(Lobe::named),
             filter: filter.clone(),
             ladder: ladder.clone(),
+            chain: self.chain.as_deref().and_then(ChainKind::named),
         }
     }
 
