@@ -57,6 +57,12 @@ const QUADRATURES: [&[(f64, f64)]; 2] = [
     ],
 ];
 
+/// Whether cubics between the texels of a cube of `edge` texels show a lobe of `roughness`.
+fn resolves(edge: u32, roughness: f64) -> bool {
+    let width = full_width_at_half_maximum(Lobe::Ggx, roughness * roughness);
+    edge >= LEAST_EDGE && width * f64::from(edge) >= TEXELS_PER_WIDTH * FRAC_PI_2
+}
+
 /// The peaks of two levels this many times apart need three nodes.
 const STEEP: f64 = 8.0;
 
@@ -69,9 +75,7 @@ pub(crate) fn nodes(size: u32, levels: u32, ladder: Ladder) -> Vec<Node> {
         let quadrature = QUADRATURES[usize::from((to / from).powi(4) > STEEP)];
         for (place, weight) in quadrature.iter().filter(|_| to > from) {
             let roughness = from + (to - from) * place;
-            let width = full_width_at_half_maximum(Lobe::Ggx, roughness * roughness);
-            let needed = (TEXELS_PER_WIDTH * FRAC_PI_2 / width).ceil() as u32;
-            let edge = (0..32).map(|k| size >> k).take_while(|edge| *edge >= needed.max(LEAST_EDGE)).last();
+            let edge = (0..32).map(|k| size >> k).take_while(|edge| resolves(*edge, roughness)).last();
             nodes.push(Node {
                 spec: LevelSpec { layout: Layout::Cube { size: edge.unwrap_or(size.max(LEAST_EDGE)) }, roughness },
                 weight: weight * (to - from),
@@ -90,15 +94,27 @@ const LEAST_SHARE: f64 = 0.75;
 /// look-up reads, and level 0, stay as they are. Returns the numbers of those that were solved.
 pub(crate) fn solve(levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> Range<usize> {
     let Some(last) = nodes.iter().map(|node| node.low + 1).max() else { return 0..0 };
-    let smooth = |level: &Level| Smooth::new(level.size(), &level.texels);
+    let of = |size: u32, texels: &[Rgb]| Smooth::new(size, &|texel| texels[texel].map(f64::from));
+    let smooth = |level: &Level| of(level.size(), &level.texels);
     let sampled: Vec<Smooth> = levels[1..=last].iter().map(smooth).collect();
     let between: Vec<Smooth> =
-        nodes.iter().zip(lobes).map(|(node, texels)| Smooth::new(node.edge(), texels)).collect();
+        nodes.iter().zip(lobes).map(|(node, texels)| of(node.edge(), texels)).collect();
     for index in 1..=last {
         let window = Window::new(index, last, nodes);
         let wanted = |place| window.wanted(place, &sampled, &between);
         let level = &mut levels[index];
-        let fit = Fit::new(level.size(), &wanted);
+        let fit = if resolves(level.size(), level.roughness) {
+            // Cubics between the texels' centres.
+            let n = level.size() as usize;
+            let centre = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
+            let place = |k: usize| (Face::ALL[k / (n * n)], centre(k % n), centre(k / n % n));
+            let centres: Vec<[f64; 3]> =
+                (0..6 * n * n).into_par_iter().with_min_len(256).map(|k| wanted(place(k))).collect();
+            let smooth = Smooth::new(level.size(), &|texel| centres[texel]);
+            Fit::new(level.size(), &|place| smooth.read(place))
+        } else {
+            Fit::new(level.size(), &wanted)
+        };
         level.texels = fit.ordered(fit.texels(&level.texels), &level.texels);
     }
     1..last + 1
@@ -110,7 +126,7 @@ pub(crate) fn solve_bytes(size: u32, nodes: &[Node]) -> u64 {
     let between: u64 = nodes.iter().map(|node| texels(node.edge() + 4)).sum();
     // A texel of the first level is solved by nine partners, and six vectors of three; cubics read three levels
     // of numbers in double precision.
-    texels(size / 2 + 4) * (9 * 16 + 6 * 24 + 2 * 24) + between * 24
+    texels(size / 2 + 4) * (9 * 16 + 6 * 24 + 4 * 24) + between * 24
 }
 
 /// How many levels on either side take part in solving one.
@@ -280,8 +296,31 @@ fn cubic(x: f64) -> [f64; 4] {
     [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }
 
+/// The least edge of a level that cubics fit into,
+const LEAST_CUBIC: u32 = 4;
+
+/// and the edge that smaller ones are brought to.
+const FINE: usize = 16;
+
 impl Smooth {
-    fn new(size: u32, texels: &[Rgb]) -> Self {
+    /// The cubics between the texels of a cube of `size` texels, whose values `texel` gives.
+    fn new(size: u32, texel: &dyn Fn(usize) -> [f64; 3]) -> Self {
+        if size < LEAST_CUBIC {
+            // Fewer texels than a cubic takes: straight lines.
+            let lookup = LevelLookup::new(size);
+            let centre = |k: usize| (2 * k + 1) as f64 / FINE as f64 - 1.0;
+            return Self::new(FINE as u32, &|k| {
+                let face = Face::ALL[k / (FINE * FINE)];
+                let taps = lookup.taps_at((face, centre(k % FINE), centre(k / FINE % FINE)));
+                let mut sum = [0.0; 3];
+                for (place, weight) in taps.texels.into_iter().zip(taps.weights).take(taps.count) {
+                    for (sum, value) in sum.iter_mut().zip(texel(place as usize)) {
+                        *sum += weight * value;
+                    }
+                }
+                sum
+            });
+        }
         let (n, side) = (size as usize, size as usize + 4);
         let mut smooth = Self { size: n, places: vec![[0.0; 3]; 6 * side * side] };
         let own = |place: usize| {
@@ -292,7 +331,7 @@ impl Smooth {
         for place in 0..smooth.places.len() {
             let (face, row, column, inside) = own(place);
             if inside {
-                smooth.places[place] = texels[(face * n + row - 2) * n + column - 2].map(f64::from);
+                smooth.places[place] = texel((face * n + row - 2) * n + column - 2);
             }
         }
         // Outside of a face its plane goes on over its neighbours.
@@ -303,7 +342,7 @@ impl Smooth {
                 let point = cube_point(Face::ALL[face], centre(column), centre(row));
                 let (face, s, t) = cube_from_direction(point);
                 // Cubics within the neighbour, whose own border is not known yet.
-                let within = (2, n.saturating_sub(4) + 3);
+                let within = (3, n - 1);
                 smooth.places[place] = smooth.interpolated(face, s, t, within);
             }
         }
@@ -312,7 +351,7 @@ impl Smooth {
 
     /// The value at a place of the cube.
     fn read(&self, (face, s, t): Place) -> [f64; 3] {
-        self.interpolated(face, s, t, (1, self.size + 2)).map(|value| value.max(0.0))
+        self.interpolated(face, s, t, (1, self.size + 1)).map(|value| value.max(0.0))
     }
 
     /// The cubic through the four lines and columns around (`s`, `t`), the second of which is in `within`.
@@ -320,7 +359,7 @@ impl Smooth {
         let side = self.size + 4;
         let split = |x: f64| {
             let place = (x + 1.0) / 2.0 * self.size as f64 + 1.5;
-            let low = (place as usize).clamp(least.max(1), most.min(side - 3).max(1));
+            let low = (place as usize).clamp(least, most);
             (low - 1, cubic(place - low as f64))
         };
         let ((i, across), (j, down)) = (split(s), split(t));
@@ -343,6 +382,8 @@ struct Fit {
     partners: Vec<[(u32, f64); MOST_PARTNERS]>,
     /// What the texels' look-ups should sum to.
     right: Vec<[f64; 3]>,
+    /// What a deviation from the sampled texels costs.
+    tether: f64,
 }
 
 /// Texels around one, and itself; at edges of the cube there are no more.
@@ -350,6 +391,10 @@ const MOST_PARTNERS: usize = 9;
 
 /// What a deviation from the sampled texels costs, to the error of a look-up.
 const TETHER: f64 = 0.02;
+
+/// The same for levels of fewer texels than [`LEAST_CUBIC`]: their bilinear squares are wide enough for a saddle to
+/// show as a second maximum of more than 1 %.
+const SMALL_TETHER: f64 = 0.2;
 
 /// Steps of the conjugate gradients.
 const STEPS: usize = 12;
@@ -373,8 +418,11 @@ impl Fit {
             (lookup.taps_at(place), wanted(place), weight)
         };
         let texels = 6 * size as usize * size as usize;
-        let mut fit =
-            Self { partners: vec![[(u32::MAX, 0.0); MOST_PARTNERS]; texels], right: vec![[0.0; 3]; texels] };
+        let mut fit = Self {
+            partners: vec![[(u32::MAX, 0.0); MOST_PARTNERS]; texels],
+            right: vec![[0.0; 3]; texels],
+            tether: if size < LEAST_CUBIC { SMALL_TETHER } else { TETHER },
+        };
         let count = 6 * edge * edge;
         for first in (0..count).step_by(BLOCK as usize) {
             let points: Vec<_> =
@@ -415,7 +463,7 @@ impl Fit {
         for _ in 0..STEPS {
             let mut image = self.applied(&step);
             for (image, step) in image.iter_mut().zip(&step) {
-                *image = std::array::from_fn(|c| image[c] + TETHER * step[c]);
+                *image = std::array::from_fn(|c| image[c] + self.tether * step[c]);
             }
             let curvature = dot(&step, &image);
             let length: [f64; 3] = std::array::from_fn(|c| {
@@ -458,7 +506,7 @@ impl Fit {
                 }
             }
             for ((texel, raised), lowered) in texels.iter_mut().zip(raised).zip(lowered) {
-                texel[c] = lowered / 2.0 + raised / 2.0;
+                texel[c] = ((f64::from(lowered) + f64::from(raised)) / 2.0) as f32;
             }
         }
         texels

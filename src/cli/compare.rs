@@ -222,6 +222,13 @@ fn delivered(
     let roughnesses = if asked.is_empty() {
         let mut roughnesses = default_roughnesses(bake);
         roughnesses.retain(|r| is_measurable(&Level::cube(1, *r, Vec::new()), lobe, source.layout()));
+        if roughnesses.is_empty() {
+            return Err(anyhow!(
+                "no roughness of {name} has a lobe as wide as two texels of {}; bake rougher levels to compare",
+                args.against.display()
+            )
+            .into());
+        }
         roughnesses
     } else {
         asked

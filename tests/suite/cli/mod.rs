@@ -1,5 +1,6 @@
 //! The program as its users run it: exit statuses, messages, what is written where.
 
+mod chains;
 pub(super) mod full;
 pub(super) mod layouts;
 pub(super) mod limits;
