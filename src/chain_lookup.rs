@@ -81,7 +81,8 @@ impl LevelLookup {
             (i, j + 1, (1.0 - a) * b),
             (i + 1, j + 1, a * b),
         ];
-        let missing: f64 = square.iter().filter(|(i, j, _)| corner(*i, *j)).map(|(_, _, weight)| weight).sum();
+        let missing: f64 =
+            square.iter().filter(|(i, j, _)| corner(*i, *j)).map(|(_, _, weight)| weight).sum();
         let mut taps = Taps { texels: [0; MOST_TAPS], weights: [0.0; MOST_TAPS], count: 0 };
         for (i, j, weight) in square.into_iter().filter(|(i, j, _)| !corner(*i, *j)) {
             taps.texels[taps.count] = self.places[(face.index() * side + j) * side + i];

@@ -33,7 +33,9 @@ impl Ladder {
     /// The ladder called `name`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        [Self::Linear, Self::Filament, Self::Unity, Self::Babylon].into_iter().find(|ladder| ladder.name() == name)
+        [Self::Linear, Self::Filament, Self::Unity, Self::Babylon]
+            .into_iter()
+            .find(|ladder| ladder.name() == name)
     }
 
     /// Perceptual roughness of level `level` of `levels` below a level 0 of `size` texels.

@@ -77,7 +77,9 @@ pub fn delivered_errors(
         let pairs: Vec<(f64, f64)> = directions
             .par_iter()
             .zip(&wanted)
-            .map(|(direction, wanted)| (luminance(lookup.read(*direction, lod)), luminance(wanted.map(f64::from))))
+            .map(|(direction, wanted)| {
+                (luminance(lookup.read(*direction, lod)), luminance(wanted.map(f64::from)))
+            })
             .collect();
         let count = pairs.len() as f64;
         let mean = pairs.iter().map(|(_, wanted)| wanted).sum::<f64>() / count;

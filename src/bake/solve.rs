@@ -50,11 +50,7 @@ const LEAST_EDGE: u32 = 16;
 /// Nodes and weights of Gauss's quadratures over [0, 1], by number of nodes less 2.
 const QUADRATURES: [&[(f64, f64)]; 2] = [
     &[(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)],
-    &[
-        (0.112_701_665_379_258_3, 5.0 / 18.0),
-        (0.5, 4.0 / 9.0),
-        (0.887_298_334_620_741_7, 5.0 / 18.0),
-    ],
+    &[(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
 ];
 
 /// Whether cubics between the texels of a cube of `edge` texels show a lobe of `roughness`.
@@ -77,7 +73,10 @@ pub(crate) fn nodes(size: u32, levels: u32, ladder: Ladder) -> Vec<Node> {
             let roughness = from + (to - from) * place;
             let edge = (0..32).map(|k| size >> k).take_while(|edge| resolves(*edge, roughness)).last();
             nodes.push(Node {
-                spec: LevelSpec { layout: Layout::Cube { size: edge.unwrap_or(size.max(LEAST_EDGE)) }, roughness },
+                spec: LevelSpec {
+                    layout: Layout::Cube { size: edge.unwrap_or(size.max(LEAST_EDGE)) },
+                    roughness,
+                },
                 weight: weight * (to - from),
                 low: low as usize,
                 share: ladder.lod(roughness, levels, size) - f64::from(low),
@@ -176,7 +175,12 @@ impl Window {
         let (first, end) = (index.saturating_sub(REACH).max(1), (index + REACH).min(last));
         let within = nodes.iter().enumerate().filter(|(_, node)| node.low >= first && node.low < end);
         let mut aims: Vec<Aim> = within
-            .map(|(k, node)| Aim { origin: Origin::Node(k), weight: node.weight, low: node.low - first, share: node.share })
+            .map(|(k, node)| Aim {
+                origin: Origin::Node(k),
+                weight: node.weight,
+                low: node.low - first,
+                share: node.share,
+            })
             .collect();
         let step: f64 = nodes.iter().filter(|node| node.low == 1).map(|node| node.weight).sum();
         if first == 1 {
@@ -194,7 +198,8 @@ impl Window {
         }
         let mut window = Self { first, own: index - first, aims, diagonal, beside, shares: Vec::new() };
         let columns: Vec<Vec<f64>> = window.aims.iter().map(|aim| window.exact(aim)).collect();
-        window.shares = (0..count).map(|level| columns.iter().map(|column| column[level]).collect()).collect();
+        window.shares =
+            (0..count).map(|level| columns.iter().map(|column| column[level]).collect()).collect();
         window
     }
 
@@ -467,7 +472,11 @@ impl Fit {
             }
             let curvature = dot(&step, &image);
             let length: [f64; 3] = std::array::from_fn(|c| {
-                if squares[c] > 1e-12 * first[c] && curvature[c] > 0.0 { squares[c] / curvature[c] } else { 0.0 }
+                if squares[c] > 1e-12 * first[c] && curvature[c] > 0.0 {
+                    squares[c] / curvature[c]
+                } else {
+                    0.0
+                }
             });
             for (k, texel) in texels.iter_mut().enumerate() {
                 for c in 0..3 {
@@ -483,7 +492,10 @@ impl Fit {
                 *step = std::array::from_fn(|c| residual[c] + share[c] * step[c]);
             }
         }
-        texels.into_iter().map(|texel| texel.map(|value| value.clamp(0.0, f64::from(f32::MAX)) as f32)).collect()
+        texels
+            .into_iter()
+            .map(|texel| texel.map(|value| value.clamp(0.0, f64::from(f32::MAX)) as f32))
+            .collect()
     }
 
     /// `texels` in the order of those `sampled`: of two neighbours the brighter one stays no darker than the

@@ -294,7 +294,8 @@ fn judge(comparison: &Comparison, limit: Option<f64>) -> Outcome {
     let Some(limit) = limit else { return Ok(()) };
     let levels = &comparison.levels;
     if let (Some(delivered), true) = (&comparison.delivered, levels.is_empty()) {
-        let bad = delivered.roughnesses.iter().filter(|error| error.rel_rmse.is_nan() || error.rel_rmse > limit);
+        let bad =
+            delivered.roughnesses.iter().filter(|error| error.rel_rmse.is_nan() || error.rel_rmse > limit);
         return match bad.max_by(|a, b| a.rel_rmse.total_cmp(&b.rel_rmse)) {
             None => Ok(()),
             Some(error) => Err(anyhow!(

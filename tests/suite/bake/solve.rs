@@ -1,7 +1,9 @@
 //! Solved chains: what they keep, what they must not show, and that look-ups of them are nearer lobes.
 
 use glam::DVec3;
-use octagloss::analysis::delivered::{DIRECTIONS, default_roughnesses, delivered_errors, even_directions, over_roughness};
+use octagloss::analysis::delivered::{
+    DIRECTIONS, default_roughnesses, delivered_errors, even_directions, over_roughness,
+};
 use octagloss::bake::{BakeSettings, bake};
 use octagloss::chain::{Chain, ChainKind, Level};
 use octagloss::chain_lookup::ChainLookup;
@@ -115,8 +117,9 @@ fn a_lit_texel_has_no_rings() {
 
 /// Delivered errors by lobes of the reflector, at the default roughnesses from `first` on.
 fn errors(environment: &Environment, chain: &Chain, ladder: Ladder) -> Vec<(f64, f64)> {
-    let reflector = Reflector::new(environment, &ReflectorSettings { sharpest: 0.2, ..ReflectorSettings::default() })
-        .expect("an OEM");
+    let reflector =
+        Reflector::new(environment, &ReflectorSettings { sharpest: 0.2, ..ReflectorSettings::default() })
+            .expect("an OEM");
     let roughnesses: Vec<f64> = default_roughnesses(chain).into_iter().filter(|r| *r < 1.0).collect();
     let truth = |roughness: f64, directions: &[DVec3]| {
         let answers = reflector.query_all(directions, roughness, Lobe::Ggx, Filter::Adaptive(0.01))?;
@@ -154,7 +157,13 @@ fn look_up(level: &Level, d: DVec3) -> [f64; 3] {
     let n = level.size() as usize;
     let fold = |p: DVec3| -> (usize, f64, f64) {
         let a = p.abs();
-        let (axis, m) = if a.x >= a.y && a.x >= a.z { (0, a.x) } else if a.y >= a.z { (1, a.y) } else { (2, a.z) };
+        let (axis, m) = if a.x >= a.y && a.x >= a.z {
+            (0, a.x)
+        } else if a.y >= a.z {
+            (1, a.y)
+        } else {
+            (2, a.z)
+        };
         let face = 2 * axis + usize::from(p[axis] < 0.0);
         let (s, t) = [(-p.z, -p.y), (p.z, -p.y), (p.x, p.z), (p.x, -p.z), (p.x, -p.y), (-p.x, -p.y)][face];
         (face, s / m, t / m)
@@ -179,14 +188,16 @@ fn look_up(level: &Level, d: DVec3) -> [f64; 3] {
             return None;
         }
         // A place beyond an edge is next to it, in the neighbour's outermost row.
-        let near = |k: f64| if outside(k) { k.signum() * (1.0 + 1e-7) } else { (k + 0.5) / n as f64 * 2.0 - 1.0 };
+        let near =
+            |k: f64| if outside(k) { k.signum() * (1.0 + 1e-7) } else { (k + 0.5) / n as f64 * 2.0 - 1.0 };
         let (face, s, t) = fold(unfold(face, near(i), near(j)));
         let line = |x: f64| (((x + 1.0) / 2.0 * n as f64).floor() as usize).min(n - 1);
         Some(level.texels[(face * n + line(t)) * n + line(s)].map(f64::from))
     };
     let corners = [(i, j), (i + 1.0, j), (i, j + 1.0), (i + 1.0, j + 1.0)].map(|(i, j)| texel(i, j));
     let known: Vec<[f64; 3]> = corners.iter().flatten().copied().collect();
-    let mean: [f64; 3] = std::array::from_fn(|c| known.iter().map(|k| k[c]).sum::<f64>() / known.len() as f64);
+    let mean: [f64; 3] =
+        std::array::from_fn(|c| known.iter().map(|k| k[c]).sum::<f64>() / known.len() as f64);
     let [p, q, r, s] = corners.map(|corner| corner.unwrap_or(mean));
     std::array::from_fn(|c| (p[c] * (1.0 - a) + q[c] * a) * (1.0 - b) + (r[c] * (1.0 - a) + s[c] * a) * b)
 }
@@ -195,10 +206,12 @@ fn look_up(level: &Level, d: DVec3) -> [f64; 3] {
 fn look_ups_and_their_errors_are_those_of_another_look_up() {
     let value = |k: usize| ((k * 7919 % 101) as f32) / 50.0;
     let level = |size: u32, roughness: f64| {
-        let texels = (0..6 * (size * size) as usize).map(|k| [value(k), value(k + 13), value(3 * k)]).collect();
+        let texels =
+            (0..6 * (size * size) as usize).map(|k| [value(k), value(k + 13), value(3 * k)]).collect();
         Level::cube(size, roughness, texels)
     };
-    let chain = Chain { levels: vec![level(8, 0.0), level(4, 1.0 / 3.0), level(2, 2.0 / 3.0), level(1, 1.0)] };
+    let chain =
+        Chain { levels: vec![level(8, 0.0), level(4, 1.0 / 3.0), level(2, 2.0 / 3.0), level(1, 1.0)] };
     let lookup = ChainLookup::new(&chain.levels);
     let mut directions = even_directions(3000);
     directions.extend([DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0001), DVec3::new(1.0, -1.0, 0.3), DVec3::X]);
@@ -213,9 +226,12 @@ fn look_ups_and_their_errors_are_those_of_another_look_up() {
     let wanted: Rgb = [0.9, 1.0, 1.1];
     let truth = |_: f64, directions: &[DVec3]| Ok(vec![wanted; directions.len()]);
     let luminance = |rgb: [f64; 3]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-    for (ladder, roughness, lod) in
-        [(Ladder::Linear, 0.5, 1.5), (Ladder::Filament, 0.5, 2.25), (Ladder::Unity, 0.5, 2.025), (Ladder::Babylon, 0.6, 0.8 * 2.88_f64.log2())]
-    {
+    for (ladder, roughness, lod) in [
+        (Ladder::Linear, 0.5, 1.5),
+        (Ladder::Filament, 0.5, 2.25),
+        (Ladder::Unity, 0.5, 2.025),
+        (Ladder::Babylon, 0.6, 0.8 * 2.88_f64.log2()),
+    ] {
         let found = delivered_errors(&chain, ladder, &[roughness], &truth).expect("constants")[0];
         let (low, share) = (lod as usize, lod - lod.floor());
         let goal = luminance(wanted.map(f64::from));
@@ -236,7 +252,9 @@ fn look_ups_and_their_errors_are_those_of_another_look_up() {
 
 #[test]
 fn levels_of_detail_are_the_inverse_of_the_ladders() {
-    for (ladder, levels) in [(Ladder::Linear, 7), (Ladder::Filament, 6), (Ladder::Unity, 7), (Ladder::Babylon, 7)] {
+    for (ladder, levels) in
+        [(Ladder::Linear, 7), (Ladder::Filament, 6), (Ladder::Unity, 7), (Ladder::Babylon, 7)]
+    {
         for level in 1..levels {
             let lod = ladder.lod(ladder.roughness(level, levels, 256), levels, 256);
             let known = if ladder == Ladder::Babylon { f64::from(level).min(6.4) } else { f64::from(level) };

@@ -14,7 +14,11 @@ fn files_and_reports_name_the_chain() {
     for output in ["a.ktx2", "a.ktx", "a.dds", "a.exr"] {
         let layout: &[&str] = if output.ends_with("exr") { &["--out-layout", "parts"] } else { &[] };
         done(at, &[&["bake", "sky.exr", "-o", output][..], &small, layout].concat());
-        assert_eq!(load_chain(&at.join(output)).unwrap().provenance.chain, Some(ChainKind::Solved), "{output}");
+        assert_eq!(
+            load_chain(&at.join(output)).unwrap().provenance.chain,
+            Some(ChainKind::Solved),
+            "{output}"
+        );
     }
     done(at, &[&["bake", "sky.exr", "-o", "levels", "--format", "exr"][..], &small].concat());
     assert_eq!(load_chain(&at.join("levels")).unwrap().provenance.chain, Some(ChainKind::Solved));
@@ -49,7 +53,18 @@ fn chains_that_cannot_be_solved_are_usage_errors() {
 fn unchanged_bakes_are_those_of_the_same_chain() {
     let folder = with_sky();
     let run = |kind: &str| {
-        let args = ["bake", "sky.exr", "-o", "u.ktx2", "--size", "16", "--levels", "3", "--skip-unchanged", "--force"];
+        let args = [
+            "bake",
+            "sky.exr",
+            "-o",
+            "u.ktx2",
+            "--size",
+            "16",
+            "--levels",
+            "3",
+            "--skip-unchanged",
+            "--force",
+        ];
         octagloss(folder.path(), &[&args[..], &["--chain", kind]].concat()).err
     };
     assert!(!run("solved").contains("unchanged"));
@@ -63,7 +78,8 @@ fn solved_chains_are_judged_by_what_they_deliver() {
     let at = folder.path();
     for kind in ["sampled", "solved"] {
         let output = format!("{kind}.ktx2");
-        let args = ["bake", "sky.exr", "-o", &output, "--size", "32", "--levels", "4", "--chain", kind, "--quiet"];
+        let args =
+            ["bake", "sky.exr", "-o", &output, "--size", "32", "--levels", "4", "--chain", kind, "--quiet"];
         done(at, &args);
     }
     let json = |args: &[&str]| -> Value {
@@ -85,7 +101,8 @@ fn solved_chains_are_judged_by_what_they_deliver() {
     let text = done(at, &["compare", "solved.ktx2", "sky.exr", "--delivered=0.5", "--quiet"]).out;
     assert!(text.starts_with("delivered: look-ups by the ladder linear along 20000 directions\n"), "{text}");
     done(at, &["compare", "solved.ktx2", "sky.exr", "--delivered=0.5", "--fail-above", "0.5", "--quiet"]);
-    let strict = octagloss(at, &["compare", "solved.ktx2", "sky.exr", "--delivered=0.5", "--fail-above", "1e-6"]);
+    let strict =
+        octagloss(at, &["compare", "solved.ktx2", "sky.exr", "--delivered=0.5", "--fail-above", "1e-6"]);
     assert!(strict.code == 1 && strict.err.contains("delivered relRMSE"), "{}", strict.err);
     fails(at, &["compare", "solved.ktx2", "sampled.ktx2", "--delivered"], 2, "both are bakes");
     fails(at, &["compare", "solved.ktx2", "sky.exr", "--texels", "9"], 2, "solved chain");
