@@ -38,6 +38,34 @@ impl Level {
     }
 }
 
+/// Content of the texels of a chain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum ChainKind {
+    /// The lobe of the level's roughness along each texel's direction.
+    #[default]
+    Sampled,
+    /// Values whose trilinear look-ups are nearest the lobes, also between texels and levels.
+    Solved,
+}
+
+impl ChainKind {
+    /// Name on the command line, in reports and in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sampled => "sampled",
+            Self::Solved => "solved",
+        }
+    }
+
+    /// The kind called `name`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::Sampled, Self::Solved].into_iter().find(|kind| kind.name() == name)
+    }
+}
+
 /// Levels ordered from sharpest to roughest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {

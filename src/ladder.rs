@@ -30,6 +30,14 @@ impl Ladder {
         }
     }
 
+    /// The ladder called `name`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::Linear, Self::Filament, Self::Unity, Self::Babylon]
+            .into_iter()
+            .find(|ladder| ladder.name() == name)
+    }
+
     /// Perceptual roughness of level `level` of `levels`, with `size` texels along an edge of level 0.
     #[must_use]
     pub fn roughness(self, level: u32, levels: u32, size: u32) -> f64 {
@@ -43,6 +51,22 @@ impl Ladder {
             Self::Unity => (1.7 - (2.89 - 2.8 * step).sqrt()) / 1.4,
             Self::Babylon => ((f64::from(level) / 0.8).exp2() / f64::from(size)).min(1.0).sqrt(),
         }
+    }
+
+    /// The level of detail that a renderer looks up for perceptual roughness `roughness` in a chain of `levels`
+    /// below a level 0 of `size` texels: the inverse of [`Ladder::roughness`] between its levels.
+    #[must_use]
+    pub fn lod(self, roughness: f64, levels: u32, size: u32) -> f64 {
+        let last = f64::from(levels.max(1) - 1);
+        let r = roughness;
+        let lod = match self {
+            Self::Linear => last * r,
+            Self::Filament => last * r * (2.0 - r),
+            Self::Unity => last * r * (1.7 - 0.7 * r),
+            Self::Babylon => 0.8 * (r * r * f64::from(size)).log2(),
+        };
+        // Babylon's is negative for lobes within a texel.
+        lod.max(0.0).min(last)
     }
 
     /// Default edge of level 0; for a panorama its height.

@@ -92,6 +92,7 @@ queue.submit([encoder.finish()]);
 mod analysis;
 mod bake;
 mod chain;
+mod chain_lookup;
 #[cfg(feature = "cli")]
 mod cli;
 mod cpu;
@@ -160,6 +161,7 @@ pub mod internals {
         analysis,
         bake,
         chain,
+        chain_lookup,
         cpu,
         environment,
         error,

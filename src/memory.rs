@@ -6,6 +6,7 @@
 use crate::bake::job::Job;
 use crate::bake::level::LevelJob;
 use crate::bake::settings::BakeSettings;
+use crate::bake::solve::solve_bytes;
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::filter::Filter;
@@ -140,9 +141,15 @@ fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64
         levels += texels * TEXEL;
         largest = largest.max(texels);
     }
+    // Chains are solved one after the other, once all levels are baked.
+    let solving = settings.iter().map(|settings| {
+        let nodes = settings.level_specs().map_or_else(|_| Vec::new(), |specs| settings.nodes(specs.len()));
+        if nodes.is_empty() { 0 } else { solve_bytes(settings.size, &nodes) }
+    });
+    let solving = levels + solving.max().unwrap_or(0);
     // The tables are freed before a file is encoded. Encoding holds its largest level and the file.
     let encoding = levels + encoded * (largest + levels / TEXEL);
-    let peak = tables.making.max(tables.resident + baking).max(encoding);
+    let peak = tables.making.max(tables.resident + baking.max(solving)).max(encoding);
     Ok(environment.layout().texel_count() as u64 * SOURCE + peak)
 }
 

@@ -21,6 +21,7 @@ use crate::sat::{Sat, Scan};
 use crate::sh;
 use crate::table_bytes::{LIMIT, SOURCE, Served, Tables, at_most, largest_oem, largest_that};
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -324,6 +325,28 @@ impl<'a> Reflector<'a> {
         Ok(Lobes { source_from_world: self.environment.source_from_world(), scale, method })
     }
 
+    /// [`Reflector::query`] for each of `directions`, on all threads.
+    ///
+    /// # Errors
+    /// Those of [`Reflector::query`].
+    pub fn query_all(
+        &self,
+        directions: &[DVec3],
+        roughness: f64,
+        lobe: Lobe,
+        filter: Filter,
+    ) -> Result<Vec<Answer>> {
+        let lobes = self.lobes(lobe, roughness, filter)?;
+        let block = |directions: &[DVec3]| {
+            let mut answers = Vec::with_capacity(directions.len());
+            lobes.evaluate(directions, &mut Workspace::default(), &mut answers);
+            answers
+        };
+        let answers: Vec<Answer> = directions.par_chunks(BLOCK).flat_map_iter(block).collect();
+        check_answers(directions, &answers)?;
+        Ok(answers)
+    }
+
     /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (in world space, any length but zero).
     ///
     /// # Errors
@@ -336,6 +359,9 @@ impl<'a> Reflector<'a> {
         Ok(answers[0])
     }
 }
+
+/// Directions of one task of [`Reflector::query_all`].
+const BLOCK: usize = 500;
 
 /// The OEM of `environment`, and the scale of its light.
 fn scaled_oem(environment: &Environment, settings: &ReflectorSettings) -> Result<(LightScale, Oem)> {

@@ -1,6 +1,7 @@
 //! Measurements: exhaustive integration, comparison, statistics, the sun, the float32 table, maps of spheres.
 
 pub mod compare;
+pub mod delivered;
 pub mod map_table;
 pub mod oracle;
 pub mod sat_f32;

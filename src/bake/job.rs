@@ -3,9 +3,10 @@
 use super::level::{BakedLevel, LevelJob};
 use super::result::{Bake, LevelStats, Meter, OnProgress, sharpest};
 use super::settings::BakeSettings;
+use super::solve::solve;
 use crate::chain::{Chain, Level, LevelSpec};
 use crate::cpu::box_filter;
-use crate::environment::{Environment, Layout, Map};
+use crate::environment::{Environment, Layout, Map, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::lobe::Lobe;
@@ -30,6 +31,8 @@ struct BakeParts {
     sheen: Option<Vec<usize>>,
     irradiance: Option<usize>,
     skybox: Option<usize>,
+    /// The lobes between its levels, for a solved chain.
+    nodes: Vec<usize>,
 }
 
 impl<'a> Job<'a> {
@@ -74,7 +77,9 @@ impl<'a> Job<'a> {
                 // As level 0 of that size.
                 index_of(LevelJob { spec, lobe: Lobe::Ggx, filter: settings.filter })
             });
-            bakes.push(BakeParts { levels, sheen, irradiance, skybox });
+            let node = |spec| LevelJob { spec, lobe: settings.lobe, filter: settings.filter };
+            let nodes = settings.nodes(specs.len()).iter().map(|found| index_of(node(found.spec))).collect();
+            bakes.push(BakeParts { levels, sheen, irradiance, skybox, nodes });
         }
         Ok(Self { environment, settings, levels, bakes })
     }
@@ -154,8 +159,9 @@ impl<'a> Job<'a> {
             baked.iter().map(|(level, seconds)| LevelStats::new(level, *seconds)).collect();
         // Move a level into the last bake that uses it; clone it for the others.
         let mut uses = vec![0_u32; baked.len()];
-        for BakeParts { levels, sheen, irradiance, skybox } in &self.bakes {
-            let all = levels.iter().chain(sheen.iter().flatten()).chain(irradiance).chain(skybox);
+        for BakeParts { levels, sheen, irradiance, skybox, nodes } in &self.bakes {
+            let all =
+                levels.iter().chain(sheen.iter().flatten()).chain(irradiance).chain(skybox).chain(nodes);
             all.for_each(|index| uses[*index] += 1);
         }
         let Self { settings, levels: jobs, bakes, .. } = self;
@@ -174,14 +180,23 @@ impl<'a> Job<'a> {
             let sh = &sh[..sh::count(settings.sh_order)];
             let sh_window = settings.sh_window.settled(sh);
             let bounds = if settings.bounds { Bounds::Keep } else { Bounds::Drop };
-            let stats_of = |indices: &[usize]| indices.iter().map(|index| stats[*index].clone()).collect();
+            let stats_of = |indices: &[usize]| -> Vec<LevelStats> {
+                indices.iter().map(|index| stats[*index].clone()).collect()
+            };
             let sheen_stats = stats_of(parts.sheen.as_deref().unwrap_or_default());
             let mut chain = |indices: &[usize], bounds: Bounds| Chain {
                 levels: indices.iter().map(|index| taken(*index, bounds)).collect(),
             };
+            let (mut own, mut stats) = (chain(&parts.levels, bounds), stats_of(&parts.levels));
+            let nodes = settings.nodes(own.levels.len());
+            let lobes = chain(&parts.nodes, Bounds::Drop);
+            let lobes: Vec<&[Rgb]> = lobes.levels.iter().map(|lobe| &lobe.texels[..]).collect();
+            for index in solve(&mut own.levels, &nodes, &lobes) {
+                stats[index].drop_bounds();
+            }
             Bake {
-                chain: chain(&parts.levels, bounds),
-                stats: stats_of(&parts.levels),
+                chain: own,
+                stats,
                 sheen: parts.sheen.map(|sheen| chain(&sheen, Bounds::Drop)),
                 sheen_stats,
                 irradiance: parts.irradiance.map(|index| taken(index, Bounds::Drop)),

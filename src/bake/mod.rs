@@ -7,6 +7,7 @@ pub mod overflow;
 pub mod report;
 pub(crate) mod result;
 pub(crate) mod settings;
+pub(crate) mod solve;
 
 use crate::environment::Environment;
 use crate::error::Result;

@@ -40,6 +40,9 @@ pub struct Report {
     pub adapter: Option<String>,
     /// Size of the octahedral map.
     pub oem: OemReport,
+    /// What the levels' texels are: `sampled` or `solved`. Reports of version 0.2 have it not.
+    #[serde(default)]
+    pub chain: String,
     /// The levels, the sharpest first.
     pub levels: Vec<LevelReport>,
     /// The sheen levels; absent if there are none.
@@ -466,6 +469,7 @@ impl Report {
             engine: told.engine,
             adapter: told.adapter,
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
+            chain: settings.chain.name().to_owned(),
             levels,
             sheen: sheen.unwrap_or_default(),
             energy: EnergyReport {

@@ -38,7 +38,7 @@ pub struct LevelStats {
     pub seconds: f64,
     /// Average quadrature leaves per texel; `None` if the filter has none.
     pub leaves_per_texel: Option<f64>,
-    /// Maximum certified bound, absolute luminance; `None` if the filter has none.
+    /// Maximum certified bound, absolute luminance; `None` if the filter or a solved chain has none.
     pub error_bound_max: Option<f64>,
     /// Mean certified bound, absolute luminance; `None` if the filter has none.
     pub error_bound_mean: Option<f64>,
@@ -126,6 +126,11 @@ impl Meter<'_> {
 }
 
 impl LevelStats {
+    /// Forgets the bounds, which are not those of solved texels.
+    pub(super) const fn drop_bounds(&mut self) {
+        (self.error_bound_max, self.error_bound_mean, self.error_bound_p99) = (None, None, None);
+    }
+
     pub(super) fn new(level: &BakedLevel, seconds: f64) -> Self {
         let bounds = level.bounds.as_deref();
         Self {

@@ -1,6 +1,7 @@
 //! Settings of a bake.
 
-use crate::chain::LevelSpec;
+use super::solve::{self, Node};
+use crate::chain::{ChainKind, LevelSpec};
 use crate::environment::Map;
 use crate::error::{Error, Result};
 use crate::filter::Filter;
@@ -38,6 +39,8 @@ pub struct BakeSettings {
     pub sh_order: u32,
     /// Window applied to their bands.
     pub sh_window: ShWindow,
+    /// Content of the levels' texels. Irradiance and sheen are always sampled.
+    pub chain: ChainKind,
     /// Also bake the chain's sizes and roughnesses with the Charlie lobe (sheen).
     pub sheen: bool,
 }
@@ -58,6 +61,7 @@ impl Default for BakeSettings {
             skybox: None,
             sh_order: 2,
             sh_window: ShWindow::None,
+            chain: ChainKind::Sampled,
             sheen: false,
         }
     }
@@ -74,6 +78,16 @@ impl BakeSettings {
             return Err(Error::Parameter("`size` must be at least 1".to_owned()));
         }
         self.filter.check(self.lobe, self.oem_size)?;
+        if self.chain == ChainKind::Solved {
+            if self.map != Map::Cube || self.lobe != Lobe::Ggx {
+                return Err(Error::Parameter("`chain` solved is for cubes of the lobe ggx".to_owned()));
+            }
+            if self.bounds {
+                return Err(Error::Parameter(
+                    "`bounds` are those of sampled texels; `chain` solved has none".to_owned(),
+                ));
+            }
+        }
         if self.sheen {
             self.filter.for_other_lobes().check(Lobe::Charlie, None)?;
         }
@@ -97,5 +111,13 @@ impl BakeSettings {
         Ok((0..levels)
             .map(|level| LevelSpec { layout: self.map.layout(self.size, level), roughness: roughness(level) })
             .collect())
+    }
+
+    /// The lobes between the levels that a solved chain is made of; none for a sampled one.
+    pub(crate) fn nodes(&self, levels: usize) -> Vec<Node> {
+        match self.chain {
+            ChainKind::Sampled => Vec::new(),
+            ChainKind::Solved => solve::nodes(self.size, levels as u32, self.ladder),
+        }
     }
 }

@@ -7,6 +7,7 @@ use super::values::{
 };
 use crate::bake::dfg::DfgForm;
 use crate::bake::overflow::Overflow;
+use crate::chain::ChainKind;
 use crate::filter::Filter;
 use crate::format::container::Container;
 use crate::format::{OutputLayout, Pixel};
@@ -143,6 +144,13 @@ pub(super) struct BakeArgs {
     /// r (1.7 - 0.7 r) = level/(levels-1). babylon: alpha = 2^(level/0.8)/size.
     #[arg(long, value_name = "LADDER", hide_possible_values = true)]
     pub(super) ladder: Option<Ladder>,
+    /// sampled or solved [default: sampled]
+    ///
+    /// What the texels of ggx's cubes are. sampled: lobes along the texels' directions. solved: values whose
+    /// trilinear look-ups are nearest the lobes between texels and between levels, which takes up to three
+    /// times as long; they have no bounds.
+    #[arg(long, value_name = "KIND", hide_possible_values = true)]
+    pub(super) chain: Option<ChainKind>,
     /// ggx, phong, cone, cosine or charlie
     ///
     /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
@@ -360,7 +368,16 @@ pub(super) struct CompareArgs {
     /// most as many texels as are integrated.
     #[arg(long, value_name = "FILE.png")]
     pub(super) picture: Option<PathBuf>,
-    /// Exit with 1 if a level's relRMSE is above X
+    /// Measure what trilinear look-ups deliver
+    ///
+    /// Against a source, for cubes of ggx: between texels and levels, looked up by the bake's ladder, along 20,000
+    /// directions, at R, a list of roughnesses, or at those of the levels and halfway between. Of a solved chain
+    /// this is all that is measured.
+    #[arg(long, value_name = "R", value_delimiter = ',', num_args = 0.., require_equals = true, value_parser = roughness)]
+    pub(super) delivered: Option<Vec<f64>>,
+    /// Exit with 1 if a relRMSE is above X
+    ///
+    /// That of a level; of a solved chain that of a roughness.
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = threshold)]
     pub(super) fail_above: Option<f64>,
     /// Print JSON, on one line

@@ -5,6 +5,7 @@ use super::outcome::{Outcome, usage};
 use super::output::{FOREIGN, SunFile, check_folder_name, extension, named_format, names_folder};
 use super::values::SkyboxArg;
 use crate::bake::BakeSettings;
+use crate::chain::ChainKind;
 use crate::filter::Filter;
 use crate::format::container::Container;
 use crate::format::{OutputLayout, Pixel};
@@ -68,6 +69,9 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     if args.lobe == Lobe::Cosine && args.levels.is_some_and(|levels| levels > 1) {
         return usage("--lobe cosine has no roughness and bakes one level; leave --levels out");
     }
+    if args.bounds && args.chain == Some(ChainKind::Solved) {
+        return usage("--bounds are those of sampled texels; leave --chain solved or --bounds out");
+    }
     if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bounds needs --filter adaptive:E; the others certify nothing");
     }
@@ -97,6 +101,7 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         filter: args.filter,
         oem_size: args.table.oem_size,
         border: args.table.border,
+        chain: args.chain.unwrap_or_default(),
         bounds: args.bounds,
         irradiance: args.irradiance,
         skybox: None,
@@ -284,6 +289,7 @@ fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
         filter: args.filter,
         oem_size: args.table.oem_size,
         border: args.table.border,
+        chain: args.chain.unwrap_or_default(),
         bounds: false,
         irradiance: cube.then(|| args.irradiance.unwrap_or(target.irradiance_size)),
         skybox: None,

@@ -9,7 +9,9 @@ use super::values::Texels;
 use crate::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, grid_of, is_measurable,
 };
-use crate::chain::Chain;
+use crate::analysis::delivered::{DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors};
+use crate::chain::{Chain, ChainKind, Level};
+use crate::filter::Filter;
 use crate::image::preview::error_picture;
 use crate::io::ldr::write::write_png;
 use crate::io::regular::open_regular;
@@ -17,8 +19,12 @@ use crate::io::{
     self, LoadedChain,
     output::{self, Existing},
 };
+use crate::ladder::Ladder;
 use crate::lobe::Lobe;
+use crate::reflector::{Reflector, ReflectorSettings};
+use crate::{Environment, Layout};
 use anyhow::anyhow;
+use glam::DVec3;
 use image::RgbImage;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -34,7 +40,22 @@ struct Comparison {
     lobe: Option<&'static str>,
     /// Levels whose lobe is narrower than two texels of the source.
     skipped: Vec<usize>,
+    /// What the bake says that its texels are.
+    chain: Option<&'static str>,
     levels: Vec<LevelErrors>,
+    /// What look-ups deliver; absent where it was not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    delivered: Option<Delivered>,
+}
+
+/// What trilinear look-ups of a bake deliver.
+#[derive(Serialize)]
+struct Delivered {
+    /// By which roughness is looked up.
+    ladder: &'static str,
+    /// Directions at each roughness.
+    directions: usize,
+    roughnesses: Vec<DeliveredError>,
 }
 
 pub(super) fn run(args: CompareArgs) -> Outcome {
@@ -73,18 +94,23 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
         } else {
             print(&comparison.text())?;
         }
-        judge(&comparison.levels, args.fail_above)
+        judge(&comparison, args.fail_above)
     })
 }
 
 fn against_bake(args: &CompareArgs, bake: &Chain, reference: &Chain) -> Outcome<Comparison> {
+    if args.delivered.is_some() {
+        return usage("--delivered measures a bake by its source, and both are bakes");
+    }
     Ok(Comparison {
         bake: args.bake.display().to_string(),
         against: args.against.display().to_string(),
         reference: "bake",
         lobe: None,
         skipped: Vec::new(),
+        chain: None,
         levels: errors_against_bake(bake, reference)?,
+        delivered: None,
     })
 }
 
@@ -117,6 +143,31 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     };
     let source = input::single_source(vec![args.against.clone()], &input)?;
     let opened = source.open(&input, console)?;
+    let solved = provenance.chain == Some(ChainKind::Solved);
+    let delivered = if solved || args.delivered.is_some() {
+        Some(delivered(args, bake, lobe, provenance.ladder.as_deref(), &opened.environment)?)
+    } else {
+        None
+    };
+    let bake_name = args.bake.display();
+    if solved {
+        // Solved texels are not lobes, and are not to be.
+        if args.picture.is_some() || args.texels.is_some() {
+            return usage(format!(
+                "--texels and --picture compare texels with lobes, and {bake_name} is a solved chain, whose texels are none"
+            ));
+        }
+        return Ok(Comparison {
+            bake: bake_name.to_string(),
+            against: args.against.display().to_string(),
+            reference: "source",
+            lobe: Some(lobe.name()),
+            skipped: Vec::new(),
+            chain: Some(ChainKind::Solved.name()),
+            levels: Vec::new(),
+            delivered,
+        });
+    }
     let skipped: Vec<usize> = (0..bake.levels.len())
         .filter(|level| !is_measurable(&bake.levels[*level], lobe, opened.environment.layout()))
         .collect();
@@ -147,8 +198,65 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
         reference: "source",
         lobe: Some(lobe.name()),
         skipped,
+        chain: provenance.chain.map(ChainKind::name),
         levels,
+        delivered,
     })
+}
+
+/// The tolerance of the lobes that look-ups are measured by.
+const DELIVERED_TOLERANCE: f64 = 0.002;
+
+/// What look-ups of `bake` deliver, at the roughnesses asked for or those that the source resolves.
+fn delivered(
+    args: &CompareArgs,
+    bake: &Chain,
+    lobe: Lobe,
+    ladder: Option<&str>,
+    source: &Environment,
+) -> Outcome<Delivered> {
+    let name = args.bake.display();
+    let is_cube = |level: &Level| matches!(level.layout, Layout::Cube { .. });
+    if lobe != Lobe::Ggx || !bake.levels.iter().all(is_cube) {
+        return usage(format!("--delivered is for cubes of the lobe ggx, which {name} is not"));
+    }
+    let Some(ladder) = ladder.and_then(Ladder::named).or_else(|| ladder_of(bake)) else {
+        return Err(anyhow!("{name} does not say its ladder, and its roughnesses are those of none").into());
+    };
+    let asked = args.delivered.clone().unwrap_or_default();
+    let roughnesses = if asked.is_empty() {
+        let mut roughnesses = default_roughnesses(bake);
+        roughnesses.retain(|r| is_measurable(&Level::cube(1, *r, Vec::new()), lobe, source.layout()));
+        if roughnesses.is_empty() {
+            return Err(anyhow!(
+                "no roughness of {name} has a lobe as wide as two texels of {}; bake rougher levels to compare",
+                args.against.display()
+            )
+            .into());
+        }
+        roughnesses
+    } else {
+        asked
+    };
+    let sharpest = roughnesses.iter().copied().filter(|r| *r > 0.0).fold(1.0, f64::min);
+    let reflector = Reflector::new(source, &ReflectorSettings { sharpest, ..ReflectorSettings::default() })?;
+    let truth = |roughness: f64, directions: &[DVec3]| {
+        let answers =
+            reflector.query_all(directions, roughness, lobe, Filter::Adaptive(DELIVERED_TOLERANCE))?;
+        Ok(answers.into_iter().map(|answer| answer.radiance).collect())
+    };
+    let roughnesses = delivered_errors(bake, ladder, &roughnesses, &truth)?;
+    Ok(Delivered { ladder: ladder.name(), directions: DIRECTIONS, roughnesses })
+}
+
+/// The ladder whose roughnesses those of `bake` are.
+fn ladder_of(bake: &Chain) -> Option<Ladder> {
+    let (levels, size) = (bake.levels.len() as u32, bake.levels[0].size());
+    let fits = |ladder: &Ladder| {
+        let mut pairs = (0..levels).zip(&bake.levels);
+        pairs.all(|(k, level)| (ladder.roughness(k, levels, size) - level.roughness).abs() < 1e-3)
+    };
+    [Ladder::Linear, Ladder::Filament, Ladder::Unity, Ladder::Babylon].into_iter().find(fits)
 }
 
 /// Texels of a level to integrate by default,
@@ -187,8 +295,22 @@ fn picture(bake: &Chain, levels: &[LevelErrors]) -> crate::Result<RgbImage> {
     Ok(whole)
 }
 
-fn judge(levels: &[LevelErrors], limit: Option<f64>) -> Outcome {
+fn judge(comparison: &Comparison, limit: Option<f64>) -> Outcome {
     let Some(limit) = limit else { return Ok(()) };
+    let levels = &comparison.levels;
+    if let (Some(delivered), true) = (&comparison.delivered, levels.is_empty()) {
+        let bad =
+            delivered.roughnesses.iter().filter(|error| error.rel_rmse.is_nan() || error.rel_rmse > limit);
+        return match bad.max_by(|a, b| a.rel_rmse.total_cmp(&b.rel_rmse)) {
+            None => Ok(()),
+            Some(error) => Err(anyhow!(
+                "delivered relRMSE {:.6} at roughness {:.4} is above {limit}",
+                error.rel_rmse,
+                error.roughness
+            )
+            .into()),
+        };
+    }
     // Not a number is no better than too great.
     let bad = levels.iter().filter(|errors| errors.rel_rmse.is_nan() || errors.rel_rmse > limit);
     match bad.max_by(|a, b| a.rel_rmse.total_cmp(&b.rel_rmse)) {
@@ -201,8 +323,10 @@ fn judge(levels: &[LevelErrors], limit: Option<f64>) -> Outcome {
 
 impl Comparison {
     fn text(&self) -> String {
-        let mut text =
-            String::from("level   size  roughness   texels   relRMSE        L1     seam  reference's seam\n");
+        let mut text = String::new();
+        if !self.levels.is_empty() {
+            text += "level   size  roughness   texels   relRMSE        L1     seam  reference's seam\n";
+        }
         let ratio = |seam: Option<f64>| seam.map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.3}"));
         for errors in &self.levels {
             let worst = &errors.worst;
@@ -228,6 +352,19 @@ impl Comparison {
                 radiance(worst.reference),
             )
             .expect("a string takes all");
+        }
+        if let Some(delivered) = &self.delivered {
+            writeln!(
+                text,
+                "delivered: look-ups by the ladder {} along {} directions\nroughness     lod   relRMSE  greatest error",
+                delivered.ladder, delivered.directions
+            )
+            .expect("a string takes all");
+            for error in &delivered.roughnesses {
+                let DeliveredError { roughness, lod, rel_rmse, max_error } = error;
+                writeln!(text, "{roughness:>9.4}  {lod:>6.3}  {rel_rmse:>8.6}  {max_error:>14.4}")
+                    .expect("a string takes all");
+            }
         }
         text
     }

@@ -178,9 +178,11 @@ pub(super) fn error(text: &str) {
 }
 
 /// Settings and remedies of the library as its errors name them, and what this program has in their place.
-const OPTIONS: [(&str, &str); 24] = [
+const OPTIONS: [(&str, &str); 26] = [
     ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
     ("`border`", "--border"),
+    ("`bounds`", "--bounds"),
+    ("`chain`", "--chain"),
     ("`container`", "--format"),
     ("`crop`", "--crop"),
     ("`filter`", "--filter"),

@@ -456,6 +456,7 @@ pub(super) fn metadata(settings: &BakeSettings, opened: &Opened) -> Vec<(String,
         lobe: Some(settings.lobe),
         filter: Some(filter_name(settings.filter)),
         ladder: Some(settings.ladder.name().to_owned()),
+        chain: Some(settings.chain),
         ..opened.turned.clone()
     };
     let conventions = ("octaglossConventions".to_owned(), conventions.to_owned());

@@ -2,7 +2,7 @@
 
 use super::{babylon, gltf};
 use crate::bake::Bake;
-use crate::chain::{Chain, Level};
+use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::container::Container;
@@ -14,7 +14,7 @@ use crate::io::hdr::write::hdr_bytes_with;
 use crate::io::layout::Unfolding;
 use crate::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::io::oem_write::oem_bytes;
-use crate::io::provenance::{Provenance, QUARTER_TURNS_KEY, irradiance_pairs};
+use crate::io::provenance::{CHAIN_KEY, Provenance, QUARTER_TURNS_KEY, irradiance_pairs};
 use crate::lobe::{LOBE_KEY, Lobe};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{name, order_text};
@@ -70,14 +70,20 @@ fn file_of(
     let cube = |levels: &[Level], sh: bool| {
         let chain = Chain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
         let mut pairs = cube_metadata(plan, bake, metadata, sh);
-        let mut set_lobe = |lobe: Lobe| {
-            let own = pairs.iter_mut().filter(|(key, _)| key == LOBE_KEY);
-            own.for_each(|(_, value)| lobe.name().clone_into(value));
+        let mut set = |key: &str, value: &str| {
+            let own = pairs.iter_mut().filter(|(found, _)| found == key);
+            own.for_each(|(_, old)| value.clone_into(old));
         };
         match content {
-            Content::Sheen => set_lobe(Lobe::Charlie),
+            Content::Sheen => {
+                set(LOBE_KEY, Lobe::Charlie.name());
+                set(CHAIN_KEY, ChainKind::Sampled.name());
+            }
             // A mirror whatever the lobe of the levels.
-            Content::Skybox if bake.skybox.is_some() => set_lobe(Lobe::Ggx),
+            Content::Skybox if bake.skybox.is_some() => {
+                set(LOBE_KEY, Lobe::Ggx.name());
+                set(CHAIN_KEY, ChainKind::Sampled.name());
+            }
             Content::Irradiance => pairs = irradiance_pairs(&pairs),
             _ => {}
         }

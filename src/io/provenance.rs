@@ -15,7 +15,7 @@
 //! precedence over its report.
 
 use super::fit::Pad;
-use crate::chain::{Chain, Level};
+use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::{Layout, Rgb};
 use crate::lobe::{LOBE_KEY, Lobe};
 use crate::target::Flip;
@@ -44,6 +44,8 @@ pub const PAD_KEY: &str = "octaglossPad";
 pub const FILTER_KEY: &str = "octaglossFilter";
 /// Key of the ladder.
 pub const LADDER_KEY: &str = "octaglossLadder";
+/// Key of the content of the levels' texels: `sampled` or `solved`.
+pub const CHAIN_KEY: &str = "octaglossChain";
 /// Key of the content, if it is not the levels of a bake.
 pub const CONTENT_KEY: &str = "octaglossContent";
 
@@ -90,6 +92,8 @@ pub struct Provenance {
     pub filter: Option<String>,
     /// The ladder, in command-line syntax.
     pub ladder: Option<String>,
+    /// What the levels' texels are.
+    pub chain: Option<ChainKind>,
 }
 
 impl Provenance {
@@ -114,6 +118,7 @@ impl Provenance {
             (LOBE_KEY, self.lobe.map(|lobe| lobe.name().to_owned())),
             (FILTER_KEY, self.filter.clone()),
             (LADDER_KEY, self.ladder.clone()),
+            (CHAIN_KEY, self.chain.map(|chain| chain.name().to_owned())),
         ];
         pairs.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
     }
@@ -155,6 +160,7 @@ impl Provenance {
             lobe: of(LOBE_KEY).and_then(|name| Lobe::named(name.trim())),
             filter: of(FILTER_KEY),
             ladder: of(LADDER_KEY),
+            chain: of(CHAIN_KEY).and_then(|name| ChainKind::named(name.trim())),
         })
     }
 
@@ -175,6 +181,7 @@ impl Provenance {
             lobe: self.lobe.or(other.lobe),
             filter: self.filter.or(other.filter),
             ladder: self.ladder.or(other.ladder),
+            chain: self.chain.or(other.chain),
         }
     }
 
@@ -234,11 +241,11 @@ impl Provenance {
     }
 }
 
-/// Converts the pairs of a bake's levels to those of its irradiance: cosine lobe, no ladder.
+/// Converts the pairs of a bake's levels to those of its irradiance: cosine lobe, no ladder and no kind of chain.
 #[must_use]
 pub fn irradiance_pairs(pairs: &[(String, String)]) -> Vec<(String, String)> {
     let own = [(CONTENT_KEY, IRRADIANCE), (LOBE_KEY, Lobe::Cosine.name())];
-    let others = |key: &str| ![CONTENT_KEY, LOBE_KEY, LADDER_KEY].contains(&key);
+    let others = |key: &str| ![CONTENT_KEY, LOBE_KEY, LADDER_KEY, CHAIN_KEY].contains(&key);
     let own = own.map(|(key, value)| (key.to_owned(), value.to_owned()));
     own.into_iter().chain(pairs.iter().filter(|(key, _)| others(key)).cloned()).collect()
 }
@@ -297,6 +304,7 @@ mod tests {
             lobe: Some(Lobe::Phong),
             filter: Some("adaptive:0.005".to_owned()),
             ladder: Some("linear".to_owned()),
+            chain: Some(ChainKind::Solved),
         }
     }
 

@@ -6,6 +6,7 @@
 use super::fit::Pad;
 use super::provenance::{IRRADIANCE, Provenance, TakenSun};
 
+use crate::chain::ChainKind;
 use crate::lobe::Lobe;
 use crate::target::{Content, Flip, Target};
 use serde::Deserialize;
@@ -28,6 +29,7 @@ pub(super) struct SideReport {
     sun: Option<TakenSun>,
     #[serde(default)]
     target: Option<TargetPart>,
+    chain: Option<String>,
     #[serde(default)]
     fingerprint: Fingerprint,
 }
@@ -153,10 +155,12 @@ impl SideReport {
                 provenance.content = Some(IRRADIANCE.to_owned());
                 provenance.lobe = Some(Lobe::Cosine);
                 provenance.ladder = None;
+                provenance.chain = None;
                 vec![1.0]
             }
             Content::Sheen => {
                 provenance.lobe = Some(Lobe::Charlie);
+                provenance.chain = provenance.chain.map(|_| ChainKind::Sampled);
                 of(&self.sheen)
             }
             Content::Skybox => {
@@ -195,6 +199,7 @@ impl SideReport {
             lobe: lobe.as_deref().and_then(Lobe::named),
             filter: filter.clone(),
             ladder: ladder.clone(),
+            chain: self.chain.as_deref().and_then(ChainKind::named),
         }
     }
 

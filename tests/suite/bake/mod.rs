@@ -4,3 +4,4 @@ pub(super) mod cancel;
 pub(super) mod dfg;
 pub(super) mod maps;
 pub(super) mod report;
+mod solve;

@@ -1,5 +1,6 @@
 //! The program on the command line: exit statuses, messages and written files.
 
+mod chains;
 #[cfg(feature = "plot")]
 pub(super) mod figures;
 #[cfg(not(feature = "plot"))]

@@ -4,6 +4,7 @@ use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::luminance;
 use crate::support::common::{Look, Random, environment, texels};
 use octagloss::internals::bake::{Bake, BakeSettings, bake};
+use octagloss::internals::chain::ChainKind;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::lobe::kernel::leaf_share;
@@ -250,4 +251,28 @@ fn bakes_of_other_maps_match_the_cpu() {
             }
         }
     });
+}
+
+#[test]
+fn solved_chains_are_those_of_the_cpu() {
+    let solved = BakeSettings {
+        size: 32,
+        levels: Some(5),
+        chain: ChainKind::Solved,
+        oem_size: Some(128),
+        ..BakeSettings::default()
+    };
+    for name in ["sky", "studio"] {
+        let environment = synth(name).expect("a recipe").rotated_y(30.0);
+        let cpu = bake(&environment, &solved).expect("a small bake");
+        with_passes("solved chains", |context, passes| {
+            let gpu = wait(context, passes.bake(&environment, &solved));
+            for (level, (ours, theirs)) in gpu.chain.levels.iter().zip(&cpu.chain.levels).enumerate() {
+                let values = || ours.texels.as_flattened().iter().zip(theirs.texels.as_flattened());
+                let squares: f64 = values().map(|(a, b)| f64::from(a - b).powi(2)).sum();
+                let power: f64 = values().map(|(_, b)| f64::from(*b).powi(2)).sum();
+                assert!(squares.sqrt() < 1e-4 * power.sqrt(), "{name} level {level}: {squares} of {power}");
+            }
+        });
+    }
 }

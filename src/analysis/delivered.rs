@@ -1,0 +1,113 @@
+//! What a renderer gets: trilinear look-ups of a chain between texels and between levels, against lobes.
+
+use crate::chain::Chain;
+use crate::chain_lookup::ChainLookup;
+use crate::environment::{LUMINANCE, Rgb};
+use crate::error::Result;
+use crate::finite::finite;
+use crate::ladder::Ladder;
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// Directions of a roughness: as few miss no small sun.
+pub const DIRECTIONS: usize = 20_000;
+
+/// The delivered error at one roughness, of luminance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DeliveredError {
+    /// Perceptual roughness.
+    pub roughness: f64,
+    /// The level of detail that the ladder looks up for it.
+    pub lod: f64,
+    /// Root of the mean squared error over the mean of the lobe.
+    #[serde(serialize_with = "finite")]
+    pub rel_rmse: f64,
+    /// The greatest error of a direction over the mean of the lobe.
+    #[serde(serialize_with = "finite")]
+    pub max_error: f64,
+}
+
+/// `count` directions spread evenly over the sphere, always the same: a Fibonacci lattice.
+#[must_use]
+pub fn even_directions(count: usize) -> Vec<DVec3> {
+    // The golden angle.
+    let turn = PI * (3.0 - 5.0_f64.sqrt());
+    let direction = |k: usize| {
+        let y = 1.0 - (2 * k + 1) as f64 / count as f64;
+        let (sin, cos) = (turn * (k as f64 + 0.5)).sin_cos();
+        let radius = (1.0 - y * y).sqrt();
+        DVec3::new(radius * cos, y, radius * sin)
+    };
+    (0..count).map(direction).collect()
+}
+
+/// The roughnesses at which a chain is measured by default: those of its levels that are baked with a lobe, and
+/// the ones halfway between.
+#[must_use]
+pub fn default_roughnesses(chain: &Chain) -> Vec<f64> {
+    let levels: Vec<f64> = chain.levels.iter().map(|level| level.roughness).filter(|r| *r > 0.0).collect();
+    let mut all = levels.clone();
+    all.extend(levels.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0));
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// Exact lobes: the radiance of GGX's at a roughness, along each of some directions.
+pub type Truth<'a> = &'a dyn Fn(f64, &[DVec3]) -> Result<Vec<Rgb>>;
+
+/// The delivered errors of `chain`, cubes of GGX lobes, at `roughnesses` in [0, 1], looked up by `ladder`.
+///
+/// # Errors
+/// Those of `truth`.
+pub fn delivered_errors(
+    chain: &Chain,
+    ladder: Ladder,
+    roughnesses: &[f64],
+    truth: Truth<'_>,
+) -> Result<Vec<DeliveredError>> {
+    let (size, levels) = (chain.levels[0].size(), chain.levels.len() as u32);
+    let lookup = ChainLookup::new(&chain.levels);
+    let directions = even_directions(DIRECTIONS);
+    let error_at = |roughness: &f64| {
+        let wanted = truth(*roughness, &directions)?;
+        let lod = ladder.lod(*roughness, levels, size);
+        let pairs: Vec<(f64, f64)> = directions
+            .par_iter()
+            .zip(&wanted)
+            .map(|(direction, wanted)| {
+                (luminance(lookup.read(*direction, lod)), luminance(wanted.map(f64::from)))
+            })
+            .collect();
+        let count = pairs.len() as f64;
+        let mean = pairs.iter().map(|(_, wanted)| wanted).sum::<f64>() / count;
+        let squares = pairs.iter().map(|(got, wanted)| (got - wanted).powi(2)).sum::<f64>();
+        let most = pairs.iter().map(|(got, wanted)| (got - wanted).abs()).fold(0.0, f64::max);
+        let over_mean = |error: f64| match (error > 0.0, mean > 0.0) {
+            (false, _) => 0.0,
+            (true, true) => error / mean,
+            (true, false) => 1.0,
+        };
+        Ok(DeliveredError {
+            roughness: *roughness,
+            lod,
+            rel_rmse: over_mean((squares / count).sqrt()),
+            max_error: over_mean(most),
+        })
+    };
+    roughnesses.iter().map(error_at).collect()
+}
+
+/// Root mean square of the errors of `errors` over the roughnesses from `first` to 1.
+#[must_use]
+pub fn over_roughness(errors: &[DeliveredError], first: f64) -> f64 {
+    let squares: Vec<f64> =
+        errors.iter().filter(|error| error.roughness >= first).map(|error| error.rel_rmse.powi(2)).collect();
+    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+}
+
+fn luminance(rgb: [f64; 3]) -> f64 {
+    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
+}

@@ -1,0 +1,137 @@
+//! What a renderer reads out of a level of a cube: a seamless bilinear look-up, as graphics APIs define it.
+//!
+//! Between the outermost texels of two faces it interpolates across their edge. At a cube's corner, where three
+//! texels meet, the fourth of a bilinear square is their mean.
+
+use crate::chain::Level;
+use crate::environment::Rgb;
+use crate::sphere::cube::{Face, cube_from_direction, cube_point};
+use glam::DVec3;
+
+/// The texels that look-ups of a level of some size read.
+#[derive(Clone, Debug)]
+pub struct LevelLookup {
+    size: usize,
+    /// For each face a square of `size + 2` places a side, row-major: the texel there, by its index in the level.
+    /// The four corners have none.
+    places: Vec<u32>,
+}
+
+/// The most texels that one look-up reads.
+pub const MOST_TAPS: usize = 4;
+
+/// The texels of one look-up and their weights, which sum to 1; unused ones have the weight 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Taps {
+    /// Indices of a level's texels.
+    pub texels: [u32; MOST_TAPS],
+    /// Their weights.
+    pub weights: [f64; MOST_TAPS],
+    /// How many of them are used.
+    pub count: usize,
+}
+
+impl LevelLookup {
+    /// Look-ups of levels of `size` texels along an edge.
+    #[must_use]
+    pub fn new(size: u32) -> Self {
+        let (n, side) = (size as usize, size as usize + 2);
+        let mut places = vec![0; 6 * side * side];
+        // Just across an edge lies the neighbour's outermost texel.
+        let across = 1.0 + 1e-9;
+        let centre = |k: usize| {
+            if k == 0 {
+                -across
+            } else if k > n {
+                across
+            } else {
+                (2 * k - 1) as f64 / n as f64 - 1.0
+            }
+        };
+        for (place, texel) in places.iter_mut().enumerate() {
+            let (face, row, column) = (place / (side * side), place / side % side, place % side);
+            let point = cube_point(Face::ALL[face], centre(column), centre(row));
+            let (face, s, t) = cube_from_direction(point);
+            let line = |x: f64| (((x + 1.0) / 2.0 * n as f64) as usize).min(n - 1);
+            *texel = ((face.index() * n + line(t)) * n + line(s)) as u32;
+        }
+        Self { size: n, places }
+    }
+
+    /// The texels that a look-up along `direction` (any length but zero) reads.
+    #[must_use]
+    pub fn taps(&self, direction: DVec3) -> Taps {
+        self.taps_at(cube_from_direction(direction))
+    }
+
+    /// The texels that a look-up at (s, t) of a face reads.
+    #[must_use]
+    pub fn taps_at(&self, (face, s, t): (Face, f64, f64)) -> Taps {
+        let (n, side) = (self.size, self.size + 2);
+        let split = |x: f64| {
+            let place = (x + 1.0) / 2.0 * n as f64 + 0.5;
+            let low = (place.max(0.0) as usize).min(n);
+            (low, place - low as f64)
+        };
+        let ((i, a), (j, b)) = (split(s), split(t));
+        let corner = |i: usize, j: usize| (i == 0 || i > n) && (j == 0 || j > n);
+        let square = [
+            (i, j, (1.0 - a) * (1.0 - b)),
+            (i + 1, j, a * (1.0 - b)),
+            (i, j + 1, (1.0 - a) * b),
+            (i + 1, j + 1, a * b),
+        ];
+        let missing: f64 =
+            square.iter().filter(|(i, j, _)| corner(*i, *j)).map(|(_, _, weight)| weight).sum();
+        let mut taps = Taps { texels: [0; MOST_TAPS], weights: [0.0; MOST_TAPS], count: 0 };
+        for (i, j, weight) in square.into_iter().filter(|(i, j, _)| !corner(*i, *j)) {
+            taps.texels[taps.count] = self.places[(face.index() * side + j) * side + i];
+            taps.weights[taps.count] = weight + missing / 3.0;
+            taps.count += 1;
+        }
+        taps
+    }
+}
+
+impl Taps {
+    /// The weighted mean of `texels`.
+    #[must_use]
+    pub fn read(&self, texels: &[Rgb]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (texel, weight) in self.texels.iter().zip(self.weights).take(self.count) {
+            for (sum, value) in sum.iter_mut().zip(texels[*texel as usize]) {
+                *sum += weight * f64::from(value);
+            }
+        }
+        sum
+    }
+}
+
+/// Look-ups of a whole chain, between levels as well.
+#[derive(Clone, Debug)]
+pub struct ChainLookup<'a> {
+    levels: &'a [Level],
+    lookups: Vec<LevelLookup>,
+}
+
+impl<'a> ChainLookup<'a> {
+    /// Look-ups of `levels`, all of them cubes.
+    #[must_use]
+    pub fn new(levels: &'a [Level]) -> Self {
+        Self { levels, lookups: levels.iter().map(|level| LevelLookup::new(level.size())).collect() }
+    }
+
+    /// What a trilinear look-up along `direction` reads at `lod`, which is held to the levels that there are.
+    #[must_use]
+    pub fn read(&self, direction: DVec3, lod: f64) -> [f64; 3] {
+        let lod = lod.clamp(0.0, (self.levels.len() - 1) as f64);
+        let low = lod as usize;
+        let share = lod - low as f64;
+        let of = |level: usize| self.lookups[level].taps(direction).read(&self.levels[level].texels);
+        if share == 0.0 {
+            return of(low);
+        }
+        let (low, high) = (of(low), of(low + 1));
+        std::array::from_fn(|c| low[c] * (1.0 - share) + high[c] * share)
+    }
+}
