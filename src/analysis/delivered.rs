@@ -43,16 +43,14 @@ pub fn even_directions(count: usize) -> Vec<DVec3> {
     (0..count).map(direction).collect()
 }
 
-/// The roughnesses at which a chain is measured by default: those of its levels that are baked with a lobe, and
-/// the ones halfway between.
+/// The roughnesses at which a chain is measured by default: the middles of three equal parts of each step from a
+/// level to the next, from the first level on that is baked with a lobe.
 #[must_use]
 pub fn default_roughnesses(chain: &Chain) -> Vec<f64> {
     let levels: Vec<f64> = chain.levels.iter().map(|level| level.roughness).filter(|r| *r > 0.0).collect();
-    let mut all = levels.clone();
-    all.extend(levels.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0));
-    all.sort_by(f64::total_cmp);
-    all.dedup();
-    all
+    let part = |pair: &[f64], k: u32| pair[0] + (pair[1] - pair[0]) * (f64::from(k) + 0.5) / 3.0;
+    let steps = levels.windows(2).filter(|pair| pair[1] > pair[0]);
+    steps.flat_map(|pair| (0..3).map(move |k| part(pair, k))).collect()
 }
 
 /// Exact lobes: the radiance of GGX's at a roughness, along each of some directions.

@@ -371,8 +371,8 @@ pub(super) struct CompareArgs {
     /// Measure what trilinear look-ups deliver
     ///
     /// Against a source, for cubes of ggx: between texels and levels, looked up by the bake's ladder, along 20,000
-    /// directions, at R, a list of roughnesses, or at those of the levels and halfway between. Of a solved chain
-    /// this is all that is measured.
+    /// directions, at R, a list of roughnesses, or at three between each two levels. Of a solved chain this is all
+    /// that is measured.
     #[arg(long, value_name = "R", value_delimiter = ',', num_args = 0.., require_equals = true, value_parser = roughness)]
     pub(super) delivered: Option<Vec<f64>>,
     /// Exit with 1 if a relRMSE is above X
