@@ -280,7 +280,7 @@ fn a_folder_that_cannot_be_read_is_told_and_the_rest_is_baked() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = with_skies(&["a.exr", "closed/b.exr"]);
     let closed = folder.path().join("in/closed");
-    fs::set_permissions(&closed, fs::Permissions::from_mode(0)).expect("closed");
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o000)).expect("closed");
     // Nothing is closed to root.
     if fs::read_dir(&closed).is_err() {
         let ran = bake(folder.path(), &["in", "-r", "-o", "out"]);
