@@ -8,6 +8,9 @@ use crate::Error;
 use crate::io::side_report::REPORT;
 use crate::io::{has_readable_name, is_bake_folder, readable_extensions};
 use glob::{MatchOptions, Pattern};
+use octagloss::Error;
+use octagloss::io::side_report::REPORT;
+use octagloss::io::{has_readable_name, is_bake_folder, levels_path, readable_extensions};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
@@ -74,6 +77,10 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
         };
         let Walk { found, failures, .. } = walk;
         if found.is_empty() {
+            // A folder of several bakes says so.
+            if path.is_dir() {
+                levels_path(&path)?;
+            }
             let failure = |error| Err(Failure::Failed(anyhow::Error::new(error)));
             return failures.into_iter().next().map_or_else(|| nothing(&path, what, recursive), failure);
         }
