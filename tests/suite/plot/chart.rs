@@ -32,7 +32,7 @@ fn a_chart_names_its_axes_and_series() {
     let figure = chart().figure("errors").expect("a chart");
     let texts: Vec<String> = figure.texts().into_iter().map(|(text, _)| text).collect();
     for text in
-        ["Error over roughness", "roughness", "relative error", "boxes", "fitted", "adaptive", "0.01", "0.5"]
+        ["Error over roughness", "roughness", "relative error", "boxes", "fitted", "adaptive", "0.01", "0.4"]
     {
         assert!(texts.contains(&text.to_owned()), "{text}: {texts:?}");
     }
