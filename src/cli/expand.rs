@@ -5,12 +5,12 @@
 
 use super::outcome::{Failure, Outcome, usage};
 use crate::Error;
+use crate::Error;
 use crate::io::side_report::REPORT;
+use crate::io::side_report::REPORT;
+use crate::io::{has_readable_name, is_bake_folder, levels_path, readable_extensions};
 use crate::io::{has_readable_name, is_bake_folder, readable_extensions};
 use glob::{MatchOptions, Pattern};
-use octagloss::Error;
-use octagloss::io::side_report::REPORT;
-use octagloss::io::{has_readable_name, is_bake_folder, levels_path, readable_extensions};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
