@@ -40,7 +40,7 @@ pub(super) fn elements(document: &str) -> Vec<&str> {
         if let Some(name) = tag.strip_prefix('/') {
             assert_eq!(open.pop(), Some(name), "closed in order");
         } else {
-            assert!(tag.matches('"').count() % 2 == 0 && !tag.contains('<'), "{tag}");
+            assert!(tag.matches('"').count().is_multiple_of(2) && !tag.contains('<'), "{tag}");
             let name = tag.split([' ', '/']).next().expect("a name");
             all.push(name);
             if !tag.ends_with('/') {
