@@ -6,6 +6,7 @@ use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
 
 #[derive(Debug, ClapArgs)]
+#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "builds without figures print them as typed"))]
 pub(super) struct FigureArgs {
     /// Draw figures of the maps into the folder -o, as PNG and SVG
     ///
