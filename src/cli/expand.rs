@@ -5,11 +5,8 @@
 
 use super::outcome::{Failure, Outcome, usage};
 use crate::Error;
-use crate::Error;
-use crate::io::side_report::REPORT;
 use crate::io::side_report::REPORT;
 use crate::io::{has_readable_name, is_bake_folder, levels_path, readable_extensions};
-use crate::io::{has_readable_name, is_bake_folder, readable_extensions};
 use glob::{MatchOptions, Pattern};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
