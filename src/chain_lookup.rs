@@ -1,43 +1,43 @@
-//! What a renderer reads out of a level of a cube: a seamless bilinear look-up, as graphics APIs define it.
+//! Seamless bilinear look-ups of cube levels, as defined by graphics APIs.
 //!
-//! Between the outermost texels of two faces it interpolates across their edge. At a cube's corner, where three
-//! texels meet, the fourth of a bilinear square is their mean.
+//! Interpolates across edges between the outermost texels of two faces. At a cube corner, where three texels
+//! meet, the fourth sample is their mean.
 
 use crate::chain::Level;
 use crate::environment::Rgb;
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
 use glam::DVec3;
 
-/// The texels that look-ups of a level of some size read.
+/// Texel indices for look-ups of a level of fixed size.
 #[derive(Clone, Debug)]
 pub struct LevelLookup {
     size: usize,
-    /// For each face a square of `size + 2` places a side, row-major: the texel there, by its index in the level.
-    /// The four corners have none.
+    /// Per face, a row-major square with `size + 2` entries per side: texel indices in the level. The four
+    /// corners are unset.
     places: Vec<u32>,
 }
 
-/// The most texels that one look-up reads.
+/// Maximum texels per look-up.
 pub const MOST_TAPS: usize = 4;
 
-/// The texels of one look-up and their weights, which sum to 1; unused ones have the weight 0.
+/// Texels of one look-up and their weights, which sum to 1; unused entries have weight 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taps {
     /// Indices of a level's texels.
     pub texels: [u32; MOST_TAPS],
     /// Their weights.
     pub weights: [f64; MOST_TAPS],
-    /// How many of them are used.
+    /// Number of used entries.
     pub count: usize,
 }
 
 impl LevelLookup {
-    /// Look-ups of levels of `size` texels along an edge.
+    /// Prepares look-ups of levels with `size` texels per edge.
     #[must_use]
     pub fn new(size: u32) -> Self {
         let (n, side) = (size as usize, size as usize + 2);
         let mut places = vec![0; 6 * side * side];
-        // Just across an edge lies the neighbour's outermost texel.
+        // The border entry is the neighbour's outermost texel.
         let across = 1.0 + 1e-9;
         let centre = |k: usize| {
             if k == 0 {
@@ -58,13 +58,13 @@ impl LevelLookup {
         Self { size: n, places }
     }
 
-    /// The texels that a look-up along `direction` (any length but zero) reads.
+    /// Texels read by a look-up along `direction` (any nonzero length).
     #[must_use]
     pub fn taps(&self, direction: DVec3) -> Taps {
         self.taps_at(cube_from_direction(direction))
     }
 
-    /// The texels that a look-up at (s, t) of a face reads.
+    /// Texels read by a look-up at (s, t) of a face.
     #[must_use]
     pub fn taps_at(&self, (face, s, t): (Face, f64, f64)) -> Taps {
         let (n, side) = (self.size, self.size + 2);
@@ -107,7 +107,7 @@ impl Taps {
     }
 }
 
-/// Look-ups of a whole chain, between levels as well.
+/// Trilinear look-ups of a whole chain.
 #[derive(Clone, Debug)]
 pub struct ChainLookup<'a> {
     levels: &'a [Level],
@@ -115,13 +115,13 @@ pub struct ChainLookup<'a> {
 }
 
 impl<'a> ChainLookup<'a> {
-    /// Look-ups of `levels`, all of them cubes.
+    /// Prepares look-ups of `levels`, all cubes.
     #[must_use]
     pub fn new(levels: &'a [Level]) -> Self {
         Self { levels, lookups: levels.iter().map(|level| LevelLookup::new(level.size())).collect() }
     }
 
-    /// What a trilinear look-up along `direction` reads at `lod`, which is held to the levels that there are.
+    /// Trilinear look-up along `direction` at `lod`, clamped to the existing levels.
     #[must_use]
     pub fn read(&self, direction: DVec3, lod: f64) -> [f64; 3] {
         let lod = lod.clamp(0.0, (self.levels.len() - 1) as f64);

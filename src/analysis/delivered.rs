@@ -1,4 +1,4 @@
-//! What a renderer gets: trilinear look-ups of a chain between texels and between levels, against lobes.
+//! Measures trilinear look-ups of a chain, between texels and levels, against lobes.
 
 use crate::chain::Chain;
 use crate::chain_lookup::ChainLookup;
@@ -11,25 +11,25 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Directions of a roughness: as few miss no small sun.
+/// Directions per roughness, enough to hit a small sun.
 pub const DIRECTIONS: usize = 20_000;
 
-/// The delivered error at one roughness, of luminance.
+/// Luminance error of look-ups at one roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DeliveredError {
     /// Perceptual roughness.
     pub roughness: f64,
-    /// The level of detail that the ladder looks up for it.
+    /// The level of detail that the ladder assigns to it.
     pub lod: f64,
-    /// Root of the mean squared error over the mean of the lobe.
+    /// RMS error divided by the mean of the lobe.
     #[serde(serialize_with = "finite")]
     pub rel_rmse: f64,
-    /// The greatest error of a direction over the mean of the lobe.
+    /// Greatest error of a direction, divided by the mean of the lobe.
     #[serde(serialize_with = "finite")]
     pub max_error: f64,
 }
 
-/// `count` directions spread evenly over the sphere, always the same: a Fibonacci lattice.
+/// Returns `count` evenly distributed directions: a fixed Fibonacci lattice.
 #[must_use]
 pub fn even_directions(count: usize) -> Vec<DVec3> {
     // The golden angle.
@@ -43,8 +43,8 @@ pub fn even_directions(count: usize) -> Vec<DVec3> {
     (0..count).map(direction).collect()
 }
 
-/// The roughnesses at which a chain is measured by default: the middles of three equal parts of each step from a
-/// level to the next, from the first level on that is baked with a lobe.
+/// Default roughnesses of a measurement: the midpoints of three equal parts of each step between levels, from
+/// the first level with a lobe.
 #[must_use]
 pub fn default_roughnesses(chain: &Chain) -> Vec<f64> {
     let levels: Vec<f64> = chain.levels.iter().map(|level| level.roughness).filter(|r| *r > 0.0).collect();
@@ -53,10 +53,10 @@ pub fn default_roughnesses(chain: &Chain) -> Vec<f64> {
     steps.flat_map(|pair| (0..3).map(move |k| part(pair, k))).collect()
 }
 
-/// Exact lobes: the radiance of GGX's at a roughness, along each of some directions.
+/// Exact lobes: radiance of GGX at a roughness along given directions.
 pub type Truth<'a> = &'a dyn Fn(f64, &[DVec3]) -> Result<Vec<Rgb>>;
 
-/// The delivered errors of `chain`, cubes of GGX lobes, at `roughnesses` in [0, 1], looked up by `ladder`.
+/// Measures the look-up errors of `chain`, cubes of GGX lobes, at `roughnesses` in [0, 1] with `ladder`.
 ///
 /// # Errors
 /// Those of `truth`.
@@ -98,7 +98,7 @@ pub fn delivered_errors(
     roughnesses.iter().map(error_at).collect()
 }
 
-/// Root mean square of the errors of `errors` over the roughnesses from `first` to 1.
+/// Root mean square of `errors` over the roughnesses from `first` to 1.
 #[must_use]
 pub fn over_roughness(errors: &[DeliveredError], first: f64) -> f64 {
     let squares: Vec<f64> =

@@ -1,15 +1,15 @@
-//! Solved chains: texels that make trilinear look-ups, rather than texels, as near to lobes as they can be.
+//! Solved chains: texels whose trilinear look-ups, rather than the texels themselves, best fit the lobes.
 //!
-//! A look-up joins samples of a curved function by straight lines, so it is off to the same side everywhere
-//! between them. Here the levels are the least-squares fit of what look-ups give over direction and roughness,
-//! in two steps, each linear but for its bounds:
-//! 1. Along roughness, for each direction on its own: the values at the levels whose joining lines are nearest
-//!    the lobes at the nodes of a quadrature between the levels. They are held to a share of the sampled lobe,
-//!    or a sun, which one level shows many times brighter than the next, would leave a hole in the rougher one.
-//! 2. Over direction, for each level on its own: the texels whose bilinear look-ups are nearest those values,
-//!    by conjugate gradients.
+//! A look-up interpolates a curved function linearly, so its error between samples has one sign. Solved
+//! levels are the least-squares fit of look-ups over direction and roughness, in two steps, each linear
+//! except for its bounds:
+//! 1. Along roughness, per direction: the level values whose linear interpolation best fits the lobes at
+//!    quadrature nodes between the levels. Values are at least a share of the sampled lobe; otherwise a sun,
+//!    many times brighter in one level than in the next, would leave a hole in the rougher one.
+//! 2. Over direction, per level: the texels whose bilinear look-ups best fit those values, by conjugate
+//!    gradients.
 //!
-//! The lobes between the levels are baked as levels of their own, on the coarsest cubes that resolve them.
+//! Lobes between the levels are baked as separate levels, on the coarsest cubes that resolve them.
 
 use crate::chain::{Level, LevelSpec};
 use crate::chain_lookup::{LevelLookup, Taps};
@@ -21,48 +21,48 @@ use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
-/// A lobe between two levels that the solver needs.
+/// A quadrature node: a lobe between two levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {
-    /// The cube that it is baked on, and its roughness.
+    /// Its cube and roughness.
     pub(crate) spec: LevelSpec,
-    /// The share of the roughnesses that it stands for.
+    /// Its quadrature weight over roughness.
     weight: f64,
-    /// The sharper of the two levels,
+    /// The sharper of the two levels.
     low: usize,
-    /// and the share of the rougher one in a look-up.
+    /// Weight of the rougher level in a look-up.
     share: f64,
 }
 
 impl Node {
-    /// Texels along an edge of its cube.
+    /// Edge of its cube in texels.
     fn edge(&self) -> u32 {
         self.spec.layout.sides().1
     }
 }
 
-/// Texels of a node's cube in the full width of its lobe at half maximum.
+/// Minimum texels of a node's cube per full width at half maximum of its lobe.
 const TEXELS_PER_WIDTH: f64 = 3.5;
 
-/// The least edge of a node's cube.
+/// Minimum edge of a node's cube.
 const LEAST_EDGE: u32 = 16;
 
-/// Nodes and weights of Gauss's quadratures over [0, 1], by number of nodes less 2.
+/// Nodes and weights of Gauss quadratures over [0, 1], indexed by number of nodes minus 2.
 const QUADRATURES: [&[(f64, f64)]; 2] = [
     &[(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)],
     &[(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
 ];
 
-/// Whether cubics between the texels of a cube of `edge` texels show a lobe of `roughness`.
+/// Whether cubic interpolation on a cube of `edge` texels resolves a lobe of `roughness`.
 fn resolves(edge: u32, roughness: f64) -> bool {
     let width = full_width_at_half_maximum(Lobe::Ggx, roughness * roughness);
     edge >= LEAST_EDGE && width * f64::from(edge) >= TEXELS_PER_WIDTH * FRAC_PI_2
 }
 
-/// The peaks of two levels this many times apart need three nodes.
+/// Ratio of two levels' peaks above which three nodes are needed.
 const STEEP: f64 = 8.0;
 
-/// The nodes of a chain of cubes of `size` texels and `levels` levels on `ladder`.
+/// Nodes of a chain with `levels` levels from edge `size` on `ladder`.
 pub(crate) fn nodes(size: u32, levels: u32, ladder: Ladder) -> Vec<Node> {
     let mut nodes = Vec::new();
     for low in 1..levels.saturating_sub(1) {
@@ -86,11 +86,11 @@ pub(crate) fn nodes(size: u32, levels: u32, ladder: Ladder) -> Vec<Node> {
     nodes
 }
 
-/// The least that a solved value is of the sampled one.
+/// Lower bound of a solved value, relative to the sampled one.
 const LEAST_SHARE: f64 = 0.75;
 
-/// Solves `levels`, a sampled chain of cubes, in place; `lobes` are the texels of each of `nodes`. Levels that no
-/// look-up reads, and level 0, stay as they are. Returns the numbers of those that were solved.
+/// Solves `levels`, a sampled chain of cubes, in place; `lobes` are the texels of `nodes`. Keeps level 0 and
+/// levels that no look-up reads. Returns the indices of the solved levels.
 pub(crate) fn solve(levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> Range<usize> {
     let Some(last) = nodes.iter().map(|node| node.low + 1).max() else { return 0..0 };
     let of = |size: u32, texels: &[Rgb]| Smooth::new(size, &|texel| texels[texel].map(f64::from));
@@ -103,7 +103,7 @@ pub(crate) fn solve(levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> R
         let wanted = |place| window.wanted(place, &sampled, &between);
         let level = &mut levels[index];
         let fit = if resolves(level.size(), level.roughness) {
-            // Cubics between the texels' centres.
+            // Cubic interpolation between texel centres.
             let n = level.size() as usize;
             let centre = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
             let place = |k: usize| (Face::ALL[k / (n * n)], centre(k % n), centre(k / n % n));
@@ -119,54 +119,54 @@ pub(crate) fn solve(levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> R
     1..last + 1
 }
 
-/// Bytes that solving a chain of cubes of `size` texels takes besides the levels.
+/// Memory in bytes to solve a chain of cubes of `size` texels, excluding the levels.
 pub(crate) fn solve_bytes(size: u32, nodes: &[Node]) -> u64 {
     let texels = |edge: u32| 6 * u64::from(edge) * u64::from(edge);
     let between: u64 = nodes.iter().map(|node| texels(node.edge() + 4)).sum();
-    // A texel of the first level is solved by nine partners, and six vectors of three; cubics read three levels
-    // of numbers in double precision.
+    // Per texel of the first level: nine partners and six vectors of three. Cubics read three levels in
+    // double precision.
     texels(size / 2 + 4) * (9 * 16 + 6 * 24 + 4 * 24) + between * 24
 }
 
-/// How many levels on either side take part in solving one.
+/// Number of levels on either side of the solved one.
 const REACH: usize = 2;
 
-/// The most levels of a window,
+/// Maximum levels of a window.
 const MOST_LEVELS: usize = 2 * REACH + 1;
 
-/// and its most aims: three between each two levels, and the first level.
+/// Maximum aims of a window: three between each two levels, and the first level.
 const MOST_AIMS: usize = 3 * (MOST_LEVELS - 1) + 1;
 
-/// Where a value along a direction comes from.
+/// Source of a value along a direction.
 #[derive(Clone, Copy)]
 enum Origin {
-    /// A node's lobe.
+    /// The lobe of a node.
     Node(usize),
     /// A sampled level.
     Level(usize),
 }
 
-/// A value that look-ups should give.
+/// A target value of look-ups.
 struct Aim {
     origin: Origin,
     weight: f64,
-    /// The sharper of the two levels of the look-up, from the first of the window,
+    /// The sharper level of the look-up, relative to the window's first.
     low: usize,
-    /// and the share of the rougher one.
+    /// Weight of the rougher level.
     share: f64,
 }
 
-/// The levels around one, and what look-ups between them should give: the least squares along roughness.
+/// Least squares along roughness: a window of levels and the target values between them.
 struct Window {
-    /// The first of its levels.
+    /// Its first level.
     first: usize,
-    /// The number of the level that is solved among them.
+    /// Index of the solved level in the window.
     own: usize,
     aims: Vec<Aim>,
-    /// The normal equations: the diagonal, and what is beside it.
+    /// Normal equations: the diagonal and the off-diagonal.
     diagonal: Vec<f64>,
     beside: Vec<f64>,
-    /// The solution for each level: the shares of the aims.
+    /// Solution per level: weights of the aims.
     shares: Vec<Vec<f64>>,
 }
 
@@ -203,7 +203,7 @@ impl Window {
         window
     }
 
-    /// What a light of 1 at `aim` alone makes of each level, by elimination.
+    /// Response of each level to a unit value at `aim`, by elimination.
     fn exact(&self, aim: &Aim) -> Vec<f64> {
         let count = self.diagonal.len();
         let mut right = vec![0.0; count];
@@ -224,7 +224,7 @@ impl Window {
         right
     }
 
-    /// The value of the level that is solved, at `place`.
+    /// Value of the solved level at `place`.
     fn wanted(&self, place: Place, sampled: &[Smooth], between: &[Smooth]) -> [f64; 3] {
         let count = self.diagonal.len();
         let mut own = [[0.0; 3]; MOST_LEVELS];
@@ -255,7 +255,7 @@ impl Window {
         levels[self.own]
     }
 
-    /// Channel `c` of `levels` where they must be at least `least`, by relaxation.
+    /// Solves channel `c` of `levels` with the lower bounds `least`, by relaxation.
     fn bounded(&self, c: usize, lobes: &[[f64; 3]], levels: &mut [[f64; 3]], least: &[[f64; 3]]) {
         let count = self.diagonal.len();
         let mut right = [0.0; MOST_LEVELS + 1];
@@ -278,40 +278,40 @@ impl Window {
     }
 }
 
-/// How much the first level, below which there is only the mirror, is held to the sampled one, to the step from
-/// it to the next.
+/// Weight that pulls the first level to its sampled value, relative to the step to the next level. Only the
+/// mirror is below it.
 const HELD_FIRST: f64 = 0.08;
 
-/// Sweeps of the relaxation: each leaves a quarter of the error.
+/// Relaxation sweeps; each reduces the error to a quarter.
 const SWEEPS: usize = 12;
 
-/// A face, and s and t on it.
+/// A face with s and t.
 type Place = (Face, f64, f64);
 
-/// A level's texels, interpolated by cubics, across the edges of faces as well.
+/// Cubic interpolation of a level's texels, continued across face edges.
 struct Smooth {
     size: usize,
-    /// For each face a square with two more places on every side.
+    /// Per face, a square with a border of two.
     places: Vec<[f64; 3]>,
 }
 
-/// Weights of the four values at -1, 0, 1 and 2 for the cubic through them at `x`.
+/// Weights at `x` of the cubic through the values at -1, 0, 1 and 2.
 fn cubic(x: f64) -> [f64; 4] {
     let (a, b, c, d) = (x + 1.0, x, x - 1.0, x - 2.0);
     [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }
 
-/// The least edge of a level that cubics fit into,
+/// Minimum edge of a level for cubic interpolation.
 const LEAST_CUBIC: u32 = 4;
 
-/// and the edge that smaller ones are brought to.
+/// Edge to which smaller levels are upsampled.
 const FINE: usize = 16;
 
 impl Smooth {
-    /// The cubics between the texels of a cube of `size` texels, whose values `texel` gives.
+    /// Prepares cubic interpolation of a cube of `size` texels with the values `texel`.
     fn new(size: u32, texel: &dyn Fn(usize) -> [f64; 3]) -> Self {
         if size < LEAST_CUBIC {
-            // Fewer texels than a cubic takes: straight lines.
+            // Too few texels for a cubic: interpolate linearly.
             let lookup = LevelLookup::new(size);
             let centre = |k: usize| (2 * k + 1) as f64 / FINE as f64 - 1.0;
             return Self::new(FINE as u32, &|k| {
@@ -339,14 +339,14 @@ impl Smooth {
                 smooth.places[place] = texel((face * n + row - 2) * n + column - 2);
             }
         }
-        // Outside of a face its plane goes on over its neighbours.
+        // Extend the face's plane beyond its edges.
         for place in 0..smooth.places.len() {
             let (face, row, column, inside) = own(place);
             if !inside {
                 let centre = |k: usize| (2.0 * k as f64 - 3.0) / n as f64 - 1.0;
                 let point = cube_point(Face::ALL[face], centre(column), centre(row));
                 let (face, s, t) = cube_from_direction(point);
-                // Cubics within the neighbour, whose own border is not known yet.
+                // Interpolate within the neighbour; its border is not filled yet.
                 let within = (3, n - 1);
                 smooth.places[place] = smooth.interpolated(face, s, t, within);
             }
@@ -354,12 +354,12 @@ impl Smooth {
         smooth
     }
 
-    /// The value at a place of the cube.
+    /// Value at a position on the cube.
     fn read(&self, (face, s, t): Place) -> [f64; 3] {
         self.interpolated(face, s, t, (1, self.size + 1)).map(|value| value.max(0.0))
     }
 
-    /// The cubic through the four lines and columns around (`s`, `t`), the second of which is in `within`.
+    /// Bicubic value from the four rows and columns around (`s`, `t`); the second of them is in `within`.
     fn interpolated(&self, face: Face, s: f64, t: f64, (least, most): (usize, usize)) -> [f64; 3] {
         let side = self.size + 4;
         let split = |x: f64| {
@@ -381,35 +381,35 @@ impl Smooth {
     }
 }
 
-/// The least squares over direction for one level: the normal equations of its texels.
+/// Least squares over direction for one level: normal equations of its texels.
 struct Fit {
-    /// For each texel those that share look-ups with it, itself included, with the weight that they have.
+    /// Per texel, the texels that share look-ups with it, including itself, and their weights.
     partners: Vec<[(u32, f64); MOST_PARTNERS]>,
-    /// What the texels' look-ups should sum to.
+    /// Right-hand side.
     right: Vec<[f64; 3]>,
-    /// What a deviation from the sampled texels costs.
+    /// Weight of a deviation from the sampled texels.
     tether: f64,
 }
 
-/// Texels around one, and itself; at edges of the cube there are no more.
+/// Maximum neighbours of a texel, including itself; also valid at cube edges.
 const MOST_PARTNERS: usize = 9;
 
-/// What a deviation from the sampled texels costs, to the error of a look-up.
+/// Weight of a deviation from the sampled texels, relative to the error of a look-up.
 const TETHER: f64 = 0.02;
 
-/// The same for levels of fewer texels than [`LEAST_CUBIC`]: their bilinear squares are wide enough for a saddle to
-/// show as a second maximum of more than 1 %.
+/// The weight for levels smaller than [`LEAST_CUBIC`]; in their wide bilinear squares a saddle could show as
+/// a second maximum of more than 1 %.
 const SMALL_TETHER: f64 = 0.2;
 
-/// Steps of the conjugate gradients.
+/// Conjugate gradient steps.
 const STEPS: usize = 12;
 
-/// Points that are read at once.
+/// Points per batch.
 const BLOCK: u32 = 1 << 14;
 
 impl Fit {
-    /// The equations of a level of `size` texels whose look-ups should give `wanted`, at four points a texel;
-    /// at more for small levels.
+    /// Equations of a level of `size` texels for the look-up values `wanted`, at four points per texel, or
+    /// more for small levels.
     fn new(size: u32, wanted: &(dyn Fn(Place) -> [f64; 3] + Sync)) -> Self {
         let edge = size * LEAST_EDGE.div_ceil(size).max(2);
         let lookup = LevelLookup::new(size);
@@ -418,7 +418,7 @@ impl Fit {
             let centre = |k: u32| (f64::from(k) + 0.5) * scale - 1.0;
             let place = (Face::ALL[(k / (edge * edge)) as usize], centre(k % edge), centre(k / edge % edge));
             let squared = 1.0 + place.1 * place.1 + place.2 * place.2;
-            // The solid angle of a point, to that of a texel at a face's centre.
+            // Solid angle of a point, relative to a texel at a face's centre.
             let weight = texel * texel / (squared * squared.sqrt());
             (lookup.taps_at(place), wanted(place), weight)
         };
@@ -455,7 +455,7 @@ impl Fit {
         }
     }
 
-    /// The texels whose look-ups are nearest what they should give, from those `sampled`.
+    /// Solves for the texels, starting from `sampled`.
     fn texels(&self, sampled: &[Rgb]) -> Vec<Rgb> {
         let mut texels: Vec<[f64; 3]> = sampled.iter().map(|texel| texel.map(f64::from)).collect();
         let mut residual = self.right.clone();
@@ -498,8 +498,8 @@ impl Fit {
             .collect()
     }
 
-    /// `texels` in the order of those `sampled`: of two neighbours the brighter one stays no darker than the
-    /// other. So there is no second maximum where there was none.
+    /// Restores the order of `sampled` in `texels`: the brighter of two neighbours stays no darker than the
+    /// other. This adds no second maximum.
     fn ordered(&self, mut texels: Vec<Rgb>, sampled: &[Rgb]) -> Vec<Rgb> {
         let mut order: Vec<u32> = (0..sampled.len() as u32).collect();
         for c in 0..3 {
@@ -524,12 +524,12 @@ impl Fit {
         texels
     }
 
-    /// The texels that share look-ups with `texel`, itself included.
+    /// Texels that share look-ups with `texel`, including itself.
     fn partners_of(&self, texel: u32) -> impl Iterator<Item = u32> {
         self.partners[texel as usize].iter().map(|(other, _)| *other).take_while(|other| *other != u32::MAX)
     }
 
-    /// The normal equations of `texels`: the weighted look-ups, gathered.
+    /// Multiplies `texels` by the normal equations.
     fn applied(&self, texels: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let row = |partners: &[(u32, f64); MOST_PARTNERS]| {
             let mut sum = [0.0; 3];

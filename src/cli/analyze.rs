@@ -1,4 +1,4 @@
-//! `octagloss analyze`: maps of the sphere, measured.
+//! `octagloss analyze`: measures maps of the sphere.
 
 #[cfg(feature = "plot")]
 use super::figures;
@@ -13,12 +13,12 @@ use std::fmt::Write as _;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct AnalyzeArgs {
-    /// Print how every map stretches, beside the published values
+    /// Print every map's stretch next to the published values
     ///
-    /// Table 1 of the tennis-ball paper and the maps that it lacks. Y: sampling requirement, the area of
-    /// the rectangles times the square of the greatest stretch. anisotropy: greatest ratio of both
-    /// stretches. M: as Y for ideal, anisotropic reconstruction. texels: least and greatest solid angle
-    /// over the mean of all texels. used: share of texels that stand for directions.
+    /// Extends table 1 of the tennis-ball paper by further maps. Y: sampling requirement, the area of the
+    /// rectangles times the square of the greatest stretch. anisotropy: greatest ratio of both stretches. M:
+    /// Y for ideal, anisotropic reconstruction. texels: least and greatest solid angle over the mean of all
+    /// texels. used: share of texels inside the domain.
     #[arg(long)]
     pub(super) table: bool,
     /// Print the table as CSV
@@ -36,7 +36,7 @@ pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
         return figures::run(&args.figures);
     }
     if !(args.table || args.csv || args.json) {
-        return usage("analyze has nothing to do; ask for --table, --csv, --json or --plot");
+        return usage("analyze has nothing to do; add --table, --csv, --json or --plot");
     }
     let rows = rows();
     if args.json {
@@ -107,10 +107,10 @@ fn text_table(rows: &[Row]) -> String {
             fixed(greatest, 3),
             fixed(metrics.used * 100.0, 1),
         )
-        .expect("a string takes all");
+        .expect("writing to a string cannot fail");
     }
     for (number, note) in (1..).zip(notes) {
-        writeln!(text, "\n[{number}] {note}").expect("a string takes all");
+        writeln!(text, "\n[{number}] {note}").expect("writing to a string cannot fail");
     }
     text
 }
@@ -160,7 +160,7 @@ fn csv_table(rows: &[Row]) -> Outcome<String> {
     Ok(String::from_utf8(bytes).map_err(anyhow::Error::new)?)
 }
 
-/// A row as an object; what is infinite is null.
+/// Converts a row to an object; infinite values become null.
 fn json_row(row: &Row) -> Value {
     let metrics = &row.metrics;
     let infinite = metrics.components == u32::MAX;

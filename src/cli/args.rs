@@ -1,4 +1,4 @@
-//! What was typed: the options of every subcommand, each checked on its own. Their doc comments are the help.
+//! Command-line options of every subcommand. Their doc comments are the help texts.
 
 use super::shared_args::{EngineArgs, InputArgs, MAX_THREADS};
 use super::values::{
@@ -20,10 +20,10 @@ use crate::target::{Diffuse, Flip, Target};
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use std::path::PathBuf;
 
-/// Texels along an edge of a cube or of an OEM.
+/// Maximum edge of a cube or an octahedral map, in texels.
 const MAX_SIZE: i64 = 16_384;
 
-/// The version and the features that are built in.
+/// Version and compiled features.
 const VERSION: &str = if cfg!(feature = "view") {
     concat!(env!("CARGO_PKG_VERSION"), " (features: cli gpu view)")
 } else if cfg!(feature = "gpu") {
@@ -47,26 +47,26 @@ pub(super) struct Args {
 pub(super) enum Command {
     /// Bake environments into prefiltered cube chains
     Bake(BakeArgs),
-    /// Radiance of a lobe around given directions, as CSV
+    /// Print a lobe's radiance around given directions as CSV
     Query(QueryArgs),
-    /// Say what is in an environment or in a bake
+    /// Describe an environment or a bake
     Info(InfoArgs),
     /// Measure a bake against its source or another bake
     Compare(CompareArgs),
     /// Time the stages of a bake, as JSON
     Bench(BenchArgs),
-    /// Write one of the environments that the examples use
+    /// Write one of the examples' environments
     Synth(SynthArgs),
-    /// Write the table of what rough surfaces reflect of white
+    /// Write the split-sum DFG (BRDF integration) lookup table
     Dfg(DfgArgs),
     /// Measure maps of the sphere
     Analyze(super::analyze::AnalyzeArgs),
     /// Convert an environment to another map of the sphere
     Convert(super::convert::ConvertArgs),
-    /// Look at glossy objects, in a window or as a picture
+    /// Render glossy objects in a window or to a picture
     #[cfg(feature = "view")]
     View(Box<super::view::ViewArgs>),
-    /// Look at glossy objects, in a window or as a picture (not part of this build)
+    /// Render glossy objects in a window or to a picture (not part of this build)
     ///
     /// Prints the command that compiles the viewer and runs it.
     #[cfg(not(feature = "view"))]
@@ -77,20 +77,20 @@ pub(super) enum Command {
     Man(super::man::ManArgs),
 }
 
-/// The table that lobes are read from.
+/// Options of the summed-area table.
 #[derive(Clone, Copy, Debug, ClapArgs)]
 #[command(next_help_heading = "Table")]
 pub(super) struct TableArgs {
     /// Edge of the octahedral map, 1 to 16384 [default: lobes']
     ///
-    /// By default as fine as the sharpest lobe asks for, at most twice the source (the width of a panorama,
+    /// By default as fine as the sharpest lobe requires, at most twice the source (the width of a panorama,
     /// twice the face of a cube) and at least the source up to 512, rounded up to a multiple of 64, at most
     /// 4096 with its border.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
     pub(super) oem_size: Option<u32>,
-    /// Its border in texels, 0 to 16384 [default: filter's]
+    /// Border in texels, 0 to 16384 [default: filter's]
     ///
-    /// By default 0 for adaptive, and as wide as the widest box for box.
+    /// By default 0 for adaptive, and the width of the widest box for box.
     #[arg(long, value_name = "B", value_parser = clap::value_parser!(u32).range(0..=MAX_SIZE))]
     pub(super) border: Option<u32>,
 }
@@ -99,189 +99,187 @@ pub(super) struct TableArgs {
 pub(super) struct BakeArgs {
     /// Environments: .hdr, .exr, .png, .jpg; .ktx2 or bakes
     ///
-    /// A folder that is no bake stands for the files in it that can be read, as their extensions say; a quoted
-    /// pattern such as 'in/*.exr' or 'in/**/*.hdr' for those that it matches (*, ? and [a-z] in names, **
-    /// for any folders), unless there is a file of that very name. Hidden files and what earlier bakes wrote
-    /// are left out. Folders that a pattern matches are mirrored in OUT.
+    /// A folder that is not a bake expands to the files in it with readable extensions. A quoted pattern such
+    /// as 'in/*.exr' or 'in/**/*.hdr' expands to its matches (*, ? and [a-z] in names, ** for any folders),
+    /// unless a file has that exact name. Skips hidden files and outputs of earlier bakes. Mirrors folders
+    /// that a pattern matches in OUT.
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
-    /// Bake what is in the folders of INPUT folders, too
+    /// Descend into subfolders of INPUT folders
     ///
-    /// Their folders are mirrored in OUT, so that names need only differ within a folder. Links to folders are
-    /// not followed, and OUT is left out.
+    /// Mirrors subfolders in OUT, so names must differ only within a folder. Does not follow links to
+    /// folders; skips OUT.
     #[arg(long, short)]
     pub(super) recursive: bool,
     /// File or folder to write [default: INPUT's name]
     ///
-    /// By default in the current folder. A file for ktx2, ktx and dds, a folder for exr, hdr and --target.
-    /// With several inputs, a folder or a pattern a folder that gets one of these for each, named after its
-    /// input; so does a name that ends in / for one input. - is standard output, for an output of one file and nothing beside it.
+    /// By default in the current folder. ktx2, ktx and dds write a file; exr, hdr and --target write a
+    /// folder. With several inputs, a folder or a pattern, OUT is a folder with one output per input, named
+    /// after it; a name that ends in / does the same for one input. - is standard output, for outputs of
+    /// exactly one file.
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
     /// Presets for engines, comma-separated
     ///
-    /// Each sets what other options do not; OUT is a folder that gets the target's files and report.json, one
-    /// folder a target where there are several. All are made from one octahedral map.
+    /// Explicit options override the preset. OUT is a folder with the target's files and report.json, one
+    /// subfolder per target for several. All targets share one octahedral map.
     #[arg(long, value_name = "TARGET", value_delimiter = ',', value_parser = target, long_help = target_help())]
     pub(super) target: Vec<&'static Target>,
     /// Edge of level 0, 1 to 16384 [default: ladder's]
     ///
-    /// By default 640 for the linear ladder of ggx (panoramas 1280 rows, octahedral squares 1920), at which
-    /// trilinear look-ups are a few percent off from roughness 0.6 up; else 256.
+    /// By default 640 for the linear ladder of ggx (panoramas 1280 rows, octahedral squares 1920); trilinear
+    /// look-ups then have errors of a few percent from roughness 0.6 up. Otherwise 256.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
     pub(super) size: Option<u32>,
     /// Levels, each half the last [default: ladder's]
     ///
-    /// At least 1, which has roughness 0; at most down to size 1. By default linear ends at 4 to 9 texels (8
-    /// levels from 640, 7 from 256), filament at 16, unity after 7 levels, and babylon and --out-layout mips
-    /// at 1.
+    /// At least 1 (roughness 0), at most down to size 1. By default linear ends at 4 to 9 texels (8 levels
+    /// from 640, 7 from 256), filament at 16, unity after 7 levels, and babylon and --out-layout mips at 1.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=15))]
     pub(super) levels: Option<u32>,
     /// Roughness of the levels [default: linear]
     ///
-    /// linear: level/(levels-1), as glTF, Bevy and the Khronos sampler have it. filament:
-    /// 1 - sqrt(1 - level/(levels-1)), as Filament and three.js have it. unity: seven levels of
-    /// r (1.7 - 0.7 r) = level/(levels-1). babylon: alpha = 2^(level/0.8)/size.
+    /// linear: level/(levels-1), as in glTF, Bevy and the Khronos sampler. filament: 1 - sqrt(1 -
+    /// level/(levels-1)), as in Filament and three.js. unity: seven levels of r (1.7 - 0.7 r) =
+    /// level/(levels-1). babylon: alpha = 2^(level/0.8)/size.
     #[arg(long, value_name = "LADDER", hide_possible_values = true)]
     pub(super) ladder: Option<Ladder>,
     /// sampled or solved [default: sampled]
     ///
-    /// What the texels of ggx's cubes are. sampled: lobes along the texels' directions. solved: values whose
-    /// trilinear look-ups are nearest the lobes between texels and between levels, which takes up to three
-    /// times as long; they have no bounds.
+    /// Content of the texels of ggx cubes. sampled: lobes along the texels' directions. solved: values whose
+    /// trilinear look-ups best fit the lobes between texels and levels. solved takes up to three times as
+    /// long and has no bounds.
     #[arg(long, value_name = "KIND", hide_possible_values = true)]
     pub(super) chain: Option<ChainKind>,
     /// ggx, phong, cone, cosine or charlie
     ///
     /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
-    /// towards the horizon; it has no mirror, and below roughness 0.125 it is that of 0.125; it runs on the CPU only.
+    /// towards the horizon; it has no mirror, clamps roughness to at least 0.125, and runs on the CPU only.
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: Lobe,
     /// adaptive:E, fitted:K, box or reference
     ///
-    /// adaptive:E is quadrature with a certified bound, E from 1e-6 to 1 the relative RMS error aimed at;
-    /// adaptive alone is adaptive:0.005. fitted:K is the real-time tier, K soft boxes (1, 2, 4 or 8) and
-    /// spherical harmonics fitted to ggx; fitted alone is fitted:4. box is the single box of the octahedron
+    /// adaptive:E is quadrature with a certified bound; E, from 1e-6 to 1, is the target relative RMS error.
+    /// adaptive means adaptive:0.005. fitted:K is the real-time tier: K soft boxes (1, 2, 4 or 8) and
+    /// spherical harmonics fitted to ggx. fitted means fitted:4. box is the single box of the octahedron
     /// environment maps paper. reference integrates exhaustively in double precision: slow, for auditing.
     #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
     pub(super) filter: Filter,
     /// ktx2, ktx, dds, exr, hdr [default: OUT's or ktx2]
     ///
-    /// By default what OUT's extension says. ktx is KTX 1.
+    /// By default from OUT's extension. ktx is KTX 1.
     #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
     pub(super) format: Option<Container>,
-    /// How levels lie in exr and hdr [default: faces]
+    /// Layout of levels in exr and hdr [default: faces]
     ///
-    /// faces: m{level}_{face}, six images a level. cross, cross-vertical, strip, strip-vertical: m{level},
+    /// faces: m{level}_{face}, six images per level. cross, cross-vertical, strip, strip-vertical: m{level},
     /// the faces in one image. equirect: m{level}, panoramas of 2N x N for --size N. octahedral: m{level},
-    /// squares of N x N. parts: one EXR file OUT, a part a face. mips: one EXR file OUT, a panorama with MIP
-    /// levels down to one texel. Every texel is a lobe of its own, not resampled.
+    /// squares of N x N. parts: one EXR file OUT, one part per face. mips: one EXR file OUT, a panorama with
+    /// MIP levels down to one texel. Every texel is filtered directly, not resampled.
     #[arg(long, value_name = "LAYOUT", conflicts_with = "target", hide_possible_values = true)]
     pub(super) out_layout: Option<OutputLayout>,
     /// f16, f32, rgb9e5, r11g11b10f, bc6h [default: f16]
     ///
-    /// f16 clamps at 65504 and counts what it clamped; exr without --pixel keeps such levels, and those too dim
-    /// for it, as floats, and has f16 and f32 only. bc6h is for ktx2 and dds. hdr has a format of its own and takes none.
+    /// f16 clamps at 65504 and counts clamped texels. exr supports f16 and f32; without --pixel it stores
+    /// levels too bright or too dim for f16 as floats. bc6h is for ktx2 and dds. hdr has a fixed pixel
+    /// format.
     #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
     pub(super) pixel: Option<Pixel>,
-    /// Too bright texels: clamp, compress or error
+    /// Overbright texels: clamp, compress or error
     ///
-    /// What becomes of radiance above the pixel format's greatest value. clamp cuts each channel; compress
-    /// scales such levels' brightest texels down smoothly, keeping their colour; error fails. Counted in the
-    /// report.
+    /// Handles radiance above the pixel format's maximum. clamp clamps each channel; compress scales the
+    /// brightest texels of such levels down smoothly and keeps their colour; error fails. The report counts
+    /// these texels.
     #[arg(long, value_name = "HOW", default_value = "clamp", hide_possible_values = true)]
     pub(super) overflow: Overflow,
     /// Add an irradiance cube of edge N, 1 to 1024
     ///
-    /// Its values are irradiance over pi. exr and hdr: irradiance_{face} beside the levels; other formats: a
-    /// second file, OUT's stem with .irradiance.ktx2 or the like.
+    /// Values are irradiance over pi. exr and hdr: irradiance_{face} next to the levels. Other formats: a
+    /// second file, OUT's stem with .irradiance.ktx2 or similar.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(super) irradiance: Option<u32>,
     /// Add the unfiltered cube, edge N or source
     ///
-    /// 1 to 16384 texels, or with source texels about as large as the source's. exr and hdr: skybox_{face}
-    /// beside the levels; other formats: OUT's stem with .skybox.ktx2 or the like; targets: NAME_skybox or
-    /// skybox. unreal, godot and blender get a panorama of 4N x 2N; babylon a .dds and gltf-ext a .ktx2 file of
-    /// half floats. In place of level 0 for filament.
+    /// N is 1 to 16384; source gives texels about as large as the source's. exr and hdr: skybox_{face} next
+    /// to the levels. Other formats: OUT's stem with .skybox.ktx2 or similar. Targets: NAME_skybox or skybox.
+    /// unreal, godot and blender get a panorama of 4N x 2N; babylon a .dds and gltf-ext a .ktx2 file of half
+    /// floats. For filament it replaces level 0.
     #[arg(long, value_name = "N|source", value_parser = skybox)]
     pub(super) skybox: Option<SkyboxArg>,
     /// Highest band of spherical harmonics, 2 to 4
     ///
-    /// In the report and in sh.json; Filament and EXT_lights_image_based have bands up to 2 only. [default:
-    /// 2]
+    /// Written to the report and sh.json. Filament and EXT_lights_image_based use bands up to 2 only.
+    /// [default: 2]
     #[arg(long, value_name = "L", default_value_t = 2, hide_default_value = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_ORDER)))]
     pub(super) sh_order: u32,
-    /// Their window against ringing [default: none]
+    /// SH window against ringing [default: none]
     ///
     /// none; hanning:W, lanczos:W and sinc4:W scale band l by (1 + cos x)/2, sin(x)/x and (sin(x)/x)^4, x =
-    /// pi l/W, and to 0 from l = W on; nonnegative is sinc4 of the widest W for which irradiance is nowhere
-    /// negative, as cmgen's --sh-window=auto has it.
+    /// pi l/W, and to 0 from l = W on; nonnegative is sinc4 with the widest W for which irradiance is nowhere
+    /// negative, as cmgen's --sh-window=auto.
     #[arg(long, value_name = "WINDOW", default_value = "none", hide_default_value = true, value_parser = sh_window)]
     pub(super) sh_window: ShWindow,
-    /// Axis turned about by the engine: none, x or z
+    /// Axis that the engine negates: none, x or z
     ///
-    /// Cubes for engines that negate a coordinate before they look into a cube map; with --target only, whose
-    /// own it replaces.
+    /// Pre-flips cubes for engines that negate an axis at look-up. With --target only; overrides the preset.
     #[arg(long, value_name = "AXIS", requires = "target", hide_possible_values = true)]
     pub(super) flip: Option<Flip>,
     /// Diffuse light: none, cube, sh or both
     ///
-    /// An irradiance cube, spherical harmonics, or both; with --target only, whose own it replaces.
+    /// An irradiance cube, spherical harmonics, or both. With --target only; overrides the preset.
     #[arg(long, value_name = "FORM", requires = "target", hide_possible_values = true)]
     pub(super) diffuse: Option<Diffuse>,
-    /// Name in the files' names [default: INPUT's]
+    /// Base name of the files [default: INPUT's]
     ///
     /// With --target only.
     #[arg(long, value_name = "NAME", requires = "target", value_parser = file_name)]
     pub(super) name: Option<String>,
-    /// Say what would be written, and write nothing
+    /// List the outputs without writing them
     ///
-    /// A line a file on standard output, with --json a line an input. Inputs are read, and memory is checked:
-    /// it fails where the bake would before it begins.
+    /// Prints one line per file, with --json one line per input, to standard output. Reads inputs and checks
+    /// memory; fails on any error that would stop the bake before it begins.
     #[arg(long)]
     pub(super) dry_run: bool,
-    /// Write a picture of spheres down the ladder
+    /// Write a picture of spheres along the ladder
     ///
-    /// Levels that are panoramas or octahedral squares are shown as cubes. Of several targets one below the
-    /// other.
+    /// Shows panoramas and octahedral squares as cubes, and several targets one below the other.
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
-    /// The picture's exposure: auto, or -40 to 40 EV
+    /// Preview exposure: auto, or -40 to 40 EV
     ///
-    /// auto brings the log-average luminance of the environment to middle grey, as in view. Of the picture
-    /// only: what is baked does not depend on it.
+    /// auto brings the log-average luminance of the environment to middle grey, as in view. Does not affect
+    /// the bake.
     #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, requires = "preview", allow_negative_numbers = true)]
     pub(super) exposure: Exposure,
     /// Write the environment without its sun
     ///
-    /// OUT.sunless.exr, or sunless.exr in OUT where that is a folder: floats, in the input's layout (cubes as
-    /// a cross), not turned. With --extract-sun only.
+    /// Writes OUT.sunless.exr, or sunless.exr in OUT if that is a folder: floats, in the input's layout
+    /// (cubes as a cross), not rotated. With --extract-sun only.
     #[arg(long, requires = "extract_sun")]
     pub(super) sunless: bool,
     /// Write every texel's certified error bound
     ///
-    /// m{level}_{face}_bound.exr, absolute luminance. exr and hdr: beside the levels; else in the folder
-    /// OUT.bounds.
+    /// Writes m{level}_{face}_bound.exr, absolute luminance. exr and hdr: next to the levels; otherwise in
+    /// the folder OUT.bounds.
     #[arg(long)]
     pub(super) bounds: bool,
     /// Print the report instead of writing it
     ///
-    /// A line an input on standard output, instead of writing report.json (exr, hdr, --target) or
+    /// Prints one line per input to standard output instead of writing report.json (exr, hdr, --target) or
     /// OUT.report.json.
     #[arg(long)]
     pub(super) json: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(long, short)]
     pub(super) quiet: bool,
     /// Replace outputs that exist
     #[arg(long)]
     pub(super) force: bool,
-    /// Leave alone outputs that are up to date
+    /// Skip outputs that are up to date
     ///
-    /// Those that hold what a bake of the same input content by the same options and version wrote, as hashes
-    /// in the report tell. With --force all others are baked anew; without it they are errors where they
-    /// exist.
+    /// Skips outputs whose recorded hashes match: input content, options, version and output. With --force,
+    /// all others are baked again; without it, existing ones are errors.
     #[arg(long, conflicts_with = "json")]
     pub(super) skip_unchanged: bool,
     #[command(flatten)]
@@ -299,13 +297,13 @@ pub(super) struct QueryArgs {
     pub(super) inputs: Vec<PathBuf>,
     /// CSV with the header x,y,z; - is standard input
     ///
-    /// With the header x,y,z,roughness each row has its own, and one octahedral map, as fine as the sharpest
-    /// asks for, serves all. At most 4,000,000 directions, 256 MiB, and 1000 bytes a line.
+    /// With the header x,y,z,roughness each row has its own roughness; all rows share one octahedral map, as
+    /// fine as the sharpest requires. At most 4,000,000 directions, 256 MiB, and 1000 bytes per line.
     #[arg(long, value_name = "FILE.csv", required = true)]
     pub(super) directions: PathBuf,
     /// Roughness in [0, 1]; 0 is a mirror
     ///
-    /// Required but for the cosine lobe, which has none, and where the rows of --directions say theirs.
+    /// Required, except for the cosine lobe and for --directions with a column roughness.
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = roughness)]
     pub(super) roughness: Option<f64>,
     /// ggx, phong, cone, cosine or charlie
@@ -319,7 +317,7 @@ pub(super) struct QueryArgs {
     /// Add a column bound: luminance's certified error
     #[arg(long)]
     pub(super) bound: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(long, short)]
     pub(super) quiet: bool,
     #[command(flatten)]
@@ -350,46 +348,46 @@ pub(super) struct CompareArgs {
     /// A bake: a .ktx2 file or a folder of levels
     #[arg(value_name = "A")]
     pub(super) bake: PathBuf,
-    /// The bake or the source environment to measure it by
+    /// The reference: a bake or the source environment
     #[arg(value_name = "B")]
     pub(super) against: PathBuf,
-    /// Texels to integrate a level [default: 400]
+    /// Texels to integrate per level [default: 400]
     ///
-    /// A number or all. Against a source each costs an exhaustive integration, which is slow for cones: by
-    /// default 40 for them. Against a bake all texels are compared.
+    /// A number or all. Against a source, each texel needs an exhaustive integration, which is slow for
+    /// cones; their default is 40. Against a bake, all texels are compared.
     #[arg(long, value_name = "N|all", value_parser = texels)]
     pub(super) texels: Option<Texels>,
-    /// Reflection lobe of the bake [default: what it says, or ggx]
+    /// Lobe of the bake [default: the recorded one, or ggx]
     #[arg(long, value_name = "LOBE", hide_possible_values = true)]
     pub(super) lobe: Option<Lobe>,
     /// Write a picture of the errors
     ///
-    /// In false colour, from 0.01 % to 100 %; no exposure applies. Against a source it shows a grid of at
-    /// most as many texels as are integrated.
+    /// In false colour, from 0.01 % to 100 %; no exposure applies. Against a source, shows a grid of at most
+    /// as many texels as are integrated.
     #[arg(long, value_name = "FILE.png")]
     pub(super) picture: Option<PathBuf>,
-    /// Measure what trilinear look-ups deliver
+    /// Measure the errors of trilinear look-ups
     ///
-    /// Against a source, for cubes of ggx: between texels and levels, looked up by the bake's ladder, along 20,000
-    /// directions, at R, a list of roughnesses, or at three between each two levels. Of a solved chain this is all
-    /// that is measured.
+    /// Against a source, for cubes of ggx. Looks up between texels and levels by the bake's ladder, along
+    /// 20,000 directions, at the roughnesses R, or at three between each two levels. The only measurement for
+    /// solved chains.
     #[arg(long, value_name = "R", value_delimiter = ',', num_args = 0.., require_equals = true, value_parser = roughness)]
     pub(super) delivered: Option<Vec<f64>>,
     /// Exit with 1 if a relRMSE is above X
     ///
-    /// That of a level; of a solved chain that of a roughness.
+    /// Tests every level; for a solved chain, every roughness.
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = threshold)]
     pub(super) fail_above: Option<f64>,
     /// Print JSON, on one line
     #[arg(long)]
     pub(super) json: bool,
-    /// Say nothing but errors on standard error
+    /// Print only errors on standard error
     #[arg(long, short)]
     pub(super) quiet: bool,
     /// Replace the picture if it exists
     #[arg(long)]
     pub(super) force: bool,
-    /// Threads, 1 to 256 [default: one a core]
+    /// Threads, 1 to 256 [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS))]
     pub(super) threads: Option<u32>,
     #[command(flatten)]
@@ -401,7 +399,7 @@ pub(super) struct BenchArgs {
     /// Edge of the table, 64 to 8192
     #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(64..=8192))]
     pub(super) size: u32,
-    /// Runs of which the median counts, 1 to 1000
+    /// Runs to take the median of, 1 to 1000
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) runs: u32,
     #[command(flatten)]
@@ -410,18 +408,18 @@ pub(super) struct BenchArgs {
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct SynthArgs {
-    /// Which; see --list
+    /// Name of the environment; see --list
     #[arg(required_unless_present = "list")]
     pub(super) name: Option<String>,
-    /// Where to, .exr or .hdr, or - [default: its own name]
+    /// Output, .exr or .hdr, or - [default: its own name]
     ///
     /// - is standard output.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
-    /// List the names and what each is for
+    /// List the names and their purposes
     #[arg(long, conflicts_with_all = ["name", "output"])]
     pub(super) list: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(long, short)]
     pub(super) quiet: bool,
     /// Replace the file if it exists
@@ -431,14 +429,15 @@ pub(super) struct SynthArgs {
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct DfgArgs {
-    /// Where to, .ktx2 or .exr
+    /// Output, .ktx2 or .exr
     ///
-    /// `-` is standard output, as KTX2. Half floats. KTX2: RG, or RGBA with --charlie (alpha 1). EXR: R, G and B.
+    /// `-` is standard output, as KTX2. Writes half floats. KTX2: RG, or RGBA with --charlie (alpha 1). EXR:
+    /// R, G and B.
     #[arg(short, long, value_name = "FILE", required = true)]
     pub(super) output: PathBuf,
     /// Texels along an edge, 1 to 1024
     ///
-    /// Columns are the view's cosine from 0 to 1, rows the perceptual roughness from 0 to 1, downwards.
+    /// Columns: cosine of the view angle, 0 to 1. Rows: perceptual roughness, 0 to 1, downwards.
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(super) size: u32,
     /// Red and green: split-sum or multiple-scattering
@@ -448,10 +447,10 @@ pub(super) struct DfgArgs {
     /// visibility.
     #[arg(long, value_name = "FORM", default_value = "split-sum", hide_possible_values = true)]
     pub(super) form: DfgForm,
-    /// Blue: what a Charlie lobe (sheen) reflects
+    /// Blue: directional albedo of Charlie (sheen)
     #[arg(long)]
     pub(super) charlie: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(long, short)]
     pub(super) quiet: bool,
     /// Replace the file if it exists

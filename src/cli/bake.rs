@@ -1,4 +1,4 @@
-//! `octagloss bake`: environments into prefiltered levels, for a target of the table or without one.
+//! `octagloss bake`: bakes environments into prefiltered levels, with or without a target.
 
 use super::args::BakeArgs;
 use super::bake_plan::{self, BakePlan};
@@ -34,13 +34,13 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What is to be done, checked.
+/// The checked job list.
 struct Work {
     common: Common,
     jobs: Vec<Job>,
     /// The folder for several outputs.
     folder: Option<PathBuf>,
-    /// Whether there may be several inputs, and each is counted.
+    /// Whether several inputs are possible; messages then show a count.
     several: bool,
     /// Folders of inputs that could not be read.
     unread: Vec<Error>,
@@ -49,7 +49,7 @@ struct Work {
     engine: EngineArgs,
     exposure: Exposure,
     skip_unchanged: bool,
-    /// All that the outputs depend on besides their inputs.
+    /// Everything besides the inputs that affects the outputs.
     options: String,
 }
 
@@ -57,13 +57,13 @@ struct Work {
 struct Job {
     source: Source,
     outputs: Outputs,
-    /// The folder of its outputs, which is made where it is missing.
+    /// The folder of its outputs; created if missing.
     folder: Option<PathBuf>,
-    /// `[3/18] ` where there are several.
+    /// `[3/18] ` for several inputs.
     label: String,
 }
 
-/// What became of several inputs.
+/// Outcome of several inputs.
 #[derive(Default)]
 struct Tally {
     baked: usize,
@@ -101,7 +101,7 @@ impl Work {
                 return usage(format!("--preview {} must end in .png", path.display()));
             }
             if several {
-                return usage("--preview takes one input, since it names one picture");
+                return usage("--preview takes one input");
             }
         }
         let first = &plans[0].plan;
@@ -112,7 +112,7 @@ impl Work {
             let name = within.join(source.stem() + &suffix);
             if let Some(other) = by_stem.insert(name.clone(), source.path()) {
                 return usage(format!(
-                    "{} and {} would both be written as {}; rename one or bake them apart",
+                    "{} and {} would both be written as {}; rename one or bake them separately",
                     other.display(),
                     source.path().display(),
                     name.display()
@@ -176,7 +176,7 @@ impl Work {
         for job in &self.jobs {
             for place in job.outputs.places(&self.common)? {
                 let place = place.path;
-                // What a folder holds follows it in the order of paths.
+                // A folder's contents follow it in path order.
                 if let Ok(real) = place.canonicalize()
                     && let Some(input) = inputs.range(real.clone()..).next()
                     && input.starts_with(&real)
@@ -192,8 +192,8 @@ impl Work {
         Ok(())
     }
 
-    /// Prints what would be written: a line a file, or with `--json` a line an input. What fails is told, and the
-    /// others follow.
+    /// Lists the outputs: one line per file, or with `--json` one line per input. Reports failures and
+    /// continues.
     fn foretell(&self) -> Outcome {
         self.check_folder()?;
         let mut failed = self.tell_unread();
@@ -214,7 +214,7 @@ impl Work {
         if failed > 0 { Err(Failure::Reported) } else { Ok(()) }
     }
 
-    /// Says which folders of inputs could not be read; returns their number.
+    /// Reports input folders that could not be read; returns their number.
     fn tell_unread(&self) -> usize {
         self.unread.iter().for_each(|error| console::error(&error.to_string()));
         self.unread.len()
@@ -233,7 +233,7 @@ impl Work {
         Ok(())
     }
 
-    /// Whether `job` is to be left alone.
+    /// Whether to skip `job`.
     fn is_up_to_date(&self, job: &Job) -> bool {
         let request = || fingerprint::request(&job.source, &self.options).ok();
         self.skip_unchanged && request().is_some_and(|request| job.outputs.holds(&self.common, request))
@@ -244,7 +244,7 @@ impl Work {
         for job in &self.jobs {
             job.outputs.recover(&self.common, &mut recovered, console)?;
         }
-        // What cannot be written is told before anything is baked.
+        // Report unwritable outputs before baking.
         self.check_folder()?;
         let mut tally = Tally { failed: self.tell_unread(), ..Tally::default() };
         let mut ready = Vec::new();
@@ -277,7 +277,7 @@ impl Work {
 
     fn bake(&self, job: &Job, files: Option<Files>, engine: &OnceCell<Engine>, console: &Console) -> Outcome {
         let start = Instant::now();
-        // Before it is read: should it change meanwhile, it is found changed.
+        // Hash before reading, so a change in between is detected.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, console)?;
         let plans = self.check_memory(&opened)?;
@@ -377,7 +377,7 @@ impl Work {
         Ok(())
     }
 
-    /// The plans for the source that is `opened`, whose bakes fit into memory.
+    /// The plans for the opened source; checks that the bakes fit into memory.
     fn check_memory(&self, opened: &Opened) -> crate::Result<Vec<BakePlan>> {
         let layout = opened.environment.layout();
         let plans: Vec<BakePlan> = self.common.plans.iter().map(|plan| plan.settled(layout)).collect();
@@ -387,7 +387,7 @@ impl Work {
         Ok(plans)
     }
 
-    /// What messages about one plan's files begin with.
+    /// Prefix of messages about one plan's files.
     fn place_name(&self, job: &Job, plan: &BakePlan) -> String {
         let main = job.outputs.main.display();
         if plan.plan.is_targeted() {
@@ -397,7 +397,7 @@ impl Work {
         }
     }
 
-    /// The report of one plan's files, but for what is known when they are written.
+    /// The report of one plan's files, without values known only after writing.
     fn report(
         &self,
         baked: &Baked<'_>,
@@ -452,7 +452,7 @@ impl Work {
 }
 
 impl Job {
-    /// Tells what went wrong with this input, which is then one that failed. Other failures end the program.
+    /// Reports an input's error and counts the input as failed. Other failures end the program.
     fn told(&self, failure: Failure) -> Outcome<usize> {
         match failure {
             Failure::Failed(error) => {
@@ -464,7 +464,7 @@ impl Job {
     }
 }
 
-/// A bake and what it was made of.
+/// A bake and its inputs.
 struct Baked<'a> {
     job: &'a Job,
     input_files: Vec<InputFileReport>,
@@ -473,7 +473,7 @@ struct Baked<'a> {
     start: Instant,
 }
 
-/// Bytes of a texel of `pixel`, for estimates: formats of four bytes have copies of their own on the way.
+/// Estimated bytes per texel of `pixel`; four-byte formats need intermediate copies.
 const fn texel_bytes(pixel: Pixel) -> u64 {
     match pixel {
         Pixel::F32 | Pixel::Auto => 16,
@@ -487,7 +487,7 @@ struct Stored {
     pixels: Vec<String>,
     /// Texels clamped.
     clamped: u64,
-    /// Share of the energy that clamping took from the level that lost most.
+    /// Greatest share of a level's energy lost to clamping.
     clamped_share: f64,
     warnings: Vec<String>,
 }
@@ -502,30 +502,31 @@ impl Stored {
         if clamped > 0 && pixel != Pixel::Rgbe && share_matters(clamped_share) {
             let remedy = if plan.target.has_container() { "; --pixel f32 keeps them" } else { "" };
             warnings.push(format!(
-                "{clamped} texels are brighter than {} can hold and were clamped, {} of a level's energy{remedy}",
+                "{clamped} texels exceed the range of {} and were clamped, {} of a level's energy{remedy}",
                 pixel.name(),
                 console::percent(clamped_share),
             ));
         }
         if clamped > 0 && pixel == Pixel::Rgbe {
             warnings.push(format!(
-                "{clamped} texels are brighter than the {RGBE_MAX:.1e} that RGBE holds and were clamped; --format exr \
+                "{clamped} texels exceed the RGBE maximum of {RGBE_MAX:.1e} and were clamped; --format exr \
                  keeps them",
             ));
         }
         let floats = pixels.iter().filter(|pixel| **pixel == Pixel::F32).count();
         if floats > 0 && pixel == Pixel::Auto {
             warnings.push(format!(
-                "{floats} of {} levels are stored as float, being brighter or dimmer than half floats hold",
+                "{floats} of {} levels are stored as float, since they exceed the range of half floats",
                 pixels.len()
             ));
         }
-        // All light that there is, rounded to 0.
+        // All light rounds to 0.
         let texels = bake.levels().flat_map(|level| level.texels.as_flattened());
         let (greatest, rounded_to_zero) = (texels.copied().fold(0.0, f32::max), pixel.rounded_to_zero());
         if greatest > 0.0 && greatest <= rounded_to_zero {
             warnings.push(format!(
-                "all light is below {}, which rounds {rounded_to_zero:e} and less to 0: the output is black; --pixel \
+                "all light is below {}, which rounds {rounded_to_zero:e} and less to 0: the output is \
+                 black; --pixel \
                  f32 with ktx2 or exr keeps it",
                 pixel.name()
             ));
@@ -535,38 +536,39 @@ impl Stored {
     }
 }
 
-/// What the bounds of `report` certify: how far from exact the texels are at most, relative to the
-/// environment's mean luminance, and the greatest bound itself.
+/// Summarizes the certified bounds of `report`: the greatest error relative to the environment's mean
+/// luminance, and the greatest bound itself.
 fn certified(report: &Report) -> String {
     let (Some(most), Some(p99)) = (report.error_bound_max(), report.error_bound_p99()) else {
         return "nothing certified".to_owned();
     };
     let percent = |bound: f64| console::percent(report.relative_bound(bound));
     format!(
-        "certified within {} of the mean luminance for 99 % of each level's texels, {} for all (luminance {most:.2e})",
+        "certified within {} of the mean luminance for 99 % of each level's texels, {} for all (luminance \
+         {most:.2e})",
         percent(p99),
         percent(most),
     )
 }
 
-/// Whether a share of energy is worth a warning: not one that rounds to 0.00 %.
+/// Whether a share of energy deserves a warning: it must not round to 0.00 %.
 fn share_matters(share: f64) -> bool {
     share >= 5e-5
 }
 
-/// Seconds that the reference filter will take: a few texels of each level are timed.
+/// Estimates the reference filter's time in seconds from a few texels of each level.
 fn reference_seconds(environment: &Environment, settings: &BakeSettings) -> crate::Result<f64> {
     let start = Instant::now();
     let oracle = Oracle::new(environment);
     let prepared = start.elapsed().as_secs_f64();
     let threads = rayon::current_num_threads();
-    // As many texels as there are threads, one on each face in turn.
+    // One texel per thread, cycling through the faces.
     let directions: Vec<_> =
         (0..threads).map(|k| direction_from_texel(Face::ALL[k % 6], 5, (k % 5) as u32, 1)).collect();
     let (mut seconds, mut last) = (prepared, 0.0);
     for level in settings.level_specs()? {
         let texels = level.layout.texel_count() as f64;
-        // Lobes cost alike from level to level: once one is slow it stands for the rest.
+        // Lobes cost about the same at every level: extrapolate from the first slow one.
         if last < 1.0 {
             let start = Instant::now();
             directions.par_iter().for_each(|direction| {

@@ -1,4 +1,4 @@
-//! What the options of `bake` ask for: plans of the targets' table, and the settings of their bakes.
+//! Converts the options of `bake` to target plans and bake settings.
 
 use super::args::BakeArgs;
 use super::outcome::{Outcome, usage};
@@ -14,34 +14,34 @@ use crate::target::{Diffuse, TargetPlan, UNTARGETED};
 use crate::{Layout, Map};
 use std::path::Path;
 
-/// The files to write, and the bake that they are made of.
+/// Files to write, and the settings of their bake.
 #[derive(Clone, Debug)]
 pub(super) struct BakePlan {
     pub(super) plan: TargetPlan,
     pub(super) settings: BakeSettings,
-    /// What was asked for; settled in the settings when the source is known.
+    /// The requested skybox; resolved in the settings once the source is known.
     pub(super) skybox: Option<SkyboxArg>,
 }
 
 impl BakePlan {
-    /// This for a source of `layout`.
+    /// Resolves the skybox for a source of `layout`.
     pub(super) fn settled(&self, layout: Layout) -> Self {
         let edge = self.skybox.map(|skybox| skybox.edge(layout));
         Self { settings: BakeSettings { skybox: edge, ..self.settings.clone() }, ..self.clone() }
     }
 }
 
-/// What `args` ask for: a plan for each target, or the one without a target. `several` inputs have a folder.
+/// One plan per target, or one plan without a target. `several` inputs need an output folder.
 pub(super) fn plans(args: &BakeArgs, several: bool) -> Outcome<Vec<BakePlan>> {
     if args.target.is_empty() {
         let settings = untargeted_settings(args)?;
         return Ok(vec![BakePlan { plan: untargeted(args, several)?, settings, skybox: args.skybox }]);
     }
     if args.bounds {
-        return usage("--bounds does not go with --target; bake without it for the bounds");
+        return usage("--bounds cannot be combined with --target; bake without --target for bounds");
     }
     if args.lobe == Lobe::Cosine {
-        return usage("--lobe cosine does not go with --target; --diffuse cube adds irradiance");
+        return usage("--lobe cosine cannot be combined with --target; --diffuse cube adds irradiance");
     }
     let mut plans: Vec<BakePlan> = Vec::new();
     for target in &args.target {
@@ -52,14 +52,14 @@ pub(super) fn plans(args: &BakeArgs, several: bool) -> Outcome<Vec<BakePlan>> {
     }
     if let Some(path) = &args.output {
         if path.as_os_str() == "-" {
-            return usage("-o - takes an output of one file, and --target writes a folder; name it with -o");
+            return usage("-o - needs an output of one file, but --target writes a folder; name it with -o");
         }
-        check_folder_name(path, ", and without --target one file is written")?;
+        check_folder_name(path, ", or omit --target to write one file")?;
     }
     Ok(plans)
 }
 
-/// The files about the sun that `args` ask for.
+/// The requested files about the sun.
 pub(super) fn sun_files(args: &BakeArgs) -> Vec<SunFile> {
     let asked = [(SunFile::Sun, args.input.extract_sun), (SunFile::Sunless, args.sunless)];
     asked.into_iter().filter_map(|(file, asked)| asked.then_some(file)).collect()
@@ -67,13 +67,13 @@ pub(super) fn sun_files(args: &BakeArgs) -> Vec<SunFile> {
 
 fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     if args.lobe == Lobe::Cosine && args.levels.is_some_and(|levels| levels > 1) {
-        return usage("--lobe cosine has no roughness and bakes one level; leave --levels out");
+        return usage("--lobe cosine has no roughness and bakes one level; omit --levels");
     }
     if args.bounds && args.chain == Some(ChainKind::Solved) {
-        return usage("--bounds are those of sampled texels; leave --chain solved or --bounds out");
+        return usage("--bounds needs sampled texels; omit --chain solved or --bounds");
     }
     if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
-        return usage("--bounds needs --filter adaptive:E; the others certify nothing");
+        return usage("--bounds needs --filter adaptive:E; other filters have no certified bounds");
     }
     if let Some(layout) = args.out_layout.filter(|layout| *layout != OutputLayout::Faces) {
         let name = layout.name();
@@ -81,15 +81,15 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
             return usage(format!("--bounds is for --out-layout faces, not {name}"));
         }
         if args.irradiance.is_some() && layout.map() != Map::Cube {
-            return usage(format!("--irradiance is a cube; leave it or --out-layout {name} out"));
+            return usage(format!("--irradiance is a cube; omit it or --out-layout {name}"));
         }
         if args.skybox.is_some() && layout.map() != Map::Cube {
-            return usage(format!("--skybox is a cube; leave it or --out-layout {name} out"));
+            return usage(format!("--skybox is a cube; omit it or --out-layout {name}"));
         }
     }
     let map = args.out_layout.map_or(Map::Cube, OutputLayout::map);
     let (ladder, lobe) = (args.ladder.unwrap_or_default(), args.lobe);
-    // The format has every level down to one texel, whatever a look-up makes of them.
+    // The format requires every level down to one texel.
     let every_level = args.out_layout == Some(OutputLayout::Mips);
     let size = args.size.unwrap_or(if every_level { 256 } else { ladder.default_size(map, lobe) });
     let settings = BakeSettings {
@@ -115,14 +115,15 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     }
 }
 
-/// Refuses what does not go to standard output.
+/// Rejects options and formats that cannot go to standard output.
 pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) -> Outcome {
     if several {
         return usage("-o - takes one input; name a folder with -o for several");
     }
     if !plan.is_single() {
         return usage(
-            "-o - takes an output of one file: ktx2, ktx, dds, or exr with --out-layout parts or mips; name a \
+            "-o - needs an output of one file: ktx2, ktx, dds, or exr with --out-layout parts or mips; name \
+             a \
              folder with -o",
         );
     }
@@ -137,14 +138,14 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
     ];
     match beside.into_iter().find(|(asked, _)| *asked) {
         Some((_, option)) => usage(format!(
-            "-o - writes one file to standard output, and nothing beside it; leave {option} out or name a file with -o"
+            "-o - writes only one file, to standard output; omit {option} or name a file with -o"
         )),
         None => Ok(()),
     }
 }
 
-/// The plan without a target: the format as said, else by the output's extension, else ktx2, and the pixels
-/// that it can have.
+/// The plan without a target: the given format, else that of the output's extension, else ktx2, with
+/// supported pixels.
 fn untargeted(args: &BakeArgs, several: bool) -> Outcome<TargetPlan> {
     let container = container(args, several)?;
     let layout = args.out_layout.unwrap_or_default();
@@ -160,7 +161,7 @@ fn untargeted(args: &BakeArgs, several: bool) -> Outcome<TargetPlan> {
     Ok(plan)
 }
 
-/// The format as said, else by the output's extension, else that of the layout.
+/// The given format, else that of the output's extension, else the layout's.
 fn container(args: &BakeArgs, several: bool) -> Outcome<Container> {
     let file = args.output.as_deref().filter(|path| !names_folder(path));
     let named = file.and_then(named_format);
@@ -168,17 +169,17 @@ fn container(args: &BakeArgs, several: bool) -> Outcome<Container> {
     let foreign = file.and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
     if let Some(foreign) = foreign {
         return usage(format!(
-            "the output {} is named .{foreign}, which cannot be written; ktx2, ktx, dds, exr and hdr can",
+            "the output {} has the unsupported extension .{foreign}; use ktx2, ktx, dds, exr or hdr",
             output()
         ));
     }
     if let (true, Some(_)) = (several, named) {
-        return usage(format!("several inputs are written into a folder; {} names a file", output()));
+        return usage(format!("several inputs need an output folder; {} names a file", output()));
     }
     Ok(match (args.format, named) {
         (Some(said), Some(named)) if said != named => {
             return usage(format!(
-                "--format {} and the output {} contradict each other; leave one out",
+                "--format {} and the output {} contradict each other; omit one",
                 said.name(),
                 output()
             ));
@@ -190,7 +191,7 @@ fn container(args: &BakeArgs, several: bool) -> Outcome<Container> {
     })
 }
 
-/// The pixels of `layout` in `container`.
+/// Pixel format of `layout` in `container`.
 fn pixel(args: &BakeArgs, container: Container, layout: OutputLayout) -> Outcome<Pixel> {
     let (name, images) = (container.name(), layout != OutputLayout::Faces);
     let is_one_exr = matches!(layout, OutputLayout::Parts | OutputLayout::Mips);
@@ -202,7 +203,7 @@ fn pixel(args: &BakeArgs, container: Container, layout: OutputLayout) -> Outcome
     }
     match (container, args.pixel) {
         (Container::Hdr, None) => Ok(Pixel::Rgbe),
-        (Container::Hdr, Some(_)) => usage("--pixel does not go with hdr, whose pixels are always RGBE"),
+        (Container::Hdr, Some(_)) => usage("--pixel cannot be combined with hdr; its pixels are always RGBE"),
         (Container::Exr, None) if !is_one_exr => Ok(Pixel::Auto),
         (_, pixel) => {
             let pixel = pixel.unwrap_or_default();
@@ -211,32 +212,32 @@ fn pixel(args: &BakeArgs, container: Container, layout: OutputLayout) -> Outcome
             }
             let pixel = pixel.name();
             usage(match container {
-                Container::Exr => format!("--pixel {pixel} is for ktx2 and dds; exr has f16 and f32"),
-                _ => format!("--pixel {pixel} does not go into {name}; ktx2 and dds take it"),
+                Container::Exr => format!("--pixel {pixel} is for ktx2 and dds; exr supports f16 and f32"),
+                _ => format!("{name} does not support --pixel {pixel}; ktx2 and dds do"),
             })
         }
     }
 }
 
-/// The preset with what `args` override.
+/// The preset with the overrides of `args`.
 fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
     let target = plan.target;
-    let fixed =
-        |option: &str| usage(format!("target {} has a format of its own; leave {option} out", target.name));
+    let fixed = |option: &str| usage(format!("target {} has a fixed format; omit {option}", target.name));
     if let Some(format) = args.format {
         if !target.has_container() {
             return fixed("--format");
         }
         if format == Container::Hdr {
             return usage(
-                "--format hdr is a folder of faces and does not go with --target; ktx2, ktx, dds and exr do",
+                "--format hdr is a folder of faces and cannot be combined with --target; use ktx2, ktx, dds \
+                 or exr",
             );
         }
         plan.container = format;
     }
     if target.map == Map::Octahedral && !matches!(plan.container, Container::Ktx2 | Container::Exr) {
         return usage(format!(
-            "target {}: --format {} is for cubes; ktx2 and exr go",
+            "target {}: --format {} is for cubes; use ktx2 or exr",
             target.name,
             plan.container.name()
         ));
@@ -250,10 +251,10 @@ fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
         }
     }
     if target.map != Map::Cube && args.flip.is_some() {
-        return usage(format!("target {} has no cube; leave --flip out", target.name));
+        return usage(format!("target {} has no cube; omit --flip", target.name));
     }
     if target.map == Map::Panorama && args.levels.is_some() {
-        return usage(format!("target {} has one level; leave --levels out", target.name));
+        return usage(format!("target {} has one level; omit --levels", target.name));
     }
     plan.pixel = args.pixel.unwrap_or(plan.pixel);
     plan.flip = args.flip.unwrap_or(plan.flip);
@@ -267,7 +268,7 @@ fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
         match (args.diffuse, plan.diffuse) {
             (Some(_), _) => {
                 return usage(format!(
-                    "--irradiance asks for a cube and --diffuse {} for none; leave one out",
+                    "--irradiance requests a cube but --diffuse {} has none; omit one",
                     plan.diffuse.name()
                 ));
             }

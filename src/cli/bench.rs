@@ -1,4 +1,4 @@
-//! `octagloss bench`: how long the stages take, as JSON. Ratios within one run are what counts.
+//! `octagloss bench`: times the stages and prints JSON. Compare ratios within one run.
 
 use super::args::BenchArgs;
 use super::outcome::{Outcome, on_threads, print};
@@ -24,9 +24,9 @@ struct Bench {
     machine: Machine,
     size: u32,
     runs: u32,
-    /// Reading and writing as many bytes as a table has.
+    /// Copies as many bytes as the table holds.
     copy: ByThreads,
-    /// The exact table: four channels of 64 bits into memory that was touched before.
+    /// Builds the exact table: four channels of 64 bits, into already mapped memory.
     sat: ByThreads,
     sat_serial: Timing,
     sat_hensley_radix_4: Timing,
@@ -70,7 +70,7 @@ struct Ratios {
     oem_two_threads_speedup: f64,
 }
 
-/// Bytes of a texel of the table at the peak: half a texel of the panorama, the map, and two tables.
+/// Peak bytes per table texel: half a texel of the panorama, the map, and two tables.
 const BYTES_A_TEXEL: u64 = 6 + 16 + 2 * 32;
 
 pub(super) fn run(args: BenchArgs) -> Outcome {
@@ -79,7 +79,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
         #[cfg(feature = "gpu")]
         return super::bench_gpu::run(&args);
         #[cfg(not(feature = "gpu"))]
-        return super::outcome::usage("this program was built without the feature gpu");
+        return super::outcome::usage("built without the feature gpu");
     }
     let (size, runs) = (args.size, args.runs);
     memory::check_square("this bench", "--size", size, BYTES_A_TEXEL)?;
@@ -95,7 +95,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
     let mut scan =
         |scan, runs| time(runs, || sat_scan::scan(scan, fixed, oem.texels(), size as usize, &mut to));
     let sat = by_threads(|| scan(Scan::Strips, runs))?;
-    // These are there to be compared with, not to be waited for.
+    // Baselines need fewer runs.
     let few = runs.div_ceil(4);
     let sat_serial = on_threads(Some(1), || Ok(scan(Scan::Serial, few)))?;
     let sat_hensley_radix_4 = on_threads(Some(1), || Ok(scan(Scan::Hensley { radix: 4 }, few)))?;
@@ -129,14 +129,14 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
     print(&(serde_json::to_string_pretty(&report).map_err(anyhow::Error::from)? + "\n"))
 }
 
-/// `work` on one thread and on two.
+/// Times `work` on one thread and on two.
 fn by_threads(mut work: impl FnMut() -> Timing + Send) -> Outcome<ByThreads> {
     let one = on_threads(Some(1), || Ok(work()))?;
     let two = on_threads(Some(2), || Ok(work()))?;
     Ok(ByThreads { one, two })
 }
 
-/// Median of `runs`, after one to warm up.
+/// Median of `runs` after one warm-up run.
 fn time<T>(runs: u32, mut work: impl FnMut() -> T) -> Timing {
     std::hint::black_box(work());
     let seconds = (0..runs)
@@ -149,7 +149,7 @@ fn time<T>(runs: u32, mut work: impl FnMut() -> T) -> Timing {
     timing(seconds)
 }
 
-/// A plain copy, a share to each thread.
+/// Copies memory, split between the threads.
 fn copy(from: &[[u64; 4]], to: &mut [[u64; 4]]) {
     let share = from.len().div_ceil(rayon::current_num_threads());
     to.par_chunks_mut(share).zip(from.par_chunks(share)).for_each(|(to, from)| to.copy_from_slice(from));
@@ -157,7 +157,8 @@ fn copy(from: &[[u64; 4]], to: &mut [[u64; 4]]) {
 
 fn time_oem(environment: &Environment, size: u32, runs: u32) -> Timing {
     let make = || -> Oem {
-        oem_from_environment(environment, OemSize { inner: size, border: 0 }).expect("it was made before")
+        oem_from_environment(environment, OemSize { inner: size, border: 0 })
+            .expect("the same map was built before")
     };
     time(runs, make)
 }
@@ -189,7 +190,7 @@ fn time_bake(source_width: u32, runs: u32) -> Outcome<BakeTiming> {
     })
 }
 
-/// The processor's name, where the system tells it.
+/// The processor's name, if the system reports it.
 fn cpu_name() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;

@@ -1,4 +1,4 @@
-//! `octagloss bench --engine gpu`: times of the passes by timestamp queries, as JSON.
+//! `octagloss bench --engine gpu`: times the passes by timestamp queries and prints JSON.
 
 use super::args::BenchArgs;
 use super::console::Console;
@@ -34,10 +34,10 @@ struct Bench {
     software: bool,
     size: u32,
     runs: u32,
-    /// 24 bytes in and 24 out a texel: what a scan moves at the least.
+    /// Reads and writes 24 bytes per texel, the minimum traffic of a scan.
     copy: Timing,
-    /// Each pass over an octahedral map of `size` texels, and a frame with a roughness a pixel from fitted
-    /// lobes.
+    /// Each pass over an octahedral map of `size` texels, and a frame of fitted lobes with per-pixel
+    /// roughness.
     stages: BTreeMap<String, Timing>,
     /// Cube of 6 x 512^2 to an octahedral map of 1024^2 to its exact table, all dispatches.
     cube_to_sat: Timing,
@@ -53,7 +53,7 @@ struct BakeTiming {
     total_seconds: f64,
 }
 
-/// What times stages again and again.
+/// Times stages repeatedly.
 struct Clock<'a> {
     context: &'a Context,
     timer: Timer,
@@ -61,8 +61,7 @@ struct Clock<'a> {
 }
 
 impl Clock<'_> {
-    /// Each of `stages`, and all of them from the first's beginning to the last's end; after one run to warm
-    /// up.
+    /// Times each of `stages` and the whole from first start to last end, after one warm-up run.
     fn time(&self, stages: &[&Stage]) -> Outcome<(Vec<Timing>, Timing)> {
         let mut each = vec![Vec::new(); stages.len()];
         let mut all = Vec::new();
@@ -77,14 +76,14 @@ impl Clock<'_> {
     }
 }
 
-/// Bytes of a texel of the table on the CPU at the peak: the panorama, twice as large, and a cube with faces
-/// half as large, as it is made and as it is uploaded.
+/// Peak CPU bytes per table texel: the panorama, twice as large, and the cube with faces half as large, once
+/// as built and once as uploaded.
 const BYTES_A_TEXEL: u64 = 2 * 12 + 3 * (12 + 16) / 2;
 
 pub(super) fn run(args: &BenchArgs) -> Outcome {
     let Engine::Gpu { engine, .. } = args.engine.choose(&Console::new(true))? else {
         return super::outcome::usage(
-            "no hardware GPU; --engine gpu takes any adapter, --engine cpu times the CPU",
+            "no hardware GPU found; --engine gpu accepts any adapter, --engine cpu times the CPU",
         );
     };
     let context = engine.context();
@@ -106,7 +105,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         stages.push(SatHensley::new(context, radix).stage(context, &planes, &sat));
         names.push(format!("sat_hensley_radix_{radix}"));
     }
-    // What the adapter cannot hold is left out.
+    // Skip passes that exceed the adapter's limits.
     if let Ok((stage, _)) = SatF32::new(context).stage(context, &planes) {
         stages.push(stage);
         names.push("sat_f32".to_owned());
@@ -176,7 +175,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     print(&(serde_json::to_string_pretty(&bench).map_err(anyhow::Error::from)? + "\n"))
 }
 
-/// Every pixel of a panorama of 1920x1080, its roughness growing from left to right.
+/// Every pixel of a 1920x1080 panorama, with roughness increasing from left to right.
 fn frame() -> Vec<(DVec3, f64)> {
     let pixels = (0..1080).flat_map(|y| (0..1920).map(move |x| [x, y]));
     pixels

@@ -1,4 +1,4 @@
-//! `octagloss compare`: how far a bake is from its source or from another bake.
+//! `octagloss compare`: measures a bake against its source or another bake.
 
 use super::args::CompareArgs;
 use super::console::Console;
@@ -29,7 +29,7 @@ use image::RgbImage;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct Comparison {
     bake: String,
@@ -40,20 +40,20 @@ struct Comparison {
     lobe: Option<&'static str>,
     /// Levels whose lobe is narrower than two texels of the source.
     skipped: Vec<usize>,
-    /// What the bake says that its texels are.
+    /// The content of the texels, as recorded in the bake.
     chain: Option<&'static str>,
     levels: Vec<LevelErrors>,
-    /// What look-ups deliver; absent where it was not asked for.
+    /// Errors of look-ups; absent unless requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     delivered: Option<Delivered>,
 }
 
-/// What trilinear look-ups of a bake deliver.
+/// Errors of a bake's trilinear look-ups.
 #[derive(Serialize)]
 struct Delivered {
-    /// By which roughness is looked up.
+    /// The ladder that maps roughness to levels.
     ladder: &'static str,
-    /// Directions at each roughness.
+    /// Directions per roughness.
     directions: usize,
     roughnesses: Vec<DeliveredError>,
 }
@@ -71,14 +71,15 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
     }
     on_threads(args.threads, || {
         let Some(bake) = read_bake(&args.bake)? else {
-            // A file or folder that could be a bake and is none, or a broken one, says why.
+            // Report why a candidate file or folder is not a valid bake.
             if args.bake.is_dir() || is_chain_file(&args.bake) {
                 io::read_chain(&args.bake)?;
             }
             open_regular(&args.bake)?;
             let path = args.bake.display();
             return Err(anyhow!(
-                "{path}: no bake; a .ktx2, .ktx, .dds or .exr cube of octagloss bake or a folder of its levels is needed"
+                "{path}: not a bake; name a .ktx2, .ktx, .dds or .exr cube of octagloss bake or a folder of \
+                 its levels"
             )
             .into());
         };
@@ -100,7 +101,7 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
 
 fn against_bake(args: &CompareArgs, bake: &Chain, reference: &Chain) -> Outcome<Comparison> {
     if args.delivered.is_some() {
-        return usage("--delivered measures a bake by its source, and both are bakes");
+        return usage("--delivered needs a source environment, but both inputs are bakes");
     }
     Ok(Comparison {
         bake: args.bake.display().to_string(),
@@ -120,15 +121,19 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
         (Some(typed), _) => typed,
         (None, Some(told)) => told,
         (None, None) => {
-            console.warn(&format!("{} does not say its lobe; ggx it is, or --lobe", args.bake.display()));
+            console.warn(&format!(
+                "{} does not record its lobe; assuming ggx (override with --lobe)",
+                args.bake.display()
+            ));
             Lobe::Ggx
         }
     };
-    // The source as the bake's was, unless said otherwise: scaled, cropped, padded, turned, mirrored and without
-    // its sun.
+    // Prepare the source like the bake's, unless options override it: scaled, cropped, padded, rotated,
+    // mirrored and without its sun.
     if provenance.rotate_y.or(args.input.rotate_y).is_none() {
         console.warn(&format!(
-            "{} does not say how its source was turned; not at all it is, or --rotate-y, --mirror and --extract-sun",
+            "{} does not record its source's rotation; assuming none (override with --rotate-y, --mirror, \
+             --extract-sun)",
             args.bake.display()
         ));
     }
@@ -151,10 +156,11 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     };
     let bake_name = args.bake.display();
     if solved {
-        // Solved texels are not lobes, and are not to be.
+        // Solved texels are not lobes by design.
         if args.picture.is_some() || args.texels.is_some() {
             return usage(format!(
-                "--texels and --picture compare texels with lobes, and {bake_name} is a solved chain, whose texels are none"
+                "--texels and --picture compare texels with lobes, but {bake_name} is a solved chain; its \
+                 texels are not lobes"
             ));
         }
         return Ok(Comparison {
@@ -173,7 +179,7 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
         .collect();
     if skipped.len() == bake.levels.len() {
         return Err(anyhow!(
-            "no level of {} has a lobe as wide as two texels of {}; bake rougher levels to compare",
+            "no level of {} has a lobe at least two texels of {} wide; bake rougher levels to compare",
             args.bake.display(),
             args.against.display()
         )
@@ -181,12 +187,12 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     }
     for level in &skipped {
         console
-            .note(&format!("level {level} is left out: its lobe is narrower than two texels of the source"));
+            .note(&format!("level {level} is skipped: its lobe is narrower than two texels of the source"));
     }
     let sampling = sampling(args, lobe);
     if let (Sampling::Grid(count), true) = (sampling, args.picture.is_some()) {
         console.note(&format!(
-            "the picture is of a grid of at most {count} texels a level; --texels all shows all"
+            "the picture shows a grid of at most {count} texels per level; --texels all shows all"
         ));
     }
     let bar = console.bar("integrating");
@@ -204,10 +210,10 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     })
 }
 
-/// The tolerance of the lobes that look-ups are measured by.
+/// Tolerance of the reference lobes for look-ups.
 const DELIVERED_TOLERANCE: f64 = 0.002;
 
-/// What look-ups of `bake` deliver, at the roughnesses asked for or those that the source resolves.
+/// Measures look-ups of `bake` at the given roughnesses, or at those that the source resolves.
 fn delivered(
     args: &CompareArgs,
     bake: &Chain,
@@ -218,10 +224,10 @@ fn delivered(
     let name = args.bake.display();
     let is_cube = |level: &Level| matches!(level.layout, Layout::Cube { .. });
     if lobe != Lobe::Ggx || !bake.levels.iter().all(is_cube) {
-        return usage(format!("--delivered is for cubes of the lobe ggx, which {name} is not"));
+        return usage(format!("--delivered needs a cube of the lobe ggx; {name} is not one"));
     }
     let Some(ladder) = ladder.and_then(Ladder::named).or_else(|| ladder_of(bake)) else {
-        return Err(anyhow!("{name} does not say its ladder, and its roughnesses are those of none").into());
+        return Err(anyhow!("{name} records no ladder, and its roughnesses match none").into());
     };
     let asked = args.delivered.clone().unwrap_or_default();
     let roughnesses = if asked.is_empty() {
@@ -229,7 +235,8 @@ fn delivered(
         roughnesses.retain(|r| is_measurable(&Level::cube(1, *r, Vec::new()), lobe, source.layout()));
         if roughnesses.is_empty() {
             return Err(anyhow!(
-                "no roughness of {name} has a lobe as wide as two texels of {}; bake rougher levels to compare",
+                "no roughness of {name} has a lobe at least two texels of {} wide; bake rougher levels to \
+                 compare",
                 args.against.display()
             )
             .into());
@@ -249,7 +256,7 @@ fn delivered(
     Ok(Delivered { ladder: ladder.name(), directions: DIRECTIONS, roughnesses })
 }
 
-/// The ladder whose roughnesses those of `bake` are.
+/// The ladder that matches the roughnesses of `bake`.
 fn ladder_of(bake: &Chain) -> Option<Ladder> {
     let (levels, size) = (bake.levels.len() as u32, bake.levels[0].size());
     let fits = |ladder: &Ladder| {
@@ -264,7 +271,7 @@ const TEXELS: usize = 400;
 /// and of cones, whose edge takes an integration as long as ten of another lobe.
 const CONE_TEXELS: usize = 40;
 
-/// The texels to compare: as asked, else few enough for a quick answer.
+/// The texels to compare: those requested, else few enough for a quick run.
 fn sampling(args: &CompareArgs, lobe: Lobe) -> Sampling {
     let count = match args.texels {
         Some(Texels::All) => return Sampling::All,
@@ -275,7 +282,7 @@ fn sampling(args: &CompareArgs, lobe: Lobe) -> Sampling {
     if args.picture.is_some() { Sampling::Grid(count) } else { Sampling::Random(count) }
 }
 
-/// The levels' error pictures, one below the other.
+/// Stacks the levels' error pictures vertically.
 fn picture(bake: &Chain, levels: &[LevelErrors]) -> crate::Result<RgbImage> {
     let pictures = levels.iter().filter_map(|errors| {
         let reference = errors.reference.as_ref()?;
@@ -284,7 +291,7 @@ fn picture(bake: &Chain, levels: &[LevelErrors]) -> crate::Result<RgbImage> {
     let pictures = pictures.collect::<crate::Result<Vec<_>>>()?;
     let width = pictures.iter().map(RgbImage::width).max().unwrap_or(1);
     let height = pictures.iter().map(RgbImage::height).sum::<u32>().max(1);
-    // The ground of each picture is that of its corner.
+    // Fill the background with the picture's corner colour.
     let ground = pictures.first().map_or(image::Rgb([0; 3]), |picture| *picture.get_pixel(0, 0));
     let mut whole = RgbImage::from_pixel(width, height, ground);
     let mut top = 0;
@@ -311,7 +318,7 @@ fn judge(comparison: &Comparison, limit: Option<f64>) -> Outcome {
             .into()),
         };
     }
-    // Not a number is no better than too great.
+    // NaN fails, too.
     let bad = levels.iter().filter(|errors| errors.rel_rmse.is_nan() || errors.rel_rmse > limit);
     match bad.max_by(|a, b| a.rel_rmse.total_cmp(&b.rel_rmse)) {
         None => Ok(()),
@@ -351,19 +358,20 @@ impl Comparison {
                 radiance(worst.value),
                 radiance(worst.reference),
             )
-            .expect("a string takes all");
+            .expect("writing to a string cannot fail");
         }
         if let Some(delivered) = &self.delivered {
             writeln!(
                 text,
-                "delivered: look-ups by the ladder {} along {} directions\nroughness     lod   relRMSE  greatest error",
+                "delivered: look-ups by the ladder {} along {} directions\nroughness     lod   relRMSE  \
+                 greatest error",
                 delivered.ladder, delivered.directions
             )
-            .expect("a string takes all");
+            .expect("writing to a string cannot fail");
             for error in &delivered.roughnesses {
                 let DeliveredError { roughness, lod, rel_rmse, max_error } = error;
                 writeln!(text, "{roughness:>9.4}  {lod:>6.3}  {rel_rmse:>8.6}  {max_error:>14.4}")
-                    .expect("a string takes all");
+                    .expect("writing to a string cannot fail");
             }
         }
         text

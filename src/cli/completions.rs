@@ -1,4 +1,4 @@
-//! `octagloss completions`: scripts by which shells complete commands and options.
+//! `octagloss completions`: prints completion scripts for shells.
 
 use super::args::Args;
 use super::outcome::{Outcome, print_bytes};

@@ -1,4 +1,4 @@
-//! What is said on standard error.
+//! Messages and progress on standard error.
 
 use crate::bake::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -7,10 +7,10 @@ use std::io::{IsTerminal as _, Write as _};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Longest message in bytes; paths may have 4096.
+/// Maximum message length in bytes; paths may have 4096.
 const LONGEST: usize = 6000;
 
-/// Work shorter than this shows no bar.
+/// Shorter work shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Work that runs this long gets an estimate,
@@ -35,21 +35,21 @@ impl Console {
         }
     }
 
-    /// Says each warning once.
+    /// Prints each warning once.
     pub(super) fn warn(&self, text: &str) {
-        let fresh = self.warned.lock().expect("no one panics holding it").insert(text.to_owned());
+        let fresh = self.warned.lock().expect("no holder of the lock panics").insert(text.to_owned());
         if fresh && !self.quiet {
             line("warning: ", text);
         }
     }
 
-    /// Progress of one piece of work: an estimate for work that is long, and on a terminal a bar, hidden at
-    /// first.
+    /// Progress of one task: an estimate for long work, and on a terminal a bar that appears after a delay.
     pub(super) fn bar(&self, name: &str) -> Bar {
         self.bar_like(name, None, "{prefix} {wide_bar} {percent:>3} %, {eta} left")
     }
 
-    /// Progress of one of several files: on a terminal a bar with an estimate for all files, and else nothing.
+    /// Progress of one of several files: on a terminal a bar with an estimate for all files; otherwise
+    /// nothing.
     pub(super) fn bar_of(&self, name: &str, files: Files) -> Bar {
         self.bar_like(name, Some(files), "{prefix} {wide_bar} {percent:>3} %{msg}")
     }
@@ -68,20 +68,20 @@ impl Console {
     }
 }
 
-/// How far a run over several files is.
+/// Progress of a run over several files.
 #[derive(Clone, Copy)]
 pub(super) struct Files {
-    /// When the first began.
+    /// Start of the first file.
     pub(super) start: Instant,
     pub(super) done: usize,
-    /// Those that are baked.
+    /// Number of finished files.
     pub(super) total: usize,
 }
 
-/// A progress bar on standard error, taken away when dropped.
+/// A progress bar on standard error; removed when dropped.
 pub(super) struct Bar {
     bar: ProgressBar,
-    /// None where nothing is to be said.
+    /// `None` if nothing is printed.
     start: Option<Instant>,
     files: Option<Files>,
     is_terminal: bool,
@@ -105,7 +105,7 @@ impl Bar {
         if elapsed < PATIENCE {
             return;
         }
-        // A thread that finds the lock taken has nothing newer to show.
+        // Skip the update if another thread holds the lock.
         let Ok(mut said) = self.said.try_lock() else { return };
         if elapsed >= ESTIMATE_AFTER && !said.estimate && done > 0 {
             said.estimate = true;
@@ -146,7 +146,8 @@ impl Bar {
 }
 
 impl Files {
-    /// How long all files go on, in words; nothing before the first estimate. `share` of the present one is done.
+    /// Estimated time left for all files, in words; empty before the first estimate. `share` of the current
+    /// file is done.
     fn left(self, elapsed: Duration, share: f64) -> String {
         let done = self.done as f64 + share;
         if done == 0.0 {
@@ -163,7 +164,7 @@ impl Drop for Bar {
     }
 }
 
-/// How long work that took `elapsed` for `done` of `total` goes on, in words; `None` where it is soon over.
+/// Estimated time left after `elapsed` for `done` of `total`, in words; `None` if little is left.
 fn estimate(elapsed: Duration, done: u64, total: u64) -> Option<String> {
     let rest = elapsed.as_secs_f64() * total.saturating_sub(done) as f64 / done as f64;
     (rest >= WORTH_SAYING).then(|| {
@@ -172,12 +173,12 @@ fn estimate(elapsed: Duration, done: u64, total: u64) -> Option<String> {
     })
 }
 
-/// Says what went wrong, on one line.
+/// Prints an error on one line.
 pub(super) fn error(text: &str) {
     line("error: ", text);
 }
 
-/// Settings and remedies of the library as its errors name them, and what this program has in their place.
+/// Maps settings and remedies in the library's errors to this program's options.
 const OPTIONS: [(&str, &str); 26] = [
     ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
     ("`border`", "--border"),
@@ -207,7 +208,7 @@ const OPTIONS: [(&str, &str); 26] = [
     ("the CPU engine", "--engine cpu"),
 ];
 
-/// `text` of the library with the options of this program in place of the library's settings.
+/// Replaces the library's settings in `text` by this program's options.
 pub(super) fn with_options(text: &str) -> String {
     let replace = |text: String, (setting, option): &(&str, &str)| text.replace(setting, option);
     OPTIONS.iter().fold(text.to_owned(), replace)
@@ -216,19 +217,18 @@ pub(super) fn with_options(text: &str) -> String {
 fn line(kind: &str, text: &str) {
     let text = &with_options(text);
     let text: Vec<_> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-    // There is no one left to tell when standard error is closed.
+    // Ignore a closed standard error.
     writeln!(std::io::stderr(), "octagloss: {kind}{}", printable(&text.join(" "))).ok();
 }
 
-/// `text` without control characters.
+/// Escapes control characters in `text`.
 pub(super) fn escaped(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() })
         .collect()
 }
 
-/// `text` without control characters, which would reach the terminal, and its middle left out where it is
-/// long.
+/// Escapes control characters, which would reach the terminal, and shortens long text in the middle.
 fn printable(text: &str) -> String {
     let escaped = escaped(text);
     if escaped.len() <= LONGEST {
@@ -239,7 +239,7 @@ fn printable(text: &str) -> String {
     format!("{} ... {}", &escaped[..head], &escaped[tail..])
 }
 
-/// `1234567` bytes as `1.2 MB`.
+/// Formats `1234567` bytes as `1.2 MB`.
 pub(super) fn bytes(count: u64) -> String {
     let count = count as f64;
     match count {
@@ -250,7 +250,8 @@ pub(super) fn bytes(count: u64) -> String {
     }
 }
 
-/// A share in percent with two significant digits below ten, `less than 0.01 %` where that would be 0.00.
+/// Formats a share in percent with two significant digits below ten, and as `less than 0.01 %` instead of
+/// 0.00.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share {
         0.0 => "0 %".to_owned(),
@@ -261,7 +262,7 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
-/// A span of time in words, for estimates.
+/// Formats a duration in words, for estimates.
 pub(super) fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => "less than a second".to_owned(),
@@ -289,7 +290,7 @@ mod tests {
             bar.at(1, 100);
             sender.send(()).expect("still waited for");
         });
-        // Far more than it takes, and it would wait for ever.
+        // Ample timeout; a deadlock would wait forever.
         done.recv_timeout(Duration::from_secs(120)).expect("the bar waits for itself");
     }
 

@@ -1,4 +1,4 @@
-//! `octagloss convert`: an environment from any map of the sphere to any other.
+//! `octagloss convert`: converts environments between maps of the sphere.
 
 use super::console::{self, Console};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, usage, write_output};
@@ -19,7 +19,7 @@ use clap::builder::PossibleValuesParser;
 use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 
-/// The most texels along the shorter side.
+/// Maximum texels along the shorter side.
 const MAX_SIZE: i64 = 8192;
 
 fn map_names() -> PossibleValuesParser {
@@ -28,35 +28,35 @@ fn map_names() -> PossibleValuesParser {
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct ConvertArgs {
-    /// The environment: whatever bake reads, or a picture of --from
+    /// The environment: any input of bake, or a picture of --from
     #[arg(value_name = "INPUT")]
     pub(super) input: PathBuf,
-    /// Where to, .exr or .hdr, or - (as EXR)
+    /// Output, .exr or .hdr, or - (as EXR)
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
     /// The map to convert to
     ///
-    /// Components lie side by side in one picture: a cube's faces in a row, a dual map's hemispheres side
-    /// by side, a tennis ball's panels above each other. octagloss analyze --table lists the maps.
+    /// One picture holds all components: a cube's faces in a row, a dual map's hemispheres side by side, a
+    /// tennis ball's panels stacked. octagloss analyze --table lists the maps.
     #[arg(long, value_name = "MAP", value_parser = map_names())]
     pub(super) layout: String,
     /// The map of INPUT [default: by its shape]
     ///
-    /// A picture as convert writes it, without a border.
+    /// Expects a picture as written by convert, without a border.
     #[arg(long, value_name = "MAP", value_parser = map_names(), hide_possible_values = true)]
     pub(super) from: Option<String>,
     /// Texels along the shorter side of a component
     ///
-    /// 1 to 8192. By default about as many texels in all as INPUT has.
+    /// 1 to 8192. By default about the total number of texels of INPUT.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
     pub(super) size: Option<u32>,
     /// Texels around every component [default: 0]
     ///
-    /// At most N. They show what lies across the edge: by the map's own gluing where that carries texels onto
-    /// texels (octahedral, low-distortion, equirect), else resampled.
+    /// At most N. The border continues across the edge: copied where the map's edges join texel to texel
+    /// (octahedral, low-distortion, equirect), else resampled.
     #[arg(long, value_name = "B", default_value_t = 0, hide_default_value = true)]
     pub(super) border: u32,
-    /// Turn about +Y; +90 carries +Z to +X [default: 0]
+    /// Rotate about +Y; +90 maps +Z to +X [default: 0]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
     pub(super) rotate_y: Option<f64>,
     /// Multiply radiance by X, above 0 [default: 1]
@@ -65,7 +65,7 @@ pub(super) struct ConvertArgs {
     /// Remove a panorama's black bars, as in bake
     #[arg(long, conflicts_with = "from")]
     pub(super) crop: bool,
-    /// Fill up a panorama that is not 2:1: black or edge
+    /// Pad a panorama to 2:1: black or edge
     ///
     /// As in bake; black by default.
     #[arg(long, value_name = "FILL", num_args = 0..=1, require_equals = true, default_missing_value = "black")]
@@ -74,10 +74,10 @@ pub(super) struct ConvertArgs {
     /// Repair NaN (to 0) and Inf (to a finite neighbour)
     #[arg(long)]
     pub(super) sanitize: bool,
-    /// Threads, 1 to 256 [default: one a core]
+    /// Threads, 1 to 256 [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS))]
     pub(super) threads: Option<u32>,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(long, short)]
     pub(super) quiet: bool,
     /// Replace the file if it exists
@@ -87,7 +87,7 @@ pub(super) struct ConvertArgs {
 
 pub(super) fn run(args: &ConvertArgs) -> Outcome {
     let path = &args.output;
-    // Standard output takes EXR.
+    // Standard output uses EXR.
     let as_named = if path.as_os_str() == "-" { Path::new("-.exr") } else { path };
     let extension = as_named.extension().map(|extension| extension.to_ascii_lowercase());
     if !extension.is_some_and(|extension| extension == "exr" || extension == "hdr") {
@@ -118,7 +118,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         let source = Source::new(args, environment)?;
         let size = args.size.unwrap_or_else(|| source.equal_size(map));
         if args.border > size {
-            return usage(format!("--border {} is wider than the map, {size} texels a side", args.border));
+            return usage(format!("--border {} exceeds the map's side of {size} texels", args.border));
         }
         let target = Grid::new(map.map, size)?;
         let texels = source.converted(map, &target)?;
@@ -137,12 +137,12 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
     })
 }
 
-/// What is converted.
+/// The input of the conversion.
 struct Source {
     grid: Grid,
     texels: Vec<Rgb>,
     world_from_source: DMat3,
-    /// The same as an environment, where it is one that the exact sweeps of `geometry::overlap` know.
+    /// The input as an environment, if `geometry::overlap` supports its layout exactly.
     environment: Option<Environment>,
 }
 
@@ -158,8 +158,8 @@ impl Source {
                     return Err(Error::input(
                         &args.input,
                         format!(
-                            "{width}x{height} is no picture of {name}, which is {cells_wide}:{cells_high}; \
-                             leave --from out or name another map"
+                            "{width}x{height} does not fit {name}, which is {cells_wide}:{cells_high}; \
+                             omit --from or name another map"
                         ),
                     )
                     .into());
@@ -167,10 +167,7 @@ impl Source {
                 (map, size)
             }
             (_, Some(name)) => {
-                return usage(format!(
-                    "{} holds a cube already; leave --from {name} out",
-                    args.input.display()
-                ));
+                return usage(format!("{} already holds a cube; omit --from {name}", args.input.display()));
             }
             (Layout::Panorama { height, .. }, None) => (known("equirect"), height),
             (Layout::Cube { size }, None) => (known("cube"), size),
@@ -181,7 +178,7 @@ impl Source {
             let texels = environment.texels().to_vec();
             return Ok(Self { grid, texels, world_from_source, environment: Some(environment) });
         }
-        // The picture's components, one after another.
+        // Split the picture into its components.
         let Layout::Panorama { width, .. } = environment.layout() else { unreachable!("matched above") };
         let at = |Texel { component, x, y }: Texel| {
             let [left, top] = grid.picture_origin(component, 0);
@@ -191,14 +188,14 @@ impl Source {
         Ok(Self { grid, texels, world_from_source, environment: None })
     }
 
-    /// The size at which `map` has about as many texels as this, even where it is more than one.
+    /// The size at which `map` has about as many texels as the input, even if it has several components.
     fn equal_size(&self, map: &NamedMap) -> u32 {
         let cells = Grid::new(map.map, 1).map_or(1, |grid| grid.texel_count());
         let side = (self.grid.texel_count() as f64 / cells as f64).sqrt().ceil() as u32;
         side.next_multiple_of(2).clamp(1, MAX_SIZE as u32)
     }
 
-    /// The mean radiance over every texel of `target`, which is `map`'s.
+    /// Mean radiance over every texel of `target`, the grid of `map`.
     fn converted(&self, map: &NamedMap, target: &Grid) -> crate::Result<Vec<Rgb>> {
         let size = target.size();
         match (&self.environment, map.name) {
@@ -209,14 +206,14 @@ impl Source {
         }
     }
 
-    /// Radiance from `direction`.
+    /// Radiance along `direction`.
     fn look(&self, direction: DVec3) -> Rgb {
         let local = self.world_from_source.transpose() * direction;
         self.texels[self.grid.index(self.grid.texel_from_direction(local))]
     }
 }
 
-/// A map that this file names.
+/// Looks up a map named in this file.
 fn known(name: &str) -> &'static NamedMap {
     named(name).expect("one of the maps")
 }

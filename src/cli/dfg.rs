@@ -1,4 +1,4 @@
-//! `octagloss dfg`: the table of what rough surfaces reflect of white.
+//! `octagloss dfg`: writes the split-sum DFG (BRDF integration) lookup table.
 
 use super::args::DfgArgs;
 use super::console::{self, Console};

@@ -1,5 +1,5 @@
-//! Directions as CSV with the header `x,y,z` or `x,y,z,roughness`, from a file or standard input, within stated
-//! limits.
+//! Reads directions as CSV with the header `x,y,z` or `x,y,z,roughness`, from a file or standard input,
+//! within limits.
 
 use crate::error::quoted;
 use crate::io::regular::open_regular;
@@ -8,37 +8,37 @@ use glam::DVec3;
 use std::io::Read;
 use std::path::Path;
 
-/// A row as it was typed and as it is meant.
+/// A row: its text and its parsed values.
 pub(super) struct Asked {
     /// Its values, separated by commas.
     pub(super) typed: String,
     pub(super) direction: DVec3,
-    /// Where the rows say it.
+    /// Roughness, if the rows have that column.
     pub(super) roughness: Option<f64>,
 }
 
 /// All rows.
 pub(super) struct Directions {
     pub(super) asked: Vec<Asked>,
-    /// Whether each row has a roughness of its own.
+    /// Whether each row has its own roughness.
     pub(super) has_roughness: bool,
 }
 
-/// What is accepted of a file or of standard input, which may have no end.
+/// Limits for a file or standard input, which may be endless.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
-    /// Directions.
+    /// Number of directions.
     pub(super) rows: usize,
-    /// Bytes in all.
+    /// Total bytes.
     pub(super) bytes: usize,
-    /// Bytes between two line ends.
+    /// Bytes per line.
     pub(super) line: usize,
 }
 
-/// The limits of `--directions`, as its help states them.
+/// The limits of `--directions`, as in its help.
 pub(super) const LIMITS: Limits = Limits { rows: 4_000_000, bytes: 256 << 20, line: 1000 };
 
-/// Reads the directions in the CSV file `path`, or on standard input where that is `-`.
+/// Reads the directions in the CSV file `path`, or from standard input for `-`.
 pub(super) fn read_directions(path: &Path) -> anyhow::Result<Directions> {
     if path == Path::new("-") {
         return parse_directions(std::io::stdin().lock(), LIMITS).context("standard input");
@@ -46,7 +46,7 @@ pub(super) fn read_directions(path: &Path) -> anyhow::Result<Directions> {
     parse_directions(open_regular(path)?, LIMITS).with_context(|| path.display().to_string())
 }
 
-/// Parses directions, one a line.
+/// Parses directions, one per line.
 pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
     let text = read_text(from, limits)?;
     let mut reader = csv::ReaderBuilder::new()
@@ -55,8 +55,8 @@ pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Resul
         .trim(csv::Trim::All)
         .from_reader(&text[..]);
     let mut records = reader.records();
-    let header = records.next().transpose()?.ok_or_else(|| anyhow!("empty; a line x,y,z must come first"))?;
-    // A byte order mark is no part of the name.
+    let header = records.next().transpose()?.ok_or_else(|| anyhow!("empty; the first line must be x,y,z"))?;
+    // Strip a byte order mark.
     let names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
     let has_roughness = match names[..] {
         ["x", "y", "z"] => false,
@@ -69,11 +69,11 @@ pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Resul
         let line = record.position().map_or(0, |position| line_of(position, &text));
         match (record.len(), has_roughness) {
             (3, false) | (4, true) => {}
-            (count, false) => bail!("line {line} has {count} values; x,y,z are three"),
-            (count, true) => bail!("line {line} has {count} values; x,y,z,roughness are four"),
+            (count, false) => bail!("line {line} has {count} values; x,y,z needs three"),
+            (count, true) => bail!("line {line} has {count} values; x,y,z,roughness needs four"),
         }
         if asked.len() == limits.rows {
-            bail!("more than {} directions, at line {line}; ask for them in parts", limits.rows);
+            bail!("more than {} directions, at line {line}; split the file", limits.rows);
         }
         let mut values = [0.0_f64; 4];
         for ((value, text), name) in values.iter_mut().zip(&record).zip(names.iter()) {
@@ -83,7 +83,7 @@ pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Resul
                 bail!("line {line}: {name} is {}; it must be finite", quoted(text));
             }
         }
-        // Scaled first: squares of tiny and huge lengths leave the range of floats.
+        // Scale first: squares of tiny and huge lengths exceed the range of floats.
         let [x, y, z, roughness] = values;
         if !(0.0..=1.0).contains(&roughness) {
             bail!("line {line}: roughness is {}; it must be between 0 and 1", quoted(&record[3]));
@@ -91,7 +91,7 @@ pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Resul
         let direction = DVec3::new(x, y, z);
         let longest = direction.abs().max_element();
         if longest == 0.0 {
-            bail!("line {line}: 0,0,0 points nowhere");
+            bail!("line {line}: 0,0,0 is not a direction");
         }
         asked.push(Asked {
             typed: record.iter().collect::<Vec<_>>().join(","),
@@ -102,7 +102,7 @@ pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Resul
     Ok(Directions { asked, has_roughness })
 }
 
-/// Reads all of `from`, and stops at the first limit that it passes.
+/// Reads all of `from`; stops at the first exceeded limit.
 fn read_text(mut from: impl Read, limits: Limits) -> anyhow::Result<Vec<u8>> {
     let mut text = Vec::new();
     let mut chunk = vec![0; 64 << 10];
@@ -121,13 +121,13 @@ fn read_text(mut from: impl Read, limits: Limits) -> anyhow::Result<Vec<u8>> {
             }
         }
         if count > limits.bytes - text.len() {
-            bail!("more than {} bytes, at line {line}; ask for the directions in parts", limits.bytes);
+            bail!("more than {} bytes, at line {line}; split the file", limits.bytes);
         }
         text.extend_from_slice(&chunk[..count]);
     }
 }
 
-/// The line a record stands on: its position is that of the empty lines before it.
+/// The line of a record; its position is that of the empty lines before it.
 fn line_of(position: &csv::Position, text: &[u8]) -> u64 {
     let rest = text.get(position.byte() as usize..).unwrap_or_default();
     let empty = rest.iter().take_while(|byte| b"\r\n".contains(byte)).filter(|byte| **byte == b'\n').count();
@@ -150,7 +150,7 @@ mod tests {
         let few = Limits { rows: 2, bytes: 30, line: 10 };
         assert_eq!(parse_directions(&b"x,y,z\n1,0,0\n0,1,0\n"[..], few).expect("within").asked.len(), 2);
         let rows = error(b"x,y,z\n1,0,0\n0,1,0\n0,0,1\n", few);
-        assert_eq!(rows, "more than 2 directions, at line 4; ask for them in parts");
+        assert_eq!(rows, "more than 2 directions, at line 4; split the file");
         let endless = parse_directions(std::io::repeat(0), LIMITS).err().expect("no end").to_string();
         assert_eq!(endless, "line 1 is longer than 1000 bytes; a line is x,y,z");
         let lines = parse_directions(std::io::repeat(b'\n'), Limits { bytes: 100_000, ..LIMITS });
@@ -167,8 +167,8 @@ mod tests {
         assert_eq!(rows, [("1,0,0,.25", Some(0.25)), ("0,2,0,1", Some(1.0))]);
         assert!(!parse_directions(&b"x,y,z\n"[..], LIMITS).expect("no rows").has_roughness);
         for (text, words) in [
-            ("x,y,z,roughness\n1,0,0\n", "line 2 has 3 values; x,y,z,roughness are four"),
-            ("x,y,z\n1,0,0,1\n", "line 2 has 4 values; x,y,z are three"),
+            ("x,y,z,roughness\n1,0,0\n", "line 2 has 3 values; x,y,z,roughness needs four"),
+            ("x,y,z\n1,0,0,1\n", "line 2 has 4 values; x,y,z needs three"),
             ("x,y,z,roughness\n1,0,0,1.5\n", "line 2: roughness is \"1.5\"; it must be between 0 and 1"),
             ("x,y,z,roughness\n1,0,0,nan\n", "line 2: roughness is \"nan\"; it must be finite"),
             ("x,y,z,r\n", "line 1 is \"x,y,z,r\"; the header must be x,y,z or x,y,z,roughness"),

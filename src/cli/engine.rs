@@ -1,4 +1,4 @@
-//! What computes: the CPU, or an adapter.
+//! Engines: the CPU, or a GPU adapter.
 
 use super::console::Console;
 #[cfg(feature = "gpu")]
@@ -21,38 +21,38 @@ use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-/// An engine, chosen.
+/// The chosen engine.
 pub(super) enum Engine {
     Cpu,
     #[cfg(feature = "gpu")]
     Gpu {
         engine: Box<crate::gpu::engine::Engine>,
-        /// Whether the CPU may take what the adapter cannot.
+        /// Whether to fall back to the CPU.
         may_fall_back: bool,
     },
 }
 
-/// What is to be asked for.
+/// Inputs of a query.
 pub(super) struct Query<'a> {
     pub(super) lobe: Lobe,
     pub(super) filter: Filter,
     pub(super) directions: &'a [DVec3],
-    /// Of each direction.
+    /// Roughness of each direction.
     pub(super) roughness: &'a [f64],
 }
 
-/// The directions of one roughness.
+/// Directions that share a roughness.
 struct Alike {
     roughness: f64,
-    /// Their places in the query.
+    /// Their indices in the query.
     places: Vec<usize>,
     directions: Vec<DVec3>,
 }
 
 impl Query<'_> {
-    /// The directions by their roughness: a lobe is prepared once.
+    /// Groups directions by roughness, so each lobe is prepared once.
     fn alike(&self) -> Vec<Alike> {
-        // Bits of what is not negative are in the order of the numbers.
+        // Bits of nonnegative floats sort like the numbers.
         let mut by_roughness: BTreeMap<u64, Alike> = BTreeMap::new();
         for (place, (direction, roughness)) in self.directions.iter().zip(self.roughness).enumerate() {
             let none = || Alike { roughness: *roughness, places: Vec::new(), directions: Vec::new() };
@@ -64,11 +64,11 @@ impl Query<'_> {
     }
 }
 
-/// Who baked, as the report has it.
+/// The engine that baked, as in the report.
 pub(super) struct Baker {
     pub(super) engine: &'static str,
     pub(super) adapter: Option<String>,
-    /// Why the CPU baked in place of the GPU that was chosen.
+    /// Why the CPU baked instead of the chosen GPU.
     pub(super) fallback: Option<String>,
 }
 
@@ -78,52 +78,57 @@ impl Baker {
     }
 }
 
-/// Why the CPU takes over after `error`, where it may: the GPU lacks what it was asked for, or the room.
+/// The reason to fall back to the CPU after `error`: a feature or memory that the GPU lacks. `None` if not
+/// allowed.
 #[cfg(feature = "gpu")]
 fn fallback(error: &Error, may_fall_back: bool) -> Option<String> {
     let is_lack = matches!(error, Error::Limit { .. } | Error::Unsupported { .. });
-    (may_fall_back && is_lack).then(|| with_options(&format!("{error}; the CPU takes over")))
+    (may_fall_back && is_lack).then(|| with_options(&format!("{error}; falling back to the CPU")))
 }
 
-/// The first of `adapters` that has `name` in its own.
+/// The first of `adapters` whose name contains `name`.
 #[cfg(feature = "gpu")]
 fn adapter_called<'a>(adapters: &'a [wgpu::Adapter], name: &str) -> crate::Result<&'a wgpu::Adapter> {
     let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
     let place = names.iter().position(|other| other.to_lowercase().contains(&name.to_lowercase()));
     place.map(|place| &adapters[place]).ok_or_else(|| {
         let there = if names.is_empty() {
-            "there are none".to_owned()
+            "no adapters found".to_owned()
         } else {
-            format!("there are: {}", names.join(", "))
+            format!("choose one of: {}", names.join(", "))
         };
-        Error::Gpu(format!("no adapter is called {name}; {there}"))
+        Error::Gpu(format!("unknown adapter {name}; {there}"))
     })
 }
 
-/// The adapter called `name`, or the best there is.
+/// The adapter called `name`, or the best one.
 #[cfg(feature = "view")]
 pub(super) fn any_adapter(name: Option<&str>) -> Outcome<wgpu::Adapter> {
     let adapters = crate::gpu::block_on(None, crate::gpu::adapters())?;
     let adapter = match name {
         Some(name) => adapter_called(&adapters, name)?,
-        None => adapters
-            .first()
-            .ok_or_else(|| Error::Gpu("no adapter; install a Vulkan driver, such as Mesa's".to_owned()))?,
+        None => adapters.first().ok_or_else(|| {
+            Error::Gpu(
+                "no adapter found; install a Vulkan driver, such as \
+                                       Mesa's"
+                    .to_owned(),
+            )
+        })?,
     };
     Ok(adapter.clone())
 }
 
 impl EngineArgs {
-    /// Options that contradict each other.
+    /// Rejects contradicting options.
     pub(super) fn check(&self) -> Outcome {
         match (self.engine, &self.adapter) {
-            (EngineArg::Cpu, Some(_)) => usage("--adapter names a GPU; leave --engine cpu out"),
+            (EngineArg::Cpu, Some(_)) => usage("--adapter names a GPU; omit --engine cpu"),
             _ => Ok(()),
         }
     }
 
-    /// The engine in `engine`, or the one asked for: chosen once an input was read, so that one that cannot
-    /// be is answered by its error alone.
+    /// The engine in `engine`, or the requested one. Chosen after an input was read, so an unreadable input
+    /// prints only its own error.
     pub(super) fn chosen<'a>(&self, engine: &'a OnceCell<Engine>, console: &Console) -> Outcome<&'a Engine> {
         if let Some(engine) = engine.get() {
             return Ok(engine);
@@ -132,7 +137,7 @@ impl EngineArgs {
         Ok(engine.get_or_init(|| chosen))
     }
 
-    /// The engine asked for; under `auto` a hardware GPU where there is one, which is said.
+    /// The requested engine. `auto` selects a hardware GPU if there is one, and prints the choice.
     #[cfg(feature = "gpu")]
     pub(super) fn choose(&self, console: &Console) -> Outcome<Engine> {
         use crate::gpu::device::context::{adapters, describe, is_hardware, may_have_hardware};
@@ -152,7 +157,7 @@ impl EngineArgs {
         let adapter = match (&self.adapter, self.engine) {
             (Some(name), _) => adapter_called(&adapters, name)?,
             (None, EngineArg::Gpu) => adapters.first().ok_or_else(|| {
-                Error::Gpu("no adapter; use --engine cpu or install a Vulkan driver".to_owned())
+                Error::Gpu("no adapter found; use --engine cpu or install a Vulkan driver".to_owned())
             })?,
             (None, _) => match adapters.iter().find(|adapter| is_hardware(&adapter.get_info())) {
                 Some(adapter) => adapter,
@@ -170,7 +175,7 @@ impl EngineArgs {
                 Ok(Engine::Gpu { engine: Box::new(engine), may_fall_back })
             }
             Err(error) if may_fall_back && self.adapter.is_none() => {
-                console.warn(&format!("{error}; the CPU takes over"));
+                console.warn(&format!("{error}; falling back to the CPU"));
                 Ok(Engine::Cpu)
             }
             Err(error) => Err(error.into()),
@@ -180,7 +185,7 @@ impl EngineArgs {
     #[cfg(not(feature = "gpu"))]
     pub(super) fn choose(&self, console: &Console) -> Outcome<Engine> {
         if self.engine == EngineArg::Gpu || self.adapter.is_some() {
-            return usage("this program was built without the feature gpu; leave --engine and --adapter out");
+            return usage("built without the feature gpu; omit --engine and --adapter");
         }
         if self.engine == EngineArg::Auto {
             console.note("built without the gpu feature; using the CPU");
@@ -190,7 +195,7 @@ impl EngineArgs {
 }
 
 impl Engine {
-    /// Bakes once for each of `settings`, and says who did.
+    /// Bakes once for each of `settings`; returns the engine that baked.
     pub(super) fn bake_all(
         &self,
         environment: &Environment,
@@ -218,7 +223,7 @@ impl Engine {
         }
     }
 
-    /// Answers to each direction on its own, so that none depends on what else is asked but by `settings`.
+    /// Evaluates each direction independently; results depend only on the direction and `settings`.
     pub(super) fn query(
         &self,
         environment: &Environment,
@@ -275,7 +280,7 @@ impl Engine {
     }
 }
 
-/// A line for each adapter, as `--adapter` names it.
+/// One line per adapter, with its name for `--adapter`.
 #[cfg(feature = "gpu")]
 pub(super) fn list_adapters() -> Outcome<Vec<String>> {
     use crate::gpu::device::context::describe;
@@ -285,5 +290,5 @@ pub(super) fn list_adapters() -> Outcome<Vec<String>> {
 
 #[cfg(not(feature = "gpu"))]
 pub(super) fn list_adapters() -> Outcome<Vec<String>> {
-    usage("this program was built without the feature gpu")
+    usage("built without the feature gpu")
 }

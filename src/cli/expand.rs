@@ -1,7 +1,7 @@
-//! Inputs as they are typed: of folders and patterns the files that they stand for.
+//! Expands folders and patterns to input files.
 //!
-//! Folders are walked in the order of their names. Hidden files, links to folders, what earlier bakes wrote and
-//! the folder of this one's output are left out.
+//! Walks folders in name order. Skips hidden files, links to folders, outputs of earlier bakes and this
+//! bake's output folder.
 
 use super::outcome::{Failure, Outcome, usage};
 use crate::Error;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Found {
     pub(super) path: PathBuf,
-    /// The folders between the folder or pattern that was typed and the file; empty for a file that was typed.
+    /// Folders between the given folder or pattern and the file; empty for a file given by name.
     pub(super) within: PathBuf,
 }
 
@@ -26,22 +26,22 @@ pub(super) struct Found {
 #[derive(Debug, Default)]
 pub(super) struct Expansion {
     pub(super) found: Vec<Found>,
-    /// Whether a folder or a pattern was typed, which may stand for any number of files.
+    /// Whether a folder or a pattern was given, which may expand to any number of files.
     pub(super) is_open: bool,
     /// Folders that could not be read.
     pub(super) failures: Vec<Error>,
 }
 
-/// Where files are looked for.
+/// State of a walk.
 struct Walk<'a> {
     recursive: bool,
-    /// The folder of the output, without links; none where it is not there yet.
+    /// The output folder with links resolved; `None` if it does not exist yet.
     output: Option<&'a Path>,
     found: Vec<Found>,
     failures: Vec<Error>,
 }
 
-/// A part of a pattern between slashes.
+/// A pattern component between slashes.
 #[derive(Debug)]
 enum Part {
     /// `**`: any number of folders.
@@ -51,11 +51,11 @@ enum Part {
     Wild(Pattern),
 }
 
-/// What `typed` stands for; files go to `output`.
+/// Expands `typed`; files go to `output`.
 pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>) -> Outcome<Expansion> {
     let output = output.and_then(|path| path.canonicalize().ok());
     let mut all = Expansion::default();
-    // What is found twice, or found and typed, is one input; what is typed twice is left to be told.
+    // Inputs found twice, or found and given by name, are one. Inputs named twice are reported later.
     let (mut named, mut met) = (BTreeSet::new(), BTreeSet::new());
     for path in typed {
         let mut walk = Walk { recursive, output: output.as_deref(), found: Vec::new(), failures: Vec::new() };
@@ -74,7 +74,7 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
         };
         let Walk { found, failures, .. } = walk;
         if found.is_empty() {
-            // A folder of several bakes says so.
+            // A folder of several bakes has its own error.
             if path.is_dir() {
                 levels_path(&path)?;
             }
@@ -90,16 +90,16 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
 }
 
 fn nothing(path: &Path, what: &str, recursive: bool) -> Outcome<Expansion> {
-    let more = if what == "holds" && !recursive { "; --recursive looks into its folders, too" } else { "" };
+    let more = if what == "holds" && !recursive { "; --recursive also searches subfolders" } else { "" };
     usage(format!(
-        "{} {what} no file that can be read: {}{more}",
+        "{} {what} no readable file: {}{more}",
         path.display(),
         readable_extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(" ")
     ))
 }
 
 impl Walk<'_> {
-    /// The files in `folder`, and with `--recursive` those in its folders.
+    /// Adds the files in `folder`, with `--recursive` also those in subfolders.
     fn folder(&mut self, folder: &Path, within: &Path) {
         for name in self.names(folder) {
             let path = folder.join(&name);
@@ -111,7 +111,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The files below `folder` that `parts` match.
+    /// Adds the files below `folder` that match `parts`.
     fn pattern(&mut self, folder: &Path, within: &Path, parts: &[Part]) {
         let Some((first, rest)) = parts.split_first() else { return };
         match first {
@@ -127,7 +127,7 @@ impl Walk<'_> {
             Part::Literal(name) => {
                 let path = folder.join(name);
                 if !rest.is_empty() {
-                    // Outputs never leave their folder.
+                    // Outputs must stay in their folder.
                     let within = match &name[..] {
                         ".." => within.parent().unwrap_or(within).to_owned(),
                         name => within.join(name),
@@ -154,20 +154,19 @@ impl Walk<'_> {
         }
     }
 
-    /// Takes the file `path`, where it is named as one that can be read. What is wrong with it otherwise is said
-    /// when it is read.
+    /// Adds the file `path` if its extension is readable. Other errors are reported when it is read.
     fn take(&mut self, path: PathBuf, within: &Path) {
         if has_readable_name(&path) && !path.is_dir() {
             self.found.push(Found { path, within: within.to_owned() });
         }
     }
 
-    /// What is in `folder` and may be an input, in the order of the names.
+    /// Possible inputs in `folder`, in name order.
     fn names(&mut self, folder: &Path) -> Vec<OsString> {
         let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let entries = match fs::read_dir(here) {
             Ok(entries) => entries,
-            // Patterns need not fit everywhere.
+            // A pattern may miss in some folders.
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
                 return Vec::new();
             }
@@ -195,7 +194,7 @@ impl Walk<'_> {
         names
     }
 
-    /// Whether the folder `path` is looked into for inputs.
+    /// Whether to search the folder `path` for inputs.
     fn is_walked(&self, path: &Path) -> bool {
         !self.is_output(path) && !is_bake_folder(path)
     }
@@ -205,14 +204,14 @@ impl Walk<'_> {
     }
 }
 
-/// A single file that a bake wrote, as the report beside it tells.
+/// A file that a bake wrote, according to the report next to it.
 struct Reported {
     name: String,
     stem: String,
 }
 
 impl Reported {
-    /// Whether `name` is the file's or that of a file or folder that was written with it.
+    /// Whether `name` is that file or was written with it.
     fn wrote(&self, name: &str) -> bool {
         let after = |start: &str| name.strip_prefix(start);
         after(&self.name).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
@@ -222,7 +221,7 @@ impl Reported {
     }
 }
 
-/// The files in a folder of `names` that have reports beside them.
+/// The files among a folder's `names` that have reports.
 fn reported(names: &[OsString]) -> Vec<Reported> {
     let suffix = format!(".{REPORT}");
     let of = |name: &OsString| {
@@ -233,13 +232,13 @@ fn reported(names: &[OsString]) -> Vec<Reported> {
     names.iter().filter_map(of).collect()
 }
 
-/// Whether `path` is a folder itself, and not a link to one: links may lead in a circle.
+/// Whether `path` is a folder and not a link to one, since links may form cycles.
 fn is_real_folder(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|metadata| metadata.is_dir())
 }
 
-/// The folder before the first wildcard of `path` and the parts from there on; `None` for a path without
-/// wildcards, and for one that is there as it was typed.
+/// Splits `path` at the first wildcard into folder and pattern parts; `None` without wildcards and for an
+/// existing path.
 fn pattern(path: &Path) -> Option<(&Path, Vec<Part>)> {
     const WILD: [char; 3] = ['*', '?', '['];
     let text = path.to_str().filter(|text| text.contains(WILD))?;

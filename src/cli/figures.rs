@@ -1,4 +1,4 @@
-//! `octagloss analyze --plot`: figures of the maps, into a folder.
+//! `octagloss analyze --plot`: draws figures of the maps into a folder.
 
 use super::console::{self, Console};
 use super::figures_args::FigureArgs;
@@ -18,7 +18,7 @@ pub(super) fn run(args: &FigureArgs) -> Outcome {
     let entries = chosen(args)?;
     let content = content(args)?;
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
-    // Before drawing, what would fail after it.
+    // Check the outputs before drawing.
     output::recover(folder);
     let is_new = !folder.exists();
     let path = |entry: &Entry, form: Form| format!("{}.{}", entry.name(), form.extension());
@@ -52,14 +52,14 @@ pub(super) fn run(args: &FigureArgs) -> Outcome {
     Ok(())
 }
 
-/// The figures that `--map` and `--figure` ask for.
+/// The figures selected by `--map` and `--figure`.
 fn chosen(args: &FigureArgs) -> Outcome<Vec<Entry>> {
     let all = entries();
     for name in &args.figure {
         if !all.iter().any(|entry| is_called(entry, name)) {
             let kinds = Kind::ALL.map(Kind::name).join(", ");
             return usage(format!(
-                "there is no figure {name:?}; there are {kinds}, and those of one map, such as layout-cube"
+                "unknown figure {name:?}; choose one of {kinds}, or a figure of one map, such as layout-cube"
             ));
         }
     }
@@ -71,7 +71,7 @@ fn chosen(args: &FigureArgs) -> Outcome<Vec<Entry>> {
     let chosen: Vec<Entry> = all.into_iter().filter(|entry| of_map(entry) && named(entry)).collect();
     if chosen.is_empty() {
         return usage(format!(
-            "--figure {} is no figure of --map {}; leave one of them out",
+            "--figure {} is not a figure of --map {}; omit one of them",
             args.figure.join(" --figure "),
             args.map.join(" --map ")
         ));
@@ -83,7 +83,7 @@ fn is_called(entry: &Entry, name: &str) -> bool {
     entry.kind.name() == name || entry.name() == name
 }
 
-/// What the figures show.
+/// Content of the figures.
 fn content(args: &FigureArgs) -> Outcome<Content> {
     let mut content = Content::new()?;
     content.size = args.size.unwrap_or(content.size);
@@ -93,7 +93,7 @@ fn content(args: &FigureArgs) -> Outcome<Content> {
     content.border = args.border.unwrap_or(content.border.min(content.size));
     if content.border > content.size {
         return usage(format!(
-            "--border {} is wider than the map, {} texels a side",
+            "--border {} exceeds the map's side of {} texels",
             content.border, content.size
         ));
     }

@@ -11,9 +11,9 @@ pub(super) struct FigureArgs {
     /// Draw figures of the maps into the folder -o, as PNG and SVG
     ///
     /// For every map: relative solid angle and anisotropy on the sphere, the layout, and a panorama in the
-    /// layout. Besides: three maps compared (figure 5 of the octahedron paper), the unfolding of the octahedron,
+    /// layout. Also: three maps compared (figure 5 of the octahedron paper), the unfolding of the octahedron,
     /// the border of its square (figure 4), the seam of the tennis ball, and sampling requirement against
-    /// anisotropy. Builds with the feature plot only.
+    /// anisotropy. Needs the feature plot.
     #[arg(long, requires = "output", conflicts_with_all = ["table", "csv", "json"])]
     pub(super) plot: bool,
     /// The folder of the figures
@@ -30,11 +30,11 @@ pub(super) struct FigureArgs {
     pub(super) map: Vec<String>,
     /// Draw this figure only; repeat for several
     ///
-    /// A kind (solid-angle, anisotropy, layout, panorama, compared, unfolding, border, seam or sampling), or one
+    /// A kind (solid-angle, anisotropy, layout, panorama, compared, unfolding, border, seam, sampling), or a
     /// figure of a map, such as layout-cube.
     #[arg(long, value_name = "NAME", requires = "plot")]
     pub(super) figure: Vec<String>,
-    /// What the figures called panorama show [default: the environment sky of synth]
+    /// Environment of the panorama figures [default: sky of synth]
     #[arg(long, value_name = "FILE", requires = "plot")]
     pub(super) panorama: Option<PathBuf>,
     /// Texels along the square of the figure border, 1 to 12 [default: 8]
@@ -43,7 +43,7 @@ pub(super) struct FigureArgs {
     /// Width of the border in that figure, at most N [default: 2]
     #[arg(long, value_name = "B", requires = "plot")]
     pub(super) border: Option<u32>,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(long, short, requires = "plot")]
     pub(super) quiet: bool,
     /// Replace figures that exist

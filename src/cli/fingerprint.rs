@@ -1,4 +1,4 @@
-//! Bakes that need not be done again: what was asked for and what was written, as hashes in the report.
+//! Detects up-to-date outputs by the request and output hashes in the report.
 
 use super::args::BakeArgs;
 use super::bake_plan::BakePlan;
@@ -20,8 +20,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Everything that outputs depend on besides their input, a line `key=value` each with defaults filled in: all
-/// but where, how loud and how fast.
+/// All options that affect outputs, as `key=value` lines with defaults filled in. Excludes output paths,
+/// verbosity and threads.
 pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
     let InputArgs { layout, rotate_y, mirror, scale, crop, pad, sanitize, strict, extract_sun } = &args.input;
     let mut lines = vec![
@@ -42,7 +42,7 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
         format!("adapter={:?}", args.engine.adapter),
     ];
     for BakePlan { plan, settings, skybox } in plans {
-        // Whether there is a skybox says its size.
+        // The skybox size also records its presence.
         let TargetPlan { target, container, pixel, flip, diffuse, layout, skybox: _ } = plan;
         let BakeSettings { map, size, levels: _, ladder, lobe, filter, oem_size, border, .. } = settings;
         let BakeSettings { bounds, irradiance, sh_order, sh_window, chain, sheen, skybox: _, .. } = settings;
@@ -73,12 +73,12 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
     Ok(lines.join("\n"))
 }
 
-/// The hash of the content of `source`, of `options` and of the program's version.
+/// Hashes the content of `source`, `options` and the program's version.
 pub(super) fn request(source: &Source, options: &str) -> Result<Hash> {
     requested(source, options).map(|(hash, _)| hash)
 }
 
-/// [`request`], and what it found of the files of `source`.
+/// [`request`], with the hashes of the files of `source`.
 pub(super) fn requested(source: &Source, options: &str) -> Result<(Hash, Vec<InputFileReport>)> {
     let mut files = Vec::new();
     let mut hasher = Hasher::new();
@@ -88,9 +88,9 @@ pub(super) fn requested(source: &Source, options: &str) -> Result<(Hash, Vec<Inp
     add(SOFTWARE.as_bytes());
     add(options.as_bytes());
     for path in source.files() {
-        // The names of six faces say which is which.
+        // Names identify the six faces.
         add(path.file_name().unwrap_or_default().as_encoded_bytes());
-        // A bake is read for its level 0.
+        // Only level 0 of a bake is read.
         let levels = levels_path(path)?;
         let counts = |name: &str| {
             let stem = name.split_once('.').map_or(name, |(stem, _)| stem);
@@ -98,7 +98,7 @@ pub(super) fn requested(source: &Source, options: &str) -> Result<(Hash, Vec<Inp
         };
         let hash = hash_where(&levels, &counts)?;
         add(hash.as_bytes());
-        // How a file is turned may be in its report alone.
+        // A file's orientation may be in its report only.
         let pairs = if levels.is_file() { reported_pairs(&levels, hash) } else { Vec::new() };
         pairs.iter().flat_map(|(key, value)| [key, value]).for_each(|text| add(text.as_bytes()));
         files.push(InputFileReport {
@@ -110,7 +110,7 @@ pub(super) fn requested(source: &Source, options: &str) -> Result<(Hash, Vec<Inp
     Ok((hasher.finalize(), files))
 }
 
-/// The size of a file, or of those in a folder whose name `counts`.
+/// Size of a file, or of a folder's files whose name `counts`.
 fn bytes_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<u64> {
     let fail = |error| Error::io(path, error);
     let metadata = fs::metadata(path).map_err(fail)?;
@@ -127,12 +127,12 @@ fn bytes_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<u64> {
     Ok(bytes)
 }
 
-/// The hash of an output, file or folder, reports left out.
+/// Hashes an output file or folder without reports.
 pub(super) fn hash_of(output: &Path) -> Result<Hash> {
     hash_where(output, &|name| name != REPORT)
 }
 
-/// [`hash_of`] a folder of `files`, by their paths within it, with `/` between folders.
+/// [`hash_of`] for a folder of `files`, by relative paths with `/` separators.
 pub(super) fn hash_of_files(files: &[(String, &[u8])]) -> Hash {
     let mut entries: BTreeMap<&str, Vec<(String, &[u8])>> = BTreeMap::new();
     let mut hashes = BTreeMap::new();
@@ -150,7 +150,7 @@ pub(super) fn hash_of_files(files: &[(String, &[u8])]) -> Hash {
     hasher.finalize()
 }
 
-/// The hash of several outputs, of their hashes.
+/// Hash of several outputs: the hash of their hashes.
 pub(super) fn joined(hashes: impl IntoIterator<Item = Result<Hash>>) -> Result<Hash> {
     let mut hasher = Hasher::new();
     for hash in hashes {
@@ -159,7 +159,7 @@ pub(super) fn joined(hashes: impl IntoIterator<Item = Result<Hash>>) -> Result<H
     Ok(hasher.finalize())
 }
 
-/// The hash of a file's content, or of the names and contents in a folder, those whose name `counts`.
+/// Hashes a file's content, or the names and contents of a folder's files whose name `counts`.
 fn hash_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<Hash> {
     let fail = |error| Error::io(path, error);
     let metadata = fs::metadata(path).map_err(fail)?;
@@ -173,20 +173,20 @@ fn hash_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<Hash> {
             let bytes = name.as_encoded_bytes();
             hasher.update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
             let entry = path.join(name);
-            // No bake writes links, and they may lead in a circle.
+            // Bakes write no links, and links may form cycles.
             if !(entry.is_symlink() && entry.is_dir()) {
                 hasher.update(hash_where(&entry, counts)?.as_bytes());
             }
         }
     } else if metadata.is_file() && metadata.len() <= DEFAULT_MEMORY_LIMIT {
-        // What is neither, or too large, is refused by whoever reads it.
+        // The reader rejects other types and oversized files.
         let file = open_regular(path)?;
         hasher.update_reader(file).map_err(fail)?;
     }
     Ok(hasher.finalize())
 }
 
-/// The hashes in a report. `files` are those beside it, by name.
+/// The hashes in a report. `files` maps the names of files next to it.
 pub(super) fn fingerprint(
     request: Hash,
     outputs: Hash,
@@ -197,7 +197,7 @@ pub(super) fn fingerprint(
     FingerprintReport { request: text(request), outputs: text(outputs), files }
 }
 
-/// Whether `outputs` still hold what `report` says was written to them for `request`.
+/// Whether `outputs` match the hashes in `report` for `request`.
 pub(super) fn holds(report: &Path, request: Hash, outputs: impl IntoIterator<Item = PathBuf>) -> bool {
     let text = read_regular(report, MOST_REPORT_BYTES).ok();
     let told = text.and_then(|text| serde_json::from_slice::<Report>(&text).ok()?.fingerprint);

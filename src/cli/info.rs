@@ -1,4 +1,4 @@
-//! `octagloss info`: what is in an environment or in a bake.
+//! `octagloss info`: describes an environment or a bake.
 
 use super::args::InfoArgs;
 use super::console::{self, Console};
@@ -20,7 +20,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-/// What a file of a bake says of its origin. Figures of its texels are those of its world, flips undone.
+/// Origin recorded in a bake's file. Texel statistics are in the file's world, with flips undone.
 #[derive(Serialize)]
 struct Origin {
     target: Option<String>,
@@ -38,15 +38,15 @@ struct Origin {
     ladder: Option<String>,
 }
 
-/// What `--json` prints of an environment.
+/// `--json` output for an environment.
 #[derive(Serialize)]
 struct EnvironmentInfo {
     kind: &'static str,
     input: String,
     format: String,
-    /// Of the file, or of all files in the folder.
+    /// Size of the file, or of all files in the folder.
     bytes: u64,
-    /// Where the file is one of a bake.
+    /// Present if the file belongs to a bake.
     origin: Option<Origin>,
     layout: &'static str,
     covers: &'static str,
@@ -56,7 +56,7 @@ struct EnvironmentInfo {
     max: [f32; 3],
     mean: [f64; 3],
     sun: Option<SunReport>,
-    /// The brightest region where it is no sun.
+    /// The brightest region, if it is not a sun.
     brightest_region: Option<SunReport>,
     half_float: HalfInfo,
     repaired: Repairs,
@@ -69,15 +69,15 @@ struct HalfInfo {
     lost_energy_share: f64,
 }
 
-/// What `--json` prints of a bake.
+/// `--json` output for a bake.
 #[derive(Serialize)]
 struct BakeInfo {
     kind: &'static str,
     input: String,
-    /// The file that holds the levels, where the input is the folder of a target.
+    /// The file with the levels, if the input is a target's folder.
     file: Option<String>,
     format: String,
-    /// Of the file, or of all files in the folder.
+    /// Size of the file, or of all files in the folder.
     bytes: u64,
     #[serde(flatten)]
     origin: Origin,
@@ -95,7 +95,7 @@ struct LevelInfo {
 }
 
 pub(super) fn run(mut args: InfoArgs) -> Outcome {
-    // Warnings are part of the answer here.
+    // Here, warnings are part of the output.
     let console = Console::new(true);
     if args.adapters {
         let adapters = list_adapters()?;
@@ -106,7 +106,7 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
         });
     }
     let sources = input::sources(std::mem::take(&mut args.inputs), &args.input)?;
-    // NaN and Inf are counted and told here, unless repairs are to be errors.
+    // Count and report NaN and Inf, unless repairs are errors.
     args.input.sanitize = !args.input.strict;
     let mut failed = false;
     for source in sources {
@@ -145,7 +145,7 @@ fn json_line(info: &impl Serialize) -> String {
     serde_json::to_string(info).expect("keys are strings") + "\n"
 }
 
-/// Size of a file, or of the files in a folder and in its folders. Links are not followed into a circle.
+/// Size of a file, or of a folder's files, recursively. Does not follow links, which may form cycles.
 fn bytes_in(path: &Path) -> u64 {
     match fs::symlink_metadata(path) {
         Ok(entry) if entry.is_dir() => {
@@ -231,9 +231,9 @@ impl Origin {
         }
     }
 
-    /// Names and values, as text.
+    /// Names and values as text.
     fn rows(&self) -> Vec<(&'static str, String)> {
-        let unknown = || "not said".to_owned();
+        let unknown = || "not recorded".to_owned();
         let mut rows = Vec::new();
         rows.push(("target", self.target.clone().unwrap_or_else(|| "none".to_owned())));
         rows.extend(self.content.clone().map(|content| ("content", content)));
@@ -251,10 +251,7 @@ impl Origin {
         ));
         rows.extend(self.sun.map(|sun| {
             let [x, y, z] = sun.direction;
-            (
-                "sun",
-                format!("taken out, direction {x:.4} {y:.4} {z:.4}, irradiance {}", triple(sun.irradiance)),
-            )
+            ("sun", format!("removed, direction {x:.4} {y:.4} {z:.4}, irradiance {}", triple(sun.irradiance)))
         }));
         if self.scale != 1.0 {
             rows.push(("scale", format!("radiance times {}", self.scale)));
@@ -277,7 +274,7 @@ impl BakeInfo {
         rows.push(("size", console::bytes(self.bytes)));
         rows.extend(self.origin.rows());
         for (name, value) in rows {
-            writeln!(text, "  {name:<11} {value}").expect("a string takes all");
+            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
         }
         text.push_str("  level   size  roughness      least   greatest       mean  (luminance)\n");
         for level in &self.levels {
@@ -291,7 +288,7 @@ impl BakeInfo {
                 weigh(level.max.map(f64::from)),
                 weigh(level.mean),
             )
-            .expect("a string takes all");
+            .expect("writing to a string cannot fail");
         }
         text
     }
@@ -304,7 +301,7 @@ impl EnvironmentInfo {
             self.input, self.format, self.layout, self.width, self.height
         );
         let mut row = |name: &str, value: String| {
-            writeln!(text, "  {name:<11} {value}").expect("a string takes all");
+            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
         };
         row("size", console::bytes(self.bytes));
         self.origin.iter().flat_map(Origin::rows).for_each(|(name, value)| row(name, value));
@@ -314,11 +311,11 @@ impl EnvironmentInfo {
         row("mean", format!("{} (radiance over the sphere)", triple(self.mean)));
         let region = self.brightest_region.as_ref();
         match self.sun.as_ref().map(|sun| (Brightest::Sun, sun)).or(region.map(|r| (Brightest::Region, r))) {
-            None => row("sun", "none that stands out".to_owned()),
+            None => row("sun", "none detected".to_owned()),
             Some((kind, sun)) => {
                 if kind == Brightest::Region {
                     row("sun", "none".to_owned());
-                    row("brightest", "a region, larger or dimmer than a sun".to_owned());
+                    row("brightest", "a region larger or dimmer than a sun".to_owned());
                 }
                 let [x, y, z] = sun.direction;
                 let name = if kind == Brightest::Sun { "sun" } else { "" };
@@ -361,7 +358,7 @@ impl EnvironmentInfo {
     }
 }
 
-/// Four digits, and exponents only where zeros would be many.
+/// Formats four digits; uses exponents only for very small or large values.
 fn figure(value: f64) -> String {
     let size = value.abs();
     match value {

@@ -1,4 +1,4 @@
-//! Inputs: which files make one environment, and reading them.
+//! Groups input files into environments and reads them.
 
 use super::console::Console;
 use super::outcome::{Outcome, usage};
@@ -14,18 +14,18 @@ use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// The files of one environment: one, or the six faces of a cube.
+/// Files of one environment: one file, or the six faces of a cube.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Source(Vec<PathBuf>);
 
-/// An environment as it is to be used, and what is to be told of it.
+/// An opened environment with its provenance.
 pub(super) struct Opened {
     pub(super) environment: Environment,
-    /// What the input says of its own origin.
+    /// Origin recorded in the input.
     pub(super) provenance: Provenance,
-    /// How it was turned, mirrored and parted from its sun when it was opened, for the outputs.
+    /// Rotation, mirroring and sun removal applied on opening, for the outputs.
     pub(super) turned: Provenance,
-    /// What was taken out of it.
+    /// The removed sun.
     pub(super) sun: Option<SunReport>,
     pub(super) repaired: Repairs,
     pub(super) warnings: Vec<String>,
@@ -35,17 +35,18 @@ pub(super) struct Opened {
     pub(super) height: u32,
 }
 
-/// The environments that `paths` are: each its own, or six one under `--layout faces`.
+/// Converts `paths` to environments: one each, or six files as one with `--layout faces`.
 pub(super) fn sources(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Vec<Source>> {
     let fits = args.crop || args.pad.is_some();
     if fits && !matches!(args.layout, LayoutChoice::Auto | LayoutChoice::Equirect) {
-        return usage("--pad and --crop are for panoramas; leave --layout out");
+        return usage("--pad and --crop are for panoramas; omit --layout");
     }
     match (args.layout, paths.len()) {
-        // A single KTX2 cube or level folder holds its faces already.
+        // A single KTX2 cube or level folder already holds its faces.
         (LayoutChoice::Faces, 6 | 1) => Ok(vec![Source(paths)]),
         (LayoutChoice::Faces, count) => usage(format!(
-            "--layout faces takes the six files of one cube, or one file that holds a cube; {count} were given"
+            "--layout faces takes the six files of one cube, or one file that holds a cube; {count} were \
+             given"
         )),
         _ => Ok(paths.into_iter().map(|path| Source(vec![path])).collect()),
     }
@@ -57,7 +58,7 @@ pub(super) fn single_source(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<So
     match (sources.pop(), sources.len()) {
         (Some(source), 0) => Ok(source),
         (_, more) => usage(format!(
-            "{} inputs where one environment is needed; six files are one cube under --layout faces",
+            "one environment is needed, but {} inputs were given; --layout faces reads six files as one cube",
             more + 1
         )),
     }
@@ -73,14 +74,14 @@ impl Source {
         &self.0
     }
 
-    /// What outputs are named after: the file's stem or the folder's name; of six faces what their stems
-    /// begin with, or else the name of their folder.
+    /// Base name of the outputs: the file's stem or the folder's name. For six faces, the common prefix of
+    /// their stems, or else the name of their folder.
     pub(super) fn stem(&self) -> String {
         let stem = |path: &Path| {
             let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
             match name {
                 Some(name) => name.to_string_lossy().into_owned(),
-                // `.` and `..` have names of their own only when resolved.
+                // Resolve `.` and `..` to get a name.
                 None => path
                     .canonicalize()
                     .ok()
@@ -107,7 +108,7 @@ impl Source {
         }
     }
 
-    /// Reads, turns, flips and takes the sun out; warnings are said here.
+    /// Reads, rotates, mirrors and removes the sun; prints warnings.
     pub(super) fn open(&self, args: &InputArgs, console: &Console) -> crate::Result<Opened> {
         let options = ReadOptions {
             layout: args.layout,
@@ -171,12 +172,13 @@ impl Source {
     }
 }
 
-/// Why `environment` has no sun to be taken out.
+/// Why no sun of `environment` was removed.
 fn no_sun(environment: &Environment) -> String {
     match Sun::find(environment) {
-        None => "no sun stands out, so none was taken out".to_owned(),
+        None => "no sun detected, so none was removed".to_owned(),
         Some(region) => format!(
-            "no sun stands out, so none was taken out: the brightest region covers {:.2e} sr and is {:.0} times as bright \
+            "no sun detected, so none was removed: the brightest region covers {:.2e} sr and is {:.0} times \
+             as bright \
              as its surroundings; a sun covers at most 0.01 sr and is at least 100 times as bright",
             region.solid_angle,
             f64::from(luminance(region.peak)) / region.surroundings,
@@ -184,7 +186,7 @@ fn no_sun(environment: &Environment) -> String {
     }
 }
 
-/// A layout in the words of `--layout` and its size.
+/// Formats a layout as in `--layout`, with its size.
 pub(super) fn layout_name(layout: Layout) -> &'static str {
     match layout {
         Layout::Panorama { .. } => "panorama",
@@ -193,23 +195,23 @@ pub(super) fn layout_name(layout: Layout) -> &'static str {
     }
 }
 
-/// The bake in `path`: a folder of levels or of a target, a KTX, KTX2 or EXR file that says its levels'
-/// roughness, or a DDS file whose report does. `None` for other files.
+/// Reads the bake in `path`: a folder of levels or of a target, a KTX, KTX2 or EXR file that records its
+/// levels' roughness, or a DDS file with a report that does. `None` for other files.
 pub(super) fn read_bake(path: &Path) -> crate::Result<Option<LoadedChain>> {
     let metadata = fs::metadata(path).map_err(|error| crate::Error::io(path, error))?;
     if metadata.is_dir() {
-        // Levels of one image each may be panoramas or octahedral squares, and so may a target's: level 0 is
-        // an environment.
+        // Levels of one image each, and a target's, may be panoramas or octahedral squares: level 0 is an
+        // environment.
         let faces = ["m0_px.exr", "m0_px.hdr"].iter().any(|name| path.join(name).is_file());
         let chain = io::load_chain(path);
         return if faces { chain.map(Some) } else { Ok(chain.ok()) };
     }
-    // What else is wrong with such a file is said when its level 0 is read as an environment.
+    // Reading level 0 as an environment reports other errors of such a file.
     Ok(if is_chain_file(path) { io::load_chain(path).ok() } else { None })
 }
 
-/// Whether the file `path` begins as those do that can hold a chain: KTX, KTX2, DDS, and OpenEXR of several
-/// parts.
+/// Whether the file `path` has the signature of a format that can hold a chain: KTX, KTX2, DDS or multi-part
+/// OpenEXR.
 pub(super) fn is_chain_file(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = open_regular(path).is_ok_and(|file| file.take(12).read_to_end(&mut start).is_ok());

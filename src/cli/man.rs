@@ -1,4 +1,4 @@
-//! `octagloss man`: manual pages.
+//! `octagloss man`: writes manual pages.
 
 use super::args::Args;
 use super::console::Console;
@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct ManArgs {
-    /// Write all pages there, one a subcommand
+    /// Write all pages to FOLDER, one per subcommand
     ///
-    /// octagloss.1, octagloss-bake.1 and so on. Without it the main page goes to standard output.
+    /// octagloss.1, octagloss-bake.1 and so on. Without it, prints the main page to standard output.
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(long, short)]
     quiet: bool,
     /// Replace pages that exist
@@ -27,7 +27,7 @@ pub(super) struct ManArgs {
 
 pub(super) fn run(args: &ManArgs) -> Outcome {
     let mut command = Args::command();
-    // Subcommands get their full names.
+    // Set the subcommands' full names.
     command.build();
     let Some(folder) = &args.output else { return print_bytes(&page(&command)?) };
     let commands = std::iter::once(&command).chain(command.get_subcommands());
@@ -43,16 +43,16 @@ pub(super) fn run(args: &ManArgs) -> Outcome {
     Ok(())
 }
 
-/// The page of `command`.
+/// Renders the page of `command`.
 fn page(command: &Command) -> Outcome<Vec<u8>> {
     let mut page = Vec::new();
-    // A page says the version in its footer, and only the program itself has one.
+    // The page footer shows the version, which only the root command has.
     let command = command.clone().version(env!("CARGO_PKG_VERSION"));
     Man::new(command).render(&mut page).map_err(anyhow::Error::new)?;
     Ok(page)
 }
 
-/// Writes `pages` into `folder` together.
+/// Writes `pages` into `folder` in one step.
 fn write(folder: &Path, pages: &[(PathBuf, Vec<u8>)], force: bool) -> Outcome {
     let existing = if force { Existing::Replace } else { Existing::Keep };
     fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;

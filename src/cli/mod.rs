@@ -1,6 +1,7 @@
-//! The command line: arguments are parsed (`args`), checked into a plan, then run, one file a subcommand.
+//! The command line. Parses arguments (`args`), checks them into a plan and runs it; one file per subcommand.
 //!
-//! Standard output is data and standard error is console. Exit status: 0 done, 1 failed, 2 usage.
+//! Data goes to standard output, messages to standard error. Exit status: 0 success, 1 failure, 2 usage
+//! error.
 
 mod analyze;
 mod args;
@@ -47,7 +48,7 @@ use clap::error::ErrorKind;
 use outcome::{Failure, Outcome, print, usage};
 use std::process::ExitCode;
 
-/// Runs the program on the process's own arguments.
+/// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
     signals::watch();
     let outcome = match Args::try_parse() {
@@ -89,12 +90,13 @@ fn run(command: Command) -> Outcome {
     }
 }
 
-/// Help and version go to standard output; what clap objects to becomes one line.
+/// Prints help and version to standard output; joins clap's errors to one line.
 fn refuse(error: &clap::Error) -> Outcome {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => usage(
-            "a subcommand is missing: bake, query, info, compare, bench, synth, dfg, analyze, convert, view, completions or man; see octagloss --help",
+            "missing subcommand; choose one of bake, query, info, compare, bench, synth, dfg, analyze, \
+             convert, view, completions, man; see octagloss --help",
         ),
         _ => {
             let text = error.render().to_string();
@@ -110,8 +112,8 @@ fn refuse(error: &clap::Error) -> Outcome {
     }
 }
 
-/// Caps the threads that the environment asks rayon for at the cores: more are slower, and a great many never
-/// start.
+/// Caps rayon's thread count from the environment at the number of cores; more are slower, and too many fail
+/// to start.
 fn cap_environment_threads() -> Outcome {
     let asked = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"].map(|name| std::env::var(name).ok());
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -122,10 +124,10 @@ fn cap_environment_threads() -> Outcome {
     pool.map_err(|error| anyhow::Error::new(error).context(format!("{threads} threads")).into())
 }
 
-/// The number of threads to set where one of the values in `asked` is more than `cores`.
+/// The number of threads to set if a value in `asked` exceeds `cores`.
 fn capped_threads<'a>(asked: impl Iterator<Item = &'a str>, cores: usize) -> Option<usize> {
     let mut asked = asked.map(str::trim).filter(|text| !text.is_empty());
-    // A number of more digits than usize holds is a large number.
+    // Treat a number that overflows usize as a large number.
     let too_many = |text: &str| {
         text.bytes().all(|byte| byte.is_ascii_digit())
             && text.parse().map_or(true, |count: usize| count > cores)

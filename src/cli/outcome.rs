@@ -1,4 +1,4 @@
-//! How a subcommand ends, and what it prints.
+//! Outcomes and output of subcommands.
 
 use crate::io::output as output_file;
 use crate::io::output::Existing;
@@ -6,16 +6,16 @@ use anyhow::anyhow;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Why a subcommand stopped early.
+/// Reasons for a subcommand to stop early.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// What was asked for makes no sense; exit status 2.
+    /// Invalid options; exit status 2.
     Usage(String),
-    /// It made sense and went wrong; exit status 1.
+    /// A failure of valid options; exit status 1.
     Failed(anyhow::Error),
-    /// Like `Failed`, told already: one of several inputs went wrong.
+    /// Like `Failed`, but already reported: one of several inputs failed.
     Reported,
-    /// Whoever read standard output has seen enough, which is not an error.
+    /// The reader closed standard output; not an error.
     Closed,
 }
 
@@ -33,7 +33,7 @@ impl From<crate::Error> for Failure {
     }
 }
 
-/// A usage error.
+/// Returns a usage error.
 pub(super) fn usage<T>(message: impl Into<String>) -> Outcome<T> {
     Err(Failure::Usage(message.into()))
 }
@@ -43,7 +43,7 @@ pub(super) fn print(text: &str) -> Outcome {
     print_bytes(text.as_bytes())
 }
 
-/// Writes data to standard output. A reader that has closed it is no error.
+/// Writes data to standard output. A closed pipe is not an error.
 pub(super) fn print_bytes(bytes: &[u8]) -> Outcome {
     match write_stdout(bytes) {
         Ok(()) => Ok(()),
@@ -52,7 +52,7 @@ pub(super) fn print_bytes(bytes: &[u8]) -> Outcome {
     }
 }
 
-/// Writes to the descriptor itself: the standard library takes one that cannot be written for a sink.
+/// Writes to the descriptor directly: the standard library silently ignores an unwritable one.
 #[cfg(unix)]
 fn write_stdout(bytes: &[u8]) -> std::io::Result<()> {
     use std::os::fd::AsFd as _;
@@ -66,8 +66,8 @@ fn write_stdout(bytes: &[u8]) -> std::io::Result<()> {
     out.flush()
 }
 
-/// Whether standard output was closed when the program began. The standard library then opens the null device
-/// in its place, for reading and writing; shells open it for writing alone.
+/// Whether standard output was closed at startup. The standard library then opens the null device for reading
+/// and writing instead; shells open it for writing only.
 #[cfg(unix)]
 fn stdout_was_closed() -> bool {
     use rustix::fs::{OFlags, fcntl_getfl, fstat, stat};
@@ -81,22 +81,22 @@ const fn stdout_was_closed() -> bool {
     false
 }
 
-/// Whether the output `path` is standard output, which must neither be a terminal nor closed.
+/// Whether the output `path` is standard output; fails if that is a terminal or closed.
 pub(super) fn is_stdout(path: &Path) -> Outcome<bool> {
-    // As it was typed: `./-` is a file.
+    // Compare the literal text: `./-` is a file.
     let is_stdout = path.as_os_str() == "-";
     if is_stdout && std::io::stdout().is_terminal() {
         return usage(
-            "-o - writes binary data, and standard output is a terminal; send it to a file or a pipe",
+            "-o - writes binary data, but standard output is a terminal; redirect it to a file or a pipe",
         );
     }
     if is_stdout && stdout_was_closed() {
-        return Err(anyhow!("standard output is closed, and -o - writes there; name a file with -o").into());
+        return Err(anyhow!("-o - needs standard output, which is closed; name a file with -o").into());
     }
     Ok(is_stdout)
 }
 
-/// Writes `bytes` to the file `path`, or to standard output where that is `-`.
+/// Writes `bytes` to the file `path`, or to standard output for `-`.
 pub(super) fn write_output(path: &Path, existing: Existing, bytes: &[u8]) -> Outcome {
     if is_stdout(path)? {
         return print_bytes(bytes);
@@ -113,7 +113,7 @@ pub(super) fn check_output(path: &Path, existing: Existing) -> Outcome {
     Ok(output_file::check_file(path, existing)?)
 }
 
-/// Runs `work` on `threads` threads of its own, or on as many as there are cores.
+/// Runs `work` in a pool of `threads` threads, by default one per core.
 pub(super) fn on_threads<T: Send>(
     threads: Option<u32>,
     work: impl FnOnce() -> Outcome<T> + Send,
@@ -128,7 +128,7 @@ pub(super) fn on_threads<T: Send>(
     }
 }
 
-/// Refuses the output `path` where it is one of `inputs`, whatever links lead there.
+/// Rejects the output `path` if it is one of `inputs`, with links resolved.
 pub(super) fn check_not_input<'a>(path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Outcome {
     let Ok(real) = path.canonicalize() else { return Ok(()) };
     if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input.starts_with(&real))) {

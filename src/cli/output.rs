@@ -1,4 +1,4 @@
-//! Outputs of a bake: where its files go, what they will be, and putting them in place together.
+//! Outputs of a bake: paths, planned contents, and writing all files in one step.
 
 use super::bake_plan::BakePlan;
 use super::console::{Console, escaped};
@@ -25,7 +25,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What the outputs of all inputs have in common.
+/// Settings shared by the outputs of all inputs.
 pub(super) struct Common {
     pub(super) plans: Vec<BakePlan>,
     pub(super) sun: Vec<SunFile>,
@@ -34,52 +34,52 @@ pub(super) struct Common {
     pub(super) json: bool,
 }
 
-/// Where the files of one bake go.
+/// Paths of one bake's files.
 pub(super) struct Outputs {
-    /// The file or folder itself; `-` is standard output where `place` says so.
+    /// The file or folder; `-` for standard output, according to `place`.
     pub(super) main: PathBuf,
     place: Place,
-    /// What the files are named after: the environment, or `main` where that is a file.
+    /// Base name of the files: the environment's, or `main` if that is a file.
     pub(super) name: String,
     pub(super) preview: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
-    /// A file, and others beside it that have its name with endings.
+    /// A file, and further files with its name plus suffixes.
     File,
-    /// A folder that holds all files.
+    /// A folder with all files.
     Folder,
     Stdout,
 }
 
-/// A file or folder that is put into place as a whole.
+/// A file or folder that is replaced as a whole.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct OutputPlace {
     pub(super) path: PathBuf,
     is_folder: bool,
 }
 
-/// A file to come.
+/// A planned file.
 struct Planned {
-    /// Relative to [`Outputs::base`]; of a picture, as it was named.
+    /// Relative to [`Outputs::base`]; for a picture, the given path.
     path: PathBuf,
-    /// What it will hold, in a few words.
+    /// Its content, in a few words.
     told: String,
     is_report: bool,
 }
 
-/// A file about the sun that was taken out.
+/// A file about the removed sun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SunFile {
-    /// What it is.
+    /// Direction and irradiance of the sun.
     Sun,
-    /// The environment without it.
+    /// The environment without the sun.
     Sunless,
 }
 
 impl SunFile {
-    /// Its name in a folder, and the end of its name beside a file.
+    /// Its name in a folder, or its name's suffix next to a file.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Sun => "sun.json",
@@ -87,7 +87,7 @@ impl SunFile {
         }
     }
 
-    /// What it holds, in a few words.
+    /// Its content, in a few words.
     pub(super) const fn content(self) -> &'static str {
         match self {
             Self::Sun => "the sun",
@@ -110,7 +110,7 @@ impl Outputs {
         Self { main, place, name, preview }
     }
 
-    /// The folder that the files' paths are relative to.
+    /// Base folder of the files' paths.
     fn base(&self) -> &Path {
         match self.place {
             Place::Folder => &self.main,
@@ -118,12 +118,12 @@ impl Outputs {
         }
     }
 
-    /// The path of a file beside the levels.
+    /// The path of a file next to the levels.
     fn beside(&self, file: &str) -> String {
         if self.place == Place::Folder { file.to_owned() } else { format!("{}.{file}", self.name) }
     }
 
-    /// The path of the file `path` of `plan`: the folder of the target, where there are several.
+    /// The path of the file `path` of `plan`; within the target's folder for several targets.
     fn within(common: &Common, plan: &BakePlan, path: &str) -> String {
         if common.plans.len() > 1 { format!("{}/{path}", plan.plan.target.name) } else { path.to_owned() }
     }
@@ -132,7 +132,7 @@ impl Outputs {
         Self::within(common, plan, &self.beside(REPORT))
     }
 
-    /// Every file that will be written, for a source of `layout` where it is known.
+    /// All files to write, for a source of `layout` if known.
     fn planned(&self, common: &Common, layout: Option<Layout>) -> Result<Vec<Planned>> {
         let file = |path: String, told: String| Planned { path: path.into(), told, is_report: false };
         let mut planned = Vec::new();
@@ -142,7 +142,7 @@ impl Outputs {
             let plan = settled.as_ref().unwrap_or(plan);
             let BakePlan { plan: files, settings, .. } = plan;
             let specs = settings.level_specs()?;
-            // A mirror has no bounds.
+            // Mirror levels have no bounds.
             let bounded =
                 |roughness: f64| settings.bounds && !(roughness == 0.0 && settings.lobe.has_mirror());
             let bounded: Vec<u32> = (0..)
@@ -167,7 +167,7 @@ impl Outputs {
         Ok(planned)
     }
 
-    /// Where the file `path` is put in place: itself, or the folder that is put in place as a whole.
+    /// The unit that contains the file `path`: the file, or the folder that is replaced as a whole.
     fn place_of(&self, path: &Path) -> OutputPlace {
         if self.preview.as_deref() == Some(path) {
             return OutputPlace { path: path.to_owned(), is_folder: false };
@@ -182,12 +182,12 @@ impl Outputs {
         OutputPlace { path: own, is_folder: components.next().is_some() }
     }
 
-    /// Files and folders beside one another.
+    /// Sibling files and folders.
     pub(super) fn places(&self, common: &Common) -> Result<Vec<OutputPlace>> {
         self.places_where(common, |_| true)
     }
 
-    /// The places of the files that `counts`.
+    /// The units of the files for which `counts` is true.
     fn places_where(&self, common: &Common, counts: impl Fn(&Planned) -> bool) -> Result<Vec<OutputPlace>> {
         let mut places = Vec::new();
         if self.place == Place::Stdout {
@@ -202,7 +202,7 @@ impl Outputs {
         Ok(places)
     }
 
-    /// Whether all is there as it was written for `request`.
+    /// Whether all outputs exist as written for `request`.
     pub(super) fn holds(&self, common: &Common, request: Hash) -> bool {
         let Ok(places) = self.places_where(common, |file| !file.is_report) else { return false };
         common.plans.iter().all(|plan| {
@@ -211,7 +211,7 @@ impl Outputs {
         })
     }
 
-    /// Cleans up after killed runs beside the outputs, where `folders` does not say that it is done.
+    /// Cleans up after killed runs next to the outputs, except in `folders` that are done.
     pub(super) fn recover(
         &self,
         common: &Common,
@@ -221,16 +221,15 @@ impl Outputs {
         for place in self.places(common)? {
             if folders.insert(place.path.parent().map(Path::to_owned)) {
                 for restored in output::recover(&place.path) {
-                    console
-                        .note(&format!("{}: put back, as a killed run had set it aside", restored.display()));
+                    console.note(&format!("{}: restored; a killed run had moved it", restored.display()));
                 }
             }
         }
         Ok(())
     }
 
-    /// Fails where writing would before it begins. What is to stand in `folder`, which is made where it is
-    /// missing, replaces nothing then.
+    /// Fails where writing would, before it begins. Outputs in `folder`, which is created if missing, then
+    /// replace nothing.
     pub(super) fn check(&self, common: &Common, folder: Option<&Path>) -> Outcome {
         let is_made = |path: &Path| folder.is_some() && path.parent() == folder;
         for OutputPlace { path, is_folder } in self.places(common)? {
@@ -238,7 +237,7 @@ impl Outputs {
                 let mut above = path.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
                 let there = above.find(|folder| folder.symlink_metadata().is_ok());
                 if let Some(there) = there.filter(|there| !there.is_dir()) {
-                    return Err(anyhow!("{}: is a file where a folder is needed", there.display()).into());
+                    return Err(anyhow!("{}: is a file, but a folder is needed", there.display()).into());
                 }
                 if there != path.parent() {
                     continue;
@@ -253,7 +252,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// What would be written for `source`: a line a file, or with `--json` one of JSON.
+    /// Lists the outputs for `source`: one line per file, or with `--json` one line of JSON.
     pub(super) fn foretold(&self, common: &Common, source: &Source, layout: Layout) -> Result<String> {
         let full = |file: &Planned| {
             if self.preview.as_deref() == Some(&file.path) {
@@ -274,8 +273,8 @@ impl Outputs {
         Ok(planned.iter().map(|file| format!("{}\t{}\n", escaped(&full(file)), file.told)).collect())
     }
 
-    /// Writes the files `made` of each plan, completes the `reports` and writes them, and puts everything in place together.
-    /// Returns the bytes written.
+    /// Writes the files `made` of each plan and the completed `reports`, and moves everything into place in
+    /// one step. Returns the bytes written.
     pub(super) fn write(
         &self,
         common: &Common,
@@ -307,7 +306,7 @@ impl Outputs {
         };
         let hashes: Vec<Hash> = places.iter().map(hash).collect();
         let joined = fingerprint::joined(hashes.iter().copied().map(Ok))?;
-        // Readers look for a file by its name beside the report.
+        // Readers find a file by its name next to the report.
         let by_name =
             |place: &OutputPlace| place.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let own_files: Vec<OutputFileReport> = places
@@ -353,7 +352,7 @@ impl Outputs {
         Ok(bytes)
     }
 
-    /// `files` by their places, sorted within each.
+    /// Groups `files` by unit, sorted within each.
     fn in_places<'a>(&self, files: Vec<(PathBuf, &'a [u8])>) -> Vec<(OutputPlace, Files<'a>)> {
         let mut places: Vec<(OutputPlace, Files<'a>)> = Vec::new();
         for (path, bytes) in files {
@@ -367,15 +366,15 @@ impl Outputs {
         places
     }
 
-    /// `files` of a folder that is put in place as a whole, by their paths within it.
+    /// `files` of a folder that is replaced as a whole, by relative path.
     fn inside<'a>(&self, files: &Files<'a>) -> Vec<(String, &'a [u8])> {
         let outer = usize::from(self.place != Place::Folder);
         let within = |path: &Path| path.components().skip(outer).collect::<PathBuf>();
         files.iter().map(|(path, bytes)| (slashed(&within(path)), *bytes)).collect()
     }
 
-    /// Removes the old report where it holds no hash of its file, as those of version 0.1, and so could be
-    /// taken for the new file's.
+    /// Removes an old report without a hash of its file, as in version 0.1; it could be mistaken for the new
+    /// file's.
     fn remove_report_without_hashes(&self, common: &Common) -> Result<()> {
         if self.place != Place::File || common.existing != Existing::Replace {
             return Ok(());
@@ -388,7 +387,7 @@ impl Outputs {
     }
 }
 
-/// `path` with `/` between folders.
+/// `path` with `/` separators.
 fn slashed(path: &Path) -> String {
     path.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/")
 }
@@ -396,7 +395,7 @@ fn slashed(path: &Path) -> String {
 /// Files by their paths.
 type Files<'a> = Vec<(PathBuf, &'a [u8])>;
 
-/// What a file of `plan` will be.
+/// Describes a file of `plan`.
 fn told(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> Result<String> {
     let pixel = plan.pixel.name();
     let skybox = settings.skybox.unwrap_or(settings.size);
@@ -440,7 +439,7 @@ fn told(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> Result<
     })
 }
 
-/// What a cube is, in a few words.
+/// Describes a cube in a few words.
 fn cube_told(kind: &str, size: u32, levels: usize) -> String {
     match levels {
         1 => format!("{kind} cube {size}"),
@@ -448,9 +447,10 @@ fn cube_told(kind: &str, size: u32, levels: usize) -> String {
     }
 }
 
-/// What every output says of itself.
+/// Metadata of every output.
 pub(super) fn metadata(settings: &BakeSettings, opened: &Opened) -> Vec<(String, String)> {
-    let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; linear RGB, \
+    let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; \
+                       linear RGB, \
                        Rec. 709; perceptual roughness, alpha = roughness^2";
     let provenance = Provenance {
         lobe: Some(settings.lobe),
@@ -463,37 +463,37 @@ pub(super) fn metadata(settings: &BakeSettings, opened: &Opened) -> Vec<(String,
     std::iter::once(conventions).chain(provenance.pairs()).collect()
 }
 
-/// `value` as a file of its own.
+/// Serializes `value` as a JSON file.
 ///
 /// # Errors
-/// [`Error::NonFiniteResult`] where a number of it is NaN or infinite.
+/// [`Error::NonFiniteResult`] if one of its numbers is NaN or infinite.
 fn json_text(value: &impl Serialize) -> Result<String> {
     let text = serde_json::to_string_pretty(value)
         .map_err(|error| Error::NonFiniteResult { place: format!("JSON, {error}"), value: f64::NAN })?;
     Ok(text + "\n")
 }
 
-/// Extensions of formats that are not written: a file so named would belie its content.
+/// Extensions of formats that are not written; such a name would not match the content.
 pub(super) const FOREIGN: [&str; 11] =
     ["basis", "bmp", "gif", "jpeg", "jpg", "pfm", "png", "tga", "tif", "tiff", "webp"];
 
-/// The format that the extension of `path` names.
+/// The format of the extension of `path`.
 pub(super) fn named_format(path: &Path) -> Option<Container> {
     Container::named(&extension(path)?)
 }
 
-/// Whether `path` ends in a slash, and so names a folder.
+/// Whether `path` ends in a slash and therefore names a folder.
 pub(super) fn names_folder(path: &Path) -> bool {
     path.as_os_str().to_string_lossy().ends_with(std::path::is_separator)
 }
 
-/// Refuses the extension of a file for the folder `path`, such as `bake.hdr`, and names the remedy.
+/// Rejects a file extension for the folder `path`, such as `bake.hdr`, and names the remedy.
 pub(super) fn check_folder_name(path: &Path, remedy: &str) -> Outcome {
     let names_file = named_format(path).is_some() && !names_folder(path);
     if names_file || extension(path).is_some_and(|name| FOREIGN.contains(&name.as_str())) {
         let folder = path.with_extension("");
         return usage(format!(
-            "the output {} is named as a file and would be a folder; -o {} names a folder{remedy}",
+            "the output {} has a file extension but must be a folder; use -o {}{remedy}",
             path.display(),
             folder.display(),
         ));

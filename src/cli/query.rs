@@ -1,4 +1,4 @@
-//! `octagloss query`: radiance of a lobe around given directions.
+//! `octagloss query`: prints the radiance of a lobe around given directions.
 
 use super::args::QueryArgs;
 use super::console::Console;
@@ -16,10 +16,10 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     args.engine.check()?;
     let lobe = args.lobe;
     if lobe == Lobe::Cosine && args.roughness.is_some() {
-        return usage("--lobe cosine has no roughness; leave --roughness out");
+        return usage("--lobe cosine has no roughness; omit --roughness");
     }
     if args.bound && !matches!(args.filter, Filter::Adaptive(_)) {
-        return usage("--bound needs --filter adaptive:E; the others certify nothing");
+        return usage("--bound needs --filter adaptive:E; other filters have no certified bounds");
     }
     if let Err(error) = args.filter.check(lobe, args.table.oem_size) {
         return usage(error.to_string());
@@ -30,17 +30,17 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         let Directions { asked, has_roughness } = read_directions(&args.directions)?;
         let shared = match (lobe, args.roughness, has_roughness) {
             (Lobe::Cosine, _, false) => 1.0,
-            (Lobe::Cosine, _, true) => return usage("--lobe cosine has no roughness; leave the column out"),
+            (Lobe::Cosine, _, true) => return usage("--lobe cosine has no roughness; omit the column"),
             (_, Some(roughness), false) => roughness,
             (_, Some(_), true) => {
-                return usage("--roughness and the column roughness contradict each other; leave one out");
+                return usage("--roughness and the column roughness contradict each other; omit one");
             }
             (_, None, false) => {
                 return usage(
-                    "--roughness R is needed, R in [0, 1], or a column roughness of the directions",
+                    "--roughness R, R in [0, 1], or a column roughness in --directions is required",
                 );
             }
-            // Not used: the rows say theirs.
+            // Unused: the rows have their own.
             (_, None, true) => 1.0,
         };
         let roughness: Vec<f64> = asked.iter().map(|asked| asked.roughness.unwrap_or(shared)).collect();
@@ -64,9 +64,9 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
                 let mut row = format!("{},{r:?},{g:?},{b:?}", asked.typed);
                 if bound {
                     row.push(',');
-                    // A mirror is a look-up: it has no bound, and the field is empty.
+                    // Mirrors are look-ups without a bound; leave the field empty.
                     if let Some(bound) = answer.bound {
-                        write!(row, "{bound:?}").expect("a string takes all");
+                        write!(row, "{bound:?}").expect("writing to a string cannot fail");
                     }
                 }
                 row.push('\n');
@@ -78,7 +78,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     })
 }
 
-/// The least roughness that the lobe is served with, mirrors aside; `shared` where no row has one.
+/// The smallest roughness of the lobe, ignoring mirrors; `shared` if no row has one.
 fn sharpest(lobe: Lobe, roughness: &[f64], shared: f64) -> f64 {
     let served = roughness.iter().map(|roughness| lobe.served_roughness(*roughness));
     let (mirrors, lobes): (Vec<f64>, Vec<f64>) = served.partition(|roughness| *roughness == 0.0);

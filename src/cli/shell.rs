@@ -1,8 +1,8 @@
-//! Commands that messages print.
+//! Quotes shell arguments for messages.
 
 use std::ffi::OsStr;
 
-/// `argument` as a POSIX shell reads it.
+/// Quotes `argument` for a POSIX shell.
 pub(super) fn quoted(argument: &OsStr) -> String {
     let text = argument.to_string_lossy();
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+@%".contains(c);

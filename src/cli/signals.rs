@@ -1,9 +1,8 @@
-//! Signals: temporary files are removed before the process ends, and a file size limit is an error of
-//! writing.
+//! Signal handling: removes temporary files before the process ends; turns a file size limit into a write
+//! error.
 
-/// Reacts to signals from now on. SIGINT, SIGTERM and SIGHUP remove temporary files and end the process with
-/// 128 + n; those that the parent process has set to be ignored, as `nohup` does, stay ignored. SIGXFSZ
-/// becomes an error of writing.
+/// Installs the handlers. SIGINT, SIGTERM and SIGHUP remove temporary files and end the process with 128 + n.
+/// Signals ignored by the parent process, as with `nohup`, stay ignored. SIGXFSZ becomes a write error.
 #[cfg(unix)]
 pub(super) fn watch() {
     use crate::io::output::remove_temporaries;
@@ -11,21 +10,21 @@ pub(super) fn watch() {
     use signal_hook::{flag, iterator::Signals, low_level};
     use std::sync::{Arc, atomic::AtomicBool};
 
-    // Nobody reads the flag: handled, the signal does not end the process, and the write fails.
+    // The flag is unused: a handled signal does not end the process, so the write fails.
     drop(flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false))));
     let ignored = ignored_signals();
     let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| match ignored {
         Some(mask) => mask >> (signal - 1) & 1 == 0,
-        // Whether nohup is at work is not known.
+        // The mask of ignored signals is unavailable.
         None => *signal != SIGHUP,
     });
     let wanted: Vec<_> = wanted.collect();
-    // Handlers are set by the thread that reacts: without it, signals do what they do by default.
+    // The handling thread installs the handlers; without it, signals keep their default action.
     let wait = move || {
         let signal = Signals::new(wanted).ok().and_then(|mut signals| signals.forever().next());
         if let Some(signal) = signal {
             remove_temporaries();
-            // Without destructors: other threads are still at work.
+            // Skip destructors: other threads are still running.
             low_level::exit(128 + signal);
         }
     };
@@ -35,7 +34,7 @@ pub(super) fn watch() {
 #[cfg(not(unix))]
 pub(super) fn watch() {}
 
-/// The mask of ignored signals; Linux tells it.
+/// The mask of ignored signals, from Linux's /proc.
 #[cfg(unix)]
 fn ignored_signals() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

@@ -1,4 +1,4 @@
-//! `octagloss synth`: the environments that the examples use.
+//! `octagloss synth`: writes the examples' environments.
 
 use super::args::SynthArgs;
 use super::console::{self, Console};
@@ -13,17 +13,18 @@ pub(super) fn run(args: SynthArgs) -> Outcome {
     if args.list {
         let mut text = String::new();
         for recipe in RECIPES {
-            writeln!(text, "{:<12} {}", recipe.name, recipe.purpose).expect("a string takes all");
+            writeln!(text, "{:<12} {}", recipe.name, recipe.purpose)
+                .expect("writing to a string cannot fail");
         }
         return print(&text);
     }
     let name = args.name.unwrap_or_default();
     let Some(recipe) = RECIPES.into_iter().find(|recipe| recipe.name == name) else {
         let names = RECIPES.map(|recipe| recipe.name).join(", ");
-        return usage(format!("there is no environment {name:?}; there are {names}"));
+        return usage(format!("unknown environment {name:?}; choose one of {names}"));
     };
     let path = args.output.unwrap_or_else(|| PathBuf::from(recipe.file_name));
-    // Standard output takes the format of the recipe's own file.
+    // Standard output uses the recipe's default format.
     let named = if path.as_os_str() == "-" { Path::new(recipe.file_name) } else { &path };
     let extension = named.extension().map(|extension| extension.to_ascii_lowercase());
     if !extension.is_some_and(|extension| extension == "exr" || extension == "hdr") {

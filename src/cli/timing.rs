@@ -1,4 +1,4 @@
-//! Times of repeated runs, and the environment that they run on.
+//! Timing of repeated runs, and the environment used.
 
 use crate::sphere::equirect::direction_from_equirect;
 use crate::{Environment, Layout, Rgb};
@@ -18,7 +18,7 @@ pub(super) fn timing(mut seconds: Vec<f64>) -> Timing {
     Timing { median_seconds: median, least_seconds: seconds[0] }
 }
 
-/// A panorama of `width` columns: a sky with a sun, a ground, and some texture in both.
+/// A panorama of `width` columns: textured sky and ground with a sun.
 pub(super) fn sky(width: u32) -> crate::Result<Environment> {
     let height = width / 2;
     let radiance = |k: u32| -> Rgb {

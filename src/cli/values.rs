@@ -1,4 +1,4 @@
-//! The values of options: what can be chosen, what it stands for, and texts parsed.
+//! Option values: choices, their meanings, and parsers.
 
 use crate::cpu::adaptive::LEAST_ERROR;
 use crate::filter::Filter;
@@ -10,30 +10,30 @@ use clap::ValueEnum;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum EngineArg {
-    /// The best there is
+    /// A hardware GPU if there is one, else the CPU
     Auto,
-    /// All cores
+    /// The CPU, all cores
     Cpu,
-    /// A GPU, or a driver that acts as one
+    /// A GPU or a software adapter
     Gpu,
 }
 
-/// How many texels of a level to compare.
+/// Number of texels to compare per level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Texels {
     Some(usize),
     All,
 }
 
-/// How large a skybox is.
+/// Size of a skybox.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SkyboxArg {
     Edge(u32),
-    /// Texels as large as the source's.
+    /// Same texel size as the source.
     Source,
 }
 
-/// The largest edge of a cube.
+/// Maximum edge of a cube.
 const MAX_EDGE: u32 = 16_384;
 
 impl SkyboxArg {
@@ -61,7 +61,7 @@ pub(super) fn skybox(text: &str) -> Result<SkyboxArg, String> {
     }
 }
 
-/// The target of that name.
+/// Parses a target's name.
 pub(super) fn target(text: &str) -> Result<&'static Target, String> {
     Target::named(text).ok_or_else(|| {
         let names: Vec<_> = TARGETS.iter().map(|target| target.name).collect();
@@ -69,16 +69,16 @@ pub(super) fn target(text: &str) -> Result<&'static Target, String> {
     })
 }
 
-/// What each target expands to.
+/// Help text of `--target`, with each target's options and files.
 pub(super) fn target_help() -> String {
-    let mut text = "Presets for engines, comma-separated\n\nEach sets what other options do not. OUT is a folder that \
-                    gets the target's files and report.json, one folder a target where there are several; all are made \
-                    from one octahedral map."
+    let mut text = "Presets for engines, comma-separated\n\nExplicit options override the preset. OUT is a \
+                    folder with the target's files and report.json, one subfolder per target for several. \
+                    All targets share one octahedral map."
         .to_owned();
     for target in &TARGETS {
         let tested = match target.verified {
             Some(reader) => format!("tested with {reader}"),
-            None => "unverified: no test loads it into its engine".to_owned(),
+            None => "untested in its engine".to_owned(),
         };
         text += &format!("\n\n{}: {} ({tested})\n{}\nFiles:", target.name, target.reader, expansion(target));
         for (path, _) in TargetPlan::new(target).files(&Naming { name: "NAME", levels: 1, bounded: &[] }) {
@@ -88,7 +88,7 @@ pub(super) fn target_help() -> String {
     text
 }
 
-/// What `target` expands to, as options.
+/// The options that `target` expands to.
 fn expansion(target: &Target) -> String {
     let mut text = String::new();
     if target.has_container() {
@@ -106,15 +106,15 @@ fn expansion(target: &Target) -> String {
         text += &format!(" --irradiance {}", target.irradiance_size);
     }
     if target.has_sheen() {
-        text += ", and the same levels by --lobe charlie";
+        text += ", and the same levels with --lobe charlie";
     }
     text
 }
 
-/// A name without folders.
+/// Parses a file name without folders.
 pub(super) fn file_name(text: &str) -> Result<String, String> {
     if text.is_empty() || text.starts_with('.') || text.contains(['/', '\\', '\0']) {
-        return Err("must be a plain name, without folders and not starting with a dot".to_owned());
+        return Err("must be a file name without folders or a leading dot".to_owned());
     }
     Ok(text.to_owned())
 }
@@ -127,7 +127,7 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
     Some(number(text)?).filter(|value| value.is_finite()).ok_or_else(|| "must be finite".to_owned())
 }
 
-/// What radiance is multiplied by.
+/// Parses a factor for the radiance.
 pub(super) fn scale(text: &str) -> Result<f64, String> {
     Some(finite(text)?).filter(|value| *value > 0.0).ok_or_else(|| "must be above 0".to_owned())
 }
@@ -152,7 +152,7 @@ pub(super) fn texels(text: &str) -> Result<Texels, String> {
     }
 }
 
-/// The filter's name on the command line and in reports, parsed.
+/// Parses a filter's name, as on the command line and in reports.
 pub(super) fn filter(text: &str) -> Result<Filter, String> {
     let (name, value) = text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value)));
     match (name, value) {
@@ -160,7 +160,7 @@ pub(super) fn filter(text: &str) -> Result<Filter, String> {
         ("adaptive", Some(value)) => match value.parse() {
             Ok(error) if (LEAST_ERROR..1.0).contains(&error) => Ok(Filter::Adaptive(error)),
             _ => Err(format!(
-                "the error of adaptive:E must be at least {LEAST_ERROR:e}, the least that float32 reaches, and below 1"
+                "the error of adaptive:E must be at least {LEAST_ERROR:e}, the float32 limit, and below 1"
             )),
         },
         ("fitted", None) => Ok(Filter::Fitted(4)),
@@ -170,11 +170,11 @@ pub(super) fn filter(text: &str) -> Result<Filter, String> {
         },
         ("box", None) => Ok(Filter::Box),
         ("reference", None) => Ok(Filter::Reference),
-        _ => Err("there are adaptive:E, fitted:K, box and reference".to_owned()),
+        _ => Err("choose one of adaptive:E, fitted:K, box, reference".to_owned()),
     }
 }
 
-/// A window of spherical harmonics, as reports name it.
+/// Parses a window of spherical harmonics, as in reports.
 pub(super) fn sh_window(text: &str) -> Result<ShWindow, String> {
     let width = |text: &str| match number(text)? {
         width if width > 0.0 && width.is_finite() => Ok(width),
@@ -186,6 +186,6 @@ pub(super) fn sh_window(text: &str) -> Result<ShWindow, String> {
         Some(("hanning", value)) => width(value).map(ShWindow::Hanning),
         Some(("lanczos", value)) => width(value).map(ShWindow::Lanczos),
         Some(("sinc4", value)) => width(value).map(ShWindow::Sinc4),
-        _ => Err("there are none, hanning:W, lanczos:W, sinc4:W and nonnegative".to_owned()),
+        _ => Err("choose one of none, hanning:W, lanczos:W, sinc4:W, nonnegative".to_owned()),
     }
 }

@@ -1,4 +1,4 @@
-//! `octagloss view`: objects under an environment, in a window or as a picture.
+//! `octagloss view`: renders objects lit by an environment, in a window or to a picture.
 
 use super::console::Console;
 use super::outcome::{Outcome, check_not_input, check_output, usage, write_output};
@@ -30,7 +30,7 @@ pub(super) struct ViewArgs {
     /// Size of the window or picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
     size: (u32, u32),
-    /// Samples along an edge of a pixel, 1 to 8
+    /// Samples along a pixel's edge, 1 to 8
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
     samples: u32,
     #[command(flatten)]
@@ -42,12 +42,12 @@ pub(super) struct ViewArgs {
     oem_size: Option<u32>,
     #[command(flatten)]
     input: InputArgs,
-    /// The GPU, by a part of its name
+    /// GPU, by a part of its name
     ///
     /// octagloss info --adapters lists them.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(long, short)]
     quiet: bool,
     /// Replace the picture if it exists
@@ -55,7 +55,7 @@ pub(super) struct ViewArgs {
     force: bool,
 }
 
-/// What is shown at first, and in a picture.
+/// Initial state of the view, and the state in a picture.
 #[derive(Debug, ClapArgs)]
 #[command(next_help_heading = "Look")]
 struct LookArgs {
@@ -64,44 +64,43 @@ struct LookArgs {
     /// A sphere, nine of roughness 0 to 1, or a torus knot.
     #[arg(long, value_name = "OBJECT", default_value = "sphere", hide_possible_values = true)]
     object: ObjectArg,
-    /// A mesh instead: .gltf, .glb or .obj
+    /// Show a mesh: .gltf, .glb or .obj
     ///
-    /// Of glTF: triangles with the base colours, metalness and roughness of their materials, textures and
-    /// vertex colours included, and masks; no bump, light or transparency. Of OBJ the triangles only. The
-    /// camera looks at its +Z side.
+    /// glTF: triangles with base colour, metalness and roughness of materials, textures, vertex colours and
+    /// masks; no bump maps, lights or transparency. OBJ: triangles only. The camera faces the mesh's +Z side.
     #[arg(long, value_name = "FILE", conflicts_with = "object")]
     mesh: Option<PathBuf>,
-    /// Folder above the mesh that its files may lie in
+    /// Folder above the mesh that may hold its files
     ///
-    /// Without it, only files below the mesh's own folder are read.
+    /// Without it, reads only files below the mesh's own folder.
     #[arg(long, value_name = "DIR", requires = "mesh")]
     mesh_root: Option<PathBuf>,
-    /// What a mesh is made of: file or plain
+    /// Material of a mesh: file or plain
     ///
-    /// file is what its file says; --roughness and --metal multiply that. plain is a metal of --roughness and
-    /// --metal, as the other objects are; so is a mesh whose file has no materials.
+    /// file uses the file's materials, multiplied by --roughness and --metal. plain is a metal of --roughness
+    /// and --metal, like the other objects; also used for files without materials.
     #[arg(long, value_name = "PAINT", default_value_t = Paint::File, requires = "mesh")]
     paint: Paint,
-    /// Roughness, 0 to 1 [default: 0.3; 1 by the file's]
+    /// Roughness, 0 to 1 [default: 0.3; 1 for file]
     ///
-    /// Of a mesh with materials of its own, it is a factor of theirs.
+    /// For a mesh with materials, a factor of their roughness.
     #[arg(long, value_name = "R", value_parser = roughness, allow_negative_numbers = true)]
     roughness: Option<f64>,
-    /// Let the roughness vary over the surface
+    /// Vary the roughness over the surface
     ///
-    /// It is multiplied by a map. Materials of a mesh's file are left as they are.
+    /// Multiplies it by a map. Does not affect materials of a mesh's file.
     #[arg(long)]
     textured: bool,
     /// Reflectance at normal incidence, linear
     ///
-    /// By default 0.95,0.93,0.88. Of a mesh with materials of its own, it is a factor of their base colours,
-    /// by default 1,1,1.
+    /// By default 0.95,0.93,0.88. For a mesh with materials, a factor of their base colours, by default
+    /// 1,1,1.
     #[arg(long, value_name = "R,G,B", value_parser = metal)]
     metal: Option<Rgb>,
-    /// Roughness that blurs the backdrop, 0 to 1
+    /// Blur of the backdrop as a roughness, 0 to 1
     #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = roughness, allow_negative_numbers = true)]
     backdrop: f64,
-    /// Turn the environment about +Y, in degrees
+    /// Rotate the environment about +Y, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
     turn: f64,
     /// Exposure: auto, or -40 to 40 EV
@@ -114,21 +113,21 @@ struct LookArgs {
     tone: ToneArg,
     /// box, fitted:K, levels, adaptive [default: fitted:4]
     ///
-    /// fitted:K is the real-time tier, K 1, 2, 4 or 8. levels is a prefiltered cube as engines have it: of a
-    /// bake with several levels its own, which is the default there; the other filters have its level 0.
-    /// adaptive is the certified tier, by the CPU for the pixels that are seen.
+    /// fitted:K is the real-time tier, K 1, 2, 4 or 8. levels is a prefiltered cube as in engines; for a bake
+    /// with several levels it shows the bake's own and is the default. The other filters then use level 0.
+    /// adaptive is the certified tier, computed on the CPU for visible pixels.
     #[arg(long, value_name = "F")]
     filter: Option<Technique>,
     /// scene, oem, sat or error
     ///
-    /// oem is the octahedral map, sat its table (means of the boxes from the corner), error the filter's
-    /// relative error against the certified tier in false colour, from 1e-4 (black) over blue and red to 1
-    /// (yellow).
+    /// oem is the octahedral map. sat is its table (means of the boxes from the corner). error is the
+    /// filter's relative error against the certified tier in false colour, from 1e-4 (black) through blue and
+    /// red to 1 (yellow).
     #[arg(long, value_name = "WHAT", default_value = "scene", hide_possible_values = true)]
     show: ShowArg,
-    /// Camera: turn to the right, in degrees
+    /// Camera: rotation to the right, in degrees
     ///
-    /// 0, the default, looks along +X; -90, the default with --mesh, along -Z at what faces +Z.
+    /// 0, the default, looks along +X. -90, the default with --mesh, looks along -Z at the +Z side.
     #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
     yaw: Option<f64>,
     /// Camera: height above the horizon, in degrees
@@ -232,7 +231,7 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
         return usage(error.to_string());
     }
     if let Some(size) = args.oem_size.filter(|size| !size.is_power_of_two()) {
-        return usage(format!("--oem-size {size} is no power of two, which fitted lobes need"));
+        return usage(format!("--oem-size {size} must be a power of two for fitted lobes"));
     }
     let console = Console::new(args.quiet);
     let root = args.look.mesh_root.as_deref();
@@ -270,7 +269,7 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     write_output(path, existing, &png_bytes(&picture)?)
 }
 
-/// The environment asked for, or the built-in sky, and its name.
+/// The given environment, or the built-in sky, and its name.
 fn environment(args: &ViewArgs, console: &Console) -> Outcome<(Environment, String)> {
     if args.inputs.is_empty() {
         return Ok((synth("sky")?, "sky".to_owned()));
@@ -279,7 +278,8 @@ fn environment(args: &ViewArgs, console: &Console) -> Outcome<(Environment, Stri
     Ok((source.open(&args.input, console)?.environment, source.stem()))
 }
 
-/// The levels of the input, where it is a bake with several of them. A sun taken out is still in them.
+/// The levels of the input, if it is a bake with several. `None` with `--extract-sun`: the levels still
+/// contain the sun.
 fn levels(args: &ViewArgs, environment: &Environment, console: &Console) -> Outcome<Option<Levels>> {
     let ([path], false) = (&args.inputs[..], args.input.extract_sun) else { return Ok(None) };
     let Some(LoadedChain { mut chain, .. }) = input::read_bake(path)? else { return Ok(None) };
@@ -298,7 +298,7 @@ fn levels(args: &ViewArgs, environment: &Environment, console: &Console) -> Outc
         turned = turned.rotated_y(degrees);
     }
     Ok(Levels::new(chain, turned.source_from_world()).unwrap_or_else(|error| {
-        console.warn(&format!("{}: {error}; its level 0 is filtered anew", path.display()));
+        console.warn(&format!("{}: {error}; filtering its level 0 instead", path.display()));
         None
     }))
 }

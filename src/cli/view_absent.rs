@@ -5,7 +5,7 @@ use super::shell::quoted;
 use clap::Args as ClapArgs;
 use std::ffi::OsString;
 
-/// Whatever follows `view`: the arguments of the command to run.
+/// Arguments of the command to run.
 #[derive(Debug, ClapArgs)]
 pub(super) struct ViewArgs {
     /// Arguments of the viewer

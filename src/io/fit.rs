@@ -1,7 +1,7 @@
-//! Panoramas that are not 2:1: black bars are removed, and what is missing is filled up.
+//! Crops and pads panoramas that are not 2:1.
 //!
 //! A panorama covers the whole sphere, so it must be 2:1. Pictures of 360 x 120 degrees, of half the sphere
-//! or in the frame of a film are not.
+//! or letterboxed ones are not.
 
 use super::ReadOptions;
 use super::layout::LayoutChoice;
@@ -10,13 +10,13 @@ use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// What fills up a panorama that is not 2:1.
+/// Padding of a panorama that is not 2:1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Pad {
-    /// Black: no light comes from there.
+    /// Black, without light.
     Black,
-    /// The outermost rows (or columns), again and again.
+    /// Repeats the outermost rows (or columns).
     Edge,
 }
 
@@ -30,20 +30,20 @@ impl Pad {
         }
     }
 
-    /// The one of that name.
+    /// Returns the padding called `name`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         [Self::Black, Self::Edge].into_iter().find(|pad| pad.name() == name)
     }
 }
 
-/// The greatest value that counts as black in a JPEG, whose black bars are rarely 0: 4 of 255.
+/// Maximum black value in a JPEG, 4 of 255; black bars in JPEG are rarely 0.
 const JPEG_BLACK: f32 = 4.0 / 255.0 / 12.92;
 
-/// By how many texels a box of 2:1 may miss, and opposite bars may differ.
+/// Tolerance in texels of the 2:1 shape and of the difference between opposite bars.
 const TOLERANCE: u32 = 2;
 
-/// Two opposite bars of an image: above and below, or left and right.
+/// Two opposite bars of an image: top and bottom, or left and right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Bars {
     first: u32,
@@ -55,7 +55,7 @@ impl Bars {
         self.first + self.last
     }
 
-    /// `count` of these lines, as evenly from both sides as they allow; all where there are fewer.
+    /// Takes `count` of these lines as evenly as possible from both sides; all if there are fewer.
     fn taking(self, count: u32) -> Self {
         let count = count.min(self.both());
         let first = (count / 2).clamp(count.saturating_sub(self.last), self.first);
@@ -74,14 +74,14 @@ impl Bars {
     }
 }
 
-/// Crops and pads `picture` as `options` ask, says in its warnings what was done, and returns its layout.
+/// Crops and pads `picture` according to `options`, adds warnings about it, and returns the layout.
 pub(super) fn fit(path: &Path, picture: &mut Picture, options: &ReadOptions) -> Result<LayoutChoice> {
     // Cubes have no bars.
     if picture.content == Content::Cube || !(options.crop || options.pad.is_some()) {
         return Ok(options.layout);
     }
     if !matches!(options.layout, LayoutChoice::Auto | LayoutChoice::Equirect) {
-        return Err(Error::Parameter("`pad` and `crop` are for panoramas; leave `layout` out".to_owned()));
+        return Err(Error::Parameter("`pad` and `crop` are for panoramas; omit `layout`".to_owned()));
     }
     let mut layout = options.layout;
     if options.crop && crop(picture) {
@@ -94,7 +94,7 @@ pub(super) fn fit(path: &Path, picture: &mut Picture, options: &ReadOptions) -> 
     Ok(layout)
 }
 
-/// Removes black bars, so far as that leads to 2:1; returns whether there were any.
+/// Removes black bars as far as needed for 2:1; returns whether there were any.
 fn crop(picture: &mut Picture) -> bool {
     let (width, height) = (picture.width, picture.height);
     let (rows, columns) = bars(picture);
@@ -106,11 +106,11 @@ fn crop(picture: &mut Picture) -> bool {
         && columns.both() > 0
         && inner_width.abs_diff(inner_height.saturating_mul(2)) <= TOLERANCE
     {
-        // A frame all around what is 2:1 itself; one line more or less makes it so exactly.
+        // A frame around a 2:1 picture; one line more or less gives the exact shape.
         let inner_height = inner_height.min(inner_width / 2);
         (rows.taking_or_more(height - inner_height), columns.taking_or_more(width - 2 * inner_height))
     } else {
-        // No more than stands over: ground and sky may be black, too.
+        // Remove only the excess: ground and sky may also be black.
         let over = (height.saturating_sub(width / 2), width.saturating_sub(height.saturating_mul(2)));
         (rows.taking(over.0), columns.taking(over.1))
     };
@@ -131,14 +131,14 @@ fn crop(picture: &mut Picture) -> bool {
 }
 
 impl Bars {
-    /// [`Self::taking`], and beyond the bars where `count` is more, by a texel or two.
+    /// Like [`Self::taking`], but extends beyond the bars by a texel or two if `count` is larger.
     fn taking_or_more(self, count: u32) -> Self {
         let more = count.saturating_sub(self.both());
         Self { first: self.first, last: self.last + more }.taking(count)
     }
 }
 
-/// The black rows above and below, and the black columns left and right; none where all is black.
+/// Black rows at top and bottom, and black columns at left and right; none if the whole image is black.
 fn bars(picture: &Picture) -> (Bars, Bars) {
     let black = if picture.format.starts_with("JPEG") { JPEG_BLACK } else { 0.0 };
     // NaN is not black.
@@ -157,7 +157,7 @@ fn bars(picture: &Picture) -> (Bars, Bars) {
     (Bars { first: top, last: picture.height - 1 - bottom }, columns)
 }
 
-/// Puts `picture` into the middle of the smallest panorama of 2:1 that holds it.
+/// Centres `picture` in the smallest 2:1 panorama that holds it.
 fn filled(path: &Path, picture: &mut Picture, pad: Pad, memory_limit: u64) -> Result<()> {
     let (width, height) = (u64::from(picture.width), u64::from(picture.height));
     let rows = height.max(width.div_ceil(2));
@@ -243,7 +243,7 @@ mod tests {
     fn bars_above_and_below_go_as_far_as_two_to_one() {
         let letterbox = picture(16, 12, |_, y| if (2..10).contains(&y) { 1.0 } else { 0.0 });
         assert_eq!(cropped(letterbox), (16, 8, "cropped 2 black rows above and below".to_owned()));
-        // A black ground is no bar.
+        // A black ground is not a bar.
         let ground = picture(16, 12, |_, y| if (2..6).contains(&y) { 1.0 } else { 0.0 });
         assert_eq!(cropped(ground), (16, 8, "cropped 2 black rows above and below".to_owned()));
         let uneven = picture(16, 12, |_, y| if (1..9).contains(&y) { 1.0 } else { 0.0 });
@@ -281,7 +281,7 @@ mod tests {
         let half = padded(picture(4, 4, |x, _| x as f32 + 1.0), Pad::Edge);
         assert_eq!((half.0, half.1, &half.2[..]), (8, 4, "padded with 2 edge columns left and right"));
         assert_eq!(half.3, [1.0; 4]);
-        // An odd width takes a column more.
+        // An odd width gets one more column.
         assert_eq!(padded(picture(7, 4, |_, _| 1.0), Pad::Black).2, "padded with 1 black columns right");
         assert_eq!(padded(picture(1, 1, |_, _| 1.0), Pad::Black).2, "padded with 1 black columns right");
         assert_eq!(padded(picture(8, 4, |_, _| 1.0), Pad::Black).2, "");

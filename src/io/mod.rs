@@ -1,5 +1,5 @@
 //! File input and output: environments in any format and layout, chains of a bake, and atomic outputs. One
-//! codec a file.
+//! codec per file.
 //!
 //! A file's content decides its format, not its name. Reading any content returns a [`Loaded`] or a one-line
 //! [`Error`]: decoder panics are caught, and sizes in headers are checked against
@@ -172,8 +172,8 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
 }
 
 /// Reads a prefiltered cube chain: a KTX or KTX2 file, a DDS file with its report in the same folder, an EXR
-/// file with a part a face, a level folder (`m{level}_{px,..}.exr` or `.hdr`, or `m{level}.exr` unfolded, and
-/// `report.json`), or the folder of a target. The result is in the file's world, see [`provenance`].
+/// file with one part per face, a level folder (`m{level}_{px,..}.exr` or `.hdr`, or `m{level}.exr` unfolded,
+/// and `report.json`), or the folder of a target. The result is in the file's world, see [`provenance`].
 ///
 /// # Errors
 /// As [`read`]; NaN and Inf are always rejected.
@@ -310,7 +310,7 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
         let source = Source { path, bytes: &bytes, memory_limit: options.memory_limit };
         let mut face = catching_panics(path, || decode(&source))?;
         if face.content == Content::Cube {
-            return Err(source.error("already a whole cube; give it alone"));
+            return Err(source.error("already a whole cube; use it as the only input"));
         }
         if face.width != face.height {
             return Err(
@@ -358,7 +358,7 @@ fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Lo
     finish_finite(path, picture, layout, sound, repaired, options)
 }
 
-/// Multiplies radiance by `scale`; returns what the user should know of that.
+/// Multiplies radiance by `scale`; returns warnings.
 fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(Error::Parameter(format!("`scale` {scale} must be finite and above 0")));
@@ -374,7 +374,8 @@ fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>>
         return Err(Error::input(
             path,
             format!(
-                "`scale` {scale:?} takes its greatest value, {greatest:.3e}, beyond float32; at most {most:.3e} does not"
+                "`scale` {scale:?} moves the greatest value, {greatest:.3e}, beyond float32; use at \
+                 most {most:.3e}"
             ),
         ));
     }

@@ -80,11 +80,11 @@ pub struct Provenance {
     pub mirror: Option<bool>,
     /// The sun removed from the source.
     pub sun: Option<TakenSun>,
-    /// What the source's radiance was multiplied by; `None` for 1.
+    /// Factor applied to the source's radiance; `None` for 1.
     pub scale: Option<f64>,
-    /// Whether black bars of the source were removed; `None` where they were not.
+    /// Whether black bars of the source were removed; `None` if not.
     pub crop: Option<bool>,
-    /// What the source was filled up with to be 2:1.
+    /// Padding of a source that is not 2:1.
     pub pad: Option<Pad>,
     /// The lobe of the levels.
     pub lobe: Option<Lobe>,
@@ -92,7 +92,7 @@ pub struct Provenance {
     pub filter: Option<String>,
     /// The ladder, in command-line syntax.
     pub ladder: Option<String>,
-    /// What the levels' texels are.
+    /// Content of the levels' texels.
     pub chain: Option<ChainKind>,
 }
 
@@ -156,7 +156,7 @@ impl Provenance {
             })?,
             crop: parsed(CROP_KEY, of(CROP_KEY), "yes or no", yes_or_no)?,
             pad: parsed(PAD_KEY, of(PAD_KEY), "black or edge", Pad::named)?,
-            // Other versions may know other lobes.
+            // Other versions may write other lobes.
             lobe: of(LOBE_KEY).and_then(|name| Lobe::named(name.trim())),
             filter: of(FILTER_KEY),
             ladder: of(LADDER_KEY),
@@ -241,7 +241,7 @@ impl Provenance {
     }
 }
 
-/// Converts the pairs of a bake's levels to those of its irradiance: cosine lobe, no ladder and no kind of chain.
+/// Converts the pairs of a bake's levels to those of its irradiance: cosine lobe, no ladder, no chain kind.
 #[must_use]
 pub fn irradiance_pairs(pairs: &[(String, String)]) -> Vec<(String, String)> {
     let own = [(CONTENT_KEY, IRRADIANCE), (LOBE_KEY, Lobe::Cosine.name())];

@@ -1,4 +1,4 @@
-//! The border of the octahedral square: which texel inside each border texel copies.
+//! Draws the border of the octahedral square: the interior texel that each border texel copies.
 
 use super::figure::Figure;
 use super::look::{Colour, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY, mix};
@@ -7,7 +7,7 @@ use super::scene::{Anchor, Frame};
 use crate::sphere::octahedral::wrap_texel;
 use glam::DVec2;
 
-/// Width of the figure: the square and what is said of it.
+/// Width of the figure: the square and its labels.
 const WIDTH: f64 = 760.0;
 
 /// Figure 4 of the octahedron paper.
@@ -39,7 +39,7 @@ pub(super) fn border(name: String, size: u32, border: u32) -> Figure {
     let outer = Frame::new(origin, origin + count * texel);
     scene.outline(inner.corners(), 2.4, INK);
     scene.outline(outer.corners(), 1.2, INK);
-    // Dimensions above and at the left.
+    // Dimensions at the top and left.
     let spans = [(outer.low, inner.low, "b"), (inner.low, inner.high, "s"), (inner.high, outer.high, "b")];
     for (from, to, label) in spans {
         if from.x == to.x {
@@ -63,7 +63,7 @@ pub(super) fn border(name: String, size: u32, border: u32) -> Figure {
     Figure::new(name, title, caption.to_owned(), scene)
 }
 
-/// A colour of its own for every place of the square.
+/// A unique colour for every texel of the square.
 fn colour_of(size: u32, (x, y): (u32, u32)) -> Colour {
     let share = |k: u32| (f64::from(k) + 0.5) / f64::from(size);
     let above = mix([250, 200, 130], [240, 150, 150], share(x));

@@ -1,4 +1,4 @@
-//! The figures that there are, and drawing one.
+//! Lists and draws the figures.
 
 use super::figure::Figure;
 use super::{border, layout, panorama, sampling, seam, stretch, unfolding};
@@ -6,7 +6,7 @@ use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::sphere::registry::{MAPS, NamedMap};
 
-/// What a figure shows.
+/// Kinds of figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Relative solid angle on the sphere.
@@ -43,7 +43,7 @@ impl Kind {
         Self::Sampling,
     ];
 
-    /// Its name on the command line.
+    /// Name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -59,23 +59,23 @@ impl Kind {
         }
     }
 
-    /// Whether every map has one.
+    /// Whether every map has such a figure.
     #[must_use]
     pub const fn is_of_a_map(self) -> bool {
         matches!(self, Self::SolidAngle | Self::Anisotropy | Self::Layout | Self::Panorama)
     }
 }
 
-/// A figure that can be drawn.
+/// An available figure.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// What it shows.
+    /// Its kind.
     pub kind: Kind,
-    /// The map that it shows, where it is of one.
+    /// Its map, for a figure of one map.
     pub map: Option<&'static NamedMap>,
 }
 
-/// All figures: map by map, then those of several maps.
+/// All figures: map by map, then figures of several maps.
 #[must_use]
 pub fn entries() -> Vec<Entry> {
     let of_maps = MAPS.iter().flat_map(|map| {
@@ -86,12 +86,12 @@ pub fn entries() -> Vec<Entry> {
     of_maps.chain(others.map(|kind| Entry { kind, map: None })).collect()
 }
 
-/// What figures show besides the maps.
+/// Content of figures besides the maps.
 #[derive(Clone, Debug)]
 pub struct Content {
-    /// What [`Kind::Panorama`] draws.
+    /// The environment of [`Kind::Panorama`].
     pub panorama: Environment,
-    /// What it is called in captions.
+    /// Its name in captions.
     pub panorama_name: String,
     /// Texels along the square of [`Kind::Border`], 1 to [`MOST_SIZE`].
     pub size: u32,
@@ -99,11 +99,11 @@ pub struct Content {
     pub border: u32,
 }
 
-/// The largest square of [`Kind::Border`] whose texels have room for their names.
+/// The largest square of [`Kind::Border`] with room for texel names.
 pub const MOST_SIZE: u32 = 12;
 
 impl Content {
-    /// The synthetic sky, and 8 texels with a border of 2.
+    /// Returns the synthetic sky, and 8 texels with a border of 2.
     ///
     /// # Errors
     /// As [`crate::synth::synth`].
@@ -112,7 +112,7 @@ impl Content {
         Ok(Self { panorama, panorama_name: "hdr/sky.exr".to_owned(), size: 8, border: 2 })
     }
 
-    /// Whether the square and its border can be drawn.
+    /// Checks that the square and its border can be drawn.
     ///
     /// # Errors
     /// [`Error::Parameter`] naming the size or the border.
@@ -123,7 +123,7 @@ impl Content {
         }
         if border > size {
             return Err(Error::Parameter(format!(
-                "`border` {border} is wider than the map, {size} texels a side"
+                "`border` {border} exceeds the map's side of {size} texels"
             )));
         }
         Ok(())
@@ -131,7 +131,7 @@ impl Content {
 }
 
 impl Entry {
-    /// Its name in files: the kind, and the map where it is of one.
+    /// Name in files: the kind, and the map for a figure of one map.
     #[must_use]
     pub fn name(&self) -> String {
         match self.map {
@@ -140,13 +140,13 @@ impl Entry {
         }
     }
 
-    /// Draws it.
+    /// Draws the figure.
     ///
     /// # Errors
     /// As [`Content::check`].
     ///
     /// # Panics
-    /// Where a figure of a map has none.
+    /// If a figure of one map has no map.
     pub fn draw(&self, content: &Content) -> Result<Figure> {
         content.check()?;
         let map = || self.map.expect("a figure of a map has a map");

@@ -16,46 +16,46 @@ use std::path::Path;
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// Above the chart.
+    /// Title, above the chart.
     pub title: String,
-    /// Below it; may be empty.
+    /// Caption, below the chart; may be empty.
     pub caption: String,
     /// The horizontal axis.
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// What is drawn, in this order; the legend lists those with a name.
+    /// Series in drawing order; the legend lists those with a name.
     pub series: Vec<Series>,
 }
 
-/// How values lie along an axis.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal differences are equally long.
+    /// Linear.
     #[default]
     Linear,
-    /// Equal ratios are equally long; values must be above 0.
+    /// Logarithmic; values must be above 0.
     Logarithmic,
 }
 
 /// An axis of a [`Chart`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
-    /// Its name and unit.
+    /// Name and unit.
     pub label: String,
-    /// Least and greatest value; by default those of the series.
+    /// Minimum and maximum; by default those of the series.
     pub range: Option<[f64; 2]>,
-    /// How values lie along it.
+    /// Its scale.
     pub scale: Scale,
 }
 
-/// How a series is drawn.
+/// Style of a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Marks {
-    /// A line from point to point.
+    /// A line through the points.
     #[default]
     Line,
-    /// A line, and a dot at every point.
+    /// A line with a dot at every point.
     LineAndDots,
     /// Dots.
     Dots,
@@ -63,16 +63,16 @@ pub enum Marks {
     Rings,
 }
 
-/// Points of one kind.
+/// A series of points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
-    /// Name in the legend; none where it is empty.
+    /// Name in the legend; not listed if empty.
     pub name: String,
-    /// x and y. Infinite values are drawn beyond a gap at the end of their axis.
+    /// x and y. Infinite values are drawn beyond a gap at the end of the axis.
     pub points: Vec<[f64; 2]>,
-    /// Labels of the first points; empty ones are left out.
+    /// Labels of the first points; empty ones are skipped.
     pub labels: Vec<String>,
-    /// How it is drawn.
+    /// Style.
     pub marks: Marks,
 }
 
@@ -83,10 +83,10 @@ const HEIGHT: f64 = 480.0;
 const LANE: f64 = 46.0;
 
 impl Chart {
-    /// Draws the chart, called `name` in files.
+    /// Draws the chart as the figure `name`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where a value or a range cannot be drawn on its axis.
+    /// [`Error::Parameter`] if a value or a range cannot be drawn on its axis.
     pub fn figure(&self, name: &str) -> Result<Figure> {
         let x = Placed::new(&self.x, &self.values(0), "x")?;
         let y = Placed::new(&self.y, &self.values(1), "y")?;
@@ -105,7 +105,7 @@ impl Chart {
             DVec2::new(across, y.at(point[1], frame.high.y, frame.low.y))
         };
         self.draw_axes(&mut scene, &frame, &x, &y);
-        // Twice: labels keep off the marks, and their plates must not cover any.
+        // Draw marks twice: labels avoid marks, and their plates must not cover any.
         let draw = |scene: &mut Scene| {
             for (k, series) in self.series.iter().enumerate() {
                 draw_series(scene, series, SERIES[k % SERIES.len()], place);
@@ -125,7 +125,7 @@ impl Chart {
         Ok(Figure::new(name.to_owned(), self.title.clone(), self.caption.clone(), scene))
     }
 
-    /// Draws the chart into the file `path`, as its extension says: `.png` or `.svg`.
+    /// Writes the chart to the file `path`; its extension selects `.png` or `.svg`.
     ///
     /// # Errors
     /// As [`Chart::figure`] and [`write_file`]; [`Error::Parameter`] for another extension.
@@ -231,14 +231,14 @@ impl Placed {
         };
         if low.partial_cmp(&high) != Some(Ordering::Less) || bad(low) || !high.is_finite() {
             return Err(Error::Parameter(format!(
-                "the {name} axis {:?} cannot go from {low} to {high}",
+                "invalid range {low} to {high} of the {name} axis {:?}",
                 axis.label
             )));
         }
         Ok(Self { low, high, scale: axis.scale, lane })
     }
 
-    /// Where `value` lies between the pixels `from` and `to`.
+    /// Position of `value` between the pixels `from` and `to`.
     fn at(&self, value: f64, from: f64, to: f64) -> f64 {
         let whole = (to - from).abs();
         let way = (to - from).signum();
@@ -253,7 +253,7 @@ impl Placed {
         from + way * room * share
     }
 
-    /// Values and texts of ticks.
+    /// Values and labels of ticks.
     fn ticks(&self) -> Vec<(f64, String)> {
         let values = match self.scale {
             Scale::Linear => RangedCoordf64::from(self.low..self.high).key_points(BoldPoints(9)),
@@ -271,7 +271,7 @@ impl Placed {
     }
 }
 
-/// A tick's value: plain where it is short, else with a power of ten.
+/// Formats a tick's value: plain if short, else with a power of ten.
 fn tick_text(value: f64) -> String {
     let text = if value == 0.0 || (1e-4..1e5).contains(&value.abs()) {
         let digits = format!("{value:.5}");

@@ -1,24 +1,24 @@
-//! A figure, and its files.
+//! Figures and their file formats.
 
 use super::render;
 use super::scene::{Frame, Scene};
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// A form of file.
+/// A file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Pixels.
+    /// Pixel image.
     Png,
-    /// Shapes and texts; heat maps and panoramas in it are embedded PNG.
+    /// Vector graphics; heat maps and panoramas are embedded PNG.
     Svg,
 }
 
 impl Form {
-    /// Both.
+    /// Both formats.
     pub const ALL: [Self; 2] = [Self::Png, Self::Svg];
 
-    /// Its file name extension.
+    /// File name extension.
     #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
@@ -27,7 +27,7 @@ impl Form {
         }
     }
 
-    /// The form that the extension of `path` names.
+    /// The format of the extension of `path`.
     ///
     /// # Errors
     /// [`Error::Parameter`] for another extension.
@@ -52,19 +52,19 @@ impl Figure {
         Self { name, title, caption, scene }
     }
 
-    /// Its name in files.
+    /// Name in files.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What stands above it.
+    /// Title above the figure.
     #[must_use]
     pub fn title(&self) -> &str {
         &self.title
     }
 
-    /// What stands below it.
+    /// Caption below the figure.
     #[must_use]
     pub fn caption(&self) -> &str {
         &self.caption
@@ -76,19 +76,19 @@ impl Figure {
         [self.scene.width, self.scene.height]
     }
 
-    /// Every line of text and the rectangle that it covers.
+    /// Every line of text and its rectangle.
     #[must_use]
     pub fn texts(&self) -> Vec<(String, Frame)> {
         self.scene.texts().map(|text| (text.text.clone(), text.frame())).collect()
     }
 
-    /// The figure's own rectangle.
+    /// The figure's rectangle.
     #[must_use]
     pub fn frame(&self) -> Frame {
         self.scene.frame()
     }
 
-    /// The figure as a file in memory.
+    /// Encodes the figure in memory.
     #[must_use]
     pub fn bytes(&self, form: Form) -> Vec<u8> {
         match form {

@@ -1,4 +1,4 @@
-//! The sphere seen from far away.
+//! Draws the sphere in orthographic projection.
 
 use super::look::{Colour, INK, PAPER, THIN};
 use super::scene::{Frame, Scene};
@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use image::RgbImage;
 use rayon::prelude::*;
 
-/// Pixels drawn along a pixel of a figure.
+/// Supersampling factor along each axis.
 const FINENESS: u32 = 2;
 
 /// A view of the unit sphere: orthographic, +Y up.
@@ -21,7 +21,7 @@ pub(super) struct Globe {
     eye: DVec3,
 }
 
-/// Where the front view is seen from: +X to the right, +Z to the left, from above.
+/// Eye direction of the front view: +X to the right, +Z to the left, from above.
 pub(super) const FRONT: DVec3 = DVec3::new(1.0, 0.9, 1.5);
 
 impl Globe {
@@ -32,18 +32,18 @@ impl Globe {
         Self { centre, radius, right, up: eye.cross(right), eye }
     }
 
-    /// Where `point` is seen, and whether it is before the centre.
+    /// Projects `point`; also returns whether it is in front of the centre.
     pub(super) fn place(&self, point: DVec3) -> (DVec2, bool) {
         let across = DVec2::new(point.dot(self.right), -point.dot(self.up));
         (self.centre + across * self.radius, point.dot(self.eye) >= 0.0)
     }
 
-    /// How far `point` is towards the eye.
+    /// Depth of `point` towards the eye.
     pub(super) fn depth(&self, point: DVec3) -> f64 {
         point.dot(self.eye)
     }
 
-    /// Colours the visible half by `colour` of the direction.
+    /// Fills the visible half with `colour` of each direction.
     pub(super) fn fill(&self, scene: &mut Scene, colour: impl Fn(DVec3) -> Colour + Sync) {
         let side = (2.0 * self.radius * f64::from(FINENESS)).ceil() as u32;
         let half = f64::from(side) / f64::from(2 * FINENESS);
@@ -72,7 +72,7 @@ impl Globe {
         }
     }
 
-    /// Parts of the line through `points` on the visible side, or on the other.
+    /// Parts of the line through `points` on the visible or the hidden side.
     pub(super) fn pieces(&self, points: &[DVec3], visible: bool) -> Vec<Vec<DVec2>> {
         let mut pieces = vec![Vec::new()];
         for point in points {
@@ -86,7 +86,7 @@ impl Globe {
         pieces
     }
 
-    /// The planes x = 0, y = 0 and z = 0.
+    /// Great circles of the planes x = 0, y = 0 and z = 0.
     pub(super) fn planes(&self, scene: &mut Scene) {
         for (a, b) in [(DVec3::X, DVec3::Y), (DVec3::Y, DVec3::Z), (DVec3::Z, DVec3::X)] {
             let circle: Vec<DVec3> = (0..=240)
@@ -99,7 +99,7 @@ impl Globe {
         }
     }
 
-    /// The rims of the components of `map`.
+    /// Outlines of the components of `map`.
     pub(super) fn rims(&self, scene: &mut Scene, map: &dyn SphereMap) {
         for component in 0..map.components() {
             let rim: Vec<DVec3> =

@@ -1,4 +1,4 @@
-//! A map's layout: domains, faces, parallels and meridians.
+//! Draws a map's layout: domains, faces, parallels and meridians.
 
 use super::figure::Figure;
 use super::page::{WIDTH, page};
@@ -6,7 +6,7 @@ use super::sheet::Sheet;
 use crate::sphere::registry::NamedMap;
 use glam::DVec2;
 
-/// The most pixels of a layout.
+/// Maximum pixels of a layout.
 pub(super) const MOST: DVec2 = DVec2::new(930.0, 640.0);
 
 pub(super) fn layout(name: String, map: &'static NamedMap) -> Figure {

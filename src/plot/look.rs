@@ -1,4 +1,4 @@
-//! The look of all figures: colours, sizes of text, colour scales.
+//! Style of all figures: colours, text sizes, colour scales.
 
 /// An 8-bit sRGB colour.
 pub type Colour = [u8; 3];
@@ -13,17 +13,17 @@ pub(super) const SOFT: Colour = [62, 68, 78];
 pub(super) const FAINT: Colour = [222, 225, 230];
 /// Lines over heat maps.
 pub(super) const THIN: Colour = [138, 144, 154];
-/// What a map's rectangle holds outside its domain.
+/// Area of a map's rectangle outside its domain.
 pub(super) const OUTSIDE: Colour = [240, 241, 243];
 /// Parallels.
 pub(super) const LATITUDE: Colour = [0, 104, 180];
 /// Meridians.
 pub(super) const LONGITUDE: Colour = [196, 82, 0];
-/// Series of a chart and parts of a curve; Okabe and Ito's palette, which colour-blind readers tell apart.
+/// Series of a chart and parts of a curve: Okabe and Ito's colour-blind-safe palette.
 pub(super) const SERIES: [Colour; 6] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
 
-/// Sizes of text: pixels an em.
+/// Text sizes in pixels per em.
 pub(super) const TITLE: f64 = 24.0;
 /// Names of axes, labels of components.
 pub(super) const LABEL: f64 = 16.0;
@@ -47,7 +47,7 @@ pub(super) const OCTANTS: [Colour; 8] = [
     [196, 224, 222],
 ];
 
-/// Colours over the logarithm of a positive value, in 32 steps: their edges are contour lines.
+/// Colour scale over the logarithm of a positive value, in 32 steps; step edges form contour lines.
 #[derive(Clone, Copy, Debug)]
 pub struct ColourScale {
     stops: &'static [Colour],
@@ -75,7 +75,7 @@ pub const RELATIVE_SOLID_ANGLE: ColourScale = ColourScale {
     ticks: &[(0.25, "1/4"), (0.5, "1/2"), (1.0, "1"), (2.0, "2"), (4.0, "4")],
 };
 
-/// Ratios of both stretches.
+/// Anisotropy: ratio of both stretches.
 pub const ANISOTROPY: ColourScale = ColourScale {
     stops: &[
         [253, 251, 226],
@@ -97,22 +97,22 @@ pub const ANISOTROPY: ColourScale = ColourScale {
     ],
 };
 
-/// Steps of a scale; every tick is in the middle of one.
+/// Steps of a scale; every tick is at the middle of a step.
 const STEPS: f64 = 32.0;
 
 impl ColourScale {
-    /// Least and greatest value that have colours of their own.
+    /// Minimum and maximum of the scale.
     #[must_use]
     pub const fn range(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
-    /// Where `value` lies between the scale's ends, 0 to 1.
+    /// Position of `value` between the scale's ends, 0 to 1.
     pub(super) fn share(&self, value: f64) -> f64 {
         ((value / self.low).ln() / (self.high / self.low).ln()).clamp(0.0, 1.0)
     }
 
-    /// The colour of `value`; values beyond an end have the end's colour, and no value (NaN) is grey.
+    /// The colour of `value`; values beyond an end get the end's colour, NaN is grey.
     #[must_use]
     pub fn colour(&self, value: f64) -> Colour {
         if value.is_nan() {
@@ -129,7 +129,7 @@ impl ColourScale {
     }
 }
 
-/// From `a` (0) to `b` (1).
+/// Interpolates from `a` (0) to `b` (1).
 pub(super) fn mix(a: Colour, b: Colour, share: f64) -> Colour {
     std::array::from_fn(|c| {
         let (a, b) = (f64::from(a[c]), f64::from(b[c]));

@@ -1,8 +1,8 @@
 //! Figures of the maps of the sphere, and charts: drawn once, written as PNG and as SVG.
 //!
 //! [`catalogue`] lists the figures of `octagloss analyze --plot`, [`chart::Chart`] draws series over two
-//! axes. Equal inputs give equal files. Text is Ubuntu Light, which is in the program, in PNG; SVG names it
-//! and falls back to the reader's sans-serif.
+//! axes. Equal inputs give equal files. PNG text uses the embedded font Ubuntu Light; SVG names it and falls
+//! back to the reader's sans-serif.
 
 mod border;
 pub mod catalogue;

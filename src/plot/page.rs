@@ -1,4 +1,4 @@
-//! What figures share around their drawing: title, caption, colour bar, ticks.
+//! Common parts of figures: title, caption, colour bar, ticks.
 
 use super::look::{ColourScale, INK, LABEL, MARGIN, SMALL, SOFT, TITLE};
 use super::scene::{Anchor, Frame, Scene, wrapped};
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 /// Width of most figures in pixels.
 pub(super) const WIDTH: f64 = 1000.0;
 
-/// A scene with `title` above and `caption` below, and the frame between them, `height` pixels high.
+/// Creates a scene with `title` above, `caption` below, and a frame `height` pixels high in between.
 pub(super) fn page(width: f64, height: f64, title: &str, caption: &str) -> (Scene, Frame) {
     let inner = width - 2.0 * MARGIN;
     let lines = wrapped(caption, SMALL, inner).len() as f64;
@@ -21,11 +21,11 @@ pub(super) fn page(width: f64, height: f64, title: &str, caption: &str) -> (Scen
     (scene, Frame::new(DVec2::new(MARGIN, top), DVec2::new(width - MARGIN, bottom)))
 }
 
-/// Width that [`colour_bar`] takes.
+/// Width of [`colour_bar`].
 pub(super) const BAR_WIDTH: f64 = 96.0;
 
-/// A colour bar at the left of `frame`, with its ticks and `name` beside it; an end beyond which `range`
-/// reaches is a tip.
+/// Draws a colour bar at the left of `frame`, with ticks and `name`. An end exceeded by `range` is drawn as a
+/// tip.
 pub(super) fn colour_bar(scene: &mut Scene, frame: &Frame, scale: &ColourScale, name: &str, range: [f64; 2]) {
     let (left, right) = (frame.low.x, frame.low.x + 20.0);
     let tip = 12.0;
@@ -59,7 +59,7 @@ pub(super) fn colour_bar(scene: &mut Scene, frame: &Frame, scale: &ColourScale, 
     scene.upwards(DVec2::new(right + 62.0, (top + bottom) / 2.0), name, SMALL, INK);
 }
 
-/// `value` as people write it: a multiple of pi/4 where it is one, else a short number.
+/// Formats `value` as a multiple of pi/4 if it is one, else as a short number.
 pub(super) fn number(value: f64) -> String {
     let quarters = value / (PI / 4.0);
     if value != 0.0 && (quarters - quarters.round()).abs() < 1e-9 {
@@ -78,7 +78,7 @@ pub(super) fn number(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.replace('-', "\u{2212}") }
 }
 
-/// Ticks below `frame` and at its left, from `low` to `high` at three values each, with the names of both axes.
+/// Draws three ticks from `low` to `high` below and left of `frame`, with the names of both axes.
 pub(super) fn rectangle_ticks(scene: &mut Scene, frame: &Frame, low: DVec2, high: DVec2, sides: [bool; 2]) {
     for share in [0.0, 0.5, 1.0] {
         let at = frame.low + frame.extent() * share;

@@ -1,4 +1,4 @@
-//! A panorama drawn in a map's layout.
+//! Draws a panorama in a map's layout.
 
 use super::catalogue::Content;
 use super::figure::Figure;
@@ -36,7 +36,7 @@ pub(super) fn panorama(name: String, map: &'static NamedMap, content: &Content) 
     Figure::new(name, title, caption, scene)
 }
 
-/// The radiance of `environment` over every texel of `target`.
+/// Mean radiance of `environment` over every texel of `target`.
 fn resampled(environment: &Environment, target: &Grid) -> Vec<Rgb> {
     let (map, size) = match environment.layout() {
         Layout::Panorama { height, .. } => ("equirect", height),

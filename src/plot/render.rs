@@ -1,7 +1,7 @@
-//! Scenes as PNG and SVG, drawn by plotters.
+//! Renders scenes as PNG and SVG with plotters.
 //!
-//! Both are drawn at four times the size: PNG averages 4 x 4 pixels, which smooths every edge, and SVG has
-//! coordinates to a quarter of a pixel, since plotters' are integers.
+//! Draws both at four times the size. PNG averages 4 x 4 pixels for antialiasing; SVG gets coordinates in
+//! quarter pixels, since plotters uses integers.
 
 use super::look::{Colour, PAPER};
 use super::scene::{Anchor, Item, Scene, Text};
@@ -15,22 +15,22 @@ use plotters::style::{ShapeStyle, register_font};
 use std::fmt::Write as _;
 use std::sync::LazyLock;
 
-/// Pixels drawn along a pixel of the figure.
+/// Supersampling factor along each axis.
 const SCALE: u32 = 4;
 
-/// What SVG names; PNG uses the first, which is in the program.
+/// Font families in SVG; PNG uses the first, which is embedded.
 const FAMILY: &str = "Ubuntu, Arial, sans-serif";
 
-/// plotters' size of a font over its em in PNG: ascent and descent of Ubuntu Light.
+/// Ratio of plotters' font size to the em in PNG: ascent plus descent of Ubuntu Light.
 const BITMAP_SIZE: f64 = 1.121;
-/// plotters' size of a font over its em in SVG.
+/// Ratio of plotters' font size to the em in SVG.
 const SVG_SIZE: f64 = 1.24;
-/// How far below its point plotters puts the baseline of a text anchored at its top, in its sizes.
+/// Offset of the baseline below a top-anchored text's point in plotters, in font sizes.
 const BITMAP_BASELINE: f64 = 0.5;
-/// The same in SVG: 0.76 em.
+/// The same offset in SVG: 0.76 em.
 const SVG_BASELINE: f64 = 0.76 / SVG_SIZE;
 
-/// Whether the font is registered; done once.
+/// Registers the font once; true on success.
 static FONT: LazyLock<bool> =
     LazyLock::new(|| register_font(FAMILY, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok());
 
@@ -39,26 +39,26 @@ fn font(size: f64) -> FontDesc<'static> {
     FontDesc::new(FontFamily::Name(FAMILY), size, FontStyle::Normal)
 }
 
-/// Width of `text` in pixels at `em` pixels an em.
+/// Width of `text` in pixels at `em` pixels per em.
 pub(super) fn text_width(text: &str, em: f64) -> f64 {
     let size = em * BITMAP_SIZE * f64::from(SCALE);
     let (width, _) = font(size).box_size(text).expect("the program's own font is registered");
     f64::from(width) / f64::from(SCALE)
 }
 
-/// What differs between the two forms.
+/// Differences between the two formats.
 #[derive(Clone, Copy)]
 struct Form {
     size: f64,
     baseline: f64,
-    /// Whether lines are drawn piece by piece, since plotters' wide lines have faults where they cross.
+    /// Whether to draw lines segment by segment; plotters' wide lines have artefacts at crossings.
     pieces: bool,
 }
 
 const BITMAP: Form = Form { size: BITMAP_SIZE, baseline: BITMAP_BASELINE, pieces: true };
 const SVG: Form = Form { size: SVG_SIZE, baseline: SVG_BASELINE, pieces: false };
 
-/// `scene` as a picture.
+/// Renders `scene` as a picture.
 pub(super) fn picture(scene: &Scene) -> RgbImage {
     let (width, height) = (scene.width * SCALE, scene.height * SCALE);
     let mut large = RgbImage::from_pixel(width, height, image::Rgb(PAPER));
@@ -89,7 +89,7 @@ pub(super) fn picture(scene: &Scene) -> RgbImage {
     RgbImage::from_raw(scene.width, scene.height, means).expect("a mean for every pixel")
 }
 
-/// `pixels` over an area of `sides`, each as a rectangle.
+/// Draws `pixels` over an area of `sides`, each as a rectangle.
 fn stretched(pixels: &RgbImage, sides: (u32, u32)) -> Vec<u8> {
     let nearest = |k: u32, from: u32, to: u32| (u64::from(k) * u64::from(from) / u64::from(to)) as usize;
     let columns: Vec<usize> = (0..sides.0).map(|x| 3 * nearest(x, pixels.width(), sides.0)).collect();
@@ -102,7 +102,7 @@ fn stretched(pixels: &RgbImage, sides: (u32, u32)) -> Vec<u8> {
     bytes
 }
 
-/// `scene` as an SVG document called `title`, described by `caption`. Pictures in it are PNG.
+/// Renders `scene` as an SVG document with `title` and description `caption`. Embeds pictures as PNG.
 pub(super) fn svg(scene: &Scene, title: &str, caption: &str) -> String {
     let (width, height) = (scene.width * SCALE, scene.height * SCALE);
     let mut document = format!(
@@ -116,7 +116,7 @@ pub(super) fn svg(scene: &Scene, title: &str, caption: &str) -> String {
         escaped(caption),
     );
     let is_picture = |item: &Item| matches!(item, Item::Picture { .. });
-    // plotters writes no pictures into SVG without a second version of `image`.
+    // Embedding pictures with plotters would need a second version of `image`.
     for items in scene.items.chunk_by(|a, b| !is_picture(a) && !is_picture(b)) {
         if let [Item::Picture { low, high, pixels }] = items {
             let ((x, y), (right, bottom)) = (point(*low), point(*high));
@@ -129,7 +129,7 @@ pub(super) fn svg(scene: &Scene, title: &str, caption: &str) -> String {
                 bottom - y,
                 base64::encode(png),
             )
-            .expect("a string takes all");
+            .expect("writing to a string cannot fail");
             continue;
         }
         let mut part = String::new();
@@ -138,7 +138,7 @@ pub(super) fn svg(scene: &Scene, title: &str, caption: &str) -> String {
             items.iter().for_each(|item| draw(&mut backend, item, SVG));
             drawn(backend.present());
         }
-        // Between the tags of a document of its own.
+        // Extract the content between the document's tags.
         let start = part.find('\n').map_or(0, |at| at + 1);
         let end = part.rfind("</svg>").unwrap_or(part.len());
         document.push_str(&part[start..end]);
@@ -147,7 +147,7 @@ pub(super) fn svg(scene: &Scene, title: &str, caption: &str) -> String {
     document
 }
 
-/// `pixels` as a file. Without filters: half the size, since most rows repeat the one above in flat colours.
+/// Encodes `pixels` as PNG without filters, which halves the size of flat colours.
 pub(super) fn png(pixels: &RgbImage) -> Vec<u8> {
     let mut bytes = Vec::new();
     let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::NoFilter);
@@ -160,9 +160,9 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// Drawing into memory does not fail.
+/// Drawing to memory cannot fail.
 fn drawn<T, E: std::fmt::Debug>(result: Result<T, E>) -> T {
-    result.expect("memory takes every drawing")
+    result.expect("drawing to memory cannot fail")
 }
 
 fn point(at: DVec2) -> (i32, i32) {
@@ -233,7 +233,7 @@ fn draw_text<B: DrawingBackend>(backend: &mut B, text: &Text, form: Form) {
     let (x, y) = point(at);
     drawn(backend.draw_text(&text.text, &style, (x, y)));
     if form.pieces {
-        // A quarter of a pixel bolder: the font is a light one.
+        // Embolden the light font by a quarter pixel.
         drawn(backend.draw_text(&text.text, &style, (x + 1, y)));
     }
 }

@@ -1,4 +1,4 @@
-//! Every map by what it costs: sampling requirement against anisotropy.
+//! Plots every map's sampling requirement against its anisotropy.
 
 use super::chart::{Axis, Chart, Marks, Scale, Series};
 use super::figure::Figure;
@@ -11,7 +11,7 @@ pub(super) fn sampling(name: &str) -> Result<Figure> {
     let (y_points, y_labels) = grouped(all);
     let all = rows.iter().map(|row| ([row.metrics.lattice, row.metrics.anisotropy], row.title));
     let (m_points, mut m_labels) = grouped(all);
-    // A ring around a dot needs no second label.
+    // Label a ring and its dot only once.
     for (point, label) in m_points.iter().zip(&mut m_labels) {
         if y_points.iter().any(|other| is_close(*other, *point)) {
             label.clear();
@@ -46,13 +46,13 @@ pub(super) fn sampling(name: &str) -> Result<Figure> {
     chart.figure(name)
 }
 
-/// Whether both are drawn at the same place.
+/// Whether both are drawn at the same position.
 fn is_close(a: [f64; 2], b: [f64; 2]) -> bool {
     let close = |a: f64, b: f64| a == b || (a / b - 1.0).abs() < 1e-3;
     close(a[0], b[0]) && close(a[1], b[1])
 }
 
-/// Points and the titles of those at the same place.
+/// Points, with joined titles for coincident ones.
 fn grouped<'a>(all: impl Iterator<Item = ([f64; 2], &'a str)>) -> (Vec<[f64; 2]>, Vec<String>) {
     let (mut points, mut labels): (Vec<[f64; 2]>, Vec<String>) = (Vec::new(), Vec::new());
     for (point, title) in all {

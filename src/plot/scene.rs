@@ -1,11 +1,11 @@
-//! A figure before it is drawn: a list of shapes and texts in pixels, which `render` draws as PNG and as SVG.
+//! Scenes: lists of shapes and texts in pixels, drawn by `render` as PNG and SVG.
 
 use super::look::{Colour, INK, PAPER, SOFT, TINY};
 use super::render::text_width;
 use glam::DVec2;
 use image::RgbImage;
 
-/// How a text lies beside its point.
+/// Anchor of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,
@@ -13,7 +13,7 @@ pub(super) enum Anchor {
     End,
 }
 
-/// Something drawn. Later items cover earlier ones.
+/// A drawn item. Later items cover earlier ones.
 #[derive(Clone, Debug)]
 pub(super) enum Item {
     Polygon {
@@ -31,7 +31,7 @@ pub(super) enum Item {
         fill: Colour,
     },
     Text(Text),
-    /// Pixels stretched over the rectangle from `low` to `high`.
+    /// An image stretched over the rectangle from `low` to `high`.
     Picture {
         low: DVec2,
         high: DVec2,
@@ -39,25 +39,25 @@ pub(super) enum Item {
     },
 }
 
-/// A line of text; `at` is the point of its baseline that `anchor` says.
+/// A line of text; `at` is the point of its baseline selected by `anchor`.
 #[derive(Clone, Debug)]
 pub(super) struct Text {
     pub(super) at: DVec2,
     pub(super) text: String,
-    /// Pixels an em.
+    /// Pixels per em.
     pub(super) em: f64,
     pub(super) anchor: Anchor,
-    /// Whether it runs upwards.
+    /// Whether the text runs upwards.
     pub(super) upwards: bool,
     pub(super) colour: Colour,
 }
 
-/// A rectangle by its least and greatest coordinates.
+/// A rectangle by its minimum and maximum coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// Left and top.
+    /// Left and top edge.
     pub low: DVec2,
-    /// Right and bottom.
+    /// Right and bottom edge.
     pub high: DVec2,
 }
 
@@ -70,13 +70,13 @@ impl Frame {
         self.high - self.low
     }
 
-    /// Whether both share an area.
+    /// Whether both overlap.
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.low.cmplt(other.high).all() && other.low.cmplt(self.high).all()
     }
 
-    /// Whether `other` lies inside.
+    /// Whether `other` is inside.
     #[must_use]
     pub fn holds(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && other.high.cmple(self.high).all()
@@ -93,7 +93,7 @@ impl Frame {
 }
 
 impl Text {
-    /// What it covers: capitals and figures, and what hangs below the baseline.
+    /// Bounds of the text: capitals, digits and descenders.
     pub(super) fn frame(&self) -> Frame {
         let width = text_width(&self.text, self.em);
         let left = match self.anchor {
@@ -143,14 +143,14 @@ impl Scene {
         }
     }
 
-    /// A closed line.
+    /// Adds a closed line.
     pub(super) fn outline(&mut self, points: impl Into<Vec<DVec2>>, width: f64, colour: Colour) {
         let mut points = points.into();
         points.extend(points.first().copied());
         self.line(points, width, colour);
     }
 
-    /// Dashes of `dash` pixels with gaps of the same length.
+    /// Adds a dashed line with dashes and gaps of `dash` pixels.
     pub(super) fn dashed(&mut self, points: &[DVec2], width: f64, colour: Colour, dash: f64) {
         let (mut drawn, mut left) = (true, dash);
         let mut piece: Vec<DVec2> = points.first().copied().into_iter().collect();
@@ -176,7 +176,7 @@ impl Scene {
         self.items.push(Item::Disc { centre, radius, fill });
     }
 
-    /// A circle's line.
+    /// Adds the outline of a circle.
     pub(super) fn circle(&mut self, centre: DVec2, radius: f64, width: f64, colour: Colour) {
         let points: Vec<DVec2> =
             (0..360).map(|k| centre + DVec2::from_angle(f64::from(k).to_radians()) * radius).collect();
@@ -192,19 +192,19 @@ impl Scene {
         self.items.push(Item::Text(text));
     }
 
-    /// Text around the point `centre`.
+    /// Adds text centred at `centre`.
     pub(super) fn centred(&mut self, centre: DVec2, text: &str, em: f64, colour: Colour) {
         self.text(centre + DVec2::new(0.0, 0.35 * em), text, em, Anchor::Middle, colour);
     }
 
-    /// Text that runs upwards around the point `centre`.
+    /// Adds upward text centred at `centre`.
     pub(super) fn upwards(&mut self, centre: DVec2, text: &str, em: f64, colour: Colour) {
         let at = centre + DVec2::new(0.35 * em, 0.0);
         let text = Text { at, text: text.to_owned(), em, anchor: Anchor::Middle, upwards: true, colour };
         self.items.push(Item::Text(text));
     }
 
-    /// Lines of at most `width` pixels, broken between words; returns the baseline of the next line.
+    /// Adds text wrapped to `width` pixels; returns the baseline of the next line.
     pub(super) fn paragraph(&mut self, at: DVec2, text: &str, em: f64, width: f64) -> f64 {
         let mut baseline = at.y;
         for line in wrapped(text, em, width) {
@@ -214,15 +214,15 @@ impl Scene {
         baseline
     }
 
-    /// A label at least `gap` pixels from `point` on a white plate, where it covers no other text and lies
-    /// within `bounds`; of several such places the first, going around from the right, or else the right.
+    /// Adds a label on a white plate at least `gap` pixels from `point`. Tries positions around the point
+    /// from the right, and takes the first within `bounds` that covers no other text, else the right.
     pub(super) fn label(&mut self, point: DVec2, text: &str, em: f64, gap: f64, bounds: &Frame) {
         let texts = self.texts().map(|text| text.frame().grown(2.0));
         let taken: Vec<Frame> = texts.chain(self.dots(point)).collect();
         let half = DVec2::new(text_width(text, em), em) / 2.0;
         let place = |angle: f64, distance: f64| {
             let way = DVec2::from_angle(angle);
-            // The plate's side or corner is nearest to the point.
+            // Place the plate's nearest side or corner.
             let side = DVec2::select(way.abs().cmpgt(DVec2::splat(0.1)), way.signum(), DVec2::ZERO);
             let at = point + way * distance + side * half + DVec2::new(0.0, 0.35 * em);
             Text { at, text: text.to_owned(), em, anchor: Anchor::Middle, upwards: false, colour: INK }
@@ -241,7 +241,7 @@ impl Scene {
         self.items.push(Item::Text(text));
     }
 
-    /// Dots that labels must not cover, but for that at `point`.
+    /// Dots that labels must not cover, except the one at `point`.
     fn dots(&self, point: DVec2) -> impl Iterator<Item = Frame> {
         self.items.iter().filter_map(move |item| match item {
             Item::Disc { centre, radius, .. } if centre.distance(point) > 1.0 && *radius > 4.0 => {
@@ -251,14 +251,14 @@ impl Scene {
         })
     }
 
-    /// A dot with a [`Scene::label`].
+    /// Adds a dot with a [`Scene::label`].
     pub(super) fn point(&mut self, point: DVec2, text: &str, bounds: &Frame) {
         self.label(point, text, TINY, 9.0, bounds);
         self.disc(point, 4.5, PAPER);
         self.disc(point, 3.2, INK);
     }
 
-    /// A straight arrow.
+    /// Adds a straight arrow.
     pub(super) fn arrow(&mut self, from: DVec2, to: DVec2, width: f64, colour: Colour) {
         let way = (to - from).normalize();
         let (back, across) = (to - way * 9.0, way.perp() * 3.6);
@@ -267,10 +267,10 @@ impl Scene {
     }
 }
 
-/// `text` in lines of at most `width` pixels.
+/// Wraps `text` to lines of at most `width` pixels.
 pub(super) fn wrapped(text: &str, em: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    // Spaces that do not break stay.
+    // Keep non-breaking spaces.
     for word in text.split(' ').filter(|word| !word.is_empty()) {
         match lines.last_mut() {
             Some(line) if text_width(&format!("{line} {word}"), em) <= width => {

@@ -1,4 +1,4 @@
-//! The seam of the tennis ball, on the sphere and around both panels.
+//! Draws the seam of the tennis ball, on the sphere and around both panels.
 
 use super::figure::Figure;
 use super::globe::{FRONT, Globe};
@@ -11,14 +11,14 @@ use crate::sphere::registry::named;
 use crate::sphere::tennis_ball::{TennisBall, panel, seam_point};
 use glam::{DVec2, DVec3};
 
-/// Fills of both panels.
+/// Fill colours of both panels.
 const PANELS: [Colour; 2] = [[236, 243, 203], [222, 232, 245]];
 
 /// Points along each half circle.
 const STEPS: u32 = 120;
 
 fn half_circle(k: u32) -> Vec<DVec3> {
-    // A hair short of its ends, which belong to the next one as well.
+    // Stop just short of the ends, which also belong to the next half circle.
     let share = |step: u32| (f64::from(step) / f64::from(STEPS)).clamp(1e-9, 1.0 - 1e-9);
     (0..=STEPS).map(|step| seam_point((f64::from(k) + share(step)) / 4.0)).collect()
 }
@@ -41,7 +41,7 @@ pub(super) fn seam(name: String) -> Figure {
         let centre = DVec2::new(body.low.x + half * (k as f64 + 0.5), body.low.y + radius + 6.0);
         let globe = Globe::new(centre, radius, eye);
         globe.fill(&mut scene, |direction| {
-            // A little darker towards the rim.
+            // Darken slightly towards the rim.
             let fill = PANELS[panel(direction) as usize];
             mix(fill, INK, 0.16 * (1.0 - globe.depth(direction)).powi(2))
         });
@@ -67,11 +67,11 @@ pub(super) fn seam(name: String) -> Figure {
     Figure::new(name, title, caption.to_owned(), scene)
 }
 
-/// The curve `points` of the seam in both panels.
+/// Draws the seam's curve `points` in both panels.
 fn draw_on_panels(scene: &mut Scene, sheet: &Sheet, points: &[DVec3], colour: Colour) {
     for component in 0..2 {
         let middle = TennisBall.direction(component, DVec2::ZERO);
-        // A hair inside the panel: towards its middle line.
+        // Move slightly inside the panel, towards its middle line.
         let inside = |point: &DVec3| {
             let towards = if component == 0 {
                 DVec3::new(point.x, 0.0, point.z)

@@ -1,4 +1,4 @@
-//! A map laid out flat: its components side by side, as `convert` places them, with axes and labels.
+//! Draws a map's components side by side, as placed by `convert`, with axes and labels.
 
 use super::globe::AXES;
 use super::look::{Colour, FAINT, INK, LATITUDE, LONGITUDE, OCTANTS, OUTSIDE, SMALL, TINY};
@@ -13,20 +13,20 @@ use image::RgbImage;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Pixels around every component, for its label and ticks.
+/// Margin in pixels around every component, for its label and ticks.
 const BORDER: u32 = 19;
 
-/// A map laid out flat.
+/// A map's components in the plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet {
     row: &'static NamedMap,
-    /// A texel is a pixel.
+    /// Grid with one texel per pixel.
     pub(super) grid: Grid,
     origin: DVec2,
 }
 
 impl Sheet {
-    /// The greatest sheet of `row` that fits into `most` pixels.
+    /// The largest sheet of `row` that fits `most` pixels.
     pub(super) fn fitting(row: &'static NamedMap, most: DVec2) -> Self {
         let of_size = |size: u32| {
             let grid = Grid::new(row.map, size).expect("a size of a figure");
@@ -45,8 +45,7 @@ impl Sheet {
         ends.fold(DVec2::ZERO, DVec2::max)
     }
 
-    /// Where `component` begins, in cells: as in pictures of the map, but for the cube's row, which is broken
-    /// into two.
+    /// Origin of `component` in cells: as in pictures of the map, but with the cube's row split in two.
     fn cell(&self, component: u32) -> [u32; 2] {
         if self.row.name == "cube" {
             return [component % 3, component / 3];
@@ -54,14 +53,14 @@ impl Sheet {
         self.map().component(component).at
     }
 
-    /// The rank, from 1, of the column (`axis` 0) or row (1) that `component` begins in, among those that any
-    /// begins in.
+    /// One-based rank of the column (`axis` 0) or row (1) where `component` begins, among all starting
+    /// columns or rows.
     fn rank(&self, component: u32, axis: usize) -> u32 {
         let begins = |place: &u32| (0..self.map().components()).any(|k| self.cell(k)[axis] == *place);
         (0..=self.cell(component)[axis]).filter(begins).count() as u32
     }
 
-    /// The same with its top in the middle of that of `frame`.
+    /// Moves the sheet to the top centre of `frame`.
     pub(super) fn placed(self, frame: &Frame) -> Self {
         let left = (frame.low.x + frame.high.x - self.extent().x) / 2.0;
         Self { origin: DVec2::new(left, frame.low.y).round(), ..self }
@@ -71,7 +70,7 @@ impl Sheet {
         self.row.map
     }
 
-    /// The rectangle of `component`.
+    /// Rectangle of `component`.
     pub(super) fn frame(&self, component: u32) -> Frame {
         let cell = self.cell(component);
         let start = [0, 1].map(|axis| {
@@ -81,14 +80,15 @@ impl Sheet {
         Frame::new(low, low + DVec2::from(self.grid.sides(component).map(f64::from)))
     }
 
-    /// Where `place` lies.
+    /// Pixel position of `place`.
     pub(super) fn at(&self, place: Place) -> DVec2 {
         let component = self.map().component(place.component);
         let low = self.frame(place.component).low;
         low + (place.uv - component.low) / self.grid.step(&component)
     }
 
-    /// Fills the domains by `colour` of component and coordinates, and the rest of the rectangles evenly.
+    /// Fills domains with `colour` of component and coordinates, and the rest of the rectangles with one
+    /// colour.
     pub(super) fn fill(
         &self,
         scene: &mut Scene,
@@ -113,7 +113,7 @@ impl Sheet {
         }
     }
 
-    /// Fills every domain by the octants that directions lie in.
+    /// Fills every domain with the colours of octants.
     pub(super) fn fill_octants(&self, scene: &mut Scene) {
         let map = self.map();
         self.fill(scene, 2, |component, uv| {
@@ -122,7 +122,7 @@ impl Sheet {
         });
     }
 
-    /// Outlines of rectangles and domains, ticks, and the names of components.
+    /// Draws outlines of rectangles and domains, ticks, and component names.
     pub(super) fn frames(&self, scene: &mut Scene) {
         let map = self.map();
         let components: Vec<_> = (0..map.components()).map(|k| map.component(k)).collect();
@@ -139,7 +139,7 @@ impl Sheet {
                 below |= other[0] == own[0] && other[1] > own[1];
                 left |= other[1] == own[1] && other[0] < own[0];
             }
-            // Components of other extents have ticks of their own.
+            // Components of other extents have their own ticks.
             let is_like = |other: &Component| other.low == component.low && other.high == component.high;
             let alike = components.iter().all(is_like);
             let sides = [!below || !alike, !left || !alike];
@@ -151,9 +151,9 @@ impl Sheet {
         }
     }
 
-    /// Parallels and meridians every `degrees`, the equator and the planes x = 0 and z = 0 thick.
+    /// Draws parallels and meridians every `degrees`; the equator and the planes x = 0 and z = 0 are thick.
     pub(super) fn graticule(&self, scene: &mut Scene, degrees: u32) {
-        // A hair off the planes, where maps are cut.
+        // Offset slightly from the planes, where maps are cut.
         let hair = 1e-9;
         for longitude in (0..360).step_by(degrees as usize) {
             let (sin, cos) = (f64::from(longitude).to_radians() + hair).sin_cos();
@@ -180,8 +180,7 @@ impl Sheet {
         }
     }
 
-    /// The curve of `point` over `range` in `steps` pieces, parted where it goes from one place of the sheet
-    /// to another.
+    /// Draws the curve of `point` over `range` in `steps` pieces, split where it jumps on the sheet.
     pub(super) fn curve(
         &self,
         scene: &mut Scene,
@@ -193,14 +192,14 @@ impl Sheet {
     ) {
         let place = |t: f64| self.map().locate(point(t));
         let at = |k: u32| range[0] + (range[1] - range[0]) * f64::from(k) / f64::from(steps);
-        // Longer than any step of a smooth curve.
+        // Exceeds any step of a smooth curve.
         let far = 0.06 * self.extent().max_element();
         let apart = |a: Place, b: Place| a.component != b.component || self.at(a).distance(self.at(b)) > far;
         let mut line = vec![self.at(place(at(0)))];
         for k in 1..=steps {
             let (mut from, mut to) = (at(k - 1), at(k));
             if apart(place(from), place(to)) {
-                // Where it leaves the one and enters the other.
+                // Exit and entry points of the jump.
                 for _ in 0..40 {
                     let middle = (from + to) / 2.0;
                     if nearer_first(self, place(from), place(middle), place(to)) {
@@ -209,7 +208,7 @@ impl Sheet {
                         to = middle;
                     }
                 }
-                // At a singular direction its ends may lie anywhere; then there is a gap of a step.
+                // At a singular direction the ends are arbitrary; leave a gap of one step.
                 let is_near = |a: DVec2, b: DVec2| a.distance(b) <= far;
                 let (end, start) = (self.at(place(from)), self.at(place(to)));
                 if line.last().is_some_and(|last| is_near(*last, end)) {
@@ -225,11 +224,11 @@ impl Sheet {
         scene.line(line, width, colour);
     }
 
-    /// Dots at the six axes, in every corner where one lies.
+    /// Draws dots at the six axes, at every position of each.
     pub(super) fn axes(&self, scene: &mut Scene) {
         for (axis, name) in AXES {
             let places = self.places(axis);
-            // A singular direction is a whole line.
+            // A singular direction maps to a line.
             if places.len() > 4 {
                 let frame = self.frame(places[0].component);
                 let middle = (frame.low + frame.high) / 2.0;
@@ -246,7 +245,7 @@ impl Sheet {
         }
     }
 
-    /// Every place that directions around `direction` come close to.
+    /// Every position that directions around `direction` approach.
     fn places(&self, direction: DVec3) -> Vec<Place> {
         let across = direction.any_orthonormal_vector();
         let mut places: Vec<Place> = Vec::new();
@@ -264,7 +263,7 @@ impl Sheet {
         places
     }
 
-    /// Names of the eight octants, each in the middle of its part of a map of one component.
+    /// Draws the names of the eight octants, centred in their parts of a one-component map.
     pub(super) fn octant_names(&self, scene: &mut Scene) {
         for k in 0..8_u32 {
             let sign = |bit: u32| if k & bit == 0 { 1.0 } else { -1.0 };
@@ -280,7 +279,7 @@ impl Sheet {
     }
 }
 
-/// Whether `middle` belongs to the side of `a` rather than to that of `b`.
+/// Whether `middle` is on the side of `a` rather than `b`.
 fn nearer_first(sheet: &Sheet, a: Place, middle: Place, b: Place) -> bool {
     match (a.component == middle.component, b.component == middle.component) {
         (true, false) => true,
@@ -289,12 +288,12 @@ fn nearer_first(sheet: &Sheet, a: Place, middle: Place, b: Place) -> bool {
     }
 }
 
-/// Bits of the signs of `d`: bit 0 is set where x is negative, bit 1 for y, bit 2 for z.
+/// Sign bits of `d`: bit 0 is set where x is negative, bit 1 for y, bit 2 for z.
 pub(super) fn octant(d: DVec3) -> usize {
     usize::from(d.x < 0.0) | usize::from(d.y < 0.0) << 1 | usize::from(d.z < 0.0) << 2
 }
 
-/// The rim of the domain of `component`, clockwise, `steps` points along each side of its rectangle.
+/// Outline of the domain of `component`, clockwise, with `steps` points per side of its rectangle.
 pub(super) fn boundary(map: &dyn SphereMap, component: u32, steps: u32) -> Vec<DVec2> {
     let rectangle = map.component(component);
     let middle = (rectangle.low + rectangle.high) / 2.0;
@@ -304,7 +303,7 @@ pub(super) fn boundary(map: &dyn SphereMap, component: u32, steps: u32) -> Vec<D
         let (from, to) = (corners[side], corners[(side + 1) % 4]);
         for k in 0..steps {
             let outer = from.lerp(to, f64::from(k) / f64::from(steps));
-            // Domains are seen whole from their middle.
+            // Domains are star-shaped around their centre.
             let (mut inside, mut outside) = (0.0, 1.0);
             if map.contains(component, middle.lerp(outer, 1.0 - 1e-12)) {
                 rim.push(outer);
@@ -325,7 +324,7 @@ pub(super) fn boundary(map: &dyn SphereMap, component: u32, steps: u32) -> Vec<D
     rim
 }
 
-/// The name of a component of the map called `map`; empty where there is but one.
+/// The name of a component of the map `map`; empty if there is only one.
 fn component_name(map: &str, component: u32) -> String {
     let k = component as usize;
     let faces = ["+X", "\u{2212}X", "+Y", "\u{2212}Y", "+Z", "\u{2212}Z"];

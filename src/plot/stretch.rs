@@ -1,4 +1,4 @@
-//! How maps stretch, on the sphere: relative solid angle and anisotropy.
+//! Draws the stretch of maps on the sphere: relative solid angle and anisotropy.
 
 use super::figure::Figure;
 use super::globe::{FRONT, Globe};
@@ -28,14 +28,14 @@ fn relative_solid_angle(map: &dyn SphereMap, direction: DVec3) -> f64 {
 fn anisotropy_at(map: &dyn SphereMap, direction: DVec3) -> f64 {
     let place = map.locate(direction);
     let component = map.component(place.component);
-    // Towards the middle of the rectangle, so that no difference crosses its rim.
+    // Step towards the rectangle's centre, so no difference crosses its edge.
     let middle = (component.low + component.high) / 2.0;
     let uv = middle.lerp(place.uv, 1.0 - 1e-5);
     let ratio = Stretch::at(map, place.component, uv, 1e-7 * component.extent().min_element()).anisotropy();
     if ratio.is_nan() { f64::INFINITY } else { ratio }
 }
 
-/// `value` with two digits, or the sign of infinity.
+/// Formats `value` with two digits, or as the infinity sign.
 fn shown(value: f64) -> String {
     if value.is_finite() { format!("{value:.2}") } else { "\u{221e}".to_owned() }
 }

@@ -1,4 +1,4 @@
-//! The octahedron, unfolded to the square and to the rectangle.
+//! Draws the octahedron unfolded to the square and to the rectangle.
 
 use super::figure::Figure;
 use super::globe::Globe;
@@ -51,7 +51,7 @@ pub(super) fn unfolding(name: String) -> Figure {
     Figure::new(name, title, caption.to_owned(), scene)
 }
 
-/// The octahedron with its upper faces flattened and its lower ones turned by `share` of the way.
+/// The octahedron with its upper faces flattened and its lower ones rotated by the fraction `share`.
 fn draw_octahedron(scene: &mut Scene, globe: &Globe, share: f64) {
     let mut faces: Vec<(f64, usize, [DVec3; 3])> = (0..8_usize)
         .map(|octant| {
@@ -62,7 +62,7 @@ fn draw_octahedron(scene: &mut Scene, globe: &Globe, share: f64) {
             (globe.depth(middle), octant, [x, z, apex])
         })
         .collect();
-    // From the farthest to the nearest.
+    // Sort back to front.
     faces.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (_, octant, corners) in &faces {
         let corners = corners.map(|corner| globe.place(corner).0);
@@ -86,7 +86,7 @@ fn draw_octahedron(scene: &mut Scene, globe: &Globe, share: f64) {
     }
 }
 
-/// Whether the triangle `face` lies before `point`.
+/// Whether the triangle `face` occludes `point`.
 fn hides(globe: &Globe, face: [DVec3; 3], point: DVec3) -> bool {
     let [a, b, c] = face.map(|corner| globe.place(corner).0);
     let at = globe.place(point).0;
@@ -96,11 +96,11 @@ fn hides(globe: &Globe, face: [DVec3; 3], point: DVec3) -> bool {
     shares.iter().all(|share| share / whole > 1e-6) && depth > globe.depth(point) + 1e-6
 }
 
-/// Where -Y is taken by the face over the edge between `side`'s x and z, at `share` of the way to the plane.
+/// Position of -Y on the face at the edge between `side`'s x and z, at the fraction `share` of the unfolding.
 fn lower_apex(side: DVec3, share: f64) -> DVec3 {
     let outwards = side / SQRT_2;
     let middle = side / 2.0;
-    // From the octahedron's -Y, seen from the edge's middle, to the square's corner.
+    // Rotate about the edge's midpoint from the octahedron's -Y to the square's corner.
     let from = DVec2::new(-FRAC_1_SQRT_2, -1.0);
     let to = DVec2::new(FRAC_1_SQRT_2, 0.0);
     let (start, end) = (from.to_angle(), to.to_angle());

@@ -1,7 +1,7 @@
-//! Targets: presets of what engines expect of a bake, and their files.
+//! Targets: presets of bakes for engines, and their files.
 //!
-//! A [`Target`] is a row of [`TARGETS`]; a [`TargetPlan`] is a row with overrides; [`crate::export::files`] encodes
-//! its files from a bake.
+//! A [`Target`] is a row of [`TARGETS`]; a [`TargetPlan`] is a row with overrides. [`crate::export::files`]
+//! encodes its files from a bake.
 
 mod flip;
 pub(crate) mod sizes;
@@ -106,7 +106,7 @@ impl Diffuse {
 pub struct Target {
     /// Name on the command line.
     pub name: &'static str,
-    /// Its reader, in a few words.
+    /// The engine or format that reads it.
     pub reader: &'static str,
     /// The container of its cubes.
     pub container: Container,
@@ -204,7 +204,7 @@ pub const TARGETS: [Target; 12] = [
         verified: Some("three 0.187"),
         ..ENGINE
     },
-    // Names, formats and the key `sh` as cmgen --deploy --format=ktx has them (tools/cmgen/src/cmgen.cpp).
+    // Names, formats and the key `sh` as in cmgen --deploy --format=ktx (tools/cmgen/src/cmgen.cpp).
     Target {
         name: "filament",
         reader: "Filament's IndirectLight and Skybox",
@@ -226,8 +226,8 @@ pub const TARGETS: [Target; 12] = [
     },
     // z is negated at every look-up, roughness runs linearly over as many levels as there are, and the
     // diffuse cube is multiplied by the diffuse colour alone
-    // (crates/bevy_pbr/src/light_probe/environment_map.wgsl). At roughness 1 four texels a side are less than
-    // 1 % off in its pictures, one is 5 %.
+    // (crates/bevy_pbr/src/light_probe/environment_map.wgsl). At roughness 1, errors in its pictures are
+    // below 1 % with four texels per side and 5 % with one.
     Target {
         name: "bevy",
         reader: "Bevy's EnvironmentMapLight",
@@ -244,11 +244,11 @@ pub const TARGETS: [Target; 12] = [
         verified: Some("bevy 0.19"),
         ..ENGINE
     },
-    // floor(log2(size)) levels, half floats, directions as they are (lib/source/lib.cpp and
-    // lib/shaders/filter.frag); folders as in the repository glTF-Sample-Environments.
+    // floor(log2(size)) levels, half floats, unflipped directions (lib/source/lib.cpp and
+    // lib/shaders/filter.frag); folders as in glTF-Sample-Environments.
     Target {
         name: "khronos",
-        reader: "what reads the glTF IBL Sampler's files",
+        reader: "readers of the glTF IBL Sampler's files",
         last_size: Some(2),
         diffuse: Diffuse::Cube,
         irradiance_size: 64,
@@ -263,10 +263,10 @@ pub const TARGETS: [Target; 12] = [
         verified: Some("glTF Sample Renderer 1.1 (npm)"),
         ..ENGINE
     },
-    // The border is the program's own convention; the files say it in their metadata.
+    // The border is this program's convention, recorded in the files' metadata.
     Target {
         name: "oem",
-        reader: "whoever reads bordered octahedral maps",
+        reader: "readers of bordered octahedral maps",
         map: Map::Octahedral,
         size: 512,
         last_size: Some(16),
@@ -282,8 +282,8 @@ pub const TARGETS: [Target; 12] = [
         verified: Some("its own readers"),
         ..ENGINE
     },
-    // alpha = 2^(level/0.8)/size (Materials/Textures/Filtering/hdrFiltering.ts); left-handed scenes, into
-    // which glTF is turned with x negated (loaders/src/glTF/2.0/glTFLoader.ts, __root__).
+    // alpha = 2^(level/0.8)/size (Materials/Textures/Filtering/hdrFiltering.ts); scenes are left-handed, and
+    // glTF is imported with x negated (loaders/src/glTF/2.0/glTFLoader.ts, __root__).
     Target {
         name: "babylon",
         reader: "Babylon.js's CubeTexture, left-handed scenes",
@@ -314,7 +314,7 @@ pub const TARGETS: [Target; 12] = [
         ..ENGINE
     },
     // Six steps of r (1.7 - 0.7 r) (ImageBasedLighting.hlsl, PerceptualRoughnessToMipmapLevel); left-handed,
-    // glTF comes in with x negated (glTFast). A cube imported with Convolution Type None keeps its own
+    // glTF is imported with x negated (glTFast). A cube imported with Convolution Type None keeps its own
     // levels.
     Target {
         name: "unity",
@@ -332,9 +332,8 @@ pub const TARGETS: [Target; 12] = [
         verified: None,
         ..ENGINE
     },
-    // u = (1 + atan2(X, -Z)/pi)/2 in coordinates whose y and z are exchanged (TextureCompressorModule.cpp,
-    // LookupLongLat and TransformSideToWorldSpace); glTF's (x, y, z) comes in as (x, z, y). The engine
-    // filters by itself.
+    // u = (1 + atan2(X, -Z)/pi)/2 with y and z swapped (TextureCompressorModule.cpp, LookupLongLat and
+    // TransformSideToWorldSpace); glTF's (x, y, z) is imported as (x, z, y). The engine filters itself.
     Target {
         name: "unreal",
         reader: "Unreal's sky light, from a long-lat cube",
@@ -351,7 +350,7 @@ pub const TARGETS: [Target; 12] = [
         ..ENGINE
     },
     // u = atan(x, -z)/2 pi (servers/rendering/renderer_rd/shaders/environment/sky.glsl). The engine filters
-    // by itself.
+    // itself.
     Target {
         name: "godot",
         reader: "Godot's PanoramaSkyMaterial",
@@ -367,8 +366,8 @@ pub const TARGETS: [Target; 12] = [
         verified: None,
         ..ENGINE
     },
-    // u = 1/2 - atan2(y, x)/2 pi (intern/cycles/kernel/camera/projection.h); glTF's (x, y, z) comes in as (x,
-    // -z, y).
+    // u = 1/2 - atan2(y, x)/2 pi (intern/cycles/kernel/camera/projection.h); glTF's (x, y, z) is imported as
+    // (x, -z, y).
     Target {
         name: "blender",
         reader: "Blender's environment texture",

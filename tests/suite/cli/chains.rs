@@ -1,4 +1,4 @@
-//! `--chain` of `bake`, what files say of it, and what `compare` makes of it.
+//! `--chain` of `bake`, its record in files, and its use by `compare`.
 
 use super::{done, fails, octagloss, with_sky};
 use octagloss::internals::chain::ChainKind;
@@ -25,7 +25,7 @@ fn files_and_reports_name_the_chain() {
     let report: Value = serde_json::from_slice(&fs::read(at.join("levels/report.json")).unwrap()).unwrap();
     assert_eq!(report["chain"], "solved");
     assert!(report["levels"][1]["error_bound_max"].is_null(), "{}", report["levels"][1]);
-    // Sheen and irradiance beside solved levels are sampled, and say so or nothing.
+    // Sheen and irradiance of a solved bake are sampled, and record that or nothing.
     done(at, &[&["bake", "sky.exr", "-o", "k", "--target", "khronos"][..], &small].concat());
     let of = |path: &str| load_chain(&at.join(path)).unwrap().provenance.chain;
     assert_eq!(of("k/ggx/specular.ktx2"), Some(ChainKind::Solved));

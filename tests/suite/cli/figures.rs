@@ -15,7 +15,7 @@ fn figures_are_drawn_into_a_folder() {
     assert_eq!(names(&folder.join("figures")), files);
     assert!(files.iter().all(|name| ran.err.contains(name)), "{}", ran.err);
 
-    // Others are added; those that exist stay, unless they may be replaced.
+    // New figures are added; existing ones stay unless --force is given.
     let svg = fs::read_to_string(folder.join("figures/border.svg")).expect("there");
     fails(folder, &[&plot[..], &["--figure", "border"]].concat(), 1, "--force");
     assert_eq!(fs::read_to_string(folder.join("figures/border.svg")).expect("there"), svg);
@@ -36,14 +36,14 @@ fn what_cannot_be_drawn_is_named_and_nothing_written() {
         fails(folder, &[&["analyze", "--plot", "-o", "figures"], more].concat(), code, words);
     };
     plot(&["--map", "globe"], "globe", 2);
-    plot(&["--figure", "globe"], "there is no figure \"globe\"; there are solid-angle, anisotropy", 2);
-    plot(&["--figure", "seam", "--map", "cube"], "--figure seam is no figure of --map cube", 2);
+    plot(&["--figure", "globe"], "unknown figure \"globe\"; choose one of solid-angle, anisotropy", 2);
+    plot(&["--figure", "seam", "--map", "cube"], "--figure seam is not a figure of --map cube", 2);
     plot(&["--size", "0"], "--size 0 must be 1 to 12 texels", 2);
-    plot(&["--size", "4", "--border", "5"], "--border 5 is wider than the map, 4 texels a side", 2);
+    plot(&["--size", "4", "--border", "5"], "--border 5 exceeds the map's side of 4 texels", 2);
     plot(&["--panorama", "none.exr"], "none.exr", 1);
     plot(&["--table"], "--table", 2);
     fails(folder, &["analyze", "--plot"], 2, "--output");
     fails(folder, &["analyze", "--map", "cube", "--table"], 2, "--plot");
-    fails(folder, &["analyze", "--plot", "-o", "figures.png"], 2, "-o figures names a folder");
+    fails(folder, &["analyze", "--plot", "-o", "figures.png"], 2, "use -o figures");
     assert_eq!(names(folder), [""; 0]);
 }

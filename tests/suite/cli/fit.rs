@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// An image of `width` x `height`, its red the column and its green the row, black outside `lit` rows.
+/// A `width` x `height` image with red = column, green = row, and black outside the rows `lit`.
 fn write(path: &Path, width: u32, height: u32, lit: std::ops::Range<u32>) {
     let texel = |k: u32| {
         let (x, y) = (k % width, k / width);
@@ -29,7 +29,7 @@ fn what_is_not_two_to_one_is_refused_with_both_remedies() {
     }
     for more in [["--pad", "--layout=cross"], ["--crop", "--layout=octahedral"], ["--pad", "--layout=faces"]]
     {
-        fails(folder.path(), &["bake", "band.exr", more[0], more[1]], 2, "leave --layout out");
+        fails(folder.path(), &["bake", "band.exr", more[0], more[1]], 2, "omit --layout");
     }
     fails(folder.path(), &["bake", "band.exr", "--pad=white"], 2, "black, edge");
     let args = ["convert", "band.exr", "--layout", "cube", "--from", "healpix", "--pad", "-o", "c.exr"];
@@ -56,7 +56,7 @@ fn a_band_is_padded_and_the_bake_says_so() {
     let (said, report) = bake("edge.ktx2", "--pad=edge");
     assert!(said.contains("padded with 3 edge rows above and below"), "{said}");
     assert_eq!(report["options"]["pad"], "edge");
-    // The source is padded as the bake's was.
+    // The source is padded like the bake's.
     for (bake, other) in [("black.ktx2", "edge"), ("edge.ktx2", "black")] {
         done(
             folder.path(),
@@ -91,7 +91,7 @@ fn a_letterbox_is_cropped_and_the_bake_says_so() {
     let loaded = loaded.expect("a panorama");
     assert_eq!((loaded.layout, loaded.width, loaded.height), ("panorama", 32, 16));
     assert_eq!(loaded.environment.texels()[0], [1.0, 5.0, 1.0]);
-    // Bars that do not suffice leave what --pad completes.
+    // --pad completes what too small bars leave.
     write(&folder.path().join("few.exr"), 32, 20, 1..20);
     fails(folder.path(), &["bake", "few.exr", "--crop"], 1, "32x19: a panorama must be 2:1");
     let ran = done(folder.path(), &["bake", "few.exr", "--crop", "--pad", "--size", "8", "-o", "few.ktx2"]);

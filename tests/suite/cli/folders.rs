@@ -1,4 +1,4 @@
-//! `octagloss bake` of folders and patterns: which files they stand for, where their outputs go, and what is said.
+//! `octagloss bake` with folders and patterns: expansion, output paths and messages.
 
 use super::{Ran, done, fails, json, names, octagloss, with_sky};
 use std::fs;
@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 const SMALL: [&str; 4] = ["--size", "2", "--levels", "1"];
 
-/// A folder with the folder `in`, which holds `files`, each a sky.
+/// Creates a folder with `in`, which holds `files`, each a sky.
 fn with_skies(files: &[&str]) -> TempDir {
     let folder = with_sky();
     fs::create_dir(folder.path().join("in")).expect("made");
@@ -19,19 +19,19 @@ fn with_skies(files: &[&str]) -> TempDir {
     folder
 }
 
-/// Bakes `more`, and says how it ended.
+/// Runs `bake` with `more` and returns the result.
 fn bake(folder: &Path, more: &[&str]) -> Ran {
     octagloss(folder, &[&["bake"], more, &SMALL[..]].concat())
 }
 
-/// The lines about files, without what is said of the engine.
+/// The output lines about files, without those about the engine.
 fn lines(ran: &Ran) -> Vec<&str> {
     let lines =
         ran.err.lines().filter(|line| !line.contains("using the CPU") && !line.contains(": warning: "));
     lines.map(|line| line.strip_prefix("octagloss: ").expect("the program's name")).collect()
 }
 
-/// Every file below `folder`, `/` between folders, but for reports.
+/// All files below `folder` except reports, with `/` separators.
 fn tree(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
     for name in names(folder) {
@@ -57,7 +57,7 @@ fn a_folder_stands_for_its_readable_files_in_order() {
     }
     assert_eq!(said[3..], ["3 baked, 0 skipped, 0 failed"]);
     assert_eq!(tree(&folder.path().join("out")), ["a.ktx2", "b.ktx2", "c.ktx2"]);
-    // One file makes a folder, too.
+    // A folder input with one file also writes a folder.
     let ran = bake(folder.path(), &["in/sub", "-o", "one"]);
     assert_eq!((ran.code, tree(&folder.path().join("one"))), (0, vec!["d.ktx2".to_owned()]), "{}", ran.err);
     fails(folder.path(), &["bake", "in/sub", "-o", "one.ktx2"], 2, "names a file");
@@ -74,18 +74,18 @@ fn recursive_mirrors_the_tree_and_leaves_the_output_out() {
     let ran = bake(folder.path(), &args);
     assert_eq!((ran.code, lines(&ran).last()), (0, Some(&"4 baked, 0 skipped, 0 failed")), "{}", ran.err);
     assert_eq!(tree(&folder.path().join("in/out")), expected);
-    // Again, with what the first wrote in the folder.
+    // Again, with the first run's outputs in the folder.
     let ran = bake(folder.path(), &[&args[..], &["--force", "--skip-unchanged"]].concat());
     assert_eq!(lines(&ran).last(), Some(&"0 baked, 4 skipped, 0 failed"), "{}", ran.err);
     assert!(lines(&ran)[0].starts_with("[1/4] in/out/sky.ktx2: unchanged"), "{}", ran.err);
     assert_eq!(tree(&folder.path().join("in/out")), expected);
     let ran = bake(folder.path(), &args);
     assert_eq!((ran.code, lines(&ran).last()), (1, Some(&"0 baked, 0 skipped, 4 failed")), "{}", ran.err);
-    // Folders of targets.
+    // Target folders.
     let args = ["bake", "in", "-r", "-o", "targets", "--target", "bevy", "--size", "8", "--quiet"];
     done(folder.path(), &args);
     assert!(tree(&folder.path().join("targets")).contains(&"x/y/sky/sky_specular.ktx2".to_owned()));
-    // Without a folder for the output the tree stands in the present one.
+    // Without an output folder, the tree goes to the current one.
     let ran = bake(folder.path(), &["in", "-r", "--json"]);
     assert_eq!((ran.code, ran.out.lines().count()), (0, 4), "{}", ran.err);
     assert!(folder.path().join("x/y/sky.ktx2").is_file());
@@ -102,7 +102,7 @@ fn equal_names_are_told_with_both_inputs() {
     );
     fails(folder.path(), &["bake", "in/x", "in/a.exr", "-o", "out"], 2, "in/x/a.exr and in/a.exr would both");
     assert!(!folder.path().join("out").exists());
-    // What is typed as well as found is one input.
+    // A file both named and found is one input.
     for inputs in [["in/x", "in/x/a.exr"], ["in/x/a.exr", "in/x"], ["in/x", "in/x"]] {
         let ran = bake(folder.path(), &[&inputs[..], &["-o", "out", "--force"]].concat());
         assert_eq!(lines(&ran).last(), Some(&"1 baked, 0 skipped, 0 failed"), "{}", ran.err);
@@ -125,10 +125,10 @@ fn patterns_are_expanded_and_mirror_the_folders_that_they_match() {
     assert_eq!(expanded("in/**/y/*", "6"), ["x/y/d.ktx2"]);
     let absolute = folder.path().join("in/x/*");
     assert_eq!(expanded(absolute.to_str().expect("text"), "7"), ["a.ktx2"]);
-    // What is matched twice is baked once.
+    // A file matched twice is baked once.
     let ran = bake(folder.path(), &["in/*.exr", "in/a*", "-o", "8"]);
     assert_eq!(lines(&ran).last(), Some(&"2 baked, 0 skipped, 0 failed"), "{}", ran.err);
-    // A file of that very name comes first.
+    // A file with that exact name takes precedence.
     fs::copy(folder.path().join("sky.exr"), folder.path().join("in/[a]*.exr")).expect("copied");
     done(folder.path(), &[&["bake", "in/[a]*.exr", "-o", "literal.ktx2", "--quiet"], &SMALL[..]].concat());
 }
@@ -138,17 +138,17 @@ fn what_stands_for_nothing_is_a_usage_error_that_names_it() {
     let folder = with_skies(&["notes.txt", "sub/a.exr"]);
     fs::create_dir(folder.path().join("empty")).expect("made");
     for (input, words) in [
-        ("empty", "empty holds no file that can be read: .exr .hdr"),
-        ("in", "in holds no file that can be read"),
-        ("in", "--recursive looks into its folders, too"),
-        ("in/*.exr", "in/*.exr matches no file that can be read"),
+        ("empty", "empty holds no readable file: .exr .hdr"),
+        ("in", "in holds no readable file"),
+        ("in", "--recursive also searches subfolders"),
+        ("in/*.exr", "in/*.exr matches no readable file"),
         ("in/*.txt", "in/*.txt matches no file"),
         ("none/**/*.exr", "none/**/*.exr matches no file"),
     ] {
         fails(folder.path(), &["bake", input, "-o", "out"], 2, words);
         fails(folder.path(), &["bake", "sky.exr", input, "-o", "out"], 2, words);
     }
-    // No pattern, and no file.
+    // Neither a pattern nor a file.
     fails(folder.path(), &["bake", "sky[.exr"], 1, "sky[.exr");
     assert!(!folder.path().join("out").exists());
 }
@@ -178,7 +178,7 @@ fn what_earlier_bakes_wrote_is_no_input() {
     let folder = with_skies(&["a.exr", "b.exr"]);
     let all = ["--irradiance", "2", "--extract-sun", "--sunless", "--skybox", "2", "--bounds"];
     for _ in 0..2 {
-        // Beside the sources.
+        // Next to the sources.
         let args = [&["in", "-o", "in", "--force", "--levels", "2", "--size", "4"], &all[..]].concat();
         let ran = octagloss(folder.path(), &[&["bake"], &args[..]].concat());
         assert_eq!((ran.code, lines(&ran).last()), (0, Some(&"2 baked, 0 skipped, 0 failed")), "{}", ran.err);
@@ -187,7 +187,7 @@ fn what_earlier_bakes_wrote_is_no_input() {
     assert_eq!(lines(&ran).last(), Some(&"2 baked, 0 skipped, 0 failed"), "{}", ran.err);
     let ran = bake(folder.path(), &["in", "-r", "-o", "out"]);
     assert_eq!(lines(&ran).last(), Some(&"2 baked, 0 skipped, 0 failed"), "{}", ran.err);
-    // A bake itself is an input as before.
+    // A bake is one input.
     let ran = bake(folder.path(), &["in/levels/a", "-o", "again.ktx2"]);
     assert_eq!((ran.code, lines(&ran).len()), (0, 1), "{}", ran.err);
 }
@@ -195,11 +195,11 @@ fn what_earlier_bakes_wrote_is_no_input() {
 #[test]
 fn an_output_that_is_an_input_is_refused() {
     let folder = with_skies(&["a.ktx2", "b.exr"]);
-    // EXR data under another name: its output would be itself.
+    // EXR data with another extension: the output would overwrite it.
     fails(folder.path(), &["bake", "in", "-o", "in", "--force"], 2, "in/a.ktx2 is an input");
     fs::write(folder.path().join("file"), "").expect("writable");
     fails(folder.path(), &["bake", "in", "-o", "file"], 1, "file: is a file");
-    // A file where a folder of the mirrored tree goes.
+    // A file in place of a folder of the mirrored tree.
     let folder = with_skies(&["x/a.exr"]);
     fs::create_dir(folder.path().join("out")).expect("made");
     fs::write(folder.path().join("out/x"), "").expect("writable");
@@ -207,7 +207,7 @@ fn an_output_that_is_an_input_is_refused() {
         folder.path(),
         &["bake", "in", "-r", "-o", "out", "--quiet"],
         1,
-        "out/x: is a file where a folder is needed",
+        "out/x: is a file, but a folder is needed",
     );
 }
 
@@ -269,7 +269,7 @@ fn odd_names_pipes_and_circles_of_links_do_no_harm() {
         ];
         assert_eq!(tree(&folder.path().join(out)), expected);
     }
-    // The folder that was typed may be a link itself.
+    // The named folder may itself be a link.
     let ran = bake(folder.path(), &["in/y", "-o", "3"]);
     assert_eq!((ran.code, lines(&ran).last()), (0, Some(&"1 baked, 0 skipped, 0 failed")), "{}", ran.err);
 }
@@ -281,7 +281,7 @@ fn a_folder_that_cannot_be_read_is_told_and_the_rest_is_baked() {
     let folder = with_skies(&["a.exr", "closed/b.exr"]);
     let closed = folder.path().join("in/closed");
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o000)).expect("closed");
-    // Nothing is closed to root.
+    // Root can read everything.
     if fs::read_dir(&closed).is_err() {
         let ran = bake(folder.path(), &["in", "-r", "-o", "out"]);
         assert_eq!((ran.code, lines(&ran).last()), (1, Some(&"1 baked, 0 skipped, 1 failed")), "{}", ran.err);
@@ -294,7 +294,7 @@ fn a_folder_that_cannot_be_read_is_told_and_the_rest_is_baked() {
 #[test]
 fn many_files_cost_no_more_than_their_bakes() {
     let folder = with_skies(&[]);
-    // Every other is no image.
+    // Every other file is not an image.
     for number in 0..200 {
         let path = folder.path().join(format!("in/{number:03}.exr"));
         if number % 2 == 0 {

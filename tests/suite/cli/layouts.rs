@@ -160,10 +160,10 @@ fn impossible_layouts_are_refused() {
         (&["--out-layout", "equirect", "--skybox", "4"], "--skybox"),
         (&["--out-layout", "cross", "--target", "three"], "--target"),
         (&["--target", "oem", "--size", "100", "--levels", "4"], "multiple of 8"),
-        (&["--target", "oem", "--format", "dds"], "ktx2 and exr"),
+        (&["--target", "oem", "--format", "dds"], "ktx2 or exr"),
         (&["--target", "babylon", "--size", "100"], "power of two"),
-        (&["--target", "babylon", "--format", "dds"], "a format of its own"),
-        (&["--target", "gltf-ext", "--pixel", "f16"], "a format of its own"),
+        (&["--target", "babylon", "--format", "dds"], "a fixed format"),
+        (&["--target", "gltf-ext", "--pixel", "f16"], "a fixed format"),
         (&["--target", "godot", "--levels", "3"], "one level"),
         (&["--target", "blender", "--flip", "x"], "no cube"),
     ] {

@@ -78,7 +78,7 @@ fn pipes_sockets_and_devices_are_refused_by_every_command() {
             assert_eq!(code, 1, "{args:?}: {text}");
             // A file that is not a bake is not opened as one.
             let refused = format!("{place}: {kind}, not a regular file");
-            assert!(text.contains(&refused) || text.contains("no bake"), "{args:?}: {text}");
+            assert!(text.contains(&refused) || text.contains("not a bake"), "{args:?}: {text}");
         }
     }
     let (code, text) = soon(here, &["query", "sky.exr", "--directions", "folder", "--roughness", "0.5"], &[]);
@@ -184,7 +184,7 @@ fn errors_below_float32_are_usage_errors() {
     sky(folder.path());
     for filter in ["adaptive:1e-9", "adaptive:9.9e-7"] {
         let (code, text) = soon(folder.path(), &["bake", "sky.exr", "-o", "a.ktx2", "--filter", filter], &[]);
-        assert!(code == 2 && text.contains("at least 1e-6, the least that float32 reaches"), "{text}");
+        assert!(code == 2 && text.contains("at least 1e-6, the float32 limit"), "{text}");
     }
     for filter in ["adaptive:1", "adaptive:nan"] {
         let (code, text) = soon(folder.path(), &["bake", "sky.exr", "-o", "a.ktx2", "--filter", filter], &[]);
@@ -223,7 +223,7 @@ fn a_picture_against_a_source_needs_no_more_texels_than_figures_do() {
     let compare = ["compare", "a.ktx2", "sky.exr", "--texels", "54", "--picture", "p.png", "--json"];
     let ran = octagloss(folder.path(), &compare);
     assert_eq!(ran.code, 0, "{}", ran.err);
-    assert!(ran.err.contains("a grid of at most 54 texels a level; --texels all shows all"), "{}", ran.err);
+    assert!(ran.err.contains("a grid of at most 54 texels per level; --texels all shows all"), "{}", ran.err);
     let told: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
     assert_eq!(told["levels"][0]["texels"], 54, "{told}");
     let picture = image::open(folder.path().join("p.png")).unwrap();

@@ -84,7 +84,7 @@ fn convert_names_what_it_cannot_do() {
     convert(&["--layout", "globe"], "globe", 2);
     convert(&["--layout", "cube", "--size", "0"], "--size", 2);
     convert(&["--layout", "cube", "--size", "4", "--border", "5"], "--border 5", 2);
-    convert(&["--layout", "cube", "--from", "healpix"], "16x8 is no picture of healpix, which is 4:3", 1);
+    convert(&["--layout", "cube", "--from", "healpix"], "16x8 does not fit healpix, which is 4:3", 1);
     fails(folder, &["convert", "in.exr", "-o", "out.png", "--layout", "cube"], 2, ".exr or .hdr");
     fails(folder, &["convert", "in.exr", "-o", "in.exr", "--layout", "cube", "--force"], 2, "is an input");
     assert_eq!(names(folder), ["in.exr"]);

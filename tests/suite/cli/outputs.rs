@@ -120,7 +120,7 @@ fn an_unwritable_standard_output_is_an_error() {
     let bake = small(&["-o", "-"]);
     for args in [&bake[..], &["synth", "furnace", "-o", "-"], &["dfg", "--size", "2", "-o", "-"]] {
         let (code, text) = run(">&-", args);
-        assert!(code == 1 && text.contains("standard output is closed"), "{args:?}: {code} {text}");
+        assert!(code == 1 && text.contains("standard output, which is closed"), "{args:?}: {code} {text}");
         // Open for reading only.
         let (code, text) = run("1<sky.exr", args);
         assert!(code == 1 && text.contains("standard output: "), "{args:?}: {code} {text}");

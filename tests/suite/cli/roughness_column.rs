@@ -36,9 +36,9 @@ fn a_roughness_is_given_once() {
     let query = |csv: &'static str, more: &[&'static str]| {
         [&["query", "sky.exr", "--quiet", "--directions", csv], more].concat()
     };
-    fails(folder.path(), &query("own.csv", &["--roughness", "0.5"]), 2, "leave one out");
-    fails(folder.path(), &query("own.csv", &["--lobe", "cosine"]), 2, "leave the column out");
-    fails(folder.path(), &query("plain.csv", &[]), 2, "--roughness R is needed");
+    fails(folder.path(), &query("own.csv", &["--roughness", "0.5"]), 2, "omit one");
+    fails(folder.path(), &query("own.csv", &["--lobe", "cosine"]), 2, "omit the column");
+    fails(folder.path(), &query("plain.csv", &[]), 2, "--directions is required");
     fails(folder.path(), &query("bad.csv", &[]), 1, "line 2: roughness is \"2\"; it must be between 0 and 1");
     assert_eq!(octagloss(folder.path(), &query("plain.csv", &["--lobe", "cosine"])).code, 0);
 }

@@ -101,7 +101,7 @@ fn scales_are_positive_and_what_leaves_float32_is_told() {
     ] {
         fails(folder.path(), &["bake", "sky.exr", "--scale", scale], 2, words);
     }
-    fails(folder.path(), &["bake", "sky.exr", "--scale", "1e37"], 1, "--scale 1e37 takes its greatest value");
+    fails(folder.path(), &["bake", "sky.exr", "--scale", "1e37"], 1, "--scale 1e37 moves the greatest value");
     let ran = done(folder.path(), &["bake", "sky.exr", "--scale", "1e-60", "--size", "4"]);
     assert!(ran.err.contains("rounds all its light to 0"), "{}", ran.err);
 }

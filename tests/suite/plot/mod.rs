@@ -1,4 +1,4 @@
-//! Figures: what there is, that text is legible, colours, both forms.
+//! Figures: catalogue, legible text, colours, both formats.
 
 mod chart;
 
@@ -12,7 +12,7 @@ use octagloss::{Environment, Layout};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// A small panorama, quickly made.
+/// A small panorama.
 fn content() -> Content {
     let texel = |k: u32| {
         let d: DVec3 =
@@ -29,7 +29,7 @@ fn entry(name: &str) -> Entry {
     entries().into_iter().find(|entry| entry.name() == name).expect("a figure")
 }
 
-/// Elements of an XML document that opens and closes them in order, with quoted attributes; panics for others.
+/// Parses the elements of an XML document; panics unless tags nest and attributes are quoted.
 pub(super) fn elements(document: &str) -> Vec<&str> {
     let (mut open, mut all) = (Vec::new(), Vec::new());
     let mut rest = document;
@@ -74,7 +74,7 @@ fn every_map_has_its_figures() {
 #[test]
 fn no_text_is_cut_off_or_covers_another() {
     let content = content();
-    // All layouts, which differ most, and one figure of every other kind.
+    // All layouts, which differ most, plus one figure of every other kind.
     let is_drawn = |entry: &Entry| {
         entry.kind == Kind::Layout || entry.map.is_none_or(|map| map.name == "polar-capped-conformal")
     };
@@ -134,7 +134,7 @@ fn axes_and_captions_are_told() {
     for text in ["solid angle / mean", "1/4", "1", "4", "+X", "\u{2212}X"] {
         assert!(angles.contains(&text.to_owned()), "{text}: {angles:?}");
     }
-    // Every texel's name: those inside once, those of the border as well.
+    // Names of all texels: interior ones once, plus border ones.
     let border = texts("border");
     assert_eq!(border.iter().filter(|text| *text == "0,0").count(), 4, "the corner and three copies");
     assert!(border.contains(&"b = 2".to_owned()) && border.contains(&"s = 8".to_owned()), "{border:?}");
@@ -155,7 +155,7 @@ fn colours_are_those_of_the_scale() {
     assert_eq!(ANISOTROPY.colour(f64::INFINITY), [20, 28, 84]);
 }
 
-/// The cube's greatest relative solid angle, 6/pi, is in the middle of its faces: the colour there is known.
+/// The cube's greatest relative solid angle, 6/pi, is at face centres, so the colour there is known.
 #[test]
 fn heat_maps_show_the_value_of_the_direction() {
     let figure = entry("solid-angle-cube").draw(&content()).expect("a figure");
@@ -172,9 +172,11 @@ fn heat_maps_show_the_value_of_the_direction() {
 
 #[test]
 fn sizes_and_borders_that_cannot_be_drawn_are_named() {
-    for (size, border, words) in
-        [(0, 0, "`size` is 0"), (13, 0, "`size` is 13"), (4, 5, "`border` 5 is wider than the map, 4 texels")]
-    {
+    for (size, border, words) in [
+        (0, 0, "`size` is 0"),
+        (13, 0, "`size` is 13"),
+        (4, 5, "`border` 5 exceeds the map's side of 4 texels"),
+    ] {
         let error = entry("border").draw(&Content { size, border, ..content() }).expect_err(words);
         assert!(error.to_string().contains(words), "{error}");
     }
