@@ -3,11 +3,6 @@
 // the rotation of the environment.
 #include "common/fitted.wgsl"
 
-// Convolution with the cosine lobe scales order n of the harmonics by these factors, n from 1 to 4
-// (Ramamoorthi and Hanrahan 2001, equation 8, over pi).
-const COSINE_WEIGHTS = vec4<f32>(0.6666667, 0.25, 0.0, -0.041666668);
-const RECIPROCAL_PI = 0.31830987f;
-
 // Radiance of a GGX reflection around `direction` (world space, any length but zero) at `roughness` in
 // [0, 1].
 fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
@@ -20,10 +15,14 @@ fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
 fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
     let direction = normalize(octagloss_source_from_world * normal);
     let orders = orders_around(direction);
-    var radiance = radiance_of(orders.first + orders.others * COSINE_WEIGHTS);
+    // Factors of orders 1 to 4 under convolution with the cosine lobe (Ramamoorthi and Hanrahan 2001, equation
+    // 8, over pi).
+    let weights = vec4<f32>(2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0);
+    var radiance = radiance_of(orders.first + orders.others * weights);
     for (var k = 0u; k < EMITTERS; k++) {
         let emitter = octagloss_light.emitters[k];
-        radiance += emitter.energy * (RECIPROCAL_PI * max(dot(direction, emitter.direction), 0.0));
+        // Over pi.
+        radiance += emitter.energy * (0.31830987 * max(dot(direction, emitter.direction), 0.0));
     }
     return radiance;
 }

@@ -234,7 +234,7 @@ fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
             let path = folder.path().join("a.dds");
             std::fs::write(&path, &dds).unwrap();
             let error = read_chain(&path).unwrap_err().to_string();
-            assert!(error.contains("a.dds.report.json is not there"), "{error}");
+            assert!(error.contains("there is no") && error.contains("a.dds.report.json"), "{error}");
             let levels: Vec<_> = (0..).zip(&chain.levels).map(|(level, l)| {
                 serde_json::json!({ "level": level, "size": l.size(), "roughness": l.roughness })
             }).collect();

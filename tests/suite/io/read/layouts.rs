@@ -166,7 +166,7 @@ fn shapes_that_fit_nothing_name_size_and_remedy() {
     for (choice, wanted) in [
         (
             LayoutChoice::Equirect,
-            "a panorama must be 2:1; `pad` fills it up, `crop` removes black bars; else resize it or say another \
+            "a panorama must be 2:1; `pad` fills it up, `crop` removes black bars; else resize it or set another \
              `layout`",
         ),
         (LayoutChoice::Cross, "a cross must be 4:3 or 3:4; set another `layout`"),
