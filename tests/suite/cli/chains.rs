@@ -104,7 +104,7 @@ fn solved_chains_are_judged_by_what_they_deliver() {
     let strict =
         octagloss(at, &["compare", "solved.ktx2", "sky.exr", "--delivered=0.5", "--fail-above", "1e-6"]);
     assert!(strict.code == 1 && strict.err.contains("delivered relRMSE"), "{}", strict.err);
-    fails(at, &["compare", "solved.ktx2", "sampled.ktx2", "--delivered"], 2, "both are bakes");
+    fails(at, &["compare", "solved.ktx2", "sampled.ktx2", "--delivered"], 2, "both inputs are bakes");
     fails(at, &["compare", "solved.ktx2", "sky.exr", "--texels", "9"], 2, "solved chain");
     fails(at, &["compare", "solved.ktx2", "sky.exr", "--delivered=1.5"], 2, "between 0 and 1");
 }
