@@ -104,9 +104,11 @@ fn crop(picture: &mut Picture) -> bool {
         && is_even(columns)
         && rows.both() > 0
         && columns.both() > 0
+        && inner_width >= width / 2
         && inner_width.abs_diff(inner_height.saturating_mul(2)) <= TOLERANCE
     {
-        // A frame around a 2:1 picture; one line more or less gives the exact shape.
+        // A frame around a 2:1 picture; one line more or less gives the exact shape. A smaller picture is a
+        // lamp in a dark room.
         let inner_height = inner_height.min(inner_width / 2);
         (rows.taking_or_more(height - inner_height), columns.taking_or_more(width - 2 * inner_height))
     } else {
