@@ -1,4 +1,4 @@
-// Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy. Derived in src/lobe/kernel.rs and
+// Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy. Derived in src/lobe/radial.rs and
 // src/cpu/adaptive.rs.
 
 const SHAPE_GGX = 0u;

@@ -32,7 +32,8 @@ use super::cells::{Cells, Quad, omitted_radiance};
 use super::leaves::{LANES, Leaf, Packet, Scratch};
 use super::subtexel;
 use crate::environment::{LUMINANCE, Rgb};
-use crate::lobe::kernel::{Kernel, Radial, expected_error, with_radial};
+use crate::lobe::kernel::{Kernel, with_radial};
+use crate::lobe::radial::{Radial, expected_error};
 use std::f64::consts::PI;
 
 /// The least error that [`crate::filter::Filter::Adaptive`] takes.

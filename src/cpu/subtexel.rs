@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::leaves::{Leaf, Packet, Scratch};
 use crate::environment::LUMINANCE;
 use crate::geometry::tent::{Moments, Reconstruction};
-use crate::lobe::kernel::{Radial, expected_error, first_order_width};
+use crate::lobe::radial::{Radial, expected_error, first_order_width};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
 use glam::{DVec2, DVec3};
 

@@ -1,0 +1,213 @@
+//! Radial kernels, and intervals of their means over cells of energy.
+
+/// The reciprocals of `x` by one division (Montgomery's trick); the last is the most accurate.
+#[inline(always)]
+pub(super) fn reciprocals<const N: usize>(x: [f32; N]) -> [f32; N] {
+    let mut before = [1.0; N];
+    for k in 1..N {
+        before[k] = before[k - 1] * x[k - 1];
+    }
+    let mut rest = 1.0 / (before[N - 1] * x[N - 1]);
+    let mut out = [0.0; N];
+    for k in (0..N).rev() {
+        out[k] = rest * before[k];
+        rest *= x[k];
+    }
+    out
+}
+
+/// A kernel of s; decreasing, except for [`Charlie`], which has its own intervals.
+pub(crate) trait Radial: Copy {
+    /// Whether it is convex with a decreasing second derivative up to the horizon s = 1/2 and 0 beyond: the
+    /// condition of the sharp bounds from mean and variance.
+    const SMOOTH: bool;
+
+    /// Whether the error from the kink at the horizon is estimated separately.
+    const SPLIT: bool = true;
+
+    /// k at `s`.
+    fn value(self, s: f32) -> f32;
+
+    /// k at several places, with one division for all.
+    #[inline(always)]
+    fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
+        s.map(|s| self.value(s))
+    }
+
+    /// The same, and k'' at the last.
+    #[inline(always)]
+    fn values_and_curvature<const N: usize>(self, s: [f32; N]) -> ([f32; N], f32) {
+        (self.values(s), self.curvature(s[N - 1]))
+    }
+
+    /// k'' at `s` in front of the horizon.
+    fn curvature(self, s: f32) -> f32 {
+        let _ = s;
+        0.0
+    }
+
+    /// Jump of k' at the horizon.
+    fn kink(self) -> f32 {
+        0.0
+    }
+
+    /// Length scale t of k around `s`: |k'''| is about 24 k/t^3, as in a tail of t^-2. Zero where k is not
+    /// smooth.
+    fn scale(self, s: f32) -> f32 {
+        let _ = s;
+        0.0
+    }
+
+    /// |k'''|/24 around `s`, where k is `value`, times a third `moment`. Either factor alone may exceed the
+    /// range of float32.
+    #[inline(always)]
+    fn third_order(self, s: f32, value: f32, moment: f32) -> f32 {
+        let scale = self.scale(s);
+        value * moment / (scale * scale * scale)
+    }
+
+    /// The mean of k over a cell of unit energy, see [`interval`].
+    #[inline(always)]
+    fn interval<const ACROSS: bool>(self, squared: f32, trace: f32, along: f32, radius: f32) -> Interval {
+        interval::<Self, ACROSS>(self, squared, trace, along, radius)
+    }
+
+    /// Variation of k between the squared distances 4 `low` and 4 `high`.
+    fn spread(self, low: f32, high: f32) -> f32 {
+        self.value(low) - self.value(high)
+    }
+
+    /// The greatest variation of k within `radius` of a distance between `near` and `far`. The default is the
+    /// variation between the ends, which is exact for one jump.
+    fn widest_spread(self, near: f32, far: f32, radius: f32) -> f32 {
+        let (near, far) = ((near - radius).max(0.0), far + radius);
+        self.spread(0.25 * near * near, (0.25 * far * far).min(1.0))
+    }
+
+    /// The distance between `near` and `far` at which a cell's relative error is greatest.
+    fn worst_distance(self, near: f32, far: f32) -> f32 {
+        // The nearest, unless only a far horizon matters.
+        let _ = far;
+        near
+    }
+}
+
+/// Bounds and estimate of the mean of k over a cell of unit energy.
+#[derive(Clone, Copy)]
+pub(crate) struct Interval {
+    /// Least possible value.
+    pub(crate) least: f32,
+    /// Greatest possible value.
+    pub(crate) greatest: f32,
+    /// Most likely value.
+    pub(crate) estimate: f32,
+}
+
+/// Interval of the mean of k over a cell of unit energy. `squared` is the squared distance of its centroid
+/// from R, `trace` its covariance's trace, `along` the covariance applied to R - centroid on both sides,
+/// `radius` its reach. ACROSS must be true if it may reach beyond the horizon. See [`crate::cpu::adaptive`]
+/// for the derivation.
+#[inline(always)]
+pub(crate) fn interval<R: Radial, const ACROSS: bool>(
+    kernel: R,
+    squared: f32,
+    trace: f32,
+    along: f32,
+    radius: f32,
+) -> Interval {
+    let distance = squared.sqrt();
+    let near = (distance - radius).max(0.0);
+    let far = distance + radius;
+    let (low, high) = (0.25 * near * near, (0.25 * far * far).min(1.0));
+    let s = 0.25 * (squared + trace);
+    let ([nearest, farthest, value], curvature) = kernel.values_and_curvature([low, high, s]);
+    if !R::SMOOTH {
+        return Interval { least: farthest, greatest: nearest, estimate: value };
+    }
+    // s - low and high - s, computed without cancellation.
+    let down = if distance > radius { 0.25 * (radius * (2.0 * distance - radius) + trace) } else { s };
+    let up = (0.25 * (radius * (2.0 * distance + radius) - trace)).max(1e-6 * down);
+    let (tangential, radial) = (along.max(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
+    let most = 0.25 * (tangential + radial) * (tangential + radial);
+    let least = 0.25 * (tangential - radial).max(0.0) * (tangential - radial).max(0.0);
+    let [per_down, per_up] = reciprocals([down, up]);
+    let (step_up, step_down) = ((most * per_down).min(up), (least * per_up).min(down));
+    let [inner, outer] = kernel.values([s + step_up, s - step_down]);
+    let lengths = [down + step_up, up + step_down];
+    let [per_above, per_below] = reciprocals(lengths);
+    // Reciprocals of vanishing products overflow; there k is constant to float32.
+    let sharp = (down * up).min(lengths[0] * lengths[1]) > 1e-36;
+    let (share_above, share_below) = (step_up * per_above, step_down * per_below);
+    if !ACROSS {
+        let greatest = if sharp { inner + share_above * (nearest - inner) } else { nearest };
+        let least = if sharp { outer + share_below * (farthest - outer) } else { farthest }.min(greatest);
+        let estimate = (value + 0.125 * curvature * along).max(least).min(greatest);
+        return Interval { least, greatest, estimate };
+    }
+    // Split k into a hinge at the horizon and a smooth rest; a cell in front of the horizon needs no hinge.
+    let kink = if high < 0.5 { 0.0 } else { kernel.kink() };
+    let hinge = |s: f32| kink * (0.5 - s).max(0.0);
+    let (inner, nearest) = (inner - hinge(s + step_up), nearest - hinge(low));
+    let (outer, farthest) = (outer - hinge(s - step_down), farthest - hinge(high));
+    let before = 0.5 - s;
+    let deviation = (most.min(down * up) + before * before).sqrt();
+    // Differences of hinges are rounded at the precision of the greater one.
+    let rounding = 5e-7 * kink;
+    let greatest = if sharp { inner + share_above * (nearest - inner) } else { nearest }
+        + 0.5 * kink * (deviation + before)
+        + rounding;
+    let least = (if sharp { outer + share_below * (farthest - outer) } else { farthest } + hinge(s)
+        - rounding)
+        .max(0.0)
+        .min(greatest);
+    // Second-order term in front of the horizon, and gain from the kink for energy spread evenly over s.
+    let half_width = 0.866 * tangential;
+    let second_order = if s < 0.5 { 0.125 * curvature * along } else { 0.0 };
+    let across = (half_width - before.abs()).max(0.0);
+    let gain = kink * across * across / (4.0 * half_width).max(1e-6);
+    let estimate = (value + second_order + gain).max(least).min(greatest);
+    Interval { least, greatest, estimate }
+}
+
+/// Expected error of the estimate for a cell of unit energy and the worst direction among those within
+/// `packet` of an axis at `distance` from its centroid. It selects the cells to split and is not a bound.
+#[inline(always)]
+pub(crate) fn expected_error<R: Radial>(
+    kernel: R,
+    distance: f32,
+    radius: f32,
+    packet: f32,
+    trace: f32,
+) -> f32 {
+    if !R::SMOOTH {
+        // A jump or a steep end may lie anywhere between the packet's nearest and farthest direction.
+        return 0.25 * kernel.widest_spread((distance - packet).max(0.0), distance + packet, radius);
+    }
+    let worst = kernel.worst_distance((distance - packet).max(0.0), distance + packet);
+    // About half of the trace lies along the line to R.
+    let along = 0.6 * trace * worst * worst;
+    let interval = kernel.interval::<true>(worst * worst, trace, along, radius);
+    let s = 0.25 * (worst * worst + trace);
+    let scale = kernel.scale(s);
+    let reach = 0.25 * radius * (2.0 * worst + radius);
+    // The third-order term E|s - mean|^3 |k'''|/6, where the series converges; otherwise the certain width.
+    let moment = 0.25 * (along + 0.25 * trace * radius * radius) * reach;
+    let third = kernel.third_order(s, interval.estimate, moment);
+    let certain = 0.25 * (interval.greatest - interval.least);
+    // Add the uncertainty from the kink, for the direction nearest to it: the gap between Scarf's bound and
+    // Jensen's, as such errors have one sign and accumulate; at most the part that reaches over the horizon.
+    let (near, far) = ((distance - packet - radius).max(0.0), distance + packet + radius);
+    let over = (0.25 * far * far - 0.5).min(0.5 - 0.25 * near * near).max(0.0);
+    let variance = 0.25 * trace * distance * distance;
+    let apart = ((0.5 - 0.25 * (distance * distance + trace)).abs() - 0.5 * distance * packet).max(0.0);
+    let bent = 0.5 * variance / ((variance + apart * apart).sqrt() + apart).max(1e-12);
+    let bent = kernel.kink() * bent.min(over);
+    if (reach < 0.5 * scale) & (R::SPLIT | (over == 0.0)) { third + bent } else { certain }
+}
+
+/// Width of the interval between the extremes of k, for cells whose centroid is not known exactly.
+pub(crate) fn first_order_width<R: Radial>(kernel: R, distance: f32, radius: f32, packet: f32) -> f32 {
+    let near = (distance - radius - packet).max(0.0);
+    let far = distance + radius + packet;
+    kernel.spread(0.25 * near * near, (0.25 * far * far).min(1.0))
+}
