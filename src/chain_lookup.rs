@@ -94,31 +94,51 @@ impl LevelLookup {
 }
 
 impl Taps {
-    /// The weighted mean of `texels`.
+    /// The weighted mean of the texels, whose values `texel` gives by index.
     #[must_use]
-    pub fn read(&self, texels: &[Rgb]) -> [f64; 3] {
+    pub fn mean(&self, texel: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let mut sum = [0.0; 3];
-        for (texel, weight) in self.texels.iter().zip(self.weights).take(self.count) {
-            for (sum, value) in sum.iter_mut().zip(texels[*texel as usize]) {
-                *sum += weight * f64::from(value);
+        for (place, weight) in self.texels.iter().zip(self.weights).take(self.count) {
+            for (sum, value) in sum.iter_mut().zip(texel(*place as usize)) {
+                *sum += weight * value;
             }
         }
         sum
     }
 }
 
+/// Bilinear look-ups of one level.
+#[derive(Clone, Debug)]
+pub struct SeamlessLevel<'a> {
+    texels: &'a [Rgb],
+    lookup: LevelLookup,
+}
+
+impl<'a> SeamlessLevel<'a> {
+    /// Prepares look-ups of `level`, a cube.
+    #[must_use]
+    pub fn new(level: &'a Level) -> Self {
+        Self { texels: &level.texels, lookup: LevelLookup::new(level.size()) }
+    }
+
+    /// Radiance along `direction` (any nonzero length).
+    #[must_use]
+    pub fn radiance(&self, direction: DVec3) -> [f64; 3] {
+        self.lookup.taps(direction).mean(|texel| self.texels[texel].map(f64::from))
+    }
+}
+
 /// Trilinear look-ups of a whole chain.
 #[derive(Clone, Debug)]
 pub struct ChainLookup<'a> {
-    levels: &'a [Level],
-    lookups: Vec<LevelLookup>,
+    levels: Vec<SeamlessLevel<'a>>,
 }
 
 impl<'a> ChainLookup<'a> {
     /// Prepares look-ups of `levels`, all cubes.
     #[must_use]
     pub fn new(levels: &'a [Level]) -> Self {
-        Self { levels, lookups: levels.iter().map(|level| LevelLookup::new(level.size())).collect() }
+        Self { levels: levels.iter().map(SeamlessLevel::new).collect() }
     }
 
     /// Trilinear look-up along `direction` at `lod`, clamped to the existing levels.
@@ -127,7 +147,7 @@ impl<'a> ChainLookup<'a> {
         let lod = lod.clamp(0.0, (self.levels.len() - 1) as f64);
         let low = lod as usize;
         let share = lod - low as f64;
-        let of = |level: usize| self.lookups[level].taps(direction).read(&self.levels[level].texels);
+        let of = |level: usize| self.levels[level].radiance(direction);
         if share == 0.0 {
             return of(low);
         }

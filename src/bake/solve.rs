@@ -316,14 +316,7 @@ impl Smooth {
             let centre = |k: usize| (2 * k + 1) as f64 / FINE as f64 - 1.0;
             return Self::new(FINE as u32, &|k| {
                 let face = Face::ALL[k / (FINE * FINE)];
-                let taps = lookup.taps_at((face, centre(k % FINE), centre(k / FINE % FINE)));
-                let mut sum = [0.0; 3];
-                for (place, weight) in taps.texels.into_iter().zip(taps.weights).take(taps.count) {
-                    for (sum, value) in sum.iter_mut().zip(texel(place as usize)) {
-                        *sum += weight * value;
-                    }
-                }
-                sum
+                lookup.taps_at((face, centre(k % FINE), centre(k / FINE % FINE))).mean(texel)
             });
         }
         let (n, side) = (size as usize, size as usize + 4);

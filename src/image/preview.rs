@@ -2,10 +2,10 @@
 //! false colour. 8-bit sRGB, deterministic.
 
 use crate::chain::{Chain, Level};
+use crate::chain_lookup::SeamlessLevel;
 use crate::environment::{Environment, Layout, Rgb, exact_luminance};
 use crate::error::{Error, Result};
 use crate::geometry::overlap::{Target, mean_radiances};
-use crate::image::cube_sampler::SeamlessLevel;
 use crate::image::exposure::{self, Exposure};
 use crate::image::font;
 use crate::io::layout::CROSS_CELLS;
@@ -84,11 +84,10 @@ pub fn stacked(sheets: &[(&str, RgbImage)]) -> RgbImage {
 
 /// Resamples `level` to a cube whose faces have as many texels as a quarter of the horizon.
 fn as_cube(level: &Level) -> Result<Cow<'_, Level>> {
-    let size = match level.layout {
-        Layout::Cube { .. } => return Ok(Cow::Borrowed(level)),
-        Layout::Panorama { width, .. } => width.div_ceil(4),
-        Layout::Octahedral { size } => size.div_ceil(2),
-    };
+    if let Layout::Cube { .. } = level.layout {
+        return Ok(Cow::Borrowed(level));
+    }
+    let size = level.layout.face_edge();
     let environment = Environment::new(level.layout, level.texels.clone())?;
     let texels = mean_radiances(&environment, Target::Cube(size), true)?;
     Ok(Cow::Owned(Level::cube(size, level.roughness, texels)))
@@ -167,17 +166,17 @@ pub(crate) fn display(radiance: Rgb, exposure: f64) -> Pixel<u8> {
 
 /// Radiance that the camera sees at `x`, `y` in [-1, 1], to the right and down: the sphere's reflection or
 /// the backdrop.
-fn seen(x: f64, y: f64, level: &SeamlessLevel, backdrop: &SeamlessLevel) -> Rgb {
+fn seen(x: f64, y: f64, level: &SeamlessLevel<'_>, backdrop: &SeamlessLevel<'_>) -> Rgb {
     // Looking along +X with +Y up, +Z is to the right.
     let ray = DVec3::new(1.0, -y * HALF_VIEW, x * HALF_VIEW).normalize();
     let camera = DVec3::new(-CAMERA_DISTANCE, 0.0, 0.0);
     let along = -camera.dot(ray);
     let discriminant = 1.0 - (camera + along * ray).length_squared();
     if discriminant < 0.0 {
-        return backdrop.radiance(ray);
+        return backdrop.radiance(ray).map(|c| c as f32);
     }
     let normal = camera + (along - discriminant.sqrt()) * ray;
-    level.radiance(ray - 2.0 * ray.dot(normal) * normal)
+    level.radiance(ray - 2.0 * ray.dot(normal) * normal).map(|c| c as f32)
 }
 
 fn draw_sphere(
@@ -185,7 +184,7 @@ fn draw_sphere(
     left: u32,
     top: u32,
     level: &Level,
-    backdrop: &SeamlessLevel,
+    backdrop: &SeamlessLevel<'_>,
     exposure: f64,
 ) {
     let level = SeamlessLevel::new(level);

@@ -3,7 +3,7 @@
 use crate::support::common::Random;
 use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::bake::{BakeSettings, bake};
-use octagloss::internals::image::cube_sampler::SeamlessLevel;
+use octagloss::internals::chain_lookup::ChainLookup;
 use octagloss::internals::ladder::Ladder;
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::target::Target;
@@ -80,16 +80,13 @@ fn delivered(world: &Environment, levels: Option<u32>, roughness: f64) -> f64 {
     let chain = bake(world, &settings).expect("a bake").chain;
     let oracle = Oracle::new(world);
     let place = roughness * (chain.levels.len() - 1) as f64;
-    let low = (place as usize).min(chain.levels.len() - 2);
-    let [fine, coarse] = [low, low + 1].map(|level| SeamlessLevel::new(&chain.levels[level]));
-    let share = place - low as f64;
+    let lookup = ChainLookup::new(&chain.levels);
     let mut random = Random::new(5);
     let (mut errors, mut sum) = (0.0, 0.0);
     for _ in 0..200 {
         let direction = random.direction();
         let exact: f64 = oracle.reflect(Lobe::Ggx, roughness, direction).iter().sum();
-        let of = |level: &SeamlessLevel| level.radiance(direction).iter().map(|c| f64::from(*c)).sum::<f64>();
-        let found = of(&fine) * (1.0 - share) + of(&coarse) * share;
+        let found = lookup.read(direction, place).iter().sum::<f64>();
         errors += (found - exact).powi(2);
         sum += exact;
     }
