@@ -22,8 +22,8 @@ fn main() -> ExitCode {
     let path = arguments.get(1).cloned().unwrap_or_else(|| format!("src/realtime/tables/{name}.bin"));
     let shape = arguments[0].parse().ok().and_then(Shape::of).expect("one of them");
     let start = Instant::now();
-    let tell = |done: &str| println!("{done} after {:.0} s", start.elapsed().as_secs_f64());
-    let table = fit(shape, &tell);
+    let progress = |done: &str| println!("{done} after {:.0} s", start.elapsed().as_secs_f64());
+    let table = fit(shape, &progress);
     if let Err(error) = std::fs::write(&path, table.bytes()) {
         eprintln!("{path}: {error}");
         return ExitCode::FAILURE;

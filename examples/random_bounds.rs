@@ -47,8 +47,8 @@ fn main() -> ExitCode {
             })
             .reduce(Tally::default, Tally::join);
         first += BATCH;
-        for told in tally.not_finite.iter().chain(&tally.violations).take(20) {
-            println!("{told}");
+        for failure in tally.not_finite.iter().chain(&tally.violations).take(20) {
+            println!("{failure}");
         }
         all = all.join(tally);
         println!(

@@ -19,8 +19,8 @@ pub fn luminance(rgb: Rgb) -> f32 {
 
 /// Luminance of `rgb` in double precision, which resolves the faintest radiance.
 #[must_use]
-pub(crate) fn exact_luminance(rgb: Rgb) -> f64 {
-    (0..3).map(|c| f64::from(LUMINANCE[c]) * f64::from(rgb[c])).sum()
+pub(crate) fn exact_luminance<T: Into<f64>>(rgb: [T; 3]) -> f64 {
+    LUMINANCE.iter().zip(rgb).map(|(weight, value)| f64::from(*weight) * value.into()).sum()
 }
 
 /// How an environment's texels cover the sphere.
@@ -80,6 +80,15 @@ impl Map {
 }
 
 impl Layout {
+    /// Edge of the faces of a cube with as many texels around the horizon.
+    pub(crate) const fn face_edge(self) -> u32 {
+        match self {
+            Self::Panorama { width, .. } => width.div_ceil(4),
+            Self::Cube { size } => size,
+            Self::Octahedral { size } => size.div_ceil(2),
+        }
+    }
+
     /// Columns and rows of one image; of one face for a cube.
     #[must_use]
     pub const fn sides(self) -> (u32, u32) {

@@ -19,6 +19,9 @@ pub enum Ladder {
 }
 
 impl Ladder {
+    /// All ladders.
+    pub const ALL: [Self; 4] = [Self::Linear, Self::Filament, Self::Unity, Self::Babylon];
+
     /// Name on the command line and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -33,9 +36,7 @@ impl Ladder {
     /// The ladder called `name`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        [Self::Linear, Self::Filament, Self::Unity, Self::Babylon]
-            .into_iter()
-            .find(|ladder| ladder.name() == name)
+        Self::ALL.into_iter().find(|ladder| ladder.name() == name)
     }
 
     /// Perceptual roughness of level `level` of `levels`, with `size` texels along an edge of level 0.

@@ -22,7 +22,7 @@
 //! |---|---|
 //! | space | right-handed, y up; directions are unit vectors that point away from the viewer's centre |
 //! | panorama | u = 1/2 + atan2(z, x)/2pi, v = acos(y)/pi, v downwards: the image's centre looks along +X, its right half along +Z |
-//! | cube | faces +X -X +Y -Y +Z -Z, by the table of OpenGL, Vulkan and Direct3D: texel (i, j) at s = (i+1/2)/n\*2-1, t likewise and downwards: +X (1,-t,-s), -X (-1,-t,s), +Y (s,1,t), -Y (s,-1,-t), +Z (s,-t,1), -Z (-s,-t,-1). Seen from inside such images are mirrored, as in every engine; the panorama is not |
+//! | cube | faces +X -X +Y -Y +Z -Z, by the table of OpenGL, Vulkan and Direct3D: texel (i, j) at s = (i+1/2)/n\*2-1, t downwards by the same formula: +X (1,-t,-s), -X (-1,-t,s), +Y (s,1,t), -Y (s,-1,-t), +Z (s,-t,1), -Z (-s,-t,-1). Seen from inside such images are mirrored, as in every engine; the panorama is not |
 //! | rotation | turning by +90 degrees about y carries what was at +Z to +X |
 //! | octahedral square | (u, v) in \[-1,1\]^2, u along x, v along z; the centre is +Y, the four corners are -Y, the edge midpoints are +-X and +-Z |
 //! | texel centres | half-integer, everywhere |

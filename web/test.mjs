@@ -26,8 +26,8 @@ const sky = join(root, 'hdr/sky.exr');
 const studio = join(root, 'hdr/studio.hdr');
 
 let failures = 0;
-// Reports a check; `ok` false fails the run.
-function show_message(what, ok, detail) {
+// Prints a check's outcome; `ok` false fails the run.
+function report(what, ok, detail) {
     console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}: ${detail}`);
     failures += ok ? 0 : 1;
 }
@@ -54,9 +54,9 @@ const webgpu = ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
 // Opens the page; any error or warning in it is a failure.
 async function open(name) {
     const page = await browser.newPage();
-    page.on('pageerror', (error) => show_message(name, false, error.message));
+    page.on('pageerror', (error) => report(name, false, error.message));
     page.on('console', (message) => {
-        if (['error', 'warn'].includes(message.type())) show_message(name, false, message.text());
+        if (['error', 'warn'].includes(message.type())) report(name, false, message.text());
     });
     await page.evaluateOnNewDocument(() => {
         window.frames_asked = 0;
@@ -135,7 +135,7 @@ const said = ({ mean, share }) =>
 async function check(page, name, file, change = {}, view = {}) {
     await set(page, { panel: false, ...change });
     const found = await difference(page, await shot(page, name), expected(name, file, { ...change, ...view }));
-    show_message(name, agrees(found), `${said(found)} (at most ${most.mean} and ${100 * most.share} %)`);
+    report(name, agrees(found), `${said(found)} (at most ${most.mean} and ${100 * most.share} %)`);
 }
 
 // Compiles every shader in the browser; invalid ones must fail.
@@ -146,8 +146,8 @@ async function checkShaders(page) {
         const compile = async (code) => {
             device.pushErrorScope('validation');
             const module = device.createShaderModule({ code });
-            const told = (await module.getCompilationInfo()).messages;
-            const messages = told.map(({ type, lineNum, message }) => `${type}, line ${lineNum}: ${message}`);
+            const compiled = (await module.getCompilationInfo()).messages;
+            const messages = compiled.map(({ type, lineNum, message }) => `${type}, line ${lineNum}: ${message}`);
             const entries = [...code.matchAll(/@(compute|vertex|fragment)[^{]*?\bfn\s+(\w+)/g)];
             // The pictures test the render pipelines.
             for (const [, , entryPoint] of entries.filter(([, stage]) => stage === 'compute')) {
@@ -171,7 +171,7 @@ async function checkShaders(page) {
     });
     for (const { path, broken, entries, messages } of compiled) {
         const ok = broken ? messages.length > 0 : messages.length === 0 && entries.length > 0;
-        show_message(`Tint: ${path}`, ok, messages.map((message) => message.split('\n')[0]).join('; ') || entries.join(', '));
+        report(`Tint: ${path}`, ok, messages.map((message) => message.split('\n')[0]).join('; ') || entries.join(', '));
     }
 }
 
@@ -190,9 +190,9 @@ async function checkSlider(page) {
     const after = await shot(page, 'panel-dragged');
     const { roughness } = await state(page);
     // The handle does not reach the ends.
-    show_message('the slider is dragged', Math.abs(roughness - 0.7) < 0.05, `${before.roughness} to ${roughness}`);
+    report('the slider is dragged', Math.abs(roughness - 0.7) < 0.05, `${before.roughness} to ${roughness}`);
     const changed = await difference(page, after, picture);
-    show_message('and the picture follows', !agrees(changed), said(changed));
+    report('and the picture follows', !agrees(changed), said(changed));
     await page.keyboard.press('h');
     await page.waitForFunction(() => !window.octagloss.state().panel);
     await check(page, 'dragged', sky, { roughness });
@@ -224,7 +224,7 @@ async function checkMesh(page) {
     writeFileSync(mesh, text);
     const before = await shot(page, 'before-a-mesh');
     await drop(page, 'pyramid.obj', Buffer.from(text), () => window.octagloss.state().object === 'mesh');
-    show_message('a mesh is another picture', !agrees(await difference(page, await shot(page, 'mesh'), before)), 'pyramid.obj');
+    report('a mesh is another picture', !agrees(await difference(page, await shot(page, 'mesh'), before)), 'pyramid.obj');
     // The camera faces its front.
     await check(page, 'mesh', sky, {}, { mesh, yaw: -Math.PI / 2 });
     await checkBroken(page, 'broken.obj', Buffer.from('f 1 2 3'), 'broken.obj', 'sky.exr');
@@ -257,9 +257,9 @@ async function checkBroken(page, name, bytes, why, shown = 'studio.hdr') {
     const before = await shot(page, `before-${name}`);
     await drop(page, name, bytes, (name) => window.octagloss.state().message?.startsWith(name));
     const { environment, message } = await state(page);
-    show_message(`${name} is refused`, message.includes(why), message);
+    report(`${name} is refused`, message.includes(why), message);
     const kept = await difference(page, await shot(page, `after-${name}`), before);
-    show_message(`${name}: the picture stays`, environment === shown && kept.mean === 0, `${environment}; ${said(kept)}`);
+    report(`${name}: the picture stays`, environment === shown && kept.mean === 0, `${environment}; ${said(kept)}`);
 }
 
 let browser;
@@ -275,11 +275,11 @@ try {
     const page = await open('page');
     await settled(page);
     const { environment, adapter, message } = await state(page);
-    show_message('the sky is shown', environment === 'sky.exr' && message === null, `on ${adapter}, after ${since()}`);
+    report('the sky is shown', environment === 'sky.exr' && message === null, `on ${adapter}, after ${since()}`);
 
     await check(page, 'roughness-0.3', sky);
     const differs = await difference(page, await shot(page, 'roughness-0.3'), expected('roughness-0.35', sky, { roughness: 0.35 }));
-    show_message('another roughness differs', !agrees(differs), said(differs));
+    report('another roughness differs', !agrees(differs), said(differs));
     await check(page, 'roughness-0.6', sky, { roughness: 0.6 });
     await check(page, 'box', sky, { roughness: 0.3, filter: 'box' });
     await check(page, 'levels', sky, { filter: 'levels' });
@@ -290,7 +290,7 @@ try {
     const asked = await page.evaluate('window.frames_asked');
     await new Promise((resolve) => setTimeout(resolve, 1500));
     const idle = (await page.evaluate('window.frames_asked')) - asked;
-    show_message('nothing is drawn while nothing changes', asked > 0 && idle === 0, `${idle} of ${asked} frames`);
+    report('nothing is drawn while nothing changes', asked > 0 && idle === 0, `${idle} of ${asked} frames`);
 
     await checkSlider(page);
     await set(page, { roughness: 0.3 });
@@ -302,14 +302,14 @@ try {
     await checkBroken(page, 'half.exr', exr.subarray(0, exr.length / 2), 'half.exr: ');
     await checkBroken(page, 'text.hdr', Buffer.from('no image'), 'not an image');
     await drop(page, 'sky.exr', exr, (name) => window.octagloss.state().environment === name);
-    show_message('a good file takes the message away', (await state(page)).message === null, 'sky.exr');
+    report('a good file takes the message away', (await state(page)).message === null, 'sky.exr');
 
     await checkMesh(page);
 
     await page.setViewport({ width: 240, height: 300, deviceScaleFactor: 1 });
     await page.waitForFunction(() => String(window.octagloss.state().size) === '240,300', { timeout: 60_000, polling: 200 });
     const resized = await difference(page, await shot(page, 'resized'), expected('resized', sky, { size: [240, 300], yaw: -Math.PI / 2 }));
-    show_message('resized', agrees(resized), said(resized));
+    report('resized', agrees(resized), said(resized));
 
     const refused = await page.evaluate(() => {
         try {
@@ -319,7 +319,7 @@ try {
             return error.message;
         }
     });
-    show_message('a roughness of 2 is refused', refused.includes('roughness 2 is outside'), refused);
+    report('a roughness of 2 is refused', refused.includes('roughness 2 is outside'), refused);
     from = performance.now();
     await checkShaders(page);
     console.log(`       shaders: ${since()}`);
@@ -331,7 +331,7 @@ try {
         const page = await open('two pixels a point');
         await set(page, { panel: false });
         const [size, points] = [(await state(page)).size, await page.evaluate('[innerWidth, innerHeight]')];
-        show_message('two pixels a point', String(size) === String(points.map((side) => 2 * side)), `${size} on ${points}`);
+        report('two pixels a point', String(size) === String(points.map((side) => 2 * side)), `${size} on ${points}`);
         await check(page, 'two-pixels-a-point', sky, {}, { size });
     }
     await browser.close();
@@ -343,12 +343,12 @@ try {
         await page.evaluateOnNewDocument(before);
         await page.goto(origin);
         await page.waitForFunction('window.ready === true', { timeout: 60_000 });
-        const told = await page.$eval('#message', (element) => element.checkVisibility() && element.textContent);
-        show_message(`no ${what} is told`, told && told.startsWith('WebGPU is not available.'), told);
+        const shown = await page.$eval('#message', (element) => element.checkVisibility() && element.textContent);
+        report(`without ${what} the page says so`, shown && shown.startsWith('WebGPU is not available.'), shown);
         await page.screenshot({ path: join(pictures, `no-${what}.png`) });
     }
 } catch (error) {
-    show_message('run', false, error.stack);
+    report('run', false, error.stack);
 } finally {
     await browser?.close();
     server.kill();

@@ -3,7 +3,7 @@
 use crate::analysis::oracle::Oracle;
 use crate::analysis::sun::{beside, texel_width};
 use crate::chain::{Chain, Level};
-use crate::environment::{Environment, LUMINANCE, Layout};
+use crate::environment::{Environment, Layout, exact_luminance};
 use crate::error::{Error, Result};
 use crate::finite::finite;
 use crate::lobe::{Lobe, full_width_at_half_maximum};
@@ -263,8 +263,8 @@ fn level_errors(
     let (mut squares, mut distances, mut whole) = (0.0, 0.0, 0.0);
     let mut worst = (0, -1.0);
     for (pick, (at, wanted)) in picks.iter().zip(&references).enumerate() {
-        let wanted = weigh(*wanted);
-        let error = weigh(level.texels[*at].map(f64::from)) - wanted;
+        let wanted = exact_luminance(*wanted);
+        let error = exact_luminance(level.texels[*at]) - wanted;
         squares += error * error;
         distances += error.abs();
         whole += wanted;
@@ -275,10 +275,10 @@ fn level_errors(
     }
     let (at, count) = (picks[worst.0], picks.len() as f64);
     let (face, i, j) = place(level.size(), at);
-    let bake = |at: usize| weigh(level.texels[at].map(f64::from));
+    let bake = |at: usize| exact_luminance(level.texels[at]);
     // Reuse the integrals if all texels are compared.
     let all = picks.len() == level.texels.len();
-    let wanted = |at: usize| weigh(if all { references[at] } else { reference(at) });
+    let wanted = |at: usize| exact_luminance(if all { references[at] } else { reference(at) });
     LevelErrors {
         level: index,
         size: level.size(),
@@ -313,10 +313,6 @@ fn relative(error: f64, wanted: f64) -> f64 {
     } else {
         1.0
     }
-}
-
-fn weigh(rgb: [f64; 3]) -> f64 {
-    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }
 
 fn place(size: u32, at: usize) -> (Face, u32, u32) {

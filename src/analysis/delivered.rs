@@ -2,7 +2,7 @@
 
 use crate::chain::Chain;
 use crate::chain_lookup::ChainLookup;
-use crate::environment::{LUMINANCE, Rgb};
+use crate::environment::{Rgb, exact_luminance};
 use crate::error::Result;
 use crate::finite::finite;
 use crate::ladder::Ladder;
@@ -76,7 +76,7 @@ pub fn delivered_errors(
             .par_iter()
             .zip(&wanted)
             .map(|(direction, wanted)| {
-                (luminance(lookup.read(*direction, lod)), luminance(wanted.map(f64::from)))
+                (exact_luminance(lookup.read(*direction, lod)), exact_luminance(*wanted))
             })
             .collect();
         let count = pairs.len() as f64;
@@ -104,8 +104,4 @@ pub fn over_roughness(errors: &[DeliveredError], first: f64) -> f64 {
     let squares: Vec<f64> =
         errors.iter().filter(|error| error.roughness >= first).map(|error| error.rel_rmse.powi(2)).collect();
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
-}
-
-fn luminance(rgb: [f64; 3]) -> f64 {
-    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }

@@ -1,7 +1,7 @@
 //! Statistics of an environment.
 
 use crate::analysis::sun::Sun;
-use crate::environment::{Environment, LUMINANCE, Rgb};
+use crate::environment::{Environment, Rgb, exact_luminance};
 use half::f16;
 use std::f64::consts::PI;
 
@@ -49,9 +49,9 @@ impl Statistics {
             }
             texels += u64::from(above);
         });
-        let share = |part: [f64; 3]| match weigh(energy) {
+        let share = |part: [f64; 3]| match exact_luminance(energy) {
             0.0 => 0.0,
-            whole => weigh(part) / whole,
+            whole => exact_luminance(part) / whole,
         };
         Self {
             min,
@@ -65,13 +65,10 @@ impl Statistics {
     /// The sun's share of the luminance energy; 0 without a sun.
     #[must_use]
     pub fn sun_share(&self) -> f64 {
-        self.sun.as_ref().map_or(0.0, |sun| weigh(sun.irradiance) / (weigh(self.mean) * 4.0 * PI))
+        self.sun
+            .as_ref()
+            .map_or(0.0, |sun| exact_luminance(sun.irradiance) / (exact_luminance(self.mean) * 4.0 * PI))
     }
-}
-
-/// Luminance in double precision.
-fn weigh(rgb: [f64; 3]) -> f64 {
-    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Sun detection: finds the region that outshines its surroundings, and removes it from the environment.
 
-use crate::environment::{Environment, LUMINANCE, Layout, Rgb, exact_luminance};
+use crate::environment::{Environment, Layout, Rgb, exact_luminance};
 use crate::sphere::{cube, equirect, octahedral};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -192,7 +192,7 @@ impl Sun {
         let sun = Self { kind: Brightest::Sun, ..Self::over(environment, grid, &peak, &region, above) };
         let mut energy = 0.0;
         environment.for_each_texel(|_, w, texel| energy += w * exact_luminance(texel));
-        let energy_share = weigh(sun.irradiance) / energy;
+        let energy_share = exact_luminance(sun.irradiance) / energy;
         Some(Extraction { sun, energy_share, sunless: environment.with_texels(rest) })
     }
 
@@ -208,7 +208,7 @@ impl Sun {
         for &at in region {
             let (w, radiance) = (grid.solid_angle(at), radiance(at));
             solid_angle += w;
-            centre += grid.direction(at) * w * weigh(radiance);
+            centre += grid.direction(at) * w * exact_luminance(radiance);
             for (sum, value) in irradiance.iter_mut().zip(radiance) {
                 *sum += value * w;
             }
@@ -237,11 +237,6 @@ impl Sun {
     pub fn elevation_degrees(&self) -> f64 {
         self.direction.y.atan2(self.direction.x.hypot(self.direction.z)).to_degrees()
     }
-}
-
-/// Luminance in double precision.
-fn weigh(rgb: [f64; 3]) -> f64 {
-    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }
 
 /// Median luminance of the texels around `peak` (a direction of the source), or of all texels if none is in
@@ -446,8 +441,11 @@ mod tests {
                     // Sums of 10^4 terms in double precision.
                     assert!((sum / whole[c] - 1.0).abs() < 1e-12, "{layout:?} {place}: {sum} {}", whole[c]);
                 }
-                let told = weigh(sun.irradiance) / weigh(whole);
-                assert!((energy_share - told).abs() < 1e-6, "{layout:?} {place}: {energy_share} {told}");
+                let expected = exact_luminance(sun.irradiance) / exact_luminance(whole);
+                assert!(
+                    (energy_share - expected).abs() < 1e-6,
+                    "{layout:?} {place}: {energy_share} {expected}"
+                );
                 let world = environment.source_from_world().transpose() * place;
                 assert!(sun.direction.dot(world) > 0.9995, "{layout:?} {place}: {}", sun.direction);
                 assert_eq!(Sun::find(&sunless), None, "{layout:?} {place}");

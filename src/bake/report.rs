@@ -454,20 +454,20 @@ pub struct Circumstances {
 impl Report {
     /// Creates the report of `bake`.
     #[must_use]
-    pub fn new(settings: &BakeSettings, bake: &Bake, told: Circumstances) -> Self {
+    pub fn new(settings: &BakeSettings, bake: &Bake, circumstances: Circumstances) -> Self {
         let mean_luminance = mean_luminance(bake);
         let reports = |levels: &[Level], stats: &[LevelStats]| {
-            level_reports(levels, stats, &told.level_pixels, mean_luminance)
+            level_reports(levels, stats, &circumstances.level_pixels, mean_luminance)
         };
         let levels = reports(&bake.chain.levels, &bake.stats);
         let sheen = bake.sheen.as_ref().map(|sheen| reports(&sheen.levels, &bake.sheen_stats));
         Self {
             schema_version: SCHEMA_VERSION,
             generator: concat!("octagloss ", env!("CARGO_PKG_VERSION")).to_owned(),
-            input: told.input,
-            input_files: told.input_files,
-            engine: told.engine,
-            adapter: told.adapter,
+            input: circumstances.input,
+            input_files: circumstances.input_files,
+            engine: circumstances.engine,
+            adapter: circumstances.adapter,
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
             chain: settings.chain.name().to_owned(),
             levels,
@@ -487,12 +487,12 @@ impl Report {
                     .to_owned(),
                 window: bake.sh_window.to_string(),
             },
-            sun: told.sun,
-            repaired: told.repaired,
-            clamped: told.clamped,
-            clamped_energy_share: told.clamped_energy_share,
+            sun: circumstances.sun,
+            repaired: circumstances.repaired,
+            clamped: circumstances.clamped,
+            clamped_energy_share: circumstances.clamped_energy_share,
             compressed: 0,
-            warnings: told.warnings.into_iter().chain(bake.warnings.iter().cloned()).collect(),
+            warnings: circumstances.warnings.into_iter().chain(bake.warnings.iter().cloned()).collect(),
             options: OptionsReport {
                 size: settings.size,
                 levels: bake.stats.len() as u32,
@@ -501,33 +501,33 @@ impl Report {
                 filter: filter_name(settings.filter),
                 oem_size: bake.oem.inner,
                 border: bake.oem.border,
-                format: told.format,
-                pixel: told.pixel,
-                overflow: told.overflow.name().to_owned(),
-                layout: told.layout,
-                rotate_y: told.rotate_y,
-                mirror: told.mirror,
-                scale: told.scale,
-                crop: told.crop,
-                pad: told.pad.map(|pad| pad.name().to_owned()),
-                sanitize: told.sanitize,
-                strict: told.strict,
-                extract_sun: told.extract_sun,
-                sunless: told.sunless,
+                format: circumstances.format,
+                pixel: circumstances.pixel,
+                overflow: circumstances.overflow.name().to_owned(),
+                layout: circumstances.layout,
+                rotate_y: circumstances.rotate_y,
+                mirror: circumstances.mirror,
+                scale: circumstances.scale,
+                crop: circumstances.crop,
+                pad: circumstances.pad.map(|pad| pad.name().to_owned()),
+                sanitize: circumstances.sanitize,
+                strict: circumstances.strict,
+                extract_sun: circumstances.extract_sun,
+                sunless: circumstances.sunless,
                 irradiance: settings.irradiance,
                 skybox: settings.skybox,
                 sheen: settings.sheen,
                 sh_order: settings.sh_order,
                 sh_window: settings.sh_window.to_string(),
                 bounds: settings.bounds,
-                preview: told.preview,
+                preview: circumstances.preview,
                 out_layout: Some(out_layout(settings.map).to_owned()),
             },
             conventions: ConventionsReport::default(),
             target: None,
             outputs: Vec::new(),
             fingerprint: None,
-            seconds: told.seconds,
+            seconds: circumstances.seconds,
         }
     }
 

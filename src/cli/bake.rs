@@ -207,7 +207,7 @@ impl Work {
             };
             match foretold() {
                 Ok(lines) => text += &lines,
-                Err(failure) => failed += job.told(failure)?,
+                Err(failure) => failed += job.report_failure(failure)?,
             }
         }
         print(&text)?;
@@ -256,7 +256,7 @@ impl Work {
             }
             match job.outputs.check(&self.common, job.folder.as_deref()) {
                 Ok(()) => ready.push(job),
-                Err(failure) => tally.failed += job.told(failure)?,
+                Err(failure) => tally.failed += job.report_failure(failure)?,
             }
         }
         let engine = OnceCell::new();
@@ -265,7 +265,7 @@ impl Work {
             let files = self.several.then_some(Files { start, done, total });
             match self.bake(job, files, &engine, console) {
                 Ok(()) => tally.baked += 1,
-                Err(failure) => tally.failed += job.told(failure)?,
+                Err(failure) => tally.failed += job.report_failure(failure)?,
             }
         }
         let Tally { baked, skipped, failed } = tally;
@@ -453,7 +453,7 @@ impl Work {
 
 impl Job {
     /// Reports an input's error and counts the input as failed. Other failures end the program.
-    fn told(&self, failure: Failure) -> Outcome<usize> {
+    fn report_failure(&self, failure: Failure) -> Outcome<usize> {
         match failure {
             Failure::Failed(error) => {
                 console::error(&format!("{}{error:#}", self.label));

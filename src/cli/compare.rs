@@ -119,7 +119,7 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     let LoadedChain { chain: bake, provenance, .. } = bake;
     let lobe = match (args.lobe, provenance.lobe) {
         (Some(typed), _) => typed,
-        (None, Some(told)) => told,
+        (None, Some(named)) => named,
         (None, None) => {
             console.warn(&format!(
                 "{} does not record its lobe; assuming ggx (override with --lobe)",
@@ -154,28 +154,40 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     } else {
         None
     };
-    let bake_name = args.bake.display();
-    if solved {
-        // Solved texels are not lobes by design.
-        if args.picture.is_some() || args.texels.is_some() {
-            return usage(format!(
-                "--texels and --picture compare texels with lobes, but {bake_name} is a solved chain; its \
-                 texels are not lobes"
-            ));
-        }
-        return Ok(Comparison {
-            bake: bake_name.to_string(),
-            against: args.against.display().to_string(),
-            reference: "source",
-            lobe: Some(lobe.name()),
-            skipped: Vec::new(),
-            chain: Some(ChainKind::Solved.name()),
-            levels: Vec::new(),
-            delivered,
-        });
-    }
+    // Solved texels are not lobes by design.
+    let (skipped, levels) = if !solved {
+        texel_errors(args, bake, lobe, &opened.environment, console)?
+    } else if args.picture.is_some() || args.texels.is_some() {
+        return usage(format!(
+            "--texels and --picture compare texels with lobes, but {} is a solved chain; its texels are not \
+             lobes",
+            args.bake.display()
+        ));
+    } else {
+        Default::default()
+    };
+    Ok(Comparison {
+        bake: args.bake.display().to_string(),
+        against: args.against.display().to_string(),
+        reference: "source",
+        lobe: Some(lobe.name()),
+        skipped,
+        chain: provenance.chain.map(ChainKind::name),
+        levels,
+        delivered,
+    })
+}
+
+/// Indices of the levels that cannot be measured, and the errors of the texels of the others.
+fn texel_errors(
+    args: &CompareArgs,
+    bake: &Chain,
+    lobe: Lobe,
+    source: &Environment,
+    console: &Console,
+) -> Outcome<(Vec<usize>, Vec<LevelErrors>)> {
     let skipped: Vec<usize> = (0..bake.levels.len())
-        .filter(|level| !is_measurable(&bake.levels[*level], lobe, opened.environment.layout()))
+        .filter(|level| !is_measurable(&bake.levels[*level], lobe, source.layout()))
         .collect();
     if skipped.len() == bake.levels.len() {
         return Err(anyhow!(
@@ -197,17 +209,7 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     }
     let bar = console.bar("integrating");
     let progress = |done, total| bar.at(done, total);
-    let levels = errors_against_source(bake, &opened.environment, lobe, sampling, &progress);
-    Ok(Comparison {
-        bake: args.bake.display().to_string(),
-        against: args.against.display().to_string(),
-        reference: "source",
-        lobe: Some(lobe.name()),
-        skipped,
-        chain: provenance.chain.map(ChainKind::name),
-        levels,
-        delivered,
-    })
+    Ok((skipped, errors_against_source(bake, source, lobe, sampling, &progress)))
 }
 
 /// Tolerance of the reference lobes for look-ups.
@@ -263,7 +265,7 @@ fn ladder_of(bake: &Chain) -> Option<Ladder> {
         let mut pairs = (0..levels).zip(&bake.levels);
         pairs.all(|(k, level)| (ladder.roughness(k, levels, size) - level.roughness).abs() < 1e-3)
     };
-    [Ladder::Linear, Ladder::Filament, Ladder::Unity, Ladder::Babylon].into_iter().find(fits)
+    Ladder::ALL.into_iter().find(fits)
 }
 
 /// Texels of a level to integrate by default,

@@ -5,7 +5,7 @@ use super::figures_args::FigureArgs;
 use super::outcome::{Outcome, usage};
 use super::output::check_folder_name;
 use crate::io::output::{self, Existing, Output};
-use crate::io::{self, LayoutChoice, ReadOptions};
+use crate::io::{self, ReadOptions};
 use crate::plot::catalogue::{Content, Entry, Kind, MOST_SIZE, entries};
 use crate::plot::figure::Form;
 use rayon::prelude::*;
@@ -98,8 +98,7 @@ fn content(args: &FigureArgs) -> Outcome<Content> {
         ));
     }
     if let Some(path) = &args.panorama {
-        let options = ReadOptions { layout: LayoutChoice::Auto, ..ReadOptions::default() };
-        let loaded = io::read(path, &options)?;
+        let loaded = io::read(path, &ReadOptions::default())?;
         for warning in &loaded.warnings {
             Console::new(args.quiet).warn(&format!("{}: {warning}", path.display()));
         }

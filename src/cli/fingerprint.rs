@@ -200,10 +200,10 @@ pub(super) fn fingerprint(
 /// Whether `outputs` match the hashes in `report` for `request`.
 pub(super) fn holds(report: &Path, request: Hash, outputs: impl IntoIterator<Item = PathBuf>) -> bool {
     let text = read_regular(report, MOST_REPORT_BYTES).ok();
-    let told = text.and_then(|text| serde_json::from_slice::<Report>(&text).ok()?.fingerprint);
-    told.is_some_and(|told| {
+    let stored = text.and_then(|text| serde_json::from_slice::<Report>(&text).ok()?.fingerprint);
+    stored.is_some_and(|stored| {
         joined(outputs.into_iter().map(|output| hash_of(&output))).is_ok_and(|outputs| {
-            told == FingerprintReport { files: told.files.clone(), ..fingerprint(request, outputs, []) }
+            stored == FingerprintReport { files: stored.files.clone(), ..fingerprint(request, outputs, []) }
         })
     })
 }

@@ -10,7 +10,7 @@ use crate::analysis::statistics::Statistics;
 use crate::analysis::sun::Brightest;
 use crate::bake::report::SunReport;
 use crate::chain::{Chain, Level};
-use crate::environment::LUMINANCE;
+use crate::environment::exact_luminance;
 use crate::io::provenance::{Provenance, TakenSun};
 use crate::io::{Pad, Repairs};
 use crate::lobe::Lobe;
@@ -284,9 +284,9 @@ impl BakeInfo {
                 level.level,
                 level.size,
                 level.roughness,
-                weigh(level.min.map(f64::from)),
-                weigh(level.max.map(f64::from)),
-                weigh(level.mean),
+                exact_luminance(level.min),
+                exact_luminance(level.max),
+                exact_luminance(level.mean),
             )
             .expect("writing to a string cannot fail");
         }
@@ -371,8 +371,4 @@ fn figure(value: f64) -> String {
 
 fn triple(rgb: [f64; 3]) -> String {
     rgb.map(figure).join(" ")
-}
-
-fn weigh(rgb: [f64; 3]) -> f64 {
-    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }

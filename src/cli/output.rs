@@ -65,7 +65,7 @@ struct Planned {
     /// Relative to [`Outputs::base`]; for a picture, the given path.
     path: PathBuf,
     /// Its content, in a few words.
-    told: String,
+    content: String,
     is_report: bool,
 }
 
@@ -134,7 +134,7 @@ impl Outputs {
 
     /// All files to write, for a source of `layout` if known.
     fn planned(&self, common: &Common, layout: Option<Layout>) -> Result<Vec<Planned>> {
-        let file = |path: String, told: String| Planned { path: path.into(), told, is_report: false };
+        let file = |path: String, content: String| Planned { path: path.into(), content, is_report: false };
         let mut planned = Vec::new();
         let mut reports = Vec::new();
         for plan in &common.plans {
@@ -152,17 +152,17 @@ impl Outputs {
                 .collect();
             let shape = Naming { name: &self.name, levels: specs.len() as u32, bounded: &bounded };
             for (path, content) in files.files(&shape) {
-                planned.push(file(Self::within(common, plan, &path), told(plan, content)?));
+                planned.push(file(Self::within(common, plan, &path), description(plan, content)?));
             }
             if !common.json && self.place != Place::Stdout {
                 let path = self.report_path(common, plan).into();
-                reports.push(Planned { path, told: "report".to_owned(), is_report: true });
+                reports.push(Planned { path, content: "report".to_owned(), is_report: true });
             }
         }
         let sun = common.sun.iter();
         planned.extend(sun.map(|sun| file(self.beside(sun.name()), sun.content().to_owned())));
         let preview = self.preview.iter().cloned();
-        planned.extend(preview.map(|path| Planned { path, told: "picture".to_owned(), is_report: false }));
+        planned.extend(preview.map(|path| Planned { path, content: "picture".to_owned(), is_report: false }));
         planned.extend(reports);
         Ok(planned)
     }
@@ -266,11 +266,11 @@ impl Outputs {
         let planned = self.planned(common, Some(layout))?;
         if common.json {
             let files: Vec<_> =
-                planned.iter().map(|file| json!({"path": full(file), "content": file.told})).collect();
+                planned.iter().map(|file| json!({"path": full(file), "content": file.content})).collect();
             let input = source.path().display().to_string();
             return Ok(json!({"input": input, "files": files}).to_string() + "\n");
         }
-        Ok(planned.iter().map(|file| format!("{}\t{}\n", escaped(&full(file)), file.told)).collect())
+        Ok(planned.iter().map(|file| format!("{}\t{}\n", escaped(&full(file)), file.content)).collect())
     }
 
     /// Writes the files `made` of each plan and the completed `reports`, and moves everything into place in
@@ -396,7 +396,7 @@ fn slashed(path: &Path) -> String {
 type Files<'a> = Vec<(PathBuf, &'a [u8])>;
 
 /// Describes a file of `plan`.
-fn told(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> Result<String> {
+fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> Result<String> {
     let pixel = plan.pixel.name();
     let skybox = settings.skybox.unwrap_or(settings.size);
     Ok(match content {

@@ -39,14 +39,9 @@ const MAX_EDGE: u32 = 16_384;
 impl SkyboxArg {
     /// The edge of the cube for a source of `layout`.
     pub(super) fn edge(self, layout: Layout) -> u32 {
-        let source = match layout {
-            Layout::Panorama { width, .. } => width.div_ceil(4),
-            Layout::Cube { size } => size,
-            Layout::Octahedral { size } => size.div_ceil(2),
-        };
         match self {
             Self::Edge(edge) => edge,
-            Self::Source => source.clamp(1, MAX_EDGE),
+            Self::Source => layout.face_edge().clamp(1, MAX_EDGE),
         }
     }
 }

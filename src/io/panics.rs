@@ -7,13 +7,13 @@ use std::path::Path;
 use std::sync::Once;
 
 thread_local! {
-    /// Whether this thread runs a catching_panics decoder, whose panics must not be printed to stderr.
+    /// Whether this thread runs a guarded decoder, whose panics must not be printed to stderr.
     static CONTAINED: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Runs `decode`; a panic becomes an error about `path`.
 ///
-/// The first call installs a panic hook that forwards all panics except catching_panics ones to the previous hook.
+/// The first call installs a panic hook that forwards all panics except guarded ones to the previous hook.
 pub(crate) fn catching_panics<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {

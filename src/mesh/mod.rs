@@ -65,7 +65,7 @@ pub const MOST_INDICES: usize = 6 * MOST_VERTICES;
 /// Most bytes of a mesh's file and of all files that it refers to.
 pub const MOST_BYTES: u64 = 1 << 30;
 
-/// Reads the mesh in `bytes`, the file named `name`, which must be self-catching_panics: .glb, .obj, or .gltf with
+/// Reads the mesh in `bytes`, the file named `name`, which must be self-contained: .glb, .obj, or .gltf with
 /// embedded data.
 ///
 /// # Errors
@@ -141,7 +141,7 @@ impl Mesh {
         catching_panics(path, || kind.read(path, &bytes, &mut files))
     }
 
-    /// [`Mesh::read`] for a file in memory, which must be self-catching_panics: .glb, .obj, or .gltf with embedded
+    /// [`Mesh::read`] for a file in memory, which must be self-contained: .glb, .obj, or .gltf with embedded
     /// data.
     ///
     /// # Errors

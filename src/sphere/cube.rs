@@ -1,5 +1,5 @@
 //! The cube map: six faces in the order +X -X +Y -Y +Z -Z, each with the s_c/t_c axes of OpenGL, Vulkan and
-//! Direct3D. Texel (i, j) of an n x n face lies at s = (i + 1/2)/n*2 - 1, t likewise and downwards.
+//! Direct3D. Texel (i, j) of an n x n face lies at s = (i + 1/2)/n*2 - 1, t downwards by the same formula.
 
 use super::map::{Component, Place, SphereMap};
 use glam::{DVec2, DVec3};

@@ -72,7 +72,7 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 (Object::Row, "row of spheres"),
                 (Object::Knot, "torus knot"),
             ], status.has_mesh.then_some((Object::Mesh, "mesh")));
-            choice(ui, "Technique", &mut look.filter, &[
+            choice(ui, "Filter", &mut look.filter, &[
                 (Technique::Box, "box"),
                 (Technique::Fitted(1), "fitted:1"),
                 (Technique::Fitted(2), "fitted:2"),

@@ -114,7 +114,7 @@ pub struct Viewer {
     /// Pixels per sample along an edge during changes.
     coarseness: f64,
     /// Size shown in the panel.
-    told: (u32, u32),
+    reported_size: (u32, u32),
     /// What the last frame drew.
     before: Before,
     /// Duration of a frame that draws no picture.
@@ -179,7 +179,7 @@ impl Viewer {
             changed: now,
             last_frame: now,
             coarseness: 2.0,
-            told: (0, 0),
+            reported_size: (0, 0),
             before: Before::Other,
             bare: None,
             work: None,
@@ -334,8 +334,8 @@ impl Viewer {
         let settled = self.drawn.as_ref().is_some_and(|(look, _)| *look == self.look);
         let Motion { turning, lamp, timing } = self.motion;
         // The panel shows the picture's size.
-        let told = self.panel_hidden || self.told == self.picture_size();
-        !settled || !told || turning || lamp || timing || self.work.is_some() || self.coarse()
+        let size_shown = self.panel_hidden || self.reported_size == self.picture_size();
+        !settled || !size_shown || turning || lamp || timing || self.work.is_some() || self.coarse()
     }
 
     /// Whether the current picture is coarser than possible.
@@ -552,7 +552,7 @@ impl Viewer {
             work.answers.len() as f64 / count.max(1) as f64
         });
         let size = self.picture_size();
-        self.told = size;
+        self.reported_size = size;
         let (has_materials, has_levels) = (self.renderer.has_materials(), self.light.has_own_levels());
         let exposure = self.light.exposure();
         let Self { look, motion, name, adapter, message, has_mesh, times, .. } = self;

@@ -33,7 +33,7 @@ fn start() {
 #[derive(Clone)]
 pub struct Page {
     application: Rc<RefCell<Application>>,
-    told: Function,
+    on_event: Function,
 }
 
 /// Changes of a look; absent fields stay unchanged.
@@ -83,13 +83,18 @@ struct State<'a> {
 #[wasm_bindgen]
 impl Page {
     /// Shows the environment in `bytes`, the file named `name`, on `canvas`, and handles its events from then
-    /// on. Calls `told` without an argument once the device is ready, and with a message if the viewer cannot
+    /// on. Calls `on_event` without an argument once the device is ready, and with a message if the viewer cannot
     /// continue.
     ///
     /// # Errors
     /// If the environment cannot be read, or a viewer exists already.
     #[wasm_bindgen(constructor)]
-    pub fn new(canvas: HtmlCanvasElement, name: &str, bytes: &[u8], told: Function) -> Result<Self, JsError> {
+    pub fn new(
+        canvas: HtmlCanvasElement,
+        name: &str,
+        bytes: &[u8],
+        on_event: Function,
+    ) -> Result<Self, JsError> {
         let environment = io::read_from_memory(Path::new(name), bytes, &options())?.environment;
         let size = (canvas.width(), canvas.height());
         let start = Start {
@@ -105,7 +110,7 @@ impl Page {
         let attributes = Window::default_attributes().with_canvas(Some(canvas));
         let events = EventLoop::with_user_event().build()?;
         let application = Application::new(start, attributes, events.create_proxy());
-        let page = Self { application: Rc::new(RefCell::new(application)), told };
+        let page = Self { application: Rc::new(RefCell::new(application)), on_event };
         events.spawn_app(page.clone());
         Ok(page)
     }
@@ -218,7 +223,7 @@ impl Page {
 
     /// Ignores exceptions that the page throws.
     fn call(&self, message: &JsValue) {
-        self.told.call1(&JsValue::UNDEFINED, message).ok();
+        self.on_event.call1(&JsValue::UNDEFINED, message).ok();
     }
 }
 

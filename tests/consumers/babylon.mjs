@@ -15,7 +15,7 @@ const turned = ([x, y, z]) => [-x, y, z];
 const pixelsOf = ({ size, right, up }, eye, step) => spherePixels(size, eye, step, [right, up]).map(
     ({ at, normal, mirrored }) => ({ at, normal: turned(normal), mirrored: turned(mirrored) }));
 
-export async function checkBabylon({ open, bake, query, diffuse, tell }) {
+export async function checkBabylon({ open, bake, query, diffuse, check }) {
     bake('babylon', ['--target', 'babylon']);
     bake('babylon-unflipped', ['--target', 'babylon', '--flip', 'none']);
     const page = await open('babylon.html');
@@ -30,12 +30,12 @@ export async function checkBabylon({ open, bake, query, diffuse, tell }) {
     for (const level of LEVELS) {
         let worst = 0;
         for (const eye of EYES) worst = Math.max(worst, await errorOf('babylon', level, eye));
-        tell(`babylon .env, level ${level} of roughness ${roughnessOf(level).toFixed(3)}, ${EYES.length} views`,
+        check(`babylon .env, level ${level} of roughness ${roughnessOf(level).toFixed(3)}, ${EYES.length} views`,
             worst < TOLERANCE, `relative error ${worst.toFixed(4)}`);
     }
     // The comparison detects a cube with the wrong flip.
     const unflipped = await errorOf('babylon-unflipped', 3, EYES.at(-1));
-    tell('babylon, a cube that is not flipped is seen', unflipped > 10 * TOLERANCE, `relative error ${unflipped.toFixed(4)}`);
+    check('babylon, a cube that is not flipped is seen', unflipped > 10 * TOLERANCE, `relative error ${unflipped.toFixed(4)}`);
 
     // Irradiance over pi, as evaluated by the engine's shader from its parser's result
     // (harmonicsFunctions.fx, computeEnvironmentIrradiance).
@@ -52,6 +52,6 @@ export async function checkBabylon({ open, bake, query, diffuse, tell }) {
     };
     const error = relativeError(normals.map(irradiance), diffuse(normals));
     // Share of bands above the second in this environment's irradiance.
-    tell('babylon spherical polynomial', error < 0.03, `relative error ${error.toFixed(4)}`);
+    check('babylon spherical polynomial', error < 0.03, `relative error ${error.toFixed(4)}`);
     await page.close();
 }

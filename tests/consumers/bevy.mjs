@@ -9,7 +9,7 @@ import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { EYES, relativeError, skyPixels, spherePixels } from './pictures.mjs';
-import { finish, programAt, root, tell } from './program.mjs';
+import { finish, programAt, root, check } from './program.mjs';
 
 // Edge of the pictures (bevy/src/main.rs).
 const SIZE = 256;
@@ -90,10 +90,10 @@ try {
             ? [Math.min(...errors), Math.min(...errors) > least]
             : [Math.max(...errors), Math.max(...errors) < most];
         const of = subject === 'metal' ? `, roughness ${roughness.toFixed(3)}` : '';
-        tell(`bevy ${what}${of}, ${eyes.length} views`, ok, `relative error ${error.toFixed(4)}${least ? ', as it must' : ''}`);
+        check(`bevy ${what}${of}, ${eyes.length} views`, ok, `relative error ${error.toFixed(4)}${least ? ', as it must' : ''}`);
     }
 } catch (error) {
-    tell('run', false, error.stack);
+    check('run', false, error.stack);
 } finally {
     rmSync(work, { recursive: true, force: true });
 }

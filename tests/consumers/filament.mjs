@@ -6,7 +6,7 @@ const LADDER = [2, 3, 4].map((level) => 1 - Math.sqrt(1 - level / 4));
 // R11G11B10F rounds by up to 1/128, the picture has eight bits, and cubes are filtered bilinearly.
 const TOLERANCE = 0.02;
 
-export async function checkFilament({ open, bake, query, diffuse, tell }) {
+export async function checkFilament({ open, bake, query, diffuse, check }) {
     bake('filament', ['--target', 'filament']);
     bake('filament-flipped', ['--target', 'filament', '--flip', 'x']);
     const page = await open('filament.html');
@@ -21,9 +21,9 @@ export async function checkFilament({ open, bake, query, diffuse, tell }) {
     let worst = 0;
     for (const looking of EYES.slice(0, 6)) worst = Math.max(worst, await skyError('filament', looking));
     // Letters have hard edges, on which two bilinear filters differ.
-    tell('filament skybox, 6 views', worst < 0.12, `relative error ${worst.toFixed(4)}`);
+    check('filament skybox, 6 views', worst < 0.12, `relative error ${worst.toFixed(4)}`);
     const flipped = await skyError('filament-flipped', EYES[4]);
-    tell('filament, a cube that is flipped is seen', flipped > 0.3, `relative error ${flipped.toFixed(4)}`);
+    check('filament, a cube that is flipped is seen', flipped > 0.3, `relative error ${flipped.toFixed(4)}`);
 
     for (const roughness of LADDER) {
         worst = 0;
@@ -34,7 +34,7 @@ export async function checkFilament({ open, bake, query, diffuse, tell }) {
             const expected = query(pixels.map((p) => drawn(p, roughness)), roughness);
             worst = Math.max(worst, relativeError(shownAt(picture, pixels), expected));
         }
-        tell(`filament IBL, roughness ${roughness.toFixed(3)}, 3 views`, worst < TOLERANCE, `relative error ${worst.toFixed(4)}`);
+        check(`filament IBL, roughness ${roughness.toFixed(3)}, 3 views`, worst < TOLERANCE, `relative error ${worst.toFixed(4)}`);
     }
 
     // Irradiance over pi, as evaluated by the engine's shader from its parser's result.
@@ -50,6 +50,6 @@ export async function checkFilament({ open, bake, query, diffuse, tell }) {
     };
     const error = relativeError(normals.map(irradiance), diffuse(normals));
     // Share of bands above the second in this environment's irradiance.
-    tell('filament spherical harmonics', sh.length === 27 && error < 0.03, `relative error ${error.toFixed(4)}`);
+    check('filament spherical harmonics', sh.length === 27 && error < 0.03, `relative error ${error.toFixed(4)}`);
     await page.close();
 }

@@ -23,7 +23,7 @@ const sheen = (roughness) => dielectric(0, {
 // Keeps the brightest value just below the eight-bit maximum.
 const exposureOf = (expected) => 0.9 / Math.max(...expected.flat());
 
-export async function checkKhronos({ open, octagloss, work, bake, query, diffuse, tell }) {
+export async function checkKhronos({ open, octagloss, work, bake, query, diffuse, check }) {
     bake('khronos', ['--target', 'khronos']);
     bake('khronos-flipped', ['--target', 'khronos', '--flip', 'z']);
     octagloss(['dfg', '--quiet', '--charlie', '-o', join(work, 'dfg.ktx2')]);
@@ -54,15 +54,15 @@ export async function checkKhronos({ open, octagloss, work, bake, query, diffuse
     let worst = 0;
     for (const looking of EYES.slice(0, 6)) worst = Math.max(worst, await skyError('khronos', looking));
     // Letters have hard edges, on which two bilinear filters differ.
-    tell('khronos background, 6 views', worst < 0.12, `relative error ${worst.toFixed(4)}`);
+    check('khronos background, 6 views', worst < 0.12, `relative error ${worst.toFixed(4)}`);
     const flipped = await skyError('khronos-flipped', EYES[0]);
-    tell('khronos, a cube that is flipped is seen', flipped > 0.3, `relative error ${flipped.toFixed(4)}`);
+    check('khronos, a cube that is flipped is seen', flipped > 0.3, `relative error ${flipped.toFixed(4)}`);
 
     for (const roughness of LADDER) {
         // A white metal reflects all light, straight along the mirrored view.
         const [error, all] = await sphereError('khronos', metal(roughness), EYES,
             (pixels) => query(pixels.map((p) => p.mirrored), roughness));
-        tell(`khronos GGX, roughness ${roughness.toFixed(3)}, ${EYES.length} views`, error < TOLERANCE && all,
+        check(`khronos GGX, roughness ${roughness.toFixed(3)}, ${EYES.length} views`, error < TOLERANCE && all,
             `relative error ${error.toFixed(4)}`);
     }
     for (const roughness of LADDER) {
@@ -72,10 +72,10 @@ export async function checkKhronos({ open, octagloss, work, bake, query, diffuse
             return pixels.map((p, k) => lobes[k].map((v) => v * sheenReflected(p.cosine, roughness)));
         };
         const [error] = await sphereError('khronos', sheen(roughness), eyes, expectedOf);
-        tell(`khronos Charlie and its table, roughness ${roughness.toFixed(3)}, ${eyes.length} views`, error < TOLERANCE,
+        check(`khronos Charlie and its table, roughness ${roughness.toFixed(3)}, ${eyes.length} views`, error < TOLERANCE,
             `relative error ${error.toFixed(4)}`);
     }
     const [error] = await sphereError('khronos', dielectric(1), EYES, (pixels) => diffuse(pixels.map((p) => p.normal)));
-    tell(`khronos Lambertian, ${EYES.length} views`, error < TOLERANCE, `relative error ${error.toFixed(4)}`);
+    check(`khronos Lambertian, ${EYES.length} views`, error < TOLERANCE, `relative error ${error.toFixed(4)}`);
     await page.close();
 }

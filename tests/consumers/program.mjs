@@ -29,8 +29,8 @@ export function programAt(program, work) {
 
 let failures = 0;
 
-// Reports a check; `ok` false fails the run.
-export function tell(what, ok, detail) {
+// Prints a check's outcome; `ok` false fails the run.
+export function check(what, ok, detail) {
     console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}: ${detail}`);
     failures += ok ? 0 : 1;
 }

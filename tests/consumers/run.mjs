@@ -13,7 +13,7 @@ import puppeteer from 'puppeteer-core';
 import { checkBabylon } from './babylon.mjs';
 import { checkFilament } from './filament.mjs';
 import { checkKhronos } from './khronos.mjs';
-import { finish, programAt, tell } from './program.mjs';
+import { finish, programAt, check } from './program.mjs';
 import { checkThree } from './three.mjs';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
@@ -46,9 +46,9 @@ let browser;
 
 async function open(name) {
     const page = await browser.newPage();
-    page.on('pageerror', (error) => tell(name, false, error.message));
+    page.on('pageerror', (error) => check(name, false, error.message));
     page.on('console', (message) => {
-        if (message.type() === 'error') tell(name, false, message.text());
+        if (message.type() === 'error') check(name, false, message.text());
     });
     await page.goto(`${origin}/${name}`);
     await page.waitForFunction('window.ready === true', { timeout: 60_000 });
@@ -62,13 +62,13 @@ try {
         protocolTimeout: 600_000,
         args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
     });
-    const parts = { open, tell, ...programAt(program, work) };
+    const parts = { open, check, ...programAt(program, work) };
     await checkThree(parts);
     await checkFilament(parts);
     await checkBabylon(parts);
     await checkKhronos(parts);
 } catch (error) {
-    tell('run', false, error.stack);
+    check('run', false, error.stack);
 } finally {
     await browser?.close();
     server.close();

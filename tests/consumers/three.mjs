@@ -7,7 +7,7 @@ const LADDER = [2, 3, 4, 5].map((level) => 1 - Math.sqrt(1 - level / 5));
 // own reflectance look-up table for metals.
 const TOLERANCE = 0.02;
 
-export async function checkThree({ open, bake, query, diffuse, tell }) {
+export async function checkThree({ open, bake, query, diffuse, check }) {
     bake('three', ['--target', 'three']);
     bake('three-dds', ['--target', 'three', '--pixel', 'bc6h', '--format', 'dds']);
     bake('three-unflipped', ['--target', 'three', '--flip', 'none']);
@@ -43,7 +43,7 @@ export async function checkThree({ open, bake, query, diffuse, tell }) {
                 worst = Math.max(worst, relativeError(shownAt(picture, pixels), expected.get(key)));
                 levels = picture.levels;
             }
-            tell(`three ${name}, roughness ${roughness.toFixed(3)}, ${eyes.length} views, ${levels} levels`,
+            check(`three ${name}, roughness ${roughness.toFixed(3)}, ${eyes.length} views, ${levels} levels`,
                 worst < TOLERANCE && levels === 6, `relative error ${worst.toFixed(4)}`);
         }
     }
@@ -52,6 +52,6 @@ export async function checkThree({ open, bake, query, diffuse, tell }) {
     const picture = await render('/bake/three-unflipped/world_pmrem.ktx2', LADDER[0], eye);
     const pixels = spherePixels(picture.size, eye, 16);
     const error = relativeError(shownAt(picture, pixels), expected.get(`${LADDER[0]} ${eye}`));
-    tell('three, a cube that is not flipped is seen', error > 10 * TOLERANCE, `relative error ${error.toFixed(4)}`);
+    check('three, a cube that is not flipped is seen', error > 10 * TOLERANCE, `relative error ${error.toFixed(4)}`);
     await page.close();
 }

@@ -111,7 +111,7 @@ impl<'a> Container<'a> {
     }
 
     fn open(source: &Source<'a>) -> Result<Self> {
-        // The parser does not check all offset sums for overflow; its panics are catching_panics.
+        // The parser does not check all offset sums for overflow; its panics are caught.
         let reader = ktx2::Reader::new(source.bytes).map_err(|error| match error {
             ktx2::ParseError::UnexpectedEnd => source.error(format!(
                 "truncated: the KTX2 data ends after {} bytes; copy it again",

@@ -79,12 +79,12 @@ type Layer = Vec<Parameters>;
 /// Layers by octave and knot.
 type Layers = Vec<Vec<Layer>>;
 
-/// Fits the parameters of `shape`; calls `tell` with progress messages, on this thread.
+/// Fits the parameters of `shape`; calls `progress` with messages, on this thread.
 #[must_use]
-pub fn fit(shape: &'static Shape, tell: &dyn Fn(&str)) -> Table {
+pub fn fit(shape: &'static Shape, progress: &dyn Fn(&str)) -> Table {
     let mut layers: Layers = vec![vec![Vec::new(); KNOTS.len()]; OCTAVES.count()];
     layers[index(FIRST.0)][FIRST.1] = first_layer(shape);
-    tell("first layer");
+    progress("first layer");
     for (octave, knot, from_octave, from_knot) in order() {
         let from = &layers[index(from_octave)][from_knot];
         let nodes: Vec<_> = triangle::nodes().zip(from).collect();
@@ -94,10 +94,10 @@ pub fn fit(shape: &'static Shape, tell: &dyn Fn(&str)) -> Table {
             .collect();
         layers[index(octave)][knot] = layer;
     }
-    tell("all layers");
+    progress("all layers");
     for number in 1..=SWEEPS {
         sweep(shape, &mut layers);
-        tell(&format!("sweep {number} of {SWEEPS}"));
+        progress(&format!("sweep {number} of {SWEEPS}"));
     }
     let values = layers.iter().flatten().flatten().flatten().map(|value| *value as f32).collect();
     Table::new(shape, values)

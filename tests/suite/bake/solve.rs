@@ -30,7 +30,7 @@ fn panorama(width: u32, texels: Vec<Rgb>) -> Environment {
 #[test]
 fn a_furnace_stays_one_and_level_0_a_mirror() {
     let furnace = panorama(32, vec![[2.0, 0.5, 1e-3]; 512]);
-    for ladder in [Ladder::Linear, Ladder::Filament, Ladder::Unity, Ladder::Babylon] {
+    for ladder in Ladder::ALL {
         let levels = if ladder == Ladder::Babylon { 7 } else { 5 };
         let solved = bake(&furnace, &settings(ChainKind::Solved, ladder, levels)).expect("a furnace");
         for texel in solved.chain.levels.iter().flat_map(|level| &level.texels) {
@@ -147,7 +147,7 @@ fn look_ups_of_solved_chains_are_nearer_and_worse_chains_are_told() {
         let (sampled, solved) = (of(ChainKind::Sampled), of(ChainKind::Solved));
         let (before, after) = (whole(&sampled), whole(&solved));
         assert!(1.2 * after < before, "{name}: {after} for {before}");
-        // The comparator tells a chain that is worse, and one that belongs to another ladder.
+        // The comparator detects a worse chain, and one of another ladder.
         let mut wrong = solved.clone();
         for texel in &mut wrong.levels[2].texels {
             *texel = texel.map(|value| value * 2.0);

@@ -36,10 +36,14 @@ fn a_dry_run_lists_exactly_what_is_written() {
     for kind in KINDS {
         let folder = with_sky();
         let args = [&["bake", "sky.exr", "--size", "4", "--levels", "2"], kind].concat();
-        let told = done(folder.path(), &[&args[..], &["--dry-run"]].concat());
-        assert_eq!((names(folder.path()), told.err.as_str()), (vec!["sky.exr".to_owned()], ""), "{kind:?}");
+        let printed = done(folder.path(), &[&args[..], &["--dry-run"]].concat());
+        assert_eq!(
+            (names(folder.path()), printed.err.as_str()),
+            (vec!["sky.exr".to_owned()], ""),
+            "{kind:?}"
+        );
         let foretold: BTreeSet<String> =
-            told.out.lines().map(|line| line.split('\t').next().expect("a path").to_owned()).collect();
+            printed.out.lines().map(|line| line.split('\t').next().expect("a path").to_owned()).collect();
         done(folder.path(), &args);
         let mut written = tree(folder.path(), "");
         assert!(written.remove("sky.exr"));
@@ -75,11 +79,11 @@ fn a_full_disk_is_one_line_and_nothing_half_written() {
         let folder = with_sky();
         let size = ["bake", "sky.exr", "--size", "64", "--levels", "3", "--quiet"];
         let args = [&size[..], kind].concat();
-        let (code, told) = limited(folder.path(), &args);
-        assert_eq!((code, told.lines().count()), (Some(1), 1), "{kind:?}: {told}");
+        let (code, printed) = limited(folder.path(), &args);
+        assert_eq!((code, printed.lines().count()), (Some(1), 1), "{kind:?}: {printed}");
         assert!(
-            told.starts_with("octagloss: error: a") && told.contains("File too large"),
-            "{kind:?}: {told}"
+            printed.starts_with("octagloss: error: a") && printed.contains("File too large"),
+            "{kind:?}: {printed}"
         );
         assert_eq!(names(folder.path()), ["sky.exr"], "{kind:?}");
 
@@ -123,9 +127,9 @@ fn standard_output_that_is_full_is_one_line() {
             .stdout(full)
             .output()
             .expect("it starts");
-        let told = String::from_utf8(output.stderr).expect("text");
-        assert_eq!((output.status.code(), told.lines().count()), (Some(1), 1), "{args:?}: {told}");
-        assert!(told.contains("standard output: No space left on device"), "{args:?}: {told}");
+        let printed = String::from_utf8(output.stderr).expect("text");
+        assert_eq!((output.status.code(), printed.lines().count()), (Some(1), 1), "{args:?}: {printed}");
+        assert!(printed.contains("standard output: No space left on device"), "{args:?}: {printed}");
     }
 }
 

@@ -224,8 +224,8 @@ fn a_picture_against_a_source_needs_no_more_texels_than_figures_do() {
     let ran = octagloss(folder.path(), &compare);
     assert_eq!(ran.code, 0, "{}", ran.err);
     assert!(ran.err.contains("a grid of at most 54 texels per level; --texels all shows all"), "{}", ran.err);
-    let told: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
-    assert_eq!(told["levels"][0]["texels"], 54, "{told}");
+    let printed: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!(printed["levels"][0]["texels"], 54, "{printed}");
     let picture = image::open(folder.path().join("p.png")).unwrap();
     assert!(picture.width() > 300 && picture.height() > 200, "a cross of faces of 96 pixels");
 }

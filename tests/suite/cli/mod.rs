@@ -374,18 +374,18 @@ fn json_goes_to_standard_output_one_line_per_input() {
 fn a_folder_whose_report_was_printed_can_be_read_still() {
     let folder = with_sky();
     let bake = ["bake", "sky.exr", "--size", "8", "--quiet", "--format", "exr"];
-    done(folder.path(), &[&bake[..], &["-o", "told"]].concat());
+    done(folder.path(), &[&bake[..], &["-o", "written"]].concat());
     done(folder.path(), &[&bake[..], &["-o", "printed", "--json"]].concat());
     assert!(!names(&folder.path().join("printed")).contains(&"report.json".to_owned()));
     let info = json(&done(folder.path(), &["info", "printed", "--json"]).out);
-    let told = json(&done(folder.path(), &["info", "told", "--json"]).out);
+    let written = json(&done(folder.path(), &["info", "written", "--json"]).out);
     assert_eq!(info["levels"].as_array().map(Vec::len), Some(3));
-    for (level, told) in [0, 1, 2].map(|k| (&info["levels"][k], &told["levels"][k])) {
+    for (level, written) in [0, 1, 2].map(|k| (&info["levels"][k], &written["levels"][k])) {
         let roughness = |level: &Value| level["roughness"].as_f64().expect("a number");
-        assert!((roughness(level) - roughness(told)).abs() < 1e-6, "{level} {told}");
-        assert_eq!(level["mean"], told["mean"]);
+        assert!((roughness(level) - roughness(written)).abs() < 1e-6, "{level} {written}");
+        assert_eq!(level["mean"], written["mean"]);
     }
-    done(folder.path(), &["compare", "printed", "told", "--fail-above", "0", "--quiet"]);
+    done(folder.path(), &["compare", "printed", "written", "--fail-above", "0", "--quiet"]);
     done(folder.path(), &["bake", "printed", "--size", "2", "-o", "again.ktx2", "--quiet"]);
     fs::create_dir(folder.path().join("empty")).expect("made");
     fails(folder.path(), &["info", "empty"], 1, "a directory without a report.json");

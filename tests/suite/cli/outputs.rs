@@ -352,8 +352,8 @@ fn bad_fields_are_quoted_and_shortened() {
         ran.err
     };
     let long = "9x".repeat(400);
-    let told = query(&format!("x,y,z\n1,{long},0\n"));
-    assert!(told.contains("800 bytes") && told.contains("line 2: y"), "{told}");
+    let printed = query(&format!("x,y,z\n1,{long},0\n"));
+    assert!(printed.contains("800 bytes") && printed.contains("line 2: y"), "{printed}");
     query(&format!("x,y,{long}\n"));
     let long = "9x".repeat(1 << 20);
     assert!(query(&format!("x,y,z\n1,{long},0\n")).contains("line 2 is longer than 1000 bytes"));

@@ -29,8 +29,8 @@ fn several_targets_stand_one_below_the_other() {
     let bake = |targets: &str, out: &str| {
         let args = ["bake", "sky.exr", "--target", targets, "--size", "32", "-o", out, "--preview"];
         let name = format!("{out}.png");
-        let told = done(folder.path(), &[&args[..], &[&name, "--dry-run"]].concat()).out;
-        assert!(told.contains(&format!("{name}\tpicture\n")), "{told}");
+        let printed = done(folder.path(), &[&args[..], &[&name, "--dry-run"]].concat()).out;
+        assert!(printed.contains(&format!("{name}\tpicture\n")), "{printed}");
         done(folder.path(), &[&args[..], &[&name, "--quiet"]].concat());
         picture(&folder.path().join(name))
     };

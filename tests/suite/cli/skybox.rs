@@ -19,7 +19,7 @@ fn every_target_gets_a_skybox_of_the_size_asked_for() {
     let names: Vec<&str> = TARGETS.iter().map(|target| target.name).collect();
     let all = names.join(",");
     let args = ["bake", "sky.exr", "--target", &all, "--size", "16", "--skybox", "8", "-o", "out"];
-    let told = done(folder.path(), &[&args[..], &["--dry-run"]].concat()).out;
+    let printed = done(folder.path(), &[&args[..], &["--dry-run"]].concat()).out;
     done(folder.path(), &[&args[..], &["--quiet"]].concat());
     for target in &TARGETS {
         let at = folder.path().join("out").join(target.name);
@@ -31,8 +31,8 @@ fn every_target_gets_a_skybox_of_the_size_asked_for() {
         assert_eq!(report["options"]["skybox"], 8, "{}", target.name);
         let path = at.join(skyboxes[0]);
         let line =
-            told.lines().find(|line| line.starts_with(&format!("out/{}/{}\t", target.name, skyboxes[0])));
-        let line = line.unwrap_or_else(|| panic!("{} is not in {told}", path.display()));
+            printed.lines().find(|line| line.starts_with(&format!("out/{}/{}\t", target.name, skyboxes[0])));
+        let line = line.unwrap_or_else(|| panic!("{} is not in {printed}", path.display()));
         let (layout, _) = texels(&path);
         match layout {
             Layout::Cube { size } => {
@@ -90,9 +90,9 @@ fn the_sources_own_resolution_is_found_and_told() {
         fs::rename(folder.path().join(name), folder.path().join("in").join(name)).expect("moved");
     }
     let args = ["bake", "in", "--skybox", "source", "--size", "4", "-o", "out"];
-    let told = done(folder.path(), &[&args[..], &["--dry-run"]].concat()).out;
-    assert!(told.contains("out/sky.skybox.ktx2\tf16 cube 8\n"), "{told}");
-    assert!(told.contains("out/wide.skybox.ktx2\tf16 cube 32\n"), "{told}");
+    let printed = done(folder.path(), &[&args[..], &["--dry-run"]].concat()).out;
+    assert!(printed.contains("out/sky.skybox.ktx2\tf16 cube 8\n"), "{printed}");
+    assert!(printed.contains("out/wide.skybox.ktx2\tf16 cube 32\n"), "{printed}");
     done(folder.path(), &[&args[..], &["--quiet"]].concat());
     for (name, size) in [("sky", 8), ("wide", 32)] {
         let (layout, _) = texels(&folder.path().join(format!("out/{name}.skybox.ktx2")));

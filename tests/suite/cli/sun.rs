@@ -99,8 +99,9 @@ fn targets_write_the_sun_once() {
     let report = json_file(&folder.path().join("out/three/report.json"));
     assert_eq!(json_file(&folder.path().join("out/sun.json")), report["sun"]);
     bake(folder.path(), "sky.exr", "out", &[&args[..], &["--force"]].concat());
-    let told = done(folder.path(), &[&["bake", "sky.exr", "-o", "dry", "--dry-run"], &args[..]].concat()).out;
-    assert!(told.contains("dry/sun.json\t") && told.contains("dry/sunless.exr\t"), "{told}");
+    let printed =
+        done(folder.path(), &[&["bake", "sky.exr", "-o", "dry", "--dry-run"], &args[..]].concat()).out;
+    assert!(printed.contains("dry/sun.json\t") && printed.contains("dry/sunless.exr\t"), "{printed}");
 }
 
 #[test]

@@ -21,10 +21,10 @@ pub(crate) fn done(folder: &Path, args: &[&str]) -> String {
 /// Fails with `code` and one line containing `words`, and prints no data.
 pub(crate) fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     let output = octagloss(folder, args);
-    let told = String::from_utf8(output.stderr).expect("text");
-    let errors: Vec<&str> = told.lines().filter(|line| line.starts_with("octagloss: error: ")).collect();
-    assert_eq!(output.status.code(), Some(code), "{args:?}: {told}");
-    assert!(errors.len() == 1 && errors[0].contains(words), "{args:?}: {told} lacks {words:?}");
+    let printed = String::from_utf8(output.stderr).expect("text");
+    let errors: Vec<&str> = printed.lines().filter(|line| line.starts_with("octagloss: error: ")).collect();
+    assert_eq!(output.status.code(), Some(code), "{args:?}: {printed}");
+    assert!(errors.len() == 1 && errors[0].contains(words), "{args:?}: {printed} lacks {words:?}");
     assert!(output.stdout.is_empty(), "{args:?}");
 }
 
@@ -154,9 +154,9 @@ fn an_existing_folder_is_replaced_by_force_and_never_when_others_files_are_in_it
 fn a_dry_run_lists_what_would_be_written_and_writes_nothing() {
     let folder = with_environments();
     let before = tree(folder.path());
-    let told = done(folder.path(), &bake(&["--target", "bevy", "--size", "64", "--dry-run", "-o", "out"]));
+    let printed = done(folder.path(), &bake(&["--target", "bevy", "--size", "64", "--dry-run", "-o", "out"]));
     assert_eq!(
-        told.lines().collect::<Vec<_>>(),
+        printed.lines().collect::<Vec<_>>(),
         [
             "out/a_specular.ktx2\trgb9e5 cube 64, 5 levels",
             "out/a_diffuse.ktx2\trgb9e5 irradiance cube 32",

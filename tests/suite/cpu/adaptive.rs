@@ -577,8 +577,8 @@ fn adaptive_steps_little_beyond_the_oracle_s_own_step() {
         "excess step over E of the mean: median {:.4}, 99 % {:.3}, greatest {:.3}",
         sorted[1200], sorted[2376], sorted[2399]
     );
-    let (excess, told) = outcome.iter().max_by(|a, b| a.0.total_cmp(&b.0)).expect("steps");
-    assert!(*excess <= 1.0, "a step of {excess} times E of the mean beyond the oracle's: {told}");
+    let (excess, case) = outcome.iter().max_by(|a, b| a.0.total_cmp(&b.0)).expect("steps");
+    assert!(*excess <= 1.0, "a step of {excess} times E of the mean beyond the oracle's: {case}");
 }
 
 /// Discontinuous and steep lobes, for the directions of one tile together and one by one: the edge of every

@@ -15,8 +15,8 @@ use proptest::test_runner::RngSeed;
 
 /// Fails if the tally has recorded errors.
 fn sound(tally: &Tally) -> Result<(), TestCaseError> {
-    let told: Vec<&str> = tally.not_finite.iter().chain(&tally.violations).map(String::as_str).collect();
-    prop_assert!(tally.is_sound(), "{}", told.join("\n"));
+    let case: Vec<&str> = tally.not_finite.iter().chain(&tally.violations).map(String::as_str).collect();
+    prop_assert!(tally.is_sound(), "{}", case.join("\n"));
     Ok(())
 }
 

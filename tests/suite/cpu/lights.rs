@@ -195,8 +195,8 @@ impl Tally {
     ) {
         let Question { lobe, roughness, error, .. } = *question;
         let light = asked.light;
-        let told = || format!("seed {seed} group {group} {light} {lobe:?} roughness {roughness} E {error}");
-        if !self.is_finite(&answer, &told) {
+        let case = || format!("seed {seed} group {group} {light} {lobe:?} roughness {roughness} E {error}");
+        if !self.is_finite(&answer, &case) {
             return;
         }
         let Some(bound) = answer.bound.filter(|_| roughness > MIRROR || !lobe.has_mirror()) else {
@@ -211,17 +211,17 @@ impl Tally {
         self.compared += 1;
         self.ratios += outcome.ratio();
         if !outcome.holds() {
-            self.violations.push(format!("seed {seed} group {group}: {}", outcome.told));
+            self.violations.push(format!("seed {seed} group {group}: {}", outcome.case));
         }
         self.worst = self.worst.max(outcome.ratio());
     }
 
     /// Returns whether an answer is finite, and records it if not.
-    fn is_finite(&mut self, answer: &Answer, told: &dyn Fn() -> String) -> bool {
+    fn is_finite(&mut self, answer: &Answer, case: &dyn Fn() -> String) -> bool {
         let mut values = answer.radiance.into_iter().chain(answer.bound);
         let finite = values.all(|value| value.is_finite() && value >= 0.0);
         if !finite {
-            self.not_finite.push(format!("{answer:?}: {}", told()));
+            self.not_finite.push(format!("{answer:?}: {}", case()));
         }
         finite
     }
@@ -338,8 +338,8 @@ pub(crate) fn examine_unbounded(seed: u64, index: u64) -> Tally {
         let lobes = reflector.lobes(lobe, roughness, filter).expect("served");
         let mut answers = Vec::new();
         lobes.evaluate(&[direction], &mut Workspace::default(), &mut answers);
-        let told = || format!("seed {seed} index {index} {light} {filter:?} {lobe:?} roughness {roughness}");
-        if !tally.is_finite(&answers[0], &told) {
+        let case = || format!("seed {seed} index {index} {light} {filter:?} {lobe:?} roughness {roughness}");
+        if !tally.is_finite(&answers[0], &case) {
             continue;
         }
         tally.unbounded += 1;
@@ -347,7 +347,7 @@ pub(crate) fn examine_unbounded(seed: u64, index: u64) -> Tally {
         // Means do; harmonics and the uneven texels of an OEM may overshoot slightly.
         let allowed = if matches!(filter, Filter::Box | Filter::Reference) { 1.0 + 1e-6 } else { 1.5 };
         if f64::from(most) > allowed * greatest {
-            tally.violations.push(format!("{most} is above {greatest}: {}", told()));
+            tally.violations.push(format!("{most} is above {greatest}: {}", case()));
         }
     }
     tally

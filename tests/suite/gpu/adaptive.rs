@@ -185,16 +185,16 @@ fn cuts_of_the_cpu_replayed_agree() {
                         evaluate(context, passes, &tree, kernel, 0.0, &packets)
                     };
                     let found = replay(&cut.fields);
-                    let told = format!("{name} {lobe:?} {roughness} on {}", context.describe());
-                    assert_eq!(found.leaves as usize, cut.leaves, "leaves: {told}");
+                    let case = format!("{name} {lobe:?} {roughness} on {}", context.describe());
+                    assert_eq!(found.leaves as usize, cut.leaves, "leaves: {case}");
                     let allowed = rounding(width, cut.leaves);
-                    assert_eq!(beyond(&cut.radiance, &found, allowed, [0.0; 3]), None, "{told}");
+                    assert_eq!(beyond(&cut.radiance, &found, allowed, [0.0; 3]), None, "{case}");
                     if roughness >= 0.25 {
                         // The tolerance of a bake's levels.
                         assert_eq!(
                             beyond(&cut.radiance, &found, 1e-5_f64.min(allowed), [0.0; 3]),
                             None,
-                            "{told}"
+                            "{case}"
                         );
                     }
                     replayed += 1;
@@ -319,8 +319,8 @@ fn a_furnace_is_white() {
                 for (lobe, roughness) in lobes.skip((k + row) % 3).step_by(3) {
                     for filter in [Filter::Adaptive(0.005), Filter::Box] {
                         let off = worst(&reflector, lobe, roughness, filter);
-                        let told = format!("{layout:?} {inner} {lobe:?} {roughness} {filter:?}");
-                        assert!(off <= FURNACE, "{told}: off by {off:e} on {}", context.describe());
+                        let case = format!("{layout:?} {inner} {lobe:?} {roughness} {filter:?}");
+                        assert!(off <= FURNACE, "{case}: off by {off:e} on {}", context.describe());
                     }
                 }
             }

@@ -50,8 +50,8 @@ fn answers_over_all_light_match_the_cpu() {
                         Filter::Adaptive(_) => bounds + 1e-4 * value,
                         _ => RELATIVE * greatest,
                     };
-                    let told = format!("{light} {filter:?} {lobe:?} {roughness} on {}", context.describe());
-                    assert!(agree(answer, &expected, allowed), "{answer:?} for {expected:?}: {told}");
+                    let case = format!("{light} {filter:?} {lobe:?} {roughness} on {}", context.describe());
+                    assert!(agree(answer, &expected, allowed), "{answer:?} for {expected:?}: {case}");
                     let wrong = Answer { radiance: answer.radiance.map(|c| 0.5 * c), ..*answer };
                     differing += u32::from(!agree(&wrong, &expected, allowed));
                     compared += 1;

@@ -5,6 +5,7 @@ use super::{exceeds, in_full, wait};
 use crate::support::common::{Look, Random, landmarks, texels};
 use glam::{DMat3, DVec3};
 use octagloss::internals::analysis::oracle;
+use octagloss::internals::analysis::statistics::Statistics;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::gpu::Context;
 use octagloss::internals::gpu::device::readback;
@@ -99,7 +100,7 @@ fn difference(
     let settings = ReflectorSettings { oem_size: Some(64), fitted: true, ..ReflectorSettings::default() };
     let reflector = Reflector::new(environment, &settings).expect("a small environment");
     let layout = environment.layout();
-    let mean = mean_radiance(environment);
+    let mean = Statistics::of(environment).mean;
     let far = |found: &[f32; 4], expected: [f64; 3], allowed: [f64; 3]| {
         (0..3).any(|c| exceeds((f64::from(found[c]) - expected[c]).abs(), allowed[c]))
     };
@@ -114,19 +115,6 @@ fn difference(
             format!("{layout:?} {direction}: {glossy:?} not {expected:?}, {diffuse:?} not {cosine:?}")
         })
     })
-}
-
-/// Mean radiance over the sphere.
-fn mean_radiance(environment: &Environment) -> [f64; 3] {
-    let layout = environment.layout();
-    let (width, height) = layout.sides();
-    let mut sum = [0.0; 3];
-    for (texel, k) in environment.texels().iter().zip(0..) {
-        let (i, j) = (k % width, k / width % height);
-        let share = layout.texel_solid_angle(i, j) / (4.0 * std::f64::consts::PI);
-        sum = std::array::from_fn(|c| sum[c] + share * f64::from(texel[c]));
-    }
-    sum
 }
 
 #[test]

@@ -88,14 +88,14 @@ fn scenes_pass_every_stage() {
     with_passes("scenes", |context, passes| {
         for layout in layouts {
             for (name, source) in scenes(layout) {
-                let told = format!("{name} of {layout:?} on {}", context.describe());
+                let case = format!("{name} of {layout:?} on {}", context.describe());
                 // OEM.
                 let expected = oem_from_environment(&source, size).expect("a small matrix");
                 let planes = gathered(context, passes, &source, size);
                 let own = wait(context, planes.read(context));
                 let bound = gather_bound(&source);
                 for (k, (e, f)) in expected.texels().iter().zip(own.texels()).enumerate() {
-                    assert!((0..4).all(|c| !far(e[c], f[c], bound)), "texel {k}: {f:?}, not {e:?}; {told}");
+                    assert!((0..4).all(|c| !far(e[c], f[c], bound)), "texel {k}: {f:?}, not {e:?}; {case}");
                 }
                 // Table, word for word, of the GPU's own OEM.
                 let sat = SatPlanes::new(context, size).expect("small planes");
@@ -107,8 +107,8 @@ fn scenes_pass_every_stage() {
                 let textures = packed(context, passes, &sat);
                 let (fixed, entries) = wait(context, sat.read(context));
                 let table = Sat::new(&own, Scan::default());
-                assert_eq!(fixed, table.fixed_point(), "{told}");
-                assert!(entries == table.entries(), "entries; {told}");
+                assert_eq!(fixed, table.fixed_point(), "{case}");
+                assert!(entries == table.entries(), "entries; {case}");
                 // Boxes.
                 for roughness in [0.0, 0.3, 0.8] {
                     let alpha: f64 = roughness * roughness;
@@ -117,7 +117,7 @@ fn scenes_pass_every_stage() {
                     let found = wait(context, answers);
                     if name != "subnormals" {
                         let far = radiance_difference(&own, &table, (Lobe::Ggx, alpha), &directions, &found);
-                        assert_eq!(far, None, "{roughness}; {told}");
+                        assert_eq!(far, None, "{roughness}; {case}");
                     }
                 }
                 // Footprints.
@@ -130,7 +130,7 @@ fn scenes_pass_every_stage() {
                 for (k, (e, f)) in expected.iter().zip(&found).enumerate() {
                     assert!(
                         (0..3).all(|c| !far(e[c], f[c], bound)),
-                        "footprint {k}: {f:?}, not {e:?}; {told}"
+                        "footprint {k}: {f:?}, not {e:?}; {case}"
                     );
                 }
             }
@@ -254,16 +254,16 @@ fn labelled_faces_stay_where_they_are() {
     with_passes("labelled faces", |context, passes| {
         let own = [Face::ALL[0]; 2];
         for filter in [Filter::Box, Filter::Adaptive(0.005)] {
-            let told = format!("{filter:?} on {}", context.describe());
+            let case = format!("{filter:?} on {}", context.describe());
             let source = labelled(16, own);
-            assert_eq!(misplaced(context, passes, &source, filter, |d| d), 0, "{told}");
+            assert_eq!(misplaced(context, passes, &source, filter, |d| d), 0, "{case}");
             // +90 carries +Z to +X.
             let turned = labelled(16, own).rotated_y(90.0);
             let carried = |d: DVec3| DVec3::new(d.z, d.y, -d.x);
-            assert_eq!(misplaced(context, passes, &turned, filter, carried), 0, "turned; {told}");
+            assert_eq!(misplaced(context, passes, &turned, filter, carried), 0, "turned; {case}");
             assert!(
                 misplaced(context, passes, &turned, filter, |d| d) >= 16,
-                "the turn is not detected; {told}"
+                "the turn is not detected; {case}"
             );
             for pair in
                 [[Face::ALL[0], Face::ALL[1]], [Face::ALL[2], Face::ALL[3]], [Face::ALL[4], Face::ALL[0]]]
@@ -272,7 +272,7 @@ fn labelled_faces_stay_where_they_are() {
                 assert_eq!(
                     misplaced(context, passes, &swapped, filter, |d| d),
                     8,
-                    "{pair:?} swapped; {told}"
+                    "{pair:?} swapped; {case}"
                 );
             }
         }

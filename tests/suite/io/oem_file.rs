@@ -82,7 +82,7 @@ pub(crate) fn unfolded(level: &Level, direction: DVec3) -> [f64; 3] {
         // Remove the border of one texel.
         let (x, y) = (f64::from(x) - 1.0, f64::from(y) - 1.0);
         let mut uv = (DVec2::new(x, y) + 0.5) * (2.0 / f64::from(n)) - 1.0;
-        // Across u = 1: (u, v) -> (2 - u, -v), and likewise for the other edges.
+        // Across u = 1: (u, v) -> (2 - u, -v), and so on for the other edges.
         for _ in 0..2 {
             if uv.x.abs() > 1.0 {
                 uv = DVec2::new(2.0 * uv.x.signum() - uv.x, -uv.y);

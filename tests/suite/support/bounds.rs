@@ -69,7 +69,7 @@ pub(crate) struct Outcome {
     truth: f64,
     /// Absolute error of the oracle.
     doubt: f64,
-    pub(crate) told: String,
+    pub(crate) case: String,
 }
 
 impl Outcome {
@@ -83,12 +83,12 @@ impl Outcome {
     ) -> Self {
         let Question { directions, lane, lobe, roughness, error } = question;
         let (value, bound) = (luminance(radiance.map(f64::from)), f64::from(bound));
-        let told = format!(
+        let case = format!(
             "{scene} {lobe:?} roughness {roughness} E {error} {} lanes {}: {value} against {truth}, bound {bound}",
             directions.len(),
             directions[*lane],
         );
-        Self { error: (value - truth).abs(), bound, truth, doubt: ORACLE * truth, told }
+        Self { error: (value - truth).abs(), bound, truth, doubt: ORACLE * truth, case }
     }
 
     /// Adds `doubt` to the oracle's error.
@@ -128,6 +128,6 @@ pub(crate) fn judge(name: &str, outcomes: &[Outcome], expected: usize) {
         at(0.0),
         tightness.len()
     );
-    let told: Vec<&str> = wrong.iter().take(10).map(|outcome| outcome.told.as_str()).collect();
-    assert!(wrong.is_empty(), "{} bounds do not hold, the worst:\n{}", wrong.len(), told.join("\n"));
+    let case: Vec<&str> = wrong.iter().take(10).map(|outcome| outcome.case.as_str()).collect();
+    assert!(wrong.is_empty(), "{} bounds do not hold, the worst:\n{}", wrong.len(), case.join("\n"));
 }
