@@ -18,7 +18,7 @@ pub struct LevelLookup {
 }
 
 /// Maximum texels per look-up.
-pub const MOST_TAPS: usize = 4;
+pub(crate) const MOST_TAPS: usize = 4;
 
 /// Texels of one look-up and their weights, which sum to 1; unused entries have weight 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,13 +60,13 @@ impl LevelLookup {
 
     /// Texels read by a look-up along `direction` (any nonzero length).
     #[must_use]
-    pub fn taps(&self, direction: DVec3) -> Taps {
+    pub(crate) fn taps(&self, direction: DVec3) -> Taps {
         self.taps_at(cube_from_direction(direction))
     }
 
     /// Texels read by a look-up at (s, t) of a face.
     #[must_use]
-    pub fn taps_at(&self, (face, s, t): (Face, f64, f64)) -> Taps {
+    pub(crate) fn taps_at(&self, (face, s, t): (Face, f64, f64)) -> Taps {
         let (n, side) = (self.size, self.size + 2);
         let split = |x: f64| {
             let place = (x + 1.0) / 2.0 * n as f64 + 0.5;

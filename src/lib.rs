@@ -89,6 +89,12 @@ queue.submit([encoder.finish()]);
 "#
 )]
 
+// Parts that only some features use; the build with all of them has no dead code.
+#![cfg_attr(
+    not(all(feature = "cli", feature = "view", feature = "plot")),
+    allow(dead_code, unused_imports, reason = "for other features")
+)]
+
 mod analysis;
 mod bake;
 mod chain;
@@ -173,7 +179,6 @@ pub mod internals {
         io,
         ladder,
         lobe,
-        memory,
         oem,
         realtime,
         reflector,

@@ -36,7 +36,7 @@ pub const LOBE_KEY: &str = "octaglossLobe";
 /// The least roughness of a Charlie lobe, four degrees across: level 1 of nine. At 0 it would be the
 /// horizon's circle, which no texel resolves. The sampler's level 0 is black: none of its half vectors has
 /// light above the horizon.
-pub const LEAST_CHARLIE_ROUGHNESS: f64 = 0.125;
+pub(crate) const LEAST_CHARLIE_ROUGHNESS: f64 = 0.125;
 
 impl Lobe {
     /// Name on the command line and in reports.
@@ -76,7 +76,7 @@ impl Lobe {
 /// GGX's integral over the sphere in closed form: W = 2a^2/k^2 * (ln(a^2/b) + b/a^2 - 1), k = (a^2-1)/2,
 /// b = (a^2+1)/2; W(1) = 1. `alpha` in (0, 1].
 #[must_use]
-pub fn ggx_integral(alpha: f64) -> f64 {
+pub(crate) fn ggx_integral(alpha: f64) -> f64 {
     let a2 = alpha * alpha;
     let b = (a2 + 1.0) / 2.0;
     // With t = b/a^2 - 1 = (1 - a^2)/(2 a^2), W = 2 a^2 / k^2 * (t - ln(1 + t)) and k = -a^2 t, so
@@ -94,14 +94,14 @@ pub fn ggx_integral(alpha: f64) -> f64 {
 
 /// The exponent of the Phong lobe of `alpha` in (0, 1].
 #[must_use]
-pub fn phong_exponent(alpha: f64) -> f64 {
+pub(crate) fn phong_exponent(alpha: f64) -> f64 {
     2.0 / (alpha * alpha) - 2.0
 }
 
 /// p of the Charlie lobe s^p (1 - 2s) of `alpha` in [0, 1]: 1/(2 alpha), since its sine is that of half the
 /// angle.
 #[must_use]
-pub fn charlie_power(alpha: f64) -> f64 {
+pub(crate) fn charlie_power(alpha: f64) -> f64 {
     0.5 / alpha.max(LEAST_CHARLIE_ROUGHNESS * LEAST_CHARLIE_ROUGHNESS)
 }
 
@@ -129,7 +129,7 @@ pub(crate) fn ggx(a2: f64, s: f64) -> f64 {
 
 /// sin^2 of half the cone's half-angle, roughness * pi/2 with roughness = sqrt(alpha).
 #[must_use]
-pub fn cone_edge(alpha: f64) -> f64 {
+pub(crate) fn cone_edge(alpha: f64) -> f64 {
     (alpha.sqrt() * PI / 4.0).sin().powi(2)
 }
 
@@ -171,7 +171,7 @@ pub fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
 
 /// Legendre's polynomials of order 0 to 4 at `x`.
 #[must_use]
-pub fn legendre(x: f64) -> [f64; 5] {
+pub(crate) fn legendre(x: f64) -> [f64; 5] {
     let x2 = x * x;
     [1.0, x, (3.0 * x2 - 1.0) / 2.0, (5.0 * x2 - 3.0) * x / 2.0, ((35.0 * x2 - 30.0) * x2 + 3.0) / 8.0]
 }
@@ -179,7 +179,7 @@ pub fn legendre(x: f64) -> [f64; 5] {
 /// Full width of the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX.
 /// For a Charlie lobe, whose peak is a band, the width of the band.
 #[must_use]
-pub fn full_width_at_half_maximum(lobe: Lobe, alpha: f64) -> f64 {
+pub(crate) fn full_width_at_half_maximum(lobe: Lobe, alpha: f64) -> f64 {
     if alpha <= 0.0 && lobe.has_mirror() {
         return 0.0;
     }

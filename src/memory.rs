@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::reflector::ReflectorSettings;
-pub use crate::table_bytes::LIMIT;
+pub(crate) use crate::table_bytes::LIMIT;
 use crate::table_bytes::{SOURCE, Served, Tables, at_most, largest_oem, largest_that};
 
 /// Bytes per texel of a finished level: radiance and bound.
@@ -26,7 +26,7 @@ const TEXEL_MAKING: u64 = 44;
 /// # Errors
 /// [`Error::Limit`], which names the largest size that fits; [`Error::Parameter`] as in
 /// [`crate::bake::bake_all`].
-pub fn check_bake(environment: &Environment, settings: &[BakeSettings], encoded: u64) -> Result<()> {
+pub(crate) fn check_bake(environment: &Environment, settings: &[BakeSettings], encoded: u64) -> Result<()> {
     check_bake_within(environment, settings, encoded, LIMIT)
 }
 
@@ -34,7 +34,7 @@ pub fn check_bake(environment: &Environment, settings: &[BakeSettings], encoded:
 ///
 /// # Errors
 /// [`Error::Limit`], which names the largest size that fits; [`Error::Parameter`] for an OEM of no texels.
-pub fn check_query(
+pub(crate) fn check_query(
     layout: Layout,
     settings: &ReflectorSettings,
     lobe: Lobe,
@@ -49,7 +49,7 @@ pub fn check_query(
 ///
 /// # Errors
 /// [`Error::Limit`], which names the largest size that fits.
-pub fn check_square(what: &str, option: &str, size: u32, bytes_a_texel: u64) -> Result<()> {
+pub(crate) fn check_square(what: &str, option: &str, size: u32, bytes_a_texel: u64) -> Result<()> {
     let bytes = |size: u32| u64::from(size) * u64::from(size) * bytes_a_texel;
     if bytes(size) <= LIMIT {
         return Ok(());

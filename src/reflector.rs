@@ -139,7 +139,7 @@ const LARGEST_DEFAULT: u32 = 4096;
 /// Texels along an edge of an OEM as fine as the source: a panorama's width, twice a cube's face, an
 /// octahedral square's own edge.
 #[must_use]
-pub const fn source_oem_size(layout: Layout) -> u32 {
+pub(crate) const fn source_oem_size(layout: Layout) -> u32 {
     match layout {
         Layout::Panorama { width, .. } => width,
         Layout::Cube { size } => size.saturating_mul(2),
@@ -154,7 +154,7 @@ pub const fn source_oem_size(layout: Layout) -> u32 {
 /// Finer texels cost time without benefit; coarser ones would widen the lobe. Energy is conserved at any
 /// size.
 #[must_use]
-pub fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
+pub(crate) fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
     let own = source_oem_size(layout);
     let asked = if sharpest > 0.0 {
         let asked = (TEXELS_PER_ALPHA * 2.0 / (sharpest * sharpest)).min(2.0 * f64::from(own)) as u32;

@@ -84,7 +84,7 @@ impl FixedPoint {
     /// Four non-negative finite values as integers, truncated, by shifts of their bit patterns.
     #[inline(always)]
     #[must_use]
-    pub fn quantise(self, values: [f32; 4]) -> [u64; 4] {
+    pub(crate) fn quantise(self, values: [f32; 4]) -> [u64; 4] {
         let mut out = [0; 4];
         for channel in 0..4 {
             let bits = u64::from(values[channel].to_bits());
@@ -194,7 +194,7 @@ impl Sat {
     /// Sum of the texels 0 <= x < `x`, 0 <= y < `y` of the unfolded plane, for any integers (negative ones
     /// count backwards), from the square's own table: wallpaper group p2 by parity.
     #[must_use]
-    pub fn plane_prefix(&self, x: i64, y: i64) -> [u64; 4] {
+    pub(crate) fn plane_prefix(&self, x: i64, y: i64) -> [u64; 4] {
         let n = i64::from(self.size.inner);
         if (0..=n).contains(&x) && (0..=n).contains(&y) {
             return self.bordered_box(0, 0, x, y);

@@ -9,7 +9,7 @@ use crate::lobe::Lobe;
 use crate::oem::{OemSize, bilinear_share};
 
 /// Memory limit of a bake, a query or the viewer's tables: 4 GiB.
-pub const LIMIT: u64 = 4 << 30;
+pub(crate) const LIMIT: u64 = 4 << 30;
 
 /// Bytes of a source texel.
 pub(crate) const SOURCE: u64 = 12;

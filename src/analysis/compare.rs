@@ -65,7 +65,7 @@ fn grid_places(size: u32, grid: u32) -> Vec<usize> {
 
 /// The texels of `level` that a [`LevelErrors::reference`] of `size` was compared with.
 #[must_use]
-pub fn grid_of(level: &Level, size: u32) -> Level {
+pub(crate) fn grid_of(level: &Level, size: u32) -> Level {
     let texels =
         grid_places(level.size(), size.min(level.size())).into_iter().map(|at| level.texels[at]).collect();
     Level::cube(size.min(level.size()), level.roughness, texels)
@@ -132,7 +132,7 @@ pub struct WorstTexel {
 ///
 /// # Errors
 /// [`Error::Parameter`] if they differ in levels, sizes or roughness.
-pub fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec<LevelErrors>> {
+pub(crate) fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec<LevelErrors>> {
     if bake.levels.len() != reference.levels.len() {
         return Err(Error::Parameter(format!(
             "the bakes have {} and {} levels; bake both with equal `size` and `levels`",
@@ -160,7 +160,7 @@ pub fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec<LevelE
 ///
 /// Narrower lobes depend on the reconstruction of texels, in which bake and reference may differ.
 #[must_use]
-pub fn is_measurable(level: &Level, lobe: Lobe, layout: Layout) -> bool {
+pub(crate) fn is_measurable(level: &Level, lobe: Lobe, layout: Layout) -> bool {
     lobe == Lobe::Cosine || lobe_width(level, lobe) >= NARROW * texel_width(layout)
 }
 
@@ -173,7 +173,7 @@ fn lobe_width(level: &Level, lobe: Lobe) -> f64 {
 /// of a texel that is wide for the lobe, as in a bake. `progress` receives the integrations done and their
 /// total, from any thread.
 #[must_use]
-pub fn errors_against_source(
+pub(crate) fn errors_against_source(
     bake: &Chain,
     source: &Environment,
     lobe: Lobe,

@@ -55,7 +55,7 @@ pub fn dfg_table(size: u32, form: DfgForm, blue: DfgBlue) -> Result<DfgTable> {
 ///
 /// # Errors
 /// Those of [`dfg_table`].
-pub fn dfg_table_with(
+pub(crate) fn dfg_table_with(
     size: u32,
     form: DfgForm,
     blue: DfgBlue,
@@ -101,8 +101,8 @@ pub fn ggx(cosine: f64, roughness: f64) -> [f64; 2] {
 
 /// Reflectance of a Charlie lobe at the view's `cosine` in (0, 1] and the perceptual sheen `roughness` in (0,
 /// 1].
-#[must_use]
-pub fn charlie_reflectance(cosine: f64, roughness: f64) -> f64 {
+#[cfg(test)]
+fn charlie_reflectance(cosine: f64, roughness: f64) -> f64 {
     charlie_with(cosine, roughness, &gauss_legendre(2 * NODES))
 }
 

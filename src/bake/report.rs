@@ -546,7 +546,7 @@ impl Report {
     /// Divides `bound`, an absolute luminance, by the environment's mean luminance; see
     /// [`EnergyReport::mean_luminance`].
     #[must_use]
-    pub fn relative_bound(&self, bound: f64) -> f64 {
+    pub(crate) fn relative_bound(&self, bound: f64) -> f64 {
         relative(bound, self.energy.mean_luminance)
     }
 }
@@ -601,7 +601,7 @@ fn level_reports(
 
 /// The filter in command-line syntax.
 #[must_use]
-pub fn filter_name(filter: Filter) -> String {
+pub(crate) fn filter_name(filter: Filter) -> String {
     match filter {
         Filter::Adaptive(error) => format!("adaptive:{error}"),
         Filter::Fitted(count) => format!("fitted:{count}"),

@@ -42,7 +42,7 @@ use std::f64::consts::PI;
 /// tolerance. Measured with hdr/studio.hdr at roughness 0.5, the certified bound falls until E = 1e-6 and
 /// rises below, where additional leaves add more rounding than they remove; the answers have an error of 7e-6
 /// at 1e-6 and of 1e-5 at 3e-7.
-pub const LEAST_ERROR: f64 = 1e-6;
+pub(crate) const LEAST_ERROR: f64 = 1e-6;
 
 /// The answers to a packet.
 #[derive(Clone, Copy, Debug)]

@@ -79,7 +79,7 @@ fn half_side(texels: f64, n: f64) -> f64 {
 /// The widest half-extent in texels of any box of `lobe` up to `alpha` on a square of `inner` texels: the
 /// border that a four-corner read needs.
 #[must_use]
-pub fn widest_half_extent(lobe: Lobe, alpha: f64, inner: u32) -> u32 {
+pub(crate) fn widest_half_extent(lobe: Lobe, alpha: f64, inner: u32) -> u32 {
     // Boxes are widest where the density is least: 1, at the vertices.
     let n = f64::from(inner);
     half_side(solid_angle(lobe, alpha) * n * n / 4.0, n).ceil() as u32

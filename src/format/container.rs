@@ -57,8 +57,8 @@ impl Container {
 }
 
 /// Every container.
-pub const CONTAINERS: [Container; 5] =
+pub(crate) const CONTAINERS: [Container; 5] =
     [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr, Container::Hdr];
 
 /// Magic number of an `.env`.
-pub const ENV_MAGIC: [u8; 8] = [0x86, 0x16, 0x87, 0x96, 0xf6, 0xd6, 0x96, 0x36];
+pub(crate) const ENV_MAGIC: [u8; 8] = [0x86, 0x16, 0x87, 0x96, 0xf6, 0xd6, 0x96, 0x36];

@@ -13,7 +13,7 @@ pub const HALF_MAX: f32 = 65504.0;
 pub const RGB9E5_MAX: f32 = 65408.0;
 
 /// Maximum of a channel in RGBE.
-pub const RGBE_MAX: f32 = (255.0 / 256.0) * (1_u128 << 127) as f32;
+pub(crate) const RGBE_MAX: f32 = (255.0 / 256.0) * (1_u128 << 127) as f32;
 
 /// Pixel format.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -3,7 +3,7 @@
 use crate::environment::Rgb;
 
 /// Maximum common to all three channels: (1 + 31/32) * 2^15, that of blue.
-pub const R11G11B10_MAX: f32 = 64512.0;
+pub(crate) const R11G11B10_MAX: f32 = 64512.0;
 
 /// Packs `rgb`, red in the lowest bits: rounded to nearest, ties to even, each channel clamped to [0,
 /// [`R11G11B10_MAX`]].

@@ -39,7 +39,7 @@ struct Entry {
 ///
 /// # Errors
 /// [`Error::Limit`] if the overlaps do not fit.
-pub fn mean_radiances(environment: &Environment, target: Target, turned: bool) -> Result<Vec<Rgb>> {
+pub(crate) fn mean_radiances(environment: &Environment, target: Target, turned: bool) -> Result<Vec<Rgb>> {
     let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
     if is_symmetric(environment.layout(), turn, target)
         && let Some(means) = sweep::mean_radiances(environment, target)
@@ -55,7 +55,11 @@ pub fn mean_radiances(environment: &Environment, target: Target, turned: bool) -
 ///
 /// # Errors
 /// [`Error::Limit`] if the overlaps do not fit.
-pub fn panorama_mean_radiances(environment: &Environment, width: u32, height: u32) -> Result<Vec<Rgb>> {
+pub(crate) fn panorama_mean_radiances(
+    environment: &Environment,
+    width: u32,
+    height: u32,
+) -> Result<Vec<Rgb>> {
     let target = match environment.layout() {
         Layout::Panorama { .. } => return Ok(panorama::mean_radiances(environment, width, height)),
         Layout::Cube { size } => Target::Cube(size),

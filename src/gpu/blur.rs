@@ -14,7 +14,7 @@ pub const GROUP_SIZE: u32 = 256;
 pub const LINE_SIZE: u32 = 64;
 
 /// Corners along an edge that a tile reaches.
-pub const REACH: u32 = 31;
+pub(crate) const REACH: u32 = 31;
 
 /// Pipelines of the stage.
 #[derive(Clone, Debug)]

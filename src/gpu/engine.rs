@@ -119,7 +119,7 @@ impl Engine {
     ///
     /// # Errors
     /// [`Error::Limit`] if they do not, [`Error::Unsupported`] for a filter that runs on the CPU only.
-    pub fn check_fits(
+    pub(crate) fn check_fits(
         &self,
         environment: &Environment,
         settings: &ReflectorSettings,
@@ -140,7 +140,11 @@ impl Engine {
     ///
     /// # Errors
     /// Those of [`Engine::bake`].
-    pub fn bake_stages(&self, environment: &Environment, settings: &BakeSettings) -> Result<Vec<Stage>> {
+    pub(crate) fn bake_stages(
+        &self,
+        environment: &Environment,
+        settings: &BakeSettings,
+    ) -> Result<Vec<Stage>> {
         let Filter::Adaptive(error) = settings.filter else {
             return Err(Error::Parameter("`bake_stages` requires the adaptive filter".to_owned()));
         };

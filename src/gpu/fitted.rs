@@ -36,7 +36,7 @@ pub(super) const PEAK_FROM: f64 = 0.13;
 pub(super) const EMITTERS_OFFSET: u64 = 16 * (1 + 2 + 25);
 
 /// Bytes of `OctaglossLight`.
-pub const LIGHT: u64 = EMITTERS_OFFSET + (size_of::<EmitterWords>() * emitters::COUNT) as u64;
+pub(crate) const LIGHT: u64 = EMITTERS_OFFSET + (size_of::<EmitterWords>() * emitters::COUNT) as u64;
 
 /// Uniform with the positions of the tables and the current lobes.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]

@@ -6,13 +6,13 @@ use super::device::stage::Dispatch;
 use super::{Context, OemPlanes, SatPlanes, Stage};
 
 /// Workgroups of the reductions, at most.
-pub const GROUPS: u32 = 256;
+pub(crate) const GROUPS: u32 = 256;
 
 /// Invocations of a workgroup.
 pub const GROUP_SIZE: u32 = 256;
 
 /// Texels that an invocation processes before more workgroups are used.
-pub const TEXELS: u32 = 4;
+pub(crate) const TEXELS: u32 = 4;
 
 /// Workgroups that reduce `inner` x `inner` texels.
 pub(super) fn groups(inner: u32) -> u32 {

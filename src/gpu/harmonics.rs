@@ -12,10 +12,10 @@ use crate::sh;
 pub const GROUP_SIZE: u32 = 128;
 
 /// Batches of a workgroup.
-pub const BATCHES: u32 = 4;
+pub(crate) const BATCHES: u32 = 4;
 
 /// Texels along an edge of the finest grid.
-pub const FINEST: u32 = 256;
+pub(crate) const FINEST: u32 = 256;
 
 /// Pipelines of the stage.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::oem::{Oem, OemSize};
 
 /// Channels: red, green and blue energy, solid angle.
-pub const CHANNELS: usize = 4;
+pub(crate) const CHANNELS: usize = 4;
 
 /// Memory layout of the planes of an OEM; the uniform `Table` of the shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -145,7 +145,7 @@ impl OemPlanes {
 
     /// The uniform buffer that holds the [`Table`].
     #[must_use]
-    pub const fn table_buffer(&self) -> &wgpu::Buffer {
+    pub(crate) const fn table_buffer(&self) -> &wgpu::Buffer {
         &self.table
     }
 

@@ -57,7 +57,7 @@ struct Pipelines {
 
 /// Columns, rows and layers of the texture for `layout`.
 #[must_use]
-pub const fn texture_size(layout: Layout) -> [u32; 3] {
+pub(crate) const fn texture_size(layout: Layout) -> [u32; 3] {
     match layout {
         Layout::Panorama { width, height } => [width, height, 1],
         Layout::Cube { size } => [size, size, 6],

@@ -8,7 +8,7 @@ use super::{Context, Stage};
 use crate::error::Result;
 
 /// Workgroups of the reduction.
-pub const GROUPS: u32 = 64;
+pub(crate) const GROUPS: u32 = 64;
 
 /// Invocations along an edge of a workgroup.
 pub const EDGE: u32 = 16;

@@ -17,7 +17,7 @@ pub enum Exposure {
 }
 
 /// The range of [`Exposure::Ev`].
-pub const RANGE: std::ops::RangeInclusive<f64> = -40.0..=40.0;
+pub(crate) const RANGE: std::ops::RangeInclusive<f64> = -40.0..=40.0;
 
 /// Displayed value of the log-average luminance.
 const MIDDLE_GREY: f64 = 0.18;
@@ -63,7 +63,7 @@ impl FromStr for Exposure {
 
 /// The automatic exposure for `environment`, in powers of two.
 #[must_use]
-pub fn of_environment(environment: &Environment) -> f64 {
+pub(crate) fn of_environment(environment: &Environment) -> f64 {
     let mut average = LogAverage::new(environment.texels());
     environment.for_each_texel(|_, solid_angle, rgb| average.add(solid_angle, rgb));
     average.exposure()

@@ -67,13 +67,13 @@ impl Format {
 }
 
 /// Extensions of the supported formats.
-pub fn readable_extensions() -> impl Iterator<Item = &'static str> {
+pub(crate) fn readable_extensions() -> impl Iterator<Item = &'static str> {
     Format::ALL.into_iter().flat_map(Format::extensions).copied()
 }
 
 /// Whether `path` has one of them.
 #[must_use]
-pub fn has_readable_name(path: &Path) -> bool {
+pub(crate) fn has_readable_name(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     extension.is_some_and(|own| readable_extensions().any(|extension| extension == own))
 }

@@ -28,7 +28,7 @@ pub fn write_environment(
 ///
 /// # Errors
 /// [`Error::Input`] for another extension.
-pub fn environment_bytes(path: &Path, environment: &Environment, comment: &str) -> Result<Vec<u8>> {
+pub(crate) fn environment_bytes(path: &Path, environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
     picture_bytes(path, width, height, &texels, comment)
 }
@@ -38,7 +38,13 @@ pub fn environment_bytes(path: &Path, environment: &Environment, comment: &str) 
 ///
 /// # Errors
 /// [`Error::Input`] for another extension.
-pub fn picture_bytes(path: &Path, width: u32, height: u32, texels: &[Rgb], comment: &str) -> Result<Vec<u8>> {
+pub(crate) fn picture_bytes(
+    path: &Path,
+    width: u32,
+    height: u32,
+    texels: &[Rgb],
+    comment: &str,
+) -> Result<Vec<u8>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("exr") => {
@@ -55,7 +61,7 @@ pub fn picture_bytes(path: &Path, width: u32, height: u32, texels: &[Rgb], comme
 ///
 /// # Errors
 /// As [`exr_bytes`].
-pub fn exact_exr_bytes(environment: &Environment, comment: &str) -> Result<Vec<u8>> {
+pub(crate) fn exact_exr_bytes(environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
     let attributes = [("comments".to_owned(), Attribute::Text(comment.to_owned()))];
     exr_bytes(width, height, Samples::Rgb(&texels), Pixel::F32, &attributes)

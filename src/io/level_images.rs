@@ -30,7 +30,7 @@ pub struct ImageFormat<'a> {
 /// # Errors
 /// [`Error::Parameter`] for other containers, for pixel formats that the container does not support, and if
 /// the samples do not fill the image.
-pub fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat<'_>) -> Result<Vec<u8>> {
+pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat<'_>) -> Result<Vec<u8>> {
     let ImageFormat { container, pixel, roughness, metadata } = *format;
     let count = match samples {
         Samples::Rgb(texels) => texels.len(),
@@ -64,7 +64,7 @@ pub fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat<'_>) -
 ///
 /// # Errors
 /// [`Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
-pub fn mips_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
+pub(crate) fn mips_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let Some(Layout::Panorama { width, height }) = levels.first().map(|level| level.layout) else {
         return Err(Error::Parameter("a lat-long MIP map is made of panoramas".to_owned()));
     };

@@ -36,7 +36,7 @@ mod target_folder;
 mod temporary;
 
 use decode::{Format, decode, file_bytes, unreadable};
-pub use decode::{has_readable_name, readable_extensions};
+pub(crate) use decode::{has_readable_name, readable_extensions};
 pub use fit::Pad;
 pub use layout::LayoutChoice;
 pub use picture::DEFAULT_MEMORY_LIMIT;
@@ -250,7 +250,7 @@ fn in_world(path: &Path, stored: Stored) -> Result<LoadedChain> {
 ///
 /// # Errors
 /// As [`read`] if there is no such file.
-pub fn levels_path(path: &Path) -> Result<PathBuf> {
+pub(crate) fn levels_path(path: &Path) -> Result<PathBuf> {
     Ok(match Place::of(path)? {
         Place::File(file) => file,
         Place::Levels => path.to_owned(),
@@ -260,7 +260,7 @@ pub fn levels_path(path: &Path) -> Result<PathBuf> {
 /// Whether the folder `path` holds a bake rather than sources: levels, a report, or the levels of a target.
 /// Panoramas do not count, since sources have such names too.
 #[must_use]
-pub fn is_bake_folder(path: &Path) -> bool {
+pub(crate) fn is_bake_folder(path: &Path) -> bool {
     let levels = || target_folder::levels_file(path).ok().flatten();
     path.join(side_report::REPORT).is_file()
         || level_folder::has_levels(path)
@@ -269,7 +269,7 @@ pub fn is_bake_folder(path: &Path) -> bool {
 
 /// Origin of the file `path` with the given BLAKE3 `hash`, from its report, as key/value pairs.
 #[must_use]
-pub fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, String)> {
+pub(crate) fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, String)> {
     side_report::of_file(path, || hash).map_or_else(Vec::new, |described| described.provenance.pairs())
 }
 

@@ -21,7 +21,7 @@ use crate::oem::{OemSize, level_sizes};
 use crate::sphere::octahedral::wrap_texel;
 
 /// The key that lists each level's border in texels, comma-separated.
-pub const BORDER_KEY: &str = "octaglossBorder";
+pub(crate) const BORDER_KEY: &str = "octaglossBorder";
 
 /// Conventions written into every file.
 const CONVENTIONS: [(&str, &str); 4] = [

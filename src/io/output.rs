@@ -13,7 +13,8 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Read as _, Write};
 use std::path::{Path, PathBuf};
 
-pub use super::temporary::{recover, remove_temporaries};
+pub use super::temporary::recover;
+pub(crate) use super::temporary::remove_temporaries;
 
 /// Policy for an output that already exists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -94,7 +95,7 @@ pub enum Output<'a> {
 ///
 /// # Errors
 /// As [`write_file`] and [`write_folder`].
-pub fn stage_all(outputs: &[(PathBuf, Output<'_>)], existing: Existing) -> Result<Vec<Staged>> {
+pub(crate) fn stage_all(outputs: &[(PathBuf, Output<'_>)], existing: Existing) -> Result<Vec<Staged>> {
     let stage = |(place, output): &(PathBuf, Output<'_>)| match output {
         Output::File(bytes) => stage_file(place, existing, |file| file.write_all(bytes)),
         Output::Folder(files) => {
@@ -135,7 +136,7 @@ pub fn stage_file(
 ///
 /// # Errors
 /// As [`write_folder`].
-pub fn stage_folder<T>(
+pub(crate) fn stage_folder<T>(
     path: &Path,
     existing: Existing,
     write: impl FnOnce(&Path) -> Result<T>,
@@ -274,7 +275,7 @@ impl Staged {
 ///
 /// # Errors
 /// As [`write_file`].
-pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
+pub(crate) fn check_file(path: &Path, existing: Existing) -> Result<()> {
     let place = resolved(path)?;
     match fs::metadata(&place) {
         Ok(found) if found.is_dir() => Err(refused(path, "is a folder; name a file")),
@@ -292,7 +293,7 @@ pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
 ///
 /// # Errors
 /// As [`write_folder`].
-pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
+pub(crate) fn check_folder(path: &Path, existing: Existing) -> Result<()> {
     let place = resolved(path)?;
     match fs::metadata(&place) {
         Ok(found) if !found.is_dir() => Err(refused(path, "is a file; name a folder")),

@@ -21,36 +21,36 @@ use crate::lobe::{LOBE_KEY, Lobe};
 use crate::target::Flip;
 
 /// Prefix of all keys.
-pub const KEY_PREFIX: &str = "octagloss";
+pub(crate) const KEY_PREFIX: &str = "octagloss";
 /// Key of the target's name.
-pub const TARGET_KEY: &str = "octaglossTarget";
+pub(crate) const TARGET_KEY: &str = "octaglossTarget";
 /// Key of the axis along which the texels are flipped: `none`, `x` or `z`.
-pub const FLIP_KEY: &str = "octaglossFlip";
+pub(crate) const FLIP_KEY: &str = "octaglossFlip";
 /// Key of the right shift of a panorama's columns, in quarters of the width.
-pub const QUARTER_TURNS_KEY: &str = "octaglossQuarterTurns";
+pub(crate) const QUARTER_TURNS_KEY: &str = "octaglossQuarterTurns";
 /// Key of the source's rotation about +Y in degrees.
-pub const ROTATE_KEY: &str = "octaglossRotateY";
+pub(crate) const ROTATE_KEY: &str = "octaglossRotateY";
 /// Key of whether the source was mirrored: `yes` or `no`.
-pub const MIRROR_KEY: &str = "octaglossMirror";
+pub(crate) const MIRROR_KEY: &str = "octaglossMirror";
 /// Key of the sun removed from the source.
-pub const SUN_KEY: &str = "octaglossSun";
+pub(crate) const SUN_KEY: &str = "octaglossSun";
 /// Key of the factor applied to the source's radiance; absent for 1.
-pub const SCALE_KEY: &str = "octaglossScale";
+pub(crate) const SCALE_KEY: &str = "octaglossScale";
 /// Key that marks removed black bars of the source: `yes`, or absent.
-pub const CROP_KEY: &str = "octaglossCrop";
+pub(crate) const CROP_KEY: &str = "octaglossCrop";
 /// Key of the fill of a source that is not 2:1: `black` or `edge`, or absent.
-pub const PAD_KEY: &str = "octaglossPad";
+pub(crate) const PAD_KEY: &str = "octaglossPad";
 /// Key of the filter.
-pub const FILTER_KEY: &str = "octaglossFilter";
+pub(crate) const FILTER_KEY: &str = "octaglossFilter";
 /// Key of the ladder.
-pub const LADDER_KEY: &str = "octaglossLadder";
+pub(crate) const LADDER_KEY: &str = "octaglossLadder";
 /// Key of the content of the levels' texels: `sampled` or `solved`.
-pub const CHAIN_KEY: &str = "octaglossChain";
+pub(crate) const CHAIN_KEY: &str = "octaglossChain";
 /// Key of the content, if it is not the levels of a bake.
-pub const CONTENT_KEY: &str = "octaglossContent";
+pub(crate) const CONTENT_KEY: &str = "octaglossContent";
 
 /// The value of [`CONTENT_KEY`] for an irradiance cube.
-pub const IRRADIANCE: &str = "irradiance over pi";
+pub(crate) const IRRADIANCE: &str = "irradiance over pi";
 
 /// A sun removed from the source before the bake.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -243,7 +243,7 @@ impl Provenance {
 
 /// Converts the pairs of a bake's levels to those of its irradiance: cosine lobe, no ladder, no chain kind.
 #[must_use]
-pub fn irradiance_pairs(pairs: &[(String, String)]) -> Vec<(String, String)> {
+pub(crate) fn irradiance_pairs(pairs: &[(String, String)]) -> Vec<(String, String)> {
     let own = [(CONTENT_KEY, IRRADIANCE), (LOBE_KEY, Lobe::Cosine.name())];
     let others = |key: &str| ![CONTENT_KEY, LOBE_KEY, LADDER_KEY, CHAIN_KEY].contains(&key);
     let own = own.map(|(key, value)| (key.to_owned(), value.to_owned()));

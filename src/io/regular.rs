@@ -11,7 +11,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// [`Error::Io`] for system errors, [`Error::Input`] for a folder, a pipe, a socket or a device.
-pub fn open_regular(path: &Path) -> Result<File> {
+pub(crate) fn open_regular(path: &Path) -> Result<File> {
     let mut options = OpenOptions::new();
     options.read(true);
     #[cfg(unix)]
@@ -31,7 +31,7 @@ pub fn open_regular(path: &Path) -> Result<File> {
 ///
 /// # Errors
 /// As [`open_regular`]; [`Error::Limit`] for a larger file, including one that grows while it is read.
-pub fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
+pub(crate) fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let file = open_regular(path)?;
     let length = file.metadata().map_err(|error| Error::io(path, error))?.len();
     let too_large = |length| Error::Limit {

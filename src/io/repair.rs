@@ -28,7 +28,7 @@ impl Repairs {
     /// Whether to warn: for any NaN or Inf, and for negative values whose energy does not round to 0.00 %.
     /// Smaller energies show in no pixel format.
     #[must_use]
-    pub fn matters(&self) -> bool {
+    pub(crate) fn matters(&self) -> bool {
         self.nan + self.infinite > 0 || self.negative_energy_share >= 5e-5
     }
 }

@@ -210,7 +210,7 @@ impl SideReport {
 }
 
 /// Name of the report in a folder of outputs.
-pub const REPORT: &str = "report.json";
+pub(crate) const REPORT: &str = "report.json";
 
 /// Size limit of a report that is read back. The largest bakes need less than a tenth of it.
-pub const MOST_REPORT_BYTES: u64 = 16 << 20;
+pub(crate) const MOST_REPORT_BYTES: u64 = 16 << 20;

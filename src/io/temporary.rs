@@ -122,7 +122,7 @@ impl Drop for Temporary {
 
 /// Removes every temporary of this process before it exits. Waits for commits in progress; afterwards no
 /// thread can create or commit a temporary.
-pub fn remove_temporaries() {
+pub(crate) fn remove_temporaries() {
     let live = Live::hold();
     for names in &*live.0 {
         // Retry: another thread may still be writing into a folder.

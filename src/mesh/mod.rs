@@ -57,13 +57,13 @@ pub struct Mesh {
 }
 
 /// Most vertices of a mesh, as read and as drawn.
-pub const MOST_VERTICES: usize = 10_000_000;
+pub(crate) const MOST_VERTICES: usize = 10_000_000;
 
 /// Most indices of a mesh.
-pub const MOST_INDICES: usize = 6 * MOST_VERTICES;
+pub(crate) const MOST_INDICES: usize = 6 * MOST_VERTICES;
 
 /// Most bytes of a mesh's file and of all files that it refers to.
-pub const MOST_BYTES: u64 = 1 << 30;
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// Reads the mesh in `bytes`, the file named `name`, which must be self-contained: .glb, .obj, or .gltf with
 /// embedded data.

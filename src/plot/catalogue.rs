@@ -100,7 +100,7 @@ pub struct Content {
 }
 
 /// The largest square of [`Kind::Border`] with room for texel names.
-pub const MOST_SIZE: u32 = 12;
+pub(crate) const MOST_SIZE: u32 = 12;
 
 impl Content {
     /// Returns the synthetic sky, and 8 texels with a border of 2.

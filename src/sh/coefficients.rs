@@ -17,7 +17,7 @@ use std::f64::consts::{PI, TAU};
 pub const MAX_ORDER: u32 = 4;
 
 /// Number of functions up to [`MAX_ORDER`].
-pub const MAX_COUNT: usize = count(MAX_ORDER);
+pub(crate) const MAX_COUNT: usize = count(MAX_ORDER);
 
 /// The polynomials of the functions, without their factors.
 const POLYNOMIALS: [&str; MAX_COUNT] = [
@@ -69,7 +69,7 @@ pub fn name(index: usize) -> String {
 
 /// Describes the order of the first `count` coefficients.
 #[must_use]
-pub fn order_text(count: usize) -> String {
+pub(crate) fn order_text(count: usize) -> String {
     let entry = |(index, polynomial): (usize, &&str)| match index {
         0 => name(0),
         _ => format!("{} ({polynomial})", name(index)),

@@ -96,7 +96,7 @@ const STARTS: u32 = 2000;
 
 /// Minimum irradiance over all normals, per channel, from coefficients of radiance.
 #[must_use]
-pub fn least_irradiance(coefficients: &[[f64; 3]]) -> [f64; 3] {
+pub(crate) fn least_irradiance(coefficients: &[[f64; 3]]) -> [f64; 3] {
     let irradiance = scaled(coefficients, ShScale::Irradiance);
     std::array::from_fn(|c| {
         let value = |direction: DVec3| {

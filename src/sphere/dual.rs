@@ -14,10 +14,10 @@ use std::f64::consts::FRAC_PI_2;
 pub struct Dual(Profile);
 
 /// Heidrich and Seidel 1998, section 3.1: (u, v) = (x, -y) / (1 + |z|), stereographic and so conformal.
-pub const PARABOLOID: Dual = Dual(Profile::Stereographic { scale: 1.0 });
+pub(crate) const PARABOLOID: Dual = Dual(Profile::Stereographic { scale: 1.0 });
 
 /// Snyder and Mitchell 2001: the radius is the angle from the axis, in quarter turns.
-pub const EQUIDISTANT: Dual = Dual(Profile::Equidistant { rate: FRAC_PI_2 });
+pub(crate) const EQUIDISTANT: Dual = Dual(Profile::Equidistant { rate: FRAC_PI_2 });
 
 impl Dual {
     fn disc(self, component: u32) -> Disc {

@@ -12,7 +12,7 @@ pub struct Grid {
 }
 
 /// Maximum size; positions in a picture of all components stay exact.
-pub const MOST_SIZE: u32 = 16_384;
+pub(crate) const MOST_SIZE: u32 = 16_384;
 
 impl Grid {
     /// `map` with `size` texels along the shorter side of each component, 1 to [`MOST_SIZE`].
@@ -52,7 +52,7 @@ impl Grid {
 
     /// Index of the first texel of `component`; for one past the last component the number of texels.
     #[must_use]
-    pub fn first_texel(&self, component: u32) -> usize {
+    pub(crate) fn first_texel(&self, component: u32) -> usize {
         (0..component).map(|k| self.sides(k).map(|side| side as usize).iter().product::<usize>()).sum()
     }
 

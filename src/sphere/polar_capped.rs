@@ -26,7 +26,8 @@ enum Kind {
 }
 
 /// Stretch-invariant: the plane chart, v the latitude, and equidistant caps; they meet at 45 degrees.
-pub const STRETCH_INVARIANT: PolarCapped = PolarCapped { kind: Kind::StretchInvariant, latitude: FRAC_PI_4 };
+pub(crate) const STRETCH_INVARIANT: PolarCapped =
+    PolarCapped { kind: Kind::StretchInvariant, latitude: FRAC_PI_4 };
 
 /// Conformal: Mercator's projection and stereographic caps; they meet at 42.2 degrees.
 pub const CONFORMAL: PolarCapped = PolarCapped::conformal(42.2 / 180.0 * PI);

@@ -402,7 +402,7 @@ impl Target {
 
     /// Content of its file at `path`, relative to its folder; `None` if it has no such file.
     #[must_use]
-    pub fn content_of(&self, path: &str) -> Option<Content> {
+    pub(crate) fn content_of(&self, path: &str) -> Option<Content> {
         let matches = |pattern: &str| {
             let Some((before, after)) = pattern.split_once("{name}") else { return path == pattern };
             path.strip_prefix(before)
@@ -490,7 +490,7 @@ impl TargetPlan {
     ///
     /// # Errors
     /// [`Error::Parameter`] if they cannot.
-    pub fn check_levels(&self, size: u32, levels: u32) -> Result<()> {
+    pub(crate) fn check_levels(&self, size: u32, levels: u32) -> Result<()> {
         self.target.files.iter().try_for_each(|file| match file.content {
             Oem => crate::oem::level_sizes(size, levels).map(drop),
             Env => sizes::check_env(size, levels),
@@ -501,20 +501,20 @@ impl TargetPlan {
 
     /// Format name of the files with the levels.
     #[must_use]
-    pub fn format_name(&self) -> &'static str {
+    pub(crate) fn format_name(&self) -> &'static str {
         let own = self.target.files[0].path.rsplit('.').next().unwrap_or_default();
         if self.target.has_container() { self.container.name() } else { own }
     }
 
     /// Whether this is the plan of a target.
     #[must_use]
-    pub const fn is_targeted(&self) -> bool {
+    pub(crate) const fn is_targeted(&self) -> bool {
         !self.target.name.is_empty()
     }
 
     /// Whether each cube is one file, and not a folder of images.
     #[must_use]
-    pub const fn is_single(&self) -> bool {
+    pub(crate) const fn is_single(&self) -> bool {
         self.container.is_single() || matches!(self.layout, OutputLayout::Parts | OutputLayout::Mips)
     }
 

@@ -21,7 +21,7 @@ pub struct Camera {
 pub(crate) const WIDE: f64 = 1.5;
 
 /// The yaw that looks along -Z, at the front of glTF models, which face +Z.
-pub const FRONT: f64 = -std::f64::consts::FRAC_PI_2;
+pub(crate) const FRONT: f64 = -std::f64::consts::FRAC_PI_2;
 
 /// Steepest pitch: the up vector is undefined straight down.
 pub(crate) const MAX_PITCH: f64 = 1.55;

@@ -221,7 +221,7 @@ impl Light {
 
     /// Whether the levels are those of a bake.
     #[must_use]
-    pub const fn has_own_levels(&self) -> bool {
+    pub(crate) const fn has_own_levels(&self) -> bool {
         self.own_levels
     }
 

@@ -257,7 +257,7 @@ impl Look {
 
     /// Whether the materials of a mesh's file are shown, if it has any.
     #[must_use]
-    pub fn shows_materials(&self) -> bool {
+    pub(crate) fn shows_materials(&self) -> bool {
         self.object == Object::Mesh && self.paint == Paint::File
     }
 

@@ -34,7 +34,8 @@ pub mod web;
 mod window;
 
 pub use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Vertex, Wrap};
-pub use camera::{Camera, FRONT};
+pub use camera::Camera;
+pub(crate) use camera::FRONT;
 pub use levels::Levels;
 pub use light::Light;
 pub use look::{Look, Object, Paint, Show, Technique, Tone};

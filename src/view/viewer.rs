@@ -282,7 +282,7 @@ impl Viewer {
     }
 
     /// [`Viewer::open`] for a file on disk.
-    pub fn open_file(&mut self, path: &Path) {
+    pub(crate) fn open_file(&mut self, path: &Path) {
         let outcome = if is_mesh(path) {
             Mesh::read(path).and_then(|mesh| self.take_mesh(&mesh))
         } else {

@@ -22,14 +22,14 @@ pub async fn adapters() -> Vec<wgpu::Adapter> {
 /// Whether the system may have a hardware GPU. False only on Linux without a device node for one; this avoids
 /// loading drivers, and their messages on stderr.
 #[must_use]
-pub fn may_have_hardware() -> bool {
+pub(crate) fn may_have_hardware() -> bool {
     const DEVICES: [&str; 5] = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"];
     !cfg!(target_os = "linux") || DEVICES.iter().any(|device| std::path::Path::new(device).exists())
 }
 
 /// Whether an adapter is hardware and not a software driver.
 #[must_use]
-pub fn is_hardware(info: &wgpu::AdapterInfo) -> bool {
+pub(crate) fn is_hardware(info: &wgpu::AdapterInfo) -> bool {
     matches!(
         info.device_type,
         wgpu::DeviceType::DiscreteGpu | wgpu::DeviceType::IntegratedGpu | wgpu::DeviceType::VirtualGpu

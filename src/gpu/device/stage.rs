@@ -77,7 +77,7 @@ impl Stage {
     }
 
     /// The same, with times written at its beginning and end.
-    pub fn record_timed(
+    pub(crate) fn record_timed(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,

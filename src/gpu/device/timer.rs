@@ -60,7 +60,7 @@ impl Timer {
 
     /// Timestamp writes of the compute pass at `place`.
     #[must_use]
-    pub const fn compute_writes(&self, place: u32) -> wgpu::ComputePassTimestampWrites<'_> {
+    pub(crate) const fn compute_writes(&self, place: u32) -> wgpu::ComputePassTimestampWrites<'_> {
         wgpu::ComputePassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: Some(2 * place),
@@ -70,7 +70,7 @@ impl Timer {
 
     /// Timestamp writes of the render pass at `place`.
     #[must_use]
-    pub const fn render_writes(&self, place: u32) -> wgpu::RenderPassTimestampWrites<'_> {
+    pub(crate) const fn render_writes(&self, place: u32) -> wgpu::RenderPassTimestampWrites<'_> {
         wgpu::RenderPassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: Some(2 * place),

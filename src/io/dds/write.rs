@@ -14,7 +14,7 @@ use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, DxgiFormat, NewDxgi
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve.
-pub fn dds_bytes(chain: &Chain, pixel: Pixel) -> Result<CubeFile> {
+pub(crate) fn dds_bytes(chain: &Chain, pixel: Pixel) -> Result<CubeFile> {
     let size = check_sizes("DDS", chain)?;
     let format = match pixel {
         Pixel::F16 => DxgiFormat::R16G16B16A16_Float,

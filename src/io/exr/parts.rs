@@ -36,7 +36,7 @@ pub struct Part<'a> {
 /// # Errors
 /// [`Error::Parameter`] for no parts, empty or duplicate names, texels that do not fill their image, and
 /// pixel formats that EXR does not support.
-pub fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8>> {
+pub(crate) fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8>> {
     let display = (
         parts.iter().map(|part| part.width).max().unwrap_or(0),
         parts.iter().map(|part| part.height).max().unwrap_or(0),
@@ -96,7 +96,7 @@ const fn image<'a>(part: &Part<'a>, pixel: Pixel) -> Image<'a> {
 ///
 /// # Errors
 /// [`Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
-pub fn exr_mips_bytes(
+pub(crate) fn exr_mips_bytes(
     (width, height): (u32, u32),
     levels: &[&[Rgb]],
     pixel: Pixel,

@@ -15,7 +15,7 @@ use std::ops::Range;
 pub(in crate::io) const BLOCK_ROWS: usize = 16;
 
 /// Program name and version in outputs.
-pub const SOFTWARE: &str = concat!("octagloss ", env!("CARGO_PKG_VERSION"));
+pub(crate) const SOFTWARE: &str = concat!("octagloss ", env!("CARGO_PKG_VERSION"));
 
 /// The value of a header attribute.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,7 +17,7 @@ pub fn hdr_bytes(width: u32, height: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// As [`hdr_bytes`]; [`Error::Parameter`] for keys and values that a header line cannot hold.
-pub fn hdr_bytes_with(
+pub(crate) fn hdr_bytes_with(
     width: u32,
     height: u32,
     texels: &[Rgb],

@@ -55,7 +55,7 @@ use rayon::prelude::*;
 use solve::{Sample, Ties, minimise, total};
 
 /// How often every node is fitted to the lobes around it.
-pub const SWEEPS: u32 = 6;
+pub(crate) const SWEEPS: u32 = 6;
 
 /// Iterations of a node's first fit: for the start, along the first layer, and from layer to layer.
 const START_ITERATIONS: u32 = 100;

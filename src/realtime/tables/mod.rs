@@ -46,10 +46,10 @@ pub const COUNTS: [u32; 4] = [1, 2, 4, 8];
 
 /// Parameters of a soft box: square root of its mass, offset of its centre from the lobe's in its own
 /// half-widths, log2 of its half-widths in units of alpha.
-pub const BOX_PARAMETERS: usize = 5;
+pub(crate) const BOX_PARAMETERS: usize = 5;
 
 /// Weights of the harmonics of order 0 to 4.
-pub const HARMONICS: usize = 5;
+pub(crate) const HARMONICS: usize = 5;
 
 /// Octaves of alpha with their own parameters: octave k, with blurs 2^-k wide, serves alpha from 1.2 times
 /// 2^-k up.

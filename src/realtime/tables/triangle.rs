@@ -4,7 +4,7 @@
 use glam::DVec2;
 
 /// Intervals of the grid along a side.
-pub const INTERVALS: usize = 11;
+pub(crate) const INTERVALS: usize = 11;
 
 /// Nodes of the grid.
 pub const NODES: usize = (INTERVALS + 1) * (INTERVALS + 2) / 2;
@@ -107,7 +107,7 @@ pub fn neighbours(i: usize, j: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// The up to six cells around node (`i`, `j`), each by its other two nodes.
-pub fn cells_around(i: usize, j: usize) -> impl Iterator<Item = ((usize, usize), (usize, usize))> {
+pub(crate) fn cells_around(i: usize, j: usize) -> impl Iterator<Item = ((usize, usize), (usize, usize))> {
     let around = [(1_isize, 0_isize), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1)];
     let at = move |k: usize| {
         let (di, dj) = around[k % 6];
