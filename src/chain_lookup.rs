@@ -1,14 +1,17 @@
-//! Seamless bilinear look-ups of cube levels, as defined by graphics APIs.
+//! Seamless bilinear look-ups of levels, and trilinear ones of chains.
 //!
-//! Interpolates across edges between the outermost texels of two faces. At a cube corner, where three texels
-//! meet, the fourth sample is their mean.
+//! Cubes as defined by graphics APIs: interpolation across edges between the outermost texels of two faces; at
+//! a corner, where three texels meet, the fourth sample is their mean. Panoramas wrap around and clamp at the
+//! poles. Octahedral squares are folded: beyond an edge lies the same edge, reversed.
 
 use crate::chain::Level;
-use crate::environment::Rgb;
+use crate::environment::{Layout, Rgb};
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
+use crate::sphere::equirect::equirect_from_direction;
+use crate::sphere::octahedral::{oct_from_direction, wrap_texel};
 use glam::DVec3;
 
-/// Texel indices for look-ups of a level of fixed size.
+/// Texel indices for look-ups of a cube of fixed size.
 #[derive(Clone, Debug)]
 pub struct LevelLookup {
     size: usize,
@@ -111,20 +114,70 @@ impl Taps {
 #[derive(Clone, Debug)]
 pub struct SeamlessLevel<'a> {
     texels: &'a [Rgb],
-    lookup: LevelLookup,
+    map: MapLookup,
+}
+
+/// Texel indices for look-ups of one layout.
+#[derive(Clone, Debug)]
+enum MapLookup {
+    Cube(LevelLookup),
+    /// Columns and rows.
+    Panorama(u32, u32),
+    /// Texels along an edge.
+    Octahedral(u32),
+}
+
+impl MapLookup {
+    fn taps(&self, direction: DVec3) -> Taps {
+        match self {
+            Self::Cube(lookup) => lookup.taps(direction),
+            Self::Panorama(width, height) => {
+                let (u, v) = equirect_from_direction(direction);
+                bilinear(u * f64::from(*width), v * f64::from(*height), |x, y| {
+                    let row = y.clamp(0, i64::from(*height) - 1) as u32;
+                    row * width + x.rem_euclid(i64::from(*width)) as u32
+                })
+            }
+            Self::Octahedral(size) => {
+                let place = (oct_from_direction(direction) + 1.0) / 2.0 * f64::from(*size);
+                bilinear(place.x, place.y, |x, y| {
+                    let (x, y) = wrap_texel(*size, x, y);
+                    y * size + x
+                })
+            }
+        }
+    }
+}
+
+/// The four texels around the point (`x`, `y`) of an image, in texels from its corner; `texel` gives the index
+/// of a column and row, which may lie one outside.
+fn bilinear(x: f64, y: f64, texel: impl Fn(i64, i64) -> u32) -> Taps {
+    let (i, j) = ((x - 0.5).floor(), (y - 0.5).floor());
+    let (a, b) = (x - 0.5 - i, y - 0.5 - j);
+    let (i, j) = (i as i64, j as i64);
+    Taps {
+        texels: [texel(i, j), texel(i + 1, j), texel(i, j + 1), texel(i + 1, j + 1)],
+        weights: [(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b],
+        count: MOST_TAPS,
+    }
 }
 
 impl<'a> SeamlessLevel<'a> {
-    /// Prepares look-ups of `level`, a cube.
+    /// Prepares look-ups of `level`.
     #[must_use]
     pub fn new(level: &'a Level) -> Self {
-        Self { texels: &level.texels, lookup: LevelLookup::new(level.size()) }
+        let map = match level.layout {
+            Layout::Cube { size } => MapLookup::Cube(LevelLookup::new(size)),
+            Layout::Panorama { width, height } => MapLookup::Panorama(width, height),
+            Layout::Octahedral { size } => MapLookup::Octahedral(size),
+        };
+        Self { texels: &level.texels, map }
     }
 
     /// Radiance along `direction` (any nonzero length).
     #[must_use]
     pub fn radiance(&self, direction: DVec3) -> [f64; 3] {
-        self.lookup.taps(direction).mean(|texel| self.texels[texel].map(f64::from))
+        self.map.taps(direction).mean(|texel| self.texels[texel].map(f64::from))
     }
 }
 
@@ -135,7 +188,7 @@ pub struct ChainLookup<'a> {
 }
 
 impl<'a> ChainLookup<'a> {
-    /// Prepares look-ups of `levels`, all cubes.
+    /// Prepares look-ups of `levels`.
     #[must_use]
     pub fn new(levels: &'a [Level]) -> Self {
         Self { levels: levels.iter().map(SeamlessLevel::new).collect() }

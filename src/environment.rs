@@ -80,6 +80,15 @@ impl Map {
 }
 
 impl Layout {
+    /// Name of the map.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Panorama { .. } => "a panorama",
+            Self::Cube { .. } => "a cube",
+            Self::Octahedral { .. } => "an octahedral square",
+        }
+    }
+
     /// Edge of the faces of a cube with as many texels around the horizon.
     pub(crate) const fn face_edge(self) -> u32 {
         match self {

@@ -88,7 +88,6 @@ queue.submit([encoder.finish()]);
 ```
 "#
 )]
-
 // Parts that only some features use; the build with all of them has no dead code.
 #![cfg_attr(
     not(all(feature = "cli", feature = "view", feature = "plot")),

@@ -7,11 +7,14 @@ use crate::environment::{Environment, Layout, exact_luminance};
 use crate::error::{Error, Result};
 use crate::finite::finite;
 use crate::lobe::{Lobe, full_width_at_half_maximum};
-use crate::sphere::cube::{Face, cube_point, direction_from_texel, texel_solid_angle};
-use glam::DVec3;
+use crate::sphere::cube::{Face, cube_point};
+use crate::sphere::equirect::direction_from_equirect;
+use crate::sphere::octahedral;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
+use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Minimum lobe width in source texels; narrower lobes measure texel reconstruction, not the lobe.
@@ -24,7 +27,8 @@ pub enum Sampling {
     All,
     /// At most this many, at random.
     Random(usize),
-    /// At most this many on a grid that covers every face (six at least), for pictures.
+    /// At most this many on a grid that covers every face (six at least), for pictures; at random where the
+    /// level is not a cube.
     Grid(usize),
 }
 
@@ -37,8 +41,9 @@ impl Sampling {
         }
     }
 
-    /// Grid points along a face edge for a level of `size`.
-    fn grid(self, size: u32) -> Option<u32> {
+    /// Grid points along a face edge for a level in `layout`; `None` for other maps than cubes.
+    fn grid(self, layout: Layout) -> Option<u32> {
+        let Layout::Cube { size } = layout else { return None };
         match self {
             Self::All => Some(size),
             Self::Random(count) => (count >= 6 * size as usize * size as usize).then_some(size),
@@ -46,11 +51,11 @@ impl Sampling {
         }
     }
 
-    /// The selected texels of a level of `size`, in order.
-    fn picks(self, size: u32) -> Vec<usize> {
-        match self.grid(size) {
-            Some(grid) => grid_places(size, grid),
-            None => sample(6 * size as usize * size as usize, self.most()),
+    /// The selected texels of a level in `layout`, in order.
+    fn picks(self, layout: Layout) -> Vec<usize> {
+        match self.grid(layout) {
+            Some(grid) => grid_places(layout.sides().1, grid),
+            None => sample(layout.texel_count(), self.most()),
         }
     }
 }
@@ -76,13 +81,14 @@ pub(crate) fn grid_of(level: &Level, size: u32) -> Level {
 pub struct LevelErrors {
     /// The level's number.
     pub level: usize,
-    /// Texels along an edge of a face.
+    /// Texels along an edge of a face or square; the height of a panorama.
     pub size: u32,
     /// Its roughness.
     pub roughness: f64,
     /// Number of texels compared.
     pub texels: usize,
-    /// Root mean square error over the mean of the reference.
+    /// Root mean square error over the mean of the reference: of the texels of a cube, of the sphere for other
+    /// maps.
     #[serde(serialize_with = "finite")]
     pub rel_rmse: f64,
     /// Mean absolute error over the mean of the reference.
@@ -97,7 +103,7 @@ pub struct LevelErrors {
     ///
     /// Mean step between texels on either side of an edge over the mean step between neighbours within a
     /// face, each divided by the angle between the texels. About 1 without a seam; `None` for a constant
-    /// level.
+    /// level and for other maps than cubes.
     #[serde(serialize_with = "finite")]
     pub reference_seam: Option<f64>,
     /// The reference level, if all texels or a grid of them were compared; [`grid_of`] gives the bake's
@@ -109,8 +115,8 @@ pub struct LevelErrors {
 /// A texel and both values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WorstTexel {
-    /// Face, as in file names.
-    pub face: &'static str,
+    /// Face of a cube, as in file names.
+    pub face: Option<&'static str>,
     /// Column.
     pub i: u32,
     /// Row.
@@ -143,11 +149,16 @@ pub(crate) fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec
     let pairs = bake.levels.iter().zip(&reference.levels).enumerate();
     pairs
         .map(|(index, (a, b))| {
-            if a.size() != b.size() || (a.roughness - b.roughness).abs() > 1e-4 {
+            if a.layout != b.layout || (a.roughness - b.roughness).abs() > 1e-4 {
                 return Err(Error::Parameter(format!(
-                    "level {index} is {0}x{0} at roughness {1:.4} in one bake and {2}x{2} at {3:.4} in the other; \
-                     bake both with equal `size`, `levels` and `ladder`",
-                    a.size(), a.roughness, b.size(), b.roughness
+                    "level {index} is {} of {} at roughness {:.4} in one bake and {} of {} at {:.4} in the \
+                     other; bake both with equal layout, `size`, `levels` and `ladder`",
+                    a.layout.name(),
+                    a.size(),
+                    a.roughness,
+                    b.layout.name(),
+                    b.size(),
+                    b.roughness
                 )));
             }
             let value = |at: usize| b.texels[at].map(f64::from);
@@ -208,39 +219,65 @@ pub(crate) fn errors_against_source(
 /// Mean of `radiance` over the footprint of texel `at`: a point if the texel is narrower than a third of the
 /// lobe's full width at half maximum, the whole texel from a half on.
 fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3) -> [f64; 3]) -> [f64; 3] {
-    let (face, i, j) = place(level.size(), at);
-    let share = texel_solid_angle(level.size(), i, j).sqrt() / lobe_width(level, lobe);
+    let (image, i, j) = place(level.layout, at);
+    let share = texel_edge(level.layout, i, j) / lobe_width(level, lobe);
     let fade = ((share - 1.0 / 3.0) * 6.0).clamp(0.0, 1.0);
     if fade == 0.0 {
-        return radiance(direction(level.size(), at));
+        return radiance(level.layout.direction_from_texel(image, i, j));
     }
     let extent = fade * fade * (3.0 - 2.0 * fade);
     // Points at most a quarter of a lobe apart, weighted by solid angle.
     let count = (4.0 * share).ceil().clamp(4.0, 64.0) as u32;
     let coordinate = |texel: u32, k: u32| {
         let offset = ((f64::from(k) + 0.5) / f64::from(count) - 0.5) * extent;
-        (f64::from(texel) + 0.5 + offset) * 2.0 / f64::from(level.size()) - 1.0
+        f64::from(texel) + 0.5 + offset
     };
     let (mut sum, mut whole) = ([0.0; 3], 0.0);
     for (a, b) in (0..count).flat_map(|b| (0..count).map(move |a| (a, b))) {
-        let point = cube_point(face, coordinate(i, a), coordinate(j, b));
-        let weight = point.length_squared().powf(-1.5);
+        let (direction, weight) = direction_within(level.layout, image, coordinate(i, a), coordinate(j, b));
         whole += weight;
-        for (sum, value) in sum.iter_mut().zip(radiance(point.normalize())) {
+        for (sum, value) in sum.iter_mut().zip(radiance(direction)) {
             *sum += weight * value;
         }
     }
     sum.map(|c| c / whole)
 }
 
+/// Unit direction of the point (`x`, `y`), in texels from the corner of an image, and the solid angle there
+/// per area, up to a factor.
+fn direction_within(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
+    let signed = |x: f64, size: u32| x * 2.0 / f64::from(size) - 1.0;
+    match layout {
+        Layout::Cube { size } => {
+            let point = cube_point(Face::ALL[image as usize], signed(x, size), signed(y, size));
+            (point.normalize(), point.length_squared().powf(-1.5))
+        }
+        Layout::Panorama { width, height } => {
+            let direction = direction_from_equirect(x / f64::from(width), y / f64::from(height));
+            (direction, direction.x.hypot(direction.z))
+        }
+        Layout::Octahedral { size } => {
+            let uv = DVec2::new(signed(x, size), signed(y, size));
+            (octahedral::direction_from_oct(uv), octahedral::solid_angle_density(uv))
+        }
+    }
+}
+
+/// Edge of the texel (`i`, `j`) in radians; for a panorama the longer one.
+fn texel_edge(layout: Layout, i: u32, j: u32) -> f64 {
+    match layout {
+        Layout::Panorama { height, .. } => PI / f64::from(height),
+        _ => layout.texel_solid_angle(i, j).sqrt(),
+    }
+}
+
 fn integrations(level: &Level, sampling: Sampling) -> u64 {
-    let picks = sampling.picks(level.size()).len();
+    let picks = sampling.picks(level.layout).len();
     let Some(count) = sampling.most().filter(|_| picks < level.texels.len()) else { return picks as u64 };
     let steps = |steps: usize| 2 * count.div_ceil(4).min(steps);
-    let steps = if level.size() < 2 {
-        0
-    } else {
-        steps(steps_within(level.size())) + steps(steps_across(level.size()))
+    let steps = match level.layout {
+        Layout::Cube { size: 2.. } => steps(steps_within(level.size())) + steps(steps_across(level.size())),
+        _ => 0,
     };
     (picks + steps) as u64
 }
@@ -256,25 +293,30 @@ fn level_errors(
     reference: &(dyn Fn(usize) -> [f64; 3] + Sync),
     sampling: Sampling,
 ) -> LevelErrors {
-    let picks = sampling.picks(level.size());
+    let picks = sampling.picks(level.layout);
     let texels = sampling.most();
     let references: Vec<[f64; 3]> = picks.par_iter().map(|at| reference(*at)).collect();
 
-    let (mut squares, mut distances, mut whole) = (0.0, 0.0, 0.0);
+    let (mut squares, mut distances, mut whole, mut count) = (0.0, 0.0, 0.0, 0.0);
     let mut worst = (0, -1.0);
+    let is_cube = matches!(level.layout, Layout::Cube { .. });
     for (pick, (at, wanted)) in picks.iter().zip(&references).enumerate() {
         let wanted = exact_luminance(*wanted);
         let error = exact_luminance(level.texels[*at]) - wanted;
-        squares += error * error;
-        distances += error.abs();
-        whole += wanted;
+        // A cube's texels are nearly alike; a panorama's shrink to nothing.
+        let (_, i, j) = place(level.layout, *at);
+        let weight = if is_cube { 1.0 } else { level.layout.texel_solid_angle(i, j) };
+        squares += weight * error * error;
+        distances += weight * error.abs();
+        whole += weight * wanted;
+        count += weight;
         let relative = relative(error, wanted);
         if relative > worst.1 {
             worst = (pick, relative);
         }
     }
-    let (at, count) = (picks[worst.0], picks.len() as f64);
-    let (face, i, j) = place(level.size(), at);
+    let at = picks[worst.0];
+    let (image, i, j) = place(level.layout, at);
     let bake = |at: usize| exact_luminance(level.texels[at]);
     // Reuse the integrals if all texels are compared.
     let all = picks.len() == level.texels.len();
@@ -287,17 +329,17 @@ fn level_errors(
         rel_rmse: relative((squares / count).sqrt(), whole / count),
         l1: relative(distances / count, whole / count),
         worst: WorstTexel {
-            face: face.short_name(),
+            face: is_cube.then(|| Face::ALL[image as usize].short_name()),
             i,
             j,
-            direction: direction(level.size(), at).to_array(),
+            direction: level.layout.direction_from_texel(image, i, j).to_array(),
             value: level.texels[at].map(f64::from),
             reference: references[worst.0],
             relative: worst.1,
         },
-        seam: seam(level.size(), texels, &bake),
-        reference_seam: seam(level.size(), texels, &wanted),
-        reference: sampling.grid(level.size()).map(|size| {
+        seam: if is_cube { seam(level.size(), texels, &bake) } else { None },
+        reference_seam: if is_cube { seam(level.size(), texels, &wanted) } else { None },
+        reference: sampling.grid(level.layout).map(|size| {
             let texels = references.iter().map(|rgb| rgb.map(|c| c as f32)).collect();
             Level::cube(size, level.roughness, texels)
         }),
@@ -315,14 +357,18 @@ fn relative(error: f64, wanted: f64) -> f64 {
     }
 }
 
-fn place(size: u32, at: usize) -> (Face, u32, u32) {
-    let n = size as usize;
-    (Face::ALL[at / (n * n)], (at % n) as u32, (at / n % n) as u32)
+/// Image (a cube's face, otherwise 0), column and row of texel `at`.
+fn place(layout: Layout, at: usize) -> (u32, u32, u32) {
+    let (width, height) = layout.sides();
+    let (width, height) = (width as usize, height as usize);
+    ((at / (width * height)) as u32, (at % width) as u32, (at / width % height) as u32)
 }
 
+/// Direction of texel `at` of a cube of `size`.
 fn direction(size: u32, at: usize) -> DVec3 {
-    let (face, i, j) = place(size, at);
-    direction_from_texel(face, size, i, j)
+    let layout = Layout::Cube { size };
+    let (face, i, j) = place(layout, at);
+    layout.direction_from_texel(face, i, j)
 }
 
 /// Mean step across cube edges over mean step within faces.
@@ -416,7 +462,6 @@ impl SplitMix {
 mod tests {
     use super::*;
     use crate::environment::Rgb;
-    use std::f64::consts::PI;
 
     fn level(size: u32, value: impl Fn(DVec3) -> f32) -> Level {
         let count = 6 * size as usize * size as usize;
@@ -434,12 +479,63 @@ mod tests {
         let at = (4 * 8 + 3) * 8 + 6;
         bad.levels[0].texels[at] = [8.0; 3];
         let errors = &errors_against_bake(&bad, &good).expect("equal shapes")[0];
-        assert_eq!((errors.worst.face, errors.worst.i, errors.worst.j), ("pz", 6, 3));
+        assert_eq!((errors.worst.face, errors.worst.i, errors.worst.j), (Some("pz"), 6, 3));
         assert_eq!(errors.worst.value, [8.0; 3]);
         let wanted = f64::from(good.levels[0].texels[at][0]);
         assert!((errors.worst.relative - (8.0 - wanted) / wanted).abs() < 1e-6, "{errors:?}");
         let rel_rmse = (8.0 - wanted) / (384_f64).sqrt() / 2.0;
         assert!((errors.rel_rmse / rel_rmse - 1.0).abs() < 1e-5, "{errors:?}");
+    }
+
+    #[test]
+    fn texels_of_every_map_count_by_their_share_of_the_sphere() {
+        for layout in [Layout::Panorama { width: 16, height: 8 }, Layout::Octahedral { size: 9 }] {
+            let (width, height) = layout.sides();
+            let texels = vec![[2.0; 3]; layout.texel_count()];
+            let good = Chain { levels: vec![Level { layout, roughness: 0.5, texels, bounds: None }] };
+            let mut bad = good.clone();
+            let at = (3 * width + 5) as usize;
+            bad.levels[0].texels[at] = [4.0; 3];
+            let errors = &errors_against_bake(&bad, &good).expect("equal shapes")[0];
+            let place = (errors.worst.face, errors.worst.i, errors.worst.j);
+            assert_eq!((place, errors.texels), ((None, 5, 3), (width * height) as usize), "{layout:?}");
+            let direction = layout.direction_from_texel(0, 5, 3).to_array();
+            assert_eq!((errors.worst.direction, errors.seam), (direction, None));
+            let share = layout.texel_solid_angle(5, 3) / (4.0 * PI);
+            assert!((errors.rel_rmse - share.sqrt()).abs() < 1e-9, "{layout:?}: {}", errors.rel_rmse);
+            assert!((errors.l1 - share).abs() < 1e-9, "{layout:?}: {}", errors.l1);
+            let cube = Chain { levels: vec![level(height, |_| 2.0)] };
+            assert!(errors_against_bake(&good, &cube).is_err(), "{layout:?} is no cube");
+        }
+    }
+
+    #[test]
+    fn footprints_lie_inside_their_texel() {
+        for layout in [Layout::Panorama { width: 16, height: 8 }, Layout::Octahedral { size: 9 }] {
+            let (width, _) = layout.sides();
+            for (i, j) in [(0, 0), (5, 3), (8, 7)] {
+                let centre = layout.direction_from_texel(0, i, j);
+                let (found, _) = direction_within(layout, 0, f64::from(i) + 0.5, f64::from(j) + 0.5);
+                assert!(found.distance(centre) < 1e-12, "{layout:?} ({i}, {j}): {found} is not {centre}");
+                // The mean of 1 over the texel, weighted, and of y, against the texel's own.
+                let count = 400;
+                let (mut area, mut height) = (0.0, 0.0);
+                for k in 0..count * count {
+                    let offset = |k: u32| (f64::from(k) + 0.5) / f64::from(count);
+                    let (x, y) = (f64::from(i) + offset(k % count), f64::from(j) + offset(k / count));
+                    let (direction, weight) = direction_within(layout, 0, x, y);
+                    area += weight / f64::from(count * count);
+                    height += weight * direction.y / f64::from(count * count);
+                }
+                let per_area = match layout {
+                    Layout::Panorama { .. } => PI / 8.0 * PI / 8.0,
+                    _ => (2.0 / f64::from(width)).powi(2),
+                };
+                let exact = layout.texel_solid_angle(i, j);
+                assert!((area * per_area / exact - 1.0).abs() < 1e-4, "{layout:?} ({i}, {j}): {area}");
+                assert!((height / area - centre.y).abs() < 0.1, "{layout:?} ({i}, {j}): {height}");
+            }
+        }
     }
 
     #[test]
@@ -484,10 +580,10 @@ mod tests {
 
     #[test]
     fn a_grid_covers_every_face_and_its_picture_is_of_its_texels() {
-        let level = level(8, |d| 2.0 + d.x as f32);
+        let (level, cube) = (level(8, |d| 2.0 + d.x as f32), Layout::Cube { size: 8 });
         for (asked, size) in [(1, 1), (6, 1), (24, 2), (53, 2), (54, 3), (384, 8), (100_000, 8)] {
-            assert_eq!(Sampling::Grid(asked).grid(8), Some(size), "{asked}");
-            let picks = Sampling::Grid(asked).picks(8);
+            assert_eq!(Sampling::Grid(asked).grid(cube), Some(size), "{asked}");
+            let picks = Sampling::Grid(asked).picks(cube);
             assert_eq!(picks.len(), 6 * (size * size) as usize);
             assert!(picks.windows(2).all(|pair| pair[0] < pair[1]) && picks[picks.len() - 1] < 384);
             let errors =
@@ -497,7 +593,7 @@ mod tests {
             assert_eq!(reference.texels, grid_of(&level, size).texels);
         }
         assert_eq!(grid_places(8, 8), (0..384).collect::<Vec<_>>());
-        assert_eq!((Sampling::Random(383).grid(8), Sampling::Random(384).grid(8)), (None, Some(8)));
+        assert_eq!((Sampling::Random(383).grid(cube), Sampling::Random(384).grid(cube)), (None, Some(8)));
     }
 
     #[test]

@@ -56,7 +56,7 @@ pub fn default_roughnesses(chain: &Chain) -> Vec<f64> {
 /// Exact lobes: radiance of GGX at a roughness along given directions.
 pub type Truth<'a> = &'a dyn Fn(f64, &[DVec3]) -> Result<Vec<Rgb>>;
 
-/// Measures the look-up errors of `chain`, cubes of GGX lobes, at `roughnesses` in [0, 1] with `ladder`.
+/// Measures the look-up errors of `chain`, GGX lobes, at `roughnesses` in [0, 1] with `ladder`.
 ///
 /// # Errors
 /// Those of `truth`.

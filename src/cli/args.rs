@@ -345,7 +345,7 @@ pub(super) struct InfoArgs {
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct CompareArgs {
-    /// A bake: a .ktx2 file or a folder of levels
+    /// A bake: a .ktx2 file, a folder of levels or one of cmgen
     #[arg(value_name = "A")]
     pub(super) bake: PathBuf,
     /// The reference: a bake or the source environment
@@ -368,11 +368,22 @@ pub(super) struct CompareArgs {
     pub(super) picture: Option<PathBuf>,
     /// Measure the errors of trilinear look-ups
     ///
-    /// Against a source, for cubes of ggx. Looks up between texels and levels by the bake's ladder, along
+    /// Against a source, for lobes of ggx. Looks up between texels and levels by the bake's ladder, along
     /// 20,000 directions, at the roughnesses R, or at three between each two levels. The only measurement for
     /// solved chains.
     #[arg(long, value_name = "R", value_delimiter = ',', num_args = 0.., require_equals = true, value_parser = roughness)]
     pub(super) delivered: Option<Vec<f64>>,
+    /// Draw the errors of look-ups over roughness
+    ///
+    /// By default at 50 roughnesses up to 1, as far as the source resolves their lobes. Needs a build with
+    /// the feature plot.
+    #[arg(long, value_name = "FILE.png|svg", requires = "delivered")]
+    pub(super) chart: Option<PathBuf>,
+    /// Another bake to measure with --delivered; repeatable
+    ///
+    /// Its errors are printed too, and drawn into the chart.
+    #[arg(long, value_name = "BAKE", requires = "delivered")]
+    pub(super) overlay: Vec<PathBuf>,
     /// Exit with 1 if a relRMSE is above X
     ///
     /// Tests every level; for a solved chain, every roughness.
@@ -384,7 +395,7 @@ pub(super) struct CompareArgs {
     /// Print only errors on standard error
     #[arg(long, short)]
     pub(super) quiet: bool,
-    /// Replace the picture if it exists
+    /// Replace picture and chart if they exist
     #[arg(long)]
     pub(super) force: bool,
     /// Threads, 1 to 256 [default: one per core]

@@ -3,31 +3,29 @@
 use super::args::CompareArgs;
 use super::console::Console;
 use super::input::{self, is_chain_file, read_bake};
+use super::look_ups::{self, Delivered, Overlay};
 use super::outcome::{Outcome, check_not_input, on_threads, print, usage};
 use super::shared_args::InputArgs;
 use super::values::Texels;
 use crate::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, grid_of, is_measurable,
 };
-use crate::analysis::delivered::{DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors};
 use crate::chain::{Chain, ChainKind, Level};
-use crate::filter::Filter;
 use crate::image::preview::error_picture;
 use crate::io::ldr::write::write_png;
+use crate::io::provenance::Provenance;
 use crate::io::regular::open_regular;
 use crate::io::{
     self, LoadedChain,
     output::{self, Existing},
 };
-use crate::ladder::Ladder;
 use crate::lobe::Lobe;
-use crate::reflector::{Reflector, ReflectorSettings};
 use crate::{Environment, Layout};
 use anyhow::anyhow;
-use glam::DVec3;
 use image::RgbImage;
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// The output of `--json`.
 #[derive(Serialize)]
@@ -46,16 +44,9 @@ struct Comparison {
     /// Errors of look-ups; absent unless requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     delivered: Option<Delivered>,
-}
-
-/// Errors of a bake's trilinear look-ups.
-#[derive(Serialize)]
-struct Delivered {
-    /// The ladder that maps roughness to levels.
-    ladder: &'static str,
-    /// Directions per roughness.
-    directions: usize,
-    roughnesses: Vec<DeliveredError>,
+    /// Further bakes of the chart.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    overlays: Vec<Overlay>,
 }
 
 pub(super) fn run(args: CompareArgs) -> Outcome {
@@ -69,26 +60,27 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
         output::recover(path);
         output::check_file(path, existing)?;
     }
+    if let Some(path) = &args.chart {
+        check_not_input(path, [&args.bake, &args.against].into_iter().chain(&args.overlay))?;
+        look_ups::check_chart(path, existing)?;
+    }
     on_threads(args.threads, || {
-        let Some(bake) = read_bake(&args.bake)? else {
-            // Report why a candidate file or folder is not a valid bake.
-            if args.bake.is_dir() || is_chain_file(&args.bake) {
-                io::read_chain(&args.bake)?;
-            }
-            open_regular(&args.bake)?;
-            let path = args.bake.display();
-            return Err(anyhow!(
-                "{path}: not a bake; name a .ktx2, .ktx, .dds or .exr cube of octagloss bake or a folder of \
-                 its levels"
-            )
-            .into());
-        };
+        let bake = bake_in(&args.bake, &console)?;
+        let is_cube = |level: &Level| matches!(level.layout, Layout::Cube { .. });
+        if args.picture.is_some() && !bake.chain.levels.iter().all(is_cube) {
+            return usage(format!("--picture shows cubes; {} is not one", args.bake.display()));
+        }
         let comparison = match read_bake(&args.against)? {
             Some(reference) => against_bake(&args, &bake.chain, &reference.chain)?,
             None => against_source(&args, &bake, &console)?,
         };
         if let Some(path) = &args.picture {
             write_png(path, existing, &picture(&bake.chain, &comparison.levels)?)?;
+        }
+        if let (Some(path), Some(delivered)) = (&args.chart, &comparison.delivered) {
+            let overlays = comparison.overlays.iter().map(|overlay| (&overlay.bake[..], &overlay.delivered));
+            let curves: Vec<_> = [(&comparison.bake[..], delivered)].into_iter().chain(overlays).collect();
+            look_ups::draw_chart(path, existing, &curves, &args.against)?;
         }
         if args.json {
             print(&(serde_json::to_string(&comparison).map_err(anyhow::Error::from)? + "\n"))?;
@@ -97,6 +89,26 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
         }
         judge(&comparison, args.fail_above)
     })
+}
+
+/// Reads the bake in `path`.
+fn bake_in(path: &Path, console: &Console) -> Outcome<LoadedChain> {
+    if let Some(bake) = read_bake(path)? {
+        for warning in &bake.warnings {
+            console.warn(&format!("{}: {warning}", path.display()));
+        }
+        return Ok(bake);
+    }
+    // Report why a candidate file or folder is not a valid bake.
+    if path.is_dir() || is_chain_file(path) {
+        io::read_chain(path)?;
+    }
+    open_regular(path)?;
+    Err(anyhow!(
+        "{}: not a bake; name a .ktx2, .ktx, .dds or .exr cube of octagloss bake, or a folder of levels",
+        path.display()
+    )
+    .into())
 }
 
 fn against_bake(args: &CompareArgs, bake: &Chain, reference: &Chain) -> Outcome<Comparison> {
@@ -112,29 +124,30 @@ fn against_bake(args: &CompareArgs, bake: &Chain, reference: &Chain) -> Outcome<
         chain: None,
         levels: errors_against_bake(bake, reference)?,
         delivered: None,
+        overlays: Vec::new(),
     })
 }
 
-fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> Outcome<Comparison> {
-    let LoadedChain { chain: bake, provenance, .. } = bake;
-    let lobe = match (args.lobe, provenance.lobe) {
-        (Some(typed), _) => typed,
-        (None, Some(named)) => named,
-        (None, None) => {
-            console.warn(&format!(
-                "{} does not record its lobe; assuming ggx (override with --lobe)",
-                args.bake.display()
-            ));
-            Lobe::Ggx
-        }
-    };
-    // Prepare the source like the bake's, unless options override it: scaled, cropped, padded, rotated,
-    // mirrored and without its sun.
+/// The lobe of the bake in `path`, and the source prepared like the bake's, unless options override it:
+/// scaled, cropped, padded, rotated, mirrored and without its sun.
+fn lobe_and_source(
+    args: &CompareArgs,
+    path: &Path,
+    provenance: &Provenance,
+    console: &Console,
+) -> Outcome<(Lobe, Environment)> {
+    let lobe = args.lobe.or(provenance.lobe).unwrap_or_else(|| {
+        console.warn(&format!(
+            "{} does not record its lobe; assuming ggx (override with --lobe)",
+            path.display()
+        ));
+        Lobe::Ggx
+    });
     if provenance.rotate_y.or(args.input.rotate_y).is_none() {
         console.warn(&format!(
             "{} does not record its source's rotation; assuming none (override with --rotate-y, --mirror, \
              --extract-sun)",
-            args.bake.display()
+            path.display()
         ));
     }
     let input = InputArgs {
@@ -147,16 +160,23 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
         ..args.input.clone()
     };
     let source = input::single_source(vec![args.against.clone()], &input)?;
-    let opened = source.open(&input, console)?;
+    Ok((lobe, source.open(&input, console)?.environment))
+}
+
+fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> Outcome<Comparison> {
+    let LoadedChain { chain: bake, provenance, .. } = bake;
+    let (lobe, source) = lobe_and_source(args, &args.bake, provenance, console)?;
     let solved = provenance.chain == Some(ChainKind::Solved);
     let delivered = if solved || args.delivered.is_some() {
-        Some(delivered(args, bake, lobe, provenance.ladder.as_deref(), &opened.environment)?)
+        let ladder = provenance.ladder.as_deref();
+        Some(look_ups::measure(args, &args.bake, bake, lobe, ladder, &source, console)?)
     } else {
         None
     };
+    let overlays = args.overlay.iter().map(|path| overlay(args, path, console)).collect::<Outcome<_>>()?;
     // Solved texels are not lobes by design.
     let (skipped, levels) = if !solved {
-        texel_errors(args, bake, lobe, &opened.environment, console)?
+        texel_errors(args, bake, lobe, &source, console)?
     } else if args.picture.is_some() || args.texels.is_some() {
         return usage(format!(
             "--texels and --picture compare texels with lobes, but {} is a solved chain; its texels are not \
@@ -175,7 +195,17 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
         chain: provenance.chain.map(ChainKind::name),
         levels,
         delivered,
+        overlays,
     })
+}
+
+/// Measures the look-ups of a further bake.
+fn overlay(args: &CompareArgs, path: &Path, console: &Console) -> Outcome<Overlay> {
+    let LoadedChain { chain, provenance, .. } = bake_in(path, console)?;
+    let (lobe, source) = lobe_and_source(args, path, &provenance, console)?;
+    let ladder = provenance.ladder.as_deref();
+    let delivered = look_ups::measure(args, path, &chain, lobe, ladder, &source, console)?;
+    Ok(Overlay { bake: path.display().to_string(), delivered })
 }
 
 /// Indices of the levels that cannot be measured, and the errors of the texels of the others.
@@ -210,62 +240,6 @@ fn texel_errors(
     let bar = console.bar("integrating");
     let progress = |done, total| bar.at(done, total);
     Ok((skipped, errors_against_source(bake, source, lobe, sampling, &progress)))
-}
-
-/// Tolerance of the reference lobes for look-ups.
-const DELIVERED_TOLERANCE: f64 = 0.002;
-
-/// Measures look-ups of `bake` at the given roughnesses, or at those that the source resolves.
-fn delivered(
-    args: &CompareArgs,
-    bake: &Chain,
-    lobe: Lobe,
-    ladder: Option<&str>,
-    source: &Environment,
-) -> Outcome<Delivered> {
-    let name = args.bake.display();
-    let is_cube = |level: &Level| matches!(level.layout, Layout::Cube { .. });
-    if lobe != Lobe::Ggx || !bake.levels.iter().all(is_cube) {
-        return usage(format!("--delivered needs a cube of the lobe ggx; {name} is not one"));
-    }
-    let Some(ladder) = ladder.and_then(Ladder::named).or_else(|| ladder_of(bake)) else {
-        return Err(anyhow!("{name} records no ladder, and its roughnesses match none").into());
-    };
-    let asked = args.delivered.clone().unwrap_or_default();
-    let roughnesses = if asked.is_empty() {
-        let mut roughnesses = default_roughnesses(bake);
-        roughnesses.retain(|r| is_measurable(&Level::cube(1, *r, Vec::new()), lobe, source.layout()));
-        if roughnesses.is_empty() {
-            return Err(anyhow!(
-                "no roughness of {name} has a lobe at least two texels of {} wide; bake rougher levels to \
-                 compare",
-                args.against.display()
-            )
-            .into());
-        }
-        roughnesses
-    } else {
-        asked
-    };
-    let sharpest = roughnesses.iter().copied().filter(|r| *r > 0.0).fold(1.0, f64::min);
-    let reflector = Reflector::new(source, &ReflectorSettings { sharpest, ..ReflectorSettings::default() })?;
-    let truth = |roughness: f64, directions: &[DVec3]| {
-        let answers =
-            reflector.query_all(directions, roughness, lobe, Filter::Adaptive(DELIVERED_TOLERANCE))?;
-        Ok(answers.into_iter().map(|answer| answer.radiance).collect())
-    };
-    let roughnesses = delivered_errors(bake, ladder, &roughnesses, &truth)?;
-    Ok(Delivered { ladder: ladder.name(), directions: DIRECTIONS, roughnesses })
-}
-
-/// The ladder that matches the roughnesses of `bake`.
-fn ladder_of(bake: &Chain) -> Option<Ladder> {
-    let (levels, size) = (bake.levels.len() as u32, bake.levels[0].size());
-    let fits = |ladder: &Ladder| {
-        let mut pairs = (0..levels).zip(&bake.levels);
-        pairs.all(|(k, level)| (ladder.roughness(k, levels, size) - level.roughness).abs() < 1e-3)
-    };
-    Ladder::ALL.into_iter().find(fits)
 }
 
 /// Texels of a level to integrate by default,
@@ -354,7 +328,7 @@ impl Comparison {
                 ratio(errors.seam),
                 ratio(errors.reference_seam),
                 worst.relative,
-                worst.face,
+                worst.face.unwrap_or("texel"),
                 worst.i,
                 worst.j,
                 radiance(worst.value),
@@ -363,18 +337,10 @@ impl Comparison {
             .expect("writing to a string cannot fail");
         }
         if let Some(delivered) = &self.delivered {
-            writeln!(
-                text,
-                "delivered: look-ups by the ladder {} along {} directions\nroughness     lod   relRMSE  \
-                 greatest error",
-                delivered.ladder, delivered.directions
-            )
-            .expect("writing to a string cannot fail");
-            for error in &delivered.roughnesses {
-                let DeliveredError { roughness, lod, rel_rmse, max_error } = error;
-                writeln!(text, "{roughness:>9.4}  {lod:>6.3}  {rel_rmse:>8.6}  {max_error:>14.4}")
-                    .expect("writing to a string cannot fail");
-            }
+            text += &delivered.text(if self.overlays.is_empty() { "delivered" } else { &self.bake });
+        }
+        for Overlay { bake, delivered } in &self.overlays {
+            text += &delivered.text(bake);
         }
         text
     }

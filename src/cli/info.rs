@@ -14,7 +14,6 @@ use crate::environment::exact_luminance;
 use crate::io::provenance::{Provenance, TakenSun};
 use crate::io::{Pad, Repairs};
 use crate::lobe::Lobe;
-use crate::sphere::cube;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::fs;
@@ -125,6 +124,9 @@ fn describe(source: &Source, args: &InputArgs, json: bool, console: &Console) ->
     let input = source.path().display().to_string();
     let bytes = source.files().iter().map(|file| bytes_in(file)).sum();
     if let Some(bake) = read_bake(source.path())? {
+        for warning in &bake.warnings {
+            console.warn(&format!("{}: {warning}", source.path().display()));
+        }
         let file = (bake.path != source.path()).then(|| bake.path.display().to_string());
         let info = BakeInfo {
             kind: "bake",
@@ -166,10 +168,10 @@ fn levels_info(chain: &Chain) -> Vec<LevelInfo> {
             max: [f32::NEG_INFINITY; 3],
             mean: [0.0; 3],
         };
-        let (n, sphere) = (level.size(), 4.0 * std::f64::consts::PI);
-        let places = (0..6).flat_map(|_| (0..n).flat_map(|j| (0..n).map(move |i| (i, j))));
-        for (texel, (i, j)) in level.texels.iter().zip(places) {
-            let share = cube::texel_solid_angle(n, i, j) / sphere;
+        let ((width, height), sphere) = (level.layout.sides(), 4.0 * std::f64::consts::PI);
+        let image = || (0..height).flat_map(|j| (0..width).map(move |i| (i, j)));
+        for (texel, (i, j)) in level.texels.iter().zip((0..6).flat_map(|_| image())) {
+            let share = level.layout.texel_solid_angle(i, j) / sphere;
             for (c, value) in texel.iter().enumerate() {
                 info.min[c] = info.min[c].min(*value);
                 info.max[c] = info.max[c].max(*value);

@@ -200,8 +200,7 @@ pub(super) fn layout_name(layout: Layout) -> &'static str {
 pub(super) fn read_bake(path: &Path) -> crate::Result<Option<LoadedChain>> {
     let metadata = fs::metadata(path).map_err(|error| crate::Error::io(path, error))?;
     if metadata.is_dir() {
-        // Levels of one image each, and a target's, may be panoramas or octahedral squares: level 0 is an
-        // environment.
+        // Images and a target's files may be environments.
         let faces = ["m0_px.exr", "m0_px.hdr"].iter().any(|name| path.join(name).is_file());
         let chain = io::load_chain(path);
         return if faces { chain.map(Some) } else { Ok(chain.ok()) };

@@ -26,6 +26,7 @@ mod figures_args;
 mod fingerprint;
 mod info;
 mod input;
+mod look_ups;
 mod man;
 mod outcome;
 mod output;

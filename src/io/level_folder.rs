@@ -1,11 +1,12 @@
 //! Reads level folders written by `bake`: `m{level}_{px,nx,py,ny,pz,nz}.exr` (or `.hdr`), or an image
 //! `m{level}.exr` (or `.hdr`) a level, and `report.json`. Without the report (`bake --json` prints it
-//! instead) the roughness comes from the files' headers.
+//! instead) the roughness comes from the files' headers. Faces whose headers have none are taken for those of
+//! Filament's cmgen.
 
 use super::decode::Format;
 use super::layout::{LayoutChoice, arrangement};
 use super::panics::catching_panics;
-use super::picture::{Content, Picture, Source, Stored, check_finite};
+use super::picture::{Content, LevelHeader, Picture, Source, Stored, check_finite};
 use super::provenance::Provenance;
 use super::regular::open_regular;
 use super::side_report::MOST_REPORT_BYTES;
@@ -15,6 +16,8 @@ use crate::chain::{Chain, Level};
 use crate::environment::Layout;
 use crate::error::{Error, Result};
 use crate::format::LevelName;
+use crate::ladder::Ladder;
+use crate::lobe::Lobe;
 use crate::sphere::cube::Face;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -29,7 +32,11 @@ const SAME_ROUGHNESS: f64 = 1e-5;
 struct Listing {
     levels: Vec<ReportLevel>,
     provenance: Provenance,
+    warnings: Vec<String>,
 }
+
+/// Rotation of cmgen's cubes about +Y, in degrees: the centre of a panorama lies along -Z.
+const CMGEN_ROTATION: f64 = -90.0;
 
 /// Whether the files of level 0 are in `folder`.
 pub(super) fn has_levels(folder: &Path) -> bool {
@@ -48,24 +55,24 @@ pub(super) fn read_environment(folder: &Path, memory_limit: u64) -> Result<Pictu
 /// Reads every level with its roughness.
 pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
     let listing = Listing::of(folder, memory_limit)?;
+    let Listing { levels, provenance, warnings } = listing;
     let mut stored =
-        Stored { chain: Chain { levels: Vec::new() }, provenance: listing.provenance, format: String::new() };
-    for level in &listing.levels {
+        Stored { chain: Chain { levels: Vec::new() }, provenance, format: String::new(), warnings };
+    for level in &levels {
         let ReportLevel { size, roughness, .. } = *level;
         let picture = read_level(folder, *level, memory_limit)?;
-        if picture.content != Content::Cube {
-            return Err(Error::input(
-                folder,
-                "its levels are not cubes; a chain is a cube, give one level as an environment",
-            ));
-        }
+        let layout = match picture.content {
+            Content::Cube => Layout::Cube { size },
+            _ if picture.width == picture.height => Layout::Octahedral { size },
+            _ => Layout::Panorama { width: picture.width, height: picture.height },
+        };
         if level.level == 0 {
-            stored.format = folder_format(&picture, listing.levels.len());
+            stored.format = folder_format(&picture, levels.len());
             stored.provenance = picture.provenance.or(stored.provenance);
         }
         let texels = picture.texels;
         check_finite(folder, level.level, size, &texels)?;
-        stored.chain.levels.push(Level::cube(size, roughness, texels));
+        stored.chain.levels.push(Level { layout, roughness, texels, bounds: None });
     }
     Ok(stored)
 }
@@ -101,12 +108,12 @@ impl Listing {
                 said.roughness, said.level, found.roughness
             )));
         }
-        Ok(Self { provenance: report.provenance(), levels: report.levels })
+        Ok(Self { provenance: report.provenance(), levels: report.levels, warnings: Vec::new() })
     }
 
-    /// Reads the levels from the files' headers; `None` if the first has no roughness.
+    /// Reads the levels from the files' headers; `None` without files, and for an image without roughness.
     fn of_files(folder: &Path) -> Result<Option<Self>> {
-        let mut levels = Vec::new();
+        let (mut levels, mut of_cmgen) = (Vec::new(), false);
         for level in 0u32.. {
             let image = image_file(folder, level);
             let Some(path) = image.clone().or_else(|| face_file(folder, level, Face::PosX).ok()) else {
@@ -114,7 +121,12 @@ impl Listing {
             };
             let bytes = header_bytes(&path)?;
             let source = Source { path: &path, bytes: &bytes, memory_limit: MOST_HEADER_BYTES };
-            let Some((width, height, roughness)) = level_told(&source)? else { break };
+            let Some(LevelHeader { width, height, roughness }) = level_header(&source)? else { break };
+            if level == 0 {
+                of_cmgen = roughness.is_none() && image.is_none();
+            }
+            let roughness = if of_cmgen { Some(0.0) } else { roughness };
+            let Some(roughness) = roughness else { break };
             let size = match image {
                 Some(_) => {
                     let place = arrangement(&path, width, height, Content::Image, LayoutChoice::Auto)?;
@@ -125,7 +137,30 @@ impl Listing {
             levels.push(ReportLevel { level, size, roughness });
             check_levels(&source, &levels)?;
         }
-        Ok((!levels.is_empty()).then(|| Self { levels, provenance: Provenance::default() }))
+        let listing = Self { levels, provenance: Provenance::default(), warnings: Vec::new() };
+        Ok(match listing.levels.len() {
+            0 => None,
+            // Six faces without levels are sources.
+            1 if of_cmgen => None,
+            _ if of_cmgen => Some(listing.of_cmgen()),
+            _ => Some(listing),
+        })
+    }
+
+    /// Adds what cmgen's files do not record: its ladder, lobe and rotation.
+    fn of_cmgen(mut self) -> Self {
+        let (count, size) = (self.levels.len() as u32, self.levels[0].size);
+        for level in &mut self.levels {
+            level.roughness = Ladder::Filament.roughness(level.level, count, size);
+        }
+        self.provenance.rotate_y = Some(CMGEN_ROTATION);
+        self.provenance.lobe = Some(Lobe::Ggx);
+        self.provenance.ladder = Some(Ladder::Filament.name().to_owned());
+        self.warnings.push(format!(
+            "neither a report nor roughness in its files; assuming cmgen's {count} levels of a panorama: \
+             Filament's ladder of ggx, rotated by {CMGEN_ROTATION} degrees"
+        ));
+        self
     }
 }
 
@@ -137,11 +172,11 @@ fn header_bytes(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Columns, rows and roughness of a level's image; `None` if its header has no roughness.
-fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
+/// Header of a level's image; `None` for other formats.
+fn level_header(source: &Source<'_>) -> Result<Option<LevelHeader>> {
     catching_panics(source.path, || match Format::sniff(source.bytes) {
-        Some(Format::OpenExr) => exr::read::level_told(source),
-        Some(Format::Radiance) => hdr::read::level_told(source),
+        Some(Format::OpenExr) => exr::read::level_header(source),
+        Some(Format::Radiance) => hdr::read::level_header(source).map(Some),
         _ => Ok(None),
     })
 }

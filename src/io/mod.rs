@@ -118,6 +118,8 @@ pub struct LoadedChain {
     pub format: String,
     /// The file or level folder; for a target's folder, the file with its levels.
     pub path: PathBuf,
+    /// Assumptions about what the file does not record, one line each, without its name.
+    pub warnings: Vec<String>,
 }
 
 /// Reads an environment: an image, a cube in KTX, KTX2 or DDS, level 0 of a level folder written by `bake`,
@@ -171,9 +173,9 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     finish_finite(ordered[0], picture, options.layout, false, repaired, options)
 }
 
-/// Reads a prefiltered cube chain: a KTX or KTX2 file, a DDS file with its report in the same folder, an EXR
-/// file with one part per face, a level folder (`m{level}_{px,..}.exr` or `.hdr`, or `m{level}.exr` unfolded,
-/// and `report.json`), or the folder of a target. The result is in the file's world, see [`provenance`].
+/// Reads a prefiltered chain: a KTX or KTX2 file, a DDS file with its report in the same folder, an EXR file
+/// with one part per face, a level folder (`m{level}_{px,..}.exr` or `.hdr`, or an image `m{level}.exr`, and
+/// `report.json`), the folder of a target, or a folder of faces that Filament's cmgen wrote. The result is in the file's world, see [`provenance`].
 ///
 /// # Errors
 /// As [`read`]; NaN and Inf are always rejected.
@@ -241,9 +243,9 @@ fn decode_chain(source: &Source<'_>) -> Result<Stored> {
 
 /// Undoes the flip of a chain.
 fn in_world(path: &Path, stored: Stored) -> Result<LoadedChain> {
-    let Stored { chain, provenance, format } = stored;
+    let Stored { chain, provenance, format, warnings } = stored;
     let chain = provenance.world_chain(chain).map_err(|message| Error::input(path, message))?;
-    Ok(LoadedChain { chain, provenance, format, path: path.to_owned() })
+    Ok(LoadedChain { chain, provenance, format, path: path.to_owned(), warnings })
 }
 
 /// The file or level folder that [`read`] reads for `path`: for a target's folder, the file with its levels.

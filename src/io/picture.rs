@@ -122,6 +122,15 @@ pub(super) struct Stored {
     pub(super) provenance: Provenance,
     /// The encoding in words.
     pub(super) format: String,
+    /// Assumptions, one line each, without the file's name.
+    pub(super) warnings: Vec<String>,
+}
+
+/// Size and roughness in the header of a level's image.
+pub(super) struct LevelHeader {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) roughness: Option<f64>,
 }
 
 /// The default of [`super::ReadOptions::memory_limit`]: 3 GiB, enough for 16384x8192 texels.

@@ -236,6 +236,9 @@ impl Provenance {
         }
         Ok(match self.flip.unwrap_or_default() {
             Flip::None => chain,
+            _ if !chain.levels.iter().all(|level| matches!(level.layout, Layout::Cube { .. })) => {
+                return Err(format!("{FLIP_KEY} is for cubes; bake it again"));
+            }
             flip => flip.chain(&chain),
         })
     }

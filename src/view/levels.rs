@@ -2,6 +2,7 @@
 
 use super::frame::{Ladder, MOST_LEVELS};
 use crate::chain::Chain;
+use crate::environment::Layout;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use glam::DMat3;
@@ -15,14 +16,15 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// The levels of `chain`; `levels_from_world` maps world directions to theirs. `None` for a single level,
-    /// which is a plain environment.
+    /// The levels of `chain`; `levels_from_world` maps world directions to theirs. `None` for a single level
+    /// and for other maps than cubes, which are plain environments.
     ///
     /// # Errors
     /// [`Error::Parameter`] for sizes that do not halve, decreasing roughness, and more than the supported
     /// number of levels.
     pub fn new(chain: Chain, levels_from_world: DMat3) -> Result<Option<Self>> {
-        if chain.levels.len() < 2 {
+        let is_cube = chain.levels.iter().all(|level| matches!(level.layout, Layout::Cube { .. }));
+        if chain.levels.len() < 2 || !is_cube {
             return Ok(None);
         }
         let largest = chain.levels[0].size();

@@ -49,7 +49,7 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Res
         })
         .collect::<Result<_>>()?;
     let format = texture.format_name();
-    Ok(Stored { chain: Chain { levels }, provenance: provenance(source), format })
+    Ok(Stored { chain: Chain { levels }, provenance: provenance(source), format, warnings: Vec::new() })
 }
 
 /// Reads the flip from the writer's mark.

@@ -5,7 +5,7 @@ use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::color::{self, Primaries};
 use crate::io::ktx2::write::ROUGHNESS_KEY;
-use crate::io::picture::{Content, Picture, Source, TEXEL_BYTES};
+use crate::io::picture::{Content, LevelHeader, Picture, Source, TEXEL_BYTES};
 use crate::io::provenance::{KEY_PREFIX, Provenance};
 use image::ImageDecoder as _;
 use image::codecs::hdr::HdrDecoder;
@@ -31,13 +31,15 @@ impl Header<'_> {
 }
 
 /// Columns, rows and roughness of an image of a bake's level; `None` if its header has no roughness.
-pub(in crate::io) fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
+pub(in crate::io) fn level_header(source: &Source<'_>) -> Result<LevelHeader> {
     let header = read_header(source)?;
     let (width, height) = header.scan.sides();
     let roughness = header.text(ROUGHNESS_KEY).and_then(|text| text.parse().ok());
-    Ok(roughness
-        .filter(|roughness| (0.0..=1.0).contains(roughness))
-        .map(|roughness| (width, height, roughness)))
+    Ok(LevelHeader {
+        width,
+        height,
+        roughness: roughness.filter(|roughness| (0.0..=1.0).contains(roughness)),
+    })
 }
 
 /// Pixel order: `lines` scanlines of `length` pixels.

@@ -48,7 +48,8 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
         check_finite(source.path, level, size, &texels)?;
         levels.push(Level::cube(size, roughness, texels));
     }
-    Ok(Stored { chain: Chain { levels }, provenance: texture.provenance()?, format: texture.format() })
+    let (provenance, format) = (texture.provenance()?, texture.format());
+    Ok(Stored { chain: Chain { levels }, provenance, format, warnings: Vec::new() })
 }
 
 impl<'a> Texture<'a> {

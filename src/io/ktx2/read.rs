@@ -95,7 +95,8 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
             Ok(Level::cube(size, roughness, texels))
         })
         .collect::<Result<_>>()?;
-    Ok(Stored { chain: Chain { levels }, provenance: container.provenance()?, format: container.format() })
+    let (provenance, format) = (container.provenance()?, container.format());
+    Ok(Stored { chain: Chain { levels }, provenance, format, warnings: Vec::new() })
 }
 
 impl<'a> Container<'a> {

@@ -108,3 +108,121 @@ fn solved_chains_are_judged_by_what_they_deliver() {
     fails(at, &["compare", "solved.ktx2", "sky.exr", "--texels", "9"], 2, "solved chain");
     fails(at, &["compare", "solved.ktx2", "sky.exr", "--delivered=1.5"], 2, "between 0 and 1");
 }
+
+#[test]
+fn chains_of_every_map_are_measured() {
+    let folder = with_sky();
+    let at = folder.path();
+    for layout in ["equirect", "octahedral", "faces"] {
+        let args =
+            ["bake", "sky.exr", "-o", layout, "--out-layout", layout, "--format", "exr", "--size", "32"];
+        done(at, &[&args[..], &["--levels", "4", "--pixel", "f32", "--rotate-y", "40", "--quiet"]].concat());
+        let args = ["compare", layout, "sky.exr", "--json", "--quiet", "--texels", "60"];
+        let found: Value =
+            serde_json::from_str(&done(at, &[&args[..], &["--delivered=0.7,0.9"]].concat()).out).unwrap();
+        let levels = found["levels"].as_array().unwrap();
+        // The lobe of the second is narrower than two texels of the source.
+        assert_eq!(levels.len(), 2, "{layout}: {found}");
+        for level in levels {
+            let error = level["rel_rmse"].as_f64().unwrap();
+            assert!(error < 0.01, "{layout}: {level}");
+            assert_eq!(level["worst"]["face"].is_null(), layout != "faces", "{level}");
+        }
+        for error in found["delivered"]["roughnesses"].as_array().unwrap() {
+            assert!(error["rel_rmse"].as_f64().unwrap() < 0.2, "{layout}: {error}");
+        }
+        // The wrong world is far off.
+        let turned = done(at, &[&args[..], &["--rotate-y", "-140"]].concat()).out;
+        let turned: Value = serde_json::from_str(&turned).unwrap();
+        assert!(turned["levels"][0]["rel_rmse"].as_f64().unwrap() > 0.1, "{layout}: {turned}");
+        done(at, &["compare", layout, layout, "--fail-above", "0", "--quiet"]);
+        assert!(done(at, &["info", layout]).out.contains("roughness"), "{layout}");
+    }
+    fails(at, &["compare", "equirect", "octahedral"], 1, "a panorama of 32");
+    fails(at, &["compare", "equirect", "sky.exr", "--picture", "a.png"], 2, "--picture shows cubes");
+}
+
+#[test]
+fn folders_of_cmgen_are_measured() {
+    let folder = with_sky();
+    let at = folder.path();
+    let args = ["bake", "sky.exr", "-o", "ours", "--out-layout", "faces", "--format", "hdr", "--size", "64"];
+    let ladder = ["--levels", "3", "--ladder", "filament", "--rotate-y", "-90", "--quiet"];
+    done(at, &[&args[..], &ladder].concat());
+    // cmgen writes the same names, without any of our lines.
+    fs::create_dir(at.join("theirs")).unwrap();
+    for entry in fs::read_dir(at.join("ours")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "hdr") {
+            let bytes = fs::read(&path).unwrap();
+            let end = bytes.windows(2).position(|pair| pair == b"\n\n").unwrap();
+            let header = String::from_utf8(bytes[..end].to_vec()).unwrap();
+            let plain: Vec<&str> = header.lines().filter(|line| !line.starts_with("octagloss")).collect();
+            assert!(plain.len() < header.lines().count(), "{header}");
+            let plain = [plain.join("\n").as_bytes(), &bytes[end..]].concat();
+            fs::write(at.join("theirs").join(path.file_name().unwrap()), plain).unwrap();
+        }
+    }
+    let json = |path: &str| -> (Value, String) {
+        let ran =
+            octagloss(at, &["compare", path, "sky.exr", "--delivered=0.6,0.9", "--json", "--texels", "20"]);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        (serde_json::from_str(&ran.out).unwrap(), ran.err)
+    };
+    let ((ours, _), (theirs, warnings)) = (json("ours"), json("theirs"));
+    assert_eq!((&ours["levels"], &ours["delivered"]), (&theirs["levels"], &theirs["delivered"]));
+    assert!(
+        warnings.contains("theirs: neither a report nor roughness in its files; assuming cmgen's 3 levels")
+    );
+    // Six faces alone are a source.
+    for level in [1, 2] {
+        for face in ["px", "nx", "py", "ny", "pz", "nz"] {
+            fs::remove_file(at.join(format!("theirs/m{level}_{face}.hdr"))).unwrap();
+        }
+    }
+    fails(at, &["compare", "theirs", "sky.exr"], 1, "theirs");
+}
+
+#[test]
+fn charts_show_several_bakes() {
+    let folder = with_sky();
+    let at = folder.path();
+    for kind in ["sampled", "solved"] {
+        let output = format!("{kind}.ktx2");
+        let args = ["bake", "sky.exr", "-o", &output, "--size", "16", "--levels", "3", "--chain", kind];
+        done(at, &[&args[..], &["--quiet"]].concat());
+    }
+    let both = ["compare", "sampled.ktx2", "sky.exr", "--delivered=0.6,0.8,1", "--overlay", "solved.ktx2"];
+    let text = done(at, &[&both[..], &["--texels", "6"]].concat()).out;
+    for name in ["sampled.ktx2", "solved.ktx2"] {
+        assert!(text.contains(&format!("{name}: look-ups by the ladder linear")), "{text}");
+    }
+    let found: Value =
+        serde_json::from_str(&done(at, &[&both[..], &["--texels", "6", "--json"]].concat()).out).unwrap();
+    assert_eq!(found["overlays"][0]["bake"], "solved.ktx2");
+    let of = |value: &Value| value["roughnesses"][1]["rel_rmse"].as_f64().unwrap();
+    assert_ne!(of(&found["delivered"]), of(&found["overlays"][0]["delivered"]));
+    let alone = ["compare", "sampled.ktx2", "sky.exr", "--texels", "6", "--overlay", "solved.ktx2"];
+    fails(at, &alone, 2, "--delivered");
+    fails(at, &[&both[..], &["--overlay", "sky.exr"]].concat(), 1, "sky.exr: not a bake");
+
+    let chart = |path: &str, more: &[&str]| {
+        octagloss(at, &[&both[..], &["--texels", "6", "--chart", path], more].concat())
+    };
+    if cfg!(feature = "plot") {
+        assert_eq!(chart("c.svg", &[]).code, 0);
+        let drawn = fs::read_to_string(at.join("c.svg")).unwrap();
+        for words in
+            ["perceptual roughness", "relative RMS error", "sampled.ktx2 (linear)", "solved.ktx2 (linear)"]
+        {
+            assert!(drawn.contains(words), "{words} is not in the chart");
+        }
+        assert!(chart("c.svg", &[]).err.contains("exists"), "{}", chart("c.svg", &[]).err);
+        assert_eq!((chart("c.svg", &["--force"]).code, chart("c.png", &[]).code), (0, 0));
+        assert!(fs::read(at.join("c.png")).unwrap().starts_with(b"\x89PNG"));
+        assert!(chart("c.gif", &[]).code == 2 && chart("solved.ktx2", &["--force"]).code == 2);
+    } else {
+        let ran = chart("c.svg", &[]);
+        assert!(ran.code == 2 && ran.err.contains("--features plot"), "{}", ran.err);
+    }
+}

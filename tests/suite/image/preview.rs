@@ -1,7 +1,9 @@
 //! The contact sheet is oriented correctly and seamless; the error picture marks the wrong texel.
 
+use crate::support::common::Random;
 use crate::support::written::chain;
 use glam::DVec3;
+use octagloss::Layout;
 use octagloss::internals::chain::{Chain, Level};
 use octagloss::internals::chain_lookup::SeamlessLevel;
 use octagloss::internals::environment::Rgb;
@@ -37,6 +39,41 @@ fn a_texel_centre_gives_its_texel() {
                         assert!((found[c] - expected[c]).abs() < 1e-5 * 32.0, "{found:?} {expected:?}");
                     }
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn texel_centres_of_other_maps_give_their_texels_and_folds_are_continuous() {
+    let mut random = Random::new(3);
+    for layout in [Layout::Panorama { width: 12, height: 6 }, Layout::Octahedral { size: 7 }] {
+        let texels: Vec<Rgb> = (0..layout.texel_count()).map(|k| [k as f32, 1.0, (k * k) as f32]).collect();
+        let level = Level { layout, roughness: 0.5, texels, bounds: None };
+        let seamless = SeamlessLevel::new(&level);
+        let (width, height) = layout.sides();
+        for (i, j) in (0..height).flat_map(|j| (0..width).map(move |i| (i, j))) {
+            let found = seamless.radiance(layout.direction_from_texel(0, i, j) * 0.5);
+            let expected = level.texels[(j * width + i) as usize].map(f64::from);
+            assert!(
+                (0..3).all(|c| (found[c] - expected[c]).abs() < 1e-6),
+                "{layout:?} ({i}, {j}): {found:?}"
+            );
+        }
+        // Steps of 1e-7 across the folds y = 0 and -y, and across the seam of a panorama at -x.
+        for _ in 0..2000 {
+            // Away from the poles, where a small step turns far.
+            let a = random.between(0.2, 1.0);
+            let b = random.between(0.2, 1.0) * if random.unit() < 0.5 { -1.0 } else { 1.0 };
+            for (inside, outside) in [
+                (DVec3::new(b, -a, 1e-7), DVec3::new(b, -a, -1e-7)),
+                (DVec3::new(1e-7, -a, b), DVec3::new(-1e-7, -a, b)),
+                (DVec3::new(-a, b, 1e-7), DVec3::new(-a, b, -1e-7)),
+                (DVec3::new(b, 1e-7, a), DVec3::new(b, -1e-7, a)),
+            ] {
+                let jump = |c: usize| (seamless.radiance(inside)[c] - seamless.radiance(outside)[c]).abs();
+                let far = (0..3).map(jump).fold(0.0, f64::max);
+                assert!(far < 0.05, "{layout:?} {inside}: {far}");
             }
         }
     }

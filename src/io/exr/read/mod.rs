@@ -11,7 +11,7 @@ use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::color::{self, Primaries};
 use crate::io::oem_write::BORDER_KEY;
-use crate::io::picture::{Content, Picture, Source, Stored, TEXEL_BYTES};
+use crate::io::picture::{Content, LevelHeader, Picture, Source, Stored, TEXEL_BYTES};
 use crate::io::provenance::Provenance;
 use crate::sphere::cube::Face;
 use ::exr::meta::attribute::{AttributeValue, Chromaticities, Compression, SampleType};
@@ -93,7 +93,7 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     for level in 0u32..32 {
         let Some(first) = part_named(&metadata, &part_name(level, Face::PosX)) else { break };
         let (size, texels) = cube_of_parts(source, &metadata, level)?;
-        let Some(roughness) = roughness_told(&metadata.headers[first]).filter(|r| (0.0..=1.0).contains(r))
+        let Some(roughness) = header_roughness(&metadata.headers[first]).filter(|r| (0.0..=1.0).contains(r))
         else {
             return Err(source.error(format!("its level {level} has no roughness; bake it again")));
         };
@@ -111,6 +111,7 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
         chain: Chain { levels },
         provenance: provenance(source, &metadata.headers[0])?,
         format: parts_format(&metadata),
+        warnings: Vec::new(),
     })
 }
 
@@ -178,7 +179,7 @@ fn text_told(header: &Header, name: &str) -> Option<String> {
 }
 
 /// The attribute `roughness`.
-fn roughness_told(header: &Header) -> Option<f64> {
+fn header_roughness(header: &Header) -> Option<f64> {
     attributes(header, "roughness").find_map(|value| match value {
         AttributeValue::F32(roughness) => Some(f64::from(*roughness)),
         _ => None,
@@ -191,12 +192,17 @@ fn attributes<'a>(header: &'a Header, name: &'a str) -> impl Iterator<Item = &'a
 }
 
 /// Columns, rows and roughness of an image of a bake's level; `None` if its header has no roughness.
-pub(in crate::io) fn level_told(source: &Source<'_>) -> Result<Option<(u32, u32, f64)>> {
+pub(in crate::io) fn level_header(source: &Source<'_>) -> Result<Option<LevelHeader>> {
     let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
         .map_err(|error| exr_error(source, &error))?;
     Ok(metadata.headers.first().and_then(|header| {
         let (width, height) = (header.layer_size.x(), header.layer_size.y());
-        Some((u32::try_from(width).ok()?, u32::try_from(height).ok()?, roughness_told(header)?))
+        let roughness = header_roughness(header);
+        Some(LevelHeader {
+            width: u32::try_from(width).ok()?,
+            height: u32::try_from(height).ok()?,
+            roughness,
+        })
     }))
 }
 

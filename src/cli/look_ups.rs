@@ -1,0 +1,191 @@
+//! `octagloss compare --delivered`: errors of trilinear look-ups of one or several bakes, and their chart.
+
+use super::args::CompareArgs;
+use super::console::Console;
+use super::outcome::{Outcome, usage};
+use crate::Environment;
+use crate::analysis::compare::is_measurable;
+use crate::analysis::delivered::{DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors};
+use crate::chain::{Chain, Level};
+use crate::filter::Filter;
+use crate::io::output::Existing;
+use crate::ladder::Ladder;
+use crate::lobe::Lobe;
+use crate::reflector::{Reflector, ReflectorSettings};
+use anyhow::anyhow;
+use glam::DVec3;
+use serde::Serialize;
+use std::cell::Cell;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Errors of a bake's trilinear look-ups.
+#[derive(Serialize)]
+pub(super) struct Delivered {
+    /// The ladder that maps roughness to levels.
+    ladder: &'static str,
+    /// Directions per roughness.
+    directions: usize,
+    pub(super) roughnesses: Vec<DeliveredError>,
+}
+
+/// A further bake of the chart.
+#[derive(Serialize)]
+pub(super) struct Overlay {
+    pub(super) bake: String,
+    pub(super) delivered: Delivered,
+}
+
+/// Tolerance of the reference lobes.
+const TOLERANCE: f64 = 0.002;
+
+/// Step between the roughnesses of a chart.
+const CHART_STEP: f64 = 0.02;
+
+/// Measures look-ups of `bake`, the file or folder `path`, in the prepared `source`; at the given roughnesses,
+/// or at those that the source resolves.
+pub(super) fn measure(
+    args: &CompareArgs,
+    path: &Path,
+    bake: &Chain,
+    lobe: Lobe,
+    ladder: Option<&str>,
+    source: &Environment,
+    console: &Console,
+) -> Outcome<Delivered> {
+    let name = path.display();
+    if lobe != Lobe::Ggx {
+        return usage(format!("--delivered needs lobes of ggx; those of {name} are {}", lobe.name()));
+    }
+    let Some(ladder) = ladder.and_then(Ladder::named).or_else(|| ladder_of(bake)) else {
+        return Err(anyhow!("{name} records no ladder, and its roughnesses match none").into());
+    };
+    let asked = args.delivered.clone().unwrap_or_default();
+    let roughnesses = if asked.is_empty() {
+        let mut roughnesses = default_roughnesses(bake);
+        if args.chart.is_some() {
+            roughnesses = (1..=50).map(|step| f64::from(step) * CHART_STEP).collect();
+        }
+        roughnesses.retain(|r| is_measurable(&Level::cube(1, *r, Vec::new()), lobe, source.layout()));
+        if roughnesses.is_empty() {
+            return Err(anyhow!(
+                "no roughness of {name} has a lobe at least two texels of {} wide; bake rougher levels to \
+                 compare",
+                args.against.display()
+            )
+            .into());
+        }
+        roughnesses
+    } else {
+        asked
+    };
+    let sharpest = roughnesses.iter().copied().filter(|r| *r > 0.0).fold(1.0, f64::min);
+    let reflector = Reflector::new(source, &ReflectorSettings { sharpest, ..ReflectorSettings::default() })?;
+    let bar = console.bar("look-ups");
+    let done = Cell::new(0);
+    let truth = |roughness: f64, directions: &[DVec3]| {
+        let answers = reflector.query_all(directions, roughness, lobe, Filter::Adaptive(TOLERANCE))?;
+        done.set(done.get() + 1);
+        bar.at(done.get(), roughnesses.len() as u64);
+        Ok(answers.into_iter().map(|answer| answer.radiance).collect())
+    };
+    let errors = delivered_errors(bake, ladder, &roughnesses, &truth)?;
+    Ok(Delivered { ladder: ladder.name(), directions: DIRECTIONS, roughnesses: errors })
+}
+
+/// The ladder that matches the roughnesses of `bake`.
+fn ladder_of(bake: &Chain) -> Option<Ladder> {
+    let (levels, size) = (bake.levels.len() as u32, bake.levels[0].size());
+    let fits = |ladder: &Ladder| {
+        let mut pairs = (0..levels).zip(&bake.levels);
+        pairs.all(|(k, level)| (ladder.roughness(k, levels, size) - level.roughness).abs() < 1e-3)
+    };
+    Ladder::ALL.into_iter().find(fits)
+}
+
+impl Delivered {
+    /// The figures as lines of text, headed by `name`.
+    pub(super) fn text(&self, name: &str) -> String {
+        let mut text = format!(
+            "{name}: look-ups by the ladder {} along {} directions\nroughness     lod   relRMSE  greatest \
+             error\n",
+            self.ladder, self.directions
+        );
+        for DeliveredError { roughness, lod, rel_rmse, max_error } in &self.roughnesses {
+            writeln!(text, "{roughness:>9.4}  {lod:>6.3}  {rel_rmse:>8.6}  {max_error:>14.4}")
+                .expect("writing to a string cannot fail");
+        }
+        text
+    }
+}
+
+/// Checks that the chart `path` can be drawn and written.
+#[cfg(feature = "plot")]
+pub(super) fn check_chart(path: &Path, existing: Existing) -> Outcome {
+    use crate::io::output::{check_file, recover};
+    use crate::plot::figure::Form;
+
+    if let Err(error) = Form::of(path) {
+        return usage(format!("--chart {error}"));
+    }
+    recover(path);
+    Ok(check_file(path, existing)?)
+}
+
+#[cfg(not(feature = "plot"))]
+pub(super) fn check_chart(_: &Path, _: Existing) -> Outcome {
+    use super::shell::quoted;
+
+    let arguments: String =
+        std::env::args_os().skip(1).map(|argument| format!(" {}", quoted(&argument))).collect();
+    usage(format!(
+        "charts are not part of this build; run: cargo run --release --features plot --{arguments}"
+    ))
+}
+
+/// Least error that the chart can show.
+#[cfg(feature = "plot")]
+const LEAST_ERROR: f64 = 1e-6;
+
+/// Draws error over roughness for each of `curves`, named bakes, into the file `path`.
+#[cfg(feature = "plot")]
+pub(super) fn draw_chart(
+    path: &Path,
+    existing: Existing,
+    curves: &[(&str, &Delivered)],
+    against: &Path,
+) -> Outcome {
+    use crate::plot::chart::{Axis, Chart, Marks, Scale, Series};
+
+    let series = curves.iter().map(|(name, delivered)| Series {
+        name: format!("{name} ({})", delivered.ladder),
+        points: (delivered.roughnesses.iter())
+            .map(|error| [error.roughness, error.rel_rmse.max(LEAST_ERROR)])
+            .collect(),
+        marks: if delivered.roughnesses.len() > 20 { Marks::Line } else { Marks::LineAndDots },
+        ..Series::default()
+    });
+    let chart = Chart {
+        title: "Error of look-ups over roughness".to_owned(),
+        caption: format!(
+            "Trilinear look-ups along {DIRECTIONS} directions against GGX lobes of {}: root mean square error \
+             of luminance over its mean. The ladder that maps roughness to levels stands in brackets.",
+            file_name(against)
+        ),
+        x: Axis { label: "perceptual roughness".to_owned(), range: Some([0.0, 1.0]), scale: Scale::Linear },
+        y: Axis { label: "relative RMS error".to_owned(), range: None, scale: Scale::Logarithmic },
+        series: series.collect(),
+    };
+    Ok(chart.write(path, existing)?)
+}
+
+#[cfg(not(feature = "plot"))]
+pub(super) fn draw_chart(path: &Path, existing: Existing, _: &[(&str, &Delivered)], _: &Path) -> Outcome {
+    check_chart(path, existing)
+}
+
+/// The last part of `path`, or all of it.
+#[cfg(feature = "plot")]
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
