@@ -23,13 +23,20 @@ use std::path::PathBuf;
 /// Maximum edge of a cube or an octahedral map, in texels.
 const MAX_SIZE: i64 = 16_384;
 
+macro_rules! version {
+    ($($feature:literal)*) => {
+        concat!(env!("CARGO_PKG_VERSION"), " (features: cli", $(" ", $feature,)* ")")
+    };
+}
+
 /// Version and compiled features.
-const VERSION: &str = if cfg!(feature = "view") {
-    concat!(env!("CARGO_PKG_VERSION"), " (features: cli gpu view)")
-} else if cfg!(feature = "gpu") {
-    concat!(env!("CARGO_PKG_VERSION"), " (features: cli gpu)")
-} else {
-    concat!(env!("CARGO_PKG_VERSION"), " (features: cli)")
+const VERSION: &str = match (cfg!(feature = "gpu"), cfg!(feature = "view"), cfg!(feature = "plot")) {
+    (false, _, false) => version!(),
+    (false, _, true) => version!("plot"),
+    (true, false, false) => version!("gpu"),
+    (true, false, true) => version!("gpu" "plot"),
+    (true, true, false) => version!("gpu" "view"),
+    (true, true, true) => version!("gpu" "view" "plot"),
 };
 
 /// Bakes HDR environments into glossy reflections of any roughness

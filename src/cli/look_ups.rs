@@ -157,8 +157,15 @@ pub(super) fn draw_chart(
 ) -> Outcome {
     use crate::plot::chart::{Axis, Chart, Marks, Scale, Series};
 
+    // File names, or paths where two are alike.
+    let short = |name: &str| file_name(Path::new(name));
+    let is_alone = |name: &str| curves.iter().filter(|(other, _)| short(other) == short(name)).count() == 1;
     let series = curves.iter().map(|(name, delivered)| Series {
-        name: format!("{name} ({})", delivered.ladder),
+        name: format!(
+            "{} ({})",
+            if is_alone(name) { short(name) } else { (*name).to_owned() },
+            delivered.ladder
+        ),
         points: (delivered.roughnesses.iter())
             .map(|error| [error.roughness, error.rel_rmse.max(LEAST_ERROR)])
             .collect(),

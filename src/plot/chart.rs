@@ -79,6 +79,12 @@ pub struct Series {
 /// Height of the axes in pixels.
 const HEIGHT: f64 = 480.0;
 
+/// Pixels left of the axes, for labels.
+const LEFT: f64 = 70.0;
+
+/// Height of a line of the legend in pixels.
+const LEGEND_LINE: f64 = 30.0;
+
 /// Pixels of the lane for infinite values.
 const LANE: f64 = 46.0;
 
@@ -95,11 +101,15 @@ impl Chart {
             .filter(|(_, series)| !series.name.is_empty())
             .map(|(k, series)| (series, SERIES[k % SERIES.len()]))
             .collect();
-        let legend_height = if legend.is_empty() { 0.0 } else { 30.0 };
+        let lines = legend_lines(&legend, WIDTH - 2.0 * MARGIN - LEFT);
+        let legend_height = LEGEND_LINE * lines.len() as f64;
         let (mut scene, body) = page(WIDTH, HEIGHT + legend_height + 62.0, &self.title, &self.caption);
-        let low = body.low + DVec2::new(70.0, legend_height);
+        let low = body.low + DVec2::new(LEFT, legend_height);
         let frame = Frame::new(low, DVec2::new(body.high.x - 6.0, low.y + HEIGHT));
-        draw_legend(&mut scene, &legend, DVec2::new(frame.low.x, body.low.y + 8.0));
+        for (line, number) in lines.iter().zip(0..) {
+            let top = body.low.y + 8.0 + LEGEND_LINE * f64::from(number);
+            draw_legend(&mut scene, line, DVec2::new(frame.low.x, top));
+        }
         let place = |point: [f64; 2]| {
             let across = x.at(point[0], frame.low.x, frame.high.x);
             DVec2::new(across, y.at(point[1], frame.high.y, frame.low.y))
@@ -189,8 +199,28 @@ fn draw_legend(scene: &mut Scene, legend: &[(&Series, Colour)], mut at: DVec2) {
         }
         mark(scene, series.marks, centre, *colour);
         scene.text(at + DVec2::new(36.0, 0.35 * SMALL), &series.name, SMALL, Anchor::Start, INK);
-        at.x += 36.0 + super::render::text_width(&series.name, SMALL) + 28.0;
+        at.x += legend_width(series);
     }
+}
+
+/// Pixels of an entry of the legend, with the gap to the next one.
+fn legend_width(series: &Series) -> f64 {
+    36.0 + super::render::text_width(&series.name, SMALL) + 28.0
+}
+
+/// Breaks the legend into lines of at most `width` pixels; a longer entry has a line of its own.
+fn legend_lines<'a>(legend: &[(&'a Series, Colour)], width: f64) -> Vec<Vec<(&'a Series, Colour)>> {
+    let mut lines: Vec<Vec<(&Series, Colour)>> = Vec::new();
+    let mut used = f64::INFINITY;
+    for entry in legend {
+        if used + legend_width(entry.0) > width {
+            lines.push(Vec::new());
+            used = 0.0;
+        }
+        used += legend_width(entry.0);
+        lines.last_mut().expect("the first entry starts a line").push(*entry);
+    }
+    lines
 }
 
 /// An axis with its range.
