@@ -209,5 +209,8 @@ fn the_version_lists_the_features() {
     if cfg!(feature = "view") {
         features += " view";
     }
+    if cfg!(feature = "plot") {
+        features += " plot";
+    }
     assert_eq!(out, format!("octagloss {} (features: {features})\n", env!("CARGO_PKG_VERSION")));
 }
