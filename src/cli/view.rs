@@ -16,7 +16,7 @@ use crate::view::{
     Truth, run as run_window, screenshot,
 };
 use crate::{Environment, Layout, Rgb};
-use clap::{Args as ClapArgs, ValueEnum};
+use clap::Args as ClapArgs;
 use std::path::PathBuf;
 
 #[derive(Debug, ClapArgs)]
@@ -63,7 +63,7 @@ struct LookArgs {
     ///
     /// A sphere, nine of roughness 0 to 1, or a torus knot.
     #[arg(long, value_name = "OBJECT", default_value = "sphere", hide_possible_values = true)]
-    object: ObjectArg,
+    object: Object,
     /// Show a mesh: .gltf, .glb or .obj
     ///
     /// glTF: triangles with base colour, metalness and roughness of materials, textures, vertex colours and
@@ -110,7 +110,7 @@ struct LookArgs {
     exposure: Exposure,
     /// neutral, aces, reinhard or linear
     #[arg(long, value_name = "TONE", default_value = "neutral", hide_possible_values = true)]
-    tone: ToneArg,
+    tone: Tone,
     /// box, fitted:K, levels, adaptive [default: fitted:4]
     ///
     /// fitted:K is the real-time tier, K 1, 2, 4 or 8. levels is a prefiltered cube as in engines; for a bake
@@ -124,7 +124,7 @@ struct LookArgs {
     /// filter's relative error against the certified tier in false colour, from 1e-4 (black) through blue and
     /// red to 1 (yellow).
     #[arg(long, value_name = "WHAT", default_value = "scene", hide_possible_values = true)]
-    show: ShowArg,
+    show: Show,
     /// Camera: rotation to the right, in degrees
     ///
     /// 0, the default, looks along +X. -90, the default with --mesh, looks along -Z at the +Z side.
@@ -139,29 +139,6 @@ struct LookArgs {
     /// Camera: vertical angle of view, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 35.0, value_parser = finite, allow_negative_numbers = true)]
     angle: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ObjectArg {
-    Sphere,
-    Row,
-    Knot,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ToneArg {
-    Neutral,
-    Aces,
-    Reinhard,
-    Linear,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ShowArg {
-    Scene,
-    Oem,
-    Sat,
-    Error,
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {
@@ -183,12 +160,7 @@ impl LookArgs {
     fn look(&self) -> Look {
         let look = Look::default();
         Look {
-            object: match (&self.mesh, self.object) {
-                (Some(_), _) => Object::Mesh,
-                (None, ObjectArg::Sphere) => Object::Sphere,
-                (None, ObjectArg::Row) => Object::Row,
-                (None, ObjectArg::Knot) => Object::Knot,
-            },
+            object: if self.mesh.is_some() { Object::Mesh } else { self.object },
             camera: Camera {
                 yaw: match self.yaw {
                     Some(degrees) => degrees.to_radians(),
@@ -208,19 +180,9 @@ impl LookArgs {
             backdrop: self.backdrop,
             turn: self.turn,
             exposure: self.exposure,
-            tone: match self.tone {
-                ToneArg::Neutral => Tone::Neutral,
-                ToneArg::Aces => Tone::Aces,
-                ToneArg::Reinhard => Tone::Reinhard,
-                ToneArg::Linear => Tone::Linear,
-            },
+            tone: self.tone,
             filter: self.filter.unwrap_or(look.filter),
-            show: match self.show {
-                ShowArg::Scene => Show::Scene,
-                ShowArg::Oem => Show::Oem,
-                ShowArg::Sat => Show::Sat,
-                ShowArg::Error => Show::Error,
-            },
+            show: self.show,
         }
     }
 }

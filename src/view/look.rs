@@ -10,6 +10,7 @@ use std::str::FromStr;
 
 /// The object under the environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Object {
     /// One sphere.
     #[default]
@@ -18,7 +19,8 @@ pub enum Object {
     Row,
     /// A torus knot.
     Knot,
-    /// A mesh from a file.
+    /// A mesh from a file, which the command line names by itself.
+    #[cfg_attr(feature = "cli", value(skip))]
     Mesh,
 }
 
@@ -89,6 +91,7 @@ impl FromStr for Technique {
 
 /// Content of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Show {
     /// The scene.
     #[default]
@@ -103,6 +106,7 @@ pub enum Show {
 
 /// Tone mapping from radiance to display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Tone {
     /// The PBR Neutral tone mapper of the Khronos Group (2024), which preserves colours.
     #[default]
