@@ -5,7 +5,7 @@ use super::outcome::{Outcome, check_not_input, check_output, on_threads, usage, 
 use super::shared_args::MAX_THREADS;
 use super::values::{finite, scale};
 use crate::geometry::bordered::bordered_picture;
-use crate::geometry::overlap::{Target, mean_radiances, panorama_mean_radiances};
+use crate::geometry::overlap::{Space, Target, mean_radiances, panorama_mean_radiances};
 use crate::geometry::resample::resample;
 use crate::io::environment_write::picture_bytes;
 use crate::io::output::Existing;
@@ -199,8 +199,10 @@ impl Source {
     fn converted(&self, map: &NamedMap, target: &Grid) -> crate::Result<Vec<Rgb>> {
         let size = target.size();
         match (&self.environment, map.name) {
-            (Some(environment), "octahedral") => mean_radiances(environment, Target::Octahedral(size), true),
-            (Some(environment), "cube") => mean_radiances(environment, Target::Cube(size), true),
+            (Some(environment), "octahedral") => {
+                mean_radiances(environment, Target::Octahedral(size), Space::World)
+            }
+            (Some(environment), "cube") => mean_radiances(environment, Target::Cube(size), Space::World),
             (Some(environment), "equirect") => panorama_mean_radiances(environment, 2 * size, size),
             _ => Ok(resample(&self.grid, &self.texels, self.world_from_source, target)),
         }

@@ -3,7 +3,7 @@
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::Result;
-use crate::geometry::overlap::{Target, mean_radiances};
+use crate::geometry::overlap::{Space, Target, mean_radiances};
 use crate::geometry::solid_angles::SolidAngles;
 use crate::oem::{Oem, OemSize};
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<
     let texels = if environment.layout() == (Layout::Octahedral { size: n }) {
         environment.texels()
     } else {
-        means = mean_radiances(environment, Target::Octahedral(n), false)?;
+        means = mean_radiances(environment, Target::Octahedral(n), Space::Source)?;
         &means
     };
     let weigh = |(k, radiance): (usize, &Rgb)| {

@@ -34,13 +34,24 @@ struct Entry {
     solid_angle: f32,
 }
 
-/// The mean radiance of `environment` over every texel of `target`; in the world if `turned`, else in the
-/// source's space.
+/// Space in which a target's directions lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Space {
+    /// The world, to which the environment's rotation leads.
+    World,
+    /// The source's own space.
+    Source,
+}
+
+/// The mean radiance of `environment` over every texel of `target`, whose directions lie in `space`.
 ///
 /// # Errors
 /// [`Error::Limit`] if the overlaps do not fit.
-pub(crate) fn mean_radiances(environment: &Environment, target: Target, turned: bool) -> Result<Vec<Rgb>> {
-    let turn = if turned { environment.source_from_world().transpose() } else { DMat3::IDENTITY };
+pub(crate) fn mean_radiances(environment: &Environment, target: Target, space: Space) -> Result<Vec<Rgb>> {
+    let turn = match space {
+        Space::World => environment.source_from_world().transpose(),
+        Space::Source => DMat3::IDENTITY,
+    };
     if is_symmetric(environment.layout(), turn, target)
         && let Some(means) = sweep::mean_radiances(environment, target)
     {

@@ -5,7 +5,7 @@ use crate::chain::{Chain, Level};
 use crate::chain_lookup::SeamlessLevel;
 use crate::environment::{Environment, Layout, Rgb, exact_luminance};
 use crate::error::{Error, Result};
-use crate::geometry::overlap::{Target, mean_radiances};
+use crate::geometry::overlap::{Space, Target, mean_radiances};
 use crate::image::exposure::{self, Exposure};
 use crate::image::font;
 use crate::io::layout::CROSS_CELLS;
@@ -89,7 +89,7 @@ fn as_cube(level: &Level) -> Result<Cow<'_, Level>> {
     }
     let size = level.layout.face_edge();
     let environment = Environment::new(level.layout, level.texels.clone())?;
-    let texels = mean_radiances(&environment, Target::Cube(size), true)?;
+    let texels = mean_radiances(&environment, Target::Cube(size), Space::World)?;
     Ok(Cow::Owned(Level::cube(size, level.roughness, texels)))
 }
 
