@@ -5,6 +5,7 @@ use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::realtime::tables::COUNTS;
+use crate::sat::Scan;
 
 /// Method of evaluating a lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +30,25 @@ impl Filter {
             Self::Fitted(_) => Self::Adaptive(0.005),
             other => other,
         }
+    }
+
+    /// Whether the filter reads a summed-area table.
+    #[must_use]
+    pub const fn reads_sat(self) -> bool {
+        matches!(self, Self::Box | Self::Fitted(_))
+    }
+
+    /// Checks that the filter reads a summed-area table if a `scan` other than the default is requested.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a filter without such a table, and those of [`Scan::check`].
+    pub fn check_scan(self, scan: Scan) -> Result<()> {
+        if scan != Scan::default() && !self.reads_sat() {
+            return Err(Error::Parameter(format!(
+                "`scan` {scan} is for the filters over a summed-area table; use `filter` box or fitted:K"
+            )));
+        }
+        scan.check()
     }
 
     /// Checks that the filter supports `lobe`, and an OEM of `inner` texels if given.

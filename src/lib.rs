@@ -143,6 +143,7 @@ pub use gpu::live::LiveEnvironment;
 pub use ladder::Ladder;
 pub use lobe::Lobe;
 pub use reflector::{Reflector, ReflectorSettings};
+pub use sat::Scan;
 #[cfg(feature = "gpu")]
 pub use wgpu;
 

@@ -128,11 +128,12 @@ fn check_bake_within(
 /// Peak bytes of a bake.
 fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64) -> Result<u64> {
     let job = Job::new(environment, settings)?;
-    let (size, block) = job.reflector_settings().plan(environment.layout())?;
+    let reflector = job.reflector_settings();
+    let (size, block) = reflector.plan(environment.layout())?;
     let parts = job.levels();
     let served =
         |part: &LevelJob| Served { lobe: part.lobe, roughness: part.spec.roughness, filter: part.filter };
-    let tables = Tables::of(size, block, &parts.iter().map(served).collect::<Vec<_>>());
+    let tables = Tables::of(size, block, reflector.scan, &parts.iter().map(served).collect::<Vec<_>>());
     let (mut levels, mut baking, mut largest) = (0, 0, 0);
     for part in parts {
         let texels = part.spec.layout.texel_count() as u64;

@@ -36,6 +36,8 @@ pub struct ReflectorSettings {
     pub oem_size: Option<u32>,
     /// Border of the OEM in texels; `None` for no border.
     pub border: Option<u32>,
+    /// How the summed-area table is scanned; every choice gives the same bits.
+    pub scan: Scan,
     /// The least roughness above 0 of later [`Filter::Adaptive`] queries: much finer cells are not kept.
     pub sharpest: f64,
     /// Whether [`Filter::Fitted`] will be used: rounds the default size up to a power of two.
@@ -46,8 +48,10 @@ impl ReflectorSettings {
     /// The OEM size for a source of `layout`, and the texels along an edge of its finest cells.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if the tables do not fit.
+    /// [`Error::Parameter`] for an OEM of no texels and for an invalid scan, [`Error::Limit`] if the tables do
+    /// not fit.
     pub fn plan(&self, layout: Layout) -> Result<(OemSize, u32)> {
+        self.scan.check()?;
         let border = self.border.unwrap_or(0);
         let inner = self.oem_size.unwrap_or_else(|| {
             let inner = default_oem_size(layout, border, self.sharpest);
@@ -84,7 +88,7 @@ impl ReflectorSettings {
     ) -> Result<()> {
         let bytes = |settings: &Self| {
             let (size, block) = settings.plan(layout)?;
-            Ok(layout.texel_count() as u64 * SOURCE + Tables::of(size, block, served).peak())
+            Ok(layout.texel_count() as u64 * SOURCE + Tables::of(size, block, settings.scan, served).peak())
         };
         let needed = match bytes(self) {
             Ok(needed) if needed <= limit => return Ok(()),
@@ -108,7 +112,8 @@ impl ReflectorSettings {
         largest_oem(self.fitted, |size| {
             let settings = Self { oem_size: Some(size), ..*self };
             let plan = settings.plan(layout);
-            plan.is_ok_and(|(size, block)| source + Tables::of(size, block, served).peak() <= limit)
+            let peak = |(size, block)| source + Tables::of(size, block, self.scan, served).peak();
+            plan.is_ok_and(|plan| peak(plan) <= limit)
         })
     }
 
@@ -253,7 +258,7 @@ impl<'a> Reflector<'a> {
 
     /// The OEM's exact table.
     pub fn sat(&self) -> &Sat {
-        self.sat.get_or_init(|| Sat::new(&self.oem, Scan::default()))
+        self.sat.get_or_init(|| Sat::new(&self.oem, self.settings.scan))
     }
 
     /// The OEM's cells under one reconstruction.
@@ -270,7 +275,7 @@ impl<'a> Reflector<'a> {
     fn soft(&self) -> &SoftTables {
         self.soft.get_or_init(|| {
             let (emitters, rest) = emitters::extracted(&self.oem);
-            let sat = Sat::new(&rest, Scan::default());
+            let sat = Sat::new(&rest, self.settings.scan);
             SoftTables {
                 emitters,
                 blurred: (0..=finest_octave(self.oem.size().inner)).map(|_| OnceLock::new()).collect(),

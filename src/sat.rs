@@ -5,25 +5,71 @@
 //! as long as the box itself fits, and since addition modulo 2^64 is associative and commutative every scan
 //! gives the same bits.
 
+use crate::error::{Error, Result};
 use crate::oem::{Oem, OemSize};
 use glam::DVec2;
 use rayon::prelude::*;
+use std::fmt::{self, Display, Formatter};
+use std::str::FromStr;
 
-/// How a table is scanned; every choice gives the same bits.
+/// How a summed-area table is scanned; every choice gives the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scan {
-    /// Strips of columns, one per thread, each a few rows behind the one to its left: reads once and writes
-    /// once.
+    /// The engines' own. CPU: a wavefront of blocks, one strip of columns per thread, which reads once and
+    /// writes once. GPU: tiles in four dispatches.
     #[default]
-    Strips,
-    /// One entry after the other.
+    Blocks,
+    /// One entry after the other. CPU only.
     Serial,
-    /// Recursive doubling, horizontally and then vertically, with this many samples per pass (at least 2).
-    /// Hensley et al. 2005, section 3.
+    /// Recursive doubling, horizontally and then vertically, ping-pong. Hensley et al. 2005, section 3.
     Hensley {
-        /// Samples summed per pass: 2 in the paper's figures, 4, 8 or 16 for fewer passes.
+        /// Samples summed per pass: one of [`Scan::RADICES`].
         radix: u32,
     },
+}
+
+impl Scan {
+    /// Samples per pass of recursive doubling: 2 in the figures of Hensley et al. 2005, more for fewer passes.
+    pub const RADICES: [u32; 4] = [2, 4, 8, 16];
+
+    /// Checks the radix.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a radix other than [`Scan::RADICES`].
+    pub fn check(self) -> Result<()> {
+        match self {
+            Self::Hensley { radix } if !Self::RADICES.contains(&radix) => {
+                Err(Error::Parameter(format!("`scan` {self}: the samples of a pass must be 2, 4, 8 or 16")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Display for Scan {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Blocks => f.write_str("blocks"),
+            Self::Serial => f.write_str("serial"),
+            Self::Hensley { radix } => write!(f, "hensley:{radix}"),
+        }
+    }
+}
+
+/// Parses the scans that both engines have, as [`Display`] writes them.
+impl FromStr for Scan {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value))) {
+            ("blocks", None) => Ok(Self::Blocks),
+            ("hensley", Some(radix)) => match radix.parse() {
+                Ok(radix) if Self::RADICES.contains(&radix) => Ok(Self::Hensley { radix }),
+                _ => Err("the samples of hensley:R must be 2, 4, 8 or 16".to_owned()),
+            },
+            _ => Err("choose one of blocks, hensley:2, hensley:4, hensley:8, hensley:16".to_owned()),
+        }
+    }
 }
 
 /// The fixed-point scale of each channel: a value v is stored as floor(v * 2^F).
@@ -243,8 +289,17 @@ impl Sat {
     pub fn fractional_box(&self, low: DVec2, high: DVec2) -> [f64; 4] {
         let columns = fractional_spans(low.x, high.x);
         let rows = fractional_spans(low.y, high.y);
-        // The sixteen table entries around the four corners give all nine boxes.
-        let prefixes = rows.edges.map(|y| columns.edges.map(|x| self.plane_prefix(x, y)));
+        // The sixteen table entries around the four corners give all nine boxes: one read each inside the
+        // border, by parity beyond it. Differences are the same modulo 2^64.
+        let border = i64::from(self.size.border);
+        let far = i64::from(self.size.inner) + border;
+        let is_inside = |edges: &[i64; 4]| -border <= edges[0] && edges[3] <= far;
+        let prefixes = if is_inside(&columns.edges) && is_inside(&rows.edges) {
+            let at = |edge: i64| (edge + border) as usize;
+            rows.edges.map(|y| columns.edges.map(|x| self.prefix(at(x), at(y))))
+        } else {
+            rows.edges.map(|y| columns.edges.map(|x| self.plane_prefix(x, y)))
+        };
         let mut sum = [0.0; 4];
         for j in 0..3 {
             for i in 0..3 {

@@ -7,6 +7,7 @@
 use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::oem::{OemSize, bilinear_share};
+use crate::sat::Scan;
 
 /// Memory limit of a bake, a query or the viewer's tables: 4 GiB.
 pub(crate) const LIMIT: u64 = 4 << 30;
@@ -40,7 +41,7 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    pub(crate) fn of(size: OemSize, block: u32, served: &[Served]) -> Self {
+    pub(crate) fn of(size: OemSize, block: u32, scan: Scan, served: &[Served]) -> Self {
         let square = |side: u32| u64::from(side) * u64::from(side);
         let (inner, bordered) = (square(size.inner), square(size.bordered()));
         let border = if size.border > 0 { OEM * bordered } else { 0 };
@@ -60,7 +61,10 @@ impl Tables {
         }
         let trees = u64::from(bilinear) + u64::from(constant);
         let cells = square(size.inner.div_ceil(block.max(1)));
+        // Recursive doubling alternates between the table and a copy.
+        let copied = matches!(scan, Scan::Hensley { .. }) && (boxes || fitted);
         let resident = OEM * bordered
+            + if copied { TABLE * bordered } else { 0 }
             + cells * (CELL * trees + CELL_MAKING * trees.min(1))
             + if boxes { TABLE * bordered } else { 0 }
             // The residual map, its table, and the coarse blurred tables.

@@ -12,6 +12,7 @@ use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
 use crate::reflector::{ReflectorSettings, default_oem_size, source_oem_size};
+use crate::sat::Scan;
 use crate::sh;
 use std::sync::atomic::AtomicU64;
 
@@ -40,6 +41,7 @@ impl<'a> Job<'a> {
         if settings.is_empty() {
             return Err(Error::Parameter("there is nothing to bake".to_owned()));
         }
+        shared_scan(settings)?;
         let mut levels: Vec<LevelJob> = Vec::new();
         let mut index_of = |level: LevelJob| {
             levels.iter().position(|other| *other == level).unwrap_or_else(|| {
@@ -119,7 +121,8 @@ impl<'a> Job<'a> {
         };
         let border = settings.iter().filter_map(own).max();
         let fitted = settings.iter().any(|settings| matches!(settings.filter, Filter::Fitted(_)));
-        ReflectorSettings { oem_size, border, sharpest, fitted }
+        let scan = shared_scan(settings).expect("checked");
+        ReflectorSettings { oem_size, border, scan, sharpest, fitted }
     }
 
     /// Assembles the bakes from the levels with their durations in seconds, and the OEM's size and energy in
@@ -210,6 +213,21 @@ impl<'a> Job<'a> {
             }
         };
         Ok(settings.iter().zip(bakes).map(assemble).collect())
+    }
+}
+
+/// The scan of the table that all of `settings` share.
+///
+/// # Errors
+/// [`Error::Parameter`] for different scans among the settings whose filter reads the table.
+fn shared_scan(settings: &[BakeSettings]) -> Result<Scan> {
+    let mut scans = settings.iter().filter(|own| own.filter.reads_sat()).map(|own| own.scan);
+    let first = scans.next().unwrap_or_default();
+    match scans.find(|scan| *scan != first) {
+        None => Ok(first),
+        Some(other) => Err(Error::Parameter(format!(
+            "`scan` {first} and {other} for one table; bakes of one environment share it, choose one of them"
+        ))),
     }
 }
 

@@ -282,6 +282,10 @@ pub struct OptionsReport {
     /// Its border.
     #[serde(default)]
     pub border: u32,
+    /// Scan of the summed-area table: `blocks` or `hensley:2`, `4`, `8` or `16`; `null` if the filter reads
+    /// no such table. Absent in reports of version 0.2.
+    #[serde(default)]
+    pub scan: Option<String>,
     /// `ktx2`, `ktx`, `dds`, `exr`, `hdr`, or the extension of a target's own format.
     pub format: String,
     /// `f16`, `f32`, `rgb9e5`, `r11g11b10f`, `bc6h`, `rgbd`, `rgbe`; `auto` for half, or float if half is
@@ -501,6 +505,7 @@ impl Report {
                 filter: filter_name(settings.filter),
                 oem_size: bake.oem.inner,
                 border: bake.oem.border,
+                scan: settings.filter.reads_sat().then(|| settings.scan.to_string()),
                 format: circumstances.format,
                 pixel: circumstances.pixel,
                 overflow: circumstances.overflow.name().to_owned(),

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::ladder::{DEFAULT_CUBE_SIZE, Ladder};
 use crate::lobe::Lobe;
+use crate::sat::Scan;
 use crate::sh::window::ShWindow;
 
 /// Settings of a bake. `Default` corresponds to `octagloss bake INPUT`.
@@ -28,6 +29,8 @@ pub struct BakeSettings {
     pub oem_size: Option<u32>,
     /// Border of the OEM in texels; `None` for the filter's default.
     pub border: Option<u32>,
+    /// How the summed-area table is scanned, for filters that read one; every choice gives the same bits.
+    pub scan: Scan,
     /// Store every texel's error bound in the levels.
     pub bounds: bool,
     /// Edge of an additional irradiance cube (cosine lobe, divided by pi).
@@ -56,6 +59,7 @@ impl Default for BakeSettings {
             filter: Filter::Adaptive(0.005),
             oem_size: None,
             border: None,
+            scan: Scan::default(),
             bounds: false,
             irradiance: None,
             skybox: None,
@@ -72,12 +76,13 @@ impl BakeSettings {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a zero size, no levels, more levels than down to a size of 1, or a filter
-    /// that does not support the lobe.
+    /// that does not support the lobe or the scan.
     pub fn level_specs(&self) -> Result<Vec<LevelSpec>> {
         if self.size == 0 {
             return Err(Error::Parameter("`size` must be at least 1".to_owned()));
         }
         self.filter.check(self.lobe, self.oem_size)?;
+        self.filter.check_scan(self.scan)?;
         if self.chain == ChainKind::Solved {
             if self.map != Map::Cube || self.lobe != Lobe::Ggx {
                 return Err(Error::Parameter("`chain` solved is for cubes of the lobe ggx".to_owned()));

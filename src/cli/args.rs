@@ -1,5 +1,6 @@
 //! Command-line options of every subcommand. Their doc comments are the help texts.
 
+use super::outcome::{Outcome, usage};
 use super::shared_args::{EngineArgs, InputArgs, MAX_THREADS};
 use super::values::{
     SkyboxArg, Texels, file_name, filter, roughness, sh_window, skybox, target, target_help, texels,
@@ -14,6 +15,7 @@ use crate::format::{OutputLayout, Pixel};
 use crate::image::exposure::Exposure;
 use crate::ladder::Ladder;
 use crate::lobe::Lobe;
+use crate::sat::Scan;
 use crate::sh::MAX_ORDER;
 use crate::sh::window::ShWindow;
 use crate::target::{Diffuse, Flip, Target};
@@ -100,6 +102,25 @@ pub(super) struct TableArgs {
     /// By default 0 for adaptive, and the width of the widest box for box.
     #[arg(long, value_name = "B", value_parser = clap::value_parser!(u32).range(0..=MAX_SIZE))]
     pub(super) border: Option<u32>,
+    /// blocks, hensley:2, :4, :8 or :16 [default: blocks]
+    ///
+    /// Scan of the summed-area table that box and fitted:K read. All scans give the same bits. blocks is the
+    /// engine's own and the fastest. hensley:R is recursive doubling as in the papers, R samples per pass.
+    #[arg(long, value_name = "SCAN")]
+    pub(super) scan: Option<Scan>,
+}
+
+impl TableArgs {
+    /// Rejects `--scan` for a filter that reads no summed-area table.
+    pub(super) fn check_scan(&self, filter: Filter) -> Outcome {
+        match self.scan {
+            Some(scan) if !filter.reads_sat() => usage(format!(
+                "--scan {scan} is for the filters over a summed-area table; use --filter box or fitted:K, or \
+                 omit --scan"
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 #[derive(Clone, Debug, ClapArgs)]

@@ -22,6 +22,7 @@ use crate::image::preview;
 use crate::io::LayoutChoice;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::{self, Existing};
+use crate::sat::Scan;
 use crate::sphere::cube::{Face, direction_from_texel};
 use crate::target::TargetPlan;
 use crate::{Environment, Error, memory};
@@ -357,8 +358,12 @@ impl Work {
         let targets: Vec<_> = self.common.plans.iter().map(|plan| plan.plan.target.name).collect();
         let targets =
             if report.target.is_some() { format!(" for {}", targets.join(", ")) } else { String::new() };
+        let scan = match settings[0].scan {
+            Scan::Blocks => String::new(),
+            scan => format!(", scan {scan}"),
+        };
         console.note(&format!(
-            "{}{}: {}{targets} in {:.2} s on {}, OEM {} + {}, {}",
+            "{}{}: {}{targets} in {:.2} s on {}, OEM {} + {}{scan}, {}",
             job.label,
             job.outputs.main.display(),
             console::bytes(bytes),

@@ -33,6 +33,7 @@ impl BakePlan {
 
 /// One plan per target, or one plan without a target. `several` inputs need an output folder.
 pub(super) fn plans(args: &BakeArgs, several: bool) -> Outcome<Vec<BakePlan>> {
+    args.table.check_scan(args.filter)?;
     if args.target.is_empty() {
         let settings = untargeted_settings(args)?;
         return Ok(vec![BakePlan { plan: untargeted(args, several)?, settings, skybox: args.skybox }]);
@@ -101,6 +102,7 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         filter: args.filter,
         oem_size: args.table.oem_size,
         border: args.table.border,
+        scan: args.table.scan.unwrap_or_default(),
         chain: args.chain.unwrap_or_default(),
         bounds: args.bounds,
         irradiance: args.irradiance,
@@ -290,6 +292,7 @@ fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
         filter: args.filter,
         oem_size: args.table.oem_size,
         border: args.table.border,
+        scan: args.table.scan.unwrap_or_default(),
         chain: args.chain.unwrap_or_default(),
         bounds: false,
         irradiance: cube.then(|| args.irradiance.unwrap_or(target.irradiance_size)),

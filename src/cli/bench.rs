@@ -94,7 +94,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
     let fixed = FixedPoint::of_square(&oem);
     let mut scan =
         |scan, runs| time(runs, || sat_scan::scan(scan, fixed, oem.texels(), size as usize, &mut to));
-    let sat = by_threads(|| scan(Scan::Strips, runs))?;
+    let sat = by_threads(|| scan(Scan::Blocks, runs))?;
     // Baselines need fewer runs.
     let few = runs.div_ceil(4);
     let sat_serial = on_threads(Some(1), || Ok(scan(Scan::Serial, few)))?;

@@ -179,7 +179,7 @@ pub(super) fn error(text: &str) {
 }
 
 /// Maps settings and remedies in the library's errors to this program's options.
-const OPTIONS: [(&str, &str); 26] = [
+const OPTIONS: [(&str, &str); 27] = [
     ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
     ("`border`", "--border"),
     ("`bounds`", "--bounds"),
@@ -198,6 +198,7 @@ const OPTIONS: [(&str, &str); 26] = [
     ("`pixel`", "--pixel"),
     ("`sanitize`", "--sanitize"),
     ("`scale`", "--scale"),
+    ("`scan`", "--scan"),
     ("`screenshot`", "--screenshot"),
     ("`sh_order`", "--sh-order"),
     ("`size`", "--size"),

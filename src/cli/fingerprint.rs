@@ -44,7 +44,8 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
     for BakePlan { plan, settings, skybox } in plans {
         // The skybox size also records its presence.
         let TargetPlan { target, container, pixel, flip, diffuse, layout, skybox: _ } = plan;
-        let BakeSettings { map, size, levels: _, ladder, lobe, filter, oem_size, border, .. } = settings;
+        let BakeSettings { map, size, levels: _, ladder, lobe, filter, oem_size, border, scan, .. } =
+            settings;
         let BakeSettings { bounds, irradiance, sh_order, sh_window, chain, sheen, skybox: _, .. } = settings;
         lines.extend([
             format!("target={}", target.name),
@@ -61,6 +62,7 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
             format!("filter={}", filter_name(*filter)),
             format!("oem_size={oem_size:?}"),
             format!("border={border:?}"),
+            format!("scan={scan}"),
             format!("bounds={bounds}"),
             format!("irradiance={irradiance:?}"),
             format!("sh_order={sh_order}"),

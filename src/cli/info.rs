@@ -34,6 +34,7 @@ struct Origin {
     pad: Option<&'static str>,
     lobe: Option<&'static str>,
     filter: Option<String>,
+    scan: Option<String>,
     ladder: Option<String>,
 }
 
@@ -229,6 +230,7 @@ impl Origin {
             pad: provenance.pad.map(Pad::name),
             lobe: provenance.lobe.map(Lobe::name),
             filter: provenance.filter,
+            scan: provenance.scan,
             ladder: provenance.ladder,
         }
     }
@@ -262,6 +264,7 @@ impl Origin {
         rows.extend(self.pad.map(|pad| ("padded", pad.to_owned())));
         rows.push(("lobe", self.lobe.map_or_else(unknown, str::to_owned)));
         rows.push(("filter", self.filter.clone().unwrap_or_else(unknown)));
+        rows.extend(self.scan.clone().map(|scan| ("scan", scan)));
         rows.extend(self.ladder.clone().map(|ladder| ("ladder", ladder)));
         rows
     }

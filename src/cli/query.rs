@@ -24,6 +24,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     if let Err(error) = args.filter.check(lobe, args.table.oem_size) {
         return usage(error.to_string());
     }
+    args.table.check_scan(args.filter)?;
     let source = input::single_source(args.inputs, &args.input)?;
     let console = Console::new(args.quiet);
     on_threads(args.engine.threads, || {
@@ -49,6 +50,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         let settings = ReflectorSettings {
             oem_size: args.table.oem_size,
             border: args.table.border,
+            scan: args.table.scan.unwrap_or_default(),
             sharpest: sharpest(lobe, &roughness, shared),
             fitted: matches!(args.filter, Filter::Fitted(_)),
         };

@@ -10,6 +10,8 @@ use crate::image::exposure::Exposure;
 use crate::io::LoadedChain;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::Existing;
+use crate::reflector::ReflectorSettings;
+use crate::sat::Scan;
 use crate::synth::synth;
 use crate::view::{
     Camera, FRONT, Levels, Look, Mesh, Object, Paint, Renderer, Screenshot, Show, Start, Technique, Tone,
@@ -40,6 +42,14 @@ pub(super) struct ViewArgs {
     /// A power of two. By default as fine as the source, at most 2048.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=8192))]
     oem_size: Option<u32>,
+    /// Border of the octahedral map in texels, 0 to 4096
+    #[arg(long, value_name = "B", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=4096))]
+    border: u32,
+    /// blocks, hensley:2, :4, :8 or :16 [default: blocks]
+    ///
+    /// Scan of the summed-area tables, as in bake. All scans give the same picture.
+    #[arg(long, value_name = "SCAN")]
+    scan: Option<Scan>,
     #[command(flatten)]
     input: InputArgs,
     /// GPU, by a part of its name
@@ -203,10 +213,23 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     if levels.is_some() && args.look.filter.is_none() {
         look.filter = Technique::Levels;
     }
-    let Some(path) = &args.screenshot else {
-        let ViewArgs { oem_size, adapter, size, .. } = args;
-        return Ok(run_window(Start { environment, name, levels, mesh, look, oem_size, adapter, size })?);
+    let table = ReflectorSettings {
+        oem_size: args.oem_size,
+        border: Some(args.border),
+        scan: args.scan.unwrap_or_default(),
+        ..ReflectorSettings::default()
     };
+    let Some(path) = &args.screenshot else {
+        let ViewArgs { adapter, size, .. } = args;
+        return Ok(run_window(Start { environment, name, levels, mesh, look, table, adapter, size })?);
+    };
+    if let Some(scan) = args.scan.filter(|_| !look.reads_sat()) {
+        return usage(format!(
+            "--scan {scan} is for pictures from a summed-area table, but --filter {} reads none; use box or \
+             fitted:K, or omit --scan",
+            look.filter
+        ));
+    }
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     if !path.as_os_str().eq("-") && !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         return usage(format!("--screenshot {} must end in .png", path.display()));
@@ -220,7 +243,7 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     if let Some(mesh) = &mesh {
         renderer.set_mesh(mesh)?;
     }
-    let mut light = renderer.light(&environment, args.oem_size)?;
+    let mut light = renderer.light_with(&environment, &table)?;
     if let Some(levels) = &levels {
         light.set_levels(&context, levels)?;
     }

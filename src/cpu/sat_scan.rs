@@ -48,7 +48,7 @@ pub fn scan(scan: Scan, fixed: FixedPoint, texels: &[[f32; 4]], width: usize, ou
     }
     match scan {
         Scan::Serial => serial(fixed, texels, width, out),
-        Scan::Strips => strips(fixed, texels, width, out),
+        Scan::Blocks => blocks(fixed, texels, width, out),
         Scan::Hensley { radix } => hensley(radix, fixed, texels, width, out),
     }
 }
@@ -89,7 +89,7 @@ const BLOCK_ROWS: usize = 32;
 /// One strip of columns per thread. A block of rows of one strip needs the block above it and the sums along
 /// its rows from the strip to the left, so the blocks are processed as a wavefront: the input is read once
 /// and the output written once.
-fn strips(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64; 4]]) {
+fn blocks(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64; 4]]) {
     let wavefront = Wavefront::new(fixed, texels, width, out);
     rayon::scope(|scope| wavefront.run(scope, 0, 0));
 }
@@ -217,22 +217,29 @@ impl pulp::NullaryFnOnce for BlockSums<'_, '_> {
 fn hensley(radix: u32, fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64; 4]]) {
     assert!(radix >= 2, "a radix of at least 2");
     let height = texels.len() / width;
-    let mut front: Vec<[u64; 4]> = texels.par_iter().map(|texel| fixed.quantise(*texel)).collect();
-    let mut back = vec![[0; 4]; texels.len()];
-    for (length, step) in [(width, 1), (height, width)] {
-        let mut stride = 1;
-        while stride < length {
-            back.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-                for (x, value) in row.iter_mut().enumerate() {
-                    let (k, along) = (y * width + x, if step == 1 { x } else { y });
-                    *value = (0..radix as usize)
-                        .take_while(|sample| sample * stride <= along)
-                        .fold([0; 4], |sum, sample| add(sum, front[k - sample * stride * step]));
-                }
-            });
-            std::mem::swap(&mut front, &mut back);
-            stride *= radix as usize;
-        }
+    let passes: Vec<(usize, usize)> = [(width, 1), (height, width)]
+        .into_iter()
+        .flat_map(|(length, step)| {
+            std::iter::successors(Some(1), |stride| Some(stride * radix as usize))
+                .take_while(move |stride| *stride < length)
+                .map(move |stride| (step, stride))
+        })
+        .collect();
+    let mut other = vec![[0; 4]; texels.len()];
+    // The last pass writes `out`.
+    let (mut front, mut back) =
+        if passes.len().is_multiple_of(2) { (out, &mut other[..]) } else { (&mut other[..], out) };
+    front.par_iter_mut().zip(texels).for_each(|(value, texel)| *value = fixed.quantise(*texel));
+    for (step, stride) in passes {
+        let from = &*front;
+        back.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            for (x, value) in row.iter_mut().enumerate() {
+                let (k, along) = (y * width + x, if step == 1 { x } else { y });
+                *value = (0..radix as usize)
+                    .take_while(|sample| sample * stride <= along)
+                    .fold([0; 4], |sum, sample| add(sum, from[k - sample * stride * step]));
+            }
+        });
+        std::mem::swap(&mut front, &mut back);
     }
-    out.copy_from_slice(&front);
 }

@@ -14,8 +14,10 @@ use super::fixed_point::FixedPoint;
 use super::harmonics::Harmonics;
 use super::mirror::Mirror;
 use super::sat_scan::SatScan;
+use super::table_scan::TableScan;
 use super::{Context, OemPlanes, SatPlanes, Stage};
 use crate::error::Result;
+use crate::sat::Scan;
 
 /// The passes that fill [`FittedTables`].
 #[derive(Clone, Debug)]
@@ -25,7 +27,7 @@ pub struct BuildFitted {
     /// Residual map to fixed-point exponents.
     pub fixed_point: FixedPoint,
     /// Residual map to its exact SAT.
-    pub sat_scan: SatScan,
+    pub sat_scan: TableScan,
     /// Table to blurred tables.
     pub blur: Blur,
     /// Table to harmonics.
@@ -41,11 +43,19 @@ impl BuildFitted {
         Self {
             emitters: Emitters::new(context),
             fixed_point: FixedPoint::new(context),
-            sat_scan: SatScan::new(context),
+            sat_scan: TableScan::Blocks(SatScan::new(context)),
             blur: Blur::new(context),
             harmonics: Harmonics::new(context),
             mirror: Mirror::new(context),
         }
+    }
+
+    /// The same passes, with the table scanned by `scan`.
+    ///
+    /// # Errors
+    /// Those of [`TableScan::new`].
+    pub fn scanned_by(&self, context: &Context, scan: Scan) -> Result<Self> {
+        Ok(Self { sat_scan: self.sat_scan.or_of(context, scan)?, ..self.clone() })
     }
 
     /// The stages that fill `tables` from `oem`, in order. Record them whenever `oem` has changed.
@@ -61,7 +71,7 @@ impl BuildFitted {
         Ok(vec![
             emitters,
             self.fixed_point.stage(context, &rest, &sat).labelled("fixed_point of the rest"),
-            self.sat_scan.stage(context, &rest, &sat).labelled("sat_scan of the rest"),
+            self.sat_scan.stage_of_the_rest(context, &rest, &sat),
             self.blur.stage(context, &sat, tables),
             self.harmonics.stage(context, &sat, tables),
             self.mirror.stage(context, oem, &rest, tables),

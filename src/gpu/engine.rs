@@ -8,7 +8,7 @@ use super::device::readback;
 use super::fitted::{Fitted, FittedTables};
 use super::fixed_point::FixedPoint;
 use super::reparameterise::{self, Reparameterise};
-use super::sat_scan::SatScan;
+use super::table_scan::TableScan;
 use super::{Context, OemPlanes, SatPlanes, Stage};
 use crate::bake::job::Job;
 use crate::bake::level::{Advance, BakedLevel, LevelJob};
@@ -26,6 +26,7 @@ use crate::lobe::Lobe;
 use crate::lobe::kernel::Kernel;
 use crate::oem::{OemSize, bilinear_share};
 use crate::reflector::{ReflectorSettings, Workspace, check_answers};
+use crate::sat::Scan;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -43,7 +44,7 @@ pub struct Engine {
     /// OEM to fixed-point exponents.
     pub fixed_point: FixedPoint,
     /// OEM to exact table.
-    pub sat_scan: SatScan,
+    pub sat_scan: TableScan,
     /// Table to textures, and boxes over them.
     pub box_filter: BoxFilter,
     /// OEM to the tables of fitted lobes.
@@ -118,7 +119,7 @@ impl Engine {
     /// size that does.
     ///
     /// # Errors
-    /// [`Error::Limit`] if they do not, [`Error::Unsupported`] for a filter that runs on the CPU only.
+    /// [`Error::Limit`] if they do not, [`Error::Unsupported`] for a filter or scan that runs on the CPU only.
     pub(crate) fn check_fits(
         &self,
         environment: &Environment,
@@ -126,6 +127,9 @@ impl Engine {
         filter: Filter,
     ) -> Result<()> {
         let (size, _) = settings.plan(environment.layout())?;
+        if filter.reads_sat() && settings.scan == Scan::Serial {
+            return Err(unsupported("the serial scan"));
+        }
         match filter {
             Filter::Adaptive(_) => CellTree::check_fits(&self.context, size.inner, |n| settings.block(n)),
             Filter::Box => SatPlanes::check_fits(&self.context, size),
@@ -260,9 +264,10 @@ impl<'a> GpuReflector<'a> {
         let Engine { context, fixed_point, sat_scan, box_filter, .. } = self.engine;
         let sat = SatPlanes::new(context, self.planes.size())?;
         let textures = SatTextures::new(context, &sat)?;
+        let scan = sat_scan.or_of(context, self.settings.scan)?;
         let stages = [
             fixed_point.stage(context, &self.planes, &sat),
-            sat_scan.stage(context, &self.planes, &sat),
+            scan.stage(context, &self.planes, &sat),
             box_filter.pack(context, &sat, &textures),
         ];
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
@@ -276,7 +281,8 @@ impl<'a> GpuReflector<'a> {
             return Ok(tables);
         }
         let tables = FittedTables::new(context, self.planes.size().inner, count)?;
-        let stages = build_fitted.stages(context, &self.planes, &tables)?;
+        let build = build_fitted.scanned_by(context, self.settings.scan)?;
+        let stages = build.stages(context, &self.planes, &tables)?;
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         Ok(self.fitted.get_or_init(|| tables))
     }

@@ -44,6 +44,7 @@ pub mod sat_hensley;
 pub mod sat_scan;
 #[doc(hidden)]
 pub mod shared;
+pub mod table_scan;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use device::block_on::block_on;

@@ -45,6 +45,12 @@ impl SatHensley {
         }
     }
 
+    /// Samples per pass.
+    #[must_use]
+    pub const fn radix(&self) -> u32 {
+        self.radix
+    }
+
     /// Stage that writes the table of `oem` to `sat`, whose exponents must be filled.
     #[must_use]
     pub fn stage(&self, context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {

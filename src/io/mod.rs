@@ -139,7 +139,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
     let bytes = file_bytes(file, options.memory_limit)?;
     let source = Source { path: file, bytes: &bytes, memory_limit: options.memory_limit };
     let mut picture = catching_panics(file, || decode(&source))?;
-    if picture.provenance.rotate_y.is_none()
+    if picture.provenance.is_partial()
         && let Some(described) = side_report::of_file(file, || blake3::hash(&bytes))
     {
         picture.provenance = picture.provenance.or(described.provenance);
@@ -209,7 +209,7 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
     } else {
         catching_panics(&file, || decode_chain(&source))?
     };
-    if stored.provenance.rotate_y.is_none()
+    if stored.provenance.is_partial()
         && let Some(report) = report()
     {
         stored.provenance = stored.provenance.or(report.provenance.clone());

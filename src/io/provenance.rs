@@ -90,6 +90,9 @@ pub struct Provenance {
     pub lobe: Option<Lobe>,
     /// The filter, in command-line syntax.
     pub filter: Option<String>,
+    /// The scan of the summed-area table, in command-line syntax. Only reports record it: the files of all
+    /// scans are equal.
+    pub scan: Option<String>,
     /// The ladder, in command-line syntax.
     pub ladder: Option<String>,
     /// Content of the levels' texels.
@@ -159,6 +162,7 @@ impl Provenance {
             // Other versions may write other lobes.
             lobe: of(LOBE_KEY).and_then(|name| Lobe::named(name.trim())),
             filter: of(FILTER_KEY),
+            scan: None,
             ladder: of(LADDER_KEY),
             chain: of(CHAIN_KEY).and_then(|name| ChainKind::named(name.trim())),
         })
@@ -180,9 +184,17 @@ impl Provenance {
             pad: self.pad.or(other.pad),
             lobe: self.lobe.or(other.lobe),
             filter: self.filter.or(other.filter),
+            scan: self.scan.or(other.scan),
             ladder: self.ladder.or(other.ladder),
             chain: self.chain.or(other.chain),
         }
+    }
+
+    /// Whether a report can add to it.
+    pub(super) fn is_partial(&self) -> bool {
+        // Only filters over a summed-area table have a scan.
+        let has_scan = self.filter.as_ref().is_some_and(|filter| !filter.starts_with("adaptive"));
+        self.rotate_y.is_none() || (has_scan && self.scan.is_none())
     }
 
     /// Whether nothing is recorded.
@@ -306,6 +318,7 @@ mod tests {
             pad: Some(Pad::Edge),
             lobe: Some(Lobe::Phong),
             filter: Some("adaptive:0.005".to_owned()),
+            scan: None,
             ladder: Some("linear".to_owned()),
             chain: Some(ChainKind::Solved),
         }

@@ -46,6 +46,7 @@ pub(super) struct ReportLevel {
 struct Options {
     lobe: Option<String>,
     filter: Option<String>,
+    scan: Option<String>,
     ladder: Option<String>,
     rotate_y: Option<f64>,
     mirror: Option<bool>,
@@ -184,7 +185,7 @@ impl SideReport {
 
     /// Provenance of all its files.
     pub(super) fn provenance(&self) -> Provenance {
-        let Options { lobe, filter, ladder, rotate_y, mirror, scale, crop, pad } = &self.options;
+        let Options { lobe, filter, scan, ladder, rotate_y, mirror, scale, crop, pad } = &self.options;
         Provenance {
             target: self.target.as_ref().map(|target| target.name.clone()),
             content: None,
@@ -198,6 +199,7 @@ impl SideReport {
             pad: pad.as_deref().and_then(Pad::named),
             lobe: lobe.as_deref().and_then(Lobe::named),
             filter: filter.clone(),
+            scan: scan.clone(),
             ladder: ladder.clone(),
             chain: self.chain.as_deref().and_then(ChainKind::named),
         }

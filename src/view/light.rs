@@ -12,7 +12,7 @@ use crate::gpu::fitted::FittedTables;
 use crate::gpu::fixed_point::FixedPoint;
 use crate::gpu::lamp::{Lamp, LampPass};
 use crate::gpu::reparameterise::{Reparameterise, upload};
-use crate::gpu::sat_scan::SatScan;
+use crate::gpu::table_scan::TableScan;
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
 use crate::image::exposure;
 use crate::light_scale::LightScale;
@@ -29,7 +29,7 @@ pub(super) struct Passes {
     reparameterise: Reparameterise,
     lamp: LampPass,
     fixed_point: FixedPoint,
-    sat_scan: SatScan,
+    sat_scan: TableScan,
     box_filter: BoxFilter,
     build_fitted: BuildFitted,
 }
@@ -89,7 +89,8 @@ fn lamp_after(seconds: f64, mean: f64) -> Lamp {
 }
 
 impl Light {
-    /// Builds the tables of `environment` on an OEM of `inner` texels along an edge, or a suitable default.
+    /// Builds the tables of `environment` with the OEM's size (or a suitable default), border and scan of
+    /// `table`.
     ///
     /// # Errors
     /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables exceed
@@ -98,15 +99,15 @@ impl Light {
         context: &Context,
         passes: &Passes,
         environment: &Environment,
-        inner: Option<u32>,
+        table: &ReflectorSettings,
     ) -> Result<Self> {
         let source_from_world = environment.source_from_world();
         let scale = LightScale::of(environment);
         let texels = scale.scaled(environment).texels().to_vec();
         let environment = Environment::of_sound(environment.layout(), texels)?;
-        let settings = ReflectorSettings { oem_size: inner, fitted: true, ..ReflectorSettings::default() };
+        let settings = ReflectorSettings { fitted: true, ..*table };
         let (mut size, _) = settings.plan(environment.layout())?;
-        if inner.is_none() {
+        if table.oem_size.is_none() {
             size.inner = size.inner.min(LARGEST);
         }
         let served =
@@ -119,14 +120,16 @@ impl Light {
         let sat = SatPlanes::new(context, size)?;
         let boxes = SatTextures::new(context, &sat)?;
         let fitted = FittedTables::new(context, size.inner, 4)?;
+        let scan = passes.sat_scan.or_of(context, settings.scan)?;
         let mut stages = vec![
             passes.reparameterise.stage(context, environment.layout(), &texture, &planes)?,
             passes.lamp.stage(context, &lamp, &planes),
             passes.fixed_point.stage(context, &planes, &sat),
-            passes.sat_scan.stage(context, &planes, &sat),
+            scan.stage(context, &planes, &sat),
             passes.box_filter.pack(context, &sat, &boxes),
         ];
-        stages.extend(passes.build_fitted.stages(context, &planes, &fitted)?);
+        let build_fitted = passes.build_fitted.scanned_by(context, settings.scan)?;
+        stages.extend(build_fitted.stages(context, &planes, &fitted)?);
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         context.check()?;
         let mut sum = 0.0;

@@ -275,6 +275,15 @@ impl Look {
         }
     }
 
+    /// Whether the picture reads a summed-area table.
+    #[must_use]
+    pub const fn reads_sat(&self) -> bool {
+        match self.show {
+            Show::Scene | Show::Error => matches!(self.filter, Technique::Box | Technique::Fitted(_)),
+            Show::Oem | Show::Sat => true,
+        }
+    }
+
     /// Whether the picture follows a moving lamp, through tables rebuilt every frame.
     pub(super) const fn follows_lamp(&self) -> bool {
         match self.show {

@@ -18,6 +18,7 @@ use crate::gpu::device::timer::Timer;
 use crate::gpu::device::{readback, shader};
 use crate::gpu::fitted::FittedTables;
 use crate::mesh::{Mesh, SubMesh, Vertex};
+use crate::reflector::ReflectorSettings;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -198,7 +199,15 @@ impl Renderer {
     /// # Errors
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if the tables do not fit the device.
     pub fn light(&mut self, environment: &Environment, inner: Option<u32>) -> Result<Light> {
-        Light::new(&self.context, &self.passes, environment, inner)
+        self.light_with(environment, &ReflectorSettings { oem_size: inner, ..ReflectorSettings::default() })
+    }
+
+    /// [`Renderer::light`] with the OEM's size, border and scan of `table`.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::light`], and [`Error::Unsupported`] for a scan that runs on the CPU only.
+    pub fn light_with(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
+        Light::new(&self.context, &self.passes, environment, table)
     }
 
     /// Sets the mesh of [`Object::Mesh`].

@@ -14,6 +14,7 @@ use crate::gpu::Context;
 use crate::io::regular::open_regular;
 use crate::io::{self, ReadOptions};
 use crate::mesh::Mesh;
+use crate::reflector::ReflectorSettings;
 use glam::DMat3;
 use std::cell::RefCell;
 use std::io::Read as _;
@@ -89,6 +90,8 @@ struct Bands {
 #[derive(Debug)]
 pub struct Viewer {
     renderer: Renderer,
+    /// Border and scan of the tables.
+    table: ReflectorSettings,
     light: Light,
     truth: Option<Truth>,
     look: Look,
@@ -155,14 +158,16 @@ impl Viewer {
         environment: &Environment,
         name: String,
         look: Look,
-        oem_size: Option<u32>,
+        table: ReflectorSettings,
     ) -> Result<Self> {
-        let light = renderer.light(environment, oem_size)?;
+        let light = renderer.light_with(environment, &table)?;
         let now = Instant::now();
         Ok(Self {
             adapter: renderer.context().describe(),
             has_mesh: look.object == Object::Mesh,
             renderer,
+            // Other environments have other sizes.
+            table: ReflectorSettings { oem_size: None, ..table },
             light,
             truth: None,
             look,
@@ -312,7 +317,7 @@ impl Viewer {
         path: &Path,
     ) -> Result<()> {
         let levels = chain.and_then(|chain| Levels::new(chain, DMat3::IDENTITY).transpose());
-        let mut light = self.renderer.light(environment, None)?;
+        let mut light = self.renderer.light_with(environment, &self.table)?;
         // If the levels cannot be shown, still show the environment.
         let taken = levels.map(|levels| light.set_levels(self.renderer.context(), &levels?)).transpose();
         if light.has_own_levels() {

@@ -7,6 +7,7 @@ use crate::gpu::device::shader;
 use crate::image::exposure::Exposure;
 use crate::io;
 use crate::mesh::Mesh;
+use crate::reflector::ReflectorSettings;
 use js_sys::Function;
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
@@ -103,7 +104,7 @@ impl Page {
             levels: None,
             mesh: None,
             look: Look::default(),
-            oem_size: None,
+            table: ReflectorSettings::default(),
             adapter: None,
             size,
         };

@@ -8,6 +8,7 @@ use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::mesh::Mesh;
+use crate::reflector::ReflectorSettings;
 use glam::DVec2;
 use std::sync::Arc;
 use winit::application::ApplicationHandler;
@@ -30,8 +31,8 @@ pub struct Start {
     pub mesh: Option<Mesh>,
     /// The initial look.
     pub look: Look,
-    /// Texels along an edge of the OEM; `None` selects by the environment.
-    pub oem_size: Option<u32>,
+    /// Size, border and scan of the OEM's tables; a size of `None` selects by the environment.
+    pub table: ReflectorSettings,
     /// Part of the GPU's name; `None` selects the best that can present.
     pub adapter: Option<String>,
     /// Window size in points.
@@ -139,7 +140,7 @@ impl Shown {
         }
         let painter =
             egui_wgpu::Renderer::new(context.device(), format, egui_wgpu::RendererOptions::default());
-        let mut viewer = Viewer::new(renderer, &start.environment, start.name, start.look, start.oem_size)?;
+        let mut viewer = Viewer::new(renderer, &start.environment, start.name, start.look, start.table)?;
         if let Some(levels) = &start.levels {
             viewer.set_levels(levels)?;
         }

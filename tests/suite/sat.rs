@@ -3,14 +3,16 @@
 use crate::support::common::Random;
 use glam::DVec2;
 use octagloss::internals::analysis::sat_f32::SatF32;
+use octagloss::internals::bake::{bake_all, unwatched};
 use octagloss::internals::cpu::sat_scan::scan;
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{FixedPoint, Sat, Scan};
 use octagloss::internals::sphere::octahedral;
+use octagloss::{BakeSettings, Environment, Filter, Layout, Reflector, ReflectorSettings};
 
 const SCANS: [Scan; 7] = [
     Scan::Serial,
-    Scan::Strips,
+    Scan::Blocks,
     Scan::Hensley { radix: 2 },
     Scan::Hensley { radix: 3 },
     Scan::Hensley { radix: 4 },
@@ -171,7 +173,7 @@ fn one_wrong_texel_is_detected_in_a_table() {
         let value = texels[k][1];
         texels[k][1] = f32::from_bits(value.to_bits() + 1);
         let mut out = vec![[0; 4]; texels.len()];
-        scan(Scan::Strips, FixedPoint::of_square(&oem), &texels, 17, &mut out);
+        scan(Scan::Blocks, FixedPoint::of_square(&oem), &texels, 17, &mut out);
         assert!(mismatches(&out, &expected) > 0, "texel {k}");
         texels[k][1] = value;
     }
@@ -294,6 +296,66 @@ fn boxes_across_edges_and_corners_are_equal_to_the_last_bit() {
             assert!(compared >= 25, "n {n}: {compared} boxes");
         }
     }
+}
+
+#[test]
+fn fractional_boxes_through_the_border_are_equal_to_those_by_parity() {
+    let mut random = Random::new(23);
+    let square = oem(Content::OneSun, 8, 0);
+    let wide = oem(Content::OneSun, 8, 8);
+    let (parity, bordered) = (Sat::new(&square, Scan::Blocks), Sat::new(&wide, Scan::Hensley { radix: 4 }));
+    for k in 0..2000 {
+        // Some leave the border.
+        let mut place = || DVec2::new(random.between(-9.0, 16.0), random.between(-9.0, 16.0));
+        let (a, b) = (place(), place());
+        let (low, high) = (a.min(b), a.max(b).min(a.min(b) + 16.0));
+        let (expected, found) = (parity.fractional_box(low, high), bordered.fractional_box(low, high));
+        assert_eq!(found.map(f64::to_bits), expected.map(f64::to_bits), "{k}: {low} .. {high}");
+    }
+}
+
+#[test]
+fn scans_are_parsed_and_checked() {
+    for scan in [Scan::Blocks, Scan::Hensley { radix: 2 }, Scan::Hensley { radix: 16 }] {
+        assert_eq!(scan.to_string().parse(), Ok(scan));
+        scan.check().expect("a scan of both engines");
+        Filter::Box.check_scan(scan).expect("a filter over a table");
+        Filter::Fitted(4).check_scan(scan).expect("a filter over a table");
+    }
+    Filter::Reference.check_scan(Scan::Blocks).expect("the default");
+    for filter in [Filter::Adaptive(0.005), Filter::Reference] {
+        let error = filter.check_scan(Scan::Hensley { radix: 2 }).unwrap_err().to_string();
+        assert!(
+            error.starts_with("`scan` hensley:2 ") && error.ends_with("`filter` box or fitted:K"),
+            "{error}"
+        );
+    }
+    for radix in [0, 1, 3, 32, u32::MAX] {
+        let scan = Scan::Hensley { radix };
+        let error = Filter::Box.check_scan(scan).unwrap_err().to_string();
+        assert_eq!(error, format!("`scan` hensley:{radix}: the samples of a pass must be 2, 4, 8 or 16"));
+        assert!(scan.to_string().parse::<Scan>().is_err());
+        let world = Environment::new(Layout::Octahedral { size: 4 }, vec![[1.0; 3]; 16]).expect("16 texels");
+        let settings = ReflectorSettings { scan, ..ReflectorSettings::default() };
+        assert!(matches!(Reflector::new(&world, &settings), Err(octagloss::Error::Parameter(_))));
+    }
+}
+
+#[test]
+fn bakes_that_share_a_table_share_its_scan() {
+    let world = Environment::new(Layout::Octahedral { size: 4 }, vec![[1.0; 3]; 16]).expect("16 texels");
+    let settings = |filter, radix| BakeSettings {
+        filter,
+        scan: Scan::Hensley { radix },
+        size: 2,
+        ..BakeSettings::default()
+    };
+    let all = |settings: &[BakeSettings]| bake_all(&world, settings, &unwatched).map(drop);
+    all(&[settings(Filter::Box, 2), settings(Filter::Fitted(1), 2)]).expect("one scan");
+    // Quadrature has no part in it.
+    all(&[BakeSettings { size: 2, ..BakeSettings::default() }, settings(Filter::Box, 8)]).expect("one scan");
+    let error = all(&[settings(Filter::Box, 2), settings(Filter::Fitted(1), 4)]).unwrap_err().to_string();
+    assert!(error.starts_with("`scan` hensley:2 and hensley:4 "), "{error}");
 }
 
 #[test]

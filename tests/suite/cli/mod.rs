@@ -15,6 +15,7 @@ pub(super) mod outputs;
 pub(super) mod pictures;
 pub(super) mod roughness_column;
 pub(super) mod scale;
+mod scan;
 pub(super) mod shells;
 pub(super) mod skybox;
 pub(super) mod sun;

@@ -103,6 +103,7 @@ fn changed_inputs_and_options_are_baked_again() {
         &["--ladder", "filament"],
         &["--filter", "adaptive:0.02"],
         &["--filter", "box"],
+        &["--filter", "box", "--scan", "hensley:4"],
         &["--pixel", "f32"],
         &["--overflow", "compress"],
         &["--oem-size", "32"],

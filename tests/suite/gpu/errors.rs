@@ -14,6 +14,7 @@ use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes, adapters, block_o
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::oem::OemSize;
 use octagloss::internals::reflector::ReflectorSettings;
+use octagloss::internals::sat::Scan;
 use octagloss::{Environment, Error, Layout, wgpu};
 use std::sync::mpsc;
 use std::time::Duration;
@@ -159,6 +160,10 @@ fn parameters_that_cannot_be_served_are_named() {
             let outcome = wait_for(context, reflector.query(&up, lobe, 0.5, filter));
             assert!(matches!(outcome, Err(Error::Unsupported { .. })), "{lobe:?} {filter:?}");
         }
+        let serial = ReflectorSettings { scan: Scan::Serial, ..settings };
+        let on_cpu = GpuReflector::new(&engine, &source, &serial).expect("a small OEM");
+        let outcome = wait_for(context, on_cpu.query(&up, Lobe::Ggx, 0.5, Filter::Box));
+        assert!(matches!(outcome, Err(Error::Unsupported { .. })), "the serial scan");
         for (inner, count) in [(64, 3), (48, 4), (8, 4)] {
             let outcome = FittedTables::new(context, inner, count);
             assert!(matches!(outcome, Err(Error::Parameter(_))), "fitted:{count} over {inner}");

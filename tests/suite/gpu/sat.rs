@@ -65,7 +65,7 @@ pub(super) fn scan(context: &Context, sizes: &[u32]) {
             let oem = random_oem(&mut random, OemSize { inner, border }, Look::Suns);
             let (fixed, entries) =
                 scanned(context, &fixed_point, &oem, |planes, sat| scan.stage(context, planes, sat));
-            let found = difference(&Sat::new(&oem, Scan::Strips), fixed, &entries);
+            let found = difference(&Sat::new(&oem, Scan::Blocks), fixed, &entries);
             assert_eq!(found, None, "{inner} + {border} on {}", context.describe());
         }
     }
@@ -82,7 +82,7 @@ pub(super) fn doubling(context: &Context, radices: &[u32], sizes: &[u32]) {
                 let oem = random_oem(&mut random, OemSize { inner, border }, Look::Suns);
                 let (fixed, entries) =
                     scanned(context, &fixed_point, &oem, |planes, sat| hensley.stage(context, planes, sat));
-                let found = difference(&Sat::new(&oem, Scan::Strips), fixed, &entries);
+                let found = difference(&Sat::new(&oem, Scan::Blocks), fixed, &entries);
                 assert_eq!(found, None, "radix {radix}, {inner} + {border} on {}", context.describe());
             }
         }
