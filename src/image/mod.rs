@@ -2,4 +2,5 @@
 
 pub mod exposure;
 pub(super) mod font;
+pub mod oem_mips;
 pub mod preview;

@@ -1,7 +1,7 @@
 //! Lists and draws the figures.
 
 use super::figure::Figure;
-use super::{border, layout, panorama, sampling, seam, stretch, unfolding};
+use super::{border, layout, lookup, panorama, sampling, seam, stretch, unfolding};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::sphere::registry::{MAPS, NamedMap};
@@ -27,11 +27,21 @@ pub enum Kind {
     Seam,
     /// Sampling requirement against anisotropy.
     Sampling,
+    /// Look-ups at the mip level of a cell, and of the mirrored cell.
+    LookupLevel,
+    /// Look-ups without and with a safety border.
+    LookupBorder,
+    /// Look-ups beyond and at the greatest correct mip level.
+    LookupGreatest,
+    /// Mip levels by equal weights and by solid angles.
+    LookupWeights,
+    /// Look-ups in one layer per hemisphere, without and with a border.
+    LookupRectangular,
 }
 
 impl Kind {
     /// All kinds; the first four have a figure for every map.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 14] = [
         Self::SolidAngle,
         Self::Anisotropy,
         Self::Layout,
@@ -41,6 +51,11 @@ impl Kind {
         Self::Border,
         Self::Seam,
         Self::Sampling,
+        Self::LookupLevel,
+        Self::LookupBorder,
+        Self::LookupGreatest,
+        Self::LookupWeights,
+        Self::LookupRectangular,
     ];
 
     /// Name on the command line.
@@ -56,6 +71,11 @@ impl Kind {
             Self::Border => "border",
             Self::Seam => "seam",
             Self::Sampling => "sampling",
+            Self::LookupLevel => "lookup-level",
+            Self::LookupBorder => "lookup-border",
+            Self::LookupGreatest => "lookup-greatest",
+            Self::LookupWeights => "lookup-weights",
+            Self::LookupRectangular => "lookup-rectangular",
         }
     }
 
@@ -161,6 +181,11 @@ impl Entry {
             Kind::Border => border::border(name, content.size, content.border),
             Kind::Seam => seam::seam(name),
             Kind::Sampling => sampling::sampling(&name)?,
+            Kind::LookupLevel => lookup::level(name),
+            Kind::LookupBorder => lookup::border(name),
+            Kind::LookupGreatest => lookup::greatest(name),
+            Kind::LookupWeights => lookup::weights(name),
+            Kind::LookupRectangular => lookup::rectangular(name),
         })
     }
 }

@@ -11,6 +11,7 @@ pub mod figure;
 mod globe;
 mod layout;
 mod look;
+mod lookup;
 mod page;
 mod panorama;
 mod render;

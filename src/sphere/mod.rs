@@ -18,6 +18,7 @@ pub mod map;
 pub mod octahedral;
 pub mod octahedral_perspective;
 pub mod octahedral_rectangular;
+pub mod oem_lookup;
 pub mod polar_capped;
 pub(crate) mod quadrature;
 pub mod registry;

@@ -35,6 +35,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/live.wgsl",
     "common/octahedral.wgsl",
     "common/octaves.wgsl",
+    "common/oem_lookup.wgsl",
     "common/plane.wgsl",
     "common/planes.wgsl",
     "common/quad.wgsl",

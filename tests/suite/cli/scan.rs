@@ -12,8 +12,9 @@ const TABLES: [(&str, [&str; 6]); 2] = [
     ("fitted", ["--filter", "fitted:4", "--oem-size", "32", "--border", "3"]),
 ];
 
-/// Runs `bake` and `query` on `engine` with every scan; their outputs must not differ.
-fn every_scan_gives_the_same(engine: &str) {
+/// Runs `bake` on `engine` with every scan, and `query` and fitted lobes with the scans `few`, which takes
+/// seconds on a software adapter; their outputs must not differ.
+fn every_scan_gives_the_same(engine: &str, few: &[&str]) {
     let folder = with_sky();
     let folder = folder.path();
     fs::write(folder.join("d.csv"), "x,y,z\n0,0,1\n0.3,-0.9,0.1\n-1,0.02,0\n0,-1,0\n1,-1,1\n")
@@ -29,30 +30,32 @@ fn every_scan_gives_the_same(engine: &str) {
             done(folder, &[&start[..], &["--engine", engine], &table, more].concat()).out
         };
         let ((file, _), answers) = (bake(&format!("{name}.ktx2"), &[]), query(&[]));
-        for scan in SCANS {
+        for scan in SCANS.into_iter().filter(|scan| name == "box" || few.contains(scan)) {
             let out = format!("{name}-{}.ktx2", scan.replace(':', "-"));
             let (same, said) = bake(&out, &["--scan", scan]);
             assert!(same == file, "{name}, {scan}: the file differs");
-            assert_eq!(query(&["--scan", scan]), answers, "{name}, {scan}");
+            if few.contains(&scan) {
+                assert_eq!(query(&["--scan", scan]), answers, "{name}, {scan}");
+            }
             assert_eq!(said.contains(&format!(", scan {scan}, ")), scan != "blocks", "{said}");
             let report = json_file(&folder.join(format!("{out}.report.json")));
             assert_eq!((&report["options"]["scan"], &report["engine"]), (&scan.into(), &engine.into()));
         }
-        // The comparison detects another table.
-        let (other, _) = bake("other.ktx2", &["--scan", "hensley:4", "--oem-size", "64", "--force"]);
-        assert!(other != file && query(&["--scan", "hensley:4", "--oem-size", "64"]) != answers, "{name}");
+        // The comparisons detect another light.
+        let (other, _) = bake("other.ktx2", &["--scan", "hensley:4", "--rotate-y", "70", "--force"]);
+        assert!(other != file && query(&["--scan", "hensley:4", "--rotate-y", "70"]) != answers, "{name}");
     }
 }
 
 #[test]
 fn every_scan_gives_the_same_on_the_cpu() {
-    every_scan_gives_the_same("cpu");
+    every_scan_gives_the_same("cpu", &SCANS);
 }
 
 #[test]
 #[cfg(feature = "gpu")]
 fn every_scan_gives_the_same_on_the_gpu() {
-    every_scan_gives_the_same("gpu");
+    every_scan_gives_the_same("gpu", &["hensley:2", "hensley:16"]);
 }
 
 #[test]
@@ -71,13 +74,13 @@ fn every_scan_gives_the_same_picture() {
         ("sat", &["--filter", "box", "--show", "sat"]),
     ] {
         let plain = picture(&format!("{name}.png"), look);
-        for scan in ["blocks", "hensley:2", "hensley:16"] {
+        for scan in ["hensley:2", "hensley:16"] {
             let out = format!("{name}-{}.png", scan.replace(':', "-"));
             let same = picture(&out, &[look, &["--scan", scan, "--border", "7"]].concat());
             assert!(same == plain, "{name}, {scan}: the picture differs");
         }
         assert!(
-            picture(&format!("{name}-other.png"), &[look, &["--oem-size", "16"]].concat()) != plain,
+            picture(&format!("{name}-other.png"), &[look, &["--exposure", "5"]].concat()) != plain,
             "{name}"
         );
     }

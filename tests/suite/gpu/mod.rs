@@ -17,6 +17,7 @@ mod lamp;
 mod lights;
 mod live;
 mod oem;
+mod oem_lookup;
 mod oem_reader;
 mod reflection;
 mod sat;

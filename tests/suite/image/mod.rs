@@ -1,3 +1,4 @@
 //! Image output.
 
+mod oem_mips;
 pub(super) mod preview;

@@ -65,10 +65,22 @@ fn every_map_has_its_figures() {
             assert!(names.contains(&format!("{}-{}", kind.name(), map.name)), "{} {}", kind.name(), map.name);
         }
     }
-    for name in ["compared", "unfolding", "border", "seam", "sampling"] {
+    let others = [
+        "compared",
+        "unfolding",
+        "border",
+        "seam",
+        "sampling",
+        "lookup-level",
+        "lookup-border",
+        "lookup-greatest",
+        "lookup-weights",
+        "lookup-rectangular",
+    ];
+    for name in others {
         assert!(names.contains(name), "{name}");
     }
-    assert_eq!(names.len(), 4 * MAPS.len() + 5);
+    assert_eq!(names.len(), 4 * MAPS.len() + others.len());
 }
 
 #[test]
@@ -79,7 +91,7 @@ fn no_text_is_cut_off_or_covers_another() {
         entry.kind == Kind::Layout || entry.map.is_none_or(|map| map.name == "polar-capped-conformal")
     };
     let drawn: Vec<Entry> = entries().into_iter().filter(is_drawn).collect();
-    assert_eq!(drawn.len(), MAPS.len() + 3 + 5);
+    assert_eq!(drawn.len(), MAPS.len() + 3 + 10);
     let figures: Vec<Figure> =
         drawn.par_iter().map(|entry| entry.draw(&content).expect("a figure")).collect();
     for figure in figures {

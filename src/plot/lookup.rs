@@ -1,0 +1,170 @@
+//! Draws look-ups in octahedral maps on the sphere, without and with each remedy of the octahedron paper's
+//! section 4.2.
+
+use super::figure::Figure;
+use super::globe::Globe;
+use super::look::{Colour, INK, LABEL, PAPER, mix};
+use super::page::{WIDTH, page};
+use super::scene::{Anchor, Scene};
+use crate::environment::Rgb;
+use crate::image::oem_mips::{Addressing, OemMips, Weights};
+use crate::oem::{Oem, OemSize};
+use crate::sphere::octahedral::{direction_from_oct, texel_centre, texel_solid_angle};
+use crate::sphere::oem_lookup::{level_of_cell, quadratic_level};
+use glam::{DVec2, DVec3};
+
+/// Shows the lower hemisphere, where the unfolding cuts along x = 0 and z = 0.
+const BELOW: DVec3 = DVec3::new(0.45, -1.0, 0.75);
+
+/// Shows the equator, where the rectangular layout changes layers.
+const BESIDE: DVec3 = DVec3::new(1.0, 0.35, 0.55);
+
+/// A pattern with edges everywhere.
+fn pattern(direction: DVec3) -> Rgb {
+    let block = (direction * 3.5 + 0.41).floor();
+    let is_odd = (block.x + block.y + block.z).rem_euclid(2.0) == 1.0;
+    if is_odd { [0.93, 0.72, 0.24] } else { [0.08, 0.24, 0.50] }
+}
+
+/// The octahedral map of [`pattern`].
+fn map_of(inner: u32, border: u32) -> Oem {
+    let texels = (0..inner * inner).map(|k| {
+        let (x, y) = (k % inner, k / inner);
+        let w = texel_solid_angle(inner, x, y);
+        let [r, g, b] = pattern(direction_from_oct(texel_centre(inner, x, y)));
+        [r, g, b, 1.0].map(|value| (f64::from(value) * w) as f32)
+    });
+    Oem::from_square(OemSize { inner, border }, texels.collect())
+}
+
+/// The display colour of `radiance` in [0, 1], with the display's curve.
+fn shown(radiance: [f64; 3]) -> Colour {
+    radiance.map(|value| (value.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8)
+}
+
+/// Label of a sphere, and the colour of each direction in it.
+type Panel<'a> = (&'a str, &'a (dyn Fn(&Globe, DVec3) -> Colour + Sync));
+
+/// Two spheres seen from `eye`, with a label below each and the colour of each direction.
+fn pair((title, caption): (&str, &str), eye: DVec3, panels: [Panel<'_>; 2]) -> Scene {
+    let height = 470.0;
+    let (mut scene, body) = page(WIDTH, height, title, caption);
+    let radius = 205.0;
+    for (k, (label, colour)) in panels.into_iter().enumerate() {
+        let centre =
+            DVec2::new(body.low.x + body.extent().x * (0.25 + 0.5 * k as f64), body.low.y + radius + 4.0);
+        let globe = Globe::new(centre, radius, eye);
+        globe.fill(&mut scene, |direction| colour(&globe, direction));
+        globe.axes(&mut scene);
+        scene.text(DVec2::new(centre.x, body.high.y - 6.0), label, LABEL, Anchor::Middle, INK);
+    }
+    scene
+}
+
+/// Pixels along the diameter of the spheres of [`level`].
+const PIXELS: u32 = 110;
+
+pub(super) fn level(name: String) -> Figure {
+    let title = "Quadratic layout: the mip level of the mirrored cell".to_owned();
+    let caption = "A map of 256 texels with a border of 16, seen from below with 110 pixels across, at the level \
+                   of equation 4 of Engelhardt and Dachsbacher 2008. Left: a pixel's cell that crosses x\u{a0}=\u{a0}0 or \
+                   z\u{a0}=\u{a0}0 spans two far places of the texture, and its pixel shows the coarsest level. Right: the \
+                   smaller level of the cell and of its reflection at y\u{a0}=\u{a0}0 (figure 3 of the paper).";
+    let mips = OemMips::quadratic(&map_of(256, 16), Weights::SolidAngle);
+    let panel = |globe: &Globe, direction: DVec3, level: &dyn Fn([DVec3; 3], u32) -> f64| {
+        let Some(cell) = globe.cell(direction, PIXELS) else { return PAPER };
+        shown(mips.radiance(cell[0], level(cell, mips.inner())))
+    };
+    let without = |globe: &Globe, direction: DVec3| panel(globe, direction, &level_of_cell);
+    let with = |globe: &Globe, direction: DVec3| panel(globe, direction, &quadratic_level);
+    let panels: [Panel<'_>; 2] = [("level of the cell", &without), ("with the mirrored cell", &with)];
+    let scene = pair((&title, caption), BELOW, panels);
+    Figure::new(name, title, caption.to_owned(), scene)
+}
+
+pub(super) fn border(name: String) -> Figure {
+    let title = "Quadratic layout: the safety border".to_owned();
+    let caption = "A map of 64 texels at mip level 3, seen from below. Left: no border and wrap-around access, which \
+                   reads the opposite edge. Right: a border of 8 texels, which shows the texels that adjoin every \
+                   edge on the sphere (figure 4 of Engelhardt and Dachsbacher 2008).";
+    let bare = OemMips::quadratic(&map_of(64, 0), Weights::SolidAngle);
+    let safe = OemMips::quadratic(&map_of(64, 8), Weights::SolidAngle);
+    let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 3.0, Addressing::Repeat));
+    let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 3.0, Addressing::Clamp));
+    let panels: [Panel<'_>; 2] = [("wrap-around access", &without), ("with a safety border", &with)];
+    let scene = pair((&title, caption), BELOW, panels);
+    Figure::new(name, title, caption.to_owned(), scene)
+}
+
+pub(super) fn greatest(name: String) -> Figure {
+    let title = "Quadratic layout: the greatest correct mip level".to_owned();
+    let caption = "Mip level 5 of two textures of 128 texels, border included, seen from below. Left: 112 texels and \
+                   a border of 8, whose greatest correct level is 4: texels of level 5 reach beyond the border and \
+                   are clamped. Right: 96 texels and a border of 16, which serves level 5.";
+    let narrow = OemMips::quadratic(&map_of(112, 8), Weights::SolidAngle);
+    let wide = OemMips::quadratic(&map_of(96, 16), Weights::SolidAngle);
+    let without = |_: &Globe, d: DVec3| shown(narrow.look_up(narrow.place(d), 5.0, Addressing::Clamp));
+    let with = |_: &Globe, d: DVec3| shown(wide.look_up(wide.place(d), 5.0, Addressing::Clamp));
+    let panels: [Panel<'_>; 2] =
+        [("border of 8, greatest level 4", &without), ("border of 16, greatest level 5", &with)];
+    let scene = pair((&title, caption), BELOW, panels);
+    Figure::new(name, title, caption.to_owned(), scene)
+}
+
+/// The error of a mean shown in full colour.
+const FULL_ERROR: f64 = 0.2;
+
+pub(super) fn weights(name: String) -> Figure {
+    let title = "Mip levels: weights by solid angle".to_owned();
+    let caption = "Relative error of the texels of mip level 5 of 128 texels, against the mean of 400,000 directions: \
+                   blue is 20\u{a0}% too dark, white is right, red is 20\u{a0}% too bright (red channel). Left: equal weights, as \
+                   ordinary mip maps have. A texel at a face's centre covers 5.2 times the solid angle of one at a \
+                   vertex. Right: weights by solid angle.";
+    let map = map_of(128, 0);
+    let [equal, right] =
+        [Weights::Equal, Weights::SolidAngle].map(|weights| OemMips::quadratic(&map, weights));
+    let (level, count) = (5, 400_000);
+    let side = 128 >> level;
+    let index = |mips: &OemMips, direction: DVec3| {
+        let (_, uv) = mips.place(direction);
+        let at = ((uv + 1.0) * 0.5 * f64::from(side))
+            .floor()
+            .clamp(DVec2::ZERO, DVec2::splat(f64::from(side - 1)));
+        (at.y * f64::from(side) + at.x) as usize
+    };
+    // Directions of equal solid angle.
+    let mut sums = vec![[0.0; 2]; (side * side) as usize];
+    for k in 0..count {
+        let y = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
+        let (sin, cos) = (f64::from(k) * 2.399_963_229_728_653).sin_cos();
+        let around = (1.0 - y * y).sqrt();
+        let direction = DVec3::new(around * cos, y, around * sin);
+        let sum = &mut sums[index(&right, direction)];
+        *sum = [sum[0] + f64::from(pattern(direction)[0]), sum[1] + 1.0];
+    }
+    let panel = |mips: &OemMips, direction: DVec3| {
+        let texel = index(mips, direction);
+        let exact = sums[texel][0] / sums[texel][1];
+        let error = f64::from(mips.levels()[level].texels[texel][0]) / exact - 1.0;
+        let full = if error > 0.0 { [178, 24, 43] } else { [33, 102, 172] };
+        mix(PAPER, full, (error.abs() / FULL_ERROR).min(1.0))
+    };
+    let without = |_: &Globe, direction: DVec3| panel(&equal, direction);
+    let with = |_: &Globe, direction: DVec3| panel(&right, direction);
+    let panels: [Panel<'_>; 2] = [("equal weights", &without), ("weighted by solid angle", &with)];
+    let scene = pair((&title, caption), BESIDE, panels);
+    Figure::new(name, title, caption.to_owned(), scene)
+}
+
+pub(super) fn rectangular(name: String) -> Figure {
+    let title = "Rectangular layout: one array layer per hemisphere".to_owned();
+    let caption = "Layers of 64 texels at mip level 3, seen from the side. Left: clamped layers without a border; \
+                   the hemispheres do not meet at the equator. Right: a border of 8 texels, which shows the other \
+                   layer's texels.";
+    let [bare, safe] = [0, 8].map(|border| OemMips::rectangular(64, border, Weights::SolidAngle, pattern));
+    let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 3.0, Addressing::Clamp));
+    let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 3.0, Addressing::Clamp));
+    let panels: [Panel<'_>; 2] = [("no border", &without), ("with a safety border", &with)];
+    let scene = pair((&title, caption), BESIDE, panels);
+    Figure::new(name, title, caption.to_owned(), scene)
+}
