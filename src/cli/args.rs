@@ -99,7 +99,7 @@ pub(super) struct TableArgs {
     pub(super) oem_size: Option<u32>,
     /// Border in texels, 0 to 16384 [default: filter's]
     ///
-    /// By default 0 for adaptive, and the width of the widest box for box.
+    /// By default 0; in bake for box half the side of the widest box.
     #[arg(long, value_name = "B", value_parser = clap::value_parser!(u32).range(0..=MAX_SIZE))]
     pub(super) border: Option<u32>,
     /// blocks, hensley:2, :4, :8 or :16 [default: blocks]

@@ -19,19 +19,27 @@ const BELOW: DVec3 = DVec3::new(0.45, -1.0, 0.75);
 /// Shows the equator, where the rectangular layout changes layers.
 const BESIDE: DVec3 = DVec3::new(1.0, 0.35, 0.55);
 
-/// A pattern with edges everywhere.
-fn pattern(direction: DVec3) -> Rgb {
-    let block = (direction * 3.5 + 0.41).floor();
+/// Blocks of two colours, 1/`count` wide and tinted by the direction, so that no two directions look alike.
+fn blocks(count: f64, direction: DVec3) -> Rgb {
+    let block = (direction * count + DVec3::new(0.41, 0.13, 0.77)).floor();
     let is_odd = (block.x + block.y + block.z).rem_euclid(2.0) == 1.0;
-    if is_odd { [0.93, 0.72, 0.24] } else { [0.08, 0.24, 0.50] }
+    let colour = if is_odd { [0.93, 0.72, 0.24] } else { [0.08, 0.24, 0.50] };
+    let DVec3 { x, z, .. } = direction;
+    let tint = [0.6 + 0.4 * x, 0.6 + 0.4 * z, 0.6 - 0.4 * x];
+    std::array::from_fn(|c| (colour[c] * tint[c]) as f32)
 }
 
-/// The octahedral map of [`pattern`].
-fn map_of(inner: u32, border: u32) -> Oem {
+/// Light that is brightest in the middle of the octants.
+fn octants(direction: DVec3) -> Rgb {
+    [(0.05 + 5.0 * (direction.x * direction.y * direction.z).abs()) as f32; 3]
+}
+
+/// The octahedral map of `radiance`.
+fn map_of(inner: u32, border: u32, radiance: impl Fn(DVec3) -> Rgb) -> Oem {
     let texels = (0..inner * inner).map(|k| {
         let (x, y) = (k % inner, k / inner);
         let w = texel_solid_angle(inner, x, y);
-        let [r, g, b] = pattern(direction_from_oct(texel_centre(inner, x, y)));
+        let [r, g, b] = radiance(direction_from_oct(texel_centre(inner, x, y)));
         [r, g, b, 1.0].map(|value| (f64::from(value) * w) as f32)
     });
     Oem::from_square(OemSize { inner, border }, texels.collect())
@@ -70,7 +78,7 @@ pub(super) fn level(name: String) -> Figure {
                    of equation 4 of Engelhardt and Dachsbacher 2008. Left: a pixel's cell that crosses x\u{a0}=\u{a0}0 or \
                    z\u{a0}=\u{a0}0 spans two far places of the texture, and its pixel shows the coarsest level. Right: the \
                    smaller level of the cell and of its reflection at y\u{a0}=\u{a0}0 (figure 3 of the paper).";
-    let mips = OemMips::quadratic(&map_of(256, 16), Weights::SolidAngle);
+    let mips = OemMips::quadratic(&map_of(256, 16, |d| blocks(3.5, d)), Weights::SolidAngle);
     let panel = |globe: &Globe, direction: DVec3, level: &dyn Fn([DVec3; 3], u32) -> f64| {
         let Some(cell) = globe.cell(direction, PIXELS) else { return PAPER };
         shown(mips.radiance(cell[0], level(cell, mips.inner())))
@@ -84,13 +92,13 @@ pub(super) fn level(name: String) -> Figure {
 
 pub(super) fn border(name: String) -> Figure {
     let title = "Quadratic layout: the safety border".to_owned();
-    let caption = "A map of 64 texels at mip level 3, seen from below. Left: no border and wrap-around access, which \
+    let caption = "A map of 64 texels at mip level 2, seen from below. Left: no border and wrap-around access, which \
                    reads the opposite edge. Right: a border of 8 texels, which shows the texels that adjoin every \
                    edge on the sphere (figure 4 of Engelhardt and Dachsbacher 2008).";
-    let bare = OemMips::quadratic(&map_of(64, 0), Weights::SolidAngle);
-    let safe = OemMips::quadratic(&map_of(64, 8), Weights::SolidAngle);
-    let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 3.0, Addressing::Repeat));
-    let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 3.0, Addressing::Clamp));
+    let bare = OemMips::quadratic(&map_of(64, 0, |d| blocks(1.6, d)), Weights::SolidAngle);
+    let safe = OemMips::quadratic(&map_of(64, 8, |d| blocks(1.6, d)), Weights::SolidAngle);
+    let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 2.0, Addressing::Repeat));
+    let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 2.0, Addressing::Clamp));
     let panels: [Panel<'_>; 2] = [("wrap-around access", &without), ("with a safety border", &with)];
     let scene = pair((&title, caption), BELOW, panels);
     Figure::new(name, title, caption.to_owned(), scene)
@@ -98,15 +106,15 @@ pub(super) fn border(name: String) -> Figure {
 
 pub(super) fn greatest(name: String) -> Figure {
     let title = "Quadratic layout: the greatest correct mip level".to_owned();
-    let caption = "Mip level 5 of two textures of 128 texels, border included, seen from below. Left: 112 texels and \
-                   a border of 8, whose greatest correct level is 4: texels of level 5 reach beyond the border and \
-                   are clamped. Right: 96 texels and a border of 16, which serves level 5.";
-    let narrow = OemMips::quadratic(&map_of(112, 8), Weights::SolidAngle);
-    let wide = OemMips::quadratic(&map_of(96, 16), Weights::SolidAngle);
+    let caption = "Mip level 5 of two textures of 256 texels, border included, seen from below. Left: 252 texels and \
+                   a border of 2, whose greatest correct level is 2: texels of level 5 reach beyond the border and \
+                   are clamped. Right: 224 texels and a border of 16, which serves level 5.";
+    let narrow = OemMips::quadratic(&map_of(252, 2, |d| blocks(1.2, d)), Weights::SolidAngle);
+    let wide = OemMips::quadratic(&map_of(224, 16, |d| blocks(1.2, d)), Weights::SolidAngle);
     let without = |_: &Globe, d: DVec3| shown(narrow.look_up(narrow.place(d), 5.0, Addressing::Clamp));
     let with = |_: &Globe, d: DVec3| shown(wide.look_up(wide.place(d), 5.0, Addressing::Clamp));
     let panels: [Panel<'_>; 2] =
-        [("border of 8, greatest level 4", &without), ("border of 16, greatest level 5", &with)];
+        [("border of 2, greatest level 2", &without), ("border of 16, greatest level 5", &with)];
     let scene = pair((&title, caption), BELOW, panels);
     Figure::new(name, title, caption.to_owned(), scene)
 }
@@ -117,10 +125,11 @@ const FULL_ERROR: f64 = 0.2;
 pub(super) fn weights(name: String) -> Figure {
     let title = "Mip levels: weights by solid angle".to_owned();
     let caption = "Relative error of the texels of mip level 5 of 128 texels, against the mean of 400,000 directions: \
-                   blue is 20\u{a0}% too dark, white is right, red is 20\u{a0}% too bright (red channel). Left: equal weights, as \
+                   blue is 20\u{a0}% too dark, white is right, red is 20\u{a0}% too bright. The light is brightest in the \
+                   middle of the octants. Left: equal weights, as \
                    ordinary mip maps have. A texel at a face's centre covers 5.2 times the solid angle of one at a \
                    vertex. Right: weights by solid angle.";
-    let map = map_of(128, 0);
+    let map = map_of(128, 0, octants);
     let [equal, right] =
         [Weights::Equal, Weights::SolidAngle].map(|weights| OemMips::quadratic(&map, weights));
     let (level, count) = (5, 400_000);
@@ -140,7 +149,7 @@ pub(super) fn weights(name: String) -> Figure {
         let around = (1.0 - y * y).sqrt();
         let direction = DVec3::new(around * cos, y, around * sin);
         let sum = &mut sums[index(&right, direction)];
-        *sum = [sum[0] + f64::from(pattern(direction)[0]), sum[1] + 1.0];
+        *sum = [sum[0] + f64::from(octants(direction)[0]), sum[1] + 1.0];
     }
     let panel = |mips: &OemMips, direction: DVec3| {
         let texel = index(mips, direction);
@@ -158,12 +167,13 @@ pub(super) fn weights(name: String) -> Figure {
 
 pub(super) fn rectangular(name: String) -> Figure {
     let title = "Rectangular layout: one array layer per hemisphere".to_owned();
-    let caption = "Layers of 64 texels at mip level 3, seen from the side. Left: clamped layers without a border; \
+    let caption = "Layers of 64 texels at mip level 2, seen from the side. Left: clamped layers without a border; \
                    the hemispheres do not meet at the equator. Right: a border of 8 texels, which shows the other \
                    layer's texels.";
-    let [bare, safe] = [0, 8].map(|border| OemMips::rectangular(64, border, Weights::SolidAngle, pattern));
-    let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 3.0, Addressing::Clamp));
-    let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 3.0, Addressing::Clamp));
+    let [bare, safe] =
+        [0, 8].map(|border| OemMips::rectangular(64, border, Weights::SolidAngle, |d| blocks(1.6, d)));
+    let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 2.0, Addressing::Clamp));
+    let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 2.0, Addressing::Clamp));
     let panels: [Panel<'_>; 2] = [("no border", &without), ("with a safety border", &with)];
     let scene = pair((&title, caption), BESIDE, panels);
     Figure::new(name, title, caption.to_owned(), scene)

@@ -71,7 +71,7 @@ fn every_scan_gives_the_same_picture() {
     for (name, look) in [
         ("box", &["--filter", "box"][..]),
         ("fitted", &["--filter", "fitted:2"]),
-        ("sat", &["--filter", "box", "--show", "sat"]),
+        ("oem", &["--filter", "box", "--show", "oem"]),
     ] {
         let plain = picture(&format!("{name}.png"), look);
         for scan in ["hensley:2", "hensley:16"] {
