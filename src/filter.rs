@@ -82,6 +82,31 @@ impl Filter {
     }
 }
 
+/// Parses a filter's name with its number, as on the command line and in reports.
+///
+/// # Errors
+/// A message that names the choices.
+pub fn parsed(text: &str) -> Result<Filter, String> {
+    let (name, value) = text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value)));
+    match (name, value) {
+        ("adaptive", None) => Ok(Filter::Adaptive(0.005)),
+        ("adaptive", Some(value)) => match value.parse() {
+            Ok(error) if (LEAST_ERROR..1.0).contains(&error) => Ok(Filter::Adaptive(error)),
+            _ => Err(format!(
+                "the error of adaptive:E must be at least {LEAST_ERROR:e}, the float32 limit, and below 1"
+            )),
+        },
+        ("fitted", None) => Ok(Filter::Fitted(4)),
+        ("fitted", Some(value)) => match value.parse() {
+            Ok(count) if COUNTS.contains(&count) => Ok(Filter::Fitted(count)),
+            _ => Err("the boxes of fitted:K must be 1, 2, 4 or 8".to_owned()),
+        },
+        ("box", None) => Ok(Filter::Box),
+        ("reference", None) => Ok(Filter::Reference),
+        _ => Err("choose one of adaptive:E, fitted:K, box, reference".to_owned()),
+    }
+}
+
 /// The answer to a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {

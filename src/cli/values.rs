@@ -1,9 +1,7 @@
 //! Option values: choices, their meanings, and parsers.
 
-use crate::cpu::adaptive::LEAST_ERROR;
-use crate::filter::Filter;
-use crate::realtime::tables::COUNTS;
-use crate::sh::window::ShWindow;
+pub(super) use crate::filter::parsed as filter;
+pub(super) use crate::sh::window::parsed as sh_window;
 use crate::target::{Diffuse, Naming, TARGETS, Target, TargetPlan};
 use crate::{Layout, Map};
 use clap::ValueEnum;
@@ -144,43 +142,5 @@ pub(super) fn texels(text: &str) -> Result<Texels, String> {
             Ok(count) if count > 0 => Ok(Texels::Some(count)),
             _ => Err("must be a number above 0, or all".to_owned()),
         },
-    }
-}
-
-/// Parses a filter's name, as on the command line and in reports.
-pub(super) fn filter(text: &str) -> Result<Filter, String> {
-    let (name, value) = text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value)));
-    match (name, value) {
-        ("adaptive", None) => Ok(Filter::Adaptive(0.005)),
-        ("adaptive", Some(value)) => match value.parse() {
-            Ok(error) if (LEAST_ERROR..1.0).contains(&error) => Ok(Filter::Adaptive(error)),
-            _ => Err(format!(
-                "the error of adaptive:E must be at least {LEAST_ERROR:e}, the float32 limit, and below 1"
-            )),
-        },
-        ("fitted", None) => Ok(Filter::Fitted(4)),
-        ("fitted", Some(value)) => match value.parse() {
-            Ok(count) if COUNTS.contains(&count) => Ok(Filter::Fitted(count)),
-            _ => Err("the boxes of fitted:K must be 1, 2, 4 or 8".to_owned()),
-        },
-        ("box", None) => Ok(Filter::Box),
-        ("reference", None) => Ok(Filter::Reference),
-        _ => Err("choose one of adaptive:E, fitted:K, box, reference".to_owned()),
-    }
-}
-
-/// Parses a window of spherical harmonics, as in reports.
-pub(super) fn sh_window(text: &str) -> Result<ShWindow, String> {
-    let width = |text: &str| match number(text)? {
-        width if width > 0.0 && width.is_finite() => Ok(width),
-        _ => Err("the width of a window must be above 0 and finite".to_owned()),
-    };
-    match text.split_once(':') {
-        None if text == "none" => Ok(ShWindow::None),
-        None if text == "nonnegative" => Ok(ShWindow::Nonnegative),
-        Some(("hanning", value)) => width(value).map(ShWindow::Hanning),
-        Some(("lanczos", value)) => width(value).map(ShWindow::Lanczos),
-        Some(("sinc4", value)) => width(value).map(ShWindow::Sinc4),
-        _ => Err("choose one of none, hanning:W, lanczos:W, sinc4:W, nonnegative".to_owned()),
     }
 }

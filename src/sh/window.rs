@@ -90,6 +90,26 @@ impl fmt::Display for ShWindow {
     }
 }
 
+/// Parses a window's name with its width, as on the command line and in reports.
+///
+/// # Errors
+/// A message that names the choices.
+pub fn parsed(text: &str) -> Result<ShWindow, String> {
+    let width = |text: &str| match text.parse() {
+        Err(_) => Err("not a number".to_owned()),
+        Ok(width) if width > 0.0 && f64::is_finite(width) => Ok(width),
+        _ => Err("the width of a window must be above 0 and finite".to_owned()),
+    };
+    match text.split_once(':') {
+        None if text == "none" => Ok(ShWindow::None),
+        None if text == "nonnegative" => Ok(ShWindow::Nonnegative),
+        Some(("hanning", value)) => width(value).map(ShWindow::Hanning),
+        Some(("lanczos", value)) => width(value).map(ShWindow::Lanczos),
+        Some(("sinc4", value)) => width(value).map(ShWindow::Sinc4),
+        _ => Err("choose one of none, hanning:W, lanczos:W, sinc4:W, nonnegative".to_owned()),
+    }
+}
+
 /// Number of candidate directions; the search starts at the lowest few. They are 4 degrees apart; minima of a
 /// function of band 4 are 45 degrees apart.
 const STARTS: u32 = 2000;
