@@ -323,15 +323,26 @@ pub(super) struct QueryArgs {
     /// An environment; six of them with --layout faces
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
-    /// CSV with the header x,y,z; - is standard input
+    /// CSV or .npy; - is standard input
     ///
-    /// With the header x,y,z,roughness each row has its own roughness; all rows share one octahedral map, as
-    /// fine as the sharpest requires. At most 4,000,000 directions, 256 MiB, and 1000 bytes per line.
-    #[arg(long, value_name = "FILE.csv", required = true)]
+    /// CSV with the header x,y,z, or a NumPy array of float32 or float64 with three columns. With the header
+    /// x,y,z,roughness, or a fourth column, each row has its own roughness; all rows share one octahedral
+    /// map, as fine as the sharpest requires. At most 4,000,000 directions; CSV of at most 256 MiB, and 1000
+    /// bytes per line.
+    #[arg(long, value_name = "FILE", required = true)]
     pub(super) directions: PathBuf,
+    /// File to write, .csv or .npy [default: standard output]
+    ///
+    /// .npy is a NumPy array of float32: red, green and blue of each direction, in the order asked, and with
+    /// --bound a fourth column. Mirrors have no bound: it is infinite in arrays, and empty in CSV.
+    #[arg(long, short, value_name = "OUT")]
+    pub(super) output: Option<PathBuf>,
+    /// Replace OUT if it exists
+    #[arg(long)]
+    pub(super) force: bool,
     /// Roughness in [0, 1]; 0 is a mirror
     ///
-    /// Required, except for the cosine lobe and for --directions with a column roughness.
+    /// Required, except for the cosine lobe and for --directions with a column of roughness.
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = roughness)]
     pub(super) roughness: Option<f64>,
     /// ggx, phong, cone, cosine or charlie

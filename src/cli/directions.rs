@@ -1,11 +1,12 @@
-//! Reads directions as CSV with the header `x,y,z` or `x,y,z,roughness`, from a file or standard input,
-//! within limits.
+//! Reads directions, with or without a roughness each, from a file or standard input, within limits: as CSV
+//! with the header `x,y,z` or `x,y,z,roughness`, or as a NumPy array (.npy) of three or four columns.
 
 use crate::error::quoted;
+use crate::io::npy::{self, Precision};
 use crate::io::regular::open_regular;
 use anyhow::{Context as _, anyhow, bail};
 use glam::DVec3;
-use std::io::Read;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 /// A row: its text and its parsed values.
@@ -38,12 +39,58 @@ pub(super) struct Limits {
 /// The limits of `--directions`, as in its help.
 pub(super) const LIMITS: Limits = Limits { rows: 4_000_000, bytes: 256 << 20, line: 1000 };
 
-/// Reads the directions in the CSV file `path`, or from standard input for `-`.
+/// Reads the directions in the file `path`, or from standard input for `-`.
 pub(super) fn read_directions(path: &Path) -> anyhow::Result<Directions> {
     if path == Path::new("-") {
-        return parse_directions(std::io::stdin().lock(), LIMITS).context("standard input");
+        return read_either(std::io::stdin().lock(), LIMITS).context("standard input");
     }
-    parse_directions(open_regular(path)?, LIMITS).with_context(|| path.display().to_string())
+    read_either(open_regular(path)?, LIMITS).with_context(|| path.display().to_string())
+}
+
+/// Reads an array or CSV, by the first bytes.
+fn read_either(mut from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
+    let mut start = Vec::new();
+    from.by_ref().take(npy::MAGIC.len() as u64).read_to_end(&mut start)?;
+    let is_array = start == npy::MAGIC;
+    if start.starts_with(b"PK\x03\x04") {
+        bail!("a ZIP file such as .npz; save one array with numpy.save");
+    }
+    let from = Cursor::new(start).chain(from);
+    if is_array { array_directions(from, limits) } else { parse_directions(from, limits) }
+}
+
+/// Parses directions as the rows of an array.
+fn array_directions(from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
+    let table = npy::read_table(from, &[3, 4], limits.rows).map_err(anyhow::Error::msg)?;
+    let has_roughness = table.columns == 4;
+    let mut asked = Vec::with_capacity(table.values.len() / table.columns);
+    for (row, values) in table.values.chunks_exact(table.columns).enumerate() {
+        if let Some(column) = values.iter().position(|value| !value.is_finite()) {
+            bail!("element [{row}, {column}] is {}; it must be finite", values[column]);
+        }
+        let roughness = values.get(3).copied();
+        if let Some(roughness) = roughness.filter(|roughness| !(0.0..=1.0).contains(roughness)) {
+            bail!("element [{row}, 3] is {roughness}; a roughness must be between 0 and 1");
+        }
+        let Some(direction) = unit(DVec3::new(values[0], values[1], values[2])) else {
+            bail!("row [{row}] is 0, 0, 0, which is not a direction");
+        };
+        let text = |value: &f64| match table.precision {
+            // The shortest text that is the same number.
+            Precision::Single => (*value as f32).to_string(),
+            Precision::Double => value.to_string(),
+        };
+        let typed = values.iter().map(text).collect::<Vec<_>>().join(",");
+        asked.push(Asked { typed, direction, roughness });
+    }
+    Ok(Directions { asked, has_roughness })
+}
+
+/// The unit vector along `direction`; `None` for 0. Scales first: squares of tiny and huge lengths exceed the
+/// range of floats.
+fn unit(direction: DVec3) -> Option<DVec3> {
+    let longest = direction.abs().max_element();
+    (longest > 0.0).then(|| (direction / longest).normalize())
 }
 
 /// Parses directions, one per line.
@@ -83,19 +130,16 @@ pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Resul
                 bail!("line {line}: {name} is {}; it must be finite", quoted(text));
             }
         }
-        // Scale first: squares of tiny and huge lengths exceed the range of floats.
         let [x, y, z, roughness] = values;
         if !(0.0..=1.0).contains(&roughness) {
             bail!("line {line}: roughness is {}; it must be between 0 and 1", quoted(&record[3]));
         }
-        let direction = DVec3::new(x, y, z);
-        let longest = direction.abs().max_element();
-        if longest == 0.0 {
+        let Some(direction) = unit(DVec3::new(x, y, z)) else {
             bail!("line {line}: 0,0,0 is not a direction");
-        }
+        };
         asked.push(Asked {
             typed: record.iter().collect::<Vec<_>>().join(","),
-            direction: (direction / longest).normalize(),
+            direction,
             roughness: has_roughness.then_some(roughness),
         });
     }

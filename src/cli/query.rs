@@ -1,16 +1,19 @@
-//! `octagloss query`: prints the radiance of a lobe around given directions.
+//! `octagloss query`: computes the radiance of a lobe around given directions.
 
 use super::args::QueryArgs;
-use super::console::Console;
-use super::directions::{Directions, read_directions};
+use super::console::{self, Console};
+use super::directions::{Asked, Directions, read_directions};
 use super::engine::Query;
 use super::input;
-use super::outcome::{Outcome, on_threads, print, usage};
-use crate::filter::Filter;
+use super::outcome::{Outcome, check_not_input, check_output, on_threads, print, usage, write_output};
+use crate::filter::{Answer, Filter};
+use crate::io::npy;
+use crate::io::output::Existing;
 use crate::lobe::Lobe;
 use crate::reflector::ReflectorSettings;
 use glam::DVec3;
 use std::fmt::Write as _;
+use std::path::Path;
 
 pub(super) fn run(args: QueryArgs) -> Outcome {
     args.engine.check()?;
@@ -26,19 +29,31 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     }
     args.table.check_scan(args.filter)?;
     let source = input::single_source(args.inputs, &args.input)?;
+    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    let output = match &args.output {
+        Some(path) => {
+            let form = Form::of(path)?;
+            check_not_input(path, source.files().iter().chain([&args.directions]))?;
+            check_output(path, existing)?;
+            Some((path, form))
+        }
+        None => None,
+    };
     let console = Console::new(args.quiet);
     on_threads(args.engine.threads, || {
         let Directions { asked, has_roughness } = read_directions(&args.directions)?;
         let shared = match (lobe, args.roughness, has_roughness) {
             (Lobe::Cosine, _, false) => 1.0,
-            (Lobe::Cosine, _, true) => return usage("--lobe cosine has no roughness; omit the column"),
+            (Lobe::Cosine, _, true) => {
+                return usage("--lobe cosine has no roughness; omit the column of roughness");
+            }
             (_, Some(roughness), false) => roughness,
             (_, Some(_), true) => {
-                return usage("--roughness and the column roughness contradict each other; omit one");
+                return usage("--roughness and the column of roughness contradict each other; omit one");
             }
             (_, None, false) => {
                 return usage(
-                    "--roughness R, R in [0, 1], or a column roughness in --directions is required",
+                    "--roughness R, R in [0, 1], or a column of roughness in --directions is required",
                 );
             }
             // Unused: the rows have their own.
@@ -57,27 +72,65 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
         let query = Query { lobe, filter: args.filter, directions: &directions, roughness: &roughness };
         let answers = engine.query(&opened.environment, &settings, &query, &console)?;
-        let bound = args.bound;
-        let rows: Vec<String> = asked
-            .iter()
-            .zip(answers)
-            .map(|(asked, answer)| {
-                let [r, g, b] = answer.radiance;
-                let mut row = format!("{},{r:?},{g:?},{b:?}", asked.typed);
-                if bound {
-                    row.push(',');
-                    // Mirrors are look-ups without a bound; leave the field empty.
-                    if let Some(bound) = answer.bound {
-                        write!(row, "{bound:?}").expect("writing to a string cannot fail");
-                    }
-                }
-                row.push('\n');
-                row
-            })
-            .collect();
-        let (own, more) = (if has_roughness { ",roughness" } else { "" }, if bound { ",bound" } else { "" });
-        print(&(format!("x,y,z{own},r,g,b{more}\n") + &rows.concat()))
+        let Some((path, form)) = output else {
+            return print(&csv(&asked, &answers, has_roughness, args.bound));
+        };
+        let bytes = match form {
+            Form::Csv => csv(&asked, &answers, has_roughness, args.bound).into_bytes(),
+            Form::Array => array(&answers, args.bound),
+        };
+        write_output(path, existing, &bytes)?;
+        let (count, size) = (answers.len(), console::bytes(bytes.len() as u64));
+        console.note(&format!("{}: {count} directions, {size}", path.display()));
+        Ok(())
     })
+}
+
+/// Form of an output file.
+#[derive(Clone, Copy)]
+enum Form {
+    Csv,
+    Array,
+}
+
+impl Form {
+    /// The form of the extension of `path`.
+    fn of(path: &Path) -> Outcome<Self> {
+        let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+        match extension.as_deref().and_then(|extension| extension.to_str()) {
+            Some("csv") => Ok(Self::Csv),
+            Some("npy") => Ok(Self::Array),
+            _ if path.as_os_str() == "-" => usage("omit -o to write CSV to standard output"),
+            _ => usage(format!("-o {} must end in .csv or .npy", path.display())),
+        }
+    }
+}
+
+/// The answers as text, a line each, with a header.
+fn csv(asked: &[Asked], answers: &[Answer], has_roughness: bool, bound: bool) -> String {
+    let (own, more) = (if has_roughness { ",roughness" } else { "" }, if bound { ",bound" } else { "" });
+    let mut text = format!("x,y,z{own},r,g,b{more}\n");
+    for (asked, answer) in asked.iter().zip(answers) {
+        let [r, g, b] = answer.radiance;
+        write!(text, "{},{r:?},{g:?},{b:?}", asked.typed).expect("writing to a string cannot fail");
+        if bound {
+            text.push(',');
+            // Mirrors are look-ups without a bound; leave the field empty.
+            if let Some(bound) = answer.bound {
+                write!(text, "{bound:?}").expect("writing to a string cannot fail");
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The answers as a .npy file, a row each.
+fn array(answers: &[Answer], bound: bool) -> Vec<u8> {
+    let bounds = |answer: &Answer| bound.then(|| answer.bound.unwrap_or(f32::INFINITY));
+    let row = |answer: &Answer| answer.radiance.into_iter().chain(bounds(answer));
+    let values: Vec<f32> = answers.iter().flat_map(row).collect();
+    npy::table_bytes(if bound { 4 } else { 3 }, &values)
 }
 
 /// The smallest roughness of the lobe, ignoring mirrors; `shared` if no row has one.

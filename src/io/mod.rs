@@ -24,6 +24,7 @@ pub mod layout;
 pub mod ldr;
 mod level_folder;
 pub mod level_images;
+pub mod npy;
 pub mod oem_write;
 pub mod output;
 pub(crate) mod panics;

@@ -1,5 +1,6 @@
 //! The program on the command line: exit statuses, messages and written files.
 
+pub(super) mod arrays;
 mod chains;
 #[cfg(feature = "plot")]
 pub(super) mod figures;

@@ -230,3 +230,13 @@ pub(crate) fn deep_png(width: u32, height: u32, pixels: &[[u16; 4]]) -> Vec<u8> 
     image.unwrap().write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     bytes.into_inner()
 }
+
+/// A NumPy array file of version 1, of the numbers in `data`.
+pub(crate) fn npy(descr: &str, fortran_order: bool, (rows, columns): (usize, usize), data: &[u8]) -> Vec<u8> {
+    let order = if fortran_order { "True" } else { "False" };
+    let header = format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': ({rows}, {columns}), }}");
+    // NumPy pads the header with spaces and ends it with a line feed.
+    let header = format!("{header:117}\n");
+    let length = u16::try_from(header.len()).expect("a short header");
+    [&b"\x93NUMPY\x01\x00"[..], &length.to_le_bytes(), header.as_bytes(), data].concat()
+}

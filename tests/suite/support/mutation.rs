@@ -6,7 +6,7 @@ use exr::prelude::{AnyChannel, Blocks, Compression, Image, Vec2};
 use octagloss::internals::chain::{Chain, Level};
 use octagloss::internals::format::Pixel;
 use octagloss::internals::io::ktx1::write::ktx1_bytes;
-use octagloss::internals::io::{self, ReadOptions};
+use octagloss::internals::io::{self, ReadOptions, npy};
 use peakmem_alloc::{PeakMemAlloc, PeakMemAllocTrait as _};
 use std::alloc::System;
 use std::panic::{self, AssertUnwindSafe};
@@ -189,6 +189,11 @@ pub(crate) fn readers(folder: &Path) -> Vec<Reader> {
             }),
         },
         level_folder(folder),
+        Reader {
+            name: "npy",
+            seeds: npy_seeds(),
+            read: Box::new(|bytes| npy::read_table(bytes, &[3, 4], 4_000_000).is_ok()),
+        },
     ]
 }
 
@@ -288,6 +293,14 @@ fn ktx1_seeds() -> Vec<Vec<u8>> {
         .map(|(key, value)| (key.to_owned(), value.to_owned()));
     let seed = |pixel| ktx1_bytes(&chain, pixel, &pairs).unwrap().bytes;
     [Pixel::F16, Pixel::F32, Pixel::Rgb9e5, Pixel::R11g11b10].map(seed).to_vec()
+}
+
+/// Arrays of three and four columns, float32 and float64, of both byte orders.
+fn npy_seeds() -> Vec<Vec<u8>> {
+    let values: Vec<f32> = (0..24_u8).map(f32::from).collect();
+    let double = inputs::npy("<f8", true, (8, 3), &(0..192).collect::<Vec<u8>>());
+    let big_endian = inputs::npy(">f4", false, (6, 4), &(0..96).collect::<Vec<u8>>());
+    vec![npy::table_bytes(3, &values), npy::table_bytes(4, &values), double, big_endian]
 }
 
 /// Damages the report of a level folder; its faces stay intact.
