@@ -1,0 +1,395 @@
+//! Bakes: prefiltered levels as arrays or files, and the DFG table.
+
+use crate::arrays::{Shown, array, view};
+use crate::choices;
+use crate::environment::{Environment, Origin, map_of, shape_of};
+use crate::errors::{warn, wrong};
+use crate::output::Output;
+use crate::work::run;
+use numpy::PyArrayDyn;
+use octagloss::internals::bake::dfg::{DfgBlue, dfg_table_with};
+use octagloss::internals::bake::{LevelStats, bake_all};
+use octagloss::internals::chain::Level as CoreLevel;
+use octagloss::internals::memory::check_bake;
+use octagloss::internals::target::{Diffuse, Target, TargetPlan};
+use octagloss::{Bake as CoreBake, BakeSettings, Filter, Layout, Lobe, Map};
+use pyo3::prelude::*;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Bytes per texel while a file is encoded, for the estimate of memory.
+const ENCODED: u64 = 16;
+
+/// A prefiltered chain of levels, and what belongs to it.
+#[pyclass(frozen, module = "octagloss")]
+pub(crate) struct Bake {
+    pub(crate) core: Arc<CoreBake>,
+    pub(crate) settings: BakeSettings,
+    pub(crate) target: Option<&'static Target>,
+    pub(crate) origin: Origin,
+    /// Wall time in seconds.
+    pub(crate) seconds: f64,
+}
+
+/// One level of a bake.
+#[pyclass(frozen, module = "octagloss")]
+pub(crate) struct Level {
+    bake: Arc<CoreBake>,
+    part: Part,
+}
+
+/// A level's place in a bake.
+#[derive(Clone, Copy)]
+enum Part {
+    Chain(usize),
+    Sheen(usize),
+    Irradiance,
+    Skybox,
+}
+
+// The levels are those of a shared bake, which never changes.
+impl Shown for Level {}
+
+impl Level {
+    fn core(&self) -> &CoreLevel {
+        let CoreBake { chain, sheen, irradiance, skybox, .. } = &*self.bake;
+        match self.part {
+            Part::Chain(index) => &chain.levels[index],
+            Part::Sheen(index) => &sheen.as_ref().expect("made with sheen").levels[index],
+            Part::Irradiance => irradiance.as_ref().expect("made with irradiance"),
+            Part::Skybox => skybox.as_ref().expect("made with a skybox"),
+        }
+    }
+
+    fn stats(&self) -> Option<&LevelStats> {
+        match self.part {
+            Part::Chain(index) => self.bake.stats.get(index),
+            Part::Sheen(index) => self.bake.sheen_stats.get(index),
+            Part::Irradiance | Part::Skybox => None,
+        }
+    }
+}
+
+#[pymethods]
+impl Level {
+    /// Perceptual roughness in [0, 1].
+    #[getter]
+    fn roughness(&self) -> f64 {
+        self.core().roughness
+    }
+
+    /// Layout of the texels: cube, panorama or octahedral.
+    #[getter]
+    fn layout(&self) -> &'static str {
+        choices::map_name(map_of(self.core().layout))
+    }
+
+    /// Radiance, float32: (6, n, n, 3) for a cube with the faces +X -X +Y -Y +Z -Z, else (height, width, 3).
+    /// A read-only array, not a copy.
+    #[getter]
+    fn texels<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let shape = shape_of(slf.get().core().layout);
+        view(slf, |level| level.core().texels.as_flattened(), &shape)
+    }
+
+    /// Certified bound on the luminance error of each texel, float32, shaped as the texels without channels;
+    /// None unless bake was asked for bounds, and for mirrors. A read-only array, not a copy.
+    #[getter]
+    fn bounds<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        if slf.get().core().bounds.is_none() {
+            return Ok(None);
+        }
+        let shape = shape_of(slf.get().core().layout);
+        let shape = &shape[..shape.len() - 1];
+        view(slf, |level| level.core().bounds.as_deref().unwrap_or_default(), shape).map(Some)
+    }
+
+    /// Greatest certified bound, absolute luminance; None if the filter has none.
+    #[getter]
+    fn error_bound_max(&self) -> Option<f64> {
+        self.stats()?.error_bound_max
+    }
+
+    /// Mean certified bound, absolute luminance; None if the filter has none.
+    #[getter]
+    fn error_bound_mean(&self) -> Option<f64> {
+        self.stats()?.error_bound_mean
+    }
+
+    /// Leaves of the quadrature per texel; None if the filter has none.
+    #[getter]
+    fn leaves_per_texel(&self) -> Option<f64> {
+        self.stats()?.leaves_per_texel
+    }
+
+    fn __repr__(&self) -> String {
+        let (width, height) = self.core().layout.sides();
+        format!("<octagloss.Level: {} {width}x{height}, roughness {:.4}>", self.layout(), self.roughness())
+    }
+}
+
+#[pymethods]
+impl Bake {
+    /// The levels, the sharpest first.
+    #[getter]
+    fn levels(&self) -> Vec<Level> {
+        let part = |index| Level { bake: Arc::clone(&self.core), part: Part::Chain(index) };
+        (0..self.core.chain.levels.len()).map(part).collect()
+    }
+
+    /// The levels of the Charlie lobe, for targets with sheen; else empty.
+    #[getter]
+    fn sheen(&self) -> Vec<Level> {
+        let count = self.core.sheen.as_ref().map_or(0, |sheen| sheen.levels.len());
+        let part = |index| Level { bake: Arc::clone(&self.core), part: Part::Sheen(index) };
+        (0..count).map(part).collect()
+    }
+
+    /// The irradiance cube, over pi; None unless asked for.
+    #[getter]
+    fn irradiance(&self) -> Option<Level> {
+        self.core.irradiance.as_ref()?;
+        Some(Level { bake: Arc::clone(&self.core), part: Part::Irradiance })
+    }
+
+    /// The unfiltered environment; None unless asked for.
+    #[getter]
+    fn skybox(&self) -> Option<Level> {
+        self.core.skybox.as_ref()?;
+        Some(Level { bake: Arc::clone(&self.core), part: Part::Skybox })
+    }
+
+    /// Spherical harmonics of the source, windowed, as of Environment.sh.
+    #[getter]
+    fn sh<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        array(py, self.core.sh.as_flattened().to_vec(), vec![self.core.sh.len(), 3])
+    }
+
+    /// Edge of the octahedral map.
+    #[getter]
+    fn oem_size(&self) -> u32 {
+        self.core.oem.inner
+    }
+
+    /// Energy of the source, radiance times solid angle: red, green and blue.
+    #[getter]
+    fn source_energy(&self) -> (f64, f64, f64) {
+        self.core.source_energy.into()
+    }
+
+    /// Energy of the octahedral map.
+    #[getter]
+    fn oem_energy(&self) -> (f64, f64, f64) {
+        self.core.oem_energy.into()
+    }
+
+    /// Warnings of the bake.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.core.warnings.clone()
+    }
+
+    /// Name of the target; None without one.
+    #[getter]
+    fn target(&self) -> Option<&'static str> {
+        self.target.map(|target| target.name)
+    }
+
+    /// Writes the bake. All files appear whole, or none does.
+    ///
+    /// Without a target: a .ktx2, .ktx or .dds file, or with container exr or hdr a folder of images. With a
+    /// target: a folder with the target's files and report.json, named after name, by default the input.
+    ///
+    /// container: ktx2, ktx, dds, exr or hdr; by default that of the path, or the target's. pixel: f16, f32,
+    /// rgb9e5, r11g11b10f or bc6h. overflow: clamp, compress or error, for radiance above the range of pixel.
+    /// force: replace existing files.
+    #[pyo3(signature = (path, *, container=None, pixel=None, overflow="clamp", name=None, force=false))]
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    fn write(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        container: Option<&str>,
+        pixel: Option<&str>,
+        overflow: &str,
+        name: Option<String>,
+        force: bool,
+    ) -> PyResult<()> {
+        let place = path.display().to_string();
+        let output = Output::new(self, path, (container, pixel, overflow), name, force)?;
+        let warnings = run(py, move |cancel, pool| pool.install(|| output.write(cancel)))?;
+        warnings.iter().try_for_each(|warning| warn(py, &format!("{place}: {warning}")))
+    }
+
+    fn __repr__(&self) -> String {
+        let levels = &self.core.chain.levels;
+        let of = self.target.map_or_else(String::new, |target| format!(" for {}", target.name));
+        let (size, count) = (self.settings.size, levels.len());
+        format!("<octagloss.Bake: {} {size}, {count} levels{of}>", choices::map_name(self.settings.map))
+    }
+}
+
+/// Bakes an environment into prefiltered levels.
+///
+/// size: edge of level 0, for a panorama its height. levels: their number. ladder: linear, filament, unity or
+/// babylon, the roughness of each. layout: cube, panorama or octahedral. lobe and filter as in
+/// Environment.reflect. chain: sampled, or solved for trilinear look-ups. bounds: keep every texel's certified
+/// bound. irradiance, skybox: edges of additional cubes; skybox may be "source".
+///
+/// target: the preset of an engine; it sets size, levels, ladder and layout unless given. output: a path to
+/// write to, as Bake.write does, with container, pixel, overflow, name and force.
+#[pyfunction]
+#[pyo3(signature = (environment, *, size=None, levels=None, ladder=None, layout=None, lobe="ggx",
+    filter="adaptive:0.005", chain="sampled", bounds=false, irradiance=None, skybox=None, sh_order=2,
+    sh_window="none", oem_size=None, border=None, target=None, output=None, container=None, pixel=None,
+    overflow="clamp", name=None, force=false))]
+#[expect(clippy::too_many_arguments, reason = "named in Python")]
+pub(crate) fn bake(
+    py: Python<'_>,
+    environment: &Environment,
+    size: Option<u32>,
+    levels: Option<u32>,
+    ladder: Option<&str>,
+    layout: Option<&str>,
+    lobe: &str,
+    filter: &str,
+    chain: &str,
+    bounds: bool,
+    irradiance: Option<u32>,
+    skybox: Option<&Bound<'_, PyAny>>,
+    sh_order: u32,
+    sh_window: &str,
+    oem_size: Option<u32>,
+    border: Option<u32>,
+    target: Option<&str>,
+    output: Option<PathBuf>,
+    container: Option<&str>,
+    pixel: Option<&str>,
+    overflow: &str,
+    name: Option<String>,
+    force: bool,
+) -> PyResult<Bake> {
+    let target = target.map(choices::target).transpose()?;
+    let (lobe, filter) = (choices::lobe(lobe)?, choices::filter(filter)?);
+    if bounds && (target.is_some() || !matches!(filter, Filter::Adaptive(_))) {
+        return Err(wrong("`bounds` needs `filter` adaptive:E, and no `target`"));
+    }
+    if lobe == Lobe::Cosine && (target.is_some() || levels.is_some_and(|levels| levels > 1)) {
+        return Err(wrong("the lobe cosine has no roughness: omit `levels` and `target`"));
+    }
+    if output.is_none() && (container.is_some() || pixel.is_some() || name.is_some() || force) {
+        return Err(wrong("`container`, `pixel`, `name` and `force` are for `output`, which is missing"));
+    }
+    let skybox = skybox.map(|skybox| skybox_edge(skybox, environment.light.layout())).transpose()?;
+    let of_target = |map| target.map_or(map, |target| target.map);
+    let map = match layout {
+        None => of_target(Map::Cube),
+        Some(layout) => choices::level_layout(layout)?.0,
+    };
+    if let Some(target) = target.filter(|target| target.map != map) {
+        return Err(wrong(format!(
+            "`layout` is {}, but target {} needs {}; omit it",
+            choices::map_name(map),
+            target.name,
+            choices::map_name(target.map)
+        )));
+    }
+    let ladder = match (ladder, target) {
+        (Some(ladder), _) => choices::ladder(ladder)?,
+        (None, Some(target)) => target.ladder,
+        (None, None) => octagloss::Ladder::default(),
+    };
+    let own_size = target.map_or_else(|| ladder.default_size(map, lobe), |target| target.size);
+    let size = size.unwrap_or(own_size);
+    let diffuse = target.map_or(Diffuse::None, |target| target.diffuse);
+    let own_irradiance = target
+        .filter(|_| matches!(diffuse, Diffuse::Cube | Diffuse::Both))
+        .map(|target| target.irradiance_size);
+    let settings = BakeSettings {
+        map,
+        size,
+        levels: levels.or_else(|| target.map(|target| target.levels(size))),
+        ladder,
+        lobe,
+        filter,
+        oem_size,
+        border,
+        bounds,
+        irradiance: irradiance.or(own_irradiance),
+        skybox,
+        sh_order,
+        sh_window: choices::sh_window("sh_window", sh_window)?,
+        chain: choices::chain(chain)?,
+        sheen: target.is_some_and(Target::has_sheen),
+    };
+    let (light, origin) = (Arc::clone(&environment.light), environment.origin.clone());
+    let theirs = settings.clone();
+    let start = Instant::now();
+    let specs = settings.level_specs();
+    // An output that cannot be written is reported before the bake.
+    let count = specs.map_or(0, |specs| specs.len() as u32);
+    if let Some(target) = target.filter(|_| count > 0) {
+        TargetPlan::new(target).check_levels(size, count).map_err(|error| wrong(error.to_string()))?;
+    }
+    if let Some(path) = &output {
+        Output::check(path, target, (container, pixel, overflow), (settings.map, name.as_deref()), force)
+            .map_err(|error| error.into_raised(py))?;
+    }
+    let core = run(py, move |cancel, pool| {
+        check_bake(&light, std::slice::from_ref(&theirs), ENCODED)?;
+        let progress = |_| if cancel.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let mut bakes = pool.install(|| bake_all(&light, std::slice::from_ref(&theirs), &progress))?;
+        Ok(bakes.pop().expect("one bake for one settings"))
+    })?;
+    for warning in &core.warnings {
+        warn(py, warning)?;
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let bake = Bake { core: Arc::new(core), settings, target, origin, seconds };
+    if let Some(path) = output {
+        bake.write(py, path, container, pixel, overflow, name, force)?;
+    }
+    Ok(bake)
+}
+
+/// The edge of a skybox, a number or `source`, for a source of `layout`.
+fn skybox_edge(skybox: &Bound<'_, PyAny>, layout: Layout) -> PyResult<u32> {
+    let edge = match skybox.extract::<String>() {
+        Err(_) => skybox.extract()?,
+        // As fine as the source around the horizon.
+        Ok(name) if name == "source" => match layout {
+            Layout::Panorama { width, .. } => width.div_ceil(4),
+            Layout::Cube { size } => size,
+            Layout::Octahedral { size } => size.div_ceil(2),
+        },
+        Ok(name) => return Err(wrong(format!("`skybox` is {name:?}; a size or \"source\" is needed"))),
+    };
+    if (1..=16_384).contains(&edge) {
+        Ok(edge)
+    } else {
+        Err(wrong(format!("`skybox` is {edge}; it must be 1 to 16384")))
+    }
+}
+
+/// The split-sum DFG (BRDF integration) table: float32 of shape (size, size, 2), with charlie (size, size, 3).
+///
+/// Row j has the perceptual roughness (j + 1/2)/size, column i the cosine of the view angle (i + 1/2)/size.
+/// form: split-sum, specular = f0 red + f90 green; or multiple-scattering, specular = mix(red, green, f0),
+/// times 1 + f0 (1/green - 1). charlie: the third channel is the directional albedo of Charlie (sheen).
+#[pyfunction]
+#[pyo3(signature = (size=128, *, form="split-sum", charlie=false))]
+pub(crate) fn dfg<'py>(
+    py: Python<'py>,
+    size: u32,
+    form: &str,
+    charlie: bool,
+) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+    let form = choices::dfg_form(form)?;
+    let blue = if charlie { DfgBlue::Charlie } else { DfgBlue::Empty };
+    let table = run(py, move |_, pool| pool.install(|| dfg_table_with(size, form, blue, &|_, _| ())))?;
+    let channels = if charlie { 3 } else { 2 };
+    let values: Vec<f32> = table.texels.iter().flat_map(|texel| &texel[..channels]).copied().collect();
+    array(py, values, vec![size as usize, size as usize, channels])
+}

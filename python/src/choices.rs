@@ -1,0 +1,118 @@
+//! Parameters with a few values, by the names of the command line.
+
+use crate::errors::wrong;
+use octagloss::files::{Container, OutputLayout, Pixel};
+use octagloss::internals::bake::dfg::DfgForm;
+use octagloss::internals::bake::overflow::Overflow;
+use octagloss::internals::chain::ChainKind;
+use octagloss::internals::filter;
+use octagloss::internals::format::container::CONTAINERS;
+use octagloss::internals::io::{LayoutChoice, Pad};
+use octagloss::internals::lobe::LOBES;
+use octagloss::internals::sh::scale::ShScale;
+use octagloss::internals::sh::window::{self, ShWindow};
+use octagloss::internals::target::{TARGETS, Target};
+use octagloss::{Filter, Ladder, Lobe, Map};
+use pyo3::PyResult;
+
+/// The value of `choices` named `text`, for the parameter `setting`.
+fn choice<T: Copy>(setting: &str, text: &str, choices: &[(&'static str, T)]) -> PyResult<T> {
+    choices.iter().find(|(name, _)| *name == text).map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<_> = choices.iter().map(|(name, _)| *name).collect();
+        wrong(format!("`{setting}` is {text:?}; choose one of {}", names.join(", ")))
+    })
+}
+
+pub(crate) fn lobe(text: &str) -> PyResult<Lobe> {
+    choice("lobe", text, &LOBES.map(|lobe| (lobe.name(), lobe)))
+}
+
+pub(crate) fn filter(text: &str) -> PyResult<Filter> {
+    filter::parsed(text).map_err(|message| wrong(format!("`filter` is {text:?}; {message}")))
+}
+
+pub(crate) fn sh_window(setting: &str, text: &str) -> PyResult<ShWindow> {
+    window::parsed(text).map_err(|message| wrong(format!("`{setting}` is {text:?}; {message}")))
+}
+
+pub(crate) fn sh_scale(text: &str) -> PyResult<ShScale> {
+    let all = [
+        ("radiance", ShScale::Radiance),
+        ("irradiance", ShScale::Irradiance),
+        ("filament", ShScale::Filament),
+    ];
+    choice("scale", text, &all)
+}
+
+pub(crate) fn ladder(text: &str) -> PyResult<Ladder> {
+    choice("ladder", text, &Ladder::ALL.map(|ladder| (ladder.name(), ladder)))
+}
+
+pub(crate) fn chain(text: &str) -> PyResult<ChainKind> {
+    choice("chain", text, &[ChainKind::Sampled, ChainKind::Solved].map(|kind| (kind.name(), kind)))
+}
+
+/// Layout of a baked level, and of its files.
+pub(crate) fn level_layout(text: &str) -> PyResult<(Map, OutputLayout)> {
+    let all = [
+        ("cube", (Map::Cube, OutputLayout::Faces)),
+        ("panorama", (Map::Panorama, OutputLayout::Equirect)),
+        ("octahedral", (Map::Octahedral, OutputLayout::Octahedral)),
+    ];
+    choice("layout", text, &all)
+}
+
+pub(crate) fn map_name(map: Map) -> &'static str {
+    match map {
+        Map::Cube => "cube",
+        Map::Panorama => "panorama",
+        Map::Octahedral => "octahedral",
+    }
+}
+
+/// Layout of an array.
+pub(crate) fn array_layout(text: &str) -> PyResult<Map> {
+    level_layout(text).map(|(map, _)| map)
+}
+
+/// Layout of a file.
+pub(crate) fn file_layout(text: &str) -> PyResult<LayoutChoice> {
+    let all = [
+        ("auto", LayoutChoice::Auto),
+        ("equirect", LayoutChoice::Equirect),
+        ("cross", LayoutChoice::Cross),
+        ("strip", LayoutChoice::Strip),
+        ("faces", LayoutChoice::Faces),
+        ("octahedral", LayoutChoice::Octahedral),
+    ];
+    choice("layout", text, &all)
+}
+
+pub(crate) fn pad(text: &str) -> PyResult<Pad> {
+    choice("pad", text, &[Pad::Black, Pad::Edge].map(|pad| (pad.name(), pad)))
+}
+
+pub(crate) fn target(text: &str) -> PyResult<&'static Target> {
+    let all: Vec<_> = TARGETS.iter().map(|target| (target.name, target)).collect();
+    choice("target", text, &all)
+}
+
+pub(crate) fn container(text: &str) -> PyResult<Container> {
+    choice("container", text, &CONTAINERS.map(|container| (container.name(), container)))
+}
+
+pub(crate) fn pixel(text: &str) -> PyResult<Pixel> {
+    let all =
+        [Pixel::F16, Pixel::F32, Pixel::Rgb9e5, Pixel::R11g11b10, Pixel::Bc6h, Pixel::Rgbd, Pixel::Rgbe];
+    choice("pixel", text, &all.map(|pixel| (pixel.name(), pixel)))
+}
+
+pub(crate) fn overflow(text: &str) -> PyResult<Overflow> {
+    let all = [("clamp", Overflow::Clamp), ("compress", Overflow::Compress), ("error", Overflow::Error)];
+    choice("overflow", text, &all)
+}
+
+pub(crate) fn dfg_form(text: &str) -> PyResult<DfgForm> {
+    let all = [("split-sum", DfgForm::SplitSum), ("multiple-scattering", DfgForm::MultipleScattering)];
+    choice("form", text, &all)
+}

@@ -1,0 +1,468 @@
+//! Environments, and what single queries answer.
+
+use crate::arrays::{Reals, Shown, array, directions, element, shown, view};
+use crate::choices;
+use crate::errors::{warn, wrong};
+use crate::query::{Asked, Roughness, Tables, sharpest_of};
+use crate::sun::Sun;
+use crate::work::run;
+use numpy::PyArrayDyn;
+use octagloss::internals::analysis::sun::Sun as FoundSun;
+use octagloss::internals::bake::report::{RepairReport, SunReport};
+use octagloss::internals::environment::{LUMINANCE, luminance};
+use octagloss::internals::io::provenance::{Provenance, TakenSun};
+use octagloss::internals::io::{self, ReadOptions, Repairs};
+use octagloss::internals::sh::scale::scaled;
+use octagloss::internals::sh::{MAX_ORDER, spherical_harmonics};
+use octagloss::{Environment as Light, Filter, Layout, Lobe, Map, ReflectorSettings, Rgb};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use std::f64::consts::PI;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+
+/// Radiance from every direction, for reflections and bakes.
+///
+/// Make one with from_file or from_array. An environment never changes; its methods may be called from
+/// several threads.
+#[pyclass(frozen, module = "octagloss")]
+pub(crate) struct Environment {
+    pub(crate) light: Arc<Light>,
+    pub(crate) origin: Origin,
+    /// The tables of the last query.
+    pub(crate) tables: Arc<Mutex<Option<Tables>>>,
+}
+
+/// Where an environment comes from, and how it was changed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Origin {
+    /// Path, or `array`.
+    pub(crate) input: String,
+    /// Layout of the file, in words.
+    pub(crate) layout: String,
+    /// Rotation, mirroring, scale and sun, as files record them.
+    pub(crate) turned: Provenance,
+    pub(crate) sun: Option<SunReport>,
+    pub(crate) repaired: Repairs,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) sanitize: bool,
+    pub(crate) strict: bool,
+}
+
+impl Shown for Environment {}
+
+impl Environment {
+    fn new(light: Light, origin: Origin) -> Self {
+        Self { light: Arc::new(light), origin, tables: Arc::default() }
+    }
+}
+
+/// Shape of the array of an environment's texels.
+pub(crate) fn shape_of(layout: Layout) -> Vec<usize> {
+    let (width, height) = layout.sides();
+    let image = [height as usize, width as usize, 3];
+    match layout {
+        Layout::Cube { .. } => [&[6], &image[..]].concat(),
+        _ => image.to_vec(),
+    }
+}
+
+pub(crate) const fn map_of(layout: Layout) -> Map {
+    match layout {
+        Layout::Panorama { .. } => Map::Panorama,
+        Layout::Cube { .. } => Map::Cube,
+        Layout::Octahedral { .. } => Map::Octahedral,
+    }
+}
+
+/// The layout of an array of `shape`.
+fn layout_of(map: Map, shape: &[usize]) -> PyResult<Layout> {
+    let side = |length: usize| {
+        u32::try_from(length)
+            .ok()
+            .filter(|length| (1..=1 << 16).contains(length))
+            .ok_or_else(|| wrong(format!("`array` has the shape {}; sides must be 1 to 65536", shown(shape))))
+    };
+    match (map, shape) {
+        (Map::Panorama, [height, width, 3]) => {
+            Ok(Layout::Panorama { width: side(*width)?, height: side(*height)? })
+        }
+        (Map::Cube, [6, rows, columns, 3]) if rows == columns => Ok(Layout::Cube { size: side(*rows)? }),
+        (Map::Octahedral, [rows, columns, 3]) if rows == columns => {
+            Ok(Layout::Octahedral { size: side(*rows)? })
+        }
+        _ => {
+            let needed = match map {
+                Map::Panorama => "(height, width, 3)",
+                Map::Cube => "(6, n, n, 3)",
+                Map::Octahedral => "(n, n, 3)",
+            };
+            Err(wrong(format!(
+                "`array` has the shape {}; the layout {} needs {needed}",
+                shown(shape),
+                choices::map_name(map)
+            )))
+        }
+    }
+}
+
+/// The texels of an array: finite, not negative, and within float32.
+fn texels_of(array: &Reals<'_>) -> PyResult<Vec<Rgb>> {
+    let values: Vec<f32> = match array {
+        Reals::Single(array) => array.as_slice()?.to_vec(),
+        Reals::Double(array) => array.as_slice()?.iter().map(|value| *value as f32).collect(),
+    };
+    if let Some(at) = values.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
+        let value = match array {
+            Reals::Single(_) => f64::from(values[at]),
+            Reals::Double(array) => array.as_slice()?[at],
+        };
+        let place = element("array", array.shape(), at);
+        let most = f32::MAX;
+        return Err(wrong(format!(
+            "{place} is {value:?}; radiance must be finite, not negative, and at most {most:e}"
+        )));
+    }
+    let (texels, rest) = values.as_chunks::<3>();
+    debug_assert!(rest.is_empty(), "three channels");
+    Ok(texels.to_vec())
+}
+
+/// A path, or the six of a cube's faces.
+enum Paths {
+    One(PathBuf),
+    Several(Vec<PathBuf>),
+}
+
+impl Paths {
+    fn of(object: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if let Ok(path) = object.extract() {
+            return Ok(Self::One(path));
+        }
+        if let Ok(paths) = object.extract() {
+            return Ok(Self::Several(paths));
+        }
+        let given = object.get_type().name()?;
+        Err(PyTypeError::new_err(format!(
+            "`path` is of the type {given}; a path, or a list of six, is needed"
+        )))
+    }
+}
+
+#[pymethods]
+impl Environment {
+    /// Reads an image (.exr, .hdr, .png, .jpg), a cube (.ktx2, .ktx, .dds), a bake, or six images as one
+    /// cube.
+    ///
+    /// layout: auto (by the aspect ratio), equirect, cross, strip, faces or octahedral. rotate_y: degrees
+    /// about +Y; +90 maps +Z to +X. mirror: flip left to right. scale: a factor for the radiance. crop: remove
+    /// the black bars of a panorama that is not 2:1. pad: black or edge, fill one up to 2:1. sanitize: repair
+    /// NaN and Inf. strict: treat any repair as an error.
+    ///
+    /// Raises OSError for a file that cannot be read, InputError for one that is not an environment.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, layout="auto", rotate_y=0.0, mirror=false, scale=1.0, crop=false, pad=None,
+        sanitize=false, strict=false))]
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    fn from_file(
+        py: Python<'_>,
+        path: &Bound<'_, PyAny>,
+        layout: &str,
+        rotate_y: f64,
+        mirror: bool,
+        scale: f64,
+        crop: bool,
+        pad: Option<&str>,
+        sanitize: bool,
+        strict: bool,
+    ) -> PyResult<Self> {
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(wrong(format!("`scale` is {scale}; it must be finite and above 0")));
+        }
+        if strict && sanitize {
+            return Err(wrong("`strict` and `sanitize` contradict each other; omit one"));
+        }
+        check_finite("rotate_y", rotate_y)?;
+        let path = Paths::of(path)?;
+        let options = ReadOptions {
+            layout: choices::file_layout(layout)?,
+            sanitize,
+            strict,
+            scale,
+            crop,
+            pad: pad.map(choices::pad).transpose()?,
+            ..ReadOptions::default()
+        };
+        let input = match &path {
+            Paths::One(path) => path.display().to_string(),
+            Paths::Several(paths) => {
+                paths.first().map_or_else(String::new, |path| path.display().to_string())
+            }
+        };
+        let turned = Provenance {
+            scale: Some(scale).filter(|scale| *scale != 1.0),
+            crop: crop.then_some(true),
+            pad: options.pad,
+            ..Provenance::default()
+        };
+        let loaded = run(py, move |_, pool| {
+            pool.install(|| match path {
+                Paths::One(path) => io::read(&path, &options),
+                Paths::Several(paths) => io::read_faces(&paths, &options),
+            })
+        })?;
+        for warning in &loaded.warnings {
+            warn(py, &format!("{input}: {warning}"))?;
+        }
+        let origin = Origin {
+            input,
+            layout: loaded.layout.to_owned(),
+            turned,
+            sun: None,
+            repaired: loaded.repaired,
+            warnings: loaded.warnings,
+            sanitize,
+            strict,
+        };
+        Ok(Self::new(loaded.environment, origin).turned(rotate_y, mirror))
+    }
+
+    /// Takes linear radiance from an array of real numbers.
+    ///
+    /// layout: panorama, of shape (height, width, 3); cube, (6, n, n, 3) with the faces +X -X +Y -Y +Z -Z; or
+    /// octahedral, (n, n, 3). The numbers are copied, as float32.
+    #[staticmethod]
+    #[pyo3(signature = (array, layout="panorama", *, rotate_y=0.0, mirror=false))]
+    fn from_array(array: &Bound<'_, PyAny>, layout: &str, rotate_y: f64, mirror: bool) -> PyResult<Self> {
+        check_finite("rotate_y", rotate_y)?;
+        let map = choices::array_layout(layout)?;
+        let array = Reals::of(array, "array")?;
+        let layout = layout_of(map, array.shape())?;
+        let light = Light::new(layout, texels_of(&array)?).map_err(|error| wrong(error.to_string()))?;
+        let origin = Origin {
+            input: "array".to_owned(),
+            layout: choices::map_name(map).to_owned(),
+            ..Origin::default()
+        };
+        Ok(Self::new(light, origin).turned(rotate_y, mirror))
+    }
+
+    /// Layout of the texels: panorama, cube or octahedral.
+    #[getter]
+    fn layout(&self) -> &'static str {
+        choices::map_name(map_of(self.light.layout()))
+    }
+
+    /// Shape of the texels: (height, width, 3), or (6, n, n, 3) for a cube.
+    #[getter]
+    fn shape<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, shape_of(self.light.layout()))
+    }
+
+    /// The texels as stored, float32, without rotation and mirroring: a read-only array, not a copy.
+    #[getter]
+    fn texels<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let shape = shape_of(slf.get().light.layout());
+        view(slf, |environment| environment.light.texels().as_flattened(), &shape)
+    }
+
+    /// Warnings of reading the file.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.origin.warnings.clone()
+    }
+
+    /// Repairs of reading the file: how many values were negative, nan or infinite, and negative_energy_share.
+    #[getter]
+    fn repaired<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let RepairReport { negative, nan, infinite, negative_energy_share } = self.origin.repaired.into();
+        let repaired = PyDict::new(py);
+        repaired.set_item("negative", negative)?;
+        repaired.set_item("nan", nan)?;
+        repaired.set_item("infinite", infinite)?;
+        repaired.set_item("negative_energy_share", negative_energy_share)?;
+        Ok(repaired)
+    }
+
+    /// World directions of the texels' centres and their solid angles, shaped as the texels: (..., 3) and
+    /// (...), float64.
+    fn texel_directions<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>)> {
+        let light = Arc::clone(&self.light);
+        let (centres, solid_angles) = run(py, move |_, _| {
+            let (mut centres, mut solid_angles) = (Vec::new(), Vec::new());
+            light.for_each_texel(|direction, solid_angle, _| {
+                centres.extend(direction.to_array());
+                solid_angles.push(solid_angle);
+            });
+            Ok((centres, solid_angles))
+        })?;
+        let shape = shape_of(self.light.layout());
+        let without_channels = shape[..shape.len() - 1].to_vec();
+        Ok((array(py, centres, shape)?, array(py, solid_angles, without_channels)?))
+    }
+
+    /// The same environment rotated about +Y; +90 degrees maps +Z to +X.
+    fn rotated_y(&self, degrees: f64) -> PyResult<Self> {
+        check_finite("degrees", degrees)?;
+        Ok(Self::new((*self.light).clone(), self.origin.clone()).turned(degrees, false))
+    }
+
+    /// Radiance of a lobe around each direction: float32 of shape (..., 3) for directions (..., 3) of any
+    /// length but zero.
+    ///
+    /// roughness: perceptual, in [0, 1], 0 for a mirror: one number, or one for each direction; its shape and
+    /// that of the directions broadcast, so (n, 1, 3) and (9,) give (n, 9, 3). The cosine lobe has none. lobe: ggx, phong, cone, cosine or charlie. filter: adaptive:E
+    /// (certified, E the relative RMS error over the sphere), fitted:K (the real-time tier, 1, 2, 4 or 8
+    /// boxes), box, or reference (exhaustive integration).
+    ///
+    /// bounds: return (radiance, bounds), where bounds (...) certify the error of luminance. They need
+    /// adaptive:E. Mirrors are look-ups without a bound: theirs is infinite.
+    ///
+    /// oem_size, border: edge and border of the octahedral map. sharpest: the least roughness above 0 that the
+    /// tables are made for; by default the least of roughness. Tables are kept until a call needs other ones:
+    /// pass the same sharpest to calls of different roughness to share them.
+    #[pyo3(signature = (directions, roughness=None, *, lobe="ggx", filter="adaptive:0.005", bounds=false,
+        oem_size=None, border=None, sharpest=None))]
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    fn reflect<'py>(
+        &self,
+        py: Python<'py>,
+        directions: &Bound<'py, PyAny>,
+        roughness: Option<&Bound<'py, PyAny>>,
+        lobe: &str,
+        filter: &str,
+        bounds: bool,
+        oem_size: Option<u32>,
+        border: Option<u32>,
+        sharpest: Option<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (lobe, filter) = (choices::lobe(lobe)?, choices::filter(filter)?);
+        let asked = Asked::of(lobe, directions, roughness)?;
+        let settings = ReflectorSettings {
+            oem_size,
+            border,
+            sharpest: sharpest_of(lobe, asked.roughness.all(), sharpest)?,
+            fitted: matches!(filter, Filter::Fitted(_)),
+        };
+        self.answers(py, asked, (lobe, filter), settings, (bounds, 1.0))
+    }
+
+    /// Irradiance on surfaces of the given normals (..., 3): the integral of radiance times the cosine,
+    /// float32 of shape (..., 3). Divide by pi for the radiance of a white diffuse surface.
+    ///
+    /// filter and bounds as in reflect.
+    #[pyo3(signature = (normals, *, filter="adaptive:0.005", bounds=false, oem_size=None))]
+    fn irradiance<'py>(
+        &self,
+        py: Python<'py>,
+        normals: &Bound<'py, PyAny>,
+        filter: &str,
+        bounds: bool,
+        oem_size: Option<u32>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let filter = choices::filter(filter)?;
+        let (directions, shape) = directions(normals, "normals")?;
+        let asked = Asked { directions, shape, roughness: Roughness::One(1.0) };
+        let settings = ReflectorSettings { oem_size, border: None, sharpest: 1.0, fitted: false };
+        self.answers(py, asked, (Lobe::Cosine, filter), settings, (bounds, PI))
+    }
+
+    /// Spherical harmonics: float64 of shape ((order + 1)^2, 3), real and orthonormal, in the order L0; L1 by
+    /// y, z, x; L2 by xy, yz, 3z^2 - 1, zx, x^2 - y^2; and so on up to order 4.
+    ///
+    /// window: none, hanning:W, lanczos:W, sinc4:W or nonnegative. scale: radiance; irradiance, multiplied by
+    /// the cosine lobe's pi, 2 pi/3, pi/4, 0, -pi/24; or filament, irradiance over pi with the constants of
+    /// the basis (order 2 only).
+    #[pyo3(signature = (order=2, *, window="none", scale="radiance"))]
+    fn sh<'py>(
+        &self,
+        py: Python<'py>,
+        order: u32,
+        window: &str,
+        scale: &str,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        if order > MAX_ORDER {
+            return Err(wrong(format!("`order` is {order}; it must be 0 to {MAX_ORDER}")));
+        }
+        let (window, name, scale) = (choices::sh_window("window", window)?, scale, choices::sh_scale(scale)?);
+        if name == "filament" && order != 2 {
+            return Err(wrong(format!("`scale` filament is for `order` 2, not {order}")));
+        }
+        let light = Arc::clone(&self.light);
+        let coefficients = run(py, move |_, pool| {
+            let radiance = pool.install(|| spherical_harmonics(&light, order));
+            Ok(scaled(&window.settled(&radiance).apply(&radiance), scale))
+        })?;
+        let count = coefficients.len();
+        array(py, coefficients.into_flattened(), vec![count, 3])
+    }
+
+    /// The brightest region: a Sun, whose is_sun says whether it is one; None if nothing stands out.
+    fn sun(&self, py: Python<'_>) -> PyResult<Option<Sun>> {
+        let light = Arc::clone(&self.light);
+        run(py, move |_, pool| {
+            Ok(pool.install(|| {
+                let sun = FoundSun::find(&light)?;
+                let mut energy = 0.0;
+                light.for_each_texel(|_, solid_angle, texel| {
+                    energy += solid_angle * f64::from(luminance(texel));
+                });
+                let share = exact_luminance(sun.irradiance) / energy;
+                Some(Sun::new(&sun, share))
+            }))
+        })
+    }
+
+    /// Splits off the sun: (environment without it, Sun), or None if there is no sun. Their energies add up.
+    fn extract_sun(&self, py: Python<'_>) -> PyResult<Option<(Self, Sun)>> {
+        let light = Arc::clone(&self.light);
+        let found = run(py, move |_, pool| Ok(pool.install(|| FoundSun::extract(&light))))?;
+        Ok(found.map(|found| {
+            let report = SunReport::new(&found.sun, found.energy_share);
+            let taken = TakenSun {
+                direction: report.direction,
+                irradiance: report.irradiance,
+                solid_angle: report.solid_angle,
+            };
+            let mut origin = self.origin.clone();
+            origin.turned.sun = Some(taken);
+            origin.sun = Some(report);
+            (Self::new(found.sunless, origin), Sun::new(&found.sun, found.energy_share))
+        }))
+    }
+
+    fn __repr__(&self) -> String {
+        let shape = shown(&shape_of(self.light.layout()));
+        format!("<octagloss.Environment: {} {shape} of {}>", self.layout(), self.origin.input)
+    }
+}
+
+impl Environment {
+    /// Rotates and mirrors, in the order of the command line: mirrors first.
+    fn turned(self, degrees: f64, mirror: bool) -> Self {
+        let Self { light, mut origin, .. } = self;
+        let mut light = Arc::unwrap_or_clone(light);
+        if mirror {
+            light = light.mirrored();
+        }
+        if degrees != 0.0 {
+            light = light.rotated_y(degrees);
+        }
+        let before = origin.turned.rotate_y.unwrap_or(0.0);
+        origin.turned.rotate_y = Some(before + degrees);
+        origin.turned.mirror = Some(mirror || origin.turned.mirror == Some(true));
+        Self::new(light, origin)
+    }
+}
+
+fn check_finite(name: &str, value: f64) -> PyResult<()> {
+    if value.is_finite() { Ok(()) } else { Err(wrong(format!("`{name}` is {value}; it must be finite"))) }
+}
+
+fn exact_luminance(rgb: [f64; 3]) -> f64 {
+    LUMINANCE.iter().zip(rgb).map(|(weight, value)| f64::from(*weight) * value).sum()
+}

@@ -1,0 +1,247 @@
+//! Single queries: lobes around directions, and the reference integrator.
+
+use crate::arrays::{Reals, array, common_shape, directions, element, repeated, shown, with_axis};
+use crate::choices;
+use crate::environment::Environment;
+use crate::errors::wrong;
+use crate::work::{Cancel, held, run};
+use glam::DVec3;
+use numpy::PyArrayDyn;
+use octagloss::internals::analysis::oracle::Oracle;
+use octagloss::internals::filter::Answer;
+use octagloss::internals::oem::OemSize;
+use octagloss::internals::reflector::{Workspace, check_answers};
+use octagloss::{Environment as Light, Filter, Lobe, Reflector, ReflectorSettings};
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// A prepared reflector, and what it was prepared for.
+pub(crate) struct Tables {
+    plan: (OemSize, u32),
+    reflector: Reflector<'static>,
+}
+
+/// Roughness of each direction.
+pub(crate) enum Roughness {
+    One(f64),
+    Each(Vec<f64>),
+}
+
+impl Roughness {
+    pub(crate) fn all(&self) -> &[f64] {
+        match self {
+            Self::One(roughness) => std::slice::from_ref(roughness),
+            Self::Each(all) => all,
+        }
+    }
+
+    fn at(&self, index: usize) -> f64 {
+        match self {
+            Self::One(roughness) => *roughness,
+            Self::Each(all) => all[index],
+        }
+    }
+}
+
+/// The reflector of `tables`, made anew if it was made for other settings.
+fn prepared<'t>(
+    tables: &'t mut Option<Tables>,
+    light: &Light,
+    settings: &ReflectorSettings,
+) -> octagloss::Result<&'t Reflector<'static>> {
+    let plan = settings.plan(light.layout())?;
+    if tables.as_ref().is_none_or(|tables| tables.plan != plan) {
+        // Free the old one first.
+        *tables = None;
+        *tables = Some(Tables { plan, reflector: Reflector::owning(light.clone(), settings)? });
+    }
+    Ok(&tables.as_ref().expect("made above").reflector)
+}
+
+/// Lobes prepared together. Those of fitted filters hold tables.
+const LOBES_AT_ONCE: usize = 256;
+
+/// Answers each direction independently, as the command line does.
+fn queried(
+    reflector: &Reflector<'_>,
+    directions: &[DVec3],
+    roughness: &Roughness,
+    (lobe, filter): (Lobe, Filter),
+    cancel: &Cancel,
+) -> octagloss::Result<Vec<Answer>> {
+    let mut order: Vec<usize> = (0..directions.len()).collect();
+    order.par_sort_by(|a, b| roughness.at(*a).total_cmp(&roughness.at(*b)));
+    let alike: Vec<&[usize]> = order.chunk_by(|a, b| roughness.at(*a) == roughness.at(*b)).collect();
+    let mut answers = vec![Answer { radiance: [0.0; 3], bound: None }; directions.len()];
+    // The reference filter prepares every texel for each lobe.
+    let at_once = if filter == Filter::Reference { 1 } else { LOBES_AT_ONCE };
+    for batch in alike.chunks(at_once) {
+        // One after the other: the tables they share are made on first use.
+        let mut lobes = Vec::with_capacity(batch.len());
+        for places in batch {
+            cancel.check()?;
+            lobes.push((reflector.lobes(lobe, roughness.at(places[0]), filter)?, *places));
+        }
+        let queries: Vec<_> = lobes
+            .iter()
+            .flat_map(|(lobes, places)| places.iter().map(move |place| (lobes, *place)))
+            .collect();
+        let start = || (Workspace::default(), Vec::with_capacity(1));
+        let found = queries.par_iter().map_init(start, |(workspace, found), (lobes, place)| {
+            cancel.check()?;
+            found.clear();
+            lobes.evaluate(&[directions[*place]], workspace, found);
+            Ok(found[0])
+        });
+        let found: Vec<Answer> = found.collect::<octagloss::Result<_>>()?;
+        for ((_, place), answer) in queries.iter().zip(found) {
+            answers[*place] = answer;
+        }
+    }
+    Ok(answers)
+}
+
+/// What a call asks for.
+pub(crate) struct Asked {
+    pub(crate) directions: Vec<DVec3>,
+    /// Shape of the answers without their channels.
+    pub(crate) shape: Vec<usize>,
+    pub(crate) roughness: Roughness,
+}
+
+impl Asked {
+    /// Directions and their roughness, in [0, 1], which broadcast against each other; the cosine lobe has
+    /// none.
+    pub(crate) fn of(
+        lobe: Lobe,
+        given: &Bound<'_, PyAny>,
+        roughness: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (directions, shape) = directions(given, "directions")?;
+        let roughness = match (lobe, roughness) {
+            (Lobe::Cosine, None) => return Ok(Self { directions, shape, roughness: Roughness::One(1.0) }),
+            (Lobe::Cosine, Some(_)) => {
+                return Err(wrong("the lobe cosine has no roughness; omit `roughness`"));
+            }
+            (lobe, None) => return Err(wrong(format!("the lobe {} needs `roughness`", lobe.name()))),
+            (_, Some(roughness)) => roughness,
+        };
+        let array = Reals::of(roughness, "roughness")?;
+        let values = array.doubles()?;
+        if let Some(at) = values.iter().position(|value| !(0.0..=1.0).contains(value)) {
+            let place = element("roughness", array.shape(), at);
+            return Err(wrong(format!("{place} is {}; it must be between 0 and 1", values[at])));
+        }
+        if array.shape().is_empty() {
+            return Ok(Self { directions, shape, roughness: Roughness::One(values[0]) });
+        }
+        let Some(common) = common_shape(&shape, array.shape()) else {
+            return Err(wrong(format!(
+                "`roughness` has the shape {}, which does not fit {} directions; one number, or one for each \
+                 is needed",
+                shown(array.shape()),
+                shown(&shape)
+            )));
+        };
+        let directions = if common == shape {
+            directions
+        } else {
+            self::directions(&repeated(given, &with_axis(common.clone(), 3))?, "directions")?.0
+        };
+        let each = if array.shape() == common {
+            values
+        } else {
+            Reals::of(&repeated(roughness, &common)?, "roughness")?.doubles()?
+        };
+        Ok(Self { directions, shape: common, roughness: Roughness::Each(each) })
+    }
+}
+
+/// The least roughness above 0, as the command line takes it; `asked` if given.
+pub(crate) fn sharpest_of(lobe: Lobe, roughness: &[f64], asked: Option<f64>) -> PyResult<f64> {
+    let served = roughness.iter().map(|roughness| lobe.served_roughness(*roughness));
+    let least = served.clone().filter(|roughness| *roughness > 0.0).reduce(f64::min);
+    match asked {
+        None => Ok(least.or_else(|| served.reduce(f64::min)).unwrap_or(1.0)),
+        Some(asked) if !(0.0..=1.0).contains(&asked) => {
+            Err(wrong(format!("`sharpest` is {asked}; it must be between 0 and 1")))
+        }
+        Some(asked) => match least.filter(|least| *least < asked) {
+            Some(least) => Err(wrong(format!(
+                "`roughness` has {least}, below `sharpest`, {asked}; lower `sharpest` to it"
+            ))),
+            None => Ok(asked),
+        },
+    }
+}
+
+impl Environment {
+    /// The answers for `directions` times `factor`: an array, or with `bounds` two.
+    pub(crate) fn answers<'py>(
+        &self,
+        py: Python<'py>,
+        Asked { directions, shape, roughness }: Asked,
+        (lobe, filter): (Lobe, Filter),
+        settings: ReflectorSettings,
+        (bounds, factor): (bool, f64),
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if bounds && !matches!(filter, Filter::Adaptive(_)) {
+            return Err(wrong("`bounds` needs `filter` adaptive:E; other filters have no certified bounds"));
+        }
+        let (light, tables) = (Arc::clone(&self.light), Arc::clone(&self.tables));
+        let (radiance, certified) = run(py, move |cancel, pool| {
+            filter.check(lobe, settings.oem_size)?;
+            // Taken outside the pool, whose threads must not wait for one another.
+            let mut tables = held(&tables);
+            let tables = &mut *tables;
+            pool.install(|| {
+                let reflector = prepared(tables, &light, &settings)?;
+                let answers = queried(reflector, &directions, &roughness, (lobe, filter), cancel)?;
+                check_answers(&directions, &answers)?;
+                let scaled = |value: f32| (f64::from(value) * factor) as f32;
+                let radiance: Vec<f32> =
+                    answers.iter().flat_map(|answer| answer.radiance.map(scaled)).collect();
+                let bound = |answer: &Answer| answer.bound.map_or(f32::INFINITY, scaled);
+                let certified: Vec<f32> =
+                    if bounds { answers.iter().map(bound).collect() } else { Vec::new() };
+                Ok((radiance, certified))
+            })
+        })?;
+        let radiance = array(py, radiance, with_axis(shape.clone(), 3))?;
+        if !bounds {
+            return Ok(radiance.into_any());
+        }
+        Ok((radiance, array(py, certified, shape)?).into_pyobject(py)?.into_any())
+    }
+}
+
+/// Radiance of a lobe around each direction by exhaustive integration over the source in double precision:
+/// float64 of shape (..., 3). Slow, and independent of every filter: audit others with it.
+///
+/// roughness and lobe as in Environment.reflect.
+#[pyfunction]
+#[pyo3(signature = (environment, directions, roughness=None, *, lobe="ggx"))]
+pub(crate) fn reference<'py>(
+    py: Python<'py>,
+    environment: &Environment,
+    directions: &Bound<'py, PyAny>,
+    roughness: Option<&Bound<'py, PyAny>>,
+    lobe: &str,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let lobe = choices::lobe(lobe)?;
+    let Asked { directions, shape, roughness } = Asked::of(lobe, directions, roughness)?;
+    let light = Arc::clone(&environment.light);
+    let radiance = run(py, move |cancel, pool: &ThreadPool| {
+        pool.install(|| {
+            let oracle = Oracle::new(&light);
+            let at = |(index, direction): (usize, &DVec3)| {
+                cancel.check()?;
+                Ok(oracle.reflect(lobe, roughness.at(index), *direction))
+            };
+            directions.par_iter().enumerate().map(at).collect::<octagloss::Result<Vec<[f64; 3]>>>()
+        })
+    })?;
+    array(py, radiance.into_flattened(), with_axis(shape, 3))
+}
