@@ -7,10 +7,9 @@ use crate::errors::{warn, wrong};
 use crate::output::Output;
 use crate::work::run;
 use numpy::PyArrayDyn;
-use octagloss::internals::bake::dfg::{DfgBlue, dfg_table_with};
+use octagloss::internals::bake::dfg::{DfgBlue, dfg_table};
 use octagloss::internals::bake::{LevelStats, bake_all};
 use octagloss::internals::chain::Level as CoreLevel;
-use octagloss::internals::memory::check_bake;
 use octagloss::internals::target::{Diffuse, Target, TargetPlan};
 use octagloss::{Bake as CoreBake, BakeSettings, Filter, Layout, Lobe, Map};
 use pyo3::prelude::*;
@@ -18,9 +17,6 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Bytes per texel while a file is encoded, for the estimate of memory.
-const ENCODED: u64 = 16;
 
 /// A prefiltered chain of levels, and what belongs to it.
 #[pyclass(frozen, module = "octagloss")]
@@ -338,7 +334,6 @@ pub(crate) fn bake(
             .map_err(|error| error.into_raised(py))?;
     }
     let core = run(py, move |cancel, pool| {
-        check_bake(&light, std::slice::from_ref(&theirs), ENCODED)?;
         let progress = |_| if cancel.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let mut bakes = pool.install(|| bake_all(&light, std::slice::from_ref(&theirs), &progress))?;
         Ok(bakes.pop().expect("one bake for one settings"))
@@ -388,7 +383,7 @@ pub(crate) fn dfg<'py>(
 ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
     let form = choices::dfg_form(form)?;
     let blue = if charlie { DfgBlue::Charlie } else { DfgBlue::Empty };
-    let table = run(py, move |_, pool| pool.install(|| dfg_table_with(size, form, blue, &|_, _| ())))?;
+    let table = run(py, move |_, pool| pool.install(|| dfg_table(size, form, blue)))?;
     let channels = if charlie { 3 } else { 2 };
     let values: Vec<f32> = table.texels.iter().flat_map(|texel| &texel[..channels]).copied().collect();
     array(py, values, vec![size as usize, size as usize, channels])

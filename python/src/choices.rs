@@ -6,7 +6,6 @@ use octagloss::internals::bake::dfg::DfgForm;
 use octagloss::internals::bake::overflow::Overflow;
 use octagloss::internals::chain::ChainKind;
 use octagloss::internals::filter;
-use octagloss::internals::format::container::CONTAINERS;
 use octagloss::internals::io::{LayoutChoice, Pad};
 use octagloss::internals::lobe::LOBES;
 use octagloss::internals::sh::scale::ShScale;
@@ -98,7 +97,8 @@ pub(crate) fn target(text: &str) -> PyResult<&'static Target> {
 }
 
 pub(crate) fn container(text: &str) -> PyResult<Container> {
-    choice("container", text, &CONTAINERS.map(|container| (container.name(), container)))
+    let all = [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr, Container::Hdr];
+    choice("container", text, &all.map(|container| (container.name(), container)))
 }
 
 pub(crate) fn pixel(text: &str) -> PyResult<Pixel> {

@@ -39,7 +39,7 @@ pub fn compressed(value: f64, most: f64) -> f64 {
 
 /// Largest share of a level's luminance energy that clamping in `pixel` removes, over all levels of `bake`.
 #[must_use]
-pub(crate) fn clamped_share(bake: &Bake, pixel: Pixel) -> f64 {
+pub fn clamped_share(bake: &Bake, pixel: Pixel) -> f64 {
     bake.levels().map(|level| level_clamped_share(level, pixel)).fold(0.0, f64::max)
 }
 
@@ -81,7 +81,7 @@ impl Overflow {
     ///
     /// # Errors
     /// [`Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
-    pub(crate) fn apply_all(self, bake: &mut Bake, pixel: Pixel) -> Result<u64> {
+    pub fn apply_all(self, bake: &mut Bake, pixel: Pixel) -> Result<u64> {
         bake.levels_mut().enumerate().map(|(index, level)| self.apply(index, level, pixel)).sum()
     }
 

@@ -606,7 +606,7 @@ fn level_reports(
 
 /// The filter in command-line syntax.
 #[must_use]
-pub(crate) fn filter_name(filter: Filter) -> String {
+pub fn filter_name(filter: Filter) -> String {
     match filter {
         Filter::Adaptive(error) => format!("adaptive:{error}"),
         Filter::Fitted(count) => format!("fitted:{count}"),

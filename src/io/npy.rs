@@ -161,7 +161,7 @@ fn read_header(from: &mut impl Read) -> Result<Vec<u8>, String> {
 /// Parses a header: the literal of a dictionary with the keys `descr`, `fortran_order` and `shape`.
 fn parsed(header: &[u8]) -> Result<Header, String> {
     let text = std::str::from_utf8(header).map_err(|_| "its header is not text".to_owned())?;
-    let wrong = |rest: &str| format!("its header is not that of an array, at {}", quoted(rest.trim_end()));
+    let wrong = |rest: &str| format!("its header is not that of an array, at {}", quoted(rest.trim()));
     let (mut descr, mut fortran_order, mut shape) = (None, None, None);
     let mut rest = Literal(text);
     rest.symbol('{').ok_or_else(|| wrong(rest.0))?;
@@ -366,9 +366,9 @@ mod tests {
             (file(1, "{'descr': '<f8', }", b""), "lacks one of descr, fortran_order and shape"),
             (file(1, "{'descr': '<f8', 'descr': '<f8', }", b""), "not that of an array"),
             (file(1, "{'descr': '<f8'", b""), "not that of an array"),
-            (file(1, "{'\u{1b}[2J': 1}", b""), "not that of an array, at \" 1}\""),
+            (file(1, "{'\u{1b}[2J': 1}", b""), "not that of an array, at \"1}\""),
             (file(1, "", b""), "not that of an array, at \"\""),
-            (file(1, &(of("<f4", "False", "(1, 3)") + "x"), &[0; 12]), "not that of an array, at \"\\nx\""),
+            (file(1, &(of("<f4", "False", "(1, 3)") + "x"), &[0; 12]), "not that of an array, at \"x\""),
         ] {
             let error = error(&bytes);
             assert!(error.contains(words), "{error} lacks {words}");

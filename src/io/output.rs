@@ -95,7 +95,7 @@ pub enum Output<'a> {
 ///
 /// # Errors
 /// As [`write_file`] and [`write_folder`].
-pub(crate) fn stage_all(outputs: &[(PathBuf, Output<'_>)], existing: Existing) -> Result<Vec<Staged>> {
+pub fn stage_all(outputs: &[(PathBuf, Output<'_>)], existing: Existing) -> Result<Vec<Staged>> {
     let stage = |(place, output): &(PathBuf, Output<'_>)| match output {
         Output::File(bytes) => stage_file(place, existing, |file| file.write_all(bytes)),
         Output::Folder(files) => {
@@ -275,7 +275,7 @@ impl Staged {
 ///
 /// # Errors
 /// As [`write_file`].
-pub(crate) fn check_file(path: &Path, existing: Existing) -> Result<()> {
+pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
     let place = resolved(path)?;
     match fs::metadata(&place) {
         Ok(found) if found.is_dir() => Err(refused(path, "is a folder; name a file")),
@@ -293,7 +293,7 @@ pub(crate) fn check_file(path: &Path, existing: Existing) -> Result<()> {
 ///
 /// # Errors
 /// As [`write_folder`].
-pub(crate) fn check_folder(path: &Path, existing: Existing) -> Result<()> {
+pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
     let place = resolved(path)?;
     match fs::metadata(&place) {
         Ok(found) if !found.is_dir() => Err(refused(path, "is a file; name a folder")),

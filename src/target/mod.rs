@@ -490,7 +490,7 @@ impl TargetPlan {
     ///
     /// # Errors
     /// [`Error::Parameter`] if they cannot.
-    pub(crate) fn check_levels(&self, size: u32, levels: u32) -> Result<()> {
+    pub fn check_levels(&self, size: u32, levels: u32) -> Result<()> {
         self.target.files.iter().try_for_each(|file| match file.content {
             Oem => crate::oem::level_sizes(size, levels).map(drop),
             Env => sizes::check_env(size, levels),
@@ -501,7 +501,7 @@ impl TargetPlan {
 
     /// Format name of the files with the levels.
     #[must_use]
-    pub(crate) fn format_name(&self) -> &'static str {
+    pub fn format_name(&self) -> &'static str {
         let own = self.target.files[0].path.rsplit('.').next().unwrap_or_default();
         if self.target.has_container() { self.container.name() } else { own }
     }
