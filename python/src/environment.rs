@@ -129,6 +129,8 @@ fn texels_of(array: &Reals<'_>) -> PyResult<Vec<Rgb>> {
     Ok(texels.to_vec())
 }
 
+type Doubles<'py> = Bound<'py, PyArrayDyn<f64>>;
+
 /// A path, or the six of a cube's faces.
 enum Paths {
     One(PathBuf),
@@ -287,10 +289,7 @@ impl Environment {
 
     /// World directions of the texels' centres and their solid angles, shaped as the texels: (..., 3) and
     /// (...), float64.
-    fn texel_directions<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>)> {
+    fn texel_directions<'py>(&self, py: Python<'py>) -> PyResult<(Doubles<'py>, Doubles<'py>)> {
         let light = Arc::clone(&self.light);
         let (centres, solid_angles) = run(py, move |_, _| {
             let (mut centres, mut solid_angles) = (Vec::new(), Vec::new());
@@ -378,13 +377,7 @@ impl Environment {
     /// the cosine lobe's pi, 2 pi/3, pi/4, 0, -pi/24; or filament, irradiance over pi with the constants of
     /// the basis (order 2 only).
     #[pyo3(signature = (order=2, *, window="none", scale="radiance"))]
-    fn sh<'py>(
-        &self,
-        py: Python<'py>,
-        order: u32,
-        window: &str,
-        scale: &str,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    fn sh<'py>(&self, py: Python<'py>, order: u32, window: &str, scale: &str) -> PyResult<Doubles<'py>> {
         if order > MAX_ORDER {
             return Err(wrong(format!("`order` is {order}; it must be 0 to {MAX_ORDER}")));
         }

@@ -18,6 +18,8 @@ use octagloss::internals::sphere::registry::{MAPS, named};
 use pyo3::prelude::*;
 
 type Doubles<'py> = Bound<'py, PyArrayDyn<f64>>;
+/// Least and greatest coordinates.
+type Rectangle = ((f64, f64), (f64, f64));
 type Indices<'py> = Bound<'py, PyArrayDyn<i64>>;
 
 fn vectors(py: Python<'_>, values: Vec<DVec3>, shape: Vec<usize>) -> PyResult<Doubles<'_>> {
@@ -131,7 +133,7 @@ pub(crate) fn map_names() -> Vec<&'static str> {
 
 /// Rectangles of a map, one for each component: ((u, v) least, (u, v) greatest).
 #[pyfunction]
-pub(crate) fn map_components(name: &str) -> PyResult<Vec<((f64, f64), (f64, f64))>> {
+pub(crate) fn map_components(name: &str) -> PyResult<Vec<Rectangle>> {
     let map = map_named(name)?;
     let rectangle = |index| {
         let component = map.component(index);
