@@ -10,34 +10,36 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 /// A row: its text and its parsed values.
-pub(super) struct Asked {
+pub struct Asked {
     /// Its values, separated by commas.
-    pub(super) typed: String,
-    pub(super) direction: DVec3,
+    pub typed: String,
+    /// Unit vector.
+    pub direction: DVec3,
     /// Roughness, if the rows have that column.
-    pub(super) roughness: Option<f64>,
+    pub roughness: Option<f64>,
 }
 
 /// All rows.
-pub(super) struct Directions {
-    pub(super) asked: Vec<Asked>,
+pub struct Directions {
+    /// The rows, in order.
+    pub asked: Vec<Asked>,
     /// Whether each row has its own roughness.
-    pub(super) has_roughness: bool,
+    pub has_roughness: bool,
 }
 
 /// Limits for a file or standard input, which may be endless.
 #[derive(Clone, Copy)]
-pub(super) struct Limits {
+pub struct Limits {
     /// Number of directions.
-    pub(super) rows: usize,
+    pub rows: usize,
     /// Total bytes.
-    pub(super) bytes: usize,
+    pub bytes: usize,
     /// Bytes per line.
-    pub(super) line: usize,
+    pub line: usize,
 }
 
 /// The limits of `--directions`, as in its help.
-pub(super) const LIMITS: Limits = Limits { rows: 4_000_000, bytes: 256 << 20, line: 1000 };
+pub const LIMITS: Limits = Limits { rows: 4_000_000, bytes: 256 << 20, line: 1000 };
 
 /// Reads the directions in the file `path`, or from standard input for `-`.
 pub(super) fn read_directions(path: &Path) -> anyhow::Result<Directions> {
@@ -48,7 +50,10 @@ pub(super) fn read_directions(path: &Path) -> anyhow::Result<Directions> {
 }
 
 /// Reads an array or CSV, by the first bytes.
-fn read_either(mut from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
+///
+/// # Errors
+/// A message that names the place, the value and the remedy.
+pub fn read_either(mut from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
     let mut start = Vec::new();
     from.by_ref().take(npy::MAGIC.len() as u64).read_to_end(&mut start)?;
     let is_array = start == npy::MAGIC;
@@ -94,7 +99,7 @@ fn unit(direction: DVec3) -> Option<DVec3> {
 }
 
 /// Parses directions, one per line.
-pub(super) fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
+fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
     let text = read_text(from, limits)?;
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)

@@ -15,7 +15,7 @@ mod completions;
 mod console;
 mod convert;
 mod dfg;
-mod directions;
+pub mod directions;
 mod engine;
 mod expand;
 #[cfg(feature = "plot")]

@@ -1,18 +1,14 @@
 #![no_main]
 
-#[path = "../../../src/cli/directions.rs"]
-#[allow(dead_code, reason = "the command line uses the rest")]
-mod directions;
-
-use directions::{LIMITS, Limits, parse_directions};
 use libfuzzer_sys::fuzz_target;
+use octagloss::internals::cli::directions::{LIMITS, Limits, read_either};
 use octagloss_fuzz::assert_plain;
 
 fuzz_target!(|bytes: &[u8]| {
-    match parse_directions(bytes, Limits { rows: 50, ..LIMITS }) {
-        Ok(asked) => {
-            assert!(asked.len() <= 50);
-            for asked in asked {
+    match read_either(bytes, Limits { rows: 50, ..LIMITS }) {
+        Ok(directions) => {
+            assert!(directions.asked.len() <= 50);
+            for asked in directions.asked {
                 assert!((asked.direction.length() - 1.0).abs() < 1e-9, "{:?}", asked.typed);
             }
         }
