@@ -9,7 +9,7 @@ fuzz_target!(|bytes: &[u8]| {
     match read_chain_from_memory(Path::new("chain.ktx2"), bytes, MEMORY_LIMIT) {
         Ok(chain) => {
             for level in &chain.levels {
-                assert_eq!(level.texels.len(), 6 * level.size as usize * level.size as usize);
+                assert_eq!(level.texels.len(), 6 * level.size() as usize * level.size() as usize);
                 assert!(level.texels.as_flattened().iter().all(|c| c.is_finite()));
             }
         }
