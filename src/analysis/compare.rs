@@ -263,11 +263,15 @@ fn direction_within(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) 
     }
 }
 
-/// Edge of the texel (`i`, `j`) in radians; for a panorama the longer one.
+/// Edge of the texel (`i`, `j`) in radians, at its centre as in a bake; for a panorama the longer one.
 fn texel_edge(layout: Layout, i: u32, j: u32) -> f64 {
     match layout {
+        Layout::Cube { .. } => layout.texel_solid_angle(i, j).sqrt(),
         Layout::Panorama { height, .. } => PI / f64::from(height),
-        _ => layout.texel_solid_angle(i, j).sqrt(),
+        Layout::Octahedral { size } => {
+            let centre = octahedral::texel_centre(size, i, j);
+            2.0 / f64::from(size) * octahedral::solid_angle_density(centre).sqrt()
+        }
     }
 }
 

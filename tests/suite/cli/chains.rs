@@ -125,11 +125,12 @@ fn chains_of_every_map_are_measured() {
         assert_eq!(levels.len(), 2, "{layout}: {found}");
         for level in levels {
             let error = level["rel_rmse"].as_f64().unwrap();
-            assert!(error < 0.01, "{layout}: {level}");
+            assert!(error < 0.02, "{layout}: {level}");
             assert_eq!(level["worst"]["face"].is_null(), layout != "faces", "{level}");
         }
         for error in found["delivered"]["roughnesses"].as_array().unwrap() {
-            assert!(error["rel_rmse"].as_f64().unwrap() < 0.2, "{layout}: {error}");
+            // The octahedral square of the last level has 16 texels.
+            assert!(error["rel_rmse"].as_f64().unwrap() < 0.3, "{layout}: {error}");
         }
         // The wrong world is far off.
         let turned = done(at, &[&args[..], &["--rotate-y", "-140"]].concat()).out;

@@ -53,8 +53,7 @@ fn moments(environment: &Environment) -> [DVec3; 3] {
 }
 
 fn moments_of(level: &Level) -> [DVec3; 3] {
-    let layout = Layout::Cube { size: level.size() };
-    moments(&Environment::new(layout, level.texels.clone()).expect("sound"))
+    moments(&Environment::new(level.layout, level.texels.clone()).expect("sound"))
 }
 
 /// Returns the greatest angle between two worlds' moments, in degrees.
