@@ -86,7 +86,11 @@ impl Listing {
     fn of(folder: &Path, memory_limit: u64) -> Result<Self> {
         let path = folder.join(REPORT);
         if !path.is_file() {
-            return Self::of_files(folder)?.ok_or_else(|| {
+            let listing = match Self::of_files(folder)? {
+                Some(listing) => Some(listing),
+                None => Self::of_cmgen(folder)?,
+            };
+            return listing.ok_or_else(|| {
                 Error::input(
                     folder,
                     "a directory without a report.json; give an image, or a level folder that octagloss bake wrote",
@@ -111,9 +115,9 @@ impl Listing {
         Ok(Self { provenance: report.provenance(), levels: report.levels, warnings: Vec::new() })
     }
 
-    /// Reads the levels from the files' headers; `None` without files, and for an image without roughness.
+    /// Reads the levels from the files' headers; `None` if the first has no roughness.
     fn of_files(folder: &Path) -> Result<Option<Self>> {
-        let (mut levels, mut of_cmgen) = (Vec::new(), false);
+        let mut levels = Vec::new();
         for level in 0u32.. {
             let image = image_file(folder, level);
             let Some(path) = image.clone().or_else(|| face_file(folder, level, Face::PosX).ok()) else {
@@ -121,12 +125,10 @@ impl Listing {
             };
             let bytes = header_bytes(&path)?;
             let source = Source { path: &path, bytes: &bytes, memory_limit: MOST_HEADER_BYTES };
-            let Some(LevelHeader { width, height, roughness }) = level_header(&source)? else { break };
-            if level == 0 {
-                of_cmgen = roughness.is_none() && image.is_none();
-            }
-            let roughness = if of_cmgen { Some(0.0) } else { roughness };
-            let Some(roughness) = roughness else { break };
+            let Some(LevelHeader { width, height, roughness: Some(roughness) }) = level_header(&source)?
+            else {
+                break;
+            };
             let size = match image {
                 Some(_) => {
                     let place = arrangement(&path, width, height, Content::Image, LayoutChoice::Auto)?;
@@ -137,30 +139,43 @@ impl Listing {
             levels.push(ReportLevel { level, size, roughness });
             check_levels(&source, &levels)?;
         }
-        let listing = Self { levels, provenance: Provenance::default(), warnings: Vec::new() };
-        Ok(match listing.levels.len() {
-            0 => None,
-            // Six faces without levels are sources.
-            1 if of_cmgen => None,
-            _ if of_cmgen => Some(listing.of_cmgen()),
-            _ => Some(listing),
-        })
+        let (provenance, warnings) = (Provenance::default(), Vec::new());
+        Ok((!levels.is_empty()).then_some(Self { levels, provenance, warnings }))
     }
 
-    /// Adds what cmgen's files do not record: its ladder, lobe and rotation.
-    fn of_cmgen(mut self) -> Self {
-        let (count, size) = (self.levels.len() as u32, self.levels[0].size);
-        for level in &mut self.levels {
-            level.roughness = Ladder::Filament.roughness(level.level, count, size);
+    /// Takes face files without roughness for cmgen's, if there are several levels; six faces alone are a
+    /// source.
+    fn of_cmgen(folder: &Path) -> Result<Option<Self>> {
+        let mut levels = Vec::new();
+        for level in 0u32.. {
+            let Ok(path) = face_file(folder, level, Face::PosX) else { break };
+            let bytes = header_bytes(&path)?;
+            let source = Source { path: &path, bytes: &bytes, memory_limit: MOST_HEADER_BYTES };
+            let Some(LevelHeader { width: size, .. }) = level_header(&source)? else { break };
+            levels.push(ReportLevel { level, size, roughness: 0.0 });
+            if check_levels(&source, &levels).is_err() {
+                return Ok(None);
+            }
         }
-        self.provenance.rotate_y = Some(CMGEN_ROTATION);
-        self.provenance.lobe = Some(Lobe::Ggx);
-        self.provenance.ladder = Some(Ladder::Filament.name().to_owned());
-        self.warnings.push(format!(
+        let (count, ladder) = (levels.len() as u32, Ladder::Filament);
+        if count < 2 {
+            return Ok(None);
+        }
+        let size = levels[0].size;
+        for level in &mut levels {
+            level.roughness = ladder.roughness(level.level, count, size);
+        }
+        let provenance = Provenance {
+            rotate_y: Some(CMGEN_ROTATION),
+            lobe: Some(Lobe::Ggx),
+            ladder: Some(ladder.name().to_owned()),
+            ..Provenance::default()
+        };
+        let warnings = vec![format!(
             "neither a report nor roughness in its files; assuming cmgen's {count} levels of a panorama: \
              Filament's ladder of ggx, rotated by {CMGEN_ROTATION} degrees"
-        ));
-        self
+        )];
+        Ok(Some(Self { levels, provenance, warnings }))
     }
 }
 
