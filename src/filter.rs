@@ -11,7 +11,7 @@ use crate::sat::Scan;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// Adaptive quadrature with a certified bound; the value is the target relRMSE over the sphere, in
-    /// [[`LEAST_ERROR`], 1).
+    /// [`LEAST_ERROR`, 1).
     Adaptive(f64),
     /// The real-time tier: 1, 2, 4 or 8 soft boxes and a harmonic term, fitted to GGX; see
     /// [`crate::realtime::tables`]. Irradiance uses [`Filter::Adaptive`] with 0.005.

@@ -23,7 +23,7 @@ pub enum Lobe {
     /// Charlie, the sheen of Estevez and Kulla 2017, with N = V = R: D(theta/2) * cos(theta), D =
     /// sin^(1/alpha), a band towards the horizon. Khronos's sampler draws half vectors with density D cos,
     /// which makes directions with density D/4, and weights them by cos(theta) (lib/shaders/filter.frag):
-    /// this kernel. Below [`LEAST_CHARLIE_ROUGHNESS`] the kernel of that roughness applies.
+    /// this kernel. Below `LEAST_CHARLIE_ROUGHNESS` the kernel of that roughness applies.
     Charlie,
 }
 

@@ -32,7 +32,7 @@ const MIRROR_ALPHA: f64 = 5e-7;
 /// Layout of a reflector. `Default` serves every query.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReflectorSettings {
-    /// Texels along an edge of the OEM without its border; `None` for [`default_oem_size`].
+    /// Texels along an edge of the OEM without its border; `None` for `default_oem_size`.
     pub oem_size: Option<u32>,
     /// Border of the OEM in texels; `None` for no border.
     pub border: Option<u32>,
@@ -190,7 +190,7 @@ impl<'a> Reflector<'a> {
     ///
     /// # Errors
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if building it takes more than
-    /// [`crate::memory::LIMIT`].
+    /// `crate::memory::LIMIT`.
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
         let (scale, oem) = scaled_oem(environment, settings)?;
         Ok(Self::of(Cow::Borrowed(environment), scale, oem, *settings))
@@ -292,7 +292,7 @@ impl<'a> Reflector<'a> {
     /// [`Error::Parameter`] for a roughness outside [0, 1], an adaptive error outside [1e-6, 1), a filter
     /// that does not support the lobe, an unsupported count of fitted boxes, and fitted lobes over an OEM
     /// whose size is not a power of two of at least 16; [`Error::Limit`] if the lobes' tables take more than
-    /// [`crate::memory::LIMIT`].
+    /// `crate::memory::LIMIT`.
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));

@@ -106,7 +106,7 @@ pub struct LevelErrors {
     /// level and for other maps than cubes.
     #[serde(serialize_with = "finite")]
     pub reference_seam: Option<f64>,
-    /// The reference level, if all texels or a grid of them were compared; [`grid_of`] gives the bake's
+    /// The reference level, if all texels or a grid of them were compared; `grid_of` gives the bake's
     /// texels of the same grid.
     #[serde(skip)]
     pub reference: Option<Level>,

@@ -27,7 +27,7 @@ use web_time::Instant;
 ///
 /// # Errors
 /// [`crate::Error::Parameter`] for inconsistent settings, [`crate::Error::Limit`] if it needs more than
-/// [`memory::LIMIT`].
+/// `memory::LIMIT`.
 pub fn bake(environment: &Environment, settings: &BakeSettings) -> Result<Bake> {
     let mut bakes = bake_all(environment, std::slice::from_ref(settings), &unwatched)?;
     Ok(bakes.pop().expect("one bake for one settings"))

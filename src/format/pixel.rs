@@ -26,7 +26,7 @@ pub enum Pixel {
     F32,
     /// Three 9-bit mantissas and a shared 5-bit exponent, clamped at [`RGB9E5_MAX`].
     Rgb9e5,
-    /// Unsigned floats of 11, 11 and 10 bits, clamped at [`super::r11g11b10::R11G11B10_MAX`].
+    /// Unsigned floats of 11, 11 and 10 bits, clamped at `super::r11g11b10::R11G11B10_MAX`.
     #[cfg_attr(feature = "cli", value(name = "r11g11b10f"))]
     R11g11b10,
     /// Blocks of 4 x 4 texels in BC6H, unsigned, clamped at [`HALF_MAX`].
@@ -34,7 +34,7 @@ pub enum Pixel {
     /// Eight bits a channel and a divisor, clamped at [`super::rgbd::RGBD_MAX`]; in PNG images only.
     #[cfg_attr(feature = "cli", value(skip))]
     Rgbd,
-    /// Three 8-bit mantissas and a shared 8-bit exponent, clamped at [`RGBE_MAX`]; in .hdr images only.
+    /// Three 8-bit mantissas and a shared 8-bit exponent, clamped at `RGBE_MAX`; in .hdr images only.
     #[cfg_attr(feature = "cli", value(skip))]
     Rgbe,
     /// [`Pixel::F16`], or [`Pixel::F32`] for an image that is too bright or too dim for half floats: see

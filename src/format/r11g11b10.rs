@@ -6,7 +6,7 @@ use crate::environment::Rgb;
 pub(crate) const R11G11B10_MAX: f32 = 64512.0;
 
 /// Packs `rgb`, red in the lowest bits: rounded to nearest, ties to even, each channel clamped to [0,
-/// [`R11G11B10_MAX`]].
+/// `R11G11B10_MAX`].
 ///
 /// Vulkan 1.3, "Unsigned 11-Bit Floating-Point Numbers" and "Unsigned 10-Bit Floating-Point Numbers".
 #[must_use]

@@ -113,7 +113,7 @@ pub struct Content {
     pub panorama: Environment,
     /// Its name in captions.
     pub panorama_name: String,
-    /// Texels along the square of [`Kind::Border`], 1 to [`MOST_SIZE`].
+    /// Texels along the square of [`Kind::Border`], 1 to `MOST_SIZE`.
     pub size: u32,
     /// Width of its border in texels, at most the size.
     pub border: u32,

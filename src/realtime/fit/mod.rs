@@ -37,7 +37,7 @@
 //! four boxes and 0.016 / 0.06 for eight.
 //!
 //! **Method.** Levenberg-Marquardt. One node of one layer is fitted from 24 starts, its layer from there ring
-//! by ring, and every other layer from its neighbour. Then all nodes are refitted in [`SWEEPS`] sweeps, in
+//! by ring, and every other layer from its neighbour. Then all nodes are refitted in `SWEEPS` sweeps, in
 //! six colours such that no two nodes of one colour share a lobe. The order within a node is fixed, so the
 //! bytes do not depend on the number of threads.
 //!
