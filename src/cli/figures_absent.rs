@@ -2,12 +2,11 @@
 
 use super::figures_args::FigureArgs;
 use super::outcome::{Outcome, usage};
-use super::shell::quoted;
+use super::shell::own_arguments;
 
 pub(super) fn run(_: &FigureArgs) -> Outcome {
-    let arguments: String =
-        std::env::args_os().skip(1).map(|argument| format!(" {}", quoted(&argument))).collect();
     usage(format!(
-        "figures are not part of this build; run: cargo run --release --features plot --{arguments}"
+        "figures are not part of this build; run: cargo run --release --features plot --{}",
+        own_arguments()
     ))
 }

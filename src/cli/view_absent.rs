@@ -1,7 +1,7 @@
 //! `octagloss view` in a build without the feature `view`: prints the command that runs it.
 
 use super::outcome::{Outcome, usage};
-use super::shell::quoted;
+use super::shell::listed;
 use clap::Args as ClapArgs;
 use std::ffi::OsString;
 
@@ -14,8 +14,8 @@ pub(super) struct ViewArgs {
 }
 
 pub(super) fn run(args: &ViewArgs) -> Outcome {
-    let arguments: String = args.arguments.iter().map(|argument| format!(" {}", quoted(argument))).collect();
     usage(format!(
-        "view is not part of this build; run: cargo run --release --features view -- view{arguments}"
+        "view is not part of this build; run: cargo run --release --features view -- view{}",
+        listed(&args.arguments)
     ))
 }
