@@ -151,7 +151,7 @@ impl MapLookup {
 
 /// The four texels around the point (`x`, `y`) of an image, in texels from its corner; `texel` gives the index
 /// of a column and row, which may lie one outside.
-fn bilinear(x: f64, y: f64, texel: impl Fn(i64, i64) -> u32) -> Taps {
+pub(crate) fn bilinear(x: f64, y: f64, texel: impl Fn(i64, i64) -> u32) -> Taps {
     let (i, j) = ((x - 0.5).floor(), (y - 0.5).floor());
     let (a, b) = (x - 0.5 - i, y - 0.5 - j);
     let (i, j) = (i as i64, j as i64);

@@ -4,6 +4,7 @@
 //! map, weighted by solid angle. The border shows what lies beyond the square's edges, so that every level's
 //! border is right, too, up to [`OemMips::greatest_level`].
 
+use crate::chain_lookup::bilinear;
 use crate::environment::Rgb;
 use crate::oem::Oem;
 use crate::sphere::map::SphereMap as _;
@@ -185,23 +186,12 @@ impl OemMips {
     fn bilinear(&self, (layer, uv): (u32, DVec2), level: usize, addressing: Addressing) -> [f64; 3] {
         let MipLevel { side, texels } = &self.levels[level];
         let (side, texel) = (i64::from(*side), f64::from(1_u32 << level));
-        let at = ((uv + 1.0) * (f64::from(self.inner) / 2.0) + f64::from(self.border)) / texel - 0.5;
-        let (low, share) = (at.floor(), at - at.floor());
-        let index = |k: f64| match addressing {
-            Addressing::Clamp => (k as i64).clamp(0, side - 1),
-            Addressing::Repeat => (k as i64).rem_euclid(side),
+        let at = ((uv + 1.0) * (f64::from(self.inner) / 2.0) + f64::from(self.border)) / texel;
+        let inside = |k: i64| match addressing {
+            Addressing::Clamp => k.clamp(0, side - 1),
+            Addressing::Repeat => k.rem_euclid(side),
         };
-        let read = |x: f64, y: f64| {
-            texels[((i64::from(layer) * side + index(y)) * side + index(x)) as usize].map(f64::from)
-        };
-        let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
-        let mut sum = [0.0; 3];
-        for (right, below) in corners {
-            let weight = |is_far: f64, share: f64| if is_far == 1.0 { share } else { 1.0 - share };
-            let weight = weight(right, share.x) * weight(below, share.y);
-            let texel = read(low.x + right, low.y + below);
-            sum.iter_mut().zip(texel).for_each(|(sum, channel)| *sum += weight * channel);
-        }
-        sum
+        let index = |x, y| ((i64::from(layer) * side + inside(y)) * side + inside(x)) as u32;
+        bilinear(at.x, at.y, index).mean(|texel| texels[texel].map(f64::from))
     }
 }

@@ -6,6 +6,7 @@ use super::globe::Globe;
 use super::look::{Colour, INK, LABEL, PAPER, mix};
 use super::page::{WIDTH, page};
 use super::scene::{Anchor, Scene};
+use crate::analysis::delivered::even_directions;
 use crate::environment::Rgb;
 use crate::image::oem_mips::{Addressing, OemMips, Weights};
 use crate::oem::{Oem, OemSize};
@@ -143,11 +144,7 @@ pub(super) fn weights(name: String) -> Figure {
     };
     // Directions of equal solid angle.
     let mut sums = vec![[0.0; 2]; (side * side) as usize];
-    for k in 0..count {
-        let y = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
-        let (sin, cos) = (f64::from(k) * 2.399_963_229_728_653).sin_cos();
-        let around = (1.0 - y * y).sqrt();
-        let direction = DVec3::new(around * cos, y, around * sin);
+    for direction in even_directions(count) {
         let sum = &mut sums[index(&right, direction)];
         *sum = [sum[0] + f64::from(octants(direction)[0]), sum[1] + 1.0];
     }
