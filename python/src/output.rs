@@ -7,12 +7,9 @@ use crate::errors::{raised, wrong};
 use crate::work::Cancel;
 use octagloss::files::{Container, Existing, OutputLayout, Pixel};
 use octagloss::internals::bake::overflow::{Overflow, clamped_share};
-use octagloss::internals::bake::report::{
-    Circumstances, OutputFileReport, Report, TargetReport, filter_name,
-};
-use octagloss::internals::export::files::files;
+use octagloss::internals::bake::report::{Circumstances, OutputFileReport, Report, TargetReport};
+use octagloss::internals::export::files::{files, metadata};
 use octagloss::internals::io::output::{self, Output as File};
-use octagloss::internals::io::provenance::Provenance;
 use octagloss::internals::target::{Diffuse, Target, TargetPlan};
 use octagloss::{Bake as CoreBake, BakeSettings, Error, Map, WriteOptions};
 use pyo3::prelude::*;
@@ -208,7 +205,7 @@ impl Output {
             pixel: format.pixel,
             layout,
             existing: if force { Existing::Replace } else { Existing::Keep },
-            metadata: metadata(&bake.settings, &bake.origin),
+            metadata: metadata(&bake.settings, &bake.origin.turned),
         };
         let own =
             || Path::new(&bake.origin.input).file_stem().map(|stem| stem.to_string_lossy().into_owned());
@@ -347,19 +344,4 @@ fn names_a_file(path: &Path) -> PyErr {
 
 fn not_a_cube() -> PyErr {
     wrong("panoramas and octahedral squares are written as images: set `container` to exr or hdr")
-}
-
-/// Key/value pairs of every file, as the command line writes them.
-fn metadata(settings: &BakeSettings, origin: &Origin) -> Vec<(String, String)> {
-    let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; \
-                       linear RGB, Rec. 709; perceptual roughness, alpha = roughness^2";
-    let provenance = Provenance {
-        lobe: Some(settings.lobe),
-        filter: Some(filter_name(settings.filter)),
-        ladder: Some(settings.ladder.name().to_owned()),
-        chain: Some(settings.chain),
-        ..origin.turned.clone()
-    };
-    let conventions = ("octaglossConventions".to_owned(), conventions.to_owned());
-    std::iter::once(conventions).chain(provenance.pairs()).collect()
 }

@@ -8,7 +8,7 @@ use super::expand::{Expansion, Found, expand};
 use super::fingerprint;
 use super::input::{self, Opened, Source};
 use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
-use super::output::{Common, Outputs, Place, SunFile, metadata, names_folder};
+use super::output::{Common, Outputs, Place, SunFile, names_folder};
 use super::shared_args::{EngineArgs, InputArgs};
 use crate::analysis::oracle::Oracle;
 use crate::bake::overflow::{Overflow, clamped_share};
@@ -328,7 +328,7 @@ impl Work {
                 &plan.plan,
                 &job.outputs.name,
                 &bake,
-                &metadata(&plan.settings, &opened),
+                &export::files::metadata(&plan.settings, &opened.turned),
             )?;
             let stored = Stored::new(&plan.plan, &bake, &made);
             for warning in &stored.warnings {

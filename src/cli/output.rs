@@ -5,14 +5,12 @@ use super::console::{Console, escaped};
 use super::fingerprint::{self, fingerprint};
 use super::input::{Opened, Source};
 use super::outcome::{Outcome, print_bytes, usage};
-use crate::bake::BakeSettings;
-use crate::bake::report::{OutputFileReport, Report, filter_name};
+use crate::bake::report::{OutputFileReport, Report};
 use crate::export::files::Made;
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel, Shown};
 use crate::io::environment_write::exact_exr_bytes;
 use crate::io::output::{self, Existing, Output};
-use crate::io::provenance::Provenance;
 use crate::io::regular::read_regular;
 use crate::io::side_report::{MOST_REPORT_BYTES, REPORT};
 use crate::target::{Content, Naming};
@@ -400,14 +398,14 @@ fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> 
     let pixel = plan.pixel.name();
     let skybox = settings.skybox.unwrap_or(settings.size);
     Ok(match content {
-        Content::Specular => cube_told(pixel, settings.size, settings.level_specs()?.len()),
-        Content::Sheen => cube_told(&format!("{pixel} sheen"), settings.size, settings.level_specs()?.len()),
-        Content::Skybox if !plan.target.has_container() => cube_told(Pixel::F16.name(), skybox, 1),
-        Content::Skybox => cube_told(pixel, skybox, 1),
+        Content::Specular => cube_words(pixel, settings.size, settings.level_specs()?.len()),
+        Content::Sheen => cube_words(&format!("{pixel} sheen"), settings.size, settings.level_specs()?.len()),
+        Content::Skybox if !plan.target.has_container() => cube_words(Pixel::F16.name(), skybox, 1),
+        Content::Skybox => cube_words(pixel, skybox, 1),
         Content::SkyboxPanorama => format!("panorama {}x{}", 4 * skybox, 2 * skybox),
         Content::Irradiance => {
             let size = settings.irradiance.unwrap_or(plan.target.irradiance_size);
-            cube_told(&format!("{pixel} irradiance"), size, 1)
+            cube_words(&format!("{pixel} irradiance"), size, 1)
         }
         Content::ShJson | Content::ShText => "spherical harmonics".to_owned(),
         Content::Oem => {
@@ -440,27 +438,11 @@ fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> 
 }
 
 /// Describes a cube in a few words.
-fn cube_told(kind: &str, size: u32, levels: usize) -> String {
+fn cube_words(kind: &str, size: u32, levels: usize) -> String {
     match levels {
         1 => format!("{kind} cube {size}"),
         _ => format!("{kind} cube {size}, {levels} levels"),
     }
-}
-
-/// Metadata of every output.
-pub(super) fn metadata(settings: &BakeSettings, opened: &Opened) -> Vec<(String, String)> {
-    let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; \
-                       linear RGB, \
-                       Rec. 709; perceptual roughness, alpha = roughness^2";
-    let provenance = Provenance {
-        lobe: Some(settings.lobe),
-        filter: Some(filter_name(settings.filter)),
-        ladder: Some(settings.ladder.name().to_owned()),
-        chain: Some(settings.chain),
-        ..opened.turned.clone()
-    };
-    let conventions = ("octaglossConventions".to_owned(), conventions.to_owned());
-    std::iter::once(conventions).chain(provenance.pairs()).collect()
 }
 
 /// Serializes `value` as a JSON file.

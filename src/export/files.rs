@@ -1,7 +1,8 @@
 //! Encodes the files of a plan from a bake.
 
 use super::{babylon, gltf};
-use crate::bake::Bake;
+use crate::bake::report::filter_name;
+use crate::bake::{Bake, BakeSettings};
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
@@ -226,6 +227,22 @@ fn cube_metadata(
     }
     pairs.extend(of_target(plan, metadata));
     pairs
+}
+
+/// Key/value pairs of every file of a bake with `settings`, of a source turned as `turned` records.
+#[must_use]
+pub fn metadata(settings: &BakeSettings, turned: &Provenance) -> Vec<(String, String)> {
+    let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; \
+                       linear RGB, Rec. 709; perceptual roughness, alpha = roughness^2";
+    let provenance = Provenance {
+        lobe: Some(settings.lobe),
+        filter: Some(filter_name(settings.filter)),
+        ladder: Some(settings.ladder.name().to_owned()),
+        chain: Some(settings.chain),
+        ..turned.clone()
+    };
+    let conventions = ("octaglossConventions".to_owned(), conventions.to_owned());
+    std::iter::once(conventions).chain(provenance.pairs()).collect()
 }
 
 /// `metadata` with the target's name and flip, if there is a target.
