@@ -1,6 +1,7 @@
 //! Temporary files and folders in the outputs' folders, each locked while its process lives.
 //!
-//! A temporary has a random stem `.octagloss-XXXXXX` and up to three entries in the folder of its output:
+//! A temporary has a random stem, `.octagloss-` with six letters and digits, and up to three entries in
+//! the folder of its output:
 //!
 //! - `STEM.lock` exists as long as the others do. Its process locks it; it contains the name of the output.
 //! - `STEM.new` is the new output; after an exchange it holds the previous one.

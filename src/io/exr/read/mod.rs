@@ -75,7 +75,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
         warnings,
         provenance: provenance(source, header)?,
     };
-    match text_told(header, BORDER_KEY) {
+    match header_text(header, BORDER_KEY) {
         Some(border) => {
             // The other parts are its rougher levels.
             let picture = Picture { warnings: Vec::new(), ..picture };
@@ -124,7 +124,7 @@ fn parts_format(metadata: &MetaData) -> String {
 
 /// Origin recorded in the attributes of `header`.
 fn provenance(source: &Source<'_>, header: &Header) -> Result<Provenance> {
-    Provenance::of_texts(&|key| text_told(header, key)).map_err(|message| source.error(message))
+    Provenance::of_texts(&|key| header_text(header, key)).map_err(|message| source.error(message))
 }
 
 /// Part name of a face of a level.
@@ -171,7 +171,7 @@ fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result
 }
 
 /// The text of attribute `name`.
-fn text_told(header: &Header, name: &str) -> Option<String> {
+fn header_text(header: &Header, name: &str) -> Option<String> {
     attributes(header, name).find_map(|value| match value {
         AttributeValue::Text(text) => Some(text.to_string()),
         _ => None,
