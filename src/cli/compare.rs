@@ -1,11 +1,11 @@
 //! `octagloss compare`: measures a bake against its source or another bake.
 
 use super::args::CompareArgs;
+use super::compare_sources::Sources;
 use super::console::Console;
-use super::input::{self, is_chain_file, read_bake};
+use super::input::{is_chain_file, read_bake};
 use super::look_ups::{self, Delivered, Overlay};
 use super::outcome::{Outcome, check_not_input, on_threads, print, usage};
-use super::shared_args::InputArgs;
 use super::values::Texels;
 use crate::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, grid_of, is_measurable,
@@ -13,7 +13,6 @@ use crate::analysis::compare::{
 use crate::chain::{Chain, ChainKind, Level};
 use crate::image::preview::error_picture;
 use crate::io::ldr::write::write_png;
-use crate::io::provenance::Provenance;
 use crate::io::regular::open_regular;
 use crate::io::{
     self, LoadedChain,
@@ -128,44 +127,10 @@ fn against_bake(args: &CompareArgs, bake: &Chain, reference: &Chain) -> Outcome<
     })
 }
 
-/// The lobe of the bake in `path`, and the source prepared like the bake's, unless options override it:
-/// scaled, cropped, padded, rotated, mirrored and without its sun.
-fn lobe_and_source(
-    args: &CompareArgs,
-    path: &Path,
-    provenance: &Provenance,
-    console: &Console,
-) -> Outcome<(Lobe, Environment)> {
-    let lobe = args.lobe.or(provenance.lobe).unwrap_or_else(|| {
-        console.warn(&format!(
-            "{} does not record its lobe; assuming ggx (override with --lobe)",
-            path.display()
-        ));
-        Lobe::Ggx
-    });
-    if provenance.rotate_y.or(args.input.rotate_y).is_none() {
-        console.warn(&format!(
-            "{} does not record its source's rotation; assuming none (override with --rotate-y, --mirror, \
-             --extract-sun)",
-            path.display()
-        ));
-    }
-    let input = InputArgs {
-        rotate_y: args.input.rotate_y.or(provenance.rotate_y),
-        mirror: args.input.mirror || provenance.mirror.unwrap_or(false),
-        extract_sun: args.input.extract_sun || provenance.sun.is_some(),
-        scale: args.input.scale.or(provenance.scale),
-        crop: args.input.crop || provenance.crop.unwrap_or(false),
-        pad: args.input.pad.or(provenance.pad),
-        ..args.input.clone()
-    };
-    let source = input::single_source(vec![args.against.clone()], &input)?;
-    Ok((lobe, source.open(&input, console)?.environment))
-}
-
 fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> Outcome<Comparison> {
     let LoadedChain { chain: bake, provenance, .. } = bake;
-    let (lobe, source) = lobe_and_source(args, &args.bake, provenance, console)?;
+    let sources = Sources::new(args, console);
+    let (lobe, source) = sources.lobe_and_source(&args.bake, provenance)?;
     let solved = provenance.chain == Some(ChainKind::Solved);
     let delivered = if solved || args.delivered.is_some() {
         let ladder = provenance.ladder.as_deref();
@@ -173,10 +138,11 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     } else {
         None
     };
-    let overlays = args.overlay.iter().map(|path| overlay(args, path, console)).collect::<Outcome<_>>()?;
+    let overlays =
+        args.overlay.iter().map(|path| overlay(args, path, &sources, console)).collect::<Outcome<_>>()?;
     // Solved texels are not lobes by design.
     let (skipped, levels) = if !solved {
-        texel_errors(args, bake, lobe, &source, console)?
+        texel_errors(args, bake, lobe, &source.environment, console)?
     } else if args.picture.is_some() || args.texels.is_some() {
         return usage(format!(
             "--texels and --picture compare texels with lobes, but {} is a solved chain; its texels are not \
@@ -200,9 +166,9 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
 }
 
 /// Measures the look-ups of a further bake.
-fn overlay(args: &CompareArgs, path: &Path, console: &Console) -> Outcome<Overlay> {
+fn overlay(args: &CompareArgs, path: &Path, sources: &Sources<'_>, console: &Console) -> Outcome<Overlay> {
     let LoadedChain { chain, provenance, .. } = bake_in(path, console)?;
-    let (lobe, source) = lobe_and_source(args, path, &provenance, console)?;
+    let (lobe, source) = sources.lobe_and_source(path, &provenance)?;
     let ladder = provenance.ladder.as_deref();
     let delivered = look_ups::measure(args, path, &chain, lobe, ladder, &source, console)?;
     Ok(Overlay { bake: path.display().to_string(), delivered })

@@ -1,17 +1,15 @@
 //! `octagloss compare --delivered`: errors of trilinear look-ups of one or several bakes, and their chart.
 
 use super::args::CompareArgs;
+use super::compare_sources::PreparedSource;
 use super::console::Console;
 use super::outcome::{Outcome, usage};
-use crate::Environment;
 use crate::analysis::compare::is_measurable;
 use crate::analysis::delivered::{DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors};
 use crate::chain::{Chain, Level};
-use crate::filter::Filter;
 use crate::io::output::Existing;
 use crate::ladder::Ladder;
 use crate::lobe::Lobe;
-use crate::reflector::{Reflector, ReflectorSettings};
 use anyhow::anyhow;
 use glam::DVec3;
 use serde::Serialize;
@@ -36,9 +34,6 @@ pub(super) struct Overlay {
     pub(super) delivered: Delivered,
 }
 
-/// Tolerance of the reference lobes.
-const TOLERANCE: f64 = 0.002;
-
 /// Step between the roughnesses of a chart.
 const CHART_STEP: f64 = 0.02;
 
@@ -50,7 +45,7 @@ pub(super) fn measure(
     bake: &Chain,
     lobe: Lobe,
     ladder: Option<&str>,
-    source: &Environment,
+    source: &PreparedSource,
     console: &Console,
 ) -> Outcome<Delivered> {
     let name = path.display();
@@ -66,7 +61,8 @@ pub(super) fn measure(
         if args.chart.is_some() {
             roughnesses = (1..=50).map(|step| f64::from(step) * CHART_STEP).collect();
         }
-        roughnesses.retain(|r| is_measurable(&Level::cube(1, *r, Vec::new()), lobe, source.layout()));
+        roughnesses
+            .retain(|r| is_measurable(&Level::cube(1, *r, Vec::new()), lobe, source.environment.layout()));
         if roughnesses.is_empty() {
             return Err(anyhow!(
                 "no roughness of {name} has a lobe at least two texels of {} wide; bake rougher levels to \
@@ -80,16 +76,17 @@ pub(super) fn measure(
         asked
     };
     let sharpest = roughnesses.iter().copied().filter(|r| *r > 0.0).fold(1.0, f64::min);
-    let reflector = Reflector::new(source, &ReflectorSettings { sharpest, ..ReflectorSettings::default() })?;
     let bar = console.bar("look-ups");
     let done = Cell::new(0);
-    let truth = |roughness: f64, directions: &[DVec3]| {
-        let answers = reflector.query_all(directions, roughness, lobe, Filter::Adaptive(TOLERANCE))?;
-        done.set(done.get() + 1);
-        bar.at(done.get(), roughnesses.len() as u64);
-        Ok(answers.into_iter().map(|answer| answer.radiance).collect())
-    };
-    let errors = delivered_errors(bake, ladder, &roughnesses, &truth)?;
+    let errors = source.with_lobes(sharpest, |lobes| {
+        let truth = |roughness: f64, directions: &[DVec3]| {
+            let radiance = lobes(roughness, directions)?;
+            done.set(done.get() + 1);
+            bar.at(done.get(), roughnesses.len() as u64);
+            Ok(radiance)
+        };
+        delivered_errors(bake, ladder, &roughnesses, &truth)
+    })?;
     Ok(Delivered { ladder: ladder.name(), directions: DIRECTIONS, roughnesses: errors })
 }
 
@@ -134,12 +131,9 @@ pub(super) fn check_chart(path: &Path, existing: Existing) -> Outcome {
 
 #[cfg(not(feature = "plot"))]
 pub(super) fn check_chart(_: &Path, _: Existing) -> Outcome {
-    use super::shell::quoted;
-
-    let arguments: String =
-        std::env::args_os().skip(1).map(|argument| format!(" {}", quoted(&argument))).collect();
     usage(format!(
-        "charts are not part of this build; run: cargo run --release --features plot --{arguments}"
+        "charts are not part of this build; run: cargo run --release --features plot --{}",
+        super::shell::own_arguments()
     ))
 }
 

@@ -11,6 +11,7 @@ mod bench;
 #[cfg(feature = "gpu")]
 mod bench_gpu;
 mod compare;
+mod compare_sources;
 mod completions;
 mod console;
 mod convert;

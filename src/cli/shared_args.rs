@@ -8,7 +8,7 @@ use clap::Args as ClapArgs;
 pub(super) const MAX_THREADS: i64 = 256;
 
 /// Options of reading input files.
-#[derive(Clone, Debug, ClapArgs)]
+#[derive(Clone, Debug, PartialEq, ClapArgs)]
 #[command(next_help_heading = "Input")]
 pub(super) struct InputArgs {
     /// Layout of the environment [default: auto]
