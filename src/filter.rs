@@ -96,14 +96,18 @@ pub fn parsed(text: &str) -> Result<Filter, String> {
                 "the error of adaptive:E must be at least {LEAST_ERROR:e}, the float32 limit, and below 1"
             )),
         },
-        ("fitted", None) => Ok(Filter::Fitted(4)),
-        ("fitted", Some(value)) => match value.parse() {
-            Ok(count) if COUNTS.contains(&count) => Ok(Filter::Fitted(count)),
-            _ => Err("the boxes of fitted:K must be 1, 2, 4 or 8".to_owned()),
-        },
+        ("fitted", count) => fitted_count(count).map(Filter::Fitted),
         ("box", None) => Ok(Filter::Box),
         ("reference", None) => Ok(Filter::Reference),
         _ => Err("choose one of adaptive:E, fitted:K, box, reference".to_owned()),
+    }
+}
+
+/// Parses the K of `fitted:K`; 4 without one.
+pub(crate) fn fitted_count(text: Option<&str>) -> Result<u32, String> {
+    match text.map_or(Ok(4), str::parse) {
+        Ok(count) if COUNTS.contains(&count) => Ok(count),
+        _ => Err("the boxes of fitted:K must be 1, 2, 4 or 8".to_owned()),
     }
 }
 

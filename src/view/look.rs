@@ -3,6 +3,7 @@
 use super::camera::{Camera, FRONT};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
+use crate::filter::fitted_count;
 use crate::image::exposure::{self, Exposure};
 use crate::realtime::tables::COUNTS;
 use std::fmt::{self, Display, Formatter};
@@ -79,11 +80,7 @@ impl FromStr for Technique {
             ("box", None) => Ok(Self::Box),
             ("levels", None) => Ok(Self::Levels),
             ("adaptive", None) => Ok(Self::Adaptive),
-            ("fitted", None) => Ok(Self::Fitted(4)),
-            ("fitted", Some(count)) => match count.parse() {
-                Ok(count) if COUNTS.contains(&count) => Ok(Self::Fitted(count)),
-                _ => Err("the boxes of fitted:K must be 1, 2, 4 or 8".to_owned()),
-            },
+            ("fitted", count) => fitted_count(count).map(Self::Fitted),
             _ => Err("must be box, fitted:K, levels or adaptive".to_owned()),
         }
     }
