@@ -5,6 +5,7 @@ use octagloss::internals::chain::ChainKind;
 use octagloss::internals::io::load_chain;
 use serde_json::Value;
 use std::fs;
+use std::path::Path;
 
 #[test]
 fn files_and_reports_name_the_chain() {
@@ -72,16 +73,19 @@ fn unchanged_bakes_are_those_of_the_same_chain() {
     assert!(!run("sampled").contains("unchanged"));
 }
 
+/// Bakes sampled.ktx2 and solved.ktx2 in `folder`.
+fn bake_both(folder: &Path, size: &[&str]) {
+    for kind in ["sampled", "solved"] {
+        let output = format!("{kind}.ktx2");
+        done(folder, &[&["bake", "sky.exr", "-o", &output, "--chain", kind, "--quiet"], size].concat());
+    }
+}
+
 #[test]
 fn solved_chains_are_judged_by_what_they_deliver() {
     let folder = with_sky();
     let at = folder.path();
-    for kind in ["sampled", "solved"] {
-        let output = format!("{kind}.ktx2");
-        let args =
-            ["bake", "sky.exr", "-o", &output, "--size", "32", "--levels", "4", "--chain", kind, "--quiet"];
-        done(at, &args);
-    }
+    bake_both(at, &["--size", "32", "--levels", "4"]);
     let json = |args: &[&str]| -> Value {
         let all = [&["compare"], args, &["sky.exr", "--json", "--quiet"]].concat();
         serde_json::from_str(&done(at, &all).out).unwrap()
@@ -188,11 +192,7 @@ fn folders_of_cmgen_are_measured() {
 fn charts_show_several_bakes() {
     let folder = with_sky();
     let at = folder.path();
-    for kind in ["sampled", "solved"] {
-        let output = format!("{kind}.ktx2");
-        let args = ["bake", "sky.exr", "-o", &output, "--size", "16", "--levels", "3", "--chain", kind];
-        done(at, &[&args[..], &["--quiet"]].concat());
-    }
+    bake_both(at, &["--size", "16", "--levels", "3"]);
     let both = ["compare", "sampled.ktx2", "sky.exr", "--delivered=0.6,0.8,1", "--overlay", "solved.ktx2"];
     let text = done(at, &[&both[..], &["--texels", "6"]].concat()).out;
     for name in ["sampled.ktx2", "solved.ktx2"] {

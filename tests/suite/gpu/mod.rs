@@ -16,6 +16,7 @@ mod fitted;
 mod lamp;
 mod lights;
 mod live;
+mod look;
 mod oem;
 mod oem_lookup;
 mod oem_reader;

@@ -1,24 +1,20 @@
 //! Compares the WGSL look-ups in mip-mapped octahedral maps with those of double precision.
 
-use super::{UNIT, exceeds, in_full, wait};
+use super::{UNIT, exceeds, in_full, look};
 use crate::support::common::{Random, landmarks, oem};
 use glam::{DVec2, DVec3};
 use octagloss::Rgb;
 use octagloss::internals::gpu::Context;
-use octagloss::internals::gpu::device::{readback, shader};
+use octagloss::internals::gpu::device::shader;
 use octagloss::internals::image::oem_mips::{Addressing, OemMips, Weights};
 use octagloss::internals::oem::OemSize;
 use octagloss::internals::sphere::oem_lookup::{
     level_of_cell, quadratic_level, rectangular_level, rectangular_place,
 };
 use octagloss::wgpu;
-use octagloss::wgpu::util::DeviceExt as _;
 
 const INNER: u32 = 48;
 const BORDER: u32 = 8;
-
-/// Invocations of a workgroup.
-const GROUP: usize = 64;
 
 /// A look-up: the cell's three directions and the level in the fourth word of the first.
 type Query = [[f32; 4]; 3];
@@ -81,50 +77,11 @@ fn answers(context: &Context, source: &str, mips: &OemMips, queries: &[Query]) -
             wgpu::Extent3d { width: own.side, height: own.side, depth_or_array_layers: layers },
         );
     }
-    let asked = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("queries"),
-        contents: bytemuck::cast_slice(queries.as_flattened()),
-        usage: wgpu::BufferUsages::STORAGE,
-    });
-    let found = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("answers"),
-        size: 32 * queries.len() as u64,
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    });
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("oem_lookup.wgsl"),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("look"),
-        layout: None,
-        module: &module,
-        entry_point: Some("look"),
-        compilation_options: Default::default(),
-        cache: None,
-    });
     let view = texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     });
-    let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-    let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("look"),
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[
-            entry(0, wgpu::BindingResource::TextureView(&view)),
-            entry(1, asked.as_entire_binding()),
-            entry(2, found.as_entire_binding()),
-        ],
-    });
-    context.submit(|encoder| {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &bindings, &[]);
-        pass.dispatch_workgroups(queries.len().div_ceil(GROUP) as u32, 1, 1);
-    });
-    wait(context, readback::read(context, &found))
+    look::answers(context, source, &[wgpu::BindingResource::TextureView(&view)], queries)
 }
 
 /// Cells of half a texel to some texels around random directions, landmarks and cuts, at every level.
@@ -150,7 +107,7 @@ fn queries() -> Vec<Query> {
         query
     };
     // One level per workgroup: lavapipe of Mesa 22.3 reads the same level in neighbouring invocations.
-    centres.truncate(centres.len() / GROUP * GROUP);
+    centres.truncate(centres.len() / look::GROUP * look::GROUP);
     let levels = [0.0, 0.25, 1.0, 1.5, 2.75, 3.0, 4.0];
     let all =
         levels.into_iter().flat_map(|level| centres.iter().enumerate().map(move |own| query(own, level)));

@@ -1,16 +1,14 @@
 //! The shader code that `--target oem` ships, run with an ordinary sampler over the file's levels.
 
-use super::{in_full, wait};
+use super::{in_full, look};
 use crate::io::oem_file::{directions, levels, read_ktx2, unfolded};
 use octagloss::internals::chain::Level;
 use octagloss::internals::format::Pixel;
 use octagloss::internals::format::container::Container;
 use octagloss::internals::gpu::Context;
-use octagloss::internals::gpu::device::readback;
 use octagloss::internals::io::oem_write::oem_bytes;
 use octagloss::internals::target::READERS;
 use octagloss::wgpu;
-use octagloss::wgpu::util::DeviceExt as _;
 
 const SIDE: u32 = 48;
 const LEVELS: u32 = 4;
@@ -51,12 +49,6 @@ fn read_on(context: &Context, reader: &str, levels: &[Level], queries: &[[f32; 4
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         ..Default::default()
     });
-    let storage = |label, contents: &[u8], usage| {
-        let usage = wgpu::BufferUsages::STORAGE | usage;
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
-    };
-    let asked = storage("queries", bytemuck::cast_slice(queries), wgpu::BufferUsages::empty());
-    let answers = storage("answers", &vec![0; 16 * queries.len()], wgpu::BufferUsages::COPY_SRC);
     let source = format!(
         "{reader}
         @group(0) @binding(0) var map: texture_2d<f32>;
@@ -70,37 +62,9 @@ fn read_on(context: &Context, reader: &str, levels: &[Level], queries: &[[f32; 4
             }}
         }}"
     );
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("oem.wgsl"),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("look"),
-        layout: None,
-        module: &module,
-        entry_point: Some("look"),
-        compilation_options: Default::default(),
-        cache: None,
-    });
     let view = texture.create_view(&Default::default());
-    let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-    let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("look"),
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[
-            entry(0, wgpu::BindingResource::TextureView(&view)),
-            entry(1, wgpu::BindingResource::Sampler(&sampler)),
-            entry(2, asked.as_entire_binding()),
-            entry(3, answers.as_entire_binding()),
-        ],
-    });
-    context.submit(|encoder| {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &bindings, &[]);
-        pass.dispatch_workgroups(queries.len().div_ceil(64) as u32, 1, 1);
-    });
-    wait(context, readback::read(context, &answers))
+    let map = [wgpu::BindingResource::TextureView(&view), wgpu::BindingResource::Sampler(&sampler)];
+    look::answers(context, &source, &map, queries)
 }
 
 fn queries() -> Vec<[f32; 4]> {

@@ -1,0 +1,62 @@
+//! Runs compute shaders that look texels up in a texture.
+
+use super::wait;
+use bytemuck::Pod;
+use octagloss::internals::gpu::Context;
+use octagloss::internals::gpu::device::readback;
+use octagloss::wgpu;
+use octagloss::wgpu::util::DeviceExt as _;
+
+/// Invocations of a workgroup.
+pub(super) const GROUP: usize = 64;
+
+/// Runs the entry point `look` of `source`, in workgroups of 64, for each of `queries`. Group 0 binds `map`, the
+/// texture with what it needs, then the queries, then the answers.
+pub(super) fn answers<Q: Pod, A: Pod>(
+    context: &Context,
+    source: &str,
+    map: &[wgpu::BindingResource<'_>],
+    queries: &[Q],
+) -> Vec<A> {
+    let device = context.device();
+    let asked = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("queries"),
+        contents: bytemuck::cast_slice(queries),
+        usage: wgpu::BufferUsages::STORAGE,
+    });
+    let found = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("answers"),
+        size: (size_of::<A>() * queries.len()) as u64,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("look"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("look"),
+        layout: None,
+        module: &module,
+        entry_point: Some("look"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let buffers = [asked.as_entire_binding(), found.as_entire_binding()];
+    let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+        .zip(map.iter().cloned().chain(buffers))
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+        .collect();
+    let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("look"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &entries,
+    });
+    context.submit(|encoder| {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &bindings, &[]);
+        pass.dispatch_workgroups(queries.len().div_ceil(GROUP) as u32, 1, 1);
+    });
+    wait(context, readback::read(context, &found))
+}
