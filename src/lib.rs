@@ -5,32 +5,37 @@
 //! environment            OEM, bordered            cells                      lobes
 //! cube / panorama  --->  L*w and w per texel ---> energy, centroid,   --->   adaptive quadrature, bound
 //!       |                (w = solid angle)        covariance                      |
-//!       |                      |                                                  +--> query: any direction, roughness
+//!       |                      |                                                  +--> query: one direction
 //!       |                      +----> exact 64-bit SAT ---> boxes, fitted lobes   +--> bake: a cube chain
 //!       +----> oracle: exhaustive integration, to check all of it by
 //! ```
 //!
 //! An environment is resampled into an octahedral environment map (OEM) by exact overlap areas: no energy is
 //! lost, and a constant stays constant. A quadtree over its texels with the first three moments of their
-//! energy serves adaptive lobes with bounds; its summed-area table (SAT) in 64-bit fixed point serves boxes and
-//! fitted lobes. The GPU engine runs the same stages as compute passes, and the tests hold it to the CPU's
-//! results. `docs/architecture.md` draws the modules, `docs/algorithm.md` explains the mathematics.
+//! energy serves adaptive lobes with bounds; its summed-area table (SAT) in 64-bit fixed point serves boxes
+//! and fitted lobes. The GPU engine runs the same stages as compute passes, and the tests hold it to the
+//! CPU's results. `docs/architecture.md` draws the modules, `docs/algorithm.md` explains the mathematics.
 //!
 //! # Conventions
 //!
-//! | thing | convention |
-//! |---|---|
-//! | space | right-handed, y up; directions are unit vectors that point away from the viewer's centre |
-//! | panorama | u = 1/2 + atan2(z, x)/2pi, v = acos(y)/pi, v downwards: the image's centre looks along +X, its right half along +Z |
-//! | cube | faces +X -X +Y -Y +Z -Z, by the table of OpenGL, Vulkan and Direct3D: texel (i, j) at s = (i+1/2)/n\*2-1, t downwards by the same formula: +X (1,-t,-s), -X (-1,-t,s), +Y (s,1,t), -Y (s,-1,-t), +Z (s,-t,1), -Z (-s,-t,-1). Seen from inside such images are mirrored, as in every engine; the panorama is not |
-//! | rotation | turning by +90 degrees about y carries what was at +Z to +X |
-//! | octahedral square | (u, v) in \[-1,1\]^2, u along x, v along z; the centre is +Y, the four corners are -Y, the edge midpoints are +-X and +-Z |
-//! | texel centres | half-integer, everywhere |
-//! | radiance | linear RGB in any unit; finite and never negative |
-//! | roughness | perceptual r in \[0,1\], alpha = r^2; glossiness = 1 - r |
-//! | GGX lobe | N = V = R (the split sum): K(theta) = D(theta/2) cos(theta) for theta < 90 degrees, D = a^2 / (pi (s + a^2 (1-s))^2), a = alpha, s = sin^2(theta/2); divided by its integral over the sphere |
-//! | other lobes | Phong cos^n, n = 2/alpha^2 - 2; cone of half-angle r\*pi/2; cosine (irradiance over pi; no roughness); Charlie (sheen), sin(theta/2)^(1/alpha) cos(theta) |
-//! | angles | radians |
+//! - Space: right-handed, y up; directions are unit vectors that point away from the viewer's centre.
+//! - Panorama: u = 1/2 + atan2(z, x)/2pi, v = acos(y)/pi, v downwards: the image's centre looks along +X, its
+//!   right half along +Z.
+//! - Cube: faces +X -X +Y -Y +Z -Z, by the table of OpenGL, Vulkan and Direct3D: texel (i, j) at s =
+//!   (i+1/2)/n\*2-1, t downwards by the same formula: +X (1,-t,-s), -X (-1,-t,s), +Y (s,1,t), -Y (s,-1,-t),
+//!   +Z (s,-t,1), -Z (-s,-t,-1). Seen from inside such images are mirrored, as in every engine; the panorama
+//!   is not.
+//! - Rotation: turning by +90 degrees about y carries what was at +Z to +X.
+//! - Octahedral square: (u, v) in \[-1,1\]^2, u along x, v along z; the centre is +Y, the four corners are
+//!   -Y, the edge midpoints are +-X and +-Z.
+//! - Texel centres: half-integer, everywhere.
+//! - Radiance: linear RGB in any unit; finite and never negative.
+//! - Roughness: perceptual r in \[0,1\], alpha = r^2; glossiness = 1 - r.
+//! - GGX lobe: N = V = R (the split sum): K(theta) = D(theta/2) cos(theta) for theta < 90 degrees, D = a^2 /
+//!   (pi (s + a^2 (1-s))^2), a = alpha, s = sin^2(theta/2); divided by its integral over the sphere.
+//! - Other lobes: Phong cos^n, n = 2/alpha^2 - 2; cone of half-angle r\*pi/2; cosine (irradiance over pi; no
+//!   roughness); Charlie (sheen), sin(theta/2)^(1/alpha) cos(theta).
+//! - Angles: radians.
 //!
 //! # Bake and write
 //!
@@ -95,6 +100,7 @@ queue.submit([encoder.finish()]);
 )]
 
 mod analysis;
+mod atlas;
 mod bake;
 mod chain;
 mod chain_lookup;
@@ -159,12 +165,17 @@ pub mod files {
 pub mod internals {
     macro_rules! modules {
         ($($(#[$feature:meta])? $name:ident),* $(,)?) => {
-            $($(#[$feature])? #[allow(missing_docs, reason = "hidden")] pub mod $name { pub use crate::$name::*; })*
+            $(
+                $(#[$feature])?
+                #[allow(missing_docs, reason = "hidden")]
+                pub mod $name { pub use crate::$name::*; }
+            )*
         };
     }
 
     modules![
         analysis,
+        atlas,
         bake,
         chain,
         chain_lookup,

@@ -93,6 +93,11 @@ impl Oem {
         &self.texels
     }
 
+    /// All texels, border included.
+    pub(crate) fn texels_mut(&mut self) -> &mut [[f32; 4]] {
+        &mut self.texels
+    }
+
     /// Texel (`x`, `y`) of the square, 0 <= x, y < inner.
     #[must_use]
     pub fn texel(&self, x: u32, y: u32) -> [f32; 4] {

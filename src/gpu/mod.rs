@@ -21,6 +21,7 @@
 //! nothing.
 
 pub mod adaptive;
+pub mod atlas;
 pub mod blur;
 pub mod box_filter;
 pub mod build_fitted;

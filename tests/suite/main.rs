@@ -1,6 +1,7 @@
 //! The test suite: one binary, one module per concern.
 
 mod analysis;
+mod atlas;
 mod bake;
 mod cli;
 mod cpu;

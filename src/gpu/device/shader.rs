@@ -27,6 +27,7 @@ pub(crate) use members;
 
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
+    "common/atlas.wgsl",
     "common/fitted.wgsl",
     "common/fixed_point.wgsl",
     "common/harmonics.wgsl",

@@ -5,6 +5,7 @@
 //! OCTAGLOSS_BRIEF_ADAPTERS run only the tests of `brief`: every entry point over small inputs.
 
 mod adaptive;
+mod atlas;
 mod bake;
 mod boxes;
 mod brief;
