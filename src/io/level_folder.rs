@@ -3,6 +3,7 @@
 //! instead) the roughness comes from the files' headers. Faces whose headers have none are taken for those of
 //! Filament's cmgen.
 
+use super::cmgen;
 use super::decode::Format;
 use super::layout::{LayoutChoice, arrangement};
 use super::panics::catching_panics;
@@ -16,8 +17,6 @@ use crate::chain::{Chain, Level};
 use crate::environment::Layout;
 use crate::error::{Error, Result};
 use crate::format::LevelName;
-use crate::ladder::Ladder;
-use crate::lobe::Lobe;
 use crate::sphere::cube::Face;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -34,9 +33,6 @@ struct Listing {
     provenance: Provenance,
     warnings: Vec<String>,
 }
-
-/// Rotation of cmgen's cubes about +Y, in degrees: the centre of a panorama lies along -Z.
-const CMGEN_ROTATION: f64 = -90.0;
 
 /// Whether the files of level 0 are in `folder`.
 pub(super) fn has_levels(folder: &Path) -> bool {
@@ -93,7 +89,8 @@ impl Listing {
             return listing.ok_or_else(|| {
                 Error::input(
                     folder,
-                    "a directory without a report.json; give an image, or a level folder that octagloss bake wrote",
+                    "a directory without a report.json; give an image, or a level folder that octagloss \
+                     bake wrote",
                 )
             });
         }
@@ -157,25 +154,13 @@ impl Listing {
                 return Ok(None);
             }
         }
-        let (count, ladder) = (levels.len() as u32, Ladder::Filament);
+        let count = levels.len();
         if count < 2 {
             return Ok(None);
         }
-        let size = levels[0].size;
-        for level in &mut levels {
-            level.roughness = ladder.roughness(level.level, count, size);
-        }
-        let provenance = Provenance {
-            rotate_y: Some(CMGEN_ROTATION),
-            lobe: Some(Lobe::Ggx),
-            ladder: Some(ladder.name().to_owned()),
-            ..Provenance::default()
-        };
-        let warnings = vec![format!(
-            "neither a report nor roughness in its files; assuming cmgen's {count} levels of a panorama: \
-             Filament's ladder of ggx, rotated by {CMGEN_ROTATION} degrees"
-        )];
-        Ok(Some(Self { levels, provenance, warnings }))
+        let roughness = cmgen::roughness(count as u32, levels[0].size);
+        levels.iter_mut().zip(roughness).for_each(|(level, roughness)| level.roughness = roughness);
+        Ok(Some(Self { levels, provenance: cmgen::provenance(), warnings: vec![cmgen::warning(count)] }))
     }
 }
 
@@ -203,8 +188,8 @@ fn check_levels(source: &Source<'_>, levels: &[ReportLevel]) -> Result<()> {
         let size = first.size.checked_shr(expected).unwrap_or(0).max(1);
         if level.level != expected || level.size != size || !(0.0..=1.0).contains(&level.roughness) {
             return Err(source.error(format!(
-                "its entry {expected} is level {} of size {} and roughness {}; level {expected} of size {size} and a \
-                 roughness in [0, 1] is needed",
+                "its entry {expected} is level {} of size {} and roughness {}; level {expected} of size \
+                 {size} and a roughness in [0, 1] is needed",
                 level.level, level.size, level.roughness
             )));
         }

@@ -5,6 +5,7 @@
 //! [`Error`]: decoder panics are caught, and sizes in headers are checked against
 //! [`ReadOptions::memory_limit`] before allocation.
 
+mod cmgen;
 mod color;
 #[cfg(feature = "mesh")]
 pub(crate) mod confined;
@@ -176,7 +177,8 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
 
 /// Reads a prefiltered chain: a KTX or KTX2 file, a DDS file with its report in the same folder, an EXR file
 /// with one part per face, a level folder (`m{level}_{px,..}.exr` or `.hdr`, or an image `m{level}.exr`, and
-/// `report.json`), the folder of a target, or a folder of faces that Filament's cmgen wrote. The result is in the file's world, see [`provenance`].
+/// `report.json`), the folder of a target, or a folder of faces that Filament's cmgen wrote. The result is in
+/// the file's world, see [`provenance`].
 ///
 /// # Errors
 /// As [`read`]; NaN and Inf are always rejected.

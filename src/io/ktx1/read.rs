@@ -7,9 +7,14 @@ use super::write::MAGIC;
 use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::Result;
+use crate::io::cmgen;
 use crate::io::ktx2::read::{Pixel, parse_roughness, texels_from};
+use crate::io::ktx2::write::ROUGHNESS_KEY;
 use crate::io::picture::{Content, Picture, Source, Stored, TEXEL_BYTES, check_finite};
 use crate::io::provenance::Provenance;
+
+/// Key of the harmonics that cmgen writes.
+const CMGEN_KEY: &str = "sh";
 
 /// Header words after the magic number.
 const WORDS: usize = 13;
@@ -38,18 +43,26 @@ pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     })
 }
 
-/// Decodes every level with its roughness.
+/// Decodes every level with its roughness; takes a file with cmgen's key and several levels, but without their
+/// roughness, for its.
 pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     let texture = Texture::open(source)?;
-    let roughness = parse_roughness(source, &|key| texture.text(key), texture.levels.len())?;
+    let count = texture.levels.len();
+    let of_cmgen = texture.text(ROUGHNESS_KEY).is_none() && texture.text(CMGEN_KEY).is_some() && count > 1;
+    let roughness = if of_cmgen {
+        cmgen::roughness(count as u32, texture.size).collect()
+    } else {
+        parse_roughness(source, &|key| texture.text(key), count)?
+    };
     let mut levels = Vec::new();
     for (level, roughness) in (0u32..).zip(roughness) {
         let (size, texels) = ((texture.size >> level).max(1), texture.level(level as usize));
         check_finite(source.path, level, size, &texels)?;
         levels.push(Level::cube(size, roughness, texels));
     }
-    let (provenance, format) = (texture.provenance()?, texture.format());
-    Ok(Stored { chain: Chain { levels }, provenance, format, warnings: Vec::new() })
+    let provenance = if of_cmgen { cmgen::provenance() } else { texture.provenance()? };
+    let warnings = if of_cmgen { vec![cmgen::warning(count)] } else { Vec::new() };
+    Ok(Stored { chain: Chain { levels }, provenance, format: texture.format(), warnings })
 }
 
 impl<'a> Texture<'a> {
@@ -71,14 +84,15 @@ impl<'a> Texture<'a> {
             (0x8814, 0x1406, 0x1908) => Pixel::Rgba32F,
             _ => {
                 return Err(source.error(format!(
-                    "its pixels are glInternalFormat {internal:#06x} of glType {kind:#06x}; RGBA16F, RGBA32F, RGB9E5 \
-                     and R11G11B10F can be read from KTX"
+                    "its pixels are glInternalFormat {internal:#06x} of glType {kind:#06x}; RGBA16F, \
+                     RGBA32F, RGB9E5 and R11G11B10F can be read from KTX"
                 )));
             }
         };
         if faces != 6 || width != height || depth > 1 || layers > 0 {
             return Err(source.error(format!(
-                "{width}x{height}, depth {depth}, {layers} layers of {faces} faces; a single cube can be read from KTX"
+                "{width}x{height}, depth {depth}, {layers} layers of {faces} faces; a single cube can be \
+                 read from KTX"
             )));
         }
         source.check_memory(width, 1, 0)?;
