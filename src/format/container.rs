@@ -48,8 +48,9 @@ impl Container {
     #[must_use]
     pub fn holds(self, pixel: Pixel) -> bool {
         match self {
-            Self::Ktx2 | Self::Dds => !matches!(pixel, Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto),
-            Self::Ktx1 => pixel != Pixel::Bc6h && Self::Ktx2.holds(pixel),
+            Self::Ktx2 => pixel.vulkan().is_some(),
+            Self::Dds => pixel.dxgi().is_some(),
+            Self::Ktx1 => pixel.gl().is_some(),
             Self::Exr => matches!(pixel, Pixel::F16 | Pixel::F32),
             Self::Hdr => pixel == Pixel::Rgbe,
         }

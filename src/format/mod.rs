@@ -1,6 +1,7 @@
 //! Pixel formats, containers, and texel encodings.
 
 pub mod bc6h;
+mod codes;
 pub mod container;
 mod level_name;
 mod output_layout;

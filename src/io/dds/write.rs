@@ -8,7 +8,7 @@ use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
 use crate::io::cube_file::{CubeFile, check_sizes};
 use crate::target::Flip;
-use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, DxgiFormat, NewDxgiParams};
+use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, NewDxgiParams};
 
 /// A DDS cube map of `chain`: RGBA16F, RGBA32F, RGB9E5, R11G11B10F or BC6H (unsigned).
 ///
@@ -16,15 +16,8 @@ use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, DxgiFormat, NewDxgi
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve.
 pub(crate) fn dds_bytes(chain: &Chain, pixel: Pixel) -> Result<CubeFile> {
     let size = check_sizes("DDS", chain)?;
-    let format = match pixel {
-        Pixel::F16 => DxgiFormat::R16G16B16A16_Float,
-        Pixel::F32 => DxgiFormat::R32G32B32A32_Float,
-        Pixel::Rgb9e5 => DxgiFormat::R9G9B9E5_SharedExp,
-        Pixel::R11g11b10 => DxgiFormat::R11G11B10_Float,
-        Pixel::Bc6h => DxgiFormat::BC6H_UF16,
-        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
-            return Err(Error::Parameter(format!("dds files cannot hold {}", pixel.name())));
-        }
+    let Some(format) = pixel.dxgi() else {
+        return Err(Error::Parameter(format!("dds files cannot hold {}", pixel.name())));
     };
     let failed = |error: ddsfile::Error| Error::Parameter(format!("a DDS cube of {size}: {error}"));
     let mut dds = Dds::new_dxgi(NewDxgiParams {

@@ -14,18 +14,6 @@ use crate::io::ktx2::write::{ROUGHNESS_KEY, roughness_text};
 /// Magic number.
 pub(in crate::io) const MAGIC: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
 
-/// OpenGL enums of a pixel format.
-struct GlFormat {
-    kind: u32,
-    kind_bytes: u32,
-    format: u32,
-    internal: u32,
-    base: u32,
-}
-
-const GL_RGB: u32 = 0x1907;
-const GL_RGBA: u32 = 0x1908;
-
 /// Encodes `chain` as a KTX 1 cube map: R11G11B10F, RGB9E5, RGBA16F or RGBA32F. `metadata` are text key/value
 /// pairs.
 ///
@@ -34,7 +22,12 @@ const GL_RGBA: u32 = 0x1908;
 /// are empty, duplicated or contain a NUL.
 pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     let size = check_sizes("KTX", chain)?;
-    let gl = gl_format(pixel)?;
+    let Some(gl) = pixel.gl() else {
+        return Err(Error::Parameter(format!(
+            "KTX 1 does not support {}; use ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
+            pixel.name()
+        )));
+    };
     let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
     let metadata = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
     let pairs: Vec<_> = metadata.chain([(ROUGHNESS_KEY, roughness.as_str())]).collect();
@@ -46,7 +39,7 @@ pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
         gl.kind_bytes,
         gl.format,
         gl.internal,
-        gl.base,
+        gl.format,
         size,
         size,
         0, // depth
@@ -68,32 +61,4 @@ pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
         bytes.extend(texels);
     }
     Ok(CubeFile::new(bytes, chain, pixel))
-}
-
-fn gl_format(pixel: Pixel) -> Result<GlFormat> {
-    Ok(match pixel {
-        // Filament and cmgen use the internal format as the type, not GL_UNSIGNED_INT_10F_11F_11F_REV
-        // (Ktx1Reader.cpp, toPixelDataType).
-        Pixel::R11g11b10 => {
-            GlFormat { kind: 0x8c3a, kind_bytes: 4, format: GL_RGB, internal: 0x8c3a, base: GL_RGB }
-        }
-        // GL_UNSIGNED_INT_5_9_9_9_REV, GL_RGB9_E5.
-        Pixel::Rgb9e5 => {
-            GlFormat { kind: 0x8c3e, kind_bytes: 4, format: GL_RGB, internal: 0x8c3d, base: GL_RGB }
-        }
-        // GL_HALF_FLOAT, GL_RGBA16F.
-        Pixel::F16 => {
-            GlFormat { kind: 0x140b, kind_bytes: 2, format: GL_RGBA, internal: 0x881a, base: GL_RGBA }
-        }
-        // GL_FLOAT, GL_RGBA32F.
-        Pixel::F32 => {
-            GlFormat { kind: 0x1406, kind_bytes: 4, format: GL_RGBA, internal: 0x8814, base: GL_RGBA }
-        }
-        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
-            return Err(Error::Parameter(format!(
-                "KTX 1 does not support {}; use ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
-                pixel.name()
-            )));
-        }
-    })
 }

@@ -64,14 +64,6 @@ pub(in crate::io) fn roughness_text(roughness: impl Iterator<Item = f64>) -> Str
 
 /// Vulkan format of a pixel format.
 pub(in crate::io) fn format_of(pixel: Pixel) -> Result<Format> {
-    Ok(match pixel {
-        Pixel::F16 => Format::R16G16B16A16_SFLOAT,
-        Pixel::F32 => Format::R32G32B32A32_SFLOAT,
-        Pixel::Rgb9e5 => Format::E5B9G9R9_UFLOAT_PACK32,
-        Pixel::R11g11b10 => Format::B10G11R11_UFLOAT_PACK32,
-        Pixel::Bc6h => Format::BC6H_UFLOAT_BLOCK,
-        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
-            return Err(Error::Parameter(format!("ktx2 files cannot hold {}", pixel.name())));
-        }
-    })
+    let unsupported = || Error::Parameter(format!("ktx2 files cannot hold {}", pixel.name()));
+    pixel.vulkan().ok_or_else(unsupported)
 }
