@@ -87,7 +87,7 @@ impl FromStr for Technique {
 }
 
 /// Content of the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Show {
     /// The scene.
@@ -99,6 +99,43 @@ pub enum Show {
     Sat,
     /// The filter's relative error against the certified tier, in false colour.
     Error,
+}
+
+impl Show {
+    /// All contents with their names in the panel.
+    pub(super) const ALL: [(Self, &'static str); 4] = [
+        (Self::Scene, "scene"),
+        (Self::Oem, "octahedral map"),
+        (Self::Sat, "summed-area table"),
+        (Self::Error, "error"),
+    ];
+
+    /// Entry points of `shaders/common/view_draw.wgsl`: of the triangle that covers the picture and, if this
+    /// content shows the scene, of meshes.
+    pub(super) const fn entry_points(self) -> (&'static str, Option<&'static str>) {
+        match self {
+            Self::Scene => ("cover_picture", Some("mesh_picture")),
+            Self::Error => ("cover_error", Some("mesh_error")),
+            Self::Oem => ("oem", None),
+            Self::Sat => ("sat", None),
+        }
+    }
+
+    /// Whether it shows the scene by the chosen technique, not the table itself.
+    pub(super) const fn is_of_scene(self) -> bool {
+        self.entry_points().1.is_some()
+    }
+
+    /// Whether its colours are display colours, which tone mapping must not change.
+    pub(super) const fn is_false_colour(self) -> bool {
+        matches!(self, Self::Error)
+    }
+
+    /// The relRMSE of the certified tier in it: for pictures a fifth of the bake default, well below the
+    /// visible threshold; for errors the least value with a distinct colour.
+    pub(super) const fn tolerance(self) -> f64 {
+        if self.is_false_colour() { 1e-4 } else { 1e-3 }
+    }
 }
 
 /// Tone mapping from radiance to display.

@@ -67,32 +67,49 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
         }
         ui.separator();
         Grid::new("look").num_columns(2).show(ui, |ui| {
-            choice(ui, "Object", &mut look.object, &[
-                (Object::Sphere, "sphere"),
-                (Object::Row, "row of spheres"),
-                (Object::Knot, "torus knot"),
-            ], status.has_mesh.then_some((Object::Mesh, "mesh")));
-            choice(ui, "Filter", &mut look.filter, &[
-                (Technique::Box, "box"),
-                (Technique::Fitted(1), "fitted:1"),
-                (Technique::Fitted(2), "fitted:2"),
-                (Technique::Fitted(4), "fitted:4"),
-                (Technique::Fitted(8), "fitted:8"),
-                (Technique::Levels, if status.has_levels { "the bake's own levels" } else { "prefiltered levels" }),
-                (Technique::Adaptive, "adaptive"),
-            ], None);
-            choice(ui, "Show", &mut look.show, &[
-                (Show::Scene, "scene"),
-                (Show::Oem, "octahedral map"),
-                (Show::Sat, "summed-area table"),
-                (Show::Error, "error"),
-            ], None);
-            choice(ui, "Tone", &mut look.tone, &[
-                (Tone::Neutral, "neutral"),
-                (Tone::Aces, "ACES"),
-                (Tone::Reinhard, "Reinhard"),
-                (Tone::Linear, "linear"),
-            ], None);
+            choice(
+                ui,
+                "Object",
+                &mut look.object,
+                &[(Object::Sphere, "sphere"), (Object::Row, "row of spheres"), (Object::Knot, "torus knot")],
+                status.has_mesh.then_some((Object::Mesh, "mesh")),
+            );
+            choice(
+                ui,
+                "Filter",
+                &mut look.filter,
+                &[
+                    (Technique::Box, "box"),
+                    (Technique::Fitted(1), "fitted:1"),
+                    (Technique::Fitted(2), "fitted:2"),
+                    (Technique::Fitted(4), "fitted:4"),
+                    (Technique::Fitted(8), "fitted:8"),
+                    (
+                        Technique::Levels,
+                        if status.has_levels {
+                            "the bake's own levels"
+                        } else {
+                            "prefiltered \
+                                                                                             levels"
+                        },
+                    ),
+                    (Technique::Adaptive, "adaptive"),
+                ],
+                None,
+            );
+            choice(ui, "Show", &mut look.show, &Show::ALL, None);
+            choice(
+                ui,
+                "Tone",
+                &mut look.tone,
+                &[
+                    (Tone::Neutral, "neutral"),
+                    (Tone::Aces, "ACES"),
+                    (Tone::Reinhard, "Reinhard"),
+                    (Tone::Linear, "linear"),
+                ],
+                None,
+            );
             ui.label(if painted { "Tint" } else { "Metal" });
             ui.color_edit_button_rgb(if painted { &mut look.tint } else { &mut look.metal });
             ui.end_row();
@@ -101,7 +118,8 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
         ui.label("Exposure");
         let mut automatic = look.exposure == Exposure::Auto;
         let mut ev = look.exposure.ev(status.exposure);
-        let slider = Slider::new(&mut ev, -8.0..=8.0).clamping(SliderClamping::Never).step_by(0.01).suffix(" EV");
+        let slider = Slider::new(&mut ev, -8.0..=8.0);
+        let slider = slider.clamping(SliderClamping::Never).step_by(0.01).suffix(" EV");
         if ui.add(slider).changed() {
             look.exposure = Exposure::Ev(ev.clamp(*exposure::RANGE.start(), *exposure::RANGE.end()));
         } else if ui.checkbox(&mut automatic, "automatic").changed() {
@@ -126,8 +144,11 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 ui.end_row();
             });
         });
-        if look.show == Show::Error {
-            ui.label("Relative error from 0.01 % (black) over blue and red to 100 % (yellow), against the adaptive filter");
+        if look.show.is_false_colour() {
+            ui.label(
+                "Relative error from 0.01 % (black) over blue and red to 100 % (yellow), against the \
+                 adaptive filter",
+            );
         }
         ui.separator();
         ui.checkbox(&mut motion.timing, "GPU times");
@@ -146,7 +167,13 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
             ui.label(RichText::new(format!("adaptive: {:.0} %", 100.0 * progress)).weak());
         }
         ui.label(RichText::new(status.adapter).weak());
-        ui.label(RichText::new("Drag to turn, scroll or pinch to zoom; drop an environment or a mesh. H hides the panel.").weak());
+        ui.label(
+            RichText::new(
+                "Drag to turn, scroll or pinch to zoom; drop an environment or a mesh. H \
+                                hides the panel.",
+            )
+            .weak(),
+        );
         // Exclude the slider's number field.
         roughness.with_max_x(roughness.left() + SLIDER)
     });

@@ -1,6 +1,6 @@
 //! Tone-maps a linear picture for the display.
 
-use super::look::{Look, Show, Tone};
+use super::look::{Look, Tone};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
 use std::collections::HashMap;
@@ -84,12 +84,12 @@ impl Presenter {
                 cache: None,
             })
         });
-        let tone = match (look.show, look.tone) {
-            // False colours are display colours.
-            (Show::Error, _) | (_, Tone::Linear) => 3,
-            (_, Tone::Neutral) => 0,
-            (_, Tone::Aces) => 1,
-            (_, Tone::Reinhard) => 2,
+        let tone = match look.tone {
+            _ if look.show.is_false_colour() => 3,
+            Tone::Neutral => 0,
+            Tone::Aces => 1,
+            Tone::Reinhard => 2,
+            Tone::Linear => 3,
         };
         let source = picture.texture().size();
         let uniform = Present {

@@ -52,18 +52,25 @@ impl Source {
 /// Output of a pass per pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Output {
-    Picture,
-    Error,
+    /// The content of a picture.
+    Shown(Show),
+    /// World direction and roughness.
     Samples,
-    Oem,
-    Sat,
 }
 
 impl Output {
     const fn format(self) -> wgpu::TextureFormat {
         match self {
             Self::Samples => SAMPLES,
-            Self::Picture | Self::Error | Self::Oem | Self::Sat => PICTURE,
+            Self::Shown(_) => PICTURE,
+        }
+    }
+
+    /// Entry points of the triangle that covers the picture and of meshes, if they are drawn.
+    const fn entry_points(self) -> (&'static str, Option<&'static str>) {
+        match self {
+            Self::Samples => ("cover_samples", Some("mesh_samples")),
+            Self::Shown(show) => show.entry_points(),
         }
     }
 }
@@ -246,18 +253,13 @@ impl Renderer {
     ) -> Result<()> {
         look.check()?;
         self.make_next(size)?;
-        let (source, output) = match (look.show, look.filter) {
-            (Show::Oem, _) => (Source::Box, Output::Oem),
-            (Show::Sat, _) => (Source::Box, Output::Sat),
-            (Show::Scene, filter) => (source_of(filter), Output::Picture),
-            (Show::Error, filter) => (source_of(filter), Output::Error),
-        };
+        let source = if look.show.is_of_scene() { source_of(look.filter) } else { Source::Box };
         if let Technique::Fitted(count) = look.filter {
             light.fitted().set_count(&self.context, count)?;
         }
         let picture = self.next.as_ref().expect("made").picture.clone();
         let done = rows.end >= size.1;
-        self.draw_into(&picture, source, output, look, light, rows)?;
+        self.draw_into(&picture, source, Output::Shown(look.show), look, light, rows)?;
         if done {
             std::mem::swap(&mut self.shown, &mut self.next);
         }
@@ -348,8 +350,8 @@ impl Renderer {
         light: &Light,
         rows: Range<u32>,
     ) -> Result<()> {
-        let has_mesh = matches!(output, Output::Picture | Output::Error | Output::Samples)
-            && matches!(look.object, Object::Knot | Object::Mesh);
+        let has_mesh =
+            output.entry_points().1.is_some() && matches!(look.object, Object::Knot | Object::Mesh);
         self.pipeline(source, output, false);
         if has_mesh {
             self.pipeline(source, output, true);
@@ -492,16 +494,8 @@ impl Renderer {
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        let fragment = match (output, of_mesh) {
-            (Output::Picture, false) => "cover_picture",
-            (Output::Picture, true) => "mesh_picture",
-            (Output::Error, false) => "cover_error",
-            (Output::Error, true) => "mesh_error",
-            (Output::Samples, false) => "cover_samples",
-            (Output::Samples, true) => "mesh_samples",
-            (Output::Oem, _) => "oem",
-            (Output::Sat, _) => "sat",
-        };
+        let (cover, mesh) = output.entry_points();
+        let fragment = if of_mesh { mesh.expect("meshes are drawn") } else { cover };
         let corners = wgpu::VertexBufferLayout {
             array_stride: size_of::<Vertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,

@@ -1,6 +1,5 @@
 //! Renders pictures without a window.
 
-use super::truth::tolerance;
 use super::{Light, Look, Renderer, Truth, Viewport};
 use crate::error::Result;
 use crate::gpu::device::readback;
@@ -36,7 +35,7 @@ pub async fn screenshot(
         let asked = renderer.samples(look, light, columns, rows)?.await?;
         let truth = truth.expect("the caller gives what the look asks for");
         let source_from_world = light.source_from_world(look.turn);
-        let answers = truth.answers(&asked, columns as usize, source_from_world, tolerance(look.show))?;
+        let answers = truth.answers(&asked, columns as usize, source_from_world, look.show.tolerance())?;
         renderer.set_truth(&answers, columns);
     }
     renderer.draw(look, light, columns, rows)?;

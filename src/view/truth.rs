@@ -1,7 +1,6 @@
 //! The certified tier for the pixels of a picture: shown by the adaptive filter, and the reference for
 //! others.
 
-use super::look::Show;
 use crate::environment::Environment;
 use crate::error::Result;
 use crate::filter::Filter;
@@ -22,15 +21,6 @@ const TILE: usize = 4;
 #[derive(Debug)]
 pub struct Truth {
     reflector: Reflector<'static>,
-}
-
-/// The relRMSE for `show`: for pictures a fifth of the bake default, well below the visible threshold; for
-/// errors the least value with a distinct colour.
-pub(super) const fn tolerance(show: Show) -> f64 {
-    match show {
-        Show::Error => 1e-4,
-        Show::Scene | Show::Oem | Show::Sat => 1e-3,
-    }
 }
 
 impl Truth {

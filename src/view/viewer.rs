@@ -6,7 +6,7 @@ use super::look::{Look, Object, Technique};
 use super::panel::{Motion, Status, panel};
 use super::present::Viewport;
 use super::renderer::Renderer;
-use super::truth::{Asked, Truth, tolerance};
+use super::truth::{Asked, Truth};
 use crate::chain::Chain;
 use crate::environment::Environment;
 use crate::error::Result;
@@ -472,7 +472,7 @@ impl Viewer {
             // Whole rows of tiles.
             let end = (work.answers.len() + 16 * width).min(asked.len());
             let band = &asked[work.answers.len()..end];
-            work.answers.extend(truth.answers(band, width, source_from_world, tolerance(work.look.show))?);
+            work.answers.extend(truth.answers(band, width, source_from_world, work.look.show.tolerance())?);
             if start.elapsed() > SLICE {
                 break;
             }

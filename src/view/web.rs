@@ -84,8 +84,8 @@ struct State<'a> {
 #[wasm_bindgen]
 impl Page {
     /// Shows the environment in `bytes`, the file named `name`, on `canvas`, and handles its events from then
-    /// on. Calls `on_event` without an argument once the device is ready, and with a message if the viewer cannot
-    /// continue.
+    /// on. Calls `on_event` without an argument once the device is ready, and with a message if the viewer
+    /// cannot continue.
     ///
     /// # Errors
     /// If the environment cannot be read, or a viewer exists already.
@@ -152,8 +152,8 @@ impl Page {
     }
 
     /// Applies `change`, a JSON object with any of roughness, roughness_factor, backdrop, exposure (a number
-    /// or "auto"), turn, filter, object and paint (as [`Technique`], [`Object`] and [`Paint`] format them) and
-    /// panel.
+    /// or "auto"), turn, filter, object and paint (as [`Technique`], [`Object`] and [`Paint`] format them)
+    /// and panel.
     ///
     /// # Errors
     /// If a field is unknown or its value out of range; nothing changes then.
