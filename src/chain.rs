@@ -39,30 +39,53 @@ impl Level {
 }
 
 /// Content of the texels of a chain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum ChainKind {
     /// The lobe of the level's roughness along each texel's direction.
-    #[default]
     Sampled,
     /// Values whose trilinear look-ups are nearest the lobes, also between texels and levels.
     Solved,
+    /// Sampled levels up to roughness [`SHARP`], solved ones above.
+    Mixed,
 }
 
+/// Roughness up to which the levels of a mixed chain are sampled. Between sharper levels of a linear ladder
+/// the lobe's peak changes by more than an order of magnitude: solved values would trade error at the levels
+/// for error between them. A third, rounded up for roughnesses that files store as float32.
+const SHARP: f64 = 0.334;
+
 impl ChainKind {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Sampled, Self::Solved, Self::Mixed];
+
     /// Name on the command line, in reports and in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Sampled => "sampled",
             Self::Solved => "solved",
+            Self::Mixed => "mixed",
         }
     }
 
     /// The kind called `name`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        [Self::Sampled, Self::Solved].into_iter().find(|kind| kind.name() == name)
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Index of the first solved level of levels with `roughness`, sharpest first; their number if none is.
+    /// Level 0 is never solved, and the first glossy level of a mixed chain never is.
+    pub fn first_solved(self, roughness: impl ExactSizeIterator<Item = f64>) -> usize {
+        let count = roughness.len();
+        match self {
+            Self::Sampled => count,
+            Self::Solved => count.min(1),
+            Self::Mixed => {
+                (0..).zip(roughness).position(|(level, r)| level > 1 && r > SHARP).unwrap_or(count)
+            }
+        }
     }
 }
 

@@ -203,7 +203,7 @@ def bake(
     layout: Union[_Layout, None] = None,
     lobe: _Lobe = "ggx",
     filter: str = "adaptive:0.005",
-    chain: Literal["sampled", "solved"] = "sampled",
+    chain: Union[Literal["sampled", "solved", "mixed"], None] = None,
     bounds: bool = False,
     irradiance: Union[int, None] = None,
     skybox: Union[int, Literal["source"], None] = None,

@@ -231,14 +231,16 @@ impl Bake {
 ///
 /// size: edge of level 0, for a panorama its height. levels: their number. ladder: linear, filament, unity or
 /// babylon, the roughness of each. layout: cube, panorama or octahedral. lobe and filter as in
-/// Environment.reflect. chain: sampled, or solved for trilinear look-ups. bounds: keep every texel's certified
+/// Environment.reflect. chain: sampled, solved for trilinear look-ups, or mixed, sampled
+/// where sharp and solved above; by default mixed for cubes of ggx without a target, bounds or another ladder
+/// or filter, else sampled. bounds: keep every texel's certified
 /// bound. irradiance, skybox: edges of additional cubes; skybox may be "source".
 ///
 /// target: the preset of an engine; it sets size, levels, ladder and layout unless given. output: a path to
 /// write to, as Bake.write does, with container, pixel, overflow, name and force.
 #[pyfunction]
 #[pyo3(signature = (environment, *, size=None, levels=None, ladder=None, layout=None, lobe="ggx",
-    filter="adaptive:0.005", chain="sampled", bounds=false, irradiance=None, skybox=None, sh_order=2,
+    filter="adaptive:0.005", chain=None, bounds=false, irradiance=None, skybox=None, sh_order=2,
     sh_window="none", oem_size=None, border=None, target=None, output=None, container=None, pixel=None,
     overflow="clamp", name=None, force=false))]
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
@@ -251,7 +253,7 @@ pub(crate) fn bake(
     layout: Option<&str>,
     lobe: &str,
     filter: &str,
-    chain: &str,
+    chain: Option<&str>,
     bounds: bool,
     irradiance: Option<u32>,
     skybox: Option<&Bound<'_, PyAny>>,
@@ -317,7 +319,7 @@ pub(crate) fn bake(
         skybox,
         sh_order,
         sh_window: choices::sh_window("sh_window", sh_window)?,
-        chain: choices::chain(chain)?,
+        chain: chain.map(choices::chain).transpose()?.or_else(|| target.and_then(|target| target.chain)),
         sheen: target.is_some_and(Target::has_sheen),
     };
     let (light, origin) = (Arc::clone(&environment.light), environment.origin.clone());
@@ -368,7 +370,8 @@ fn skybox_edge(skybox: &Bound<'_, PyAny>, layout: Layout) -> PyResult<u32> {
     }
 }
 
-/// The split-sum DFG (BRDF integration) table: float32 of shape (size, size, 2), with charlie (size, size, 3).
+/// The split-sum DFG (BRDF integration) table: float32 of shape (size, size, 2), with charlie (size, size,
+/// 3).
 ///
 /// Row j has the perceptual roughness (j + 1/2)/size, column i the cosine of the view angle (i + 1/2)/size.
 /// form: split-sum, specular = f0 red + f90 green; or multiple-scattering, specular = mix(red, green, f0),

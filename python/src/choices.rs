@@ -48,7 +48,7 @@ pub(crate) fn ladder(text: &str) -> PyResult<Ladder> {
 }
 
 pub(crate) fn chain(text: &str) -> PyResult<ChainKind> {
-    choice("chain", text, &[ChainKind::Sampled, ChainKind::Solved].map(|kind| (kind.name(), kind)))
+    choice("chain", text, &ChainKind::ALL.map(|kind| (kind.name(), kind)))
 }
 
 /// Layout of a baked level, and of its files.

@@ -87,8 +87,8 @@ pub struct LevelErrors {
     pub roughness: f64,
     /// Number of texels compared.
     pub texels: usize,
-    /// Root mean square error over the mean of the reference: of the texels of a cube, of the sphere for other
-    /// maps.
+    /// Root mean square error over the mean of the reference: of the texels of a cube, of the sphere for
+    /// other maps.
     #[serde(serialize_with = "finite")]
     pub rel_rmse: f64,
     /// Mean absolute error over the mean of the reference.
@@ -179,25 +179,21 @@ fn lobe_width(level: &Level, lobe: Lobe) -> f64 {
     full_width_at_half_maximum(lobe, level.roughness * level.roughness)
 }
 
-/// Compares the [measurable](is_measurable) levels of `bake` with `lobe` integrated over `source`, at the
-/// texels selected by `sampling`. The lobe is evaluated at the texel's centre, or averaged over the footprint
-/// of a texel that is wide for the lobe, as in a bake. `progress` receives the integrations done and their
-/// total, from any thread.
+/// Compares the [measurable](is_measurable) ones of `levels`, sharpest first, with `lobe` integrated over
+/// `source`, at the texels selected by `sampling`. The lobe is evaluated at the texel's centre, or averaged
+/// over the footprint of a texel that is wide for the lobe, as in a bake. `progress` receives the
+/// integrations done and their total, from any thread.
 #[must_use]
 pub(crate) fn errors_against_source(
-    bake: &Chain,
+    levels: &[Level],
     source: &Environment,
     lobe: Lobe,
     sampling: Sampling,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Vec<LevelErrors> {
     let oracle = Oracle::new(source);
-    let levels: Vec<_> = bake
-        .levels
-        .iter()
-        .enumerate()
-        .filter(|(_, level)| is_measurable(level, lobe, source.layout()))
-        .collect();
+    let levels: Vec<_> =
+        levels.iter().enumerate().filter(|(_, level)| is_measurable(level, lobe, source.layout())).collect();
     // Each compared texel and each end of a sampled step is an integration.
     let total = levels.iter().map(|(_, level)| integrations(level, sampling)).sum();
     let done = AtomicU64::new(0);

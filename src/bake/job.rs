@@ -194,7 +194,7 @@ impl<'a> Job<'a> {
             let nodes = settings.nodes(own.levels.len());
             let lobes = chain(&parts.nodes, Bounds::Drop);
             let lobes: Vec<&[Rgb]> = lobes.levels.iter().map(|lobe| &lobe.texels[..]).collect();
-            for index in solve(&mut own.levels, &nodes, &lobes) {
+            for index in solve(settings.chain(), &mut own.levels, &nodes, &lobes) {
                 stats[index].drop_bounds();
             }
             Bake {

@@ -99,7 +99,8 @@ impl BakedLevel {
             let (x, y) = (inside % columns as usize, inside / columns as usize);
             let (lobe, roughness) = (level.lobe.name(), level.spec.roughness);
             let place = format!(
-                "{what} of the level of {columns} x {rows} ({lobe}, roughness {roughness}) {face}pixel ({x}, {y})"
+                "{what} of the level of {columns} x {rows} ({lobe}, roughness {roughness}) {face}pixel \
+                 ({x}, {y})"
             );
             Err(Error::NonFiniteResult { place, value: f64::from(value) })
         };

@@ -121,7 +121,8 @@ impl Overflow {
                 Ok(count)
             }
             Self::Error => Err(Error::Parameter(format!(
-                "{} is {:?} and {} holds up to {most}; `pixel` f32 keeps it, `overflow` compress scales it down",
+                "{} is {:?} and {} holds up to {most}; `pixel` f32 keeps it, `overflow` compress scales it \
+                 down",
                 place(first),
                 texels[first],
                 pixel.name()

@@ -473,7 +473,7 @@ impl Report {
             engine: circumstances.engine,
             adapter: circumstances.adapter,
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
-            chain: settings.chain.name().to_owned(),
+            chain: settings.chain().name().to_owned(),
             levels,
             sheen: sheen.unwrap_or_default(),
             energy: EnergyReport {
@@ -485,9 +485,9 @@ impl Report {
             sh: ShReport {
                 coefficients: bake.sh.clone(),
                 order: order_text(bake.sh.len()),
-                scale: "integrals of radiance times the real orthonormal basis without the Condon-Shortley phase: \
-                        0.282095, 0.488603 {y, z, x}, 1.092548 {xy, yz}, 0.315392 (3zz-1), 1.092548 xz, \
-                        0.546274 (xx-yy) and so on; no cosine, no division by pi"
+                scale: "integrals of radiance times the real orthonormal basis without the Condon-Shortley \
+                        phase: 0.282095, 0.488603 {y, z, x}, 1.092548 {xy, yz}, 0.315392 (3zz-1), 1.092548 \
+                        xz, 0.546274 (xx-yy) and so on; no cosine, no division by pi"
                     .to_owned(),
                 window: bake.sh_window.to_string(),
             },

@@ -42,8 +42,9 @@ pub struct BakeSettings {
     pub sh_order: u32,
     /// Window applied to their bands.
     pub sh_window: ShWindow,
-    /// Content of the levels' texels. Irradiance and sheen are always sampled.
-    pub chain: ChainKind,
+    /// Content of the levels' texels; `None` for [`BakeSettings::default_chain`]. Irradiance and sheen are
+    /// always sampled.
+    pub chain: Option<ChainKind>,
     /// Also bake the chain's sizes and roughnesses with the Charlie lobe (sheen).
     pub sheen: bool,
 }
@@ -65,7 +66,7 @@ impl Default for BakeSettings {
             skybox: None,
             sh_order: 2,
             sh_window: ShWindow::None,
-            chain: ChainKind::Sampled,
+            chain: None,
             sheen: false,
         }
     }
@@ -83,14 +84,15 @@ impl BakeSettings {
         }
         self.filter.check(self.lobe, self.oem_size)?;
         self.filter.check_scan(self.scan)?;
-        if self.chain == ChainKind::Solved {
+        if let Some(kind) = self.chain.filter(|kind| *kind != ChainKind::Sampled) {
+            let name = kind.name();
             if self.map != Map::Cube || self.lobe != Lobe::Ggx {
-                return Err(Error::Parameter("`chain` solved is for cubes of the lobe ggx".to_owned()));
+                return Err(Error::Parameter(format!("`chain` {name} is for cubes of the lobe ggx")));
             }
             if self.bounds {
-                return Err(Error::Parameter(
-                    "`bounds` are those of sampled texels; `chain` solved has none".to_owned(),
-                ));
+                return Err(Error::Parameter(format!(
+                    "`bounds` are those of sampled texels; `chain` {name} has none"
+                )));
             }
         }
         if self.sheen {
@@ -118,11 +120,25 @@ impl BakeSettings {
             .collect())
     }
 
+    /// Content of the levels' texels.
+    #[must_use]
+    pub fn chain(&self) -> ChainKind {
+        self.chain.unwrap_or_else(|| self.default_chain())
+    }
+
+    /// Mixed for cubes of GGX on the linear ladder by certified quadrature, whose bounds are not kept; else
+    /// sampled.
+    #[must_use]
+    pub fn default_chain(&self) -> ChainKind {
+        let Self { map, ladder, lobe, filter, bounds, .. } = self;
+        match (map, ladder, lobe, filter, bounds) {
+            (Map::Cube, Ladder::Linear, Lobe::Ggx, Filter::Adaptive(_), false) => ChainKind::Mixed,
+            _ => ChainKind::Sampled,
+        }
+    }
+
     /// The lobes between the levels that a solved chain is made of; none for a sampled one.
     pub(crate) fn nodes(&self, levels: usize) -> Vec<Node> {
-        match self.chain {
-            ChainKind::Sampled => Vec::new(),
-            ChainKind::Solved => solve::nodes(self.size, levels as u32, self.ladder),
-        }
+        solve::nodes(self.chain(), self.size, levels as u32, self.ladder)
     }
 }

@@ -9,9 +9,10 @@
 //! 2. Over direction, per level: the texels whose bilinear look-ups best fit those values, by conjugate
 //!    gradients.
 //!
-//! Lobes between the levels are baked as separate levels, on the coarsest cubes that resolve them.
+//! Lobes between the levels are baked as separate levels, on the coarsest cubes that resolve them. A mixed
+//! chain keeps its sharp levels as sampled; its rougher ones are solved with the last of them fixed.
 
-use crate::chain::{Level, LevelSpec};
+use crate::chain::{ChainKind, Level, LevelSpec};
 use crate::chain_lookup::{LevelLookup, Taps};
 use crate::environment::{Layout, Rgb};
 use crate::ladder::Ladder;
@@ -62,11 +63,12 @@ fn resolves(edge: u32, roughness: f64) -> bool {
 /// Ratio of two levels' peaks above which three nodes are needed.
 const STEEP: f64 = 8.0;
 
-/// Nodes of a chain with `levels` levels from edge `size` on `ladder`.
-pub(crate) fn nodes(size: u32, levels: u32, ladder: Ladder) -> Vec<Node> {
+/// Nodes of a chain with `levels` levels from edge `size` on `ladder`; none if no level is solved.
+pub(crate) fn nodes(kind: ChainKind, size: u32, levels: u32, ladder: Ladder) -> Vec<Node> {
     let mut nodes = Vec::new();
-    for low in 1..levels.saturating_sub(1) {
-        let roughness = |level| ladder.roughness(level, levels, size);
+    let roughness = |level| ladder.roughness(level, levels, size);
+    let Held { level: held, .. } = Held::of(kind, (0..levels as usize).map(|level| roughness(level as u32)));
+    for low in held as u32..levels.saturating_sub(1) {
         let (from, to) = (roughness(low), roughness(low + 1));
         let quadrature = QUADRATURES[usize::from((to / from).powi(4) > STEEP)];
         for (place, weight) in quadrature.iter().filter(|_| to > from) {
@@ -89,18 +91,41 @@ pub(crate) fn nodes(size: u32, levels: u32, ladder: Ladder) -> Vec<Node> {
 /// Lower bound of a solved value, relative to the sampled one.
 const LEAST_SHARE: f64 = 0.75;
 
-/// Solves `levels`, a sampled chain of cubes, in place; `lobes` are the texels of `nodes`. Keeps level 0 and
-/// levels that no look-up reads. Returns the indices of the solved levels.
-pub(crate) fn solve(levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> Range<usize> {
+/// The sharpest level of the equations along roughness, which its sampled value holds.
+#[derive(Clone, Copy)]
+struct Held {
+    level: usize,
+    /// The first level to be solved: this level or the next.
+    first_solved: usize,
+    /// Weight of its sampled value relative to the step to the next level.
+    weight: f64,
+}
+
+impl Held {
+    fn of(kind: ChainKind, roughness: impl ExactSizeIterator<Item = f64>) -> Self {
+        let first_solved = kind.first_solved(roughness);
+        match kind {
+            ChainKind::Mixed => Self { level: first_solved - 1, first_solved, weight: FIXED },
+            ChainKind::Sampled | ChainKind::Solved => {
+                Self { level: first_solved, first_solved, weight: HELD_FIRST }
+            }
+        }
+    }
+}
+
+/// Solves `levels`, a sampled chain of cubes, in place; `lobes` are the texels of `nodes`. Keeps level 0, the
+/// sharp levels of a mixed chain and levels that no look-up reads. Returns the indices of the solved levels.
+pub(crate) fn solve(kind: ChainKind, levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> Range<usize> {
     let Some(last) = nodes.iter().map(|node| node.low + 1).max() else { return 0..0 };
+    let held = Held::of(kind, levels.iter().map(|level| level.roughness));
     let of = |size: u32, texels: &[Rgb]| Smooth::new(size, &|texel| texels[texel].map(f64::from));
     let smooth = |level: &Level| of(level.size(), &level.texels);
-    let sampled: Vec<Smooth> = levels[1..=last].iter().map(smooth).collect();
+    let sampled: Vec<Smooth> = levels[held.level..=last].iter().map(smooth).collect();
     let between: Vec<Smooth> =
         nodes.iter().zip(lobes).map(|(node, texels)| of(node.edge(), texels)).collect();
-    for index in 1..=last {
-        let window = Window::new(index, last, nodes);
-        let wanted = |place| window.wanted(place, &sampled, &between);
+    for index in held.first_solved..=last {
+        let window = Window::new(index, held, last, nodes);
+        let wanted = |place| window.wanted(place, &sampled[window.first - held.level..], &between);
         let level = &mut levels[index];
         let fit = if resolves(level.size(), level.roughness) {
             // Cubic interpolation between texel centres.
@@ -116,16 +141,17 @@ pub(crate) fn solve(levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> R
         };
         level.texels = fit.ordered(fit.texels(&level.texels), &level.texels);
     }
-    1..last + 1
+    held.first_solved..last + 1
 }
 
 /// Memory in bytes to solve a chain of cubes of `size` texels, excluding the levels.
 pub(crate) fn solve_bytes(size: u32, nodes: &[Node]) -> u64 {
     let texels = |edge: u32| 6 * u64::from(edge) * u64::from(edge);
     let between: u64 = nodes.iter().map(|node| texels(node.edge() + 4)).sum();
+    let first = nodes.iter().map(|node| node.low).min().unwrap_or(0);
     // Per texel of the first level: nine partners and six vectors of three. Cubics read three levels in
     // double precision.
-    texels(size / 2 + 4) * (9 * 16 + 6 * 24 + 4 * 24) + between * 24
+    texels((size >> first) + 4) * (9 * 16 + 6 * 24 + 4 * 24) + between * 24
 }
 
 /// Number of levels on either side of the solved one.
@@ -171,8 +197,8 @@ struct Window {
 }
 
 impl Window {
-    fn new(index: usize, last: usize, nodes: &[Node]) -> Self {
-        let (first, end) = (index.saturating_sub(REACH).max(1), (index + REACH).min(last));
+    fn new(index: usize, held: Held, last: usize, nodes: &[Node]) -> Self {
+        let (first, end) = (index.saturating_sub(REACH).max(held.level), (index + REACH).min(last));
         let within = nodes.iter().enumerate().filter(|(_, node)| node.low >= first && node.low < end);
         let mut aims: Vec<Aim> = within
             .map(|(k, node)| Aim {
@@ -182,9 +208,9 @@ impl Window {
                 share: node.share,
             })
             .collect();
-        let step: f64 = nodes.iter().filter(|node| node.low == 1).map(|node| node.weight).sum();
-        if first == 1 {
-            aims.push(Aim { origin: Origin::Level(1), weight: HELD_FIRST * step, low: 0, share: 0.0 });
+        if first == held.level {
+            let step: f64 = nodes.iter().filter(|node| node.low == first).map(|node| node.weight).sum();
+            aims.push(Aim { origin: Origin::Level(first), weight: held.weight * step, low: 0, share: 0.0 });
         }
         let count = end - first + 1;
         let (mut diagonal, mut beside) = (vec![0.0; count], vec![0.0; count]);
@@ -224,12 +250,12 @@ impl Window {
         right
     }
 
-    /// Value of the solved level at `place`.
+    /// Value of the solved level at `place`, from the window's `sampled` levels.
     fn wanted(&self, place: Place, sampled: &[Smooth], between: &[Smooth]) -> [f64; 3] {
         let count = self.diagonal.len();
         let mut own = [[0.0; 3]; MOST_LEVELS];
         for (k, own) in own.iter_mut().enumerate().take(count) {
-            *own = sampled[self.first - 1 + k].read(place);
+            *own = sampled[k].read(place);
         }
         let mut lobes = [[0.0; 3]; MOST_AIMS];
         for (lobe, aim) in lobes.iter_mut().zip(&self.aims) {
@@ -281,6 +307,9 @@ impl Window {
 /// Weight that pulls the first level to its sampled value, relative to the step to the next level. Only the
 /// mirror is below it.
 const HELD_FIRST: f64 = 0.08;
+
+/// Weight that fixes a level.
+const FIXED: f64 = 1e6;
 
 /// Relaxation sweeps; each reduces the error to a quarter.
 const SWEEPS: usize = 12;

@@ -151,7 +151,8 @@ pub(super) struct BakeArgs {
     ///
     /// Explicit options override the preset. OUT is a folder with the target's files and report.json, one
     /// subfolder per target for several. All targets share one octahedral map.
-    #[arg(long, value_name = "TARGET", value_delimiter = ',', value_parser = target, long_help = target_help())]
+    #[arg(long, value_name = "TARGET", value_delimiter = ',', value_parser = target)]
+    #[arg(long_help = target_help())]
     pub(super) target: Vec<&'static Target>,
     /// Edge of level 0, 1 to 16384 [default: ladder's]
     ///
@@ -172,11 +173,13 @@ pub(super) struct BakeArgs {
     /// level/(levels-1). babylon: alpha = 2^(level/0.8)/size.
     #[arg(long, value_name = "LADDER", hide_possible_values = true)]
     pub(super) ladder: Option<Ladder>,
-    /// sampled or solved [default: sampled]
+    /// sampled, solved or mixed
     ///
     /// Content of the texels of ggx cubes. sampled: lobes along the texels' directions. solved: values whose
-    /// trilinear look-ups best fit the lobes between texels and levels. solved takes up to three times as
-    /// long and has no bounds.
+    /// trilinear look-ups best fit the lobes between texels and levels; takes up to three times as long and
+    /// has no bounds. mixed: levels up to roughness 1/3 are sampled, rougher ones solved. By default mixed
+    /// for linear ggx cubes of adaptive:E without a target (or --target generic) and without --bounds, else
+    /// sampled.
     #[arg(long, value_name = "KIND", hide_possible_values = true)]
     pub(super) chain: Option<ChainKind>,
     /// ggx, phong, cone, cosine or charlie
@@ -246,7 +249,8 @@ pub(super) struct BakeArgs {
     /// none; hanning:W, lanczos:W and sinc4:W scale band l by (1 + cos x)/2, sin(x)/x and (sin(x)/x)^4, x =
     /// pi l/W, and to 0 from l = W on; nonnegative is sinc4 with the widest W for which irradiance is nowhere
     /// negative, as cmgen's --sh-window=auto.
-    #[arg(long, value_name = "WINDOW", default_value = "none", hide_default_value = true, value_parser = sh_window)]
+    #[arg(long, value_name = "WINDOW", default_value = "none", hide_default_value = true)]
+    #[arg(value_parser = sh_window)]
     pub(super) sh_window: ShWindow,
     /// Axis that the engine negates: none, x or z
     ///
@@ -278,7 +282,8 @@ pub(super) struct BakeArgs {
     ///
     /// auto brings the log-average luminance of the environment to middle grey, as in view. Does not affect
     /// the bake.
-    #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, requires = "preview", allow_negative_numbers = true)]
+    #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, requires = "preview")]
+    #[arg(allow_negative_numbers = true)]
     pub(super) exposure: Exposure,
     /// Write the environment without its sun
     ///
@@ -410,7 +415,8 @@ pub(super) struct CompareArgs {
     /// Against a source, for lobes of ggx. Looks up between texels and levels by the bake's ladder, along
     /// 20,000 directions, at the roughnesses R, or at three between each two levels. The only measurement for
     /// solved chains.
-    #[arg(long, value_name = "R", value_delimiter = ',', num_args = 0.., require_equals = true, value_parser = roughness)]
+    #[arg(long, value_name = "R", value_delimiter = ',', num_args = 0.., require_equals = true)]
+    #[arg(value_parser = roughness)]
     pub(super) delivered: Option<Vec<f64>>,
     /// Draw the errors of look-ups over roughness
     ///
@@ -447,10 +453,12 @@ pub(super) struct CompareArgs {
 #[derive(Debug, ClapArgs)]
 pub(super) struct BenchArgs {
     /// Edge of the table, 64 to 8192
-    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(64..=8192))]
+    #[arg(long, value_name = "N", default_value_t = 2048)]
+    #[arg(value_parser = clap::value_parser!(u32).range(64..=8192))]
     pub(super) size: u32,
     /// Runs to take the median of, 1 to 1000
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) runs: u32,
     #[command(flatten)]
     pub(super) engine: EngineArgs,
@@ -488,7 +496,8 @@ pub(super) struct DfgArgs {
     /// Texels along an edge, 1 to 1024
     ///
     /// Columns: cosine of the view angle, 0 to 1. Rows: perceptual roughness, 0 to 1, downwards.
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 128)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(super) size: u32,
     /// Red and green: split-sum or multiple-scattering
     ///

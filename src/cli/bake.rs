@@ -14,6 +14,7 @@ use crate::analysis::oracle::Oracle;
 use crate::bake::overflow::{Overflow, clamped_share};
 use crate::bake::report::{Circumstances, InputFileReport, Report, TargetReport};
 use crate::bake::{Bake, BakeSettings};
+use crate::chain::ChainKind;
 use crate::export::{self, files::Made};
 use crate::filter::Filter;
 use crate::format::{Pixel, RGBE_MAX};
@@ -548,8 +549,9 @@ fn certified(report: &Report) -> String {
         return "nothing certified".to_owned();
     };
     let percent = |bound: f64| console::percent(report.relative_bound(bound));
+    let level = if report.chain == ChainKind::Mixed.name() { "sampled level" } else { "level" };
     format!(
-        "certified within {} of the mean luminance for 99 % of each level's texels, {} for all (luminance \
+        "certified within {} of the mean luminance for 99 % of each {level}'s texels, {} for all (luminance \
          {most:.2e})",
         percent(p99),
         percent(most),

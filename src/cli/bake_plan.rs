@@ -70,8 +70,8 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     if args.lobe == Lobe::Cosine && args.levels.is_some_and(|levels| levels > 1) {
         return usage("--lobe cosine has no roughness and bakes one level; omit --levels");
     }
-    if args.bounds && args.chain == Some(ChainKind::Solved) {
-        return usage("--bounds needs sampled texels; omit --chain solved or --bounds");
+    if let Some(kind) = args.chain.filter(|kind| args.bounds && *kind != ChainKind::Sampled) {
+        return usage(format!("--bounds needs sampled texels; omit --chain {} or --bounds", kind.name()));
     }
     if args.bounds && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bounds needs --filter adaptive:E; other filters have no certified bounds");
@@ -103,7 +103,7 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
         oem_size: args.table.oem_size,
         border: args.table.border,
         scan: args.table.scan.unwrap_or_default(),
-        chain: args.chain.unwrap_or_default(),
+        chain: args.chain,
         bounds: args.bounds,
         irradiance: args.irradiance,
         skybox: None,
@@ -293,7 +293,7 @@ fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
         oem_size: args.table.oem_size,
         border: args.table.border,
         scan: args.table.scan.unwrap_or_default(),
-        chain: args.chain.unwrap_or_default(),
+        chain: args.chain.or(target.chain),
         bounds: false,
         irradiance: cube.then(|| args.irradiance.unwrap_or(target.irradiance_size)),
         skybox: None,

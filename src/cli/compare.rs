@@ -35,7 +35,7 @@ struct Comparison {
     reference: &'static str,
     /// The lobe integrated over a source.
     lobe: Option<&'static str>,
-    /// Levels whose lobe is narrower than two texels of the source.
+    /// Levels whose lobe is narrower than two texels of the source, and those that are solved.
     skipped: Vec<usize>,
     /// The content of the texels, as recorded in the bake.
     chain: Option<&'static str>,
@@ -131,8 +131,12 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     let LoadedChain { chain: bake, provenance, .. } = bake;
     let sources = Sources::new(args, console);
     let (lobe, source) = sources.lobe_and_source(&args.bake, provenance)?;
-    let solved = provenance.chain == Some(ChainKind::Solved);
-    let delivered = if solved || args.delivered.is_some() {
+    let kind = provenance.chain.unwrap_or(ChainKind::Sampled);
+    let sampled = &bake.levels[..kind.first_solved(bake.levels.iter().map(|level| level.roughness))];
+    // Solved texels are not lobes by design.
+    let has_lobes = kind == ChainKind::Sampled
+        || sampled.iter().any(|level| is_measurable(level, lobe, source.environment.layout()));
+    let delivered = if !has_lobes || args.delivered.is_some() {
         let ladder = provenance.ladder.as_deref();
         Some(look_ups::measure(args, &args.bake, bake, lobe, ladder, &source, console)?)
     } else {
@@ -140,14 +144,14 @@ fn against_source(args: &CompareArgs, bake: &LoadedChain, console: &Console) -> 
     };
     let overlays =
         args.overlay.iter().map(|path| overlay(args, path, &sources, console)).collect::<Outcome<_>>()?;
-    // Solved texels are not lobes by design.
-    let (skipped, levels) = if !solved {
-        texel_errors(args, bake, lobe, &source.environment, console)?
+    let (skipped, levels) = if has_lobes {
+        texel_errors(args, bake, sampled, lobe, &source.environment, console)?
     } else if args.picture.is_some() || args.texels.is_some() {
         return usage(format!(
-            "--texels and --picture compare texels with lobes, but {} is a solved chain; its texels are not \
+            "--texels and --picture compare texels with lobes, but {} is a {} chain; its texels are not \
              lobes",
-            args.bake.display()
+            args.bake.display(),
+            kind.name()
         ));
     } else {
         Default::default()
@@ -174,17 +178,18 @@ fn overlay(args: &CompareArgs, path: &Path, sources: &Sources<'_>, console: &Con
     Ok(Overlay { bake: path.display().to_string(), delivered })
 }
 
-/// Indices of the levels that cannot be measured, and the errors of the texels of the others.
+/// Indices of the levels that cannot be measured, and the errors of the texels of the others; only the
+/// `sampled` levels can.
 fn texel_errors(
     args: &CompareArgs,
     bake: &Chain,
+    sampled: &[Level],
     lobe: Lobe,
     source: &Environment,
     console: &Console,
 ) -> Outcome<(Vec<usize>, Vec<LevelErrors>)> {
-    let skipped: Vec<usize> = (0..bake.levels.len())
-        .filter(|level| !is_measurable(&bake.levels[*level], lobe, source.layout()))
-        .collect();
+    let mut skipped: Vec<usize> =
+        (0..sampled.len()).filter(|level| !is_measurable(&sampled[*level], lobe, source.layout())).collect();
     if skipped.len() == bake.levels.len() {
         return Err(anyhow!(
             "no level of {} has a lobe at least two texels of {} wide; bake rougher levels to compare",
@@ -197,6 +202,14 @@ fn texel_errors(
         console
             .note(&format!("level {level} is skipped: its lobe is narrower than two texels of the source"));
     }
+    if sampled.len() < bake.levels.len() {
+        skipped.extend(sampled.len()..bake.levels.len());
+        console.note(&format!(
+            "levels from {} on are skipped: they are solved, so their texels are not lobes; --delivered \
+             measures look-ups",
+            sampled.len()
+        ));
+    }
     let sampling = sampling(args, lobe);
     if let (Sampling::Grid(count), true) = (sampling, args.picture.is_some()) {
         console.note(&format!(
@@ -205,7 +218,7 @@ fn texel_errors(
     }
     let bar = console.bar("integrating");
     let progress = |done, total| bar.at(done, total);
-    Ok((skipped, errors_against_source(bake, source, lobe, sampling, &progress)))
+    Ok((skipped, errors_against_source(sampled, source, lobe, sampling, &progress)))
 }
 
 /// Texels of a level to integrate by default,

@@ -46,7 +46,8 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
         let TargetPlan { target, container, pixel, flip, diffuse, layout, skybox: _ } = plan;
         let BakeSettings { map, size, levels: _, ladder, lobe, filter, oem_size, border, scan, .. } =
             settings;
-        let BakeSettings { bounds, irradiance, sh_order, sh_window, chain, sheen, skybox: _, .. } = settings;
+        let BakeSettings { bounds, irradiance, sh_order, sh_window, chain: _, sheen, skybox: _, .. } =
+            settings;
         lines.extend([
             format!("target={}", target.name),
             format!("container={}", container.name()),
@@ -67,7 +68,7 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
             format!("irradiance={irradiance:?}"),
             format!("sh_order={sh_order}"),
             format!("sh_window={sh_window}"),
-            format!("chain={}", chain.name()),
+            format!("chain={}", settings.chain().name()),
             format!("sheen={sheen}"),
             format!("skybox={skybox:?}"),
         ]);

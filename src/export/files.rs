@@ -238,7 +238,7 @@ pub fn metadata(settings: &BakeSettings, turned: &Provenance) -> Vec<(String, St
         lobe: Some(settings.lobe),
         filter: Some(filter_name(settings.filter)),
         ladder: Some(settings.ladder.name().to_owned()),
-        chain: Some(settings.chain),
+        chain: Some(settings.chain()),
         ..turned.clone()
     };
     let conventions = ("octaglossConventions".to_owned(), conventions.to_owned());

@@ -8,6 +8,7 @@ pub(crate) mod sizes;
 
 pub use flip::Flip;
 
+use crate::chain::ChainKind;
 use crate::environment::Map;
 use crate::error::{Error, Result};
 use crate::format::container::{CONTAINERS, Container};
@@ -120,6 +121,8 @@ pub struct Target {
     pub last_size: Option<u32>,
     /// Roughness of the levels.
     pub ladder: Ladder,
+    /// Content of the levels' texels; `None` for that of a bake without a target.
+    pub chain: Option<ChainKind>,
     /// Flip of its cube look-ups.
     pub flip: Flip,
     /// Right shift of its panoramas' columns relative to ours, in quarters of the width.
@@ -153,6 +156,7 @@ const GENERIC: Target = Target {
     size: Ladder::Linear.default_size(Map::Cube, Lobe::Ggx),
     last_size: None,
     ladder: Ladder::Linear,
+    chain: None,
     flip: Flip::None,
     quarter_turns: 0,
     diffuse: Diffuse::None,
@@ -179,8 +183,9 @@ pub const UNTARGETED: Target = Target {
     ..GENERIC
 };
 
-/// Base of the engines' rows: the default size of their own bakers, and all levels down to one texel.
-const ENGINE: Target = Target { size: 256, last_size: Some(1), ..GENERIC };
+/// Base of the engines' rows: the default size of their own bakers, all levels down to one texel, and lobes
+/// as texels.
+const ENGINE: Target = Target { size: 256, last_size: Some(1), chain: Some(ChainKind::Sampled), ..GENERIC };
 
 /// The presets.
 pub const TARGETS: [Target; 12] = [

@@ -7,6 +7,7 @@ use crate::support::common::Random;
 use glam::DVec3;
 use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::bake::{Bake, BakeSettings, bake, bake_all, unwatched};
+use octagloss::internals::chain::ChainKind;
 use octagloss::internals::export::files::{Made, files};
 use octagloss::internals::format::Pixel;
 use octagloss::internals::format::container::Container;
@@ -449,9 +450,10 @@ fn the_sheen_cube_holds_the_charlie_lobe() {
 #[test]
 fn several_targets_share_their_levels_and_cost_them_once() {
     let studio = synth("studio").unwrap();
-    let [generic, bevy, khronos] =
-        ["generic", "bevy", "khronos"].map(|name| small(Target::named(name).unwrap()).1);
-    let settings = [generic, bevy, khronos];
+    let settings = ["generic", "bevy", "khronos"].map(|name| {
+        let (_, settings) = small(Target::named(name).unwrap());
+        BakeSettings { chain: Some(ChainKind::Sampled), ..settings }
+    });
     let total = std::sync::Mutex::new(0);
     let bakes = bake_all(&studio, &settings, &|progress| {
         *total.lock().unwrap() = progress.total;
@@ -560,6 +562,7 @@ fn encodings_add_to_the_error_what_the_readme_says() {
                 ladder: plan.target.ladder,
                 irradiance: matches!(plan.diffuse, Diffuse::Cube | Diffuse::Both).then_some(8),
                 sheen: plan.target.has_sheen(),
+                chain: Some(ChainKind::Sampled),
                 ..BakeSettings::default()
             })
             .collect();

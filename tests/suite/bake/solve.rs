@@ -16,7 +16,7 @@ use octagloss::{Environment, Error, Layout, Map, Rgb};
 use std::f64::consts::{PI, TAU};
 
 fn settings(chain: ChainKind, ladder: Ladder, levels: u32) -> BakeSettings {
-    BakeSettings { size: 64, levels: Some(levels), ladder, chain, ..BakeSettings::default() }
+    BakeSettings { size: 64, levels: Some(levels), ladder, chain: Some(chain), ..BakeSettings::default() }
 }
 
 fn chain(environment: &Environment, kind: ChainKind, ladder: Ladder, levels: u32) -> Chain {
@@ -57,6 +57,52 @@ fn levels_that_no_look_up_reads_keep_their_lobes() {
     assert!((Ladder::Babylon.lod(1.0, 7, 64) - 4.8).abs() < 1e-12);
     assert_eq!(sampled.levels[6], solved.levels[6]);
     assert_ne!(sampled.levels[5], solved.levels[5]);
+}
+
+#[test]
+fn mixed_chains_keep_sharp_levels_and_solve_the_others() {
+    let sky = synth("studio").expect("a recipe");
+    // Roughness 0, 1/5, 2/5, 3/5, 4/5 and 1: solved from the third level on.
+    let [sampled, mixed] =
+        [ChainKind::Sampled, ChainKind::Mixed].map(|kind| chain(&sky, kind, Ladder::Linear, 6));
+    assert_eq!(mixed.levels[..2], sampled.levels[..2]);
+    for level in 2..6 {
+        assert_ne!(mixed.levels[level].texels, sampled.levels[level].texels, "level {level}");
+    }
+    // Look-ups up to the last sampled level are those of the sampled chain, rougher ones nearer the lobes.
+    let [before, after] = [&sampled, &mixed].map(|chain| errors(&sky, chain, Ladder::Linear));
+    let over = |errors: &[(f64, f64)]| {
+        let rough = errors.iter().filter(|(roughness, _)| *roughness > 0.2);
+        rough.map(|(_, error)| error * error).sum::<f64>().sqrt()
+    };
+    assert!(1.05 * over(&after) < over(&before), "{after:?} for {before:?}");
+    // Few levels have only sharp steps.
+    let first = |kind: ChainKind, roughness: &[f64]| kind.first_solved(roughness.iter().copied());
+    assert_eq!(first(ChainKind::Mixed, &[0.0, 1.0]), 2);
+    assert_eq!(first(ChainKind::Mixed, &[0.0, 0.5, 1.0]), 2);
+    assert_eq!(first(ChainKind::Mixed, &[0.0, 1.0 / 6.0, f64::from(1.0_f32 / 3.0), 0.5]), 3);
+    assert_eq!(first(ChainKind::Solved, &[0.0, 0.5, 1.0]), 1);
+    assert_eq!(first(ChainKind::Sampled, &[0.0, 0.5, 1.0]), 3);
+    assert_eq!(
+        chain(&sky, ChainKind::Mixed, Ladder::Linear, 2),
+        chain(&sky, ChainKind::Sampled, Ladder::Linear, 2)
+    );
+}
+
+#[test]
+fn mixed_chains_are_the_default_of_linear_cubes_of_ggx() {
+    let default = BakeSettings::default();
+    assert_eq!(default.chain(), ChainKind::Mixed);
+    for settings in [
+        BakeSettings { map: Map::Panorama, ..default.clone() },
+        BakeSettings { lobe: Lobe::Phong, ..default.clone() },
+        BakeSettings { ladder: Ladder::Filament, ..default.clone() },
+        BakeSettings { filter: Filter::Reference, ..default.clone() },
+        BakeSettings { bounds: true, ..default.clone() },
+        BakeSettings { chain: Some(ChainKind::Sampled), ..default.clone() },
+    ] {
+        assert_eq!(settings.chain(), ChainKind::Sampled, "{settings:?}");
+    }
 }
 
 #[test]

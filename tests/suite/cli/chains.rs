@@ -32,7 +32,7 @@ fn files_and_reports_name_the_chain() {
     assert_eq!(of("k/ggx/specular.ktx2"), Some(ChainKind::Solved));
     assert_eq!(of("k/charlie/sheen.ktx2"), Some(ChainKind::Sampled));
     done(at, &["bake", "sky.exr", "-o", "b.ktx2", "--size", "32", "--levels", "4", "--quiet"]);
-    assert_eq!(of("b.ktx2"), Some(ChainKind::Sampled));
+    assert_eq!(of("b.ktx2"), Some(ChainKind::Mixed));
 }
 
 #[test]
@@ -120,7 +120,9 @@ fn chains_of_every_map_are_measured() {
     for layout in ["equirect", "octahedral", "faces"] {
         let args =
             ["bake", "sky.exr", "-o", layout, "--out-layout", layout, "--format", "exr", "--size", "32"];
-        done(at, &[&args[..], &["--levels", "4", "--pixel", "f32", "--rotate-y", "40", "--quiet"]].concat());
+        let sampled =
+            ["--levels", "4", "--chain", "sampled", "--pixel", "f32", "--rotate-y", "40", "--quiet"];
+        done(at, &[&args[..], &sampled].concat());
         let args = ["compare", layout, "sky.exr", "--json", "--quiet", "--texels", "60"];
         let found: Value =
             serde_json::from_str(&done(at, &[&args[..], &["--delivered=0.7,0.9"]].concat()).out).unwrap();
@@ -186,6 +188,36 @@ fn folders_of_cmgen_are_measured() {
         }
     }
     fails(at, &["compare", "theirs", "sky.exr"], 1, "theirs");
+}
+
+#[test]
+fn ktx_files_of_cmgen_are_measured() {
+    let folder = with_sky();
+    let at = folder.path();
+    let args = ["bake", "sky.exr", "-o", "ours", "--target", "filament", "--size", "64", "--levels", "3"];
+    done(at, &[&args[..], &["--rotate-y", "-90", "--quiet"]].concat());
+    // cmgen writes the same file without our keys.
+    let own = fs::read(at.join("ours/sky_ibl.ktx")).unwrap();
+    let mut bytes = own.clone();
+    while let Some(found) = bytes.windows(9).position(|word| word == b"octagloss") {
+        bytes[found..found + 9].copy_from_slice(b"othertool");
+    }
+    assert_ne!(bytes, own);
+    fs::write(at.join("theirs.ktx"), &bytes).unwrap();
+    let json = |path: &str| -> (Value, String) {
+        let ran =
+            octagloss(at, &["compare", path, "sky.exr", "--delivered=0.6,0.9", "--json", "--texels", "20"]);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        (serde_json::from_str(&ran.out).unwrap(), ran.err)
+    };
+    let ((ours, _), (theirs, warnings)) = (json("ours"), json("theirs.ktx"));
+    assert_eq!((&ours["levels"], &ours["delivered"]), (&theirs["levels"], &theirs["delivered"]));
+    assert!(warnings.contains("assuming cmgen's 3 levels"), "{warnings}");
+    // A file without cmgen's harmonics could be anyone's.
+    let key = bytes.windows(3).position(|word| word == b"sh\0").unwrap();
+    bytes[key] = b'x';
+    fs::write(at.join("theirs.ktx"), &bytes).unwrap();
+    fails(at, &["compare", "theirs.ktx", "sky.exr"], 1, "it has no roughness of its levels");
 }
 
 #[test]

@@ -258,7 +258,7 @@ fn solved_chains_match_the_cpu() {
     let solved = BakeSettings {
         size: 32,
         levels: Some(5),
-        chain: ChainKind::Solved,
+        chain: Some(ChainKind::Solved),
         oem_size: Some(128),
         ..BakeSettings::default()
     };
