@@ -1,5 +1,5 @@
-//! Draws a glossy sphere of any roughness with the library's WGSL: `cargo run --release --example render -- 0.3`
-//! writes sphere.png. Device, queue, texture, pipeline and encoder are the renderer's own.
+//! Draws a glossy sphere of any roughness with the library's WGSL: `cargo run --release --example render --
+//! 0.3` writes sphere.png. Device, queue, texture, pipeline and encoder are the renderer's own.
 
 use octagloss::internals::gpu::{Context, adapters, block_on, device::readback};
 use octagloss::{Environment, LiveEnvironment, wgpu};

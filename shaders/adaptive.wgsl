@@ -282,7 +282,8 @@ fn visit_piece(
     if edge * h > SMOOTH_SIDE || crosses_kink(centre + signs * low * h, centre + signs * high * h) {
         // Directions move by at most 3 per unit of (u, v).
         visit.leaf.radius = min(max(visit.leaf.radius, 3.0 * length(high - low) * h), 2.0);
-        visit.error = visit.luminance * first_order_width(kernel(), distance, visit.leaf.radius, packet_radius);
+        visit.error =
+            visit.luminance * first_order_width(kernel(), distance, visit.leaf.radius, packet_radius);
         visit.leaf.slack = visit.error;
     } else {
         let trace = visit.leaf.diagonal.x + visit.leaf.diagonal.y + visit.leaf.diagonal.z;

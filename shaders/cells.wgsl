@@ -106,7 +106,8 @@ fn texel_cell(x: u32, y: u32) -> Cell {
     let above = all - least[0].rgb * solid_angle[at];
     let energy = select(vec3<f32>(), above, above > max(all * RESIDUE, vec3<f32>(FAINT)));
     return Cell(
-        tent.centroid * signs, tent.radius, tent.diagonal, dot(energy, LUMINANCE), tent.mixed * signs.yzx * signs.zxy,
+        tent.centroid * signs, tent.radius, tent.diagonal, dot(energy, LUMINANCE),
+        tent.mixed * signs.yzx * signs.zxy,
         energy);
 }
 
@@ -136,7 +137,8 @@ fn fetch(quad: u32, k: u32) -> Cell {
     }
     cell.radius = quads[at + 4u * FIELD_RADIUS];
     cell.luminance = quads[at + 4u * FIELD_LUMINANCE];
-    cell.energy = vec3<f32>(quads[at + 4u * FIELD_RED], quads[at + 4u * FIELD_GREEN], quads[at + 4u * FIELD_BLUE]);
+    cell.energy =
+        vec3<f32>(quads[at + 4u * FIELD_RED], quads[at + 4u * FIELD_GREEN], quads[at + 4u * FIELD_BLUE]);
     return cell;
 }
 

@@ -54,7 +54,8 @@ fn load(channel: u32, x: u32, y: u32) -> array<vec2<u32>, 4> {
         bits = texels_1[at];
     }
     return array<vec2<u32>, 4>(
-        quantise(bits.x, exponent), quantise(bits.y, exponent), quantise(bits.z, exponent), quantise(bits.w, exponent));
+        quantise(bits.x, exponent), quantise(bits.y, exponent),
+        quantise(bits.z, exponent), quantise(bits.w, exponent));
 }
 
 // Odd, so that consecutive rows start in different memory banks.

@@ -1,8 +1,8 @@
 //! Seamless bilinear look-ups of levels, and trilinear ones of chains.
 //!
-//! Cubes as defined by graphics APIs: interpolation across edges between the outermost texels of two faces; at
-//! a corner, where three texels meet, the fourth sample is their mean. Panoramas wrap around and clamp at the
-//! poles. Octahedral squares are folded: beyond an edge lies the same edge, reversed.
+//! Cubes as defined by graphics APIs: interpolation across edges between the outermost texels of two faces;
+//! at a corner, where three texels meet, the fourth sample is their mean. Panoramas wrap around and clamp at
+//! the poles. Octahedral squares are folded: beyond an edge lies the same edge, reversed.
 
 use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
@@ -149,8 +149,8 @@ impl MapLookup {
     }
 }
 
-/// The four texels around the point (`x`, `y`) of an image, in texels from its corner; `texel` gives the index
-/// of a column and row, which may lie one outside.
+/// The four texels around the point (`x`, `y`) of an image, in texels from its corner; `texel` gives the
+/// index of a column and row, which may lie one outside.
 pub(crate) fn bilinear(x: f64, y: f64, texel: impl Fn(i64, i64) -> u32) -> Taps {
     let (i, j) = ((x - 0.5).floor(), (y - 0.5).floor());
     let (a, b) = (x - 0.5 - i, y - 0.5 - j);

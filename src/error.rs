@@ -24,7 +24,10 @@ pub enum Error {
         message: String,
     },
     /// A NaN or infinite texel while `sanitize` is off.
-    #[error("{}: pixel ({x}, {y}) channel {channel} is {value}; `sanitize` repairs NaN and Inf", path.display())]
+    #[error(
+        "{}: pixel ({x}, {y}) channel {channel} is {value}; `sanitize` repairs NaN and Inf",
+        path.display()
+    )]
     NonFinite {
         /// The file.
         path: PathBuf,

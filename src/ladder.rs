@@ -54,8 +54,8 @@ impl Ladder {
         }
     }
 
-    /// The level of detail that a renderer looks up for perceptual roughness `roughness` in a chain of `levels`
-    /// below a level 0 of `size` texels: the inverse of [`Ladder::roughness`] between its levels.
+    /// The level of detail that a renderer looks up for perceptual roughness `roughness` in a chain of
+    /// `levels` below a level 0 of `size` texels: the inverse of [`Ladder::roughness`] between its levels.
     #[must_use]
     pub fn lod(self, roughness: f64, levels: u32, size: u32) -> f64 {
         let last = f64::from(levels.max(1) - 1);

@@ -48,8 +48,8 @@ impl ReflectorSettings {
     /// The OEM size for a source of `layout`, and the texels along an edge of its finest cells.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels and for an invalid scan, [`Error::Limit`] if the tables do
-    /// not fit.
+    /// [`Error::Parameter`] for an OEM of no texels and for an invalid scan, [`Error::Limit`] if the tables
+    /// do not fit.
     pub fn plan(&self, layout: Layout) -> Result<(OemSize, u32)> {
         self.scan.check()?;
         let border = self.border.unwrap_or(0);

@@ -1,4 +1,5 @@
-// Drives web/dist in headless Chromium over WebGPU (SwiftShader), and compares its pictures with `octagloss view`.
+// Drives web/dist in headless Chromium over WebGPU (SwiftShader), and compares its pictures with `octagloss
+// view`.
 //
 //   node web/test.mjs PROGRAM [CHROMIUM]
 //

@@ -158,9 +158,9 @@ impl Environment {
     /// cube.
     ///
     /// layout: auto (by the aspect ratio), equirect, cross, strip, faces or octahedral. rotate_y: degrees
-    /// about +Y; +90 maps +Z to +X. mirror: flip left to right. scale: a factor for the radiance. crop: remove
-    /// the black bars of a panorama that is not 2:1. pad: black or edge, fill one up to 2:1. sanitize: repair
-    /// NaN and Inf. strict: treat any repair as an error.
+    /// about +Y; +90 maps +Z to +X. mirror: flip left to right. scale: a factor for the radiance. crop:
+    /// remove the black bars of a panorama that is not 2:1. pad: black or edge, fill one up to 2:1. sanitize:
+    /// repair NaN and Inf. strict: treat any repair as an error.
     ///
     /// Raises OSError for a file that cannot be read, InputError for one that is not an environment.
     #[staticmethod]
@@ -275,7 +275,8 @@ impl Environment {
         self.origin.warnings.clone()
     }
 
-    /// Repairs of reading the file: how many values were negative, nan or infinite, and negative_energy_share.
+    /// Repairs of reading the file: how many values were negative, nan or infinite, and
+    /// negative_energy_share.
     #[getter]
     fn repaired<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let RepairReport { negative, nan, infinite, negative_energy_share } = self.origin.repaired.into();
@@ -314,16 +315,17 @@ impl Environment {
     /// length but zero.
     ///
     /// roughness: perceptual, in [0, 1], 0 for a mirror: one number, or one for each direction; its shape and
-    /// that of the directions broadcast, so (n, 1, 3) and (9,) give (n, 9, 3). The cosine lobe has none. lobe: ggx, phong, cone, cosine or charlie. filter: adaptive:E
-    /// (certified, E the relative RMS error over the sphere), fitted:K (the real-time tier, 1, 2, 4 or 8
-    /// boxes), box, or reference (exhaustive integration).
+    /// that of the directions broadcast, so (n, 1, 3) and (9,) give (n, 9, 3). The cosine lobe has none.
+    /// lobe: ggx, phong, cone, cosine or charlie. filter: adaptive:E (certified, E the relative RMS error
+    /// over the sphere), fitted:K (the real-time tier, 1, 2, 4 or 8 boxes), box, or reference (exhaustive
+    /// integration).
     ///
     /// bounds: return (radiance, bounds), where bounds (...) certify the error of luminance. They need
     /// adaptive:E. Mirrors are look-ups without a bound: theirs is infinite.
     ///
-    /// oem_size, border: edge and border of the octahedral map. sharpest: the least roughness above 0 that the
-    /// tables are made for; by default the least of roughness. Tables are kept until a call needs other ones:
-    /// pass the same sharpest to calls of different roughness to share them.
+    /// oem_size, border: edge and border of the octahedral map. sharpest: the least roughness above 0 that
+    /// the tables are made for; by default the least of roughness. Tables are kept until a call needs other
+    /// ones: pass the same sharpest to calls of different roughness to share them.
     #[pyo3(signature = (directions, roughness=None, *, lobe="ggx", filter="adaptive:0.005", bounds=false,
         oem_size=None, border=None, sharpest=None))]
     #[expect(clippy::too_many_arguments, reason = "named in Python")]

@@ -289,8 +289,8 @@ impl Output {
         }
         let (name, percent) = (pixel.name(), 100.0 * share);
         vec![format!(
-            "{clamped} texels exceed the range of {name} and were clamped, {percent:.2} % of a level's energy; \
-             `overflow` compress keeps their colour"
+            "{clamped} texels exceed the range of {name} and were clamped, {percent:.2} % of a level's \
+             energy; `overflow` compress keeps their colour"
         )]
     }
 

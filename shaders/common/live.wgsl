@@ -15,8 +15,8 @@ fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
 fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
     let direction = normalize(octagloss_source_from_world * normal);
     let orders = orders_around(direction);
-    // Factors of orders 1 to 4 under convolution with the cosine lobe (Ramamoorthi and Hanrahan 2001, equation
-    // 8, over pi).
+    // Factors of orders 1 to 4 under convolution with the cosine lobe (Ramamoorthi and Hanrahan 2001,
+    // equation 8, over pi).
     let weights = vec4<f32>(2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0);
     var radiance = radiance_of(orders.first + orders.others * weights);
     for (var k = 0u; k < EMITTERS; k++) {

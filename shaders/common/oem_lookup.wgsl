@@ -82,8 +82,8 @@ fn oem_bilinear(map: texture_2d_array<f32>, layer: i32, place: vec2<f32>, level:
     return mix(above, under, share.y);
 }
 
-// Trilinear look-up at the coordinates `uv` in [-1, 1]^2 of `layer`. The caller clamps `level` to the greatest
-// one that the border serves.
+// Trilinear look-up at the coordinates `uv` in [-1, 1]^2 of `layer`. The caller clamps `level` to the
+// greatest one that the border serves.
 fn oem_trilinear(
     map: texture_2d_array<f32>, layer: i32, uv: vec2<f32>, inner: f32, border: f32, level: f32,
 ) -> vec3<f32> {

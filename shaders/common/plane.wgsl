@@ -57,5 +57,7 @@ fn fractional_spans(low: f32, high: f32) -> Spans {
         return Spans(vec4<i32>(edge, edge + 1, edge + 1, edge + 1), vec3<f32>(high - low, 0.0, 0.0));
     }
     let end = i32(last);
-    return Spans(vec4<i32>(edge, edge + 1, end - 1, end), vec3<f32>(first + 1.0 - low, 1.0, high - (last - 1.0)));
+    return Spans(
+        vec4<i32>(edge, edge + 1, end - 1, end),
+        vec3<f32>(first + 1.0 - low, 1.0, high - (last - 1.0)));
 }

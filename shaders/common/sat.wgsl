@@ -75,7 +75,8 @@ fn box_energy(low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
             let share = columns.shares[i] * rows.shares[j];
             if share > 0.0 {
                 let part = plane_box(
-                    vec2<i32>(columns.edges[i], rows.edges[j]), vec2<i32>(columns.edges[i + 1], rows.edges[j + 1]));
+                    vec2<i32>(columns.edges[i], rows.edges[j]),
+                    vec2<i32>(columns.edges[i + 1], rows.edges[j + 1]));
                 sum += share * floats_from_sum(part);
             }
         }

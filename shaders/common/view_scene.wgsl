@@ -97,8 +97,10 @@ fn split_sum_at(cosine: f32, roughness: f32) -> vec2<f32> {
     let low = vec2<i32>(floor(at));
     let high = min(low + 1, vec2<i32>(last));
     let share = at - floor(at);
-    let upper = mix(textureLoad(split_sum, low, 0), textureLoad(split_sum, vec2<i32>(high.x, low.y), 0), share.x);
-    let lower = mix(textureLoad(split_sum, vec2<i32>(low.x, high.y), 0), textureLoad(split_sum, high, 0), share.x);
+    let right = vec2<i32>(high.x, low.y);
+    let below = vec2<i32>(low.x, high.y);
+    let upper = mix(textureLoad(split_sum, low, 0), textureLoad(split_sum, right, 0), share.x);
+    let lower = mix(textureLoad(split_sum, below, 0), textureLoad(split_sum, high, 0), share.x);
     return mix(upper, lower, share.y).rg;
 }
 
@@ -111,9 +113,13 @@ fn roughness_at(uv: vec2<f32>) -> f32 {
     let left = vec2<i32>((low + size) - size * floor((low + size) / size));
     let right = vec2<i32>((low + 1.0) - size * floor((low + 1.0) / size));
     let upper = mix(
-        textureLoad(roughness_map, left, 0).r, textureLoad(roughness_map, vec2<i32>(right.x, left.y), 0).r, share.x);
+        textureLoad(roughness_map, left, 0).r,
+        textureLoad(roughness_map, vec2<i32>(right.x, left.y), 0).r,
+        share.x);
     let lower = mix(
-        textureLoad(roughness_map, vec2<i32>(left.x, right.y), 0).r, textureLoad(roughness_map, right, 0).r, share.x);
+        textureLoad(roughness_map, vec2<i32>(left.x, right.y), 0).r,
+        textureLoad(roughness_map, right, 0).r,
+        share.x);
     return mix(upper, lower, share.y);
 }
 
@@ -167,7 +173,8 @@ fn ball_sample(pixel: vec2<f32>) -> Sample {
         if square > 0.0 && distance > 0.0 && distance < nearest {
             nearest = distance;
             let normal = normalize(from_centre + distance * view);
-            let uv = vec2<f32>(0.5 + atan2(normal.z, normal.x) / 6.2831853, acos(clamp(normal.y, -1.0, 1.0)) / 3.1415927);
+            let uv = vec2<f32>(
+                0.5 + atan2(normal.z, normal.x) / 6.2831853, acos(clamp(normal.y, -1.0, 1.0)) / 3.1415927);
             found = surface_sample(view, normal, frame.metal, 1.0, ball.roughness * roughness_at(uv));
         }
     }

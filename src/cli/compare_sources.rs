@@ -1,4 +1,5 @@
-//! Sources that `octagloss compare` measures bakes against: each is read once, each of its lobes integrated once.
+//! Sources that `octagloss compare` measures bakes against: each is read once, each of its lobes integrated
+//! once.
 
 use super::args::CompareArgs;
 use super::console::Console;
@@ -57,8 +58,8 @@ impl<'a> Sources<'a> {
         });
         if provenance.rotate_y.or(args.input.rotate_y).is_none() {
             console.warn(&format!(
-                "{} does not record its source's rotation; assuming none (override with --rotate-y, --mirror, \
-                 --extract-sun)",
+                "{} does not record its source's rotation; assuming none (override with --rotate-y, \
+                 --mirror, --extract-sun)",
                 path.display()
             ));
         }
@@ -88,8 +89,8 @@ impl<'a> Sources<'a> {
 }
 
 impl PreparedSource {
-    /// Calls `measure` with the reference lobes of GGX along `directions`, always the same ones, at a roughness
-    /// of at least `sharpest` or 0.
+    /// Calls `measure` with the reference lobes of GGX along `directions`, always the same ones, at a
+    /// roughness of at least `sharpest` or 0.
     pub(super) fn with_lobes<T>(
         &self,
         sharpest: f64,

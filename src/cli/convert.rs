@@ -68,7 +68,8 @@ pub(super) struct ConvertArgs {
     /// Pad a panorama to 2:1: black or edge
     ///
     /// As in bake; black by default.
-    #[arg(long, value_name = "FILL", num_args = 0..=1, require_equals = true, default_missing_value = "black")]
+    #[arg(long, value_name = "FILL", num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "black")]
     #[arg(conflicts_with = "from", hide_possible_values = true)]
     pub(super) pad: Option<Pad>,
     /// Repair NaN (to 0) and Inf (to a finite neighbour)

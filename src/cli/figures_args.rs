@@ -13,7 +13,8 @@ pub(super) struct FigureArgs {
     /// For every map: relative solid angle and anisotropy on the sphere, the layout, and a panorama in the
     /// layout. Also: three maps compared (figure 5 of the octahedron paper), the unfolding of the octahedron,
     /// the border of its square (figure 4), the seam of the tennis ball, sampling requirement against
-    /// anisotropy, and look-ups without and with each remedy of that paper's section 4.2. Needs the feature plot.
+    /// anisotropy, and look-ups without and with each remedy of that paper's section 4.2. Needs the feature
+    /// plot.
     #[arg(long, requires = "output", conflicts_with_all = ["table", "csv", "json"])]
     pub(super) plot: bool,
     /// The folder of the figures
@@ -31,8 +32,8 @@ pub(super) struct FigureArgs {
     /// Draw this figure only; repeat for several
     ///
     /// A kind (solid-angle, anisotropy, layout, panorama, compared, unfolding, border, seam, sampling,
-    /// lookup-level, lookup-border, lookup-greatest, lookup-weights, lookup-rectangular), or a figure of a map,
-    /// such as layout-cube.
+    /// lookup-level, lookup-border, lookup-greatest, lookup-weights, lookup-rectangular), or a figure of a
+    /// map, such as layout-cube.
     #[arg(long, value_name = "NAME", requires = "plot")]
     pub(super) figure: Vec<String>,
     /// Environment of the panorama figures [default: sky of synth]

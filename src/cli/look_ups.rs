@@ -37,8 +37,8 @@ pub(super) struct Overlay {
 /// Step between the roughnesses of a chart.
 const CHART_STEP: f64 = 0.02;
 
-/// Measures look-ups of `bake`, the file or folder `path`, in the prepared `source`; at the given roughnesses,
-/// or at those that the source resolves.
+/// Measures look-ups of `bake`, the file or folder `path`, in the prepared `source`; at the given
+/// roughnesses, or at those that the source resolves.
 pub(super) fn measure(
     args: &CompareArgs,
     path: &Path,
@@ -169,8 +169,8 @@ pub(super) fn draw_chart(
     let chart = Chart {
         title: "Error of look-ups over roughness".to_owned(),
         caption: format!(
-            "Trilinear look-ups along {DIRECTIONS} directions against GGX lobes of {}: root mean square error \
-             of luminance over its mean. The ladder that maps roughness to levels stands in brackets.",
+            "Trilinear look-ups along {DIRECTIONS} directions against GGX lobes of {}: root mean square \
+             error of luminance over its mean. The ladder that maps roughness to levels stands in brackets.",
             file_name(against)
         ),
         x: Axis { label: "perceptual roughness".to_owned(), range: Some([0.0, 1.0]), scale: Scale::Linear },

@@ -40,7 +40,8 @@ pub(super) struct InputArgs {
     /// For panoramas of a part of the sphere, such as 360 x 120 degrees. Centres the picture. black, the
     /// default, adds black rows above and below (or columns left and right), without light; --pad=edge
     /// repeats the outermost ones. Treats every picture as a panorama and applies after --crop.
-    #[arg(long, value_name = "FILL", num_args = 0..=1, require_equals = true, default_missing_value = "black")]
+    #[arg(long, value_name = "FILL", num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "black")]
     #[arg(hide_possible_values = true)]
     pub(super) pad: Option<Pad>,
     /// Repair NaN (to 0) and Inf (to a finite neighbour)

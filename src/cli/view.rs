@@ -43,7 +43,8 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=8192))]
     oem_size: Option<u32>,
     /// Border of the octahedral map in texels, 0 to 4096
-    #[arg(long, value_name = "B", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=4096))]
+    #[arg(long, value_name = "B", default_value_t = 0)]
+    #[arg(value_parser = clap::value_parser!(u32).range(0..=4096))]
     border: u32,
     /// blocks, hensley:2, :4, :8 or :16 [default: blocks]
     ///
@@ -108,10 +109,12 @@ struct LookArgs {
     #[arg(long, value_name = "R,G,B", value_parser = metal)]
     metal: Option<Rgb>,
     /// Blur of the backdrop as a roughness, 0 to 1
-    #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = roughness, allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = roughness)]
+    #[arg(allow_negative_numbers = true)]
     backdrop: f64,
     /// Rotate the environment about +Y, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite)]
+    #[arg(allow_negative_numbers = true)]
     turn: f64,
     /// Exposure: auto, or -40 to 40 EV
     ///
@@ -141,13 +144,16 @@ struct LookArgs {
     #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
     yaw: Option<f64>,
     /// Camera: height above the horizon, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 7.0, value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value_t = 7.0, value_parser = finite)]
+    #[arg(allow_negative_numbers = true)]
     pitch: f64,
     /// Camera: distance in radii of the object
-    #[arg(long, value_name = "D", default_value_t = 4.2, value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "D", default_value_t = 4.2, value_parser = finite)]
+    #[arg(allow_negative_numbers = true)]
     distance: f64,
     /// Camera: vertical angle of view, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 35.0, value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value_t = 35.0, value_parser = finite)]
+    #[arg(allow_negative_numbers = true)]
     angle: f64,
 }
 

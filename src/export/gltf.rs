@@ -51,7 +51,9 @@ pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<Cu
         "extensions": { EXTENSION: { "lights": [light] } },
         "scene": 0,
         "scenes": [{ "extensions": { EXTENSION: { "light": 0 } } }],
-        "images": (0..images.len()).map(|k| json!({ "bufferView": k, "mimeType": "image/png" })).collect::<Vec<_>>(),
+        "images": (0..images.len())
+            .map(|k| json!({ "bufferView": k, "mimeType": "image/png" }))
+            .collect::<Vec<_>>(),
         "bufferViews": views,
         "buffers": [{ "byteLength": binary.len() }],
     });

@@ -119,7 +119,8 @@ impl Engine {
     /// size that does.
     ///
     /// # Errors
-    /// [`Error::Limit`] if they do not, [`Error::Unsupported`] for a filter or scan that runs on the CPU only.
+    /// [`Error::Limit`] if they do not, [`Error::Unsupported`] for a filter or scan that runs on the CPU
+    /// only.
     pub(crate) fn check_fits(
         &self,
         environment: &Environment,

@@ -1,8 +1,8 @@
 //! An environment that a renderer updates while it runs.
 //!
 //! ```text
-//! texture --reparameterise--> OEM planes --build_fitted--> tables --> octagloss_radiance(direction, roughness)
-//!                                                                 +-> octagloss_irradiance(normal)
+//! texture --reparameterise--> OEM planes --build_fitted--> tables +-> octagloss_radiance(...)
+//!                                                                +-> octagloss_irradiance(...)
 //! ```
 
 use super::build_fitted::BuildFitted;

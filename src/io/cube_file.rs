@@ -38,7 +38,8 @@ pub(super) fn check_sizes(format: &str, chain: &Chain) -> Result<u32> {
         let size = first.size() >> index;
         if level.size() != size || level.texels.len() != 6 * size as usize * size as usize {
             return Err(Error::Parameter(format!(
-                "level {index} of a {format} cube of {} must have 6 faces of {size}, not {} texels in faces of {}",
+                "level {index} of a {format} cube of {} must have 6 faces of {size}, not {} texels in faces \
+                 of {}",
                 first.size(),
                 level.texels.len(),
                 level.size()

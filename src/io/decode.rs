@@ -110,8 +110,8 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     let Some(format) = Format::sniff(source.bytes) else {
         return Err(unreadable(source).unwrap_or_else(|| {
             source.error(
-                "not an image that can be read; Radiance .hdr, OpenEXR, KTX, KTX2, DDS, PNG and JPEG can, by their \
-                 content",
+                "not an image that can be read; Radiance .hdr, OpenEXR, KTX, KTX2, DDS, PNG and JPEG can, \
+                 by their content",
             )
         }));
     };

@@ -48,7 +48,8 @@ pub(super) fn in_face_order(paths: &[PathBuf]) -> Result<Vec<&Path>> {
             match (at, count) {
                 (Some(at), 1) => Ok(paths[at].as_path()),
                 _ => Err(Error::Parameter(format!(
-                    "{count} of the six face files are named as {}; name each once (px nx py ny pz nz) or none",
+                    "{count} of the six face files are named as {}; name each once (px nx py ny pz nz) or \
+                     none",
                     face.short_name()
                 ))),
             }

@@ -170,13 +170,14 @@ pub(super) fn arrangement(
     let (found, needed) = match choice {
         LayoutChoice::Auto => (
             equirect().or_else(cross).or_else(strip).or_else(octahedral),
-            "no known layout has that shape: a panorama is 2:1, crosses 4:3 or 3:4, strips 6:1 or 1:6, an octahedral \
-             square 1:1; `pad` fills up a partial panorama, `crop` removes black bars; else resize it, \
-             then set `layout`",
+            "no known layout has that shape: a panorama is 2:1, crosses 4:3 or 3:4, strips 6:1 or 1:6, an \
+             octahedral square 1:1; `pad` fills up a partial panorama, `crop` removes black bars; else \
+             resize it, then set `layout`",
         ),
         LayoutChoice::Equirect => (
             equirect(),
-            "a panorama must be 2:1; `pad` fills it up, `crop` removes black bars; else resize it or set another `layout`",
+            "a panorama must be 2:1; `pad` fills it up, `crop` removes black bars; else resize it or set \
+             another `layout`",
         ),
         LayoutChoice::Cross => (cross(), "a cross must be 4:3 or 3:4; set another `layout`"),
         LayoutChoice::Strip => (strip(), "a strip must be 6:1 or 1:6; set another `layout`"),

@@ -27,19 +27,19 @@ pub(crate) const BORDER_KEY: &str = "octaglossBorder";
 const CONVENTIONS: [(&str, &str); 4] = [
     (
         "octaglossFold",
-        "p = d / (|x| + |y| + |z|); y >= 0: (u, v) = (p.x, p.z); y < 0: (u, v) = ((1 - |p.z|) s(p.x), (1 - |p.x|) \
-         s(p.z)), s(t) = 1 for t >= 0, else -1",
+        "p = d / (|x| + |y| + |z|); y >= 0: (u, v) = (p.x, p.z); y < 0: (u, v) = ((1 - |p.z|) s(p.x), (1 - \
+         |p.x|) s(p.z)), s(t) = 1 for t >= 0, else -1",
     ),
     ("octaglossUp", "+Y, right-handed; the centre is +Y, the corners are -Y, u runs along x, v along z"),
     (
         "octaglossBorderRule",
-        "texel (i, j) of the unfolded plane is (i mod n, j mod n) where floor(i/n) + floor(j/n) is even, else that \
-         turned by 180 degrees: (n-1 - i mod n, n-1 - j mod n)",
+        "texel (i, j) of the unfolded plane is (i mod n, j mod n) where floor(i/n) + floor(j/n) is even, \
+         else that turned by 180 degrees: (n-1 - i mod n, n-1 - j mod n)",
     ),
     (
         "octaglossTexelCentres",
-        "half-integer: texel (i, j) of the square without its border lies at (u, v) = ((i, j) + 1/2) 2/n - 1, v \
-         downwards",
+        "half-integer: texel (i, j) of the square without its border lies at (u, v) = ((i, j) + 1/2) 2/n - \
+         1, v downwards",
     ),
 ];
 

@@ -304,7 +304,8 @@ pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
             Some(name) => Err(refused(
                 path,
                 &format!(
-                    "has {name}, which no bake wrote; `Existing::Replace` replaces bakes only, name another folder"
+                    "has {name}, which no bake wrote; `Existing::Replace` replaces bakes only, name another \
+                     folder"
                 ),
             )),
             None => Ok(()),

@@ -14,8 +14,8 @@ const WIDTH: f64 = 760.0;
 pub(super) fn border(name: String, size: u32, border: u32) -> Figure {
     let title = format!("Octahedral square of {size} texels with a border of {border}");
     let caption = "As figure 4 of Engelhardt and Dachsbacher 2008. Every texel has the colour and the name, \
-                   column and row, of the texel inside the square that it shows. Beyond a side lies the square \
-                   turned by 180\u{b0}, beyond a corner the square itself.";
+                   column and row, of the texel inside the square that it shows. Beyond a side lies the \
+                   square turned by 180\u{b0}, beyond a corner the square itself.";
     let count = f64::from(size + 2 * border);
     let room = WIDTH - 2.0 * MARGIN - 120.0;
     let texel = (room / count).floor().min(64.0);

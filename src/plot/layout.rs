@@ -18,8 +18,8 @@ pub(super) fn layout(name: String, map: &'static NamedMap) -> Figure {
     };
     let caption = format!(
         "The map's domain, {parts}; grey is outside it. Blue: parallels, orange: meridians, every 15\u{b0}; \
-         the equator and the planes x\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0 are thick. Pastels: the eight octants of directions. Dots: \
-         the axes. Source: {}.",
+         the equator and the planes x\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0 are thick. Pastels: the eight \
+         octants of directions. Dots: the axes. Source: {}.",
         map.source
     );
     let sheet = Sheet::fitting(map, MOST);

@@ -75,10 +75,11 @@ const PIXELS: u32 = 110;
 
 pub(super) fn level(name: String) -> Figure {
     let title = "Quadratic layout: the mip level of the mirrored cell".to_owned();
-    let caption = "A map of 256 texels with a border of 16, seen from below with 110 pixels across, at the level \
-                   of equation 4 of Engelhardt and Dachsbacher 2008. Left: a pixel's cell that crosses x\u{a0}=\u{a0}0 or \
-                   z\u{a0}=\u{a0}0 spans two far places of the texture, and its pixel shows the coarsest level. Right: the \
-                   smaller level of the cell and of its reflection at y\u{a0}=\u{a0}0 (figure 3 of the paper).";
+    let caption = "A map of 256 texels with a border of 16, seen from below with 110 pixels across, at the \
+                   level of equation 4 of Engelhardt and Dachsbacher 2008. Left: a pixel's cell that \
+                   crosses x\u{a0}=\u{a0}0 or z\u{a0}=\u{a0}0 spans two far places of the texture, and its \
+                   pixel shows the coarsest level. Right: the smaller level of the cell and of its \
+                   reflection at y\u{a0}=\u{a0}0 (figure 3 of the paper).";
     let mips = OemMips::quadratic(&map_of(256, 16, |d| blocks(3.5, d)), Weights::SolidAngle);
     let panel = |globe: &Globe, direction: DVec3, level: &dyn Fn([DVec3; 3], u32) -> f64| {
         let Some(cell) = globe.cell(direction, PIXELS) else { return PAPER };
@@ -93,9 +94,10 @@ pub(super) fn level(name: String) -> Figure {
 
 pub(super) fn border(name: String) -> Figure {
     let title = "Quadratic layout: the safety border".to_owned();
-    let caption = "A map of 64 texels at mip level 2, seen from below. Left: no border and wrap-around access, which \
-                   reads the opposite edge. Right: a border of 8 texels, which shows the texels that adjoin every \
-                   edge on the sphere (figure 4 of Engelhardt and Dachsbacher 2008).";
+    let caption = "A map of 64 texels at mip level 2, seen from below. Left: no border and wrap-around \
+                   access, which reads the opposite edge. Right: a border of 8 texels, which shows the \
+                   texels that adjoin every edge on the sphere (figure 4 of Engelhardt and Dachsbacher \
+                   2008).";
     let bare = OemMips::quadratic(&map_of(64, 0, |d| blocks(1.6, d)), Weights::SolidAngle);
     let safe = OemMips::quadratic(&map_of(64, 8, |d| blocks(1.6, d)), Weights::SolidAngle);
     let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 2.0, Addressing::Repeat));
@@ -107,9 +109,10 @@ pub(super) fn border(name: String) -> Figure {
 
 pub(super) fn greatest(name: String) -> Figure {
     let title = "Quadratic layout: the greatest correct mip level".to_owned();
-    let caption = "Mip level 5 of two textures of 256 texels, border included, seen from below. Left: 252 texels and \
-                   a border of 2, whose greatest correct level is 2: texels of level 5 reach beyond the border and \
-                   are clamped. Right: 224 texels and a border of 16, which serves level 5.";
+    let caption = "Mip level 5 of two textures of 256 texels, border included, seen from below. Left: 252 \
+                   texels and a border of 2, whose greatest correct level is 2: texels of level 5 reach \
+                   beyond the border and are clamped. Right: 224 texels and a border of 16, which serves \
+                   level 5.";
     let narrow = OemMips::quadratic(&map_of(252, 2, |d| blocks(1.2, d)), Weights::SolidAngle);
     let wide = OemMips::quadratic(&map_of(224, 16, |d| blocks(1.2, d)), Weights::SolidAngle);
     let without = |_: &Globe, d: DVec3| shown(narrow.look_up(narrow.place(d), 5.0, Addressing::Clamp));
@@ -125,11 +128,11 @@ const FULL_ERROR: f64 = 0.2;
 
 pub(super) fn weights(name: String) -> Figure {
     let title = "Mip levels: weights by solid angle".to_owned();
-    let caption = "Relative error of the texels of mip level 5 of 128 texels, against the mean of 400,000 directions: \
-                   blue is 20\u{a0}% too dark, white is right, red is 20\u{a0}% too bright. The light is brightest in the \
-                   middle of the octants. Left: equal weights, as \
-                   ordinary mip maps have. A texel at a face's centre covers 5.2 times the solid angle of one at a \
-                   vertex. Right: weights by solid angle.";
+    let caption = "Relative error of the texels of mip level 5 of 128 texels, against the mean of 400,000 \
+                   directions: blue is 20\u{a0}% too dark, white is right, red is 20\u{a0}% too bright. The \
+                   light is brightest in the middle of the octants. Left: equal weights, as \
+                   ordinary mip maps have. A texel at a face's centre covers 5.2 times the solid angle of \
+                   one at a vertex. Right: weights by solid angle.";
     let map = map_of(128, 0, octants);
     let [equal, right] =
         [Weights::Equal, Weights::SolidAngle].map(|weights| OemMips::quadratic(&map, weights));
@@ -164,9 +167,9 @@ pub(super) fn weights(name: String) -> Figure {
 
 pub(super) fn rectangular(name: String) -> Figure {
     let title = "Rectangular layout: one array layer per hemisphere".to_owned();
-    let caption = "Layers of 64 texels at mip level 2, seen from the side. Left: clamped layers without a border; \
-                   the hemispheres do not meet at the equator. Right: a border of 8 texels, which shows the other \
-                   layer's texels.";
+    let caption = "Layers of 64 texels at mip level 2, seen from the side. Left: clamped layers without a \
+                   border; the hemispheres do not meet at the equator. Right: a border of 8 texels, which \
+                   shows the other layer's texels.";
     let [bare, safe] =
         [0, 8].map(|border| OemMips::rectangular(64, border, Weights::SolidAngle, |d| blocks(1.6, d)));
     let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 2.0, Addressing::Clamp));

@@ -16,8 +16,8 @@ use crate::sphere::registry::{NamedMap, named};
 pub(super) fn panorama(name: String, map: &'static NamedMap, content: &Content) -> Figure {
     let title = format!("{}: {}", map.title, content.panorama_name);
     let caption = format!(
-        "{} resampled to the map by overlaps of texels, and shown at the exposure that brings its log-average \
-         luminance to middle grey. Grey is outside the domain. Dots: the axes.",
+        "{} resampled to the map by overlaps of texels, and shown at the exposure that brings its \
+         log-average luminance to middle grey. Grey is outside the domain. Dots: the axes.",
         content.panorama_name
     );
     let sheet = Sheet::fitting(map, MOST);

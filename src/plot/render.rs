@@ -106,7 +106,8 @@ fn stretched(pixels: &RgbImage, sides: (u32, u32)) -> Vec<u8> {
 pub(super) fn svg(scene: &Scene, title: &str, caption: &str) -> String {
     let (width, height) = (scene.width * SCALE, scene.height * SCALE);
     let mut document = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} \
+                                                                                        {height}\">\n\
          <title>{}</title>\n<desc>{}</desc>\n\
          <g stroke-linejoin=\"round\" stroke-linecap=\"round\">\n\
          <rect x=\"0\" y=\"0\" width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n",

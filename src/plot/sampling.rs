@@ -33,14 +33,11 @@ pub(super) fn sampling(name: &str) -> Result<Figure> {
         title: "What maps cost: sampling requirement and anisotropy".to_owned(),
         caption: "Columns Y, M and anisotropy of `octagloss analyze --table`; less of each is better. Y is \
                   equation 6 of the tennis-ball paper, M is what texels need where \
-                  reconstruction is ideal and may be anisotropic. Rings around dots: M equals Y. Infinite values lie beyond the gap at the end of their axis."
+                  reconstruction is ideal and may be anisotropic. Rings around dots: M equals Y. Infinite \
+                  values lie beyond the gap at the end of their axis."
             .to_owned(),
         x: Axis { label: "sampling requirement".to_owned(), range: Some([10.0, 46.0]), scale: Scale::Linear },
-        y: Axis {
-            label: "greatest anisotropy".to_owned(),
-            range: Some([0.9, 3.3]),
-            scale: Scale::Linear,
-        },
+        y: Axis { label: "greatest anisotropy".to_owned(), range: Some([0.9, 3.3]), scale: Scale::Linear },
         series: vec![m, y],
     };
     chart.figure(name)

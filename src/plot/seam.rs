@@ -25,11 +25,11 @@ fn half_circle(k: u32) -> Vec<DVec3> {
 
 pub(super) fn seam(name: String) -> Figure {
     let title = "Tennis-ball: the seam on the sphere and around both panels".to_owned();
-    let caption = "The seam is four half circles, in the half planes y\u{a0}=\u{a0}\u{b1}\u{221a}\u{bd} where z is \
-                   positive and x\u{a0}=\u{a0}\u{b1}\u{221a}\u{bd} where it is negative (Herron, section 2.1). Each has one \
-                   colour on the sphere and in the panels, whose sides it forms. Dashed: the parts behind the \
-                   sphere. C\u{2081} lies around +Z, C\u{2082} around \u{2212}Z; u is \u{3c6}, v is \
-                   \u{2212}\u{3b8}.";
+    let caption = "The seam is four half circles, in the half planes y\u{a0}=\u{a0}\u{b1}\u{221a}\u{bd} \
+                   where z is positive and x\u{a0}=\u{a0}\u{b1}\u{221a}\u{bd} where it is negative (Herron, \
+                   section 2.1). Each has one colour on the sphere and in the panels, whose sides it forms. \
+                   Dashed: the parts behind the sphere. C\u{2081} lies around +Z, C\u{2082} around \
+                   \u{2212}Z; u is \u{3c6}, v is \u{2212}\u{3b8}.";
     let height = 780.0;
     let (mut scene, body) = page(WIDTH, height, &title, caption);
     let radius = 165.0;

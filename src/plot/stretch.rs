@@ -43,10 +43,10 @@ fn shown(value: f64) -> String {
 pub(super) fn solid_angle(name: String, map: &'static NamedMap) -> Figure {
     let [least, greatest] = measure(map.map).relative_solid_angle;
     let caption = format!(
-        "Solid angle of a texel over the mean of all texels, from {} to {}. Purple texels are larger than the \
-         mean (undersampled), green ones smaller (oversampled). Dark lines: rims of the map's rectangles and \
-         domains. Grey lines: the planes x\u{a0}=\u{a0}0, y\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0. Left: +X, +Y and +Z face the reader; right: \
-         the other side.",
+        "Solid angle of a texel over the mean of all texels, from {} to {}. Purple texels are larger than \
+         the mean (undersampled), green ones smaller (oversampled). Dark lines: rims of the map's \
+         rectangles and domains. Grey lines: the planes x\u{a0}=\u{a0}0, y\u{a0}=\u{a0}0 and \
+         z\u{a0}=\u{a0}0. Left: +X, +Y and +Z face the reader; right: the other side.",
         shown(least),
         shown(greatest)
     );
@@ -62,8 +62,8 @@ pub(super) fn anisotropy(name: String, map: &'static NamedMap) -> Figure {
     let greatest = measure(map.map).anisotropy;
     let caption = format!(
         "Greater over lesser stretch of a texel, up to {}; 1 is conformal. Dark lines: rims of the map's \
-         rectangles and domains. Grey lines: the planes x\u{a0}=\u{a0}0, y\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0. Left: +X, +Y and +Z face the \
-         reader; right: the other side.",
+         rectangles and domains. Grey lines: the planes x\u{a0}=\u{a0}0, y\u{a0}=\u{a0}0 and \
+         z\u{a0}=\u{a0}0. Left: +X, +Y and +Z face the reader; right: the other side.",
         shown(greatest)
     );
     let title = format!("{}: anisotropy", map.title);
@@ -106,11 +106,12 @@ fn two_views(
 /// Figure 5 of the octahedron paper.
 pub(super) fn compared(name: String) -> Figure {
     let title = "Relative solid angle: planar octahedral, perspective octahedral, cube".to_owned();
-    let caption = "As figure 5 of Engelhardt and Dachsbacher 2008, in its range of 1/4 to 4: solid angle of a \
-                   texel over the mean of all texels. Purple: undersampled, green: oversampled. The perspective \
-                   projection has the octahedron's faces as image planes, and is then the planar projection; \
-                   the paper shows \
-                   another one and does not say which. +X, +Y and +Z face the reader; the other side has the same values.";
+    let caption = "As figure 5 of Engelhardt and Dachsbacher 2008, in its range of 1/4 to 4: solid angle of \
+                   a texel over the mean of all texels. Purple: undersampled, green: oversampled. The \
+                   perspective projection has the octahedron's faces as image planes, and is then the \
+                   planar projection; the paper shows \
+                   another one and does not say which. +X, +Y and +Z face the reader; the other side has \
+                   the same values.";
     let height = 336.0;
     let (mut scene, body) = page(WIDTH, height, &title, caption);
     let radius = 133.0;

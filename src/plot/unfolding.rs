@@ -12,10 +12,10 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 pub(super) fn unfolding(name: String) -> Figure {
     let title = "The octahedron and its unfolding".to_owned();
-    let caption = "As figure 1 of Engelhardt and Dachsbacher 2008. The upper faces are flattened onto the plane \
-                   y\u{a0}=\u{a0}0; the edges at \u{2212}Y are cut, and the lower faces turn outwards around the equator. \
-                   This gives the square, whose four corners are \u{2212}Y. The rectangle has the upper faces in \
-                   its left half and the lower ones in its right half.";
+    let caption = "As figure 1 of Engelhardt and Dachsbacher 2008. The upper faces are flattened onto the \
+                   plane y\u{a0}=\u{a0}0; the edges at \u{2212}Y are cut, and the lower faces turn outwards \
+                   around the equator. This gives the square, whose four corners are \u{2212}Y. The \
+                   rectangle has the upper faces in its left half and the lower ones in its right half.";
     let (mut scene, body) = page(WIDTH, 776.0, &title, caption);
     let third = body.extent().x / 3.0;
     let eye = DVec3::new(0.45, 0.95, 1.0);

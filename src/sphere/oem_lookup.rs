@@ -1,8 +1,8 @@
 //! Look-ups in octahedral maps: texture coordinates, and the mip level of a pixel's cell.
 //!
 //! Engelhardt and Dachsbacher 2008, section 4.2. The cell of a pixel is spanned by its direction and those of
-//! two neighbours. Its extent in the texture selects the mip level (equation 4). Where the unfolding separates
-//! neighbours, coordinates jump and equation 4 alone selects a level that is far too coarse.
+//! two neighbours. Its extent in the texture selects the mip level (equation 4). Where the unfolding
+//! separates neighbours, coordinates jump and equation 4 alone selects a level that is far too coarse.
 
 use super::octahedral::oct_from_direction;
 use glam::{DVec2, DVec3};
@@ -36,8 +36,8 @@ pub fn level_of_cell(cell: Cell, inner: u32) -> f64 {
 /// The mip level of `cell` in a quadratic layout of `inner` texels: the smaller of the levels of the cell and
 /// of its reflection at the plane y = 0.
 ///
-/// The reflection has the same shape in the texture and the cuts of the other hemisphere, so one of the two is
-/// contiguous, except around ±X and ±Z, where both jump by less than the cell's own size.
+/// The reflection has the same shape in the texture and the cuts of the other hemisphere, so one of the two
+/// is contiguous, except around ±X and ±Z, where both jump by less than the cell's own size.
 #[must_use]
 pub fn quadratic_level(cell: Cell, inner: u32) -> f64 {
     let mirrored = cell.map(|direction| DVec3::new(direction.x, -direction.y, direction.z));
@@ -54,8 +54,8 @@ pub fn rectangular_place(direction: DVec3) -> (u32, DVec2) {
 
 /// The mip level of `cell` in layers of `inner` texels along an edge.
 ///
-/// A hemisphere is contiguous in its layer. A corner in the other layer is moved to where that layer continues
-/// the pixel's own: beside it by two units, or turned by 180 degrees above and below it.
+/// A hemisphere is contiguous in its layer. A corner in the other layer is moved to where that layer
+/// continues the pixel's own: beside it by two units, or turned by 180 degrees above and below it.
 #[must_use]
 pub fn rectangular_level(cell: Cell, inner: u32) -> f64 {
     let (layer, own) = rectangular_place(cell[0]);
@@ -80,8 +80,8 @@ pub fn rectangular_level(cell: Cell, inner: u32) -> f64 {
 /// The greatest mip level whose bilinear look-ups are right in a texture of `inner` texels with a safety
 /// border of `border` texels on every side; `None` without a border, where not even level 0 is.
 ///
-/// A look-up at the edge of the square reads half a texel beyond it: level k needs a border of 2^(k-1) texels.
-/// The whole side must halve k times, or texels of level k are not means of whole texels.
+/// A look-up at the edge of the square reads half a texel beyond it: level k needs a border of 2^(k-1)
+/// texels. The whole side must halve k times, or texels of level k are not means of whole texels.
 #[must_use]
 pub const fn greatest_level(inner: u32, border: u32) -> Option<u32> {
     if border == 0 {

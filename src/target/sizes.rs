@@ -11,7 +11,8 @@ pub(crate) fn check_env(size: u32, levels: u32) -> Result<()> {
         return Ok(());
     }
     Err(Error::Parameter(format!(
-        "an .env needs a `size` that is a power of two and all its levels down to 1; {size} with {levels} levels is not"
+        "an .env needs a `size` that is a power of two and all its levels down to 1; {size} with {levels} \
+         levels is not"
     )))
 }
 

@@ -1,4 +1,5 @@
-// The glTF Sample Renderer: the three KTX2 cubes of the glTF IBL Sampler's layout, and the table of `octagloss dfg`.
+// The glTF Sample Renderer: the three KTX2 cubes of the glTF IBL Sampler's layout, and the table of
+// `octagloss dfg`.
 import { join } from 'node:path';
 import { EYES, relativeError, sheenReflected, skyPixels, spherePixels } from './pictures.mjs';
 

@@ -39,7 +39,8 @@ pub fn read_mesh(name: &str, bytes: &[u8]) {
     match octagloss::internals::mesh::parse(name, bytes) {
         Ok(mesh) => {
             let corners = mesh.vertices.len();
-            assert!(mesh.indices.iter().all(|index| (*index as usize) < corners), "an index within {corners}");
+            let is_inside = |index: &u32| (*index as usize) < corners;
+            assert!(mesh.indices.iter().all(is_inside), "an index within {corners}");
             let positions = mesh.vertices.iter().flat_map(|vertex| vertex.position);
             assert!(positions.into_iter().all(f32::is_finite), "positions are finite");
         }

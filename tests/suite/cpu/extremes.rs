@@ -69,7 +69,8 @@ proptest! {
             };
             // A bake that is not finite returns an error.
             let baked = bake(&light.environment, &settings).expect("a finite bake");
-            let most = baked.levels().flat_map(|level| level.texels.as_flattened()).copied().fold(0.0, f32::max);
+            let texels = baked.levels().flat_map(|level| level.texels.as_flattened());
+            let most = texels.copied().fold(0.0, f32::max);
             prop_assert!(f64::from(most) <= 1.5 * f64::from(greatest), "{most} of {greatest}: {light}");
             for stats in &baked.stats {
                 prop_assert!(stats.error_bound_max.is_none_or(f64::is_finite), "{:?}: {light}", stats);
@@ -147,7 +148,8 @@ fn light_at_both_ends_is_as_exact_as_ordinary_light() {
             let coarse = f64::from(f32::from_bits(1)) / scale;
             assert!(
                 error <= 1.2 * ordinary + 4.0 * coarse && bound <= 1.2 * ordinary_bound + 8.0 * coarse + 1e-6,
-                "{lobe:?} at {scale:e}: off by {error:e} for {ordinary:e}, bound {bound:e} for {ordinary_bound:e}"
+                "{lobe:?} at {scale:e}: off by {error:e} for {ordinary:e}, bound {bound:e} for \
+                 {ordinary_bound:e}"
             );
         }
     }

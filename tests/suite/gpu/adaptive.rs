@@ -93,8 +93,8 @@ fn one_wrong_texel_breaks_a_bound() {
 }
 
 /// Largest difference between the engines' sums over the same `leaves`, relative to the sum: the rounding
-/// that each certifies (see `Kernel::rounding` and `LobePart::uniform`). `width` is the distance over which the
-/// kernel changes.
+/// that each certifies (see `Kernel::rounding` and `LobePart::uniform`). `width` is the distance over which
+/// the kernel changes.
 fn rounding(width: f64, leaves: usize) -> f64 {
     (10.0 / width + 160.0 + 2.0 * leaves as f64) * UNIT
 }

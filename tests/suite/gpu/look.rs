@@ -10,8 +10,8 @@ use octagloss::wgpu::util::DeviceExt as _;
 /// Invocations of a workgroup.
 pub(super) const GROUP: usize = 64;
 
-/// Runs the entry point `look` of `source`, in workgroups of 64, for each of `queries`. Group 0 binds `map`, the
-/// texture with what it needs, then the queries, then the answers.
+/// Runs the entry point `look` of `source`, in workgroups of 64, for each of `queries`. Group 0 binds `map`,
+/// the texture with what it needs, then the queries, then the answers.
 pub(super) fn answers<Q: Pod, A: Pod>(
     context: &Context,
     source: &str,

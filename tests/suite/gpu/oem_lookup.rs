@@ -123,9 +123,9 @@ fn cell_of(query: &Query) -> [DVec3; 3] {
 const COORDINATE: f64 = 9.0 * UNIT;
 
 /// Error of a level. Corners in texels of level 0 are off by `COORDINATE` times half the side and three more
-/// roundings of numbers up to the side; both ends of the longer side, of `length` texels, by sqrt(2) times that
-/// in each of two coordinates. The logarithm is off by 3 units in the last place or 2^-21 (WGSL), and its
-/// argument by 4 units.
+/// roundings of numbers up to the side; both ends of the longer side, of `length` texels, by sqrt(2) times
+/// that in each of two coordinates. The logarithm is off by 3 units in the last place or 2^-21 (WGSL), and
+/// its argument by 4 units.
 fn level_bound(level: f64) -> f64 {
     let side = f64::from(INNER);
     let corner = COORDINATE * side / 2.0 + 3.0 * UNIT * side;

@@ -68,7 +68,13 @@ fn squares(materials: &Value, texels: &[[u8; 4]]) -> Vec<u8> {
         json!({"bufferView": 0, "byteOffset": offset, "componentType": 5126, "count": 4, "type": "VEC3",
             "min": bounds["min"], "max": bounds["max"]})
     };
-    let square = |positions: u32, material: usize| json!({"attributes": {"POSITION": positions, "TEXCOORD_0": 2}, "indices": 3, "material": material});
+    let square = |positions: u32, material: usize| {
+        json!({
+            "attributes": {"POSITION": positions, "TEXCOORD_0": 2},
+            "indices": 3,
+            "material": material
+        })
+    };
     let json = json!({
         "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [square(0, 0), square(1, 1)]}],

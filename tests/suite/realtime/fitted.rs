@@ -481,7 +481,8 @@ fn errors_at_cone_points_are_within_three_times_those_elsewhere() {
         for count in COUNTS {
             let [near, elsewhere] = [&near, &anywhere].map(|truths| truths.error(Filter::Fitted(count)));
             println!(
-                "fitted:{count} at roughness {roughness}: {near:.4} near cone points, {elsewhere:.4} elsewhere"
+                "fitted:{count} at roughness {roughness}: {near:.4} near cone points, {elsewhere:.4} \
+                 elsewhere"
             );
             assert!(near < 3.0 * elsewhere, "fitted:{count} at {roughness}: {near}, elsewhere {elsewhere}");
         }

@@ -84,7 +84,8 @@ impl Outcome {
         let Question { directions, lane, lobe, roughness, error } = question;
         let (value, bound) = (luminance(radiance.map(f64::from)), f64::from(bound));
         let case = format!(
-            "{scene} {lobe:?} roughness {roughness} E {error} {} lanes {}: {value} against {truth}, bound {bound}",
+            "{scene} {lobe:?} roughness {roughness} E {error} {} lanes {}: {value} against {truth}, bound \
+             {bound}",
             directions.len(),
             directions[*lane],
         );
@@ -119,7 +120,8 @@ pub(crate) fn judge(name: &str, outcomes: &[Outcome], expected: usize) {
     tightness.sort_by(f64::total_cmp);
     let at = |share: f64| tightness[((tightness.len() - 1) as f64 * share) as usize];
     println!(
-        "{name}: {} of {} bounds hold; bound/error median {:.1}, 5 % {:.2}, 95 % {:.0}, least {:.3} ({} counted)",
+        "{name}: {} of {} bounds hold; bound/error median {:.1}, 5 % {:.2}, 95 % {:.0}, least {:.3} ({} \
+         counted)",
         outcomes.len() - wrong.len(),
         outcomes.len(),
         at(0.5),

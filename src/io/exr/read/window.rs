@@ -83,7 +83,8 @@ impl Window {
             && (self.data_width, self.data_height) == (self.width as usize, self.height as usize);
         (!same).then(|| {
             format!(
-                "its {}x{} data window at ({}, {}) was cropped to the {}x{} display window, the rest is black",
+                "its {}x{} data window at ({}, {}) was cropped to the {}x{} display window, the rest is \
+                 black",
                 self.data_width, self.data_height, self.data_x, self.data_y, self.width, self.height
             )
         })

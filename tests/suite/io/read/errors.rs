@@ -88,8 +88,8 @@ fn promises_of_more_pixels_than_memory_are_refused_before_anything_is_allocated(
     let vast = radiance("", "-Y 500000 +X 1000000", &[]);
     assert_eq!(
         error_of(read("a.hdr", &vast)),
-        "a.hdr: an image of 1000000x500000 pixels needs 6000000000033 bytes and the limit is 3221225472; scale it \
-         down first"
+        "a.hdr: an image of 1000000x500000 pixels needs 6000000000033 bytes and the limit is 3221225472; \
+         scale it down first"
     );
 }
 
@@ -105,7 +105,8 @@ fn missing_files_and_directories_are_named() {
     assert_eq!(
         error_of(io::read(folder.path(), &options)),
         format!(
-            "{place}: a directory without a report.json; give an image, or a level folder that octagloss bake wrote"
+            "{place}: a directory without a report.json; give an image, or a level folder that octagloss \
+             bake wrote"
         )
     );
 }

@@ -159,15 +159,15 @@ fn shapes_that_fit_nothing_name_size_and_remedy() {
     let file = exr((9, 4), &numbered(9, 4));
     assert_eq!(
         error_of(read("a.exr", &file)),
-        "a.exr: 9x4: no known layout has that shape: a panorama is 2:1, crosses 4:3 or 3:4, strips 6:1 or 1:6, an \
-         octahedral square 1:1; `pad` fills up a partial panorama, `crop` removes black bars; else \
+        "a.exr: 9x4: no known layout has that shape: a panorama is 2:1, crosses 4:3 or 3:4, strips 6:1 or \
+         1:6, an octahedral square 1:1; `pad` fills up a partial panorama, `crop` removes black bars; else \
          resize it, then set `layout`"
     );
     for (choice, wanted) in [
         (
             LayoutChoice::Equirect,
-            "a panorama must be 2:1; `pad` fills it up, `crop` removes black bars; else resize it or set another \
-             `layout`",
+            "a panorama must be 2:1; `pad` fills it up, `crop` removes black bars; else resize it or set \
+             another `layout`",
         ),
         (LayoutChoice::Cross, "a cross must be 4:3 or 3:4; set another `layout`"),
         (LayoutChoice::Strip, "a strip must be 6:1 or 1:6; set another `layout`"),
