@@ -107,6 +107,7 @@ mod chain_lookup;
 #[cfg(feature = "cli")]
 mod cli;
 mod cpu;
+mod direct;
 mod environment;
 mod error;
 mod export;
@@ -180,6 +181,7 @@ pub mod internals {
         chain,
         chain_lookup,
         cpu,
+        direct,
         environment,
         error,
         export,

@@ -14,11 +14,13 @@ mod kernel;
 mod oem;
 mod patch;
 mod texels;
+mod triangles;
 
 pub(crate) use crate::sphere::quadrature::gauss_legendre;
 use kernel::MIRROR;
 pub use oem::{OemOracle, reflect_oem};
 pub(crate) use texels::SourceTexels;
+pub use triangles::{Cover, DOUBT, Hit, TriangleOracle};
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::lobe::Lobe;

@@ -2,3 +2,4 @@
 
 pub(super) mod oracle;
 mod stretch;
+mod triangles;

@@ -3,5 +3,6 @@
 pub(super) mod bounds;
 pub(super) mod common;
 pub(super) mod inputs;
+pub(super) mod meshes;
 pub(super) mod mutation;
 pub(super) mod written;

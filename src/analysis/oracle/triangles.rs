@@ -1,0 +1,165 @@
+//! Rays through the pixels of an octahedral map against triangles: what drawing into the map must show.
+//!
+//! A ray from the origin along p meets the triangle a, b, c at the point of barycentric coordinates l / sum(l)
+//! with l = [a b c]^-1 p, by Cramer's rule. With |p| = 1 in the 1-norm, the point is at distance 1 / sum(l) in
+//! that norm. No projection, clipping or rasterisation takes part.
+
+use crate::direct::{Triangles, check_near};
+use crate::error::{Error, Result};
+use crate::sphere::octahedral::{octahedron_from_oct, texel_centre};
+use glam::{DVec2, DVec3};
+
+/// Distance from an edge, in pixels, below which rasterisers may decide either way: they snap corners to a
+/// sixteenth of a pixel at the coarsest (Vulkan's four bits).
+pub const DOUBT: f64 = 1.0 / 16.0;
+
+/// Sine of the angle between a triangle's plane and the origin, relative to its corners, below which double
+/// precision does not resolve on which side the origin is.
+const EDGE_ON: f64 = 1e-13;
+
+/// What a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index of the triangle.
+    pub triangle: usize,
+    /// `near` over the distance in the 1-norm.
+    pub depth: f64,
+    /// The corners' values, interpolated in space.
+    pub value: [f64; 4],
+    /// Greatest change of the depth within a pixel, to first order.
+    pub depth_change: f64,
+    /// Greatest change of each value.
+    pub value_change: [f64; 4],
+}
+
+/// A pixel and a triangle that it may show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cover {
+    /// More than [`DOUBT`] inside the triangle.
+    Inside(Hit),
+    /// Closer to an edge, or to the cut by the near surface; for a triangle in a plane through the origin, to
+    /// that plane.
+    Doubtful,
+    /// Outside.
+    Outside,
+}
+
+/// Triangles seen from the origin, in an octahedral map.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleOracle<'a> {
+    triangles: &'a Triangles,
+    size: u32,
+    near: f64,
+}
+
+impl<'a> TriangleOracle<'a> {
+    /// An oracle for the square map of `size` pixels along an edge. Points nearer than `near` in the 1-norm
+    /// are invisible.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an odd `size`, 0, or an invalid `near`.
+    pub fn new(triangles: &'a Triangles, size: u32, near: f32) -> Result<Self> {
+        check_near(near)?;
+        if size == 0 || size % 2 == 1 {
+            return Err(Error::Parameter(format!("a map of {size} x {size} pixels; choose an even size")));
+        }
+        Ok(Self { triangles, size, near: f64::from(near) })
+    }
+
+    /// Triangle `index` at pixel (`x`, `y`).
+    #[must_use]
+    pub fn cover(&self, x: u32, y: u32, index: usize) -> Cover {
+        let corners = self.triangles.triangle(index);
+        let [a, b, c] = corners.map(|corner| DVec3::from_array(corner.position.map(f64::from)));
+        let uv = texel_centre(self.size, x, y);
+        let p = octahedron_from_oct(uv);
+        // How p moves with a pixel, in the octant of the pixel's centre.
+        let sign = |t: f64| if t >= 0.0 { 1.0 } else { -1.0 };
+        let (sx, sz) = (sign(uv.x), sign(uv.y));
+        let (along_u, along_v) = if p.y >= 0.0 {
+            (DVec3::new(1.0, -sx, 0.0), DVec3::new(0.0, -sz, 1.0))
+        } else {
+            (DVec3::new(0.0, -sx, -sx * sz), DVec3::new(-sx * sz, -sz, 0.0))
+        };
+        let pixel = 2.0 / f64::from(self.size);
+        let gradient = |normal: DVec3| pixel * DVec2::new(normal.dot(along_u), normal.dot(along_v));
+        // Distance in pixels from the line where a linear function vanishes.
+        let distance = |height: f64, gradient: DVec2| match height {
+            0.0 => 0.0,
+            _ => height / gradient.length(),
+        };
+
+        let normals = [b.cross(c), c.cross(a), a.cross(b)];
+        let determinant = a.dot(normals[0]);
+        let heights = normals.map(|normal| normal.dot(p));
+        let gradients = normals.map(gradient);
+        if determinant.abs() <= EDGE_ON * a.length() * b.length() * c.length() {
+            return self.edge_on([a, b, c], normals, p, |k| distance(heights[k], gradients[k]).abs());
+        }
+        let weights = heights.map(|height| height / determinant);
+        let weight_gradients = gradients.map(|gradient| gradient / determinant);
+        let sum: f64 = weights.iter().sum();
+        let sum_gradient: DVec2 = weight_gradients.iter().sum();
+        let depth = self.near * sum;
+        let depth_gradient = self.near * sum_gradient;
+        let least = (0..3)
+            .map(|k| distance(weights[k], weight_gradients[k]))
+            .fold(distance(1.0 - depth, depth_gradient), f64::min);
+        // Behind the viewer a weight is negative.
+        if least < -DOUBT {
+            return Cover::Outside;
+        }
+        if least <= DOUBT {
+            return Cover::Doubtful;
+        }
+        let values = corners.map(|corner| corner.value.map(f64::from));
+        let mean = |weights: [f64; 3], k: usize| (0..3).map(|i| weights[i] * values[i][k]).sum::<f64>();
+        let value = std::array::from_fn(|k| mean(weights, k) / sum);
+        // The gradient of a quotient.
+        let change = |k: usize| {
+            let across: DVec2 = (0..3).map(|i| weight_gradients[i] * values[i][k]).sum();
+            ((across - sum_gradient * value[k]) / sum).length()
+        };
+        Cover::Inside(Hit {
+            triangle: index,
+            depth,
+            value,
+            depth_change: depth_gradient.length(),
+            value_change: std::array::from_fn(change),
+        })
+    }
+
+    /// A triangle in a plane through the origin, which is seen from its edge: a line at most.
+    fn edge_on(
+        &self,
+        corners: [DVec3; 3],
+        normals: [DVec3; 3],
+        p: DVec3,
+        distance: impl Fn(usize) -> f64,
+    ) -> Cover {
+        let scale = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
+        let has_plane = |k: &usize| normals[*k].length() > EDGE_ON.sqrt() * scale * scale;
+        if let Some(far) = (0..3).filter(has_plane).map(distance).reduce(f64::max) {
+            return if far > DOUBT { Cover::Outside } else { Cover::Doubtful };
+        }
+        // All corners on one line through the origin: a point. The map's density varies by less than 3.
+        let angle = 3.0 * 2.0 / f64::from(self.size);
+        let is_close = |corner: &DVec3| corner.cross(p).length() <= angle * corner.length() * p.length();
+        if corners.iter().any(is_close) { Cover::Doubtful } else { Cover::Outside }
+    }
+
+    /// Every triangle that pixel (`x`, `y`) shows for certain, and how many it may show besides.
+    #[must_use]
+    pub fn pixel(&self, x: u32, y: u32) -> (Vec<Hit>, usize) {
+        let mut hits = Vec::new();
+        let mut doubtful = 0;
+        for index in 0..self.triangles.count() {
+            match self.cover(x, y, index) {
+                Cover::Inside(hit) => hits.push(hit),
+                Cover::Doubtful => doubtful += 1,
+                Cover::Outside => {}
+            }
+        }
+        (hits, doubtful)
+    }
+}
