@@ -16,6 +16,8 @@
 //! Everything runs on baseline WebGPU: no 64-bit integers, no subgroups, no waiting between workgroups, 8
 //! storage buffers per stage, bindings up to 128 MiB.
 //!
+//! [`direct`] draws triangles into octahedral maps, in place of a texture to reparameterise.
+//!
 //! A pass is an immutable struct of pipelines ([`sat_scan::SatScan`]). Bound to buffers it is a [`Stage`]
 //! that records into the caller's encoder. Recording allocates nothing, submits nothing and waits for
 //! nothing.
@@ -28,6 +30,7 @@ pub mod build_fitted;
 pub mod cells;
 pub mod copy;
 pub mod device;
+pub mod direct;
 pub mod emitters;
 pub mod engine;
 pub mod fitted;

@@ -2,8 +2,8 @@
 //! them with the shader compiler's reflection and fails on entries that are missing here.
 
 use super::{
-    adaptive, blur, box_filter, cells, copy, device::stage, emitters, fitted, fixed_point, harmonics, lamp,
-    mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan,
+    adaptive, blur, box_filter, cells, copy, device::stage, direct, emitters, fitted, fixed_point, harmonics,
+    lamp, mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan,
 };
 use crate::cpu::cells::{FAINT, FIELDS, RESIDUE};
 use crate::cpu::fitted::{HARMONICS_ALONE, HARMONICS_FROM};
@@ -63,6 +63,12 @@ pub fn constants() -> Vec<Constant> {
         one("common/reduction.wgsl", "TEXELS", fixed_point::TEXELS),
         one("common/rows.wgsl", "ROW", stage::ROW),
         one("copy.wgsl", "GROUP_SIZE", copy::GROUP_SIZE),
+        one("direct/cull.wgsl", "GROUP_SIZE", direct::list::GROUP_SIZE),
+        one("direct/cull.wgsl", "PLANES", direct::view::PLANES as u32),
+        one("direct/cull.wgsl", "VIEWS", direct::view::VIEWS as u32),
+        one("direct/offsets.wgsl", "GROUP_SIZE", direct::list::GROUP_SIZE),
+        one("direct/split.wgsl", "GROUP_SIZE", direct::list::GROUP_SIZE),
+        one("direct/split.wgsl", "PIECES", direct::list::PIECES),
         one("emitters.wgsl", "BATCH", emitters::BATCH),
         one("emitters.wgsl", "EDGE", emitters::EDGE),
         one("emitters.wgsl", "GRID", GRID),
@@ -101,6 +107,7 @@ pub fn structs() -> Vec<Struct> {
         layout!("adaptive.wgsl", "Packet", adaptive::Packet),
         layout!("cells.wgsl", "Level", cells::CellLevel),
         layout!("cells.wgsl", "Tent", cells::Tent),
+        layout!("common/direct.wgsl", "Corner", crate::direct::Corner),
         layout!("common/light.wgsl", "OctaglossEmitter", fitted::EmitterWords),
         // Least radiance, two vectors of units, 25 harmonics, emitters.
         (
@@ -116,6 +123,10 @@ pub fn structs() -> Vec<Struct> {
         // Four low words and four high ones.
         ("common/sum.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
         layout!("common/table.wgsl", "Table", oem::Table),
+        layout!("direct/cull.wgsl", "Cull", direct::list::Cull),
+        layout!("direct/draw.wgsl", "View", direct::view::View),
+        layout!("direct/offsets.wgsl", "Offsets", direct::list::Offsets),
+        layout!("direct/split.wgsl", "Split", direct::list::Split),
         // Four greatest patterns and four 64-bit sums.
         ("fixed_point.wgsl", "Partial", &[("greatest", 0), ("sums", 16)], 48),
         layout!("lamp.wgsl", "Lamp", lamp::Lamp),

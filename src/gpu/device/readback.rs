@@ -37,6 +37,21 @@ pub async fn read<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) ->
 /// # Panics
 /// If the texture's texel size is not that of `T`.
 pub async fn read_texture<T: bytemuck::Pod>(context: &Context, texture: &wgpu::Texture) -> Result<Vec<T>> {
+    read_layer(context, texture, 0).await
+}
+
+/// The same of layer `layer`.
+///
+/// # Errors
+/// [`Error::Gpu`] if the device fails.
+///
+/// # Panics
+/// If the texture's texel size is not that of `T`.
+pub async fn read_layer<T: bytemuck::Pod>(
+    context: &Context,
+    texture: &wgpu::Texture,
+    layer: u32,
+) -> Result<Vec<T>> {
     let size = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
     let texel = size_of::<T>() as u32;
     assert_eq!(texture.format().block_copy_size(None), Some(texel), "texels of {:?}", texture.format());
@@ -47,7 +62,10 @@ pub async fn read_texture<T: bytemuck::Pod>(context: &Context, texture: &wgpu::T
         let layout =
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(pitch), rows_per_image: None };
         encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
+            wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+                ..texture.as_image_copy()
+            },
             wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
             size,
         );

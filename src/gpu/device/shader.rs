@@ -28,6 +28,7 @@ pub(crate) use members;
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
     "common/atlas.wgsl",
+    "common/direct.wgsl",
     "common/fitted.wgsl",
     "common/fixed_point.wgsl",
     "common/harmonics.wgsl",
@@ -55,6 +56,10 @@ pub const FILES: &[(&str, &str)] = &files![
     "box_filter.wgsl",
     "cells.wgsl",
     "copy.wgsl",
+    "direct/cull.wgsl",
+    "direct/draw.wgsl",
+    "direct/offsets.wgsl",
+    "direct/split.wgsl",
     "emitters.wgsl",
     "fitted.wgsl",
     "fixed_point.wgsl",

@@ -87,6 +87,16 @@ impl Timer {
         Ok(spans.into_iter().map(|(from, to)| to - from).collect())
     }
 
+    /// Seconds from the beginning of the first to the end of the last of `count` passes, which must have been
+    /// submitted in order.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device fails.
+    pub(crate) async fn whole(&self, context: &Context, count: u32) -> Result<f64> {
+        let spans = self.spans(context, count).await?;
+        Ok(spans.last().map_or(0.0, |(_, to)| *to))
+    }
+
     /// Beginnings and ends in seconds since the first beginning.
     async fn spans(&self, context: &Context, count: u32) -> Result<Vec<(f64, f64)>> {
         context.submit(|encoder| encoder.resolve_query_set(&self.queries, 0..2 * count, &self.resolved, 0));

@@ -3,7 +3,9 @@
 
 use super::entry_points::ENTRY_POINTS;
 use super::stages::TakeOver;
-use super::{boxes, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, sat, stages, wait};
+use super::{
+    boxes, direct, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, sat, stages, wait,
+};
 use crate::support::common::{Look, Random, oem as oem_of, texels};
 use octagloss::Layout;
 use octagloss::internals::gpu::copy::Copy;
@@ -14,7 +16,7 @@ use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
 
 /// The entry points that each test below runs.
-const RUN: [(&str, &[&str]); 6] = [
+const RUN: [(&str, &[&str]); 7] = [
     (
         "scans",
         &[
@@ -78,6 +80,21 @@ const RUN: [(&str, &[&str]); 6] = [
         ],
     ),
     ("copies", &["copy.wgsl copy"]),
+    (
+        "triangles",
+        &[
+            "direct/cull.wgsl count_kept",
+            "direct/cull.wgsl list_kept",
+            "direct/draw.wgsl own_octant",
+            "direct/draw.wgsl project",
+            "direct/draw.wgsl project_corner",
+            "direct/draw.wgsl project_piece",
+            "direct/draw.wgsl whole",
+            "direct/offsets.wgsl sum_chunks",
+            "direct/split.wgsl count_pieces",
+            "direct/split.wgsl write_pieces",
+        ],
+    ),
 ];
 
 #[test]
@@ -126,6 +143,15 @@ fn small_fitted_lobes_match_the_cpu() {
         fitted::blurred_tables(context, passes, &[(32, 3, Look::Suns)]);
         fitted::harmonics(context, passes, &[(16, 0, Look::Noise)]);
         fitted::radiance(context, passes, &[(16, Look::Noise)], &[0.0, 0.15, 0.4, 1.0]);
+    });
+}
+
+#[test]
+fn drawn_triangles_match_the_oracle() {
+    on_every_adapter("brief: triangles", |context| {
+        direct::closed_surfaces(context, &[(3, 16)]);
+        direct::cubes(context, &[(3, 7)]);
+        direct::per_corner(context);
     });
 }
 

@@ -1,8 +1,8 @@
 //! The entry points of `shaders/`, and the resources that `src/gpu` binds to each.
 
 use octagloss::internals::gpu::{
-    adaptive, blur, box_filter, cells, copy, emitters, fitted, fixed_point, harmonics, lamp, mirror,
-    reparameterise, sat_f32, sat_hensley, sat_scan,
+    adaptive, blur, box_filter, cells, copy, direct::list, emitters, fitted, fixed_point, harmonics, lamp,
+    mirror, reparameterise, sat_f32, sat_hensley, sat_scan,
 };
 
 /// The resource at each binding of group 0 (of group 1 from 100 on), as `src/gpu` binds it.
@@ -87,6 +87,22 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
         ],
     ),
     ("copy.wgsl", "copy", [copy::GROUP_SIZE, 1, 1], &[(0, "read source"), (1, "write destination")]),
+    ("direct/cull.wgsl", "count_kept", [list::GROUP_SIZE, 1, 1], COUNT_KEPT),
+    ("direct/cull.wgsl", "list_kept", [list::GROUP_SIZE, 1, 1], LIST_KEPT),
+    // Vertex and fragment stages have no workgroups.
+    ("direct/draw.wgsl", "own_octant", [0; 3], &[(0, "uniform view")]),
+    ("direct/draw.wgsl", "project", [0; 3], &[(0, "uniform view")]),
+    ("direct/draw.wgsl", "project_corner", [0; 3], &[(0, "uniform view")]),
+    ("direct/draw.wgsl", "project_piece", [0; 3], &[(0, "uniform view")]),
+    ("direct/draw.wgsl", "whole", [0; 3], &[]),
+    (
+        "direct/offsets.wgsl",
+        "sum_chunks",
+        [list::GROUP_SIZE, 1, 1],
+        &[(0, "uniform offsets"), (1, "write counts"), (2, "write draws")],
+    ),
+    ("direct/split.wgsl", "count_pieces", [list::GROUP_SIZE, 1, 1], PIECES),
+    ("direct/split.wgsl", "write_pieces", [list::GROUP_SIZE, 1, 1], PIECES),
     (
         "emitters.wgsl",
         "brightest_cells",
@@ -312,6 +328,20 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
             (5, "write above"),
         ],
     ),
+];
+
+const COUNT_KEPT: Bindings =
+    &[(0, "uniform cull"), (1, "read corners"), (2, "read indices"), (3, "write counts")];
+
+const LIST_KEPT: Bindings =
+    &[(0, "uniform cull"), (1, "read corners"), (2, "read indices"), (3, "write counts"), (4, "write kept")];
+
+const PIECES: Bindings = &[
+    (0, "uniform split"),
+    (1, "read corners"),
+    (2, "read indices"),
+    (3, "write counts"),
+    (4, "write pieces"),
 ];
 
 const PARTIALS: Bindings = &[

@@ -10,6 +10,7 @@ mod bake;
 mod boxes;
 mod brief;
 mod cells;
+mod direct;
 mod emitters;
 mod entry_points;
 mod errors;

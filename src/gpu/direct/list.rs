@@ -1,0 +1,195 @@
+//! Lists of triangles for indirect draws: those that each view may show, and pieces cut at octants' borders.
+
+use super::mesh::DirectMesh;
+use super::view::{Bounded, NOWHERE, PLANES, Plane, VIEWS};
+use crate::direct::Corner;
+use crate::error::Result;
+use crate::gpu::device::shader;
+use crate::gpu::device::stage::{Dispatch, in_rows};
+use crate::gpu::{Context, Stage};
+
+/// Invocations of a workgroup, and triangles of a chunk.
+pub const GROUP_SIZE: u32 = 256;
+
+/// Triangles of the pieces of a triangle, at most.
+pub const PIECES: u32 = 13;
+
+/// Words of the arguments of a draw.
+const DRAW_WORDS: u64 = 5;
+
+/// Rounding of a distance from a plane relative to the position's coordinates: four products, their sum, and
+/// the rounding of the plane, of 2^-24 each.
+const SLACK: f32 = 1e-6;
+
+/// Uniform of the lists of views.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Cull {
+    planes: [[Plane; PLANES]; VIEWS],
+    triangles: u32,
+    chunks: u32,
+    slack: f32,
+    pad: u32,
+}
+
+shader::members!(Cull { planes, triangles, chunks, slack, pad });
+
+/// Uniform of the pieces.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Split {
+    triangles: u32,
+    chunks: u32,
+}
+
+shader::members!(Split { triangles, chunks });
+
+/// Uniform of the sums of counts.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Offsets {
+    chunks: u32,
+    room: u32,
+}
+
+shader::members!(Offsets { chunks, room });
+
+/// Pipelines of both kinds of lists.
+#[derive(Clone, Debug)]
+pub(super) struct Lists {
+    count_kept: wgpu::ComputePipeline,
+    list_kept: wgpu::ComputePipeline,
+    count_pieces: wgpu::ComputePipeline,
+    write_pieces: wgpu::ComputePipeline,
+    sum_chunks: wgpu::ComputePipeline,
+}
+
+/// A list on the GPU: the stage that fills it, its corners or indices, and the arguments of its draws.
+#[derive(Clone, Debug)]
+pub(super) struct List {
+    pub(super) stage: Stage,
+    pub(super) content: wgpu::Buffer,
+    pub(super) draws: wgpu::Buffer,
+}
+
+impl List {
+    /// Byte offset of the arguments of draw `index`.
+    pub(super) const fn draw_offset(index: usize) -> u64 {
+        4 * DRAW_WORDS * index as u64
+    }
+}
+
+impl Lists {
+    pub(super) fn new(context: &Context) -> Self {
+        let [cull, split, offsets] = ["direct/cull.wgsl", "direct/split.wgsl", "direct/offsets.wgsl"]
+            .map(|path| shader::module(context, path));
+        let pipeline = |module, entry| shader::pipeline(context, module, entry, &[]);
+        Self {
+            count_kept: pipeline(&cull, "count_kept"),
+            list_kept: pipeline(&cull, "list_kept"),
+            count_pieces: pipeline(&split, "count_pieces"),
+            write_pieces: pipeline(&split, "write_pieces"),
+            sum_chunks: pipeline(&offsets, "sum_chunks"),
+        }
+    }
+
+    /// The triangles of `mesh` that each of `views` may show.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] if the lists exceed the device's buffers.
+    pub(super) fn kept(&self, context: &Context, mesh: &DirectMesh, views: &[Bounded]) -> Result<List> {
+        let mut planes = [NOWHERE; VIEWS];
+        planes.iter_mut().zip(views).for_each(|(planes, bounded)| *planes = bounded.planes);
+        let (triangles, chunks) = (mesh.triangles, mesh.triangles.div_ceil(GROUP_SIZE));
+        let uniform = context.uniform("cull", &Cull { planes, triangles, chunks, slack: SLACK, pad: 0 });
+        let list = Plan {
+            label: "direct cull",
+            lists: VIEWS as u32,
+            room: triangles,
+            bytes_per_triangle: 12,
+            usage: wgpu::BufferUsages::INDEX,
+            pipelines: [&self.count_kept, &self.sum_chunks, &self.list_kept],
+            bindings: 4,
+        };
+        list.build(context, mesh, &uniform)
+    }
+
+    /// The pieces of the triangles of `mesh` that lie in one octant each, three corners per triangle.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] if they exceed the device's buffers.
+    pub(super) fn pieces(&self, context: &Context, mesh: &DirectMesh) -> Result<List> {
+        let triangles = mesh.triangles;
+        let chunks = triangles.div_ceil(GROUP_SIZE);
+        let uniform = context.uniform("split", &Split { triangles, chunks });
+        let list = Plan {
+            label: "direct split",
+            lists: 1,
+            room: triangles.saturating_mul(PIECES),
+            bytes_per_triangle: 3 * size_of::<Corner>() as u64,
+            usage: wgpu::BufferUsages::VERTEX,
+            pipelines: [&self.count_pieces, &self.sum_chunks, &self.write_pieces],
+            // One function counts and writes.
+            bindings: 5,
+        };
+        list.build(context, mesh, &uniform)
+    }
+}
+
+/// What differs between the two kinds of lists.
+struct Plan<'a> {
+    label: &'static str,
+    lists: u32,
+    /// Triangles that a list has room for.
+    room: u32,
+    bytes_per_triangle: u64,
+    usage: wgpu::BufferUsages,
+    /// Counts, sums of the counts, content.
+    pipelines: [&'a wgpu::ComputePipeline; 3],
+    /// Bindings of the first of these pipelines.
+    bindings: usize,
+}
+
+impl Plan<'_> {
+    fn build(&self, context: &Context, mesh: &DirectMesh, uniform: &wgpu::Buffer) -> Result<List> {
+        let chunks = mesh.triangles.div_ceil(GROUP_SIZE);
+        let bytes = u64::from(self.lists) * u64::from(self.room) * self.bytes_per_triangle;
+        let per_triangle = bytes / u64::from(mesh.triangles);
+        context.fits(&format!("{} of {} triangles", self.label, mesh.triangles), bytes, |available| {
+            format!("draw the mesh in parts of at most {} triangles", available / per_triangle)
+        })?;
+        let buffer = |label, size, usage| {
+            context.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: usage | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            })
+        };
+        let content = buffer(self.label, bytes, self.usage);
+        let draws =
+            buffer("direct draws", 4 * DRAW_WORDS * u64::from(self.lists), wgpu::BufferUsages::INDIRECT);
+        let counts = context.storage("direct counts", 4 * u64::from(self.lists) * u64::from(chunks));
+        let offsets = context.uniform("direct offsets", &Offsets { chunks, room: self.room });
+        let [count, sum, write] = self.pipelines;
+        let groups = in_rows(chunks);
+        let input = [
+            (0, uniform.as_entire_binding()),
+            (1, mesh.corners.as_entire_binding()),
+            (2, mesh.indices.as_entire_binding()),
+            (3, counts.as_entire_binding()),
+            (4, content.as_entire_binding()),
+        ];
+        let sums = [
+            (0, offsets.as_entire_binding()),
+            (1, counts.as_entire_binding()),
+            (2, draws.as_entire_binding()),
+        ];
+        let dispatches = vec![
+            Dispatch::new(context, count, &input[..self.bindings], groups),
+            Dispatch::new(context, sum, &sums, [self.lists, 1, 1]),
+            Dispatch::new(context, write, &input, groups),
+        ];
+        Ok(List { stage: Stage::new(self.label, dispatches), content, draws })
+    }
+}

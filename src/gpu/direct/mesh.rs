@@ -1,0 +1,51 @@
+//! Triangles on the GPU.
+
+use crate::direct::{Corner, Triangles};
+use crate::error::{Error, Result};
+use crate::gpu::Context;
+
+/// Corners and indices of [`Triangles`] in buffers.
+#[derive(Clone, Debug)]
+pub struct DirectMesh {
+    pub(super) corners: wgpu::Buffer,
+    pub(super) indices: wgpu::Buffer,
+    pub(super) triangles: u32,
+}
+
+impl DirectMesh {
+    /// Uploads `triangles`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if they exceed the buffers of the device.
+    pub fn upload(context: &Context, triangles: &Triangles) -> Result<Self> {
+        let buffer = |label: &str, usage, bytes: &[u8]| {
+            let remedy = |available| {
+                let most = available / size_of::<Corner>() as u64 / 3;
+                format!("draw the mesh in parts of at most {most} triangles")
+            };
+            context.fits(&format!("the {label} of a mesh"), bytes.len() as u64, remedy)?;
+            let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes.len() as u64,
+                usage: usage | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            context.queue().write_buffer(&buffer, 0, bytes);
+            Ok::<_, Error>(buffer)
+        };
+        let corners = bytemuck::cast_slice(triangles.corners());
+        let indices = bytemuck::cast_slice(triangles.indices());
+        Ok(Self {
+            corners: buffer("corners", wgpu::BufferUsages::VERTEX, corners)?,
+            indices: buffer("indices", wgpu::BufferUsages::INDEX, indices)?,
+            // At most a third of the buffer's words.
+            triangles: triangles.count() as u32,
+        })
+    }
+
+    /// Number of triangles.
+    #[must_use]
+    pub const fn triangles(&self) -> u32 {
+        self.triangles
+    }
+}

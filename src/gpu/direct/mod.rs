@@ -1,0 +1,407 @@
+//! Draws triangles straight into octahedral maps, and into cubes for comparison.
+//!
+//! ```text
+//! triangles --cull--> lists of triangles by octant --draw x 8--> octahedral map
+//!     +------split--> pieces of triangles -----------draw------> octahedral map
+//!     +------cull--> lists of triangles by face -----draw x 6--> cube --reparameterise--> octahedral map
+//! ```
+//!
+//! [`Direct`] holds the pipelines for one kind of output. Bound to a mesh and a target by [`Direct::frame`], a
+//! method is a [`DirectFrame`], which records into the caller's encoder. The frame reads the mesh's buffers
+//! anew whenever it is submitted.
+
+pub mod list;
+mod mesh;
+mod target;
+pub mod view;
+
+pub use mesh::DirectMesh;
+pub use target::DirectTarget;
+
+use super::Context;
+use super::device::timer::Timer;
+use super::device::{readback, shader};
+use crate::direct::{Corner, check_near};
+use crate::environment::Layout;
+use crate::error::{Error, Result};
+use list::{List, Lists};
+use target::{DEPTH, check_format};
+use view::Bounded;
+
+/// How triangles come into a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The octahedral map, an octant per draw by the octant's own projective map. Each pixel takes part in the
+    /// draw of the octant of its centre; a draw has only the triangles that may meet its octant.
+    Octants,
+    /// The same draws of all triangles: *perspective, clip mask* of Engelhardt and Dachsbacher 2008. The
+    /// perspective projection to the face of the octahedron differs from the planar projection by an affine
+    /// map, which is the layout's.
+    ClipMask,
+    /// One draw of the pieces of triangles that were cut at the coordinate planes: their *strict split*.
+    StrictSplit,
+    /// One draw of whole triangles, each corner projected by its own octant: the error of their figure 2 wherever
+    /// a triangle leaves an octant.
+    PerCorner,
+    /// The cube, a face per draw of the triangles that may meet it.
+    Cube,
+    /// The cube, a face per draw of all triangles.
+    WholeCube,
+}
+
+impl Method {
+    /// All methods.
+    pub const ALL: [Self; 6] =
+        [Self::Octants, Self::ClipMask, Self::StrictSplit, Self::PerCorner, Self::Cube, Self::WholeCube];
+
+    /// Whether the target is a cube.
+    #[must_use]
+    pub const fn is_cube(self) -> bool {
+        matches!(self, Self::Cube | Self::WholeCube)
+    }
+}
+
+/// What becomes of a pixel that several triangles cover.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overlap {
+    /// The nearest triangle's values are kept, with their depth.
+    Nearest,
+    /// All values are added up, without depth: values of 1 count the triangles. In `Rgba16Float` only.
+    Sum,
+}
+
+/// Pipelines of every method for one kind of output.
+#[derive(Clone, Debug)]
+pub struct Direct {
+    context: Context,
+    format: wgpu::TextureFormat,
+    overlap: Overlap,
+    lists: Lists,
+    group: wgpu::BindGroupLayout,
+    whole: wgpu::RenderPipeline,
+    own_octant: wgpu::RenderPipeline,
+    pieces: wgpu::RenderPipeline,
+    per_corner: wgpu::RenderPipeline,
+}
+
+impl Direct {
+    /// Compiles the pipelines for targets whose colour has `format`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for formats other than `Rgba16Float` and, with [`Overlap::Nearest`],
+    /// `Rgba32Float`.
+    pub fn new(context: &Context, format: wgpu::TextureFormat, overlap: Overlap) -> Result<Self> {
+        check_format(format)?;
+        if overlap == Overlap::Sum && format != wgpu::TextureFormat::Rgba16Float {
+            return Err(Error::Parameter(format!(
+                "{format:?} cannot be blended on every device; choose Rgba16Float"
+            )));
+        }
+        let device = context.device();
+        let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("direct view"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            }],
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("direct"),
+            bind_group_layouts: &[Some(&group)],
+            immediate_size: 0,
+        });
+        let module = shader::module(context, "direct/draw.wgsl");
+        let pipeline =
+            |vertex, fragment| pipeline(device, &layout, &module, vertex, fragment, format, overlap);
+        Ok(Self {
+            format,
+            overlap,
+            lists: Lists::new(context),
+            whole: pipeline("project", "whole"),
+            own_octant: pipeline("project", "own_octant"),
+            pieces: pipeline("project_piece", "whole"),
+            per_corner: pipeline("project_corner", "whole"),
+            group,
+            context: context.clone(),
+        })
+    }
+
+    /// Binds `method` to the triangles of `mesh` and to `target`. Points nearer than `near` are cut away: in
+    /// the 1-norm for an octahedral map, in the greatest coordinate for a cube. The target is cleared to 0.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a target of another map or format and for an invalid `near`, [`Error::Limit`]
+    /// if lists of triangles exceed the device's buffers.
+    pub fn frame(
+        &self,
+        method: Method,
+        mesh: &DirectMesh,
+        target: &DirectTarget,
+        near: f32,
+    ) -> Result<DirectFrame> {
+        check_near(near)?;
+        if target.colour().format() != self.format {
+            return Err(Error::Parameter(format!(
+                "a target of {:?} for pipelines of {:?}; create both with one format",
+                target.colour().format(),
+                self.format
+            )));
+        }
+        if method.is_cube() != matches!(target.layout(), Layout::Cube { .. }) {
+            return Err(Error::Parameter(format!(
+                "{method:?} cannot draw into {:?}; choose {}",
+                target.layout(),
+                if method.is_cube() { "a cube" } else { "an octahedral map" }
+            )));
+        }
+        let views = match method {
+            Method::Octants | Method::ClipMask => view::octants(target.size, near),
+            Method::StrictSplit | Method::PerCorner => vec![view::square(target.size, near)],
+            Method::Cube | Method::WholeCube => view::faces(target.size, near),
+        };
+        let list = match method {
+            Method::Octants | Method::Cube => Some(self.lists.kept(&self.context, mesh, &views)?),
+            Method::StrictSplit => Some(self.lists.pieces(&self.context, mesh)?),
+            Method::ClipMask | Method::PerCorner | Method::WholeCube => None,
+        };
+        let draws =
+            views.iter().enumerate().map(|(index, bounded)| self.draw(method, mesh, &list, index, bounded));
+        let draws: Vec<Draw> = draws.collect();
+        // A pass per layer.
+        let per_layer = if method.is_cube() { 1 } else { draws.len() };
+        let passes = (0..)
+            .zip(draws.chunks(per_layer))
+            .map(|(layer, draws)| {
+                let [colour, depth] = target.views(layer);
+                let depth = (self.overlap == Overlap::Nearest).then_some(depth);
+                Pass { colour, depth, draws: draws.to_vec() }
+            })
+            .collect();
+        Ok(DirectFrame { list, passes })
+    }
+
+    fn draw(
+        &self,
+        method: Method,
+        mesh: &DirectMesh,
+        list: &Option<List>,
+        index: usize,
+        bounded: &Bounded,
+    ) -> Draw {
+        let uniform = self.context.uniform("direct view", &bounded.view);
+        let group = self.context.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("direct view"),
+            layout: &self.group,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        });
+        let pipeline = match method {
+            Method::Octants | Method::ClipMask => &self.own_octant,
+            Method::StrictSplit => &self.pieces,
+            Method::PerCorner => &self.per_corner,
+            Method::Cube | Method::WholeCube => &self.whole,
+        };
+        let offset = List::draw_offset(index);
+        let (corners, source) = match (method, list) {
+            (Method::StrictSplit, Some(list)) => (&list.content, Source::Pieces(list.draws.clone())),
+            (_, Some(list)) => {
+                (&mesh.corners, Source::Listed(list.content.clone(), list.draws.clone(), offset))
+            }
+            (_, None) => (&mesh.corners, Source::All(mesh.indices.clone(), 3 * mesh.triangles)),
+        };
+        let (pipeline, corners) = (pipeline.clone(), corners.clone());
+        Draw { pipeline, group, corners, source, scissor: bounded.scissor }
+    }
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::PipelineLayout,
+    module: &wgpu::ShaderModule,
+    vertex: &str,
+    fragment: &str,
+    format: wgpu::TextureFormat,
+    overlap: Overlap,
+) -> wgpu::RenderPipeline {
+    let corners = wgpu::VertexBufferLayout {
+        array_stride: size_of::<Corner>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float32x4],
+    };
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let (blend, depth_stencil) = match overlap {
+        Overlap::Sum => (Some(wgpu::BlendState { color: add, alpha: add }), None),
+        Overlap::Nearest => {
+            let depth = wgpu::DepthStencilState {
+                format: DEPTH,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            };
+            (None, Some(depth))
+        }
+    };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[Some(corners)],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// A method bound to a mesh and a target. Recording allocates no buffers, submits nothing and waits for nothing.
+#[derive(Clone, Debug)]
+pub struct DirectFrame {
+    list: Option<List>,
+    passes: Vec<Pass>,
+}
+
+/// A render pass.
+#[derive(Clone, Debug)]
+struct Pass {
+    colour: wgpu::TextureView,
+    depth: Option<wgpu::TextureView>,
+    draws: Vec<Draw>,
+}
+
+#[derive(Clone, Debug)]
+struct Draw {
+    pipeline: wgpu::RenderPipeline,
+    group: wgpu::BindGroup,
+    corners: wgpu::Buffer,
+    source: Source,
+    scissor: [u32; 4],
+}
+
+/// Triangles of a draw.
+#[derive(Clone, Debug)]
+enum Source {
+    /// So many indices of a buffer.
+    All(wgpu::Buffer, u32),
+    /// Listed indices, and the arguments of the draw with their byte offset.
+    Listed(wgpu::Buffer, wgpu::Buffer, u64),
+    /// All pieces, by the arguments of their draw.
+    Pieces(wgpu::Buffer),
+}
+
+impl Source {
+    /// Triangles, if not counted on the GPU.
+    const fn whole(&self) -> Option<u32> {
+        match self {
+            Self::All(_, indices) => Some(*indices / 3),
+            Self::Listed(..) | Self::Pieces(_) => None,
+        }
+    }
+}
+
+impl DirectFrame {
+    /// Records the frame's passes into `encoder`.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.record_timed(encoder, None);
+    }
+
+    /// Triangles of every draw: those of the lists are counted once the frame was submitted.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device fails.
+    pub async fn triangles(&self, context: &Context) -> Result<Vec<u32>> {
+        let Some(list) = &self.list else {
+            let draws = self.passes.iter().flat_map(|pass| &pass.draws);
+            return Ok(draws.filter_map(|draw| draw.source.whole()).collect());
+        };
+        let words: Vec<u32> = readback::read(context, &list.draws).await?;
+        let draws: usize = self.passes.iter().map(|pass| pass.draws.len()).sum();
+        Ok(words
+            .chunks_exact(List::draw_offset(1) as usize / 4)
+            .take(draws)
+            .map(|draw| draw[0] / 3)
+            .collect())
+    }
+
+    /// Number of passes, of all kinds.
+    #[must_use]
+    pub(crate) fn passes(&self) -> u32 {
+        self.passes.len() as u32 + u32::from(self.list.is_some())
+    }
+
+    /// The same as [`DirectFrame::record`], with the times of passes written to the first places of `timer`.
+    pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+        if let Some(List { stage, .. }) = &self.list {
+            stage.record_timed(encoder, timer.map(|timer| timer.compute_writes(0)));
+        }
+        for (place, pass) in (u32::from(self.list.is_some())..).zip(&self.passes) {
+            pass.record(encoder, timer.map(|timer| timer.render_writes(place)));
+        }
+    }
+}
+
+impl Pass {
+    fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        let depth = self.depth.as_ref().map(|view| wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
+        });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("direct"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.colour,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: depth,
+            timestamp_writes,
+            ..Default::default()
+        });
+        for Draw { pipeline, group, corners, source, scissor: [left, top, width, height] } in &self.draws {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
+            pass.set_scissor_rect(*left, *top, *width, *height);
+            pass.set_vertex_buffer(0, corners.slice(..));
+            match source {
+                Source::All(indices, count) => {
+                    pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                    pass.draw_indexed(0..*count, 0, 0..1);
+                }
+                Source::Listed(indices, draws, offset) => {
+                    pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                    pass.draw_indexed_indirect(draws, *offset);
+                }
+                Source::Pieces(draws) => pass.draw_indirect(draws, 0),
+            }
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Textures that triangles are drawn into.
+
+use crate::environment::Layout;
+use crate::error::{Error, Result};
+use crate::gpu::Context;
+
+/// Format of depth, which is `near` over the distance: 0 where nothing is drawn, 1 at the near surface.
+pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// A colour texture and its depth.
+#[derive(Clone, Debug)]
+pub struct DirectTarget {
+    pub(super) layout: Layout,
+    pub(super) size: u32,
+    colour: wgpu::Texture,
+    depth: wgpu::Texture,
+}
+
+impl DirectTarget {
+    /// Textures for the square octahedral map, or for six faces of a cube, as `layout` has it. The colour has
+    /// `format`; both have the usages of an attachment and of a texture, and can be copied from.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a panorama, an octahedral map of odd size, a size of 0 or beyond the device's
+    /// textures, and formats other than `Rgba16Float` and `Rgba32Float`.
+    pub fn new(context: &Context, layout: Layout, format: wgpu::TextureFormat) -> Result<Self> {
+        let invalid = |message: String| Err(Error::Parameter(message));
+        let (size, layers) = match layout {
+            Layout::Octahedral { size } => (size, 1),
+            Layout::Cube { size } => (size, 6),
+            Layout::Panorama { .. } => {
+                return invalid(
+                    "triangles cannot be drawn into a panorama; draw into an octahedral map or a cube"
+                        .to_owned(),
+                );
+            }
+        };
+        let most = context.device().limits().max_texture_dimension_2d;
+        if !(1..=most).contains(&size) {
+            return invalid(format!("a target of {size} x {size} pixels; choose 1 to {most}"));
+        }
+        if layers == 1 && size % 2 == 1 {
+            return invalid(format!(
+                "an octahedral map of {size} x {size} pixels has pixels in two octants; choose an even size"
+            ));
+        }
+        check_format(format)?;
+        let texture = |label, format, depth_or_array_layers| {
+            context.device().create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                    | wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            })
+        };
+        let colour = texture("direct colour", format, layers);
+        Ok(Self { layout, size, colour, depth: texture("direct depth", DEPTH, layers) })
+    }
+
+    /// The map and its size.
+    #[must_use]
+    pub const fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// The colour: a layer per face of a cube.
+    #[must_use]
+    pub const fn colour(&self) -> &wgpu::Texture {
+        &self.colour
+    }
+
+    /// The depth, in as many layers.
+    #[must_use]
+    pub const fn depth(&self) -> &wgpu::Texture {
+        &self.depth
+    }
+
+    /// Views of layer `layer` of colour and depth.
+    pub(super) fn views(&self, layer: u32) -> [wgpu::TextureView; 2] {
+        [&self.colour, &self.depth].map(|texture| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2),
+                base_array_layer: layer,
+                array_layer_count: Some(1),
+                ..Default::default()
+            })
+        })
+    }
+}
+
+/// Rejects formats that triangles are not drawn in.
+pub(super) fn check_format(format: wgpu::TextureFormat) -> Result<()> {
+    if matches!(format, wgpu::TextureFormat::Rgba16Float | wgpu::TextureFormat::Rgba32Float) {
+        return Ok(());
+    }
+    Err(Error::Parameter(format!("colour format {format:?}; choose Rgba16Float or Rgba32Float")))
+}

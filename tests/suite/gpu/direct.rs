@@ -1,0 +1,531 @@
+//! Triangles drawn straight into octahedral maps and cubes, against rays through the pixels.
+//!
+//! Values are positions and a 1: added up without depth, the ones count the triangles over a pixel; with
+//! depth, the position must be the point that the pixel's ray hits.
+
+use super::{CONTEXTS, in_full, index, wait};
+use crate::support::common::Random;
+use crate::support::meshes::{closed, mesh};
+use glam::DVec3;
+use half::f16;
+use octagloss::internals::analysis::oracle::{Hit, TriangleOracle};
+use octagloss::internals::direct::scene::{NEAREST, scene};
+use octagloss::internals::direct::{Corner, Triangles};
+use octagloss::internals::gpu::device::readback;
+use octagloss::internals::gpu::direct::{Direct, DirectMesh, DirectTarget, Method, Overlap};
+use octagloss::internals::gpu::reparameterise::Reparameterise;
+use octagloss::internals::gpu::{Context, OemPlanes};
+use octagloss::internals::oem::OemSize;
+use octagloss::internals::sphere::cube::{Face, direction_from_texel};
+use octagloss::internals::sphere::octahedral::{direction_from_oct, texel_centre};
+use octagloss::{Error, Layout, wgpu};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+use std::cell::Cell;
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+/// The exact methods for octahedral maps.
+const METHODS: [Method; 3] = [Method::Octants, Method::ClipMask, Method::StrictSplit];
+
+/// Movement of corners by the rasteriser, in pixels: it snaps to a sixteenth at the coarsest (Vulkan's four
+/// bits).
+const SNAP: f64 = 1.0 / 16.0;
+
+/// Rounding of interpolated numbers, relative to the greatest of the triangle: float32 planes of 1/w, whose
+/// greatest value at the near surface a far pixel cancels.
+const ROUNDING: f64 = 2e-6;
+
+/// The pipelines of an adapter, compiled once.
+struct Pipelines {
+    sum: Direct,
+    nearest: Direct,
+}
+
+static PIPELINES: LazyLock<Vec<Pipelines>> = LazyLock::new(|| {
+    let direct =
+        |context: &Context, format, overlap| Direct::new(context, format, overlap).expect("pipelines");
+    let both = |context: &Context| Pipelines {
+        sum: direct(context, wgpu::TextureFormat::Rgba16Float, Overlap::Sum),
+        nearest: direct(context, wgpu::TextureFormat::Rgba32Float, Overlap::Nearest),
+    };
+    CONTEXTS.iter().map(both).collect()
+});
+
+/// Draws `triangles` and returns the target.
+fn draw(
+    context: &Context,
+    direct: &Direct,
+    format: wgpu::TextureFormat,
+    method: Method,
+    triangles: &Triangles,
+    layout: Layout,
+    near: f32,
+) -> DirectTarget {
+    let mesh = DirectMesh::upload(context, triangles).expect("a mesh that fits");
+    let target = DirectTarget::new(context, layout, format).expect("a target");
+    let frame = direct.frame(method, &mesh, &target, near).expect("a frame");
+    context.submit(|encoder| frame.record(encoder));
+    target
+}
+
+/// How many triangles every pixel of layer `layer` shows.
+fn counts(
+    context: &Context,
+    method: Method,
+    triangles: &Triangles,
+    layout: Layout,
+    near: f32,
+    layer: u32,
+) -> Vec<usize> {
+    let direct = &PIPELINES[index(context)].sum;
+    let target = draw(context, direct, wgpu::TextureFormat::Rgba16Float, method, triangles, layout, near);
+    let texels: Vec<[u16; 4]> = wait(context, readback::read_layer(context, target.colour(), layer));
+    texels.iter().map(|texel| f16::from_bits(texel[3]).to_f32().round() as usize).collect()
+}
+
+/// The nearest triangle's values and depth in every pixel.
+fn nearest(
+    context: &Context,
+    method: Method,
+    triangles: &Triangles,
+    layout: Layout,
+    near: f32,
+    layer: u32,
+) -> (Vec<[f32; 4]>, Vec<f32>) {
+    let direct = &PIPELINES[index(context)].nearest;
+    let target = draw(context, direct, wgpu::TextureFormat::Rgba32Float, method, triangles, layout, near);
+    let values = wait(context, readback::read_layer(context, target.colour(), layer));
+    (values, wait(context, readback::read_layer(context, target.depth(), layer)))
+}
+
+/// What the rays of a map's pixels hit.
+struct Expected {
+    size: u32,
+    pixels: Vec<(Vec<Hit>, usize)>,
+    /// The greatest value of the mesh.
+    scale: f64,
+}
+
+impl Expected {
+    fn new(triangles: &Triangles, size: u32, near: f32) -> Self {
+        let oracle = TriangleOracle::new(triangles, size, near).expect("a valid map");
+        let pixels = (0..size * size).map(|k| oracle.pixel(k % size, k / size)).collect();
+        let values = triangles.corners().iter().flat_map(|corner| corner.value);
+        let scale = values.fold(1.0, |most: f64, value| most.max(f64::from(value.abs())));
+        Self { size, pixels, scale }
+    }
+
+    /// Describes the first pixel whose count is impossible.
+    fn wrong_count(&self, counts: &[usize]) -> Option<String> {
+        assert_eq!(counts.len(), self.pixels.len());
+        let wrong = |(k, (hits, doubtful)): (usize, &(Vec<Hit>, usize))| {
+            let allowed = hits.len()..=hits.len() + doubtful;
+            let place = (k % self.size as usize, k / self.size as usize);
+            (!allowed.contains(&counts[k])).then(|| format!("{} at {place:?}, not {allowed:?}", counts[k]))
+        };
+        self.pixels.iter().enumerate().find_map(wrong)
+    }
+
+    /// Describes the first pixel that shows something else than its nearest hit, or one as near.
+    fn wrong_value(&self, values: &[[f32; 4]], depths: &[f32]) -> Option<String> {
+        assert_eq!((values.len(), depths.len()), (self.pixels.len(), self.pixels.len()));
+        (0..values.len()).find_map(|k| {
+            let (hits, doubtful) = &self.pixels[k];
+            let (value, depth) = (values[k].map(f64::from), f64::from(depths[k]));
+            if *doubtful > 0 {
+                return None;
+            }
+            // Cuts at the near surface and at the square's sides round as far corners do.
+            let slack = |hit: &Hit| SNAP * hit.depth_change + ROUNDING * (1.0 + self.scale * hit.depth);
+            let is = |hit: &Hit| {
+                let near = (hit.depth - depth).abs() <= slack(hit);
+                // The nearer to the viewer, the less cancels.
+                let rounding = ROUNDING * self.scale / hit.depth;
+                let same =
+                    (0..4).all(|c| (hit.value[c] - value[c]).abs() <= SNAP * hit.value_change[c] + rounding);
+                near && same
+            };
+            let front = hits.iter().map(|hit| hit.depth - slack(hit)).fold(0.0, f64::max);
+            let right = match hits.len() {
+                0 => value == [0.0; 4] && depth == 0.0,
+                _ => hits.iter().filter(|hit| hit.depth + slack(hit) >= front).any(is),
+            };
+            let place = (k % self.size as usize, k / self.size as usize);
+            (!right).then(|| format!("{value:?} at depth {depth} in {place:?}, not {hits:?}"))
+        })
+    }
+
+    /// Share of pixels that are decided.
+    fn decided(&self) -> f64 {
+        let decided = self.pixels.iter().filter(|(_, doubtful)| *doubtful == 0).count();
+        decided as f64 / self.pixels.len() as f64
+    }
+
+    fn hits(&self) -> usize {
+        self.pixels.iter().map(|(hits, _)| hits.len()).sum()
+    }
+}
+
+/// Describes the first difference between the oracle and any exact method.
+fn difference(context: &Context, triangles: &Triangles, size: u32, near: f32) -> Result<Expected, String> {
+    let expected = Expected::new(triangles, size, near);
+    let layout = Layout::Octahedral { size };
+    for method in METHODS {
+        if let Some(wrong) = expected.wrong_count(&counts(context, method, triangles, layout, near, 0)) {
+            return Err(format!("{method:?}, {size} pixels: {wrong}"));
+        }
+        let (values, depths) = nearest(context, method, triangles, layout, near, 0);
+        if let Some(wrong) = expected.wrong_value(&values, &depths) {
+            return Err(format!("{method:?}, {size} pixels: {wrong}"));
+        }
+    }
+    Ok(expected)
+}
+
+/// Corners anywhere, on axes and coordinate planes, close to the centre, far away, and on a coarse grid, which
+/// repeats corners and puts triangles into planes through the centre.
+fn corner() -> impl Strategy<Value = DVec3> {
+    let within = |most: f64| (-most..most, -most..most, -most..most).prop_map(DVec3::from);
+    prop_oneof![
+        4 => within(3.0),
+        2 => (within(3.0), 0..3_usize).prop_map(|(mut at, axis)| {
+            at[axis] = 0.0;
+            at
+        }),
+        1 => (-3.0..3.0_f64, 0..3_usize).prop_map(|(at, axis)| DVec3::AXES[axis] * at),
+        1 => within(0.3),
+        1 => within(300.0),
+        2 => (-2..=2_i32, -2..=2_i32, -2..=2_i32)
+            .prop_map(|(x, y, z)| DVec3::new(f64::from(x), f64::from(y), f64::from(z))),
+    ]
+}
+
+fn triangle() -> impl Strategy<Value = [DVec3; 3]> {
+    prop_oneof![
+        6 => [corner(), corner(), corner()],
+        // The centre inside, or in the plane.
+        1 => (corner(), corner(), 0.2..2.0_f64, 0.2..2.0_f64).prop_map(|(a, b, s, t)| [a, b, -s * a - t * b]),
+        1 => (corner(), corner(), -2.0..2.0_f64, -2.0..2.0_f64).prop_map(|(a, b, s, t)| [a, b, s * a + t * b]),
+        1 => [corner(), corner()].prop_map(|[a, b]| [a, b, a]),
+    ]
+}
+
+#[test]
+fn any_triangles_match_the_oracle() {
+    in_full("direct: triangles", |context| {
+        let config = Config { cases: 96, failure_persistence: None, ..Config::default() };
+        let seed = [7; 32];
+        let random =
+            proptest::test_runner::TestRng::from_seed(proptest::test_runner::RngAlgorithm::ChaCha, &seed);
+        let mut runner = TestRunner::new_with_rng(config, random);
+        let scenes = (
+            proptest::collection::vec(triangle(), 1..10),
+            prop_oneof![Just(2_u32), Just(6), Just(16), Just(34)],
+            prop_oneof![Just(0.02_f32), Just(0.3), Just(1.0)],
+        );
+        let (decided, hits) = (Cell::new(0.0), Cell::new(0));
+        let test = |(triangles, size, near): (Vec<[DVec3; 3]>, u32, f32)| {
+            let expected = difference(context, &mesh(&triangles), size, near).map_err(TestCaseError::fail)?;
+            decided.set(decided.get() + expected.decided() / 96.0);
+            hits.set(hits.get() + expected.hits());
+            Ok(())
+        };
+        runner.run(&scenes, test).unwrap_or_else(|error| panic!("{error}"));
+        let (decided, hits) = (decided.get(), hits.get());
+        assert!(decided > 0.7 && hits > 5000, "{decided} of the pixels are decided, {hits} hits");
+    });
+}
+
+#[test]
+fn chosen_triangles_match_the_oracle() {
+    let v = DVec3::new;
+    let around = |height: f64| {
+        let corner = |k: f64| v((k * PI / 1.5 + 0.3).cos() * 2.0, height, (k * PI / 1.5 + 0.3).sin() * 2.0);
+        [corner(0.0), corner(1.0), corner(2.0)]
+    };
+    let chosen = [
+        // Around both poles, and with the centre inside.
+        vec![around(1.0), around(-0.7), around(0.0)],
+        // Over seven octants.
+        vec![[v(3.0, -1.0, -1.1), v(-1.2, 3.0, -1.0), v(-1.0, -1.3, 3.0)]],
+        vec![[v(-3.0, 1.0, 1.1), v(1.2, -3.0, 1.0), v(1.0, 1.3, -3.0)]],
+        // Corners on axes; an edge through a pole; edges on folds.
+        vec![[DVec3::X, DVec3::Y, DVec3::Z], [-DVec3::X, -DVec3::Y, -DVec3::Z]],
+        vec![[v(-1.0, -1.0, 0.0), v(1.0, -1.0, 0.0), v(0.2, -1.0, 1.5)]],
+        vec![
+            [v(1.0, 0.0, -2.0), v(1.0, 0.0, 2.0), v(1.0, 1.5, 0.0)],
+            [v(1.0, 0.0, -2.0), v(1.0, 0.0, 2.0), v(1.0, -1.5, 0.0)],
+        ],
+        // Cut by the near surface, and wholly within it.
+        vec![
+            [v(0.1, 0.1, 0.1), v(2.0, 0.3, -0.5), v(-0.5, 2.0, 0.8)],
+            [v(0.1, 0.0, 0.1), v(0.0, 0.1, 0.1), v(0.1, 0.1, 0.0)],
+        ],
+        // One through the other.
+        vec![
+            [v(2.0, -1.0, -1.0), v(2.0, 1.0, -1.0), v(-1.0, 0.5, 3.0)],
+            [v(3.0, -1.0, 1.0), v(1.0, 1.0, 1.2), v(1.0, -0.5, -2.0)],
+        ],
+        // A plain that leaves the near surface for the horizon.
+        vec![[v(-1e3, -0.8, -1e3), v(1e3, -0.8, -1e3), v(0.0, -0.8, 2e3)]],
+    ];
+    in_full("direct: chosen triangles", |context| {
+        for (k, triangles) in chosen.iter().enumerate() {
+            for near in [0.05, 0.4] {
+                let expected = difference(context, &mesh(triangles), 48, near);
+                let expected = expected.unwrap_or_else(|wrong| panic!("scene {k}: {wrong}"));
+                assert!(expected.decided() > 0.7 && expected.hits() > 0, "scene {k}");
+            }
+        }
+    });
+}
+
+/// Draws closed surfaces of so many parts into maps of so many pixels: every pixel shows one triangle, at the
+/// point on the pixel's ray.
+pub(super) fn closed_surfaces(context: &Context, cases: &[(i32, u32)]) {
+    for (parts, size) in cases {
+        for turn in [None, Some(u64::from(*size))] {
+            let surface = closed(*parts, turn, 0.8..2.0);
+            let layout = Layout::Octahedral { size: *size };
+            for method in METHODS {
+                let counts = counts(context, method, &surface, layout, 0.1, 0);
+                let others = counts.iter().filter(|count| **count != 1).count();
+                assert_eq!(others, 0, "{method:?}, {parts} parts, {size} pixels, turn {turn:?}");
+            }
+            let (values, depths) = nearest(context, Method::Octants, &surface, layout, 0.1, 0);
+            for (k, ([x, y, z, one], depth)) in (0..).zip(values.iter().zip(depths)) {
+                let ray = direction_from_oct(texel_centre(*size, k % size, k / size));
+                let at = DVec3::from_array([*x, *y, *z].map(f64::from));
+                assert!(at.cross(ray).length() < 0.02 * 4.0 / f64::from(*size), "{at} along {ray}");
+                assert!(at.dot(ray) > 0.0 && (one - 1.0).abs() < 1e-5);
+                assert!((f64::from(depth) * at.abs().element_sum() / 0.1 - 1.0).abs() < 0.02);
+            }
+        }
+    }
+}
+
+#[test]
+fn closed_surfaces_have_no_crack_and_no_double_cover() {
+    in_full("direct: closed surfaces", |context| {
+        // Corners on corners of pixels, edges through centres of pixels, and several triangles per pixel.
+        closed_surfaces(context, &[(1, 2), (1, 64), (2, 6), (5, 64), (32, 64), (40, 16), (7, 250)]);
+    });
+}
+
+/// Draws by corners triangles that each lie within an octant, and a surface of triangles that do not.
+pub(super) fn per_corner(context: &Context) {
+    let (size, near) = (32, 0.1);
+    let layout = Layout::Octahedral { size };
+    let mut random = Random::new(12);
+    let mut within = |octant: i32| {
+        let sign = |bit: i32| if octant & bit == 0 { 1.0 } else { -1.0 };
+        DVec3::from_array([sign(1), sign(2), sign(4)].map(|sign| sign * random.between(0.1, 2.0)))
+    };
+    let triangles: Vec<[DVec3; 3]> = (0..24).map(|k| [k % 8; 3].map(&mut within)).collect();
+    let triangles = mesh(&triangles);
+    let expected = Expected::new(&triangles, size, near);
+    assert!(expected.hits() > 200, "{} hits", expected.hits());
+    let found = counts(context, Method::PerCorner, &triangles, layout, near, 0);
+    assert_eq!(expected.wrong_count(&found), None);
+    let (values, depths) = nearest(context, Method::PerCorner, &triangles, layout, near, 0);
+    assert_eq!(expected.wrong_value(&values, &depths), None);
+
+    let surface = closed(5, Some(1), 0.8..2.0);
+    let found = counts(context, Method::PerCorner, &surface, layout, near, 0);
+    let wrong = found.iter().filter(|count| **count != 1).count();
+    assert!(wrong > 30, "{wrong} pixels");
+}
+
+#[test]
+fn projecting_corners_alone_is_wrong_where_triangles_leave_an_octant() {
+    in_full("direct: corners", per_corner);
+}
+
+#[test]
+fn culling_leaves_the_picture_as_it_is() {
+    in_full("direct: culling", |context| {
+        let mut random = Random::new(4);
+        let mut corner = |most: f64| DVec3::from_array([0; 3].map(|_| random.between(-most, most)));
+        let triangles: Vec<[DVec3; 3]> = (0..700)
+            .map(|_| {
+                let at = corner(4.0);
+                [at + corner(1.0), at + corner(1.0), at + corner(1.0)]
+            })
+            .collect();
+        let triangles = mesh(&triangles);
+        let layout = Layout::Octahedral { size: 64 };
+        let drawn = |method| nearest(context, method, &triangles, layout, 0.1, 0);
+        assert!(drawn(Method::Octants) == drawn(Method::ClipMask), "octahedral maps differ");
+        let layout = Layout::Cube { size: 33 };
+        for layer in 0..6 {
+            let drawn = |method| nearest(context, method, &triangles, layout, 0.1, layer);
+            assert!(drawn(Method::Cube) == drawn(Method::WholeCube), "cubes differ in layer {layer}");
+        }
+    });
+}
+
+#[test]
+fn lists_of_the_scene_are_short_and_complete() {
+    in_full("direct: lists", |context| {
+        let scene = scene();
+        let mesh = DirectMesh::upload(context, &scene).expect("a mesh that fits");
+        let direct = &PIPELINES[index(context)].nearest;
+        let format = wgpu::TextureFormat::Rgba32Float;
+        let listed = |method: Method, layout| {
+            let target = DirectTarget::new(context, layout, format).expect("a target");
+            let frame = direct.frame(method, &mesh, &target, NEAREST).expect("a frame");
+            context.submit(|encoder| frame.record(encoder));
+            wait(context, frame.triangles(context))
+        };
+        let layout = Layout::Octahedral { size: 512 };
+        let all = scene.count() as u32;
+        assert_eq!(listed(Method::ClipMask, layout), [all; 8]);
+        for (method, layout) in [(Method::Octants, layout), (Method::Cube, Layout::Cube { size: 209 })] {
+            let listed = listed(method, layout);
+            let sum: u32 = listed.iter().sum();
+            assert!(sum >= all && sum < all + all / 10, "{method:?}: {listed:?} of {all}");
+        }
+        let pieces = listed(Method::StrictSplit, layout);
+        // The octants of each corner, counted here.
+        let octants = |triangle: usize| {
+            let corners = scene.triangle(triangle).map(|corner| corner.position.map(|x| x > 0.0));
+            usize::from(corners[0] != corners[1] || corners[1] != corners[2])
+        };
+        let crossing: usize = (0..scene.count()).map(octants).sum();
+        let least = all + 2 * crossing as u32 / 2;
+        assert!(
+            crossing > 500 && pieces[0] >= least && pieces[0] < least + 12 * crossing as u32,
+            "{pieces:?}"
+        );
+    });
+}
+
+/// Draws closed surfaces of so many parts into cubes with faces of so many pixels, by both methods.
+pub(super) fn cubes(context: &Context, cases: &[(i32, u32)]) {
+    for (parts, size) in cases {
+        let surface = closed(*parts, Some(9), 0.8..2.0);
+        let layout = Layout::Cube { size: *size };
+        for method in [Method::Cube, Method::WholeCube] {
+            for face in Face::ALL {
+                let layer = face.index() as u32;
+                let counts = counts(context, method, &surface, layout, 0.1, layer);
+                assert!(counts.iter().all(|count| *count == 1), "{method:?}, {face:?}: {counts:?}");
+                let (values, depths) = nearest(context, method, &surface, layout, 0.1, layer);
+                for (k, ([x, y, z, _], depth)) in (0..).zip(values.iter().zip(depths)) {
+                    let ray = direction_from_texel(face, *size, k % size, k / size);
+                    let at = DVec3::from_array([*x, *y, *z].map(f64::from));
+                    assert!(at.cross(ray).length() < 0.02 * 4.0 / f64::from(*size) && at.dot(ray) > 0.0);
+                    assert!((f64::from(depth) * at.abs().max_element() / 0.1 - 1.0).abs() < 0.02);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn cubes_show_every_direction_once() {
+    in_full("direct: cubes", |context| cubes(context, &[(4, 7), (6, 32)]));
+}
+
+#[test]
+fn a_reparameterised_cube_is_close_to_the_direct_map() {
+    in_full("direct: reparameterised", |context| {
+        // Radiance that is smooth over the sphere.
+        let surface = closed(24, Some(3), 1.0..1.0001);
+        let bright = |corner: &Corner| {
+            let [x, y, z] = corner.position;
+            Corner::new(corner.position, [1.0 + 0.5 * x, 1.0 + 0.5 * y, 1.0 + 0.5 * z, 1.0])
+        };
+        let corners = surface.corners().iter().map(bright).collect();
+        let surface = Triangles::new(corners, surface.indices().to_vec()).expect("a valid mesh");
+        let (size, face) = (64, 26);
+        let (direct, _) = nearest(context, Method::Octants, &surface, Layout::Octahedral { size }, 0.1, 0);
+        let cube = Layout::Cube { size: face };
+        let pipelines = &PIPELINES[index(context)].nearest;
+        let format = wgpu::TextureFormat::Rgba32Float;
+        let target = draw(context, pipelines, format, Method::Cube, &surface, cube, 0.1);
+        let planes = OemPlanes::new(context, OemSize { inner: size, border: 0 }).expect("planes");
+        let stage = Reparameterise::new(context).stage(context, cube, target.colour(), &planes);
+        context.submit(|encoder| stage.as_ref().expect("a stage").record(encoder));
+        let oem = wait(context, planes.read(context));
+        for (energy, drawn) in oem.texels().iter().zip(direct) {
+            for c in 0..3 {
+                // A texel of the cube spans a thirteenth of the unit that radiance changes by a half over.
+                assert!((energy[c] / energy[3] - drawn[c]).abs() < 0.04, "{energy:?} {drawn:?}");
+            }
+        }
+    });
+}
+
+#[test]
+fn comparators_notice_one_wrong_pixel() {
+    in_full("direct: comparators", |context| {
+        let surface = closed(3, Some(5), 0.8..2.0);
+        let (size, near) = (16, 0.1);
+        let expected = Expected::new(&surface, size, near);
+        let layout = Layout::Octahedral { size };
+        let counts = counts(context, Method::Octants, &surface, layout, near, 0);
+        let (values, depths) = nearest(context, Method::Octants, &surface, layout, near, 0);
+        assert_eq!((expected.wrong_count(&counts), expected.wrong_value(&values, &depths)), (None, None));
+        let place = (0..counts.len()).find(|k| expected.pixels[*k].1 == 0).expect("a decided pixel");
+        for wrong in [0, 2] {
+            let mut counts = counts.clone();
+            counts[place] = wrong;
+            assert!(expected.wrong_count(&counts).is_some());
+        }
+        let mut moved = values.clone();
+        moved[place][0] += 0.05;
+        assert!(expected.wrong_value(&moved, &depths).is_some());
+        let mut nearer = depths.clone();
+        nearer[place] *= 1.05;
+        assert!(expected.wrong_value(&values, &nearer).is_some());
+        // The other half of the square's octants: what dropping none of their pixels would show.
+        let mut mirrored = values.clone();
+        mirrored.reverse();
+        assert!(expected.wrong_value(&mirrored, &depths).is_some());
+    });
+}
+
+#[test]
+fn bad_targets_are_errors_that_name_the_remedy() {
+    in_full("direct: errors", |context| {
+        let failure = |outcome: octagloss::Result<()>| outcome.expect_err("an error").to_string();
+        let half = wgpu::TextureFormat::Rgba16Float;
+        let target = |layout, format| DirectTarget::new(context, layout, format);
+        let square = |size| Layout::Octahedral { size };
+        for (outcome, parts) in [
+            (target(square(7), half), ["7 x 7", "even"]),
+            (target(square(0), half), ["0 x 0", "choose 1"]),
+            (target(square(1 << 20), half), ["1048576", "choose 1 to"]),
+            (target(Layout::Panorama { width: 8, height: 4 }, half), ["panorama", "octahedral"]),
+            (target(square(8), wgpu::TextureFormat::Rgba8Unorm), ["Rgba8Unorm", "Rgba16Float"]),
+        ] {
+            let message = failure(outcome.map(|_| ()));
+            assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+        }
+        let sum = Direct::new(context, wgpu::TextureFormat::Rgba32Float, Overlap::Sum);
+        assert!(matches!(sum, Err(Error::Parameter(_))));
+        let direct = &PIPELINES[index(context)].sum;
+        let mesh = DirectMesh::upload(context, &closed(1, None, 1.0..2.0)).expect("a mesh that fits");
+        // Beyond 128 MiB of pieces.
+        let surface = closed(1, None, 1.0..2.0);
+        let indices = surface.indices().iter().copied().cycle().take(3 * 107_547).collect();
+        let large = Triangles::new(surface.corners().to_vec(), indices).expect("a valid mesh");
+        let large = DirectMesh::upload(context, &large).expect("a mesh that fits");
+        let map = target(square(8), half).expect("a target");
+        let cube = target(Layout::Cube { size: 8 }, half).expect("a target");
+        let float = target(square(8), wgpu::TextureFormat::Rgba32Float).expect("a target");
+        for (outcome, part) in [
+            (direct.frame(Method::Cube, &mesh, &map, 0.1), "choose a cube"),
+            (direct.frame(Method::Octants, &mesh, &cube, 0.1), "choose an octahedral map"),
+            (direct.frame(Method::Octants, &mesh, &float, 0.1), "Rgba32Float"),
+            (direct.frame(Method::Octants, &mesh, &map, f32::NAN), "`near` is NaN"),
+            (direct.frame(Method::Octants, &mesh, &map, 0.0), "`near` is 0"),
+            (direct.frame(Method::StrictSplit, &large, &map, 0.1), "parts of at most 107546 triangles"),
+        ] {
+            let message = failure(outcome.map(|_| ()));
+            assert!(message.contains(part), "{message}");
+        }
+    });
+}
