@@ -460,6 +460,12 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "N", default_value_t = 20)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) runs: u32,
+    /// Time drawing triangles into octahedral maps and cubes
+    ///
+    /// On the GPU, of 104992 triangles, at the sizes of Table 1 of Engelhardt and Dachsbacher 2008: octahedral
+    /// maps of 512 x 512 pixels and cubes of 6 x 209 x 209.
+    #[arg(long, conflicts_with = "size")]
+    pub(super) direct: bool,
     #[command(flatten)]
     pub(super) engine: EngineArgs,
 }

@@ -75,6 +75,15 @@ const BYTES_A_TEXEL: u64 = 6 + 16 + 2 * 32;
 
 pub(super) fn run(args: BenchArgs) -> Outcome {
     args.engine.check()?;
+    if args.direct {
+        if args.engine.engine == EngineArg::Cpu {
+            return super::outcome::usage("--direct draws on a GPU; omit --engine cpu");
+        }
+        #[cfg(feature = "gpu")]
+        return super::bench_direct::run(&args);
+        #[cfg(not(feature = "gpu"))]
+        return super::outcome::usage("built without the feature gpu; omit --direct");
+    }
     if args.engine.engine == EngineArg::Gpu || args.engine.adapter.is_some() {
         #[cfg(feature = "gpu")]
         return super::bench_gpu::run(&args);

@@ -102,17 +102,13 @@ fn adapter_called<'a>(adapters: &'a [wgpu::Adapter], name: &str) -> crate::Resul
 }
 
 /// The adapter called `name`, or the best one.
-#[cfg(feature = "view")]
+#[cfg(feature = "gpu")]
 pub(super) fn any_adapter(name: Option<&str>) -> Outcome<wgpu::Adapter> {
     let adapters = crate::gpu::block_on(None, crate::gpu::adapters())?;
     let adapter = match name {
         Some(name) => adapter_called(&adapters, name)?,
         None => adapters.first().ok_or_else(|| {
-            Error::Gpu(
-                "no adapter found; install a Vulkan driver, such as \
-                                       Mesa's"
-                    .to_owned(),
-            )
+            Error::Gpu("no adapter found; install a Vulkan driver, such as Mesa's".to_owned())
         })?,
     };
     Ok(adapter.clone())

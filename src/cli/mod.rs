@@ -9,6 +9,8 @@ mod bake;
 mod bake_plan;
 mod bench;
 #[cfg(feature = "gpu")]
+mod bench_direct;
+#[cfg(feature = "gpu")]
 mod bench_gpu;
 mod compare;
 mod compare_sources;

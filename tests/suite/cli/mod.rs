@@ -222,6 +222,8 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (vec!["synth", "moon"], "choose one of"),
         (vec!["synth", "furnace", "-o", "furnace.png"], ".exr or .hdr"),
         (vec!["bench", "--runs", "0"], "--runs"),
+        (vec!["bench", "--direct", "--size", "64"], "--size"),
+        (vec!["bench", "--direct", "--engine", "cpu"], "--direct"),
     ];
     for (args, words) in cases {
         let args: Vec<&str> = args;
@@ -618,6 +620,26 @@ fn synth_writes_what_it_lists() {
         (&info["min"], &info["max"]),
         (&serde_json::json!([1.0, 1.0, 1.0]), &serde_json::json!([1.0, 1.0, 1.0]))
     );
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn bench_of_drawing_prints_json() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let bench = json(&done(folder.path(), &["bench", "--direct", "--runs", "1"]).out);
+    assert!(bench["adapter"].as_str().is_some_and(|name| !name.is_empty()));
+    assert_eq!(bench["triangles"], 104_992);
+    let rows = bench["methods"].as_array().expect("a list");
+    let row = |name: &str| rows.iter().find(|row| row["method"] == name).expect("a method");
+    for row in rows {
+        assert!(row["over_cube"].as_f64().expect("a number") > 0.0, "{row}");
+    }
+    assert_eq!((&row("cube")["over_cube"], &row("octants")["pixels"]), (&1.0.into(), &262_144.into()));
+    assert_eq!((&row("octants")["differing"], &row("clip mask")["differing"]), (&0.0.into(), &0.0.into()));
+    let strict = row("strict split")["differing"].as_f64().expect("a number");
+    let corners = row("per corner")["differing"].as_f64().expect("a number");
+    assert!(strict < 0.001 && corners > 10.0 * strict, "{strict} and {corners}");
+    assert_eq!(row("strict split")["paper_frames_per_second"], 16.0);
 }
 
 #[test]

@@ -1,0 +1,193 @@
+//! `octagloss bench --direct`: times the ways of drawing triangles into maps of the sphere, next to Table 1 of
+//! Engelhardt and Dachsbacher 2008, and prints JSON.
+
+use super::args::BenchArgs;
+use super::engine::any_adapter;
+use super::outcome::{Outcome, print};
+use super::timing::{Timing, timing};
+use crate::Layout;
+use crate::direct::scene::{NEAREST, scene};
+use crate::gpu::device::context::is_hardware;
+use crate::gpu::device::readback;
+use crate::gpu::device::timer::Timer;
+use crate::gpu::direct::{Direct, DirectFrame, DirectMesh, DirectTarget, Method, Overlap};
+use crate::gpu::reparameterise::Reparameterise;
+use crate::gpu::{Context, OemPlanes, Stage, block_on};
+use crate::oem::OemSize;
+use crate::wgpu;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Edges of the paper's maps, of about as many pixels.
+const OEM: u32 = 512;
+const FACE: u32 = 209;
+
+/// Frames per second of the paper's cube.
+const PAPER_CUBE: f64 = 250.0;
+
+/// Passes of a frame, at most: a list, six faces and the reparameterisation.
+const PASSES: u32 = 8;
+
+#[derive(Serialize)]
+struct Bench {
+    version: &'static str,
+    adapter: String,
+    software: bool,
+    /// What measures: timestamp queries, or the time from submission to completion.
+    clock: &'static str,
+    triangles: usize,
+    runs: u32,
+    methods: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    method: &'static str,
+    pixels: u32,
+    /// Triangles of all draws, or pieces of triangles.
+    drawn: u64,
+    time: Timing,
+    /// Time relative to the cube's, drawn with lists of triangles and without.
+    over_cube: f64,
+    over_whole_cube: f64,
+    /// Share of pixels that differ from those of `octants` by more than a 64th.
+    differing: Option<f64>,
+    /// The row of Table 1, its frames per second, and its time relative to the paper's cube.
+    paper: Option<&'static str>,
+    paper_frames_per_second: Option<f64>,
+    paper_over_cube: Option<f64>,
+}
+
+/// A way to fill a map.
+struct Way {
+    name: &'static str,
+    method: Method,
+    frame: DirectFrame,
+    /// Cube to octahedral map.
+    then: Option<Stage>,
+    paper: Option<(&'static str, f64)>,
+    seconds: Vec<f64>,
+}
+
+/// Timestamps if the adapter has them.
+enum Clock {
+    Timestamps(Timer),
+    Wall,
+}
+
+pub(super) fn run(args: &BenchArgs) -> Outcome {
+    let adapter = any_adapter(args.engine.adapter.as_deref())?;
+    let context = &block_on(None, Context::new(&adapter))??;
+    let scene = scene();
+    let mesh = DirectMesh::upload(context, &scene)?;
+    // Half floats, as renderers have them.
+    let format = wgpu::TextureFormat::Rgba16Float;
+    let direct = Direct::new(context, format, Overlap::Nearest)?;
+    let map = DirectTarget::new(context, Layout::Octahedral { size: OEM }, format)?;
+    let cube = DirectTarget::new(context, Layout::Cube { size: FACE }, format)?;
+    let planes = OemPlanes::new(context, OemSize { inner: OEM, border: 0 })?;
+    let reparameterise =
+        Reparameterise::new(context).stage(context, cube.layout(), cube.colour(), &planes)?;
+
+    let way = |name, method: Method, then, paper| -> Outcome<Way> {
+        let target = if method.is_cube() { &cube } else { &map };
+        let frame = direct.frame(method, &mesh, target, NEAREST)?;
+        Ok(Way { name, method, frame, then, paper, seconds: Vec::new() })
+    };
+    let mut ways = vec![
+        way("octants", Method::Octants, None, None)?,
+        way("clip mask", Method::ClipMask, None, Some(("Perspective QL, clip mask", 95.0)))?,
+        way("strict split", Method::StrictSplit, None, Some(("Planar QL, strict split", 16.0)))?,
+        way("per corner", Method::PerCorner, None, None)?,
+        way("cube", Method::Cube, None, None)?,
+        way("whole cube", Method::WholeCube, None, Some(("Cube Map", PAPER_CUBE)))?,
+        way("cube, reparameterised", Method::Cube, Some(reparameterise), None)?,
+    ];
+    let clock = Timer::new(context, PASSES).map_or(Clock::Wall, Clock::Timestamps);
+    // In turn, so that other load on the machine meets all ways; the first turn warms up.
+    for turn in 0..=args.runs {
+        for way in &mut ways {
+            let seconds = clock.time(context, way)?;
+            if turn > 0 {
+                way.seconds.push(seconds);
+            }
+        }
+    }
+    let median = |name: &str| {
+        let way = ways.iter().find(|way| way.name == name).expect("a way of the list");
+        timing(way.seconds.clone()).median_seconds
+    };
+    let (over_cube, over_whole_cube) = (median("cube"), median("whole cube"));
+    let picture = |way: &Way| -> Outcome<Vec<[u16; 4]>> {
+        context.submit(|encoder| way.frame.record(encoder));
+        Ok(block_on(Some(context), readback::read_texture(context, map.colour()))??)
+    };
+    let exact = picture(&ways[0])?;
+    let methods = ways.iter().map(|way| {
+        let differing = if way.method.is_cube() { None } else { Some(differing(&exact, &picture(way)?)) };
+        let drawn = block_on(Some(context), way.frame.triangles(context))??;
+        let time = timing(way.seconds.clone());
+        Ok(Row {
+            method: way.name,
+            pixels: if way.method.is_cube() { 6 * FACE * FACE } else { OEM * OEM },
+            drawn: drawn.into_iter().map(u64::from).sum(),
+            time,
+            over_cube: time.median_seconds / over_cube,
+            over_whole_cube: time.median_seconds / over_whole_cube,
+            differing,
+            paper: way.paper.map(|(name, _)| name),
+            paper_frames_per_second: way.paper.map(|(_, rate)| rate),
+            paper_over_cube: way.paper.map(|(_, rate)| PAPER_CUBE / rate),
+        })
+    });
+    let methods = methods.collect::<Outcome<Vec<Row>>>()?;
+    context.check()?;
+    let bench = Bench {
+        version: env!("CARGO_PKG_VERSION"),
+        adapter: context.describe(),
+        software: !is_hardware(&context.device().adapter_info()),
+        clock: match clock {
+            Clock::Timestamps(_) => "timestamps",
+            Clock::Wall => "submission to completion",
+        },
+        triangles: scene.count(),
+        runs: args.runs,
+        methods,
+    };
+    print(&(serde_json::to_string_pretty(&bench).map_err(anyhow::Error::from)? + "\n"))
+}
+
+/// Share of the texels of half floats that differ by more than a 64th in a channel.
+fn differing(exact: &[[u16; 4]], other: &[[u16; 4]]) -> f64 {
+    let number = |bits: u16| half::f16::from_bits(bits).to_f32();
+    let differs = |(a, b): &(&[u16; 4], &[u16; 4])| {
+        a.iter().zip(*b).any(|(a, b)| (number(*a) - number(*b)).abs() > 1.0 / 64.0)
+    };
+    exact.iter().zip(other).filter(differs).count() as f64 / exact.len() as f64
+}
+
+impl Clock {
+    /// Seconds of a frame, from the beginning of its first pass to the end of its last.
+    fn time(&self, context: &Context, way: &Way) -> Outcome<f64> {
+        let timer = match self {
+            Self::Timestamps(timer) => Some(timer),
+            Self::Wall => None,
+        };
+        let start = Instant::now();
+        let passes = way.frame.passes();
+        context.submit(|encoder| {
+            way.frame.record_timed(encoder, timer);
+            if let Some(stage) = &way.then {
+                stage.record_timed(encoder, timer.map(|timer| timer.compute_writes(passes)));
+            }
+        });
+        if let Some(timer) = timer {
+            let passes = passes + u32::from(way.then.is_some());
+            return Ok(block_on(Some(context), timer.whole(context, passes))??);
+        }
+        context.device().poll(wgpu::PollType::wait_indefinitely()).map_err(|error| {
+            crate::Error::Gpu(format!("{} stopped responding: {error}", context.describe()))
+        })?;
+        Ok(start.elapsed().as_secs_f64())
+    }
+}
