@@ -47,6 +47,8 @@ struct Row {
     /// Triangles of all draws, or pieces of triangles.
     drawn: u64,
     time: Timing,
+    /// Of that, the pass that lists or cuts triangles.
+    list: Option<Timing>,
     /// Time relative to the cube's, drawn with lists of triangles and without.
     over_cube: f64,
     over_whole_cube: f64,
@@ -67,6 +69,7 @@ struct Way {
     then: Option<Stage>,
     paper: Option<(&'static str, f64)>,
     seconds: Vec<f64>,
+    list_seconds: Vec<f64>,
 }
 
 /// Timestamps if the adapter has them.
@@ -92,7 +95,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let way = |name, method: Method, then, paper| -> Outcome<Way> {
         let target = if method.is_cube() { &cube } else { &map };
         let frame = direct.frame(method, &mesh, target, NEAREST)?;
-        Ok(Way { name, method, frame, then, paper, seconds: Vec::new() })
+        Ok(Way { name, method, frame, then, paper, seconds: Vec::new(), list_seconds: Vec::new() })
     };
     let mut ways = vec![
         way("octants", Method::Octants, None, None)?,
@@ -107,9 +110,10 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     // In turn, so that other load on the machine meets all ways; the first turn warms up.
     for turn in 0..=args.runs {
         for way in &mut ways {
-            let seconds = clock.time(context, way)?;
+            let (list, seconds) = clock.time(context, way)?;
             if turn > 0 {
                 way.seconds.push(seconds);
+                way.list_seconds.extend(list);
             }
         }
     }
@@ -132,6 +136,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
             pixels: if way.method.is_cube() { 6 * FACE * FACE } else { OEM * OEM },
             drawn: drawn.into_iter().map(u64::from).sum(),
             time,
+            list: (!way.list_seconds.is_empty()).then(|| timing(way.list_seconds.clone())),
             over_cube: time.median_seconds / over_cube,
             over_whole_cube: time.median_seconds / over_whole_cube,
             differing,
@@ -167,8 +172,8 @@ fn differing(exact: &[[u16; 4]], other: &[[u16; 4]]) -> f64 {
 }
 
 impl Clock {
-    /// Seconds of a frame, from the beginning of its first pass to the end of its last.
-    fn time(&self, context: &Context, way: &Way) -> Outcome<f64> {
+    /// Seconds of a frame's list, if known, and from the beginning of its first pass to the end of its last.
+    fn time(&self, context: &Context, way: &Way) -> Outcome<(Option<f64>, f64)> {
         let timer = match self {
             Self::Timestamps(timer) => Some(timer),
             Self::Wall => None,
@@ -183,11 +188,12 @@ impl Clock {
         });
         if let Some(timer) = timer {
             let passes = passes + u32::from(way.then.is_some());
-            return Ok(block_on(Some(context), timer.whole(context, passes))??);
+            let [first, whole] = block_on(Some(context), timer.first_and_whole(context, passes))??;
+            return Ok((way.frame.has_list().then_some(first), whole));
         }
         context.device().poll(wgpu::PollType::wait_indefinitely()).map_err(|error| {
             crate::Error::Gpu(format!("{} stopped responding: {error}", context.describe()))
         })?;
-        Ok(start.elapsed().as_secs_f64())
+        Ok((None, start.elapsed().as_secs_f64()))
     }
 }

@@ -87,14 +87,17 @@ impl Timer {
         Ok(spans.into_iter().map(|(from, to)| to - from).collect())
     }
 
-    /// Seconds from the beginning of the first to the end of the last of `count` passes, which must have been
-    /// submitted in order.
+    /// Seconds of the first of `count` passes, which must have been submitted in order, and from its beginning
+    /// to the end of the last.
     ///
     /// # Errors
     /// [`Error::Gpu`] if the device fails.
-    pub(crate) async fn whole(&self, context: &Context, count: u32) -> Result<f64> {
+    ///
+    /// # Panics
+    /// If `count` is 0.
+    pub(crate) async fn first_and_whole(&self, context: &Context, count: u32) -> Result<[f64; 2]> {
         let spans = self.spans(context, count).await?;
-        Ok(spans.last().map_or(0.0, |(_, to)| *to))
+        Ok([spans[0].1, spans[spans.len() - 1].1])
     }
 
     /// Beginnings and ends in seconds since the first beginning.

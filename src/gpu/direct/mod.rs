@@ -343,6 +343,12 @@ impl DirectFrame {
             .collect())
     }
 
+    /// Whether the first pass lists or cuts triangles.
+    #[must_use]
+    pub(crate) const fn has_list(&self) -> bool {
+        self.list.is_some()
+    }
+
     /// Number of passes, of all kinds.
     #[must_use]
     pub(crate) fn passes(&self) -> u32 {

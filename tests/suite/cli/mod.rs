@@ -640,6 +640,12 @@ fn bench_of_drawing_prints_json() {
     let corners = row("per corner")["differing"].as_f64().expect("a number");
     assert!(strict < 0.001 && corners > 10.0 * strict, "{strict} and {corners}");
     assert_eq!(row("strict split")["paper_frames_per_second"], 16.0);
+    // Lists hold few triangles more than once; few triangles are cut.
+    let drawn = |name: &str| row(name)["drawn"].as_u64().expect("a number");
+    for name in ["octants", "cube", "strict split"] {
+        assert!((104_993..115_000).contains(&drawn(name)), "{name}: {}", drawn(name));
+    }
+    assert_eq!((drawn("clip mask"), drawn("whole cube")), (8 * 104_992, 6 * 104_992));
 }
 
 #[test]

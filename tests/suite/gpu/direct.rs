@@ -9,7 +9,6 @@ use crate::support::meshes::{closed, mesh};
 use glam::DVec3;
 use half::f16;
 use octagloss::internals::analysis::oracle::{Hit, TriangleOracle};
-use octagloss::internals::direct::scene::{NEAREST, scene};
 use octagloss::internals::direct::{Corner, Triangles};
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::direct::{Direct, DirectMesh, DirectTarget, Method, Overlap};
@@ -35,6 +34,9 @@ const SNAP: f64 = 1.0 / 16.0;
 /// Rounding of interpolated numbers, relative to the greatest of the triangle: float32 planes of 1/w, whose
 /// greatest value at the near surface a far pixel cancels.
 const ROUNDING: f64 = 2e-6;
+
+/// Scenes of random triangles.
+const CASES: u32 = 64;
 
 /// The pipelines of an adapter, compiled once.
 struct Pipelines {
@@ -214,7 +216,7 @@ fn triangle() -> impl Strategy<Value = [DVec3; 3]> {
 #[test]
 fn any_triangles_match_the_oracle() {
     in_full("direct: triangles", |context| {
-        let config = Config { cases: 96, failure_persistence: None, ..Config::default() };
+        let config = Config { cases: CASES, failure_persistence: None, ..Config::default() };
         let seed = [7; 32];
         let random =
             proptest::test_runner::TestRng::from_seed(proptest::test_runner::RngAlgorithm::ChaCha, &seed);
@@ -227,13 +229,13 @@ fn any_triangles_match_the_oracle() {
         let (decided, hits) = (Cell::new(0.0), Cell::new(0));
         let test = |(triangles, size, near): (Vec<[DVec3; 3]>, u32, f32)| {
             let expected = difference(context, &mesh(&triangles), size, near).map_err(TestCaseError::fail)?;
-            decided.set(decided.get() + expected.decided() / 96.0);
+            decided.set(decided.get() + expected.decided() / f64::from(CASES));
             hits.set(hits.get() + expected.hits());
             Ok(())
         };
         runner.run(&scenes, test).unwrap_or_else(|error| panic!("{error}"));
         let (decided, hits) = (decided.get(), hits.get());
-        assert!(decided > 0.7 && hits > 5000, "{decided} of the pixels are decided, {hits} hits");
+        assert!(decided > 0.7 && hits > 3000, "{decided} of the pixels are decided, {hits} hits");
     });
 }
 
@@ -322,7 +324,7 @@ pub(super) fn per_corner(context: &Context) {
         let sign = |bit: i32| if octant & bit == 0 { 1.0 } else { -1.0 };
         DVec3::from_array([sign(1), sign(2), sign(4)].map(|sign| sign * random.between(0.1, 2.0)))
     };
-    let triangles: Vec<[DVec3; 3]> = (0..24).map(|k| [k % 8; 3].map(&mut within)).collect();
+    let triangles: Vec<[DVec3; 3]> = (0..120).map(|k| [k % 8; 3].map(&mut within)).collect();
     let triangles = mesh(&triangles);
     let expected = Expected::new(&triangles, size, near);
     assert!(expected.hits() > 200, "{} hits", expected.hits());
@@ -362,42 +364,29 @@ fn culling_leaves_the_picture_as_it_is() {
             let drawn = |method| nearest(context, method, &triangles, layout, 0.1, layer);
             assert!(drawn(Method::Cube) == drawn(Method::WholeCube), "cubes differ in layer {layer}");
         }
-    });
-}
-
-#[test]
-fn lists_of_the_scene_are_short_and_complete() {
-    in_full("direct: lists", |context| {
-        let scene = scene();
-        let mesh = DirectMesh::upload(context, &scene).expect("a mesh that fits");
-        let direct = &PIPELINES[index(context)].nearest;
-        let format = wgpu::TextureFormat::Rgba32Float;
-        let listed = |method: Method, layout| {
-            let target = DirectTarget::new(context, layout, format).expect("a target");
-            let frame = direct.frame(method, &mesh, &target, NEAREST).expect("a frame");
+        let listed = |method, layout| {
+            let mesh = DirectMesh::upload(context, &triangles).expect("a mesh that fits");
+            let target = DirectTarget::new(context, layout, wgpu::TextureFormat::Rgba32Float);
+            let target = target.expect("a target");
+            let frame = PIPELINES[index(context)].nearest.frame(method, &mesh, &target, 0.1);
+            let frame = frame.expect("a frame");
             context.submit(|encoder| frame.record(encoder));
             wait(context, frame.triangles(context))
         };
-        let layout = Layout::Octahedral { size: 512 };
-        let all = scene.count() as u32;
-        assert_eq!(listed(Method::ClipMask, layout), [all; 8]);
-        for (method, layout) in [(Method::Octants, layout), (Method::Cube, Layout::Cube { size: 209 })] {
-            let listed = listed(method, layout);
-            let sum: u32 = listed.iter().sum();
-            assert!(sum >= all && sum < all + all / 10, "{method:?}: {listed:?} of {all}");
-        }
-        let pieces = listed(Method::StrictSplit, layout);
-        // The octants of each corner, counted here.
-        let octants = |triangle: usize| {
-            let corners = scene.triangle(triangle).map(|corner| corner.position.map(|x| x > 0.0));
-            usize::from(corners[0] != corners[1] || corners[1] != corners[2])
+        // Every list has the triangles with a corner well inside of its octant, and some besides.
+        let inside = |octant: u32| {
+            let signs = [1, 2, 4].map(|bit| if octant & bit == 0 { 1.0 } else { -1.0 });
+            let is_inside =
+                |corner: &Corner| corner.position.iter().zip(signs).all(|(x, sign)| x * sign > 0.2);
+            (0..triangles.count()).filter(|k| triangles.triangle(*k).iter().any(is_inside)).count() as u32
         };
-        let crossing: usize = (0..scene.count()).map(octants).sum();
-        let least = all + 2 * crossing as u32 / 2;
-        assert!(
-            crossing > 500 && pieces[0] >= least && pieces[0] < least + 12 * crossing as u32,
-            "{pieces:?}"
-        );
+        let lists = listed(Method::Octants, Layout::Octahedral { size: 64 });
+        for (octant, count) in (0..).zip(&lists) {
+            assert!((inside(octant)..inside(octant) + 200).contains(count), "{octant}: {lists:?}");
+        }
+        assert_eq!(lists.len(), 8);
+        assert_eq!(listed(Method::Cube, layout).len(), 6);
+        assert_eq!(listed(Method::WholeCube, layout), [700; 6]);
     });
 }
 
