@@ -53,7 +53,7 @@ impl Triangles {
                 indices.len()
             ));
         }
-        if indices.len() % 3 != 0 {
+        if !indices.len().is_multiple_of(3) {
             return invalid(format!(
                 "{} indices are not whole triangles; pass three per triangle",
                 indices.len()
