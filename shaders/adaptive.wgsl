@@ -21,8 +21,9 @@ const BATCH = GROUP_SIZE / 4u;
 const STACK = 1024u;
 // Up to GROUP_SIZE - 1 leaves wait while up to GROUP_SIZE more arrive.
 const LEAVES = 2u * GROUP_SIZE;
-// Halvings of a texel that 14 bits can address.
+// Halvings of a texel of the OEM that 14 bits can address, and of one of the source that 11 bits can.
 const DEPTH = 14u;
+const SOURCE_DEPTH = 11u;
 const LEVELS = 16u;
 // Pieces with longer sides in (u, v) have no exact centroid.
 const SMOOTH_SIDE = 0.03125f;
@@ -54,6 +55,17 @@ struct Lobe {
     // Radiance that the omitted faint energies may add; loss to underflow per unit of energy.
     omitted: f32,
     underflow: f32,
+    // Layout of the source whose texels the finest cells hold: 0 without one.
+    source: u32,
+    // Columns and rows of its texels, of one image; halvings of the texture's texels that lead to them.
+    columns: u32,
+    rows: u32,
+    shift_x: u32,
+    shift_y: u32,
+    // Finest cells along an edge.
+    cells: u32,
+    pad_0: u32,
+    pad_1: u32,
     // Per level: first quad, and quads along an edge.
     levels: array<vec4<u32>, LEVELS>,
 }
@@ -77,17 +89,30 @@ struct Packet {
 // Leaves of each packet; INCOMPLETE if the walk stopped early.
 @group(0) @binding(5) var<storage, read_write> leaf_counts: array<u32>;
 
+// The source's texels by cells: first run of each cell, the number of runs, then each run's column, row
+// (counted through all images) and number of texels.
+@group(0) @binding(6) var<storage, read> members: array<u32>;
+// Cosine and sine of the longitudes of a panorama's columns, then of the polar angles of its rows.
+@group(0) @binding(7) var<storage, read> angles: array<vec2<f32>>;
+@group(0) @binding(8) var source: texture_2d_array<f32>;
+
 const INCOMPLETE = 0x80000000u;
 
 // A cell, or a piece of a texel. `place` packs level | j | i in 4, 14 and 14 bits; level PIECES marks the
-// pieces of texel (i, j). `piece` packs quadrant | depth | iy | ix in 2, 4, 13 and 13 bits; at depth 0 the
-// pieces are the quadrants.
+// pieces of texel (i, j) of the OEM. `piece` packs quadrant | depth | iy | ix in 2, 4, 13 and 13 bits; at
+// depth 0 the pieces are the quadrants.
+//
+// Level MEMBERS marks texels of the source in a cell: `place` packs a run's first texel | runs in 6 and 20
+// bits below 0 in 2 bits, `piece` is the first run. Three children are texels, the fourth is the rest. With 1
+// in the 2 bits it is a piece of the texel `piece` (rows times columns, plus column): `place` packs depth |
+// iy | ix in 4, 11 and 11 bits.
 struct Node {
     place: u32,
     piece: u32,
 }
 
 const PIECES = 15u;
+const MEMBERS = 14u;
 
 var<workgroup> stack: array<Node, STACK>;
 var<workgroup> stack_size: u32;
@@ -293,6 +318,215 @@ fn visit_piece(
     return visit;
 }
 
+// A piece of a texel of the source: the grid's column and row in an image, the image, and the piece's first
+// corner and side in texels.
+struct SourcePiece {
+    place: vec2<f32>,
+    image: u32,
+    low: vec2<f32>,
+    side: f32,
+}
+
+const PANORAMA = 1u;
+const CUBE = 2u;
+
+// A direction, and the solid angle of a unit of area in texels around it.
+struct Direction {
+    towards: vec3<f32>,
+    density: f32,
+}
+
+fn projected(point: vec3<f32>, area: f32) -> Direction {
+    let per_length = inverseSqrt(dot(point, point));
+    return Direction(point * per_length, area * per_length * per_length * per_length);
+}
+
+// Sine and cosine of up to a tenth.
+fn small_angle(angle: f32) -> vec2<f32> {
+    let squared = angle * angle;
+    return vec2<f32>(
+        angle * (1.0 - squared / 6.0 * (1.0 - squared / 20.0)),
+        1.0 - squared / 2.0 * (1.0 - squared / 12.0),
+    );
+}
+
+// Cosine and sine of the angle whose cosine and sine are `base`, plus `angle`.
+fn turned(base: vec2<f32>, angle: f32) -> vec2<f32> {
+    let small = small_angle(angle);
+    return vec2<f32>(base.x * small.y - base.y * small.x, base.y * small.y + base.x * small.x);
+}
+
+fn point_of_cube(face: u32, st: vec2<f32>) -> vec3<f32> {
+    switch face {
+        case 0u: { return vec3<f32>(1.0, -st.y, -st.x); }
+        case 1u: { return vec3<f32>(-1.0, -st.y, st.x); }
+        case 2u: { return vec3<f32>(st.x, 1.0, st.y); }
+        case 3u: { return vec3<f32>(st.x, -1.0, -st.y); }
+        case 4u: { return vec3<f32>(st.x, -st.y, 1.0); }
+        default: { return vec3<f32>(-st.x, -st.y, -1.0); }
+    }
+}
+
+// The place `at` of a piece, in texels from its texel's corner. `lower` selects the side of the fold for
+// places on it.
+fn source_direction(piece: SourcePiece, at: vec2<f32>, lower: bool) -> Direction {
+    let sides = vec2<f32>(f32(lobe.columns), f32(lobe.rows));
+    if lobe.source == PANORAMA {
+        let step = vec2<f32>(6.2831853, 3.14159265) / sides;
+        let off = (at - 0.5) * step;
+        let column = turned(angles[u32(piece.place.x)], off.x);
+        let row = turned(angles[lobe.columns + u32(piece.place.y)], off.y);
+        let sine = max(row.y, 0.0);
+        return Direction(vec3<f32>(sine * column.x, row.x, sine * column.y), sine * step.x * step.y);
+    }
+    let half = 0.5 * sides;
+    let from_axis = (piece.place - half) + at;
+    if lobe.source == CUBE {
+        let st = from_axis / half;
+        return projected(point_of_cube(piece.image, st), 1.0 / (half.x * half.y));
+    }
+    // No texel crosses an axis.
+    let signs = select(vec2<f32>(-1.0), vec2<f32>(1.0), piece.place >= half);
+    let ab = from_axis * signs;
+    let up = half.x - ab.x - ab.y;
+    let xz = select(ab, half - ab.yx, lower);
+    return projected(vec3<f32>(signs.x * xz.x, up, signs.y * xz.y) / half.x, 1.0 / (half.x * half.y));
+}
+
+// Gauss and Legendre's node `k` of three on [0, 1], and its weight.
+fn gauss(k: u32) -> vec2<f32> {
+    return vec2<f32>(0.5 + 0.3872983346 * (f32(k) - 1.0), select(0.2777777778, 0.4444444444, k == 1u));
+}
+
+// Piece (ix, iy) of the 2^depth x 2^depth of the texel in `column` of `row`, counted through all images.
+fn visit_source(
+    column: u32, row: u32, depth: u32, ix: u32, iy: u32, packet_axis: vec3<f32>, packet_radius: f32,
+) -> Visit {
+    var visit: Visit;
+    let image = row / lobe.rows;
+    let own_row = row % lobe.rows;
+    let texel = vec2<u32>(column >> lobe.shift_x, own_row >> lobe.shift_y);
+    let above = max(textureLoad(source, texel, image, 0).rgb - least[0].rgb, vec3<f32>());
+    if dot(above, LUMINANCE) <= 0.0 {
+        return visit;
+    }
+    let side = 1.0 / f32(1u << depth);
+    let low = vec2<f32>(f32(ix), f32(iy)) * side;
+    let piece = SourcePiece(vec2<f32>(f32(column), f32(own_row)), image, low, side);
+
+    // On the fold diagonal of an octahedral square a piece is two triangles.
+    var corner = low;
+    var along = vec2<f32>(side);
+    var triangles = false;
+    var below = false;
+    if lobe.source > CUBE {
+        let half = f32(lobe.rows / 2u);
+        let outwards = piece.place >= vec2<f32>(half);
+        let first = select(half - piece.place - low - side, piece.place - half + low, outwards);
+        let sum = first.x + first.y;
+        triangles = sum < half && sum + 2.0 * side > half;
+        below = sum >= half;
+        // The corner nearest to the axes.
+        corner = select(low + side, low, outwards);
+        along = select(vec2<f32>(-side), vec2<f32>(side), outwards);
+    }
+    var nodes: array<vec3<f32>, 18>;
+    var weights: array<f32, 18>;
+    var centroid = vec3<f32>();
+    var total = 0.0;
+    let count = select(9u, 18u, triangles);
+    for (var n = 0u; n < count; n++) {
+        let u = gauss(n % 3u);
+        let v = gauss(n / 3u % 3u);
+        var weight = u.y * v.y * side * side;
+        var at = corner + along * vec2<f32>(u.x, v.x);
+        var lower = below;
+        if triangles {
+            // Nodes shrink towards the corner off the diagonal.
+            lower = n >= 9u;
+            let offset = along * vec2<f32>(1.0 - v.x, v.x) * u.x;
+            at = select(corner + offset, corner + along - offset, lower);
+            weight *= u.x;
+        }
+        let node = source_direction(piece, at, lower);
+        nodes[n] = node.towards - packet_axis;
+        weights[n] = weight * node.density;
+        centroid += weights[n] * nodes[n];
+        total += weights[n];
+    }
+    centroid /= total;
+    visit.leaf.offset = centroid;
+    for (var n = 0u; n < count; n++) {
+        let apart = nodes[n] - centroid;
+        let share = weights[n] / total;
+        visit.leaf.diagonal += share * apart * apart;
+        visit.leaf.mixed += share * apart.yzx * apart.zxy;
+    }
+    for (var n = 0u; n < 4u; n++) {
+        let at = corner + along * vec2<f32>(f32(n & 1u), f32(n >> 1u));
+        let reached = source_direction(piece, at, select(below, n == 3u, triangles)).towards - packet_axis - centroid;
+        visit.leaf.radius = max(visit.leaf.radius, length(reached));
+    }
+    // Float32 directions are in error by less than 2^-22.
+    visit.leaf.radius += 5e-7;
+    visit.leaf.energy = above * total;
+    visit.luminance = dot(visit.leaf.energy, LUMINANCE);
+    let trace = visit.leaf.diagonal.x + visit.leaf.diagonal.y + visit.leaf.diagonal.z;
+    visit.error = visit.luminance
+        * expected_error(kernel(), length(centroid), visit.leaf.radius, packet_radius, trace);
+    return visit;
+}
+
+// First run of the cell in column `i` of row `j`.
+fn first_run(i: u32, j: u32) -> u32 {
+    return members[j * lobe.cells + i];
+}
+
+// The texels of the source in cell (i, j), as a node.
+fn members_of(i: u32, j: u32) -> Node {
+    let first = first_run(i, j);
+    return Node((MEMBERS << 28u) | (members[j * lobe.cells + i + 1u] - first), first);
+}
+
+// Child `k` of a node of level MEMBERS.
+fn member_child(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> Child {
+    var child: Child;
+    if ((node.place >> 26u) & 1u) != 0u {
+        let depth = ((node.place >> 22u) & 15u) + 1u;
+        let ix = 2u * (node.place & 0x7ffu) + (k & 1u);
+        let iy = 2u * ((node.place >> 11u) & 0x7ffu) + (k >> 1u);
+        let row = node.piece / lobe.columns;
+        child.visit =
+            visit_source(node.piece % lobe.columns, row, depth, ix, iy, packet_axis, packet_radius);
+        child.node = Node((MEMBERS << 28u) | (1u << 26u) | (depth << 22u) | (iy << 11u) | ix, node.piece);
+        child.splits = depth < SOURCE_DEPTH;
+        return child;
+    }
+    var run = node.piece;
+    var runs = node.place & 0xfffffu;
+    var at = ((node.place >> 20u) & 63u) + k;
+    let first = lobe.cells * lobe.cells + 1u;
+    while runs > 0u && at >= members[first + 3u * run + 2u] {
+        at -= members[first + 3u * run + 2u];
+        run += 1u;
+        runs -= 1u;
+    }
+    if runs == 0u {
+        return child;
+    }
+    if k == 3u {
+        child.node = Node((MEMBERS << 28u) | (at << 20u) | runs, run);
+        child.rest = true;
+        return child;
+    }
+    let column = members[first + 3u * run] + at;
+    let row = members[first + 3u * run + 1u];
+    child.visit = visit_source(column, row, 0u, 0u, 0u, packet_axis, packet_radius);
+    child.node = Node((MEMBERS << 28u) | (1u << 26u), row * lobe.columns + column);
+    child.splits = true;
+    return child;
+}
+
 // Sums over the leaves for one direction.
 struct Sums {
     radiance: vec3<f32>,
@@ -341,12 +575,17 @@ struct Child {
     node: Node,
     // Whether it may be split further.
     splits: bool,
+    // Whether it is the rest of a list, which must be visited.
+    rest: bool,
 }
 
 fn child_of(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> Child {
     let level = node.place >> 28u;
     let i = node.place & 0x3fffu;
     let j = (node.place >> 14u) & 0x3fffu;
+    if level == MEMBERS {
+        return member_child(node, k, packet_axis, packet_radius);
+    }
     if level == PIECES {
         let depth = ((node.piece >> 26u) & 15u) + 1u;
         var quadrant = node.piece >> 30u;
@@ -361,17 +600,23 @@ fn child_of(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> C
             visit_piece(i, j, quadrant, depth, ix, iy, packet_axis, packet_radius),
             Node(node.place, (quadrant << 30u) | (depth << 26u) | (iy << 13u) | ix),
             depth < DEPTH,
+            false,
         );
     }
     let x = 2u * i + (k & 1u);
     let y = 2u * j + (k >> 1u);
     // Below the finest level, nodes are pieces of texels.
     let below = select(PIECES, level - 1u, level > 0u);
-    return Child(
+    var child = Child(
         visit_cell(quad_at(level, i, j), k, packet_axis, packet_radius),
         Node((below << 28u) | (y << 14u) | x, 0u),
         level > 0u || lobe.to_texels != 0u,
+        false,
     );
+    if level == 0u && lobe.source != 0u && child.visit.luminance > 0.0 {
+        child.node = members_of(x, y);
+    }
+    return child;
 }
 
 // Adds the partial sums of one direction, stored in the leaves' memory by `leave_sums`.
@@ -453,6 +698,8 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
             // contribute nothing; skip them.
             push = child.visit.error > tolerance && child.splits && size + GROUP_SIZE <= STACK
                 && child.visit.luminance > 0.0;
+            // A rest takes the place of the node it came from.
+            push = push || child.rest;
             let bit = 1u << (lane & 31u);
             if push {
                 atomicOr(&pushes[lane >> 5u], bit);

@@ -116,8 +116,11 @@ pub(crate) fn fitted_count(text: Option<&str>) -> Result<u32, String> {
 pub struct Answer {
     /// Radiance of the lobe.
     pub radiance: Rgb,
-    /// Certified bound on the luminance error against exhaustive integration over the OEM; `None` if the
-    /// filter has none.
+    /// Certified bound on the luminance error against exhaustive integration over the source, constant over
+    /// each texel's solid angle; `None` if the filter has none.
+    ///
+    /// Lobes of less than four texels of the octahedral map blend into bilinear interpolation of the map;
+    /// there the bound is against the same blend.
     pub bound: Option<f32>,
 }
 

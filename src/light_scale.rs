@@ -76,13 +76,21 @@ impl LightScale {
         if self.exponent == 0 {
             return Cow::Borrowed(environment);
         }
+        let texels = environment.texels().par_iter().map(|texel| self.scaled_texel(*texel)).collect();
+        Cow::Owned(environment.with_texels(texels))
+    }
+
+    /// `texel` multiplied by 2^k.
+    #[inline]
+    pub(crate) fn scaled_texel(self, texel: Rgb) -> Rgb {
+        if self.exponent == 0 {
+            return texel;
+        }
         let (scale, least) = (power_of_two(self.exponent), power_of_two(FLUSHED));
-        let channel = |value: f32| {
+        texel.map(|value| {
             let scaled = f64::from(value) * scale;
             if scaled < least { 0.0 } else { scaled as f32 }
-        };
-        let texels = environment.texels().par_iter().map(|texel| texel.map(channel)).collect();
-        Cow::Owned(environment.with_texels(texels))
+        })
     }
 
     /// Converts radiance of the scaled light to radiance of the source.

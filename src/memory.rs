@@ -133,7 +133,8 @@ fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64
     let parts = job.levels();
     let served =
         |part: &LevelJob| Served { lobe: part.lobe, roughness: part.spec.roughness, filter: part.filter };
-    let tables = Tables::of(size, block, reflector.scan, &parts.iter().map(served).collect::<Vec<_>>());
+    let served: Vec<_> = parts.iter().map(served).collect();
+    let tables = Tables::of(environment.layout(), size, block, reflector.scan, &served);
     let (mut levels, mut baking, mut largest) = (0, 0, 0);
     for part in parts {
         let texels = part.spec.layout.texel_count() as u64;

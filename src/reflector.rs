@@ -3,13 +3,14 @@
 use crate::analysis::oracle::Oracle;
 use crate::cpu::adaptive::Adaptive;
 use crate::cpu::box_filter::BoxFilter;
-use crate::cpu::cells::Cells;
+use crate::cpu::cells::{Cells, SourceLight};
 use crate::cpu::fitted::{Fitted, finest_octave};
 use crate::cpu::leaves::{LANES, Packet, Scratch};
 use crate::cpu::{blur, mirror, reparameterise};
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
+use crate::geometry::source_texels::SourceTexels;
 use crate::geometry::tent::Reconstruction;
 use crate::light_scale::LightScale;
 use crate::lobe::kernel::Kernel;
@@ -88,7 +89,8 @@ impl ReflectorSettings {
     ) -> Result<()> {
         let bytes = |settings: &Self| {
             let (size, block) = settings.plan(layout)?;
-            Ok(layout.texel_count() as u64 * SOURCE + Tables::of(size, block, settings.scan, served).peak())
+            Ok(layout.texel_count() as u64 * SOURCE
+                + Tables::of(layout, size, block, settings.scan, served).peak())
         };
         let needed = match bytes(self) {
             Ok(needed) if needed <= limit => return Ok(()),
@@ -112,7 +114,7 @@ impl ReflectorSettings {
         largest_oem(self.fitted, |size| {
             let settings = Self { oem_size: Some(size), ..*self };
             let plan = settings.plan(layout);
-            let peak = |(size, block)| source + Tables::of(size, block, self.scan, served).peak();
+            let peak = |(size, block)| source + Tables::of(layout, size, block, self.scan, served).peak();
             plan.is_ok_and(|plan| peak(plan) <= limit)
         })
     }
@@ -177,9 +179,10 @@ pub struct Reflector<'a> {
     environment: Cow<'a, Environment>,
     /// Scale of the OEM's light.
     scale: LightScale,
-    oem: Oem,
+    size: OemSize,
+    oem: OnceLock<Oem>,
     settings: ReflectorSettings,
-    constant: OnceLock<Cells>,
+    source: OnceLock<Cells>,
     bilinear: OnceLock<Cells>,
     sat: OnceLock<Sat>,
     soft: OnceLock<SoftTables>,
@@ -192,8 +195,7 @@ impl<'a> Reflector<'a> {
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if building it takes more than
     /// `crate::memory::LIMIT`.
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
-        let (scale, oem) = scaled_oem(environment, settings)?;
-        Ok(Self::of(Cow::Borrowed(environment), scale, oem, *settings))
+        Self::prepared(Cow::Borrowed(environment), settings)
     }
 
     /// [`Reflector::new`] for an environment that the reflector owns.
@@ -201,28 +203,43 @@ impl<'a> Reflector<'a> {
     /// # Errors
     /// Those of [`Reflector::new`].
     pub fn owning(environment: Environment, settings: &ReflectorSettings) -> Result<Reflector<'static>> {
-        let (scale, oem) = scaled_oem(&environment, settings)?;
-        Ok(Reflector::of(Cow::Owned(environment), scale, oem, *settings))
+        Reflector::prepared(Cow::Owned(environment), settings)
     }
 
     /// A reflector over an existing OEM, built with `settings`. Answers are in the OEM's units.
     #[cfg(feature = "gpu")]
     pub(crate) fn over(environment: &'a Environment, oem: Oem, settings: ReflectorSettings) -> Self {
-        Self::of(Cow::Borrowed(environment), LightScale::default(), oem, settings)
+        let size = oem.size();
+        Self::of(Cow::Borrowed(environment), LightScale::default(), size, OnceLock::from(oem), settings)
+    }
+
+    fn prepared(environment: Cow<'a, Environment>, settings: &ReflectorSettings) -> Result<Self> {
+        settings.check_memory("this reflector", environment.layout(), &[], LIMIT)?;
+        let (size, _) = settings.plan(environment.layout())?;
+        let scale = LightScale::of(&environment);
+        let oem = OnceLock::new();
+        // Cells of the source may be all that is used.
+        if !reparameterise::is_infallible(environment.layout(), size) {
+            let made = reparameterise::oem_from_environment(&scale.scaled(&environment), size)?;
+            oem.get_or_init(|| made);
+        }
+        Ok(Self::of(environment, scale, size, oem, *settings))
     }
 
     const fn of(
         environment: Cow<'a, Environment>,
         scale: LightScale,
-        oem: Oem,
+        size: OemSize,
+        oem: OnceLock<Oem>,
         settings: ReflectorSettings,
     ) -> Self {
         Self {
             environment,
             scale,
+            size,
             oem,
             settings,
-            constant: OnceLock::new(),
+            source: OnceLock::new(),
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
             soft: OnceLock::new(),
@@ -238,8 +255,17 @@ impl<'a> Reflector<'a> {
     /// The OEM, in the source's own space. Its light is that of the source times
     /// 2^[`Reflector::light_exponent`].
     #[must_use]
-    pub const fn oem(&self) -> &Oem {
-        &self.oem
+    pub fn oem(&self) -> &Oem {
+        self.oem.get_or_init(|| {
+            let source = self.scale.scaled(&self.environment);
+            reparameterise::oem_from_environment(&source, self.size).expect("checked when prepared")
+        })
+    }
+
+    /// Size of the OEM.
+    #[must_use]
+    pub(crate) const fn size(&self) -> OemSize {
+        self.size
     }
 
     /// The exponent k, where the OEM holds the source's light times 2^k: 0 for light from 2^-60 to 2^60.
@@ -250,35 +276,49 @@ impl<'a> Reflector<'a> {
         self.scale.exponent()
     }
 
-    /// Total energy of the OEM, red, green and blue, in the source's own units.
+    /// Total energy of the light that lobes read, red, green and blue, in the source's own units: that of the
+    /// cells of the source, or of the OEM.
     pub(crate) fn energy(&self) -> [f64; 3] {
-        let [red, green, blue, _] = self.oem.totals();
-        self.scale.energies([red, green, blue])
+        let energy = self.source.get().and_then(Cells::energy).unwrap_or_else(|| {
+            let [red, green, blue, _] = self.oem().totals();
+            [red, green, blue]
+        });
+        self.scale.energies(energy)
     }
 
     /// The OEM's exact table.
     pub fn sat(&self) -> &Sat {
-        self.sat.get_or_init(|| Sat::new(&self.oem, self.settings.scan))
+        self.sat.get_or_init(|| Sat::new(self.oem(), self.settings.scan))
     }
 
-    /// The OEM's cells under one reconstruction.
-    pub fn cells(&self, reconstruction: Reconstruction) -> &Cells {
-        let cells = match reconstruction {
-            Reconstruction::Constant => &self.constant,
-            Reconstruction::Bilinear => &self.bilinear,
-        };
-        let block = self.settings.block(self.oem.size().inner);
-        cells.get_or_init(|| Cells::new(&self.oem, block, reconstruction))
+    /// Cells of the source's texels, for lobes wider than the OEM's texels.
+    fn source_cells(&self) -> &Cells {
+        self.source.get_or_init(|| {
+            let inner = self.size.inner;
+            let texels = SourceTexels::new(self.environment.layout());
+            Cells::of_source(texels, self.light(), inner.div_ceil(self.settings.block(inner)))
+        })
+    }
+
+    /// Cells of the OEM, interpolated bilinearly.
+    fn bilinear_cells(&self) -> &Cells {
+        let block = self.settings.block(self.size.inner);
+        self.bilinear.get_or_init(|| Cells::new(self.oem(), block, Reconstruction::Bilinear))
+    }
+
+    /// The light of the source, scaled as the OEM's.
+    fn light(&self) -> SourceLight<'_> {
+        SourceLight::new(&self.environment, self.scale)
     }
 
     /// Emitters, and blurred tables and harmonics of the residual map. The OEM's size must be a power of two.
     fn soft(&self) -> &SoftTables {
         self.soft.get_or_init(|| {
-            let (emitters, rest) = emitters::extracted(&self.oem);
+            let (emitters, rest) = emitters::extracted(self.oem());
             let sat = Sat::new(&rest, self.settings.scan);
             SoftTables {
                 emitters,
-                blurred: (0..=finest_octave(self.oem.size().inner)).map(|_| OnceLock::new()).collect(),
+                blurred: (0..=finest_octave(self.size.inner)).map(|_| OnceLock::new()).collect(),
                 harmonics: sh::table_harmonics(&sat),
                 least: rest.least_radiance(),
                 sat,
@@ -297,8 +337,8 @@ impl<'a> Reflector<'a> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
-        filter.check(lobe, Some(self.oem.size().inner))?;
-        let settings = ReflectorSettings { oem_size: Some(self.oem.size().inner), ..self.settings };
+        filter.check(lobe, Some(self.size.inner))?;
+        let settings = ReflectorSettings { oem_size: Some(self.size.inner), ..self.settings };
         let served = [Served { lobe, roughness, filter }];
         settings.check_memory("this reflector", self.environment.layout(), &served, LIMIT)?;
         let alpha = roughness * roughness;
@@ -310,17 +350,17 @@ impl<'a> Reflector<'a> {
                 let table = Table::of(count).expect("checked");
                 let SoftTables { emitters, sat, blurred, harmonics, least } = self.soft();
                 let blurred = |octave| blurred[octave as usize].get_or_init(|| blur::blurred(sat, octave));
-                Method::Fitted(Fitted::new(table, alpha, &self.oem, emitters, *least, &blurred, harmonics))
+                Method::Fitted(Fitted::new(table, alpha, self.oem(), emitters, *least, &blurred, harmonics))
             }
-            Filter::Adaptive(_) if mirror => Method::Mirror(&self.oem, self.oem.least_radiance()),
+            Filter::Adaptive(_) if mirror => Method::Mirror(self.oem(), self.oem().least_radiance()),
             Filter::Adaptive(error) => {
-                let share = bilinear_share(lobe, alpha, self.oem.size().inner);
-                let over = |reconstruction, share| {
-                    Adaptive::new(self.cells(reconstruction), Kernel::new(lobe, alpha), error).scaled(share)
-                };
+                let share = bilinear_share(lobe, alpha, self.size.inner);
+                let kernel = Kernel::new(lobe, alpha);
+                let over = |cells| Adaptive::new(cells, kernel, error);
                 Method::Adaptive {
-                    constant: (share < 1.0).then(|| over(Reconstruction::Constant, 1.0 - share)),
-                    bilinear: (share > 0.0).then(|| over(Reconstruction::Bilinear, share)),
+                    source: (share < 1.0)
+                        .then(|| over(self.source_cells()).lit_by(self.light()).scaled(1.0 - share)),
+                    bilinear: (share > 0.0).then(|| over(self.bilinear_cells()).scaled(share)),
                     widest: WIDEST_PACKET * lobe::full_width_at_half_maximum(lobe, alpha),
                 }
             }
@@ -368,14 +408,6 @@ impl<'a> Reflector<'a> {
 /// Directions of one task of [`Reflector::query_all`].
 const BLOCK: usize = 500;
 
-/// The OEM of `environment`, and the scale of its light.
-fn scaled_oem(environment: &Environment, settings: &ReflectorSettings) -> Result<(LightScale, Oem)> {
-    settings.check_memory("this reflector", environment.layout(), &[], LIMIT)?;
-    let (size, _) = settings.plan(environment.layout())?;
-    let scale = LightScale::of(environment);
-    Ok((scale, reparameterise::oem_from_environment(&scale.scaled(environment), size)?))
-}
-
 /// Checks that all answers to a query are valid numbers.
 ///
 /// # Errors
@@ -408,7 +440,7 @@ struct SoftTables {
 #[derive(Debug)]
 enum Method<'r> {
     Adaptive {
-        constant: Option<Adaptive<'r>>,
+        source: Option<Adaptive<'r>>,
         bilinear: Option<Adaptive<'r>>,
         /// Greatest distance of directions that share a traversal.
         widest: f64,
@@ -449,7 +481,7 @@ impl Lobes<'_> {
         let first_answer = answers.len();
         let unbounded = |radiance: Rgb| Answer { radiance, bound: None };
         match &self.method {
-            Method::Adaptive { constant, bilinear, widest } => {
+            Method::Adaptive { source, bilinear, widest } => {
                 let mut turned = [DVec3::ZERO; LANES];
                 // Directions many lobes apart share no leaves: a common cut would resolve the whole area
                 // between them.
@@ -462,7 +494,7 @@ impl Lobes<'_> {
                     let packet = Packet::new(&turned[..group.len()]);
                     let first = answers.len();
                     answers.extend(group.iter().map(|_| Answer { radiance: [0.0; 3], bound: Some(0.0) }));
-                    for part in [constant, bilinear].into_iter().flatten() {
+                    for part in [source, bilinear].into_iter().flatten() {
                         let shares = part.evaluate(&packet, &mut workspace.scratch);
                         workspace.leaves += shares.leaves as u64;
                         for (lane, answer) in answers[first..].iter_mut().enumerate() {

@@ -4,7 +4,9 @@
 //! program took, in bytes a texel: OEM 28.4, box filter table 47, fitted tables 64, cells of one texel 161
 //! for one reconstruction and 246 for both.
 
+use crate::environment::Layout;
 use crate::filter::Filter;
+use crate::geometry::source_texels::most_runs;
 use crate::lobe::Lobe;
 use crate::oem::{OemSize, bilinear_share};
 use crate::sat::Scan;
@@ -24,6 +26,8 @@ const TABLE: u64 = 32;
 const CELL: u64 = 75 + 12;
 /// Bytes of a leaf cell during construction: the cell and its share of the next level.
 const CELL_MAKING: u64 = 70;
+/// Bytes of a run of the source's texels, and of the list that it is sorted from.
+const RUN: u64 = 12 + 16;
 /// A lobe to evaluate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Served {
@@ -41,31 +45,35 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    pub(crate) fn of(size: OemSize, block: u32, scan: Scan, served: &[Served]) -> Self {
+    /// Those over a source of `layout`.
+    pub(crate) fn of(layout: Layout, size: OemSize, block: u32, scan: Scan, served: &[Served]) -> Self {
         let square = |side: u32| u64::from(side) * u64::from(side);
         let (inner, bordered) = (square(size.inner), square(size.bordered()));
         let border = if size.border > 0 { OEM * bordered } else { 0 };
-        let (mut bilinear, mut constant, mut boxes, mut fitted) = (false, false, false, false);
+        let (mut bilinear, mut source, mut boxes, mut fitted) = (false, false, false, false);
         for &Served { lobe, roughness, filter } in served {
             match filter {
                 Filter::Adaptive(_) if lobe.has_mirror() && roughness == 0.0 => {}
                 Filter::Adaptive(_) => {
                     let share = bilinear_share(lobe, roughness * roughness, size.inner);
                     bilinear |= share > 0.0;
-                    constant |= share < 1.0;
+                    source |= share < 1.0;
                 }
                 Filter::Fitted(_) => fitted = true,
                 Filter::Box => boxes = true,
                 Filter::Reference => {}
             }
         }
-        let trees = u64::from(bilinear) + u64::from(constant);
-        let cells = square(size.inner.div_ceil(block.max(1)));
+        let trees = u64::from(bilinear) + u64::from(source);
+        let width = size.inner.div_ceil(block.max(1));
+        let cells = square(width);
+        let runs = if source { most_runs(layout, width) } else { 0 };
         // Recursive doubling alternates between the table and a copy.
         let copied = matches!(scan, Scan::Hensley { .. }) && (boxes || fitted);
         let resident = OEM * bordered
             + if copied { TABLE * bordered } else { 0 }
             + cells * (CELL * trees + CELL_MAKING * trees.min(1))
+            + runs * RUN
             + if boxes { TABLE * bordered } else { 0 }
             // The residual map, its table, and the coarse blurred tables.
             + if fitted { (OEM + TABLE + 4) * bordered } else { 0 };

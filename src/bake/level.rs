@@ -52,7 +52,7 @@ pub(crate) fn bake_level(
         return Ok(BakedLevel::unbounded(texels));
     }
     let lobes = reflector.lobes(lobe, spec.roughness, filter)?;
-    let tiling = Tiling::new(reflector.oem().size().inner, spec, lobe);
+    let tiling = Tiling::new(reflector.size().inner, spec, lobe);
     let rows = (0..tiling.rows())
         .into_par_iter()
         .map_init(

@@ -60,7 +60,7 @@ pub(crate) trait BakeEngine {
     /// Bakes `level`; calls `advance` with the number of texels done and stops at its error.
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel>;
 
-    /// The OEM's size, and its energy in the source's units.
+    /// The OEM's size, and the energy of the light that lobes read in the source's units.
     async fn oem(&self) -> Result<(OemSize, [f64; 3])>;
 }
 
@@ -70,7 +70,7 @@ impl BakeEngine for Reflector<'_> {
     }
 
     async fn oem(&self) -> Result<(OemSize, [f64; 3])> {
-        Ok((Self::oem(self).size(), self.energy()))
+        Ok((self.size(), self.energy()))
     }
 }
 

@@ -25,15 +25,20 @@
 //! radial part (l - m).m, whose deviation is at most sqrt(tr C) rho/2 (Bhatia and Davis 2000 on [1 - rho^2/2,
 //! 1]), so V lies within (sqrt((R - m).C.(R - m)) +- sqrt(tr C) rho/2)^2/4.
 //!
+//! Cells of the source's own texels, each constant over its solid angle, have exact moments; those of the OEM
+//! have the moments of a texel's spread. The bound is against the integral over the light so described, with
+//! W in closed form.
+//!
 //! Cells are split where the error to be expected, times their energy, exceeds the tolerance for any
 //! direction of the packet. Which cells are leaves decides how tight the bound is, never whether it holds.
 
-use super::cells::{Cells, Quad, omitted_radiance};
+use super::cells::{Cells, Finest, Quad, SourceLight};
 use super::leaves::{LANES, Leaf, Packet, Scratch};
-use super::subtexel;
+use super::subtexel::{self, Source, Spread};
 use crate::environment::{LUMINANCE, Rgb};
 use crate::lobe::kernel::{Kernel, with_radial};
 use crate::lobe::radial::{Radial, expected_error};
+use glam::Vec3;
 use std::f64::consts::PI;
 
 /// The least error that [`crate::filter::Filter::Adaptive`] takes.
@@ -91,6 +96,8 @@ fn expected_errors<R: Radial>(kernel: R, packet: &Packet, quads: &[&Quad; QUADS]
 #[derive(Debug)]
 pub struct Adaptive<'a> {
     pub(super) cells: &'a Cells,
+    /// The light of the source, where the finest cells hold its texels.
+    pub(super) light: Option<SourceLight<'a>>,
     kernel: Kernel,
     /// Greatest expected error of a leaf, in units of the kernel times energy.
     pub(super) tolerance: f64,
@@ -122,7 +129,14 @@ impl<'a> Adaptive<'a> {
     #[must_use]
     pub fn new(cells: &'a Cells, kernel: Kernel, error: f64) -> Self {
         let tolerance = kernel.tolerance_per_mean(error) * cells.mean_luminance;
-        Self { cells, kernel, tolerance, scale: 1.0, arch: pulp::Arch::new() }
+        Self { cells, light: None, kernel, tolerance, scale: 1.0, arch: pulp::Arch::new() }
+    }
+
+    /// The same over [`Cells::of_source`]: subdivides cells down to texels of `light`, and further.
+    #[must_use]
+    pub(crate) fn lit_by(mut self, light: SourceLight<'a>) -> Self {
+        self.light = Some(light);
+        self
     }
 
     /// The same, as a part of `share` in a mixture: scales answers and bounds by `share`.
@@ -174,9 +188,24 @@ impl<'a> Adaptive<'a> {
                             scratch.stack.push((level - 1, i, j));
                             continue;
                         }
-                        if cells.block == 1 {
-                            subtexel::refine((self.cells, self.tolerance), kernel, (i, j), packet, scratch);
-                            continue;
+                        match (&cells.finest, &self.light) {
+                            (Finest::Texels { n, reconstruction, energies }, _) => {
+                                let spread = Spread { n: *n, reconstruction: *reconstruction, energies };
+                                subtexel::refine((&spread, self.tolerance), kernel, (i, j), packet, scratch);
+                                continue;
+                            }
+                            (Finest::Source(members), Some(light)) => {
+                                let source = Source { members, light, least: Vec3::from(cells.least) };
+                                subtexel::refine_members(
+                                    (&source, self.tolerance),
+                                    kernel,
+                                    (i, j),
+                                    packet,
+                                    scratch,
+                                );
+                                continue;
+                            }
+                            _ => {}
                         }
                     }
                     scratch.leaves.push(Leaf::new(quad, k, packet.axis));
@@ -231,8 +260,7 @@ impl<'a> Adaptive<'a> {
         let energy = 4.0 * PI * self.cells.mean_luminance;
         let products = f64::from(f32::MIN_POSITIVE) * scratch.leaves.len() as f64;
         let underflow = (f64::from(self.kernel.underflow()) * energy + products) * per_integral;
-        let omitted =
-            if energy > 0.0 { self.scale * omitted_radiance(self.cells.n) + underflow } else { 0.0 };
+        let omitted = if energy > 0.0 { self.scale * self.cells.omitted + underflow } else { 0.0 };
         let grazing = f64::from(grazing) * GRAZING_ROUNDING * self.kernel.grazing_slope() * per_integral;
         let mut shares =
             Shares { radiance: [[0.0; 3]; LANES], bound: [0.0; LANES], leaves: scratch.leaves.len() };

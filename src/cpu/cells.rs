@@ -5,11 +5,19 @@
 //! (|centroid - R|^2 + trace of the covariance)/4 and its variance R.covariance.R/4 (the centre of mass of
 //! Barnes and Hut 1986, the clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least
 //! radiance c of each channel, E - c*w, so that a constant environment is black and dark cells stay coarse.
+//!
+//! The finest cells hold texels of the OEM, or of the source. Texels of the source belong to the cell that
+//! contains their centroid, whole: their moments are exact, so nothing is spread over an OEM texel. A cell's
+//! reach encloses its texels, whatever their size.
 
-use crate::environment::LUMINANCE;
+use crate::environment::{Environment, LUMINANCE, Rgb, exact_luminance};
+#[cfg(feature = "gpu")]
+use crate::geometry::source_texels::SourceGrid;
+use crate::geometry::source_texels::{RunSums, SourceTexels, Texel, longest_run};
 use crate::geometry::tent::{Patch, Reconstruction, Tents};
+use crate::light_scale::LightScale;
 use crate::oem::Oem;
-use glam::{Vec3, Vec3Swizzles as _};
+use glam::{DVec3, Vec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Four sibling cells, field by field, so that one visit evaluates all four.
@@ -81,24 +89,202 @@ pub(super) struct CellLevel {
     pub(super) width: u32,
 }
 
-/// The quadtree over an OEM's square.
+/// What the finest cells hold, for their subdivision.
+#[derive(Debug)]
+pub(super) enum Finest {
+    /// Blocks, which are not subdivided.
+    Blocks,
+    /// Texels of an OEM of `n` x `n`, with their energies above the least radiance.
+    Texels { n: u32, reconstruction: Reconstruction, energies: Vec<Rgb> },
+    /// Texels of the source.
+    Source(Members),
+}
+
+/// Consecutive texels of one row of the source.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Run {
+    /// The first texel's column, and its row counted through all images.
+    pub(super) column: u32,
+    pub(super) row: u32,
+    pub(super) count: u32,
+}
+
+/// The texels of the source in every cell.
+#[derive(Debug)]
+pub(super) struct Members {
+    pub(super) texels: SourceTexels,
+    /// Cells along an edge.
+    width: u32,
+    /// First run of each cell, row by row, and the number of all runs.
+    starts: Vec<u32>,
+    runs: Vec<Run>,
+}
+
+impl Members {
+    /// Assigns the texels to `width` x `width` cells.
+    fn new(texels: SourceTexels, width: u32) -> Self {
+        let (columns, rows) = texels.sides();
+        let longest = longest_run(columns);
+        let of_row = |row: u32| {
+            let mut runs: Vec<(u32, Run)> = Vec::new();
+            let mut column = 0;
+            texels.for_each_centroid(row, |centroid| {
+                let cell = cell_of(centroid, width);
+                match runs.last_mut() {
+                    Some((last, run)) if *last == cell && run.count < longest => run.count += 1,
+                    _ => runs.push((cell, Run { column, row, count: 1 })),
+                }
+                column += 1;
+            });
+            runs
+        };
+        let by_row: Vec<Vec<(u32, Run)>> = (0..rows).into_par_iter().map(of_row).collect();
+        // A stable counting sort.
+        let mut starts = vec![0_u32; width as usize * width as usize + 1];
+        for (cell, _) in by_row.iter().flatten() {
+            starts[*cell as usize + 1] += 1;
+        }
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        let mut next = starts.clone();
+        let mut runs = vec![Run::default(); starts[starts.len() - 1] as usize];
+        for (cell, run) in by_row.iter().flatten() {
+            let place = &mut next[*cell as usize];
+            runs[*place as usize] = *run;
+            *place += 1;
+        }
+        Self { texels, width, starts, runs }
+    }
+
+    /// The runs of texels in the cell in column `i` of row `j`.
+    pub(super) fn of(&self, i: u32, j: u32) -> &[Run] {
+        let cell = (j * self.width + i) as usize;
+        &self.runs[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+}
+
+/// Tables with which `shaders/adaptive.wgsl` subdivides cells of a source.
+#[cfg(feature = "gpu")]
+pub(crate) struct Source {
+    /// Cells along an edge.
+    pub(crate) width: u32,
+    pub(crate) grid: SourceGrid,
+    /// First run of each cell and the number of runs, then every run's column, row and number of texels.
+    pub(crate) members: Vec<u32>,
+    /// Cosine and sine of the longitudes of a panorama's columns, then of the polar angles of its rows.
+    pub(crate) angles: Vec<[f32; 2]>,
+}
+
+/// The cell, of `width` x `width`, that contains the direction of `centroid`.
+#[inline(always)]
+fn cell_of(centroid: Vec3, width: u32) -> u32 {
+    let a = centroid.abs();
+    let per_sum = 1.0 / (a.x + a.y + a.z);
+    let (u, v) = (a.x * per_sum, a.z * per_sum);
+    let (u, v) = if centroid.y >= 0.0 { (u, v) } else { (1.0 - v, 1.0 - u) };
+    let half = 0.5 * width as f32;
+    let place = |t: f32, sign: f32| ((half + t.copysign(sign) * half) as u32).min(width - 1);
+    place(v, centroid.z) * width + place(u, centroid.x)
+}
+
+/// The light of the source that cells are built from, times the scale of the other tables.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SourceLight<'a> {
+    texels: &'a [Rgb],
+    scale: LightScale,
+}
+
+impl<'a> SourceLight<'a> {
+    pub(crate) fn new(environment: &'a Environment, scale: LightScale) -> Self {
+        Self { texels: environment.texels(), scale }
+    }
+
+    /// The radiance of texel `index`.
+    #[inline]
+    pub(super) fn radiance(&self, index: usize) -> Vec3 {
+        Vec3::from(self.scale.scaled_texel(self.texels[index]))
+    }
+
+    /// The least radiance of each channel.
+    fn least(&self) -> Vec3 {
+        let least =
+            |chunk: &[Rgb]| chunk.iter().fold(Vec3::INFINITY, |least, texel| least.min(Vec3::from(*texel)));
+        let least = self.texels.par_chunks(1 << 16).map(least).reduce(|| Vec3::INFINITY, Vec3::min);
+        Vec3::from(self.scale.scaled_texel(least.to_array()))
+    }
+}
+
+/// The texels of a source and their light.
+struct Lit<'a> {
+    texels: &'a SourceTexels,
+    light: SourceLight<'a>,
+    least: Vec3,
+}
+
+impl Lit<'_> {
+    /// Appends the light of `run` to `cells`; raises `faint` to the greatest luminance that is cut.
+    #[inline(always)]
+    fn gather(&self, run: &Run, cells: &mut Vec<Cell>, faint: &mut f64) {
+        let Run { column: first, row: y, count } = *run;
+        let weights = Vec3::from(LUMINANCE);
+        let source_row = self.texels.source_row(y);
+        // The energy of the texel in column `x`.
+        let mut energy = |x: u32, solid_angle: f32| {
+            let above = self.light.radiance(source_row + self.texels.source_column(x)) - self.least;
+            let all = above * solid_angle;
+            let lit = all.cmpgt(Vec3::splat(FAINT));
+            if lit.all() {
+                return all;
+            }
+            // A lobe's answer is a mean of radiance: what is cut adds at most its greatest.
+            *faint = faint.max(exact_luminance(Vec3::select(lit, Vec3::ZERO, above).to_array()));
+            Vec3::select(lit, all, Vec3::ZERO)
+        };
+        match self.texels.panorama_row(y).filter(|_| count > 1) {
+            Some(row) => {
+                let (mut sums, mut sum) = (RunSums::default(), Vec3::ZERO);
+                let (mut from, mut to) = (u32::MAX, 0);
+                for x in first..first + count {
+                    let own = energy(x, row.solid_angle());
+                    let luminance = own.dot(weights);
+                    sum += own;
+                    row.add(&mut sums, first, x, luminance);
+                    if luminance > 0.0 {
+                        (from, to) = (from.min(x), x);
+                    }
+                }
+                if from <= to {
+                    let patch = row.patch(&sums, first, [from, to]);
+                    cells.push(Cell { patch, energy: sum, luminance: sum.dot(weights) });
+                }
+            }
+            None => {
+                for x in first..first + count {
+                    let Texel { patch, solid_angle } = self.texels.at(x, y);
+                    let energy = energy(x, solid_angle);
+                    cells.push(Cell { patch, energy, luminance: energy.dot(weights) });
+                }
+            }
+        }
+    }
+}
+
+/// The quadtree over the octahedral square.
 #[derive(Debug)]
 pub struct Cells {
-    /// Texels along an edge of the square.
-    pub(super) n: u32,
     /// The least radiance of each channel.
-    pub(super) least: [f32; 3],
+    pub(super) least: Rgb,
     /// Mean luminance over the sphere.
     pub(super) mean_luminance: f64,
     pub(super) quads: Vec<Quad>,
     /// Levels from the finest (texels, or blocks of them) to the root, whose quad is the last.
     pub(super) levels: Vec<CellLevel>,
-    pub(super) reconstruction: Reconstruction,
-    /// Texels along an edge of a finest cell: 1 if the tree reaches texels.
-    pub(super) block: u32,
-    /// The texels' energies above the least radiance, for subdivision of texels; empty if the tree stops
-    /// above texels.
-    pub(super) energies: Vec<[f32; 3]>,
+    pub(super) finest: Finest,
+    /// Bound of the luminance that energies counted as zero add to an answer.
+    pub(super) omitted: f64,
+    /// Total energy of a source.
+    energy: Option<[f64; 3]>,
 }
 
 impl Cells {
@@ -112,9 +298,8 @@ impl Cells {
         assert!(block > 0, "blocks of at least one texel");
         let n = oem.size().inner;
         let least = oem.least_radiance();
-        let totals = oem.totals();
-        let mean_luminance =
-            (0..3).map(|c| f64::from(LUMINANCE[c]) * totals[c]).sum::<f64>() / (4.0 * std::f64::consts::PI);
+        let [red, green, blue, _] = oem.totals();
+        let mean_luminance = exact_luminance([red, green, blue]) / (4.0 * std::f64::consts::PI);
         let tents = Tents::new(n, reconstruction);
         let texel = |x: u32, y: u32| {
             let [r, g, b, w] = oem.texel(x, y);
@@ -125,7 +310,7 @@ impl Cells {
             Cell { patch: tents.at(x, y), energy, luminance: energy.dot(Vec3::from(LUMINANCE)) }
         };
 
-        let mut width = n.div_ceil(block);
+        let width = n.div_ceil(block);
         let mut cells = vec![Cell::default(); width as usize * width as usize];
         cells.par_chunks_mut(width as usize).zip(0..width).for_each(|(row, j)| {
             let range = |k: u32| k * block..((k + 1) * block).min(n);
@@ -138,39 +323,56 @@ impl Cells {
                 *cell = merge(&members);
             }
         });
-        let energies =
-            if block == 1 { cells.iter().map(|cell| cell.energy.to_array()).collect() } else { Vec::new() };
+        let finest = if block == 1 {
+            let energies = cells.iter().map(|cell| cell.energy.to_array()).collect();
+            Finest::Texels { n, reconstruction, energies }
+        } else {
+            Finest::Blocks
+        };
+        let (quads, levels) = pyramid(cells, width);
+        Self { least, mean_luminance, quads, levels, finest, omitted: omitted_radiance(n), energy: None }
+    }
 
-        let (mut quads, mut levels) = (Vec::new(), Vec::new());
-        loop {
-            let above = width.div_ceil(2);
-            let first = quads.len();
-            levels.push(CellLevel {
-                first: u32::try_from(first).expect("fewer than 2^32 cells"),
-                width: above,
-            });
-            quads.resize(first + above as usize * above as usize, Quad::default());
-            let mut parents = vec![Cell::default(); above as usize * above as usize];
-            let rows =
-                quads[first..].par_chunks_mut(above as usize).zip(parents.par_chunks_mut(above as usize));
-            rows.zip(0..above).for_each(|((quads, parents), j)| {
-                for ((quad, parent), i) in quads.iter_mut().zip(parents).zip(0..above) {
-                    let siblings = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(di, dj)| {
-                        let (i, j) = (2 * i + di, 2 * j + dj);
-                        let inside = i < width && j < width;
-                        if inside { cells[(j * width + i) as usize] } else { Cell::default() }
-                    });
-                    *quad = Quad::of(&siblings);
-                    *parent = merge(&siblings);
+    /// Builds `width` x `width` cells of the `light` of a source whose texels are `texels`, and those above.
+    pub(crate) fn of_source(texels: SourceTexels, light: SourceLight<'_>, width: u32) -> Self {
+        let members = Members::new(texels, width);
+        let lit = Lit { texels: &members.texels, light, least: light.least() };
+        let mut cells = vec![Cell::default(); width as usize * width as usize];
+        let sums: Vec<(DVec3, f64)> = cells
+            .par_chunks_mut(width as usize)
+            .zip(0..width)
+            .map(|(row, j)| {
+                let (mut gathered, mut faint) = (Vec::new(), 0.0_f64);
+                let mut total = DVec3::ZERO;
+                for (cell, i) in row.iter_mut().zip(0..width) {
+                    gathered.clear();
+                    members.of(i, j).iter().for_each(|run| lit.gather(run, &mut gathered, &mut faint));
+                    *cell = if gathered.len() > 1 { merge_many(&gathered) } else { merge(&gathered) };
+                    total += cell.energy.as_dvec3();
                 }
-            });
-            cells = parents;
-            width = above;
-            if width == 1 {
-                break;
-            }
+                (total, faint)
+            })
+            .collect();
+        let least = lit.least.to_array();
+        let above: DVec3 = sums.iter().map(|(total, _)| total).sum();
+        let sphere = 4.0 * std::f64::consts::PI;
+        let energy = (above + lit.least.as_dvec3() * sphere).to_array();
+        let omitted = sums.iter().map(|(_, faint)| *faint).fold(0.0, f64::max);
+        let (quads, levels) = pyramid(cells, width);
+        Self {
+            least,
+            mean_luminance: exact_luminance(energy) / sphere,
+            quads,
+            levels,
+            finest: Finest::Source(members),
+            omitted,
+            energy: Some(energy),
         }
-        Self { n, least, mean_luminance, quads, levels, reconstruction, block, energies }
+    }
+
+    /// Total energy of the source's light; `None` for cells of an OEM.
+    pub(crate) const fn energy(&self) -> Option<[f64; 3]> {
+        self.energy
     }
 
     /// The least radiance of each channel.
@@ -178,6 +380,25 @@ impl Cells {
     #[must_use]
     pub const fn least(&self) -> [f32; 3] {
         self.least
+    }
+
+    /// Bound of the radiance that energies counted as zero add to an answer.
+    #[cfg(feature = "gpu")]
+    pub(crate) const fn omitted(&self) -> f64 {
+        self.omitted
+    }
+
+    /// The tables with which shaders subdivide cells of a source; `None` for those of an OEM.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn source_tables(&self) -> Option<Source> {
+        let Finest::Source(Members { texels, width, starts, runs }) = &self.finest else { return None };
+        let runs = runs.iter().flat_map(|run| [run.column, run.row, run.count]);
+        Some(Source {
+            width: *width,
+            grid: texels.grid(),
+            members: starts.iter().copied().chain(runs).collect(),
+            angles: texels.angles(),
+        })
     }
 
     /// Sibling cells in the layout of `shaders/common/quad.wgsl`: fourteen fields of four, and one of
@@ -192,6 +413,65 @@ impl Cells {
         };
         self.quads.iter().map(fields).collect()
     }
+}
+
+/// The quads over `width` x `width` cells, and their levels.
+fn pyramid(mut cells: Vec<Cell>, mut width: u32) -> (Vec<Quad>, Vec<CellLevel>) {
+    let (mut quads, mut levels) = (Vec::new(), Vec::new());
+    loop {
+        let above = width.div_ceil(2);
+        let first = quads.len();
+        levels.push(CellLevel { first: u32::try_from(first).expect("fewer than 2^32 cells"), width: above });
+        quads.resize(first + above as usize * above as usize, Quad::default());
+        let mut parents = vec![Cell::default(); above as usize * above as usize];
+        let rows = quads[first..].par_chunks_mut(above as usize).zip(parents.par_chunks_mut(above as usize));
+        rows.zip(0..above).for_each(|((quads, parents), j)| {
+            for ((quad, parent), i) in quads.iter_mut().zip(parents).zip(0..above) {
+                let siblings = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(di, dj)| {
+                    let (i, j) = (2 * i + di, 2 * j + dj);
+                    let inside = i < width && j < width;
+                    if inside { cells[(j * width + i) as usize] } else { Cell::default() }
+                });
+                *quad = Quad::of(&siblings);
+                *parent = merge(&siblings);
+            }
+        });
+        cells = parents;
+        width = above;
+        if width == 1 {
+            return (quads, levels);
+        }
+    }
+}
+
+/// [`merge`] for any number of cells: sums in double precision around the first lit one.
+fn merge_many(members: &[Cell]) -> Cell {
+    let members = || members.iter().filter(|member| member.luminance > 0.0);
+    let Some(first) = members().next() else { return Cell::default() };
+    let mut luminance = 0.0;
+    let (mut energy, mut offset) = (DVec3::ZERO, DVec3::ZERO);
+    let (mut diagonal, mut mixed) = (DVec3::ZERO, DVec3::ZERO);
+    for member in members() {
+        let share = f64::from(member.luminance);
+        let apart = (member.patch.centroid - first.patch.centroid).as_dvec3();
+        luminance += share;
+        energy += member.energy.as_dvec3();
+        offset += apart * share;
+        diagonal += (member.patch.diagonal.as_dvec3() + apart * apart) * share;
+        mixed += (member.patch.mixed.as_dvec3() + apart.yzx() * apart.zxy()) * share;
+    }
+    let offset = offset / luminance;
+    let mut patch = Patch {
+        centroid: (first.patch.centroid.as_dvec3() + offset).as_vec3(),
+        diagonal: (diagonal / luminance - offset * offset).as_vec3(),
+        mixed: (mixed / luminance - offset.yzx() * offset.zxy()).as_vec3(),
+        radius: 0.0,
+    };
+    for member in members() {
+        let apart = member.patch.centroid.distance(patch.centroid);
+        patch.radius = patch.radius.max((apart + member.patch.radius) * (1.0 + 1e-6));
+    }
+    Cell { patch, energy: energy.as_vec3(), luminance: luminance as f32 }
 }
 
 /// Merges cells, centred by luminance; cells without energy contribute nothing.

@@ -1,12 +1,27 @@
-//! Subdivides the spread of a texel, for lobes sharper than the OEM and tolerances finer than it.
+//! Subdivides the finest cells, for sharp lobes and fine tolerances: the spread of a texel of the OEM, or
+//! texels of the source.
 
-use super::cells::Cells;
+use super::cells::{Members, SourceLight};
 use super::leaves::{Leaf, Packet, Scratch};
-use crate::environment::LUMINANCE;
+use crate::environment::{LUMINANCE, Rgb};
 use crate::geometry::tent::{Moments, Reconstruction};
 use crate::lobe::radial::{Radial, expected_error, first_order_width};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
+
+/// Texels of an OEM of `n` x `n`, with their energies above the least radiance.
+pub(super) struct Spread<'a> {
+    pub(super) n: u32,
+    pub(super) reconstruction: Reconstruction,
+    pub(super) energies: &'a [Rgb],
+}
+
+/// Texels of the source, with the least radiance of each channel.
+pub(super) struct Source<'a> {
+    pub(super) members: &'a Members,
+    pub(super) light: &'a SourceLight<'a>,
+    pub(super) least: Vec3,
+}
 
 /// Most halvings of a piece: 2^-40 of a texel is finer than any lobe that is not served as a mirror.
 const DEPTH: u8 = 40;
@@ -52,26 +67,26 @@ fn slice(reconstruction: Reconstruction, a: f64, b: f64) -> (f64, [(f64, f64); 2
 
 /// Adds texel (`x`, `y`) to the leaves in pieces, each with an interval within the tolerance.
 pub(super) fn refine<R: Radial>(
-    (cells, tolerance): (&Cells, f64),
+    (spread, tolerance): (&Spread<'_>, f64),
     kernel: R,
     (x, y): (u32, u32),
     packet: &Packet,
     scratch: &mut Scratch,
 ) {
-    let n = cells.n;
+    let n = spread.n;
     let centre = texel_centre(n, x, y);
     let h = 2.0 / f64::from(n);
-    let energy = cells.energies[y as usize * n as usize + x as usize];
+    let energy = spread.energies[y as usize * n as usize + x as usize];
     let luminance: f64 = (0..3).map(|c| f64::from(LUMINANCE[c]) * f64::from(energy[c])).sum();
-    let reach = cells.reconstruction.reach();
+    let reach = spread.reconstruction.reach();
     let mut stack = Vec::new();
     for signs in [DVec2::new(1.0, 1.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0), DVec2::new(-1.0, -1.0)]
     {
         let direction = |p: DVec2| direction_from_oct(wrap_oct(centre + signs * p * h));
         stack.push(Piece { low: DVec2::ZERO, high: DVec2::splat(reach), depth: 0 });
         while let Some(Piece { low, high, depth }) = stack.pop() {
-            let (mass_x, nodes_x) = slice(cells.reconstruction, low.x, high.x);
-            let (mass_y, nodes_y) = slice(cells.reconstruction, low.y, high.y);
+            let (mass_x, nodes_x) = slice(spread.reconstruction, low.x, high.x);
+            let (mass_y, nodes_y) = slice(spread.reconstruction, low.y, high.y);
             let share = mass_x * mass_y;
             let nodes = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
                 let ((x, weight_x), (y, weight_y)) = (nodes_x[i], nodes_y[j]);
@@ -115,13 +130,60 @@ pub(super) fn refine<R: Radial>(
             if inexact {
                 scratch.slack += error;
             }
-            let (diagonal, mixed) = (moments.diagonal.as_vec3(), moments.mixed.as_vec3());
-            scratch.leaves.push(Leaf {
-                offset: offset.as_vec3().to_array(),
-                covariance: [diagonal.x, diagonal.y, diagonal.z, mixed.x, mixed.y, mixed.z],
-                radius: (moments.radius * (1.0 + 1e-6)) as f32,
-                energy: energy.map(|e| (f64::from(e) * share) as f32),
-            });
+            scratch.leaves.push(leaf(&moments, offset, energy.map(|e| (f64::from(e) * share) as f32)));
+        }
+    }
+}
+
+/// The leaf with `moments`, at `offset` from the packet's axis.
+fn leaf(moments: &Moments, offset: DVec3, energy: Rgb) -> Leaf {
+    let (diagonal, mixed) = (moments.diagonal.as_vec3(), moments.mixed.as_vec3());
+    Leaf {
+        offset: offset.as_vec3().to_array(),
+        covariance: [diagonal.x, diagonal.y, diagonal.z, mixed.x, mixed.y, mixed.z],
+        radius: (moments.radius * (1.0 + 1e-6)) as f32,
+        energy,
+    }
+}
+
+/// Adds the texels of the source in cell (`i`, `j`) to the leaves, in pieces where their intervals exceed the
+/// tolerance. Light is constant over a texel's solid angle, and so are the pieces' moments exact.
+pub(super) fn refine_members<R: Radial>(
+    (source, tolerance): (&Source<'_>, f64),
+    kernel: R,
+    (i, j): (u32, u32),
+    packet: &Packet,
+    scratch: &mut Scratch,
+) {
+    let texels = &source.members.texels;
+    let mut stack = Vec::new();
+    let runs = source.members.of(i, j).iter();
+    for (x, y) in runs.flat_map(|run| (run.column..run.column + run.count).map(|x| (x, run.row))) {
+        let above = source.light.radiance(texels.source_row(y) + texels.source_column(x)) - source.least;
+        let luminance = f64::from(above.dot(Vec3::from(LUMINANCE)));
+        if luminance <= 0.0 {
+            continue;
+        }
+        stack.push(Piece { low: DVec2::ZERO, high: DVec2::ONE, depth: 0 });
+        while let Some(Piece { low, high, depth }) = stack.pop() {
+            let (moments, solid_angle) = texels.piece(x, y, [low, high]);
+            let offset = moments.centroid - packet.axis;
+            let trace = moments.diagonal.element_sum() as f32;
+            let error =
+                expected_error(kernel, offset.length() as f32, moments.radius as f32, packet.radius, trace);
+            if f64::from(error) * luminance * solid_angle > tolerance && depth < DEPTH {
+                let (middle, depth) = ((low + high) / 2.0, depth + 1);
+                let quarter = |low, high| Piece { low, high, depth };
+                stack.extend([
+                    quarter(low, middle),
+                    quarter(DVec2::new(middle.x, low.y), DVec2::new(high.x, middle.y)),
+                    quarter(DVec2::new(low.x, middle.y), DVec2::new(middle.x, high.y)),
+                    quarter(middle, high),
+                ]);
+                continue;
+            }
+            let energy = above.to_array().map(|c| (f64::from(c) * solid_angle) as f32);
+            scratch.leaves.push(leaf(&moments, offset, energy));
         }
     }
 }

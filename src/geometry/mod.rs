@@ -5,5 +5,6 @@ pub mod footprints;
 pub mod overlap;
 pub mod resample;
 pub mod solid_angles;
+pub(crate) mod source_texels;
 pub mod tent;
 pub(crate) mod tiling;

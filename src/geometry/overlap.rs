@@ -62,6 +62,11 @@ pub(crate) fn mean_radiances(environment: &Environment, target: Target, space: S
     Ok((0..target.texel_count()).into_par_iter().map(mean).collect())
 }
 
+/// Whether unrotated sources of `layout` are resampled to `target` without a matrix.
+pub(crate) fn is_swept(layout: Layout, target: Target) -> bool {
+    index::is_symmetric(layout, target) && sweep::serves(layout, target)
+}
+
 /// The mean radiance of `environment` over every texel of a `width` x `height` panorama of the world.
 ///
 /// # Errors

@@ -3,7 +3,7 @@
 //! interpolation.
 
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
-use glam::{DVec2, DVec3, Vec3, Vec3Swizzles as _};
+use glam::{DVec2, DVec3, Mat3, Vec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 /// Spread of a texel's energy around its centre.
@@ -112,7 +112,7 @@ impl From<Moments> for Patch {
 
 impl Patch {
     /// The mirror image with x and z exchanged.
-    fn turned(mut self) -> Self {
+    pub(crate) fn turned(mut self) -> Self {
         self.centroid = self.centroid.zyx();
         self.diagonal = self.diagonal.zyx();
         self.mixed = self.mixed.zyx();
@@ -120,10 +120,24 @@ impl Patch {
     }
 
     /// The octant's mirror image.
-    fn mirrored(mut self, signs: Vec3) -> Self {
+    pub(crate) fn mirrored(mut self, signs: Vec3) -> Self {
         self.centroid *= signs;
         self.mixed *= signs.yzx() * signs.zxy();
         self
+    }
+
+    /// The image under `motion`, a rotation or reflection.
+    pub(crate) fn moved(self, motion: Mat3) -> Self {
+        let ([xx, yy, zz], [yz, zx, xy]) = (self.diagonal.to_array(), self.mixed.to_array());
+        let covariance = motion
+            * Mat3::from_cols_array_2d(&[[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+            * motion.transpose();
+        Self {
+            centroid: motion * self.centroid,
+            diagonal: Vec3::new(covariance.x_axis.x, covariance.y_axis.y, covariance.z_axis.z),
+            mixed: Vec3::new(covariance.y_axis.z, covariance.z_axis.x, covariance.x_axis.y),
+            radius: self.radius,
+        }
     }
 }
 

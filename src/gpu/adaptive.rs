@@ -4,10 +4,10 @@ use super::cells::CellTree;
 use super::device::stage::{Dispatch, in_rows};
 use super::device::{readback, shader};
 use super::{Context, Stage};
-use crate::cpu::cells::omitted_radiance;
 use crate::cpu::leaves::LANES;
 use crate::error::{Error, Result};
 use crate::filter::Answer;
+use crate::geometry::source_texels::SourceGrid;
 use crate::lobe::kernel::Kernel;
 use glam::DVec3;
 
@@ -43,6 +43,14 @@ pub struct Lobe {
     count: u32,
     omitted: f32,
     underflow: f32,
+    source: u32,
+    columns: u32,
+    rows: u32,
+    shift_x: u32,
+    shift_y: u32,
+    cells: u32,
+    pad_0: u32,
+    pad_1: u32,
     levels: [[u32; 4]; LEVELS],
 }
 
@@ -74,6 +82,14 @@ shader::members!(Lobe {
     count,
     omitted,
     underflow,
+    source,
+    columns,
+    rows,
+    shift_x,
+    shift_y,
+    cells,
+    pad_0,
+    pad_1,
     levels,
 });
 shader::members!(Packet { axis, radius, x, y, z });
@@ -125,6 +141,7 @@ impl LobePart<'_> {
         }
         let unit = f64::from(1_u32 << 24).recip();
         let (per_integral, least) = (share / kernel.integral(), f64::from(f32::MIN_POSITIVE));
+        let SourceGrid { source, sides: [columns, rows], shift: [shift_x, shift_y] } = cells.source.grid;
         Lobe {
             shape,
             first,
@@ -137,15 +154,23 @@ impl LobePart<'_> {
             rounding: ((8.0 / kernel.width() + 128.0) * unit) as f32,
             rounding_per_leaf: unit as f32,
             inner: cells.inner,
-            to_texels: u32::from(cells.block == 1),
+            to_texels: u32::from(cells.block == 1 || source != 0),
             reach: cells.reconstruction.reach() as f32,
             root: cells.levels.len() as u32 - 1,
             add: u32::from(add),
             count,
             // Products of up to 2^20 leaves are flushed, some ten powers of two above the least normal
             // number.
-            omitted: (share * omitted_radiance(cells.inner) + per_integral * 30.0_f64.exp2() * least) as f32,
+            omitted: (share * cells.omitted + per_integral * 30.0_f64.exp2() * least) as f32,
             underflow: (per_integral * f64::from(kernel.underflow()) * 1024.0) as f32,
+            source,
+            columns,
+            rows,
+            shift_x,
+            shift_y,
+            cells: cells.inner.div_ceil(cells.block),
+            pad_0: 0,
+            pad_1: 0,
             levels,
         }
     }
@@ -229,6 +254,9 @@ impl Adaptive {
                     (3, packets.as_entire_binding()),
                     (4, results.as_entire_binding()),
                     (5, leaves.as_entire_binding()),
+                    (6, part.cells.source.members.as_entire_binding()),
+                    (7, part.cells.source.angles.as_entire_binding()),
+                    (8, wgpu::BindingResource::TextureView(&part.cells.source.light)),
                 ],
                 in_rows(*count),
             )

@@ -5,8 +5,10 @@ use super::device::stage::Dispatch;
 use super::least::Least;
 use super::oem::Table;
 use super::{Context, OemPlanes, Stage};
-use crate::cpu::cells::Cells;
+use crate::cpu::cells::{Cells, Source, omitted_radiance};
+use crate::environment::Layout;
 use crate::error::Result;
+use crate::geometry::source_texels::{SourceGrid, most_runs};
 use crate::geometry::tent::{Reconstruction, Tents};
 
 /// Quads along an edge of a workgroup.
@@ -64,6 +66,55 @@ pub struct CellTree {
     pub(super) quads: wgpu::Buffer,
     /// First quad and quads along an edge, from the finest level to the root.
     pub(super) levels: Vec<[u32; 2]>,
+    /// Bound of the radiance that energies counted as zero add to an answer.
+    pub(super) omitted: f64,
+    pub(super) source: SourceTables,
+}
+
+/// The texels of the source in every cell, for the subdivision of cells; without texels for a tree over an
+/// OEM.
+#[derive(Clone, Debug)]
+pub(super) struct SourceTables {
+    pub(super) grid: SourceGrid,
+    pub(super) members: wgpu::Buffer,
+    pub(super) angles: wgpu::Buffer,
+    pub(super) light: wgpu::TextureView,
+}
+
+impl SourceTables {
+    /// Tables without texels.
+    fn none(context: &Context) -> Self {
+        let texture = context.device().create_texture(&wgpu::TextureDescriptor {
+            label: Some("no source"),
+            size: wgpu::Extent3d::default(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        Self {
+            grid: SourceGrid::default(),
+            members: context.storage("no members", 4),
+            angles: context.storage("no angles", 8),
+            light: layers(&texture),
+        }
+    }
+}
+
+/// Remedy for a source with too many texels.
+fn smaller_source(_: u64) -> String {
+    "bake from a smaller source, or with the CPU engine".to_owned()
+}
+
+/// The view of all layers of a source's texture.
+fn layers(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
 }
 
 /// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along
@@ -133,6 +184,39 @@ impl CellTree {
         Self::holding(context, inner, block, Reconstruction::Constant, least, levels, &quads)
     }
 
+    /// Uploads the CPU's `cells` of the texels of a source ([`Cells::of_source`]), and their members. `texture`
+    /// holds the source's light.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] if they are larger than the device can bind.
+    ///
+    /// # Panics
+    /// If `cells` are those of an OEM.
+    pub(super) fn of_source(context: &Context, cells: &Cells, texture: &wgpu::Texture) -> Result<Self> {
+        let Source { width, grid, members, angles } = cells.source_tables().expect("cells of a source");
+        let (levels, count) = levels_over(width);
+        context.fits("the cells of the source", QUAD * u64::from(count), |_| {
+            "choose a smaller `oem_size`, or the CPU engine".to_owned()
+        })?;
+        context.fits("the texels of the source by cells", 4 * members.len() as u64, smaller_source)?;
+        let tree = Self::holding(
+            context,
+            width,
+            1,
+            Reconstruction::Constant,
+            cells.least(),
+            levels,
+            &cells.quad_fields(),
+        );
+        let source = SourceTables {
+            grid,
+            members: context.storage_of("texels of the source by cells", &members),
+            angles: context.storage_of("angles of the source", &angles),
+            light: layers(texture),
+        };
+        Ok(Self { omitted: cells.omitted(), source, ..tree })
+    }
+
     fn holding(
         context: &Context,
         inner: u32,
@@ -143,7 +227,16 @@ impl CellTree {
         quads: &[[[f32; 4]; QUAD_FIELDS]],
     ) -> Self {
         let least = context.storage_of("least radiance", &[red, green, blue, 0.0]);
-        Self { inner, block, reconstruction, least, quads: context.storage_of("quads", quads), levels }
+        Self {
+            inner,
+            block,
+            reconstruction,
+            least,
+            quads: context.storage_of("quads", quads),
+            levels,
+            omitted: omitted_radiance(inner),
+            source: SourceTables::none(context),
+        }
     }
 
     /// The quads, sixty floats each, in the order of [`crate::cpu::cells::Cells`].
@@ -163,6 +256,12 @@ impl CellTree {
             let fitting = (1..inner).rev().find(|inner| bytes(*inner) <= available);
             format!("choose `oem_size` of at most {}, or the CPU engine", fitting.unwrap_or(0))
         })
+    }
+
+    /// Checks that the lists of the texels of a source of `layout` by `width` x `width` cells fit the device.
+    pub(super) fn check_members_fit(context: &Context, layout: Layout, width: u32) -> Result<()> {
+        let words = u64::from(width) * u64::from(width) + 1 + 3 * most_runs(layout, width);
+        context.fits("the texels of the source by cells", 4 * words, smaller_source)
     }
 
     /// The least radiance of each channel, padded to four floats.
@@ -240,7 +339,16 @@ impl BuildCells {
                 Dispatch::new(context, &self.coarser, &[quads_binding.clone(), level], over(width))
             });
         }
-        let tree = CellTree { inner, block, reconstruction, least, quads, levels };
+        let tree = CellTree {
+            inner,
+            block,
+            reconstruction,
+            least,
+            quads,
+            levels,
+            omitted: omitted_radiance(inner),
+            source: SourceTables::none(context),
+        };
         Ok((Stage::new("cells", dispatches), tree))
     }
 }

@@ -14,11 +14,13 @@ use crate::bake::job::Job;
 use crate::bake::level::{Advance, BakedLevel, LevelJob};
 use crate::bake::{self, Bake, BakeEngine, BakeSettings, OnProgress, Processor};
 use crate::cpu::box_filter::single_box;
+use crate::cpu::cells::{Cells, SourceLight};
 use crate::cpu::leaves::LANES;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
 use crate::geometry::footprints::footprints_over;
+use crate::geometry::source_texels::SourceTexels;
 use crate::geometry::tent::Reconstruction;
 use crate::geometry::tiling::{Tile, Tiling};
 use crate::light_scale::LightScale;
@@ -132,7 +134,11 @@ impl Engine {
             return Err(unsupported("the serial scan"));
         }
         match filter {
-            Filter::Adaptive(_) => CellTree::check_fits(&self.context, size.inner, |n| settings.block(n)),
+            Filter::Adaptive(_) => {
+                CellTree::check_fits(&self.context, size.inner, |n| settings.block(n))?;
+                let width = size.inner.div_ceil(settings.block(size.inner));
+                CellTree::check_members_fit(&self.context, environment.layout(), width)
+            }
             Filter::Box => SatPlanes::check_fits(&self.context, size),
             Filter::Fitted(_) => SatPlanes::check_fits(&self.context, size)
                 .and_then(|()| FittedTables::check_fits(&self.context, size.inner)),
@@ -141,7 +147,8 @@ impl Engine {
     }
 
     /// The stages of a bake with [`Filter::Adaptive`], from the source's texture to every level's answers:
-    /// OEM, cells, levels. They can be recorded repeatedly.
+    /// OEM, its cells, levels. They can be recorded repeatedly. The cells of the source are built on the CPU,
+    /// before.
     ///
     /// # Errors
     /// Those of [`Engine::bake`].
@@ -173,8 +180,8 @@ impl Engine {
             let parts = reflector.parts(lobe, spec.roughness * spec.roughness, error)?;
             levels.push(adaptive.stage(context, &parts, &packets));
         }
-        let GpuReflector { stage, constant, bilinear, .. } = &reflector;
-        let cells = [constant, bilinear].into_iter().filter_map(OnceLock::get).map(|(_, stage)| stage);
+        let GpuReflector { stage, bilinear, .. } = &reflector;
+        let cells = bilinear.get().map(|(_, stage)| stage);
         Ok(std::iter::once(stage).chain(cells).cloned().chain(levels).collect())
     }
 }
@@ -191,7 +198,7 @@ pub struct GpuReflector<'a> {
     /// Stage that fills the planes.
     stage: Stage,
     settings: ReflectorSettings,
-    constant: OnceLock<(CellTree, Stage)>,
+    source: OnceLock<CellTree>,
     bilinear: OnceLock<(CellTree, Stage)>,
     sat: OnceLock<SatTextures>,
     fitted: OnceLock<FittedTables>,
@@ -223,7 +230,7 @@ impl<'a> GpuReflector<'a> {
             planes,
             stage,
             settings: *settings,
-            constant: OnceLock::new(),
+            source: OnceLock::new(),
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
             fitted: OnceLock::new(),
@@ -243,19 +250,29 @@ impl<'a> GpuReflector<'a> {
         self.scale.exponent()
     }
 
-    fn cells(&self, reconstruction: Reconstruction) -> Result<&CellTree> {
-        let place = match reconstruction {
-            Reconstruction::Constant => &self.constant,
-            Reconstruction::Bilinear => &self.bilinear,
-        };
-        if let Some((tree, _)) = place.get() {
+    /// Cells of the source's texels, from the CPU.
+    fn source_cells(&self) -> Result<&CellTree> {
+        if let Some(tree) = self.source.get() {
+            return Ok(tree);
+        }
+        let inner = self.planes.size().inner;
+        let texels = SourceTexels::new(self.environment.layout());
+        let light = SourceLight::new(self.environment, self.scale);
+        let cells = Cells::of_source(texels, light, inner.div_ceil(self.settings.block(inner)));
+        let tree = CellTree::of_source(&self.engine.context, &cells, &self.texture)?;
+        Ok(self.source.get_or_init(|| tree))
+    }
+
+    /// Cells of the OEM, interpolated bilinearly.
+    fn bilinear_cells(&self) -> Result<&CellTree> {
+        if let Some((tree, _)) = self.bilinear.get() {
             return Ok(tree);
         }
         let Engine { context, cells, .. } = self.engine;
         let block = self.settings.block(self.planes.size().inner);
-        let (stage, tree) = cells.stage(context, &self.planes, block, reconstruction)?;
+        let (stage, tree) = cells.stage(context, &self.planes, block, Reconstruction::Bilinear)?;
         context.submit(|encoder| stage.record(encoder));
-        Ok(&place.get_or_init(|| (tree, stage)).0)
+        Ok(&self.bilinear.get_or_init(|| (tree, stage)).0)
     }
 
     fn sat(&self) -> Result<&SatTextures> {
@@ -383,13 +400,14 @@ impl<'a> GpuReflector<'a> {
     fn parts(&self, lobe: Lobe, alpha: f64, error: f64) -> Result<Vec<LobePart<'_>>> {
         let kernel = Kernel::new(lobe, alpha);
         let bilinear = bilinear_share(lobe, alpha, self.planes.size().inner);
-        [(1.0 - bilinear, Reconstruction::Constant), (bilinear, Reconstruction::Bilinear)]
-            .into_iter()
-            .filter(|(share, _)| *share > 0.0)
-            .map(|(share, reconstruction)| {
-                Ok(LobePart { cells: self.cells(reconstruction)?, kernel, error, share })
-            })
-            .collect()
+        let mut parts = Vec::new();
+        if bilinear < 1.0 {
+            parts.push(LobePart { cells: self.source_cells()?, kernel, error, share: 1.0 - bilinear });
+        }
+        if bilinear > 0.0 {
+            parts.push(LobePart { cells: self.bilinear_cells()?, kernel, error, share: bilinear });
+        }
+        Ok(parts)
     }
 }
 

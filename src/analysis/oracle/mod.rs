@@ -3,9 +3,10 @@
 //! Three questions, each answered by a sum over every texel there is:
 //! - [`Oracle::reflect`]: a lobe over the source environment, each texel constant over its exact solid angle,
 //!   divided by the same sum over the kernel alone. It audits a whole bake, the reparameterisation included.
-//! - [`reflect_oem`]: the lobe that the engines serve, over the OEM's own texels. A certified bound is judged
-//!   against it.
+//! - [`reflect_oem`]: the lobe over the OEM's own texels, which the engines serve to their bilinear share.
 //! - [`irradiance`] and [`crate::sh::spherical_harmonics`]: smooth weights over the source.
+//!
+//! A certified bound is judged against the first, mixed with the second to the bilinear share.
 //!
 //! It shares the definitions of the maps with the engines (the directions of `sphere`) and nothing
 //! else: kernels, their integrals, quadrature and wrapping are its own.

@@ -33,11 +33,17 @@ const TILE: u32 = 32;
 /// Rows of the source read together.
 const STRIP: u32 = 4;
 
+/// Whether a source of `layout` is a fine panorama with more texels than `target`.
+pub(super) fn serves(layout: Layout, target: Target) -> bool {
+    matches!(layout, Layout::Panorama { height, .. } if height >= FINE)
+        && target.texel_count() <= layout.texel_count()
+}
+
 /// Mean radiance over every texel of `target`; `None` unless `environment` is a fine panorama with more
 /// texels than `target`. Both must be symmetric.
 pub(super) fn mean_radiances(environment: &Environment, target: Target) -> Option<Vec<Rgb>> {
     let Layout::Panorama { width, height } = environment.layout() else { return None };
-    if height < FINE || target.texel_count() > environment.texels().len() {
+    if !serves(environment.layout(), target) {
         return None;
     }
     let half = target.edge() / 2;

@@ -1,9 +1,10 @@
-//! The filters against exhaustive integration over the OEM: certified bounds, furnace, continuity.
+//! The filters against exhaustive integration over OEM and source: certified bounds, furnace, continuity.
 
-pub(crate) use crate::support::bounds::{ORACLE, Outcome, Question, judge, luminance};
+use crate::support::bounds::ServedOracle;
+pub(crate) use crate::support::bounds::{Outcome, Question, judge, luminance};
 use crate::support::common::{Look, Random, environment, landmarks, oem, texels};
 use glam::DVec3;
-use octagloss::internals::analysis::oracle::OemOracle;
+use octagloss::internals::analysis::oracle::{OemOracle, Oracle};
 use octagloss::internals::bake::{BakeSettings, bake};
 use octagloss::internals::cpu::adaptive::Adaptive;
 use octagloss::internals::cpu::cells::Cells;
@@ -166,6 +167,94 @@ fn certified_bounds_of_sheen_hold_for_tiny_oems() {
     judge("Charlie, 1^2 to 9^2", &outcomes(Some(Lobe::Charlie), 4000, 50, 6, sizes), 300);
 }
 
+/// A sun of four source texels over a sky: its highlight is exact for any size of the OEM, as far as lobes
+/// are wider than four of its texels.
+#[test]
+fn a_sun_of_a_few_texels_is_sharp_at_any_map_size() {
+    let mut random = Random::new(39);
+    let layout = Layout::Panorama { width: 512, height: 256 };
+    let mut sky = texels(&mut random, Look::Noise, layout);
+    for (x, y) in [(100, 60), (101, 60), (100, 61), (101, 61)] {
+        sky[y * 512 + x] = [3e4, 2.5e4, 2e4];
+    }
+    let environment = environment(layout, sky);
+    let mean = {
+        let (mut sum, mut total) = (0.0, 0.0);
+        environment.for_each_texel(|_, solid_angle, rgb| {
+            sum += solid_angle * luminance(rgb.map(f64::from));
+            total += solid_angle;
+        });
+        sum / total
+    };
+    let sun = layout.direction_from_texel(0, 100, 60);
+    let directions: Vec<DVec3> =
+        (0..60).map(|_| (sun + random.direction() * 0.06 * random.unit()).normalize()).collect();
+    let roughness = 0.2;
+    let truths: Vec<f64> = {
+        let oracle = Oracle::new(&environment);
+        directions.par_iter().map(|d| luminance(oracle.reflect(Lobe::Ggx, roughness, *d))).collect()
+    };
+    for inner in [200, 256, 512] {
+        let reflector = reflector(&environment, inner);
+        let answers = ask(&reflector, Lobe::Ggx, roughness, Filter::Adaptive(0.001), &directions);
+        for (answer, truth) in answers.iter().zip(&truths) {
+            let off = (luminance(*answer) - truth).abs();
+            assert!(off < 0.02 * mean + 0.002 * truth, "{inner}^2: {off} of {truth} off, mean {mean}");
+        }
+    }
+    // The map's own texels spread the sun.
+    let cells = Cells::new(reflector(&environment, 256).oem(), 1, Reconstruction::Constant);
+    let alpha = roughness * roughness;
+    let adaptive = Adaptive::new(&cells, Kernel::new(Lobe::Ggx, alpha), 0.001);
+    let worst = directions.iter().zip(&truths).map(|(direction, truth)| {
+        let shares = adaptive.evaluate(&Packet::new(&[*direction]), &mut Scratch::default());
+        (luminance(shares.radiance[0].map(f64::from)) - truth).abs() / (0.02 * mean + 0.002 * truth)
+    });
+    let worst = worst.fold(0.0, f64::max);
+    assert!(worst > 5.0, "a spread sun is not detected: {worst} of the allowed error");
+}
+
+/// Environments of every layout and shape, among them coarse ones, against exhaustive integration over their
+/// texels.
+#[test]
+fn certified_bounds_hold_against_the_source() {
+    let layouts = |random: &mut Random| match random.below(3) {
+        0 => Layout::Panorama { width: 2 + random.below(90), height: 1 + random.below(60) },
+        1 => Layout::Cube { size: 1 + random.below(30) },
+        _ => Layout::Octahedral { size: 1 + random.below(60) },
+    };
+    let outcomes: Vec<Outcome> = (0..120_u64)
+        .into_par_iter()
+        .flat_map_iter(|seed| {
+            let mut random = Random::new(6000 + seed);
+            let layout = layouts(&mut random);
+            let look = Look::ALL[seed as usize % 5];
+            let environment = environment(layout, texels(&mut random, look, layout));
+            let inner = 32 + random.below(225);
+            let reflector = reflector(&environment, inner);
+            let oracle = served(&environment, &reflector);
+            (0..5)
+                .map(|_| {
+                    let brightest = random.direction();
+                    let question = Question::new(&mut random, brightest);
+                    let Question { lobe, roughness, error, .. } = question;
+                    let lobes = reflector.lobes(lobe, roughness, Filter::Adaptive(error)).expect("served");
+                    let (mut workspace, mut answers) = (Workspace::default(), Vec::new());
+                    lobes.evaluate(&question.directions, &mut workspace, &mut answers);
+                    let answer = answers[question.lane];
+                    let direction = question.directions[question.lane];
+                    let truth = luminance(oracle.reflect(lobe, roughness, direction));
+                    let scene = format!("{look:?} {layout:?} over {inner}^2");
+                    let bound = answer.bound.expect("a certified bound");
+                    Outcome::new(&scene, &question, answer.radiance, bound, truth)
+                        .doubting(ServedOracle::accuracy(lobe) * truth)
+                })
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    judge("against the source", &outcomes, 600);
+}
+
 #[test]
 fn one_wrong_texel_breaks_a_bound() {
     let mut random = Random::new(31);
@@ -185,6 +274,11 @@ fn one_wrong_texel_breaks_a_bound() {
 pub(crate) fn reflector(environment: &Environment, inner: u32) -> Reflector<'_> {
     let settings = ReflectorSettings { oem_size: Some(inner), ..ReflectorSettings::default() };
     Reflector::new(environment, &settings).expect("a small OEM")
+}
+
+/// Exhaustive integration of what `reflector` serves.
+fn served<'a>(environment: &'a Environment, reflector: &Reflector<'_>) -> ServedOracle<'a> {
+    ServedOracle::new(environment, OemOracle::new(reflector.oem()), reflector.oem().size().inner)
 }
 
 /// Returns one filter's answers, direction by direction.
@@ -211,18 +305,17 @@ fn answers_of_a_reflector_lie_within_their_bounds() {
         let layout = Layout::Panorama { width: 48, height: 24 };
         let environment = environment(layout, texels(&mut random, look, layout)).rotated_y(20.0);
         let reflector = reflector(&environment, 48);
-        let oracle = OemOracle::new(reflector.oem());
+        let oracle = served(&environment, &reflector);
         for _ in 0..60 {
             let (direction, roughness) = (random.direction(), random.between(0.02, 1.0));
             let filter = Filter::Adaptive(10_f64.powf(random.between(-3.0, -1.5)));
             let answer =
                 reflector.query(direction, roughness, Lobe::Ggx, filter).expect("roughness in [0, 1]");
             let value = luminance(answer.radiance.map(f64::from));
-            let source = environment.source_from_world() * direction;
-            let truth = luminance(oracle.reflect(Lobe::Ggx, roughness, source));
+            let truth = luminance(oracle.reflect(Lobe::Ggx, roughness, direction));
             let bound = f64::from(answer.bound.expect("a certified bound"));
             assert!(
-                (value - truth).abs() <= bound + ORACLE * truth,
+                (value - truth).abs() <= bound + ServedOracle::accuracy(Lobe::Ggx) * truth,
                 "{look:?} {roughness} {direction}: {value} against {truth}, bound {bound}"
             );
             compared += 1;
@@ -498,11 +591,11 @@ fn steps_of_a_bake_are_no_larger_at_edges_than_inside() {
         ..BakeSettings::default()
     };
     let bake = bake(&environment, &settings).expect("a small bake");
-    let oracle = OemOracle::new(reflector(&environment, 64).oem());
+    let oracle = served(&environment, &reflector(&environment, 64));
     let level = &bake.chain.levels[1];
     let size = level.size();
     assert_eq!((size, level.roughness), (32, 0.5));
-    let served: Vec<f64> = level.texels.iter().map(|rgb| luminance(rgb.map(f64::from))).collect();
+    let baked: Vec<f64> = level.texels.iter().map(|rgb| luminance(rgb.map(f64::from))).collect();
     let truth: Vec<f64> = (0..6 * size * size)
         .into_par_iter()
         .map(|k| {
@@ -511,7 +604,7 @@ fn steps_of_a_bake_are_no_larger_at_edges_than_inside() {
             luminance(oracle.reflect(Lobe::Ggx, 0.5, direction))
         })
         .collect();
-    let (served_steps, true_steps) = (steps(size, &served), steps(size, &truth));
+    let (served_steps, true_steps) = (steps(size, &baked), steps(size, &truth));
     let ratios: [f64; 4] = std::array::from_fn(|kind| served_steps[kind] / true_steps[kind]);
     println!("steps over the oracle's: inside, packets, creases, faces {ratios:.4?}");
     for (ratio, kind) in ratios[1..].iter().zip(["packets", "creases", "faces"]) {
@@ -520,7 +613,7 @@ fn steps_of_a_bake_are_no_larger_at_edges_than_inside() {
     // Steps of E of the mean between packets must be detected.
     let mean = truth.iter().sum::<f64>() / truth.len() as f64;
     let n = size as usize;
-    let mut torn = served.clone();
+    let mut torn = baked.clone();
     for (k, value) in torn.iter_mut().enumerate() {
         let (i, j) = (k % n / PACKET as usize, k / n / PACKET as usize);
         *value += if (i + j) % 2 == 0 { 0.01 * mean } else { 0.0 };
@@ -543,7 +636,7 @@ fn adaptive_steps_little_beyond_the_oracle_s_own_step() {
             let layout = Layout::Octahedral { size: n };
             let environment = environment(layout, texels(&mut random, look, layout));
             let reflector = reflector(&environment, n);
-            let oracle = OemOracle::new(reflector.oem());
+            let oracle = served(&environment, &reflector);
             let totals = reflector.oem().totals();
             let mean = luminance([totals[0], totals[1], totals[2]]) / (4.0 * std::f64::consts::PI);
             let creases = creases(&mut random);
@@ -559,9 +652,10 @@ fn adaptive_steps_little_beyond_the_oracle_s_own_step() {
                     let roughness = random.between(0.1, 1.0);
                     let error = 10_f64.powf(random.between(-3.0, -1.5));
                     let answers = ask(&reflector, Lobe::Ggx, roughness, Filter::Adaptive(error), &pair);
-                    let served = luminance(answers[1]) - luminance(answers[0]);
+                    let step_served = luminance(answers[1]) - luminance(answers[0]);
                     let truth = pair.map(|d| luminance(oracle.reflect(Lobe::Ggx, roughness, d)));
-                    let excess = (served - (truth[1] - truth[0])).abs() - 3e-7 * (truth[0] + truth[1]);
+                    let doubt = ServedOracle::accuracy(Lobe::Ggx) * (truth[0] + truth[1]);
+                    let excess = (step_served - (truth[1] - truth[0])).abs() - doubt;
                     (
                         excess / (error * mean),
                         format!("{look:?} {n}^2 roughness {roughness} E {error} {pair:?}"),
@@ -592,7 +686,7 @@ fn edges_are_resolved_for_every_direction_of_a_packet() {
     }
     let environment = environment(layout, texels);
     let reflector = reflector(&environment, 64);
-    let oracle = OemOracle::new(reflector.oem());
+    let oracle = served(&environment, &reflector);
     let mean = luminance([0, 1, 2].map(|c| reflector.oem().totals()[c])) / (4.0 * std::f64::consts::PI);
     let mut compared = 0;
     for (lobe, roughness) in

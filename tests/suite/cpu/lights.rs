@@ -1,6 +1,6 @@
 //! Light over the whole range of float32, mixed within one image: answers are finite and within their bounds.
 
-use crate::support::bounds::{Outcome, Question, luminance};
+use crate::support::bounds::{Outcome, Question, ServedOracle, luminance};
 use crate::support::common::{Random, environment};
 use glam::DVec3;
 use octagloss::internals::analysis::oracle::OemOracle;
@@ -251,13 +251,14 @@ fn question(random: &mut Random, light: &Light) -> Question {
 struct Asked<'a> {
     light: &'a Light,
     reflector: Reflector<'a>,
-    oracle: OemOracle,
+    oracle: ServedOracle<'a>,
     /// Luminance of the whole sphere's energy.
     energy: f64,
 }
 
 /// Asks the adaptive filter [`QUESTIONS`] questions over each of `count` environments, the `group`th of
-/// `seed`. They share the OEM's size and the questions, so that one exhaustive integration serves them all.
+/// `seed`. They share the OEM's size and the questions, so that one exhaustive integration over OEMs serves
+/// them all.
 /// Applies `alter` to the answers before comparing every direction.
 pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) -> Answer) -> Tally {
     let mut random = Random::new(seed.wrapping_add(group.wrapping_mul(0x9e37_79b9)));
@@ -276,10 +277,11 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
         .map(|light| {
             let reflector = Reflector::new(&light.environment, &light.settings()).expect("a small OEM");
             let (oracle, energy) = light.oracle(&reflector);
+            let oracle = ServedOracle::new(&light.environment, oracle, inner);
             Asked { light, reflector, oracle, energy: luminance(energy) }
         })
         .collect();
-    let oracles: Vec<&OemOracle> = asked.iter().map(|asked| &asked.oracle).collect();
+    let oracles: Vec<&OemOracle> = asked.iter().map(|asked| &asked.oracle.oem).collect();
     let mut tally = Tally::default();
     for number in 0..QUESTIONS {
         let first = &lights[(number % u64::from(count)) as usize];
@@ -287,11 +289,12 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
         let mut question = question(&mut random, first);
         let Question { lobe, roughness, error, .. } = question;
         let share = bilinear_share(lobe, roughness * roughness, inner);
-        let truths: Vec<_> = question
-            .directions
-            .iter()
-            .map(|direction| OemOracle::reflect_each(&oracles, lobe, roughness, *direction, share))
-            .collect();
+        let over_oems: Vec<Vec<[f64; 3]>> = if share > 0.0 {
+            let each = |d: &DVec3| OemOracle::reflect_each(&oracles, lobe, roughness, *d, 1.0);
+            question.directions.iter().map(each).collect()
+        } else {
+            Vec::new()
+        };
         for (k, asked) in asked.iter().enumerate() {
             let world_from_source = asked.light.environment.source_from_world().transpose();
             let directions: Vec<DVec3> = question.directions.iter().map(|d| world_from_source * *d).collect();
@@ -303,7 +306,9 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
             lobes.evaluate(&directions, &mut Workspace::default(), &mut answers);
             for (lane, answer) in answers.into_iter().enumerate() {
                 question.lane = lane;
-                tally.compare((seed, group), asked, &question, alter(answer), luminance(truths[lane][k]));
+                let over_oem = || over_oems[lane][k];
+                let truth = asked.oracle.mixed(lobe, roughness, directions[lane], share, over_oem);
+                tally.compare((seed, group), asked, &question, alter(answer), luminance(truth));
             }
         }
     }
@@ -314,10 +319,11 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
 /// stated for; `energy` is the whole sphere's.
 fn doubt(lobe: Lobe, roughness: f64, truth: f64, energy: f64) -> f64 {
     let alpha = roughness * roughness;
+    let source = ServedOracle::accuracy(lobe) * truth;
     match lobe {
         // Phong lobes omit values below 1e-30 of the peak, and faint values are less exact.
-        Lobe::Phong => 1e-6 * truth + 1.1e-30 * energy / kernel_integral(lobe, alpha),
-        _ => 0.0,
+        Lobe::Phong => source + 1e-6 * truth + 1.1e-30 * energy / kernel_integral(lobe, alpha),
+        _ => source,
     }
 }
 

@@ -19,7 +19,7 @@ use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::lobe::kernel::{Kernel, leaf_share};
 use octagloss::internals::oem::{Oem, OemSize};
-use octagloss::internals::reflector::ReflectorSettings;
+use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::internals::sphere::cube::{Face, direction_from_texel};
 use octagloss::internals::synth::synth;
 use rayon::prelude::*;
@@ -332,6 +332,55 @@ fn a_furnace_is_white() {
                 );
             }
         }
+    });
+}
+
+/// A lit texel in every layout, at places where texels have other shapes: both engines subdivide it into the
+/// same pieces, so that they agree far closer than their bounds.
+#[test]
+fn texels_of_the_source_are_subdivided_as_on_the_cpu() {
+    // Columns and rows of texels beside a pole, on the fold diagonal, in a corner, and elsewhere.
+    let cases = [
+        (Layout::Panorama { width: 64, height: 32 }, vec![(0, 0), (63, 31), (20, 9), (33, 16)]),
+        (Layout::Panorama { width: 6, height: 3 }, vec![(2, 0), (3, 1)]),
+        (Layout::Cube { size: 16 }, vec![(0, 0), (7, 20), (15, 47), (3, 90), (8, 55), (2, 70)]),
+        (Layout::Cube { size: 1 }, vec![(0, 2), (0, 5)]),
+        (Layout::Octahedral { size: 32 }, vec![(0, 0), (4, 11), (20, 27), (15, 15), (31, 2)]),
+        (Layout::Octahedral { size: 5 }, vec![(2, 2), (0, 3)]),
+    ];
+    with_passes("texels of the source", |context, passes| {
+        let mut random = Random::new(79);
+        let mut compared = 0;
+        for (layout, places) in &cases {
+            for (x, y) in places {
+                let (columns, rows) = layout.sides();
+                let at = (y * columns + x) as usize;
+                let mut texels = vec![[0.25, 0.5, 0.125]; layout.texel_count()];
+                texels[at] = [400.0, 300.0, 200.0];
+                let source = environment(*layout, texels);
+                let lit = layout.direction_from_texel(y / rows, *x, y % rows);
+                let settings = ReflectorSettings { oem_size: Some(256), ..ReflectorSettings::default() };
+                let on_gpu = GpuReflector::new(passes, &source, &settings).expect("a small OEM");
+                let on_cpu = Reflector::new(&source, &settings).expect("a small OEM");
+                let mut directions = vec![lit];
+                directions.extend((0..6).map(|_| (lit + random.direction() * 0.1).normalize()));
+                for (lobe, roughness) in [(Lobe::Ggx, 0.2), (Lobe::Ggx, 0.5), (Lobe::Phong, 0.4)] {
+                    let filter = Filter::Adaptive(0.002);
+                    let found = wait(context, on_gpu.query(&directions, lobe, roughness, filter));
+                    for (answer, direction) in found.iter().zip(&directions) {
+                        let expected =
+                            on_cpu.query(*direction, roughness, lobe, filter).expect("a finite answer");
+                        let [a, b] = [answer, &expected].map(|a| luminance(a.radiance.map(f64::from)));
+                        let case = format!("{layout:?} ({x}, {y}) {lobe:?} {roughness} {direction}");
+                        assert!((a - b).abs() <= 2e-4 * b, "{case}: {a}, not {b}, on {}", context.describe());
+                        let bounds = [answer, &expected].map(|a| f64::from(a.bound.expect("a bound")));
+                        assert!(bounds[0] <= 1.5 * bounds[1] + 1e-4 * b, "{case}: bounds {bounds:?}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(compared, 21 * 21);
     });
 }
 

@@ -21,6 +21,9 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
             (3, "read packets"),
             (4, "write results"),
             (5, "write leaf_counts"),
+            (6, "read members"),
+            (7, "read angles"),
+            (8, "texture source"),
         ],
     ),
     (

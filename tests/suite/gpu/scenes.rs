@@ -3,6 +3,7 @@
 use super::boxes::{one_box, packed, radiance_difference, solid_angle};
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::luminance;
+use crate::support::bounds::ServedOracle;
 use crate::support::common::{environment, landmarks};
 use glam::DVec3;
 use octagloss::internals::analysis::oracle::OemOracle;
@@ -142,15 +143,20 @@ fn scenes_pass_every_stage() {
 fn lobes_of_scenes_are_certified() {
     let layout = Layout::Cube { size: 8 };
     let settings = ReflectorSettings { oem_size: Some(16), ..ReflectorSettings::default() };
-    // Exhaustive integration of every scene, over the CPU's OEM.
+    // Exhaustive integration of every scene.
     let cases: Vec<_> = scenes(layout)
         .into_iter()
         .map(|(name, source)| {
             let truths = [0.1, 0.4, 1.0].map(|roughness| {
                 let reflector = CpuReflector::new(&source, &settings).expect("a small OEM");
-                let oracle = OemOracle::new(reflector.oem());
+                // In the source's units.
                 let per_unit = f64::from(-reflector.light_exponent()).exp2();
-                let truth = |d: &DVec3| per_unit * luminance(oracle.reflect(Lobe::Ggx, roughness, *d));
+                let texel = |x: u32, y: u32| {
+                    let [r, g, b, w] = reflector.oem().texel(x, y).map(f64::from);
+                    [per_unit * r, per_unit * g, per_unit * b, w]
+                };
+                let oracle = ServedOracle::new(&source, OemOracle::of_texels(16, texel), 16);
+                let truth = |d: &DVec3| luminance(oracle.reflect(Lobe::Ggx, roughness, *d));
                 (roughness, landmarks().iter().map(truth).collect::<Vec<f64>>())
             });
             (name, source, truths)
@@ -166,9 +172,9 @@ fn lobes_of_scenes_are_certified() {
                 for ((answer, truth), direction) in wait(context, query).iter().zip(truths).zip(&directions) {
                     let value = luminance(answer.radiance.map(f64::from));
                     let bound = f64::from(answer.bound.expect("a certified bound"));
-                    // The oracle integrates the CPU's OEM, whose energies equal the GPU's within the gather's
-                    // bound.
-                    let allowed = bound + (1e-7 + gather_bound(source)) * truth;
+                    // The oracle integrates the CPU's OEM to the bilinear share, whose energies equal the
+                    // GPU's within the gather's bound.
+                    let allowed = bound + (ServedOracle::accuracy(Lobe::Ggx) + gather_bound(source)) * truth;
                     assert!(
                         (value - truth).abs() <= allowed,
                         "{name} {roughness} {direction}: {value}, not {truth} within {bound} on {}",

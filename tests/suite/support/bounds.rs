@@ -2,17 +2,77 @@
 
 use super::common::{Random, landmarks};
 use glam::DVec3;
+use octagloss::Environment;
+use octagloss::internals::analysis::oracle::{OemOracle, Oracle};
 use octagloss::internals::cpu::leaves::LANES;
 use octagloss::internals::environment::LUMINANCE;
 use octagloss::internals::lobe::Lobe;
+use octagloss::internals::oem::bilinear_share;
 use std::fmt::Display;
 
 pub(crate) fn luminance(rgb: [f64; 3]) -> f64 {
     (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }
 
-/// Relative error of the oracle.
+/// Relative error of exhaustive integration over an OEM.
 pub(crate) const ORACLE: f64 = 1e-7;
+
+/// Relative error of exhaustive integration over a source.
+pub(crate) const SOURCE_ORACLE: f64 = 2e-5;
+
+/// The same for cones, whose edge texels are halved, not cut.
+pub(crate) const SOURCE_ORACLE_OF_CONES: f64 = 2e-3;
+
+/// Exhaustive integration of what a reflector serves: over the source, and over the OEM to the bilinear
+/// share.
+pub(crate) struct ServedOracle<'a> {
+    environment: &'a Environment,
+    source: Oracle<'a>,
+    pub(crate) oem: OemOracle,
+    inner: u32,
+}
+
+impl<'a> ServedOracle<'a> {
+    /// `oem` holds `inner` x `inner` texels made from `environment`.
+    pub(crate) fn new(environment: &'a Environment, oem: OemOracle, inner: u32) -> Self {
+        Self { environment, source: Oracle::new(environment), oem, inner }
+    }
+
+    /// The lobe's radiance around `direction` of the world.
+    pub(crate) fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
+        let share = bilinear_share(lobe, roughness * roughness, self.inner);
+        let over_oem = || {
+            let direction = self.environment.source_from_world() * direction;
+            self.oem.reflect_with_share(lobe, roughness, direction, 1.0)
+        };
+        self.mixed(lobe, roughness, direction, share, over_oem)
+    }
+
+    /// The same with the radiance `over_oem` of the bilinear share.
+    pub(crate) fn mixed(
+        &self,
+        lobe: Lobe,
+        roughness: f64,
+        direction: DVec3,
+        share: f64,
+        over_oem: impl FnOnce() -> [f64; 3],
+    ) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        if share > 0.0 {
+            over_oem().iter().zip(&mut sum).for_each(|(value, sum)| *sum += share * value);
+        }
+        if share < 1.0 {
+            let over_source = self.source.reflect(lobe, roughness, direction);
+            over_source.iter().zip(&mut sum).for_each(|(value, sum)| *sum += (1.0 - share) * value);
+        }
+        sum
+    }
+
+    /// Relative error of the answers.
+    pub(crate) fn accuracy(lobe: Lobe) -> f64 {
+        if lobe == Lobe::Cone { SOURCE_ORACLE_OF_CONES } else { SOURCE_ORACLE }
+    }
+}
 
 /// A query: directions, lobe, roughness and tolerance.
 pub(crate) struct Question {

@@ -1,0 +1,616 @@
+//! The source's texels, each constant over its own solid angle: moments of every texel and of pieces of it.
+//!
+//! Coarse texels are cut into 2^k x 2^k, which keeps the source's light and makes all sides shorter than 1/5:
+//! three nodes per side then integrate directions to 1e-9. Even sizes follow for octahedral squares, so that
+//! only fold diagonals cross texels, from corner to corner.
+
+use crate::environment::Layout;
+use crate::geometry::tent::{Moments, Patch, mirrored_in_diagonal};
+use crate::sphere::cube::{Face, cube_point};
+use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
+use std::f64::consts::{PI, TAU};
+
+/// A texel's moments and its solid angle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Texel {
+    pub(crate) patch: Patch,
+    pub(crate) solid_angle: f32,
+}
+
+/// Gauss and Legendre's nodes on [0, 1] and their weights.
+const NODES: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+
+/// The whole of a texel, as a piece of it.
+const WHOLE: [DVec2; 2] = [DVec2::ZERO, DVec2::ONE];
+
+/// Moments of a row of a panorama around longitude 0.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    centroid: DVec2,
+    texel: Texel,
+}
+
+/// Moments from which those of all texels follow.
+#[derive(Debug)]
+enum Table {
+    /// Rows, and cosine and sine of the columns' longitudes, in double and single precision.
+    Panorama { rows: Vec<Row>, columns: Vec<(f64, f64)>, rounded: Vec<(f32, f32)> },
+    /// The quadrant s, t >= 0 of a face, in the coordinates s, normal, t.
+    Cube { quadrant: Vec<Texel>, frames: [(DMat3, Mat3); 6] },
+    /// The quadrant u, v >= 0 of the square.
+    Octahedral { quadrant: Vec<Texel> },
+}
+
+/// The grid of a source's texels as `shaders/adaptive.wgsl` takes it.
+#[cfg(feature = "gpu")]
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SourceGrid {
+    /// 1 for panoramas, 2 for cubes, 3 for octahedral squares, 0 for none.
+    pub(crate) source: u32,
+    /// Columns and rows of one image.
+    pub(crate) sides: [u32; 2],
+    /// Halvings of the source's columns and rows that lead to them.
+    pub(crate) shift: [u32; 2],
+}
+
+/// The texels of a source, cut if they are coarse.
+#[derive(Debug)]
+pub(crate) struct SourceTexels {
+    source: Layout,
+    grid: Layout,
+    /// Halvings of a source texel's sides.
+    shift: [u32; 2],
+    table: Table,
+}
+
+/// Texels along an edge of a grid, at least: sides below 1/5.
+const LEAST_WIDTH: u32 = 32;
+const LEAST_HEIGHT: u32 = 16;
+const LEAST_CUBE: u32 = 16;
+const LEAST_SQUARE: u32 = 32;
+
+/// The grid of a source of `layout`, and the halvings of columns and rows that lead to it.
+fn grid_of(layout: Layout) -> (Layout, [u32; 2]) {
+    // Sizes from 1 on reach the least ones after five halvings.
+    let halvings = |size: u32, least: u32, even: bool| {
+        (0..5).find(|k| size << k >= least && (!even || (size << k).is_multiple_of(2))).unwrap_or(5)
+    };
+    match layout {
+        Layout::Panorama { width, height } => {
+            let [x, y] = [halvings(width, LEAST_WIDTH, false), halvings(height, LEAST_HEIGHT, false)];
+            (Layout::Panorama { width: width << x, height: height << y }, [x, y])
+        }
+        Layout::Cube { size } => {
+            let shift = halvings(size, LEAST_CUBE, true);
+            (Layout::Cube { size: size << shift }, [shift; 2])
+        }
+        Layout::Octahedral { size } => {
+            let shift = halvings(size, LEAST_SQUARE, true);
+            (Layout::Octahedral { size: size << shift }, [shift; 2])
+        }
+    }
+}
+
+/// The most runs of texels that cells of `width` x `width` hold for a source of `layout`: cells' edges cut a
+/// row less often than four times their number along an edge.
+pub(crate) fn most_runs(layout: Layout, width: u32) -> u64 {
+    let (columns, rows) = grid_of(layout).0.sides();
+    let images = if matches!(layout, Layout::Cube { .. }) { 6 } else { 1 };
+    let most = columns.div_ceil(longest_run(columns)).saturating_add(4 * width + 4).min(columns);
+    images * u64::from(rows) * u64::from(most)
+}
+
+/// Most texels of a run in a row of `columns`. Runs are summed in single precision: over k texels the
+/// centroid is in error by about k 2^-24 of the run's length, 2 pi k / columns, which this keeps below 2^-23.
+pub(crate) fn longest_run(columns: u32) -> u32 {
+    (columns / 3).isqrt().clamp(1, 16)
+}
+
+impl SourceTexels {
+    pub(crate) fn new(source: Layout) -> Self {
+        let (grid, shift) = grid_of(source);
+        let table = match grid {
+            Layout::Panorama { width, height } => {
+                let longitude = |i: u32| ((f64::from(i) + 0.5) / f64::from(width) - 0.5) * TAU;
+                let columns: Vec<(f64, f64)> =
+                    (0..width).map(|i| (longitude(i).cos(), longitude(i).sin())).collect();
+                let rounded = columns.iter().map(|(cos, sin)| (*cos as f32, *sin as f32)).collect();
+                let rows = (0..height)
+                    .map(|j| {
+                        let pieces = panorama_nodes([width, height], 0.0, j, WHOLE);
+                        let (moments, solid_angle) = integrated(&pieces);
+                        let texel = Texel { patch: moments.into(), solid_angle: solid_angle as f32 };
+                        Row { centroid: DVec2::new(moments.centroid.x, moments.centroid.y), texel }
+                    })
+                    .collect();
+                Table::Panorama { rows, columns, rounded }
+            }
+            Layout::Cube { size } => {
+                let half = size / 2;
+                let texel = |x: u32, y: u32| {
+                    let (moments, solid_angle) =
+                        integrated(&cube_nodes(size, DMat3::IDENTITY, [half + x, half + y], WHOLE));
+                    Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
+                };
+                let frames = Face::ALL.map(|face| {
+                    let normal = cube_point(face, 0.0, 0.0);
+                    let [s, t] = [cube_point(face, 1.0, 0.0), cube_point(face, 0.0, 1.0)];
+                    let frame = DMat3::from_cols(s - normal, normal, t - normal);
+                    (frame, frame.as_mat3())
+                });
+                Table::Cube { quadrant: mirrored_in_diagonal(half, texel, turned), frames }
+            }
+            Layout::Octahedral { size } => {
+                let half = size / 2;
+                let texel = |x: u32, y: u32| {
+                    let (moments, solid_angle) =
+                        integrated(&octahedral_nodes(size, [half + x, half + y], WHOLE));
+                    Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
+                };
+                Table::Octahedral { quadrant: mirrored_in_diagonal(half, texel, turned) }
+            }
+        };
+        Self { source, grid, shift, table }
+    }
+
+    /// Columns of the texels, and rows of all images.
+    pub(crate) fn sides(&self) -> (u32, u32) {
+        let (columns, rows) = self.grid.sides();
+        (columns, if matches!(self.grid, Layout::Cube { .. }) { 6 * rows } else { rows })
+    }
+
+    /// The texels' grid, for shaders.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn grid(&self) -> SourceGrid {
+        let source = match self.grid {
+            Layout::Panorama { .. } => 1,
+            Layout::Cube { .. } => 2,
+            Layout::Octahedral { .. } => 3,
+        };
+        let (columns, rows) = self.grid.sides();
+        SourceGrid { source, sides: [columns, rows], shift: self.shift }
+    }
+
+    /// Cosine and sine of the middle longitudes of a panorama's columns, then of the middle polar angles of
+    /// its rows; one pair for other layouts.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn angles(&self) -> Vec<[f32; 2]> {
+        let Layout::Panorama { width, height } = self.grid else { return vec![[0.0; 2]] };
+        let longitudes = (0..width).map(|i| ((f64::from(i) + 0.5) / f64::from(width) - 0.5) * TAU);
+        let polar = (0..height).map(|j| (f64::from(j) + 0.5) / f64::from(height) * PI);
+        longitudes.chain(polar).map(|angle| [angle.cos() as f32, angle.sin() as f32]).collect()
+    }
+
+    /// Index of the source's texel that the texel in column 0 of row `y` is a part of.
+    pub(crate) fn source_row(&self, y: u32) -> usize {
+        let (_, rows) = self.grid.sides();
+        let (columns, source_rows) = self.source.sides();
+        let (image, y) = (y / rows, y % rows);
+        (image * source_rows + (y >> self.shift[1])) as usize * columns as usize
+    }
+
+    /// Column of the source's texel that a texel in column `x` is a part of.
+    #[inline(always)]
+    pub(crate) const fn source_column(&self, x: u32) -> usize {
+        (x >> self.shift[0]) as usize
+    }
+
+    /// The texel in column `x` of row `y`.
+    #[inline]
+    pub(crate) fn at(&self, x: u32, y: u32) -> Texel {
+        let fold = |k: u32, half: u32| if k >= half { (k - half, 1.0) } else { (half - 1 - k, -1.0) };
+        let folded = |quadrant: &[Texel], half: u32, y: u32| {
+            let ((x, sign_x), (y, sign_z)) = (fold(x, half), fold(y, half));
+            let Texel { patch, solid_angle } = quadrant[y as usize * half as usize + x as usize];
+            Texel { patch: patch.mirrored(Vec3::new(sign_x, 1.0, sign_z)), solid_angle }
+        };
+        match (&self.table, self.grid) {
+            (Table::Panorama { rows, columns, .. }, _) => {
+                let Row { centroid, texel: Texel { patch, solid_angle } } = rows[y as usize];
+                let (cos, sin) = columns[x as usize];
+                let (c, s) = (cos as f32, sin as f32);
+                let Vec3 { x: radial, y: upright, z: tangential } = patch.diagonal;
+                // Radial and upright deviations are correlated, tangential ones with neither.
+                let leaning = patch.mixed.z;
+                let patch = Patch {
+                    centroid: Vec3::new(
+                        (centroid.x * cos) as f32,
+                        centroid.y as f32,
+                        (centroid.x * sin) as f32,
+                    ),
+                    diagonal: Vec3::new(
+                        radial * c * c + tangential * s * s,
+                        upright,
+                        radial * s * s + tangential * c * c,
+                    ),
+                    mixed: Vec3::new(leaning * s, (radial - tangential) * s * c, leaning * c),
+                    radius: patch.radius,
+                };
+                Texel { patch, solid_angle }
+            }
+            (Table::Cube { quadrant, frames }, Layout::Cube { size }) => {
+                let Texel { patch, solid_angle } = folded(quadrant, size / 2, y % size);
+                Texel { patch: patch.moved(frames[(y / size) as usize].1), solid_angle }
+            }
+            (Table::Cube { .. }, _) => unreachable!("a cube's table"),
+            (Table::Octahedral { quadrant }, grid) => folded(quadrant, grid.sides().0 / 2, y),
+        }
+    }
+
+    /// Calls `visit` with the centroid of every texel in row `y`, within 2^-23.
+    #[inline(always)]
+    pub(crate) fn for_each_centroid(&self, y: u32, mut visit: impl FnMut(Vec3)) {
+        if let Table::Panorama { rows, rounded, .. } = &self.table {
+            let [rho, up] = rows[y as usize].centroid.as_vec2().to_array();
+            for (cos, sin) in rounded {
+                visit(Vec3::new(rho * cos, up, rho * sin));
+            }
+        } else {
+            (0..self.sides().0).for_each(|x| visit(self.at(x, y).patch.centroid));
+        }
+    }
+
+    /// The row of a panorama, for sums along it; `None` for other layouts.
+    pub(crate) fn panorama_row(&self, y: u32) -> Option<PanoramaRow<'_>> {
+        let Table::Panorama { rows, columns, rounded } = &self.table else { return None };
+        let Row { centroid, texel } = rows[y as usize];
+        Some(PanoramaRow { centroid, texel, columns, rounded })
+    }
+
+    /// Moments and solid angle of the piece of the texel in column `x` of row `y` between `low` and `high`,
+    /// in texels from its first corner.
+    pub(crate) fn piece(&self, x: u32, y: u32, piece: [DVec2; 2]) -> (Moments, f64) {
+        match (&self.table, self.grid) {
+            (_, Layout::Panorama { width, height }) => {
+                let [low, high] = piece;
+                let longitude = |at: f64| ((f64::from(x) + at) / f64::from(width) - 0.5) * TAU;
+                let nodes =
+                    panorama_nodes([width, height], longitude((low.x + high.x) / 2.0), y, [low, high]);
+                integrated(&nodes)
+            }
+            (Table::Cube { frames, .. }, Layout::Cube { size }) => {
+                integrated(&cube_nodes(size, frames[(y / size) as usize].0, [x, y % size], piece))
+            }
+            (_, grid) => integrated(&octahedral_nodes(grid.sides().0, [x, y], piece)),
+        }
+    }
+}
+
+/// A row of a panorama.
+pub(crate) struct PanoramaRow<'a> {
+    centroid: DVec2,
+    texel: Texel,
+    columns: &'a [(f64, f64)],
+    rounded: &'a [(f32, f32)],
+}
+
+/// Sums over a run of texels, weighted by light: of 1 and of the cosines and sines of longitudes, as
+/// differences from the run's first.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct RunSums {
+    weight: f32,
+    cos: f32,
+    sin: f32,
+    cos_squared: f32,
+    sin_squared: f32,
+    product: f32,
+}
+
+impl PanoramaRow<'_> {
+    /// Solid angle of a texel.
+    pub(crate) const fn solid_angle(&self) -> f32 {
+        self.texel.solid_angle
+    }
+
+    /// Adds the texel in column `x` of a run from column `first` on, with light `weight`.
+    #[inline(always)]
+    pub(crate) fn add(&self, sums: &mut RunSums, first: u32, x: u32, weight: f32) {
+        // Differences of rounded values are exact, and in error by what centroids are.
+        let ((cos_first, sin_first), (cos, sin)) = (self.rounded[first as usize], self.rounded[x as usize]);
+        let (cos, sin) = (cos - cos_first, sin - sin_first);
+        let (weighted_cos, weighted_sin) = (weight * cos, weight * sin);
+        sums.weight += weight;
+        sums.cos += weighted_cos;
+        sums.sin += weighted_sin;
+        sums.cos_squared += weighted_cos * cos;
+        sums.sin_squared += weighted_sin * sin;
+        sums.product += weighted_cos * sin;
+    }
+
+    /// Moments of the light summed from column `first` on; columns `lit` are the first and last with light.
+    pub(crate) fn patch(&self, sums: &RunSums, first: u32, lit: [u32; 2]) -> Patch {
+        let per_weight = 1.0 / f64::from(sums.weight);
+        let mean = |sum: f32| f64::from(sum) * per_weight;
+        let (cos, sin) = (mean(sums.cos), mean(sums.sin));
+        let (cos_first, sin_first) = self.rounded[first as usize];
+        let (c, s) = (f64::from(cos_first) + cos, f64::from(sin_first) + sin);
+        // Deviations of cosine and sine.
+        let cos_squared = (mean(sums.cos_squared) - cos * cos).max(0.0);
+        let sin_squared = (mean(sums.sin_squared) - sin * sin).max(0.0);
+        let product = mean(sums.product) - cos * sin;
+        let own = self.texel.patch;
+        let [radial, upright, tangential] = own.diagonal.as_dvec3().to_array();
+        let leaning = f64::from(own.mixed.z);
+        let rho = self.centroid.x;
+        // Means of squares, for the texels' own covariances.
+        let (cc, ss, cs) = (c * c + cos_squared, s * s + sin_squared, c * s + product);
+        let centroid = DVec3::new(rho * c, self.centroid.y, rho * s);
+        let reach = lit.map(|x| {
+            let (cos, sin) = self.columns[x as usize];
+            DVec3::new(rho * cos, self.centroid.y, rho * sin).distance(centroid)
+        });
+        let diagonal = DVec3::new(
+            rho * rho * cos_squared + radial * cc + tangential * ss,
+            upright,
+            rho * rho * sin_squared + radial * ss + tangential * cc,
+        );
+        let mixed = DVec3::new(leaning * s, rho * rho * product + (radial - tangential) * cs, leaning * c);
+        Patch {
+            centroid: centroid.as_vec3(),
+            diagonal: diagonal.as_vec3(),
+            mixed: mixed.as_vec3(),
+            // The farthest point of a run from its centroid is a corner of a texel at one end.
+            radius: (reach[0].max(reach[1]) as f32 + own.radius) * (1.0 + 1e-6),
+        }
+    }
+}
+
+fn turned(texel: Texel) -> Texel {
+    Texel { patch: texel.patch.turned(), ..texel }
+}
+
+/// Directions and solid angles of nodes, and the corners.
+struct Nodes {
+    weighted: [(DVec3, f64); 18],
+    count: usize,
+    corners: [DVec3; 4],
+}
+
+impl Nodes {
+    /// Nodes of the parallelogram, or of half of it, that `point` and `density` map to the sphere from the
+    /// unit square.
+    fn add(&mut self, density: impl Fn(DVec2) -> (DVec3, f64)) {
+        for (u, weight_u) in NODES {
+            for (v, weight_v) in NODES {
+                let (direction, density) = density(DVec2::new(u, v));
+                self.weighted[self.count] = (direction, density * weight_u * weight_v);
+                self.count += 1;
+            }
+        }
+    }
+
+    fn at_corners(corners: [DVec3; 4]) -> Self {
+        Self { weighted: [(DVec3::ZERO, 0.0); 18], count: 0, corners }
+    }
+}
+
+/// Moments, reach and solid angle. The farthest point of a piece from its centroid is a corner: its sides are
+/// great circles or parallels shorter than a quarter of the circle.
+fn integrated(nodes: &Nodes) -> (Moments, f64) {
+    let weighted = &nodes.weighted[..nodes.count];
+    let solid_angle: f64 = weighted.iter().map(|(_, weight)| weight).sum();
+    let mut moments =
+        Moments::of(weighted.iter().map(|(direction, weight)| (*direction, weight / solid_angle)));
+    let apart = nodes.corners.iter().map(|corner| corner.distance_squared(moments.centroid));
+    moments.radius = apart.fold(0.0, f64::max).sqrt();
+    (moments, solid_angle)
+}
+
+/// A piece of the texel in row `j` of a panorama whose middle has `longitude`.
+fn panorama_nodes([width, height]: [u32; 2], longitude: f64, j: u32, [low, high]: [DVec2; 2]) -> Nodes {
+    let step = DVec2::new(TAU / f64::from(width), PI / f64::from(height));
+    let extent = (high - low) * step;
+    let top = (f64::from(j) + low.y) * step.y;
+    let at = |p: DVec2| {
+        let (sin, cos) = (top + p.y * extent.y).sin_cos();
+        let (across, along) = (longitude + (p.x - 0.5) * extent.x).sin_cos();
+        (DVec3::new(sin * along, cos, sin * across), sin * extent.x * extent.y)
+    };
+    let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].map(|p| at(p).0);
+    let mut nodes = Nodes::at_corners(corners);
+    nodes.add(at);
+    nodes
+}
+
+/// The direction of `point` and the solid angle of `area` around it, in a plane at distance `height` from the
+/// centre.
+fn projected(point: DVec3, area: f64) -> (DVec3, f64) {
+    let squared = point.length_squared();
+    let per_length = 1.0 / squared.sqrt();
+    (point * per_length, area * per_length / squared)
+}
+
+/// A piece of the texel at `place` of a face of `size` x `size`, whose axes s, normal and t are the columns
+/// of `frame`.
+fn cube_nodes(size: u32, frame: DMat3, place: [u32; 2], [low, high]: [DVec2; 2]) -> Nodes {
+    let step = 2.0 / f64::from(size);
+    let place = DVec2::from(place.map(f64::from));
+    let extent = (high - low) * step;
+    let first = (place + low) * step - 1.0;
+    let at = |p: DVec2| {
+        let st = first + p * extent;
+        projected(frame * DVec3::new(st.x, 1.0, st.y), extent.x * extent.y)
+    };
+    let mut nodes = Nodes::at_corners([DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].map(|p| at(p).0));
+    nodes.add(at);
+    nodes
+}
+
+/// A piece of the texel at `place` of an octahedral square of `size` x `size`.
+fn octahedral_nodes(size: u32, place: [u32; 2], [low, high]: [DVec2; 2]) -> Nodes {
+    let half = f64::from(size / 2);
+    // Texels from the axes, which no texel crosses.
+    let axis = |k: u32, low: f64, high: f64| {
+        let k = f64::from(k) - half;
+        if k >= 0.0 { (k + low, k + high, 1.0) } else { (-k - high, -k - low, -1.0) }
+    };
+    let (a0, a1, sign_x) = axis(place[0], low.x, high.x);
+    let (b0, b1, sign_z) = axis(place[1], low.y, high.y);
+    let signs = DVec3::new(sign_x, 1.0, sign_z);
+    let point = |a: f64, b: f64| {
+        let p = if a + b <= half {
+            DVec3::new(a, half - a - b, b)
+        } else {
+            DVec3::new(half - b, half - a - b, half - a)
+        };
+        signs * p / half
+    };
+    let extent = DVec2::new(a1 - a0, b1 - b0);
+    let area = extent.x * extent.y / (half * half);
+    let corners = [(a0, b0), (a1, b0), (a1, b1), (a0, b1)].map(|(a, b)| point(a, b).normalize());
+    let mut nodes = Nodes::at_corners(corners);
+    if a0 + b0 < half && a1 + b1 > half {
+        // The fold diagonal runs from corner to corner. In each triangle the nodes shrink towards the corner
+        // off the diagonal.
+        for ([a, b], sign) in [([a0, b0], 1.0), ([a1, b1], -1.0)] {
+            nodes.add(|p| {
+                let along = extent * DVec2::new(1.0 - p.y, p.y) * (sign * p.x);
+                projected(point(a + along.x, b + along.y), area * p.x)
+            });
+        }
+    } else {
+        nodes.add(|p| projected(point(a0 + p.x * extent.x, b0 + p.y * extent.y), area));
+    }
+    nodes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAYOUTS: [Layout; 10] = [
+        Layout::Panorama { width: 1, height: 1 },
+        Layout::Panorama { width: 7, height: 5 },
+        Layout::Panorama { width: 64, height: 33 },
+        Layout::Cube { size: 1 },
+        Layout::Cube { size: 5 },
+        Layout::Cube { size: 16 },
+        Layout::Octahedral { size: 1 },
+        Layout::Octahedral { size: 3 },
+        Layout::Octahedral { size: 32 },
+        Layout::Octahedral { size: 37 },
+    ];
+
+    /// Every texel with its column, row and source texel.
+    fn all(texels: &SourceTexels) -> impl Iterator<Item = (u32, u32, usize)> {
+        let (columns, rows) = texels.sides();
+        (0..rows).flat_map(move |y| {
+            (0..columns).map(move |x| (x, y, texels.source_row(y) + texels.source_column(x)))
+        })
+    }
+
+    #[test]
+    fn texels_have_the_solid_angles_of_the_source() {
+        for layout in LAYOUTS {
+            let texels = SourceTexels::new(layout);
+            let mut sums = vec![0.0; layout.texel_count()];
+            for (x, y, source) in all(&texels) {
+                sums[source] += f64::from(texels.at(x, y).solid_angle);
+            }
+            let (columns, rows) = layout.sides();
+            for (k, sum) in (0..).zip(sums) {
+                let expected = layout.texel_solid_angle(k % columns, k / columns % rows);
+                assert!((sum / expected - 1.0).abs() < 3e-7, "{layout:?} texel {k}: {sum}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn tables_and_pieces_agree() {
+        for layout in LAYOUTS {
+            let texels = SourceTexels::new(layout);
+            for (x, y, _) in all(&texels).step_by(5) {
+                let (whole, solid_angle) = texels.piece(x, y, WHOLE);
+                let Texel { patch, solid_angle: found } = texels.at(x, y);
+                let case = format!("{layout:?} ({x}, {y})");
+                assert!((f64::from(found) / solid_angle - 1.0).abs() < 1e-6, "{case}: solid angle");
+                let off = patch.centroid.as_dvec3().distance(whole.centroid);
+                assert!(off < 1.3e-7, "{case}: centroid off by {off:e}");
+                let scale = whole.diagonal.element_sum();
+                let off = patch.diagonal.as_dvec3().distance(whole.diagonal)
+                    + patch.mixed.as_dvec3().distance(whole.mixed);
+                assert!(off < 1e-5 * scale, "{case}: covariance off by {off:e} of {scale:e}");
+                let reach = f64::from(patch.radius);
+                assert!((reach / whole.radius - 1.0).abs() < 1e-4, "{case}: reach {reach}");
+
+                // Quarters, each of quarters, have the moments of the whole.
+                let quarters = |[low, high]: [DVec2; 2]| {
+                    let half = (high - low) / 2.0;
+                    [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|k| {
+                        let low = low + k * half;
+                        [low, low + half]
+                    })
+                };
+                let pieces: Vec<_> = quarters(WHOLE)
+                    .into_iter()
+                    .flat_map(quarters)
+                    .map(|piece| texels.piece(x, y, piece))
+                    .collect();
+                let total: f64 = pieces.iter().map(|(_, solid_angle)| solid_angle).sum();
+                assert!((total / solid_angle - 1.0).abs() < 1e-7, "{case}: pieces cover {total}");
+                let mean = |get: &dyn Fn(&Moments) -> DVec3| {
+                    pieces.iter().map(|(moments, weight)| get(moments) * *weight).sum::<DVec3>() / total
+                };
+                let centroid = mean(&|moments| moments.centroid);
+                assert!(centroid.distance(whole.centroid) < 1e-8, "{case}: centroid of pieces");
+                let spread = mean(&|moments| moments.diagonal + (moments.centroid - centroid).powf(2.0));
+                assert!(spread.distance(whole.diagonal) < 1e-6 * scale, "{case}: spread of pieces");
+                for (moments, _) in &pieces {
+                    let reached = moments.centroid.distance(whole.centroid);
+                    assert!(reached < whole.radius, "{case}: a piece outside");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn texels_lie_where_the_source_s_map_says() {
+        for layout in LAYOUTS {
+            let texels = SourceTexels::new(layout);
+            let (columns, rows) = layout.sides();
+            for (x, y, source) in all(&texels).filter(|_| layout.texel_count() > 100) {
+                let k = source as u32;
+                let centre =
+                    layout.direction_from_texel(k / (columns * rows), k % columns, k / columns % rows);
+                let apart = texels.at(x, y).patch.centroid.as_dvec3().distance(centre);
+                assert!(apart < 3.0 / f64::from(rows), "{layout:?} ({x}, {y}): {apart} apart");
+            }
+        }
+    }
+
+    #[test]
+    fn runs_have_the_moments_of_their_texels() {
+        let texels = SourceTexels::new(Layout::Panorama { width: 256, height: 128 });
+        for (y, first) in [(0, 0), (1, 250), (40, 17), (64, 128), (127, 3)] {
+            let row = texels.panorama_row(y).expect("a panorama");
+            let lights = [0.0, 3.0, 1.0, 100.0, 2.0, 0.0_f32];
+            let mut sums = RunSums::default();
+            for (x, light) in (first..).zip(lights) {
+                row.add(&mut sums, first, x, light);
+            }
+            let patch = row.patch(&sums, first, [first + 1, first + 4]);
+            let own: Vec<_> =
+                (first..).zip(lights).map(|(x, light)| (texels.at(x, y).patch, f64::from(light))).collect();
+            let total: f64 = own.iter().map(|(_, light)| light).sum();
+            let mean = |get: &dyn Fn(&Patch) -> DVec3| {
+                own.iter().map(|(patch, light)| get(patch) * *light).sum::<DVec3>() / total
+            };
+            let centroid = mean(&|patch| patch.centroid.as_dvec3());
+            assert!(patch.centroid.as_dvec3().distance(centroid) < 2e-7, "row {y}: centroid");
+            let apart = |patch: &Patch| patch.centroid.as_dvec3() - centroid;
+            let diagonal = mean(&|patch| patch.diagonal.as_dvec3() + apart(patch).powf(2.0));
+            let scale = diagonal.element_sum();
+            assert!(patch.diagonal.as_dvec3().distance(diagonal) < 1e-4 * scale, "row {y}: variances");
+            let mixed = mean(&|patch| {
+                let apart = apart(patch);
+                patch.mixed.as_dvec3() + DVec3::new(apart.y * apart.z, apart.z * apart.x, apart.x * apart.y)
+            });
+            assert!(patch.mixed.as_dvec3().distance(mixed) < 1e-4 * scale, "row {y}: covariances");
+            for (member, light) in own.iter().filter(|(_, light)| *light > 0.0) {
+                let reached = patch.centroid.distance(member.centroid) + member.radius;
+                assert!(reached <= patch.radius * (1.0 + 1e-5), "row {y}: light {light} outside");
+            }
+        }
+    }
+}
