@@ -37,7 +37,7 @@ enum Table {
     /// Rows, and cosine and sine of the columns' longitudes, in double and single precision.
     Panorama { rows: Vec<Row>, columns: Vec<(f64, f64)>, rounded: Vec<(f32, f32)> },
     /// The quadrant s, t >= 0 of a face, in the coordinates s, normal, t.
-    Cube { quadrant: Vec<Texel>, frames: [(DMat3, Mat3); 6] },
+    Cube { quadrant: Vec<Texel>, frames: Box<[(DMat3, Mat3); 6]> },
     /// The quadrant u, v >= 0 of the square.
     Octahedral { quadrant: Vec<Texel> },
 }
@@ -133,12 +133,12 @@ impl SourceTexels {
                         integrated(&cube_nodes(size, DMat3::IDENTITY, [half + x, half + y], WHOLE));
                     Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
                 };
-                let frames = Face::ALL.map(|face| {
+                let frames = Box::new(Face::ALL.map(|face| {
                     let normal = cube_point(face, 0.0, 0.0);
                     let [s, t] = [cube_point(face, 1.0, 0.0), cube_point(face, 0.0, 1.0)];
                     let frame = DMat3::from_cols(s - normal, normal, t - normal);
                     (frame, frame.as_mat3())
-                });
+                }));
                 Table::Cube { quadrant: mirrored_in_diagonal(half, texel, turned), frames }
             }
             Layout::Octahedral { size } => {
