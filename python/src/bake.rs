@@ -11,7 +11,7 @@ use octagloss::internals::bake::dfg::{DfgBlue, dfg_table};
 use octagloss::internals::bake::{LevelStats, bake_all};
 use octagloss::internals::chain::Level as CoreLevel;
 use octagloss::internals::target::{Diffuse, Target, TargetPlan};
-use octagloss::{Bake as CoreBake, BakeSettings, Filter, Layout, Lobe, Map};
+use octagloss::{Bake as CoreBake, BakeSettings, Filter, Layout, Lobe, Map, Scan};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -314,6 +314,7 @@ pub(crate) fn bake(
         filter,
         oem_size,
         border,
+        scan: Scan::default(),
         bounds,
         irradiance: irradiance.or(own_irradiance),
         skybox,

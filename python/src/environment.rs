@@ -348,6 +348,7 @@ impl Environment {
             border,
             sharpest: sharpest_of(lobe, asked.roughness.all(), sharpest)?,
             fitted: matches!(filter, Filter::Fitted(_)),
+            ..ReflectorSettings::default()
         };
         self.answers(py, asked, (lobe, filter), settings, (bounds, 1.0))
     }
@@ -368,7 +369,7 @@ impl Environment {
         let filter = choices::filter(filter)?;
         let (directions, shape) = directions(normals, "normals")?;
         let asked = Asked { directions, shape, roughness: Roughness::One(1.0) };
-        let settings = ReflectorSettings { oem_size, border: None, sharpest: 1.0, fitted: false };
+        let settings = ReflectorSettings { oem_size, sharpest: 1.0, ..ReflectorSettings::default() };
         self.answers(py, asked, (Lobe::Cosine, filter), settings, (bounds, PI))
     }
 
