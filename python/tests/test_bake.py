@@ -19,7 +19,7 @@ def files(folder):
 @pytest.mark.parametrize(
     "options, arguments",
     [
-        ({}, []),
+        pytest.param({}, [], marks=pytest.mark.smoke),
         ({"pixel": "rgb9e5", "ladder": "filament"}, ["--pixel", "rgb9e5", "--ladder", "filament"]),
         ({"lobe": "cone", "filter": "adaptive:0.02"}, ["--lobe", "cone", "--filter", "adaptive:0.02"]),
         ({"chain": "solved"}, ["--chain", "solved"]),

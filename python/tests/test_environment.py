@@ -9,6 +9,7 @@ import octagloss
 from octagloss import Environment
 
 
+@pytest.mark.smoke
 def test_versions_agree(program):
     assert program("--version").split()[1] == octagloss.__version__
 

@@ -27,6 +27,7 @@ def test_answers_equal_the_command_lines(program, sky, sky_file, directions, lob
     np.testing.assert_array_equal(ours, theirs)
 
 
+@pytest.mark.smoke
 def test_a_roughness_each_and_bounds_equal_the_command_lines(program, sky, sky_file, directions):
     roughness = np.linspace(0.0, 1.0, len(directions)).round(2)
     columns = np.column_stack([directions, roughness])
