@@ -13,7 +13,7 @@ import secrets
 import sys
 import time
 from collections import Counter
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 import ray
 import sizes
@@ -50,6 +50,8 @@ def parsed() -> argparse.Namespace:
 
 def inputs(source: Storage, output: Storage, size: int) -> Dict[str, int]:
     """The panoramas, and what each costs: the texels read and baked."""
+    if source.root == output.root and type(source.fs) is type(output.fs):
+        sys.exit(f"{output.root} is the folder of the panoramas; choose another for the bakes")
     # Outputs below the inputs are no inputs.
     inside = output.root[len(source.root) + 1 :] + "/" if output.root.startswith(source.root + "/") else None
     found = {
@@ -68,8 +70,8 @@ def inputs(source: Storage, output: Storage, size: int) -> Dict[str, int]:
     return {name: baked + sizes.pixels(headers.get(name, b""), found[name]) for name in found}
 
 
-def start(arguments: argparse.Namespace) -> int:
-    """Starts Ray or joins a cluster; the number of workers."""
+def start(arguments: argparse.Namespace) -> Tuple[int, int]:
+    """Starts Ray or joins a cluster; the number of workers, and the memory of the largest node in bytes."""
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     # The modules next to this file travel with the tasks.
     for module in [storage, worker]:
@@ -81,16 +83,19 @@ def start(arguments: argparse.Namespace) -> int:
         ray.init(address=arguments.address, **settings)
     else:
         ray.init(num_cpus=arguments.workers * arguments.threads, include_dashboard=False, **settings)
-    resources: Dict[str, float] = ray.cluster_resources()  # type: ignore[no-untyped-call, unused-ignore]
-    cores: float = resources.get("CPU", 1.0)
-    return max(int(cores) // int(arguments.threads), 1)
+    known: List[Dict[str, Any]] = ray.nodes()  # type: ignore[no-untyped-call, unused-ignore]
+    nodes: List[Dict[str, float]] = [node["Resources"] for node in known if node["Alive"]]
+    workers = sum(int(node.get("CPU", 0)) // int(arguments.threads) for node in nodes)
+    if workers == 0:
+        sys.exit(f"--threads is {arguments.threads}, more than any node of the cluster has; choose fewer")
+    return workers, max(int(node.get("memory", 0)) for node in nodes)
 
 
 class Run:
     """The tasks in progress, and the outcomes so far."""
 
-    def __init__(self, job: Job, costs: Dict[str, int], retries: int) -> None:
-        self.job, self.costs, self.retries = job, costs, retries
+    def __init__(self, job: Job, costs: Dict[str, int], retries: int, memory: int) -> None:
+        self.job, self.costs, self.retries, self.memory = job, costs, retries, memory
         self.task = ray.remote(worker.work)
         self.pending: Dict[Any, List[str]] = {}
         self.attempts: Counter[str] = Counter()
@@ -98,7 +103,8 @@ class Run:
 
     def submit(self, names: List[str]) -> None:
         # Workers prepare one panorama at a time. Ray's own retries would repeat a whole task for one of them.
-        needed = sizes.memory(max(self.costs[name] for name in names))
+        # What is too large for every node is tried on the largest, alone.
+        needed = min(sizes.memory(max(self.costs[name] for name in names)), self.memory)
         task = self.task.options(num_cpus=self.job.threads, memory=needed, max_retries=0)
         self.attempts.update(names)
         self.pending[task.remote(self.job, names)] = names
@@ -152,8 +158,8 @@ def main() -> None:
     options = {name: value for name, value in given.items() if value is not None}
     places = absolute(arguments.source), absolute(arguments.output)
     job = Job(secrets.token_hex(8), places[0], places[1], options, arguments.threads)
-    workers = start(arguments)
-    run = Run(job, costs, arguments.retries)
+    workers, memory = start(arguments)
+    run = Run(job, costs, arguments.retries, memory)
     begun = time.monotonic()
     for names in sizes.batches(costs, arguments.texels, workers):
         run.submit(names)
