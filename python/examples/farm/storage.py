@@ -1,7 +1,6 @@
 """Folders on any file system of fsspec: a local path, or an URL such as s3://bucket/skies."""
 
 import os
-import tempfile
 from typing import Dict, Optional
 
 import fsspec
@@ -52,15 +51,11 @@ class Storage:
             return
         folder = os.path.dirname(path)
         os.makedirs(folder, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=folder, prefix=".farm-")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, path)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+        # A killed worker leaves it; the next attempt replaces it.
+        temporary = os.path.join(folder, f".farm-{os.path.basename(path)}")
+        with open(temporary, "wb") as file:
+            file.write(content)
+        os.replace(temporary, path)
 
     def remove(self, name: str) -> None:
         try:
