@@ -101,11 +101,13 @@ fn nearest(
     (values, wait(context, readback::read_layer(context, target.depth(), layer)))
 }
 
-/// The exact methods that are compared with depth. SwiftShader then loses pixels where a corner's w is exactly 0
-/// in a neighbouring octant, which pieces of triangles never have.
-fn with_depth(context: &Context) -> &'static [Method] {
-    let is_swiftshader = context.device().adapter_info().name.contains("SwiftShader");
-    if is_swiftshader { &[Method::StrictSplit] } else { &METHODS }
+/// [`in_full`] without SwiftShader, which drops pixels where a corner's w is exactly 0 in a neighbouring octant.
+fn in_full_with_zero_w(name: &str, test: impl Fn(&Context)) {
+    in_full(name, |context| {
+        if !context.device().adapter_info().name.contains("SwiftShader") {
+            test(context);
+        }
+    });
 }
 
 /// What the rays of a map's pixels hit.
@@ -185,8 +187,8 @@ fn difference(context: &Context, triangles: &Triangles, size: u32, near: f32) ->
             return Err(format!("{method:?}, {size} pixels: {wrong}"));
         }
     }
-    for method in with_depth(context) {
-        let (values, depths) = nearest(context, *method, triangles, layout, near, 0);
+    for method in METHODS {
+        let (values, depths) = nearest(context, method, triangles, layout, near, 0);
         if let Some(wrong) = expected.wrong_value(&values, &depths) {
             return Err(format!("{method:?}, {size} pixels: {wrong}"));
         }
@@ -224,7 +226,7 @@ fn triangle() -> impl Strategy<Value = [DVec3; 3]> {
 
 #[test]
 fn any_triangles_match_the_oracle() {
-    in_full("direct: triangles", |context| {
+    in_full_with_zero_w("direct: triangles", |context| {
         let config = Config { cases: CASES, failure_persistence: None, ..Config::default() };
         let seed = [7; 32];
         let random =
@@ -281,7 +283,7 @@ fn chosen_triangles_match_the_oracle() {
         // A plain that leaves the near surface for the horizon.
         vec![[v(-1e3, -0.8, -1e3), v(1e3, -0.8, -1e3), v(0.0, -0.8, 2e3)]],
     ];
-    in_full("direct: chosen triangles", |context| {
+    in_full_with_zero_w("direct: chosen triangles", |context| {
         for (k, triangles) in chosen.iter().enumerate() {
             for near in [0.05, 0.4] {
                 let expected = difference(context, &mesh(triangles), 48, near);
@@ -304,8 +306,7 @@ pub(super) fn closed_surfaces(context: &Context, cases: &[(i32, u32)]) {
                 let others = counts.iter().filter(|count| **count != 1).count();
                 assert_eq!(others, 0, "{method:?}, {parts} parts, {size} pixels, turn {turn:?}");
             }
-            let method = with_depth(context)[0];
-            let (values, depths) = nearest(context, method, &surface, layout, 0.1, 0);
+            let (values, depths) = nearest(context, Method::Octants, &surface, layout, 0.1, 0);
             // A pixel is 2 / size of the square's unit, which spans an angle of 3 at most, in faces' centres.
             let moved = SNAP * 2.0 * 3.0 / f64::from(*size);
             for (k, ([x, y, z, one], depth)) in (0..).zip(values.iter().zip(depths)) {
@@ -321,7 +322,7 @@ pub(super) fn closed_surfaces(context: &Context, cases: &[(i32, u32)]) {
 
 #[test]
 fn closed_surfaces_have_no_crack_and_no_double_cover() {
-    in_full("direct: closed surfaces", |context| {
+    in_full_with_zero_w("direct: closed surfaces", |context| {
         // Corners on corners of pixels, edges through centres of pixels, and several triangles per pixel.
         closed_surfaces(context, &[(1, 2), (1, 64), (2, 6), (5, 64), (32, 64), (40, 16), (7, 250)]);
     });
