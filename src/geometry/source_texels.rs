@@ -46,13 +46,21 @@ enum Table {
 #[cfg(feature = "gpu")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SourceGrid {
-    /// 1 for panoramas, 2 for cubes, 3 for octahedral squares, 0 for none.
+    /// [`PANORAMA`], [`CUBE`], 3 for octahedral squares, 0 for none.
     pub(crate) source: u32,
     /// Columns and rows of one image.
     pub(crate) sides: [u32; 2],
     /// Halvings of the source's columns and rows that lead to them.
     pub(crate) shift: [u32; 2],
 }
+
+/// [`SourceGrid::source`] of a panorama.
+#[cfg(feature = "gpu")]
+pub(crate) const PANORAMA: u32 = 1;
+
+/// [`SourceGrid::source`] of a cube.
+#[cfg(feature = "gpu")]
+pub(crate) const CUBE: u32 = 2;
 
 /// The texels of a source, cut if they are coarse.
 #[derive(Debug)]
@@ -164,8 +172,8 @@ impl SourceTexels {
     #[cfg(feature = "gpu")]
     pub(crate) fn grid(&self) -> SourceGrid {
         let source = match self.grid {
-            Layout::Panorama { .. } => 1,
-            Layout::Cube { .. } => 2,
+            Layout::Panorama { .. } => PANORAMA,
+            Layout::Cube { .. } => CUBE,
             Layout::Octahedral { .. } => 3,
         };
         let (columns, rows) = self.grid.sides();

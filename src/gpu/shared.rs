@@ -10,6 +10,7 @@ use crate::cpu::fitted::{HARMONICS_ALONE, HARMONICS_FROM};
 use crate::cpu::leaves::LANES;
 use crate::cpu::subtexel::SMOOTH_SIDE;
 use crate::environment::LUMINANCE;
+use crate::geometry::source_texels::{CUBE, PANORAMA};
 use crate::lobe::kernel::shape;
 use crate::realtime::emitters::{COUNT, GRID};
 use crate::realtime::tables::{KNOTS, OCTAVES, triangle};
@@ -32,6 +33,8 @@ pub fn constants() -> Vec<Constant> {
         one("adaptive.wgsl", "LEVELS", adaptive::LEVELS as u32),
         one("adaptive.wgsl", "INCOMPLETE", adaptive::INCOMPLETE),
         float("adaptive.wgsl", "SMOOTH_SIDE", SMOOTH_SIDE),
+        one("adaptive.wgsl", "PANORAMA", PANORAMA),
+        one("adaptive.wgsl", "CUBE", CUBE),
         one("blur.wgsl", "EDGE", octaves::EDGE),
         one("blur.wgsl", "GROUP_SIZE", blur::GROUP_SIZE),
         one("blur.wgsl", "LINE_SIZE", blur::LINE_SIZE),

@@ -135,7 +135,7 @@ mod tests {
             let uv = DVec2::new(f64::from(k * 37 % 997), f64::from(k * 61 % 991)) / 500.0 - 1.0;
             let position = direction_from_oct(uv) * 3.0;
             assert!((oct_from_direction(position) - uv).length() < 1e-12);
-            let bit = |x: f64, bit: u32| if x < 0.0 { bit } else { 0 };
+            let bit = |x: f64, bit: u32| if x.is_sign_negative() { bit } else { 0 };
             let octant = bit(position.x, 1) | bit(position.y, 2) | bit(position.z, 4);
             let bounded = &views[octant as usize];
             assert_eq!(bounded.view.octant, octant);

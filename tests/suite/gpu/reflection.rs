@@ -195,7 +195,10 @@ fn struct_layouts_match_rust() {
 
 /// Constants that only their shader uses, or that are derived from others.
 const OWN_CONSTANTS: &[(&str, &[&str])] = &[
-    ("adaptive.wgsl", &["BATCH", "DEPTH", "LEAF_FIELDS", "LEAVES", "PARTS", "PIECES", "STACK"]),
+    (
+        "adaptive.wgsl",
+        &["BATCH", "DEPTH", "LEAF_FIELDS", "LEAVES", "MEMBERS", "PARTS", "PIECES", "SOURCE_DEPTH", "STACK"],
+    ),
     ("blur.wgsl", &["SCAN_SIZE"]),
     ("common/fitted.wgsl", &["UNIT"]),
     ("common/quad.wgsl", &["FIELD_SPARE"]),
