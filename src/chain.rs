@@ -46,7 +46,7 @@ pub enum ChainKind {
     Sampled,
     /// Values whose trilinear look-ups are nearest the lobes, also between texels and levels.
     Solved,
-    /// Sampled levels up to roughness [`SHARP`], solved ones above.
+    /// Sampled levels up to a roughness of a third, solved ones above.
     Mixed,
 }
 
