@@ -2,19 +2,21 @@
 //! chains, and answers single queries, without sampling noise and with a certified error bound.
 //!
 //! ```text
-//! environment            OEM, bordered            cells                      lobes
-//! cube / panorama  --->  L*w and w per texel ---> energy, centroid,   --->   adaptive quadrature, bound
-//!       |                (w = solid angle)        covariance                      |
-//!       |                      |                                                  +--> query: one direction
-//!       |                      +----> exact 64-bit SAT ---> boxes, fitted lobes   +--> bake: a cube chain
+//! environment           cells                        lobes
+//! cube / panorama  ---> energy, centroid,     --->   adaptive quadrature, bound
+//!       |               covariance                     |
+//!       |                                              +--> query: one direction
+//!       |                                              +--> bake: a cube chain
+//!       +----> OEM, bordered: L*w and w per texel (w = solid angle)
+//!       |        +----> exact 64-bit SAT ---> boxes, fitted lobes
 //!       +----> oracle: exhaustive integration, to check all of it by
 //! ```
 //!
-//! An environment is resampled into an octahedral environment map (OEM) by exact overlap areas: no energy is
-//! lost, and a constant stays constant. A quadtree over its texels with the first three moments of their
-//! energy serves adaptive lobes with bounds; its summed-area table (SAT) in 64-bit fixed point serves boxes
-//! and fitted lobes. The GPU engine runs the same stages as compute passes, and the tests hold it to the
-//! CPU's results. `docs/architecture.md` draws the modules, `docs/algorithm.md` explains the mathematics.
+//! A quadtree over the environment's texels with the first three moments of their energy serves adaptive
+//! lobes with bounds. The octahedral environment map (OEM) is resampled by exact overlap areas: no energy is
+//! lost, and a constant stays constant; its summed-area table (SAT) in 64-bit fixed point serves boxes and
+//! fitted lobes. The GPU engine runs the same stages as compute passes, and the tests hold it to the CPU's
+//! results. `docs/architecture.md` draws the modules, `docs/algorithm.md` explains the mathematics.
 //!
 //! # Conventions
 //!
