@@ -1,5 +1,7 @@
 //! Roughness ladders: roughness as a function of the level's index.
 
+mod look_up_error;
+
 use crate::environment::Map;
 use crate::lobe::Lobe;
 

@@ -79,6 +79,7 @@ pub(super) fn run(args: BakeArgs) -> Outcome {
     let (threads, dry_run) = (args.engine.threads, args.dry_run);
     let work = Work::new(args)?;
     if dry_run {
+        work.warn_of_plans(&console);
         return work.foretell();
     }
     on_threads(threads, || work.run(&console))
@@ -216,6 +217,16 @@ impl Work {
         if failed > 0 { Err(Failure::Reported) } else { Ok(()) }
     }
 
+    /// Warns about costly plans, once for all inputs.
+    fn warn_of_plans(&self, console: &Console) {
+        for BakePlan { plan, warning, .. } in &self.common.plans {
+            if let Some(warning) = warning {
+                let place = if plan.is_targeted() { plan.target.name } else { "bake" };
+                console.warn(&format!("{place}: {warning}"));
+            }
+        }
+    }
+
     /// Reports input folders that could not be read; returns their number.
     fn tell_unread(&self) -> usize {
         self.unread.iter().for_each(|error| console::error(&error.to_string()));
@@ -242,6 +253,7 @@ impl Work {
     }
 
     fn run(&self, console: &Console) -> Outcome {
+        self.warn_of_plans(console);
         let mut recovered = BTreeSet::new();
         for job in &self.jobs {
             job.outputs.recover(&self.common, &mut recovered, console)?;
@@ -407,7 +419,7 @@ impl Work {
     fn report(
         &self,
         baked: &Baked<'_>,
-        BakePlan { plan, settings, .. }: &BakePlan,
+        BakePlan { plan, settings, warning, .. }: &BakePlan,
         bake: &Bake,
         made: &[Made],
         stored: Stored,
@@ -437,7 +449,8 @@ impl Work {
             level_pixels: stored.pixels,
             clamped: stored.clamped,
             clamped_energy_share: stored.clamped_share,
-            warnings: [&opened.warnings[..], baker.fallback.as_slice(), &stored.warnings].concat(),
+            warnings: [&opened.warnings[..], warning.as_slice(), baker.fallback.as_slice(), &stored.warnings]
+                .concat(),
             seconds: start.elapsed().as_secs_f64(),
         };
         let mut report = Report::new(settings, bake, circumstances);

@@ -9,6 +9,7 @@ use crate::chain::ChainKind;
 use crate::filter::Filter;
 use crate::format::container::Container;
 use crate::format::{OutputLayout, Pixel};
+use crate::ladder::Ladder;
 use crate::lobe::Lobe;
 use crate::target::{Diffuse, TargetPlan, UNTARGETED};
 use crate::{Layout, Map};
@@ -21,6 +22,8 @@ pub(super) struct BakePlan {
     pub(super) settings: BakeSettings,
     /// The requested skybox; resolved in the settings once the source is known.
     pub(super) skybox: Option<SkyboxArg>,
+    /// A costly choice of ladder or levels.
+    pub(super) warning: Option<String>,
 }
 
 impl BakePlan {
@@ -36,7 +39,11 @@ pub(super) fn plans(args: &BakeArgs, several: bool) -> Outcome<Vec<BakePlan>> {
     args.table.check_scan(args.filter)?;
     if args.target.is_empty() {
         let settings = untargeted_settings(args)?;
-        return Ok(vec![BakePlan { plan: untargeted(args, several)?, settings, skybox: args.skybox }]);
+        let plan = untargeted(args, several)?;
+        let (map, size) = (settings.map, settings.size);
+        let defaults = Ladder::ALL.map(|ladder| (ladder, ladder.default_levels(map, size)));
+        let warning = costly(args, &settings, &defaults);
+        return Ok(vec![BakePlan { plan, settings, skybox: args.skybox, warning }]);
     }
     if args.bounds {
         return usage("--bounds cannot be combined with --target; bake without --target for bounds");
@@ -117,6 +124,34 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
     }
 }
 
+/// A warning if the given ladder or number of levels costs more than twice the best of `choices`, by the
+/// estimated error of look-ups.
+fn costly(args: &BakeArgs, settings: &BakeSettings, choices: &[(Ladder, u32)]) -> Option<String> {
+    let &BakeSettings { map, size, ladder, lobe, .. } = settings;
+    if lobe != Lobe::Ggx || (args.ladder.is_none() && args.levels.is_none()) {
+        return None;
+    }
+    let levels = settings.levels.unwrap_or_else(|| ladder.default_levels(map, size));
+    let own = ladder.look_up_error(map, size, levels);
+    let (best, best_ladder, best_levels) = choices
+        .iter()
+        .map(|&(ladder, levels)| (ladder.look_up_error(map, size, levels), ladder, levels))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (own > COSTLY * best).then(|| {
+        format!(
+            "trilinear look-ups at roughness 0.6 to 1 are up to {:.0} % off by estimate with {levels} levels of \
+             the {} ladder; {:.0} % with --ladder {} --levels {best_levels}",
+            100.0 * own,
+            ladder.name(),
+            100.0 * best,
+            best_ladder.name()
+        )
+    })
+}
+
+/// Ratio of estimated errors above which a choice is warned about.
+const COSTLY: f64 = 2.0;
+
 /// Rejects options and formats that cannot go to standard output.
 pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) -> Outcome {
     if several {
@@ -124,8 +159,7 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
     }
     if !plan.is_single() {
         return usage(
-            "-o - needs an output of one file: ktx2, ktx, dds, or exr with --out-layout parts or mips; name \
-             a \
+            "-o - needs an output of one file: ktx2, ktx, dds, or exr with --out-layout parts or mips; name a \
              folder with -o",
         );
     }
@@ -303,7 +337,10 @@ fn planned(mut plan: TargetPlan, args: &BakeArgs) -> Outcome<BakePlan> {
     };
     let specs = settings.level_specs().and_then(|specs| plan.check_levels(size, specs.len() as u32));
     match specs {
-        Ok(()) => Ok(BakePlan { plan, settings, skybox: args.skybox }),
+        Ok(()) => {
+            let warning = costly(args, &settings, &[(target.ladder, target.levels(size))]);
+            Ok(BakePlan { plan, settings, skybox: args.skybox, warning })
+        }
         Err(error) => usage(format!("target {}: {error}", target.name)),
     }
 }

@@ -41,7 +41,7 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
         format!("engine={:?}", args.engine.engine),
         format!("adapter={:?}", args.engine.adapter),
     ];
-    for BakePlan { plan, settings, skybox } in plans {
+    for BakePlan { plan, settings, skybox, .. } in plans {
         // The skybox size also records its presence.
         let TargetPlan { target, container, pixel, flip, diffuse, layout, skybox: _ } = plan;
         let BakeSettings { map, size, levels: _, ladder, lobe, filter, oem_size, border, scan, .. } =

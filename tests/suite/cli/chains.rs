@@ -1,6 +1,6 @@
 //! `--chain` of `bake`, its record in files, and its use by `compare`.
 
-use super::{done, fails, octagloss, with_sky};
+use super::{done, fails, json_file, octagloss, with_sky};
 use octagloss::internals::chain::ChainKind;
 use octagloss::internals::io::load_chain;
 use serde_json::Value;
@@ -48,6 +48,28 @@ fn chains_that_cannot_be_solved_are_usage_errors() {
     refused(&["--out-layout", "equirect"], "--chain solved is for cubes of the lobe ggx");
     refused(&["--target", "oem"], "--chain solved is for cubes of the lobe ggx");
     done(folder.path(), &["bake", "sky.exr", "--bounds", "--size", "16", "--quiet"]);
+}
+
+#[test]
+fn costly_ladders_and_levels_are_warned_about() {
+    let folder = with_sky();
+    let warned = |args: &[&str]| {
+        let all = [&["bake", "sky.exr", "--dry-run", "--size", "256"], args].concat();
+        done(folder.path(), &all).stderr.contains("off by estimate")
+    };
+    // Defaults, and choices near them.
+    assert!(!warned(&[]) && !warned(&["--levels", "7"]) && !warned(&["--levels", "6"]));
+    assert!(!warned(&["--ladder", "unity"]) && !warned(&["--target", "three", "--ladder", "filament"]));
+    // One texel at roughness 1, no level between mirror and 1, and a renderer that expects five levels.
+    assert!(warned(&["--levels", "9"]) && warned(&["--levels", "2"]) && warned(&["--ladder", "babylon"]));
+    assert!(warned(&["--target", "filament", "--levels", "3"]));
+    // Only GGX was measured.
+    assert!(!warned(&["--levels", "9", "--lobe", "phong"]));
+    let bake = ["bake", "sky.exr", "-o", "a.ktx2", "--size", "32", "--levels", "6", "--quiet"];
+    done(folder.path(), &bake);
+    let report = json_file(&folder.path().join("a.ktx2.report.json"));
+    let warnings = report["warnings"].as_array().unwrap();
+    assert!(warnings.iter().any(|warning| warning.as_str().unwrap().contains("--levels")), "{warnings:?}");
 }
 
 #[test]
