@@ -79,7 +79,6 @@ pub(super) fn run(args: BakeArgs) -> Outcome {
     let (threads, dry_run) = (args.engine.threads, args.dry_run);
     let work = Work::new(args)?;
     if dry_run {
-        work.warn_of_plans(&console);
         return work.foretell();
     }
     on_threads(threads, || work.run(&console))
@@ -253,7 +252,6 @@ impl Work {
     }
 
     fn run(&self, console: &Console) -> Outcome {
-        self.warn_of_plans(console);
         let mut recovered = BTreeSet::new();
         for job in &self.jobs {
             job.outputs.recover(&self.common, &mut recovered, console)?;
@@ -275,6 +273,9 @@ impl Work {
         }
         let engine = OnceCell::new();
         let (start, total) = (Instant::now(), ready.len());
+        if total > 0 {
+            self.warn_of_plans(console);
+        }
         for (done, job) in ready.into_iter().enumerate() {
             let files = self.several.then_some(Files { start, done, total });
             match self.bake(job, files, &engine, console) {

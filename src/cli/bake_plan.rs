@@ -128,10 +128,11 @@ fn untargeted_settings(args: &BakeArgs) -> Outcome<BakeSettings> {
 /// estimated error of look-ups.
 fn costly(args: &BakeArgs, settings: &BakeSettings, choices: &[(Ladder, u32)]) -> Option<String> {
     let &BakeSettings { map, size, ladder, lobe, .. } = settings;
-    if lobe != Lobe::Ggx || (args.ladder.is_none() && args.levels.is_none()) {
+    let levels = settings.levels.unwrap_or_else(|| ladder.default_levels(map, size));
+    // One level is not looked up by roughness.
+    if lobe != Lobe::Ggx || levels == 1 || (args.ladder.is_none() && args.levels.is_none()) {
         return None;
     }
-    let levels = settings.levels.unwrap_or_else(|| ladder.default_levels(map, size));
     let own = ladder.look_up_error(map, size, levels);
     let (best, best_ladder, best_levels) = choices
         .iter()

@@ -1,8 +1,9 @@
 // Loads the output of `octagloss bake --target` into the engines in headless Chromium, renders with them, and
 // compares the pictures with `octagloss query`.
 //
-//   node tests/consumers/run.mjs PROGRAM [CHROMIUM]
+//   node tests/consumers/run.mjs PROGRAM [ENGINE...]
 //
+// ENGINE: three, filament, babylon or khronos; all by default. CHROMIUM in the environment names the browser.
 // Exit status 0 when every picture agrees, 1 otherwise.
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -17,9 +18,12 @@ import { finish, programAt, check } from './program.mjs';
 import { checkThree } from './three.mjs';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
-const [program, chromium = '/usr/bin/chromium'] = process.argv.slice(2);
-if (!program) {
-    console.error('usage: node run.mjs PROGRAM [CHROMIUM]');
+const checks = { three: checkThree, filament: checkFilament, babylon: checkBabylon, khronos: checkKhronos };
+const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium';
+const [program, ...named] = process.argv.slice(2);
+const engines = named.length ? named : Object.keys(checks);
+if (!program || engines.some((engine) => !checks[engine])) {
+    console.error(`usage: node run.mjs PROGRAM [ENGINE...]; engines: ${Object.keys(checks).join(', ')}`);
     process.exit(2);
 }
 const work = mkdtempSync(join(tmpdir(), 'octagloss-consumers-'));
@@ -63,10 +67,7 @@ try {
         args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
     });
     const parts = { open, check, ...programAt(program, work) };
-    await checkThree(parts);
-    await checkFilament(parts);
-    await checkBabylon(parts);
-    await checkKhronos(parts);
+    for (const engine of engines) await checks[engine](parts);
 } catch (error) {
     check('run', false, error.stack);
 } finally {
@@ -74,4 +75,4 @@ try {
     server.close();
     rmSync(work, { recursive: true, force: true });
 }
-finish('all engines');
+finish(named.length ? named.join(', ') : 'all engines');

@@ -54,17 +54,23 @@ fn chains_that_cannot_be_solved_are_usage_errors() {
 fn costly_ladders_and_levels_are_warned_about() {
     let folder = with_sky();
     let warned = |args: &[&str]| {
-        let all = [&["bake", "sky.exr", "--dry-run", "--size", "256"], args].concat();
-        done(folder.path(), &all).stderr.contains("off by estimate")
+        let out = format!("out{}", args.concat());
+        let small = ["bake", "sky.exr", "-o", &out, "--size", "64"];
+        let fast = ["--filter", "box", "--oem-size", "16"];
+        done(folder.path(), &[&small[..], &fast, args].concat()).err.contains("off by estimate")
     };
-    // Defaults, and choices near them.
-    assert!(!warned(&[]) && !warned(&["--levels", "7"]) && !warned(&["--levels", "6"]));
-    assert!(!warned(&["--ladder", "unity"]) && !warned(&["--target", "three", "--ladder", "filament"]));
-    // One texel at roughness 1, no level between mirror and 1, and a renderer that expects five levels.
-    assert!(warned(&["--levels", "9"]) && warned(&["--levels", "2"]) && warned(&["--ladder", "babylon"]));
-    assert!(warned(&["--target", "filament", "--levels", "3"]));
+    // Defaults, choices near them, and one level, which is not looked up by roughness.
+    for fine in
+        [&[][..], &["--levels", "5"], &["--levels", "1"], &["--target", "three", "--ladder", "filament"]]
+    {
+        assert!(!warned(fine), "{fine:?}");
+    }
+    // One texel at roughness 1, no level between mirror and 1, and a renderer that expects more levels.
+    for costly in [&["--levels", "7"][..], &["--levels", "2"], &["--target", "filament", "--levels", "2"]] {
+        assert!(warned(costly), "{costly:?}");
+    }
     // Only GGX was measured.
-    assert!(!warned(&["--levels", "9", "--lobe", "phong"]));
+    assert!(!warned(&["--levels", "7", "--lobe", "phong"]));
     let bake = ["bake", "sky.exr", "-o", "a.ktx2", "--size", "32", "--levels", "6", "--quiet"];
     done(folder.path(), &bake);
     let report = json_file(&folder.path().join("a.ktx2.report.json"));
@@ -146,9 +152,11 @@ fn chains_of_every_map_are_measured() {
             ["--levels", "4", "--chain", "sampled", "--pixel", "f32", "--rotate-y", "40", "--quiet"];
         done(at, &[&args[..], &sampled].concat());
         let args = ["compare", layout, "sky.exr", "--json", "--quiet", "--texels", "60"];
-        let found: Value =
-            serde_json::from_str(&done(at, &[&args[..], &["--delivered=0.7,0.9"]].concat()).out).unwrap();
+        // Look-ups at 20,000 directions take seconds; those of cubes have tests of their own.
+        let delivered: &[&str] = if layout == "faces" { &[] } else { &["--delivered=0.9"] };
+        let found: Value = serde_json::from_str(&done(at, &[&args[..], delivered].concat()).out).unwrap();
         let levels = found["levels"].as_array().unwrap();
+        assert_eq!(found["delivered"].is_null(), delivered.is_empty(), "{found}");
         // The lobe of the second is narrower than two texels of the source.
         assert_eq!(levels.len(), 2, "{layout}: {found}");
         for level in levels {
@@ -156,7 +164,7 @@ fn chains_of_every_map_are_measured() {
             assert!(error < 0.02, "{layout}: {level}");
             assert_eq!(level["worst"]["face"].is_null(), layout != "faces", "{level}");
         }
-        for error in found["delivered"]["roughnesses"].as_array().unwrap() {
+        for error in found["delivered"]["roughnesses"].as_array().into_iter().flatten() {
             // The octahedral square of the last level has 16 texels.
             assert!(error["rel_rmse"].as_f64().unwrap() < 0.3, "{layout}: {error}");
         }

@@ -1,6 +1,7 @@
 //! `--scan`: every scan of the summed-area table gives the same files, answers and pictures.
 
 use crate::cli::{done, fails, json, json_file, with_sky};
+use crate::support::common::sweep;
 use std::fs;
 use std::path::Path;
 
@@ -19,7 +20,8 @@ fn every_scan_gives_the_same(engine: &str, few: &[&str]) {
     let folder = folder.path();
     fs::write(folder.join("d.csv"), "x,y,z\n0,0,1\n0.3,-0.9,0.1\n-1,0.02,0\n0,-1,0\n1,-1,1\n")
         .expect("writable");
-    for (name, table) in TABLES {
+    // On a software adapter a process compiles shaders for seconds.
+    for (name, table) in TABLES.into_iter().take(if engine == "cpu" { 2 } else { sweep(1, 2) }) {
         let bake = |out: &str, more: &[&str]| {
             let start = ["bake", "sky.exr", "-o", out, "--size", "8", "--levels", "3", "--pixel", "f32"];
             let ran = done(folder, &[&start[..], &["--engine", engine], &table, more].concat());
@@ -30,7 +32,8 @@ fn every_scan_gives_the_same(engine: &str, few: &[&str]) {
             done(folder, &[&start[..], &["--engine", engine], &table, more].concat()).out
         };
         let ((file, _), answers) = (bake(&format!("{name}.ktx2"), &[]), query(&[]));
-        for scan in SCANS.into_iter().filter(|scan| name == "box" || few.contains(scan)) {
+        let every = engine == "cpu" && name == "box";
+        for scan in SCANS.into_iter().filter(|scan| every || few.contains(scan)) {
             let out = format!("{name}-{}.ktx2", scan.replace(':', "-"));
             let (same, said) = bake(&out, &["--scan", scan]);
             assert!(same == file, "{name}, {scan}: the file differs");
@@ -55,7 +58,7 @@ fn every_scan_gives_the_same_on_the_cpu() {
 #[test]
 #[cfg(feature = "gpu")]
 fn every_scan_gives_the_same_on_the_gpu() {
-    every_scan_gives_the_same("gpu", &["hensley:2", "hensley:16"]);
+    every_scan_gives_the_same("gpu", sweep(&["hensley:2"], &["hensley:2", "hensley:16"]));
 }
 
 #[test]
@@ -68,13 +71,11 @@ fn every_scan_gives_the_same_picture() {
         done(folder, &[&start[..], &["--oem-size", "32", "--roughness", "0.4"], more].concat());
         fs::read(folder.join(name)).expect("written")
     };
-    for (name, look) in [
-        ("box", &["--filter", "box"][..]),
-        ("fitted", &["--filter", "fitted:2"]),
-        ("oem", &["--filter", "box", "--show", "oem"]),
-    ] {
+    for (name, look) in
+        [("fitted", &["--filter", "fitted:2"][..]), ("oem", &["--filter", "box", "--show", "oem"])]
+    {
         let plain = picture(&format!("{name}.png"), look);
-        for scan in ["hensley:2", "hensley:16"] {
+        for scan in sweep(&["hensley:2"][..], &["hensley:2", "hensley:16"]) {
             let out = format!("{name}-{}.png", scan.replace(':', "-"));
             let same = picture(&out, &[look, &["--scan", scan, "--border", "7"]].concat());
             assert!(same == plain, "{name}, {scan}: the picture differs");

@@ -2,7 +2,7 @@
 
 use crate::support::bounds::ServedOracle;
 pub(crate) use crate::support::bounds::{Outcome, Question, judge, luminance};
-use crate::support::common::{Look, Random, environment, landmarks, oem, texels};
+use crate::support::common::{Look, Random, environment, landmarks, oem, sweep, texels};
 use glam::DVec3;
 use octagloss::internals::analysis::oracle::{OemOracle, Oracle};
 use octagloss::internals::bake::{BakeSettings, bake};
@@ -137,22 +137,26 @@ impl Examination {
     }
 }
 
-/// Four questions about each of 250 scenes, so that all sizes, looks and reconstructions occur.
+/// Four questions about each of 250 scenes, or of the first 100 of them: all sizes, looks and reconstructions
+/// occur.
 #[test]
 fn certified_bounds_hold() {
     let sizes = |random: &mut Random| 32 + random.below(97);
-    judge("32^2 to 128^2", &outcomes(None, 1000, 250, 4, sizes), 1000);
+    let scenes = sweep(100, 250);
+    judge("32^2 to 128^2", &outcomes(None, 1000, scenes, 4, sizes), 4 * scenes as usize);
 }
 
 #[test]
 fn certified_bounds_hold_at_512() {
-    judge("512^2", &outcomes(None, 2000, 10, 2, |_| 512), 20);
+    let scenes = sweep(5, 10);
+    judge("512^2", &outcomes(None, 2000, scenes, 2, |_| 512), 2 * scenes as usize);
 }
 
 #[test]
 fn certified_bounds_hold_for_tiny_oems() {
     let sizes = |random: &mut Random| 1 + random.below(9);
-    judge("1^2 to 9^2", &outcomes(None, 3000, 200, 5, sizes), 1000);
+    let scenes = sweep(50, 200);
+    judge("1^2 to 9^2", &outcomes(None, 3000, scenes, 5, sizes), 5 * scenes as usize);
 }
 
 #[test]
@@ -164,7 +168,8 @@ fn certified_bounds_of_sheen_hold() {
 #[test]
 fn certified_bounds_of_sheen_hold_for_tiny_oems() {
     let sizes = |random: &mut Random| 1 + random.below(9);
-    judge("Charlie, 1^2 to 9^2", &outcomes(Some(Lobe::Charlie), 4000, 50, 6, sizes), 300);
+    let scenes = sweep(20, 50);
+    judge("Charlie, 1^2 to 9^2", &outcomes(Some(Lobe::Charlie), 4000, scenes, 6, sizes), 6 * scenes as usize);
 }
 
 /// A sun of four source texels over a sky: its highlight is exact for any size of the OEM, as far as lobes
@@ -223,7 +228,8 @@ fn certified_bounds_hold_against_the_source() {
         1 => Layout::Cube { size: 1 + random.below(30) },
         _ => Layout::Octahedral { size: 1 + random.below(60) },
     };
-    let outcomes: Vec<Outcome> = (0..120_u64)
+    let scenes = sweep(50_u64, 120);
+    let outcomes: Vec<Outcome> = (0..scenes)
         .into_par_iter()
         .flat_map_iter(|seed| {
             let mut random = Random::new(6000 + seed);
@@ -252,7 +258,7 @@ fn certified_bounds_hold_against_the_source() {
                 .collect::<Vec<_>>()
         })
         .collect();
-    judge("against the source", &outcomes, 600);
+    judge("against the source", &outcomes, 5 * scenes as usize);
 }
 
 #[test]
@@ -627,7 +633,8 @@ fn steps_of_a_bake_are_no_larger_at_edges_than_inside() {
 
 #[test]
 fn adaptive_steps_little_beyond_the_oracle_s_own_step() {
-    let outcome: Vec<(f64, String)> = (0..60_u64)
+    let scenes = sweep(30_u64, 60);
+    let outcome: Vec<(f64, String)> = (0..scenes)
         .into_par_iter()
         .flat_map_iter(|seed| {
             let mut random = Random::new(4000 + seed);
@@ -664,12 +671,14 @@ fn adaptive_steps_little_beyond_the_oracle_s_own_step() {
                 .collect::<Vec<_>>()
         })
         .collect();
-    assert_eq!(outcome.len(), 2400, "steps were compared");
+    assert_eq!(outcome.len() as u64, 40 * scenes, "steps were compared");
     let mut sorted: Vec<f64> = outcome.iter().map(|(excess, _)| *excess).collect();
     sorted.sort_by(f64::total_cmp);
     println!(
         "excess step over E of the mean: median {:.4}, 99 % {:.3}, greatest {:.3}",
-        sorted[1200], sorted[2376], sorted[2399]
+        sorted[sorted.len() / 2],
+        sorted[sorted.len() * 99 / 100],
+        sorted[sorted.len() - 1]
     );
     let (excess, case) = outcome.iter().max_by(|a, b| a.0.total_cmp(&b.0)).expect("steps");
     assert!(*excess <= 1.0, "a step of {excess} times E of the mean beyond the oracle's: {case}");
@@ -693,7 +702,7 @@ fn edges_are_resolved_for_every_direction_of_a_packet() {
         [(Lobe::Cone, 0.2), (Lobe::Cone, 0.45), (Lobe::Cone, 1.0), (Lobe::Phong, 1.0), (Lobe::Phong, 0.93)]
     {
         let lobes = reflector.lobes(lobe, roughness, Filter::Adaptive(0.005)).expect("served");
-        for face in cube::Face::ALL {
+        for face in cube::Face::ALL.into_iter().step_by(sweep(3, 1)) {
             let directions: Vec<DVec3> =
                 (0..16).map(|k| cube::direction_from_texel(face, 4, k % 4, k / 4)).collect();
             let (mut workspace, mut answers) = (Workspace::default(), Vec::new());
@@ -706,5 +715,5 @@ fn edges_are_resolved_for_every_direction_of_a_packet() {
             }
         }
     }
-    assert_eq!(compared, 5 * 96);
+    assert_eq!(compared, 5 * sweep(32, 96));
 }

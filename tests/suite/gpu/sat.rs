@@ -1,7 +1,7 @@
 //! Exponents and planes equal the CPU's, word for word.
 
 use super::{in_full, wait};
-use crate::support::common::{Look, Random, oem, texels};
+use crate::support::common::{Look, Random, oem, sweep, texels};
 use octagloss::Layout;
 use octagloss::internals::gpu::fixed_point::FixedPoint;
 use octagloss::internals::gpu::sat_hensley::SatHensley;
@@ -96,5 +96,7 @@ fn production_scan_equals_the_cpu() {
 
 #[test]
 fn recursive_doubling_equals_the_cpu() {
-    in_full("recursive doubling", |context| doubling(context, &[2, 4, 8, 16], &[1, 2, 3, 17, 257]));
+    in_full("recursive doubling", |context| {
+        doubling(context, &[2, 4, 8, 16], sweep(&[1, 2, 3, 17, 100], &[1, 2, 3, 17, 257]))
+    });
 }

@@ -2,7 +2,7 @@
 //! has the lobe's shape.
 
 use crate::cpu::adaptive::{ask, luminance, reflector};
-use crate::support::common::{Look, Random, environment, oem, texels};
+use crate::support::common::{Look, Random, environment, oem, sweep, texels};
 use glam::{DQuat, DVec3};
 use octagloss::Layout;
 use octagloss::internals::analysis::oracle::OemOracle;
@@ -79,7 +79,9 @@ fn wrong(oem: &Oem, emitters: &[Emitter], rest: &Oem) -> Option<String> {
 #[test]
 fn emitters_and_the_residual_conserve_energy() {
     let mut random = Random::new(130);
-    for (inner, border) in [(16, 0), (64, 5), (512, 0), (1024, 0)] {
+    for (inner, border) in sweep(&[(16, 0), (64, 5), (512, 0)][..], &[(16, 0), (64, 5), (512, 0), (1024, 0)])
+    {
+        let (inner, border) = (*inner, *border);
         for look in [Look::Noise, Look::Suns, Look::Smooth, Look::Lone] {
             let size = OemSize { inner, border };
             let oem = oem(size, &texels(&mut random, look, Layout::Octahedral { size: inner }));
@@ -135,6 +137,7 @@ fn the_highlight_of_a_sun_is_the_lobe_itself() {
     let n = 256;
     let mut places = vec![DVec3::Y, DVec3::X, -DVec3::Y, DVec3::ONE.normalize()];
     places.extend((0..3).map(|_| random.direction()));
+    places.truncate(sweep(4, 7));
     for (index, towards) in places.into_iter().enumerate() {
         let environment = environment(Layout::Octahedral { size: n }, sun(n, towards, 0.012, 1e5));
         let reflector = reflector(&environment, n);
@@ -178,6 +181,7 @@ fn answers_are_continuous_while_lamps_outshine_one_another() {
         .iter()
         .map(|place| direction_from_oct(texel_centre(n, *place as u32 % n, *place as u32 / n)))
         .chain((0..5).map(|_| random.direction()))
+        .take(sweep(7, 10))
         .collect();
     // Lamps of several colours grow from nothing to ten times the brightest texels, at different rates.
     let at = |time: f64| {

@@ -2,7 +2,7 @@
 //! exhaustive integration over the OEM.
 
 use crate::cpu::adaptive::{FURNACE, ask, furnace_error, luminance, reflector};
-use crate::support::common::{Look, Random, environment, landmarks, oem, texels};
+use crate::support::common::{Look, Random, environment, landmarks, oem, sweep, texels};
 use glam::{DMat3, DVec2, DVec3};
 use octagloss::internals::analysis::oracle::OemOracle;
 use octagloss::internals::bake::{BakeSettings, bake};
@@ -300,7 +300,7 @@ fn answers_are_continuous_in_direction() {
 fn answers_are_continuous_in_roughness() {
     let mut random = Random::new(78);
     let directions: Vec<DVec3> =
-        landmarks().into_iter().chain((0..10).map(|_| random.direction())).step_by(3).collect();
+        landmarks().into_iter().chain((0..10).map(|_| random.direction())).step_by(sweep(9, 3)).collect();
     for look in [Look::Noise, Look::Suns] {
         let environment = square(&mut random, look, 128);
         let reflector = reflector(&environment, 128);

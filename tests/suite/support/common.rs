@@ -45,6 +45,12 @@ impl Random {
     }
 }
 
+/// Number of cases of a sweep: `brief`, or `full` if `tests/run --every-case` asks for all (the environment
+/// variable OCTAGLOSS_EVERY_CASE).
+pub(crate) fn sweep<T>(brief: T, full: T) -> T {
+    if std::env::var_os("OCTAGLOSS_EVERY_CASE").is_some() { full } else { brief }
+}
+
 /// The 26 directions where maps have vertices, edge midpoints and face centres.
 pub(crate) fn landmarks() -> Vec<DVec3> {
     let mut all = Vec::new();
