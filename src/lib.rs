@@ -138,6 +138,7 @@ mod sphere;
 mod synth;
 mod table_bytes;
 mod target;
+mod vector;
 #[cfg(feature = "view")]
 mod view;
 

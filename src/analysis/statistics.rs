@@ -64,7 +64,7 @@ impl Statistics {
 
     /// The sun's share of the luminance energy; 0 without a sun.
     #[must_use]
-    pub(crate) fn sun_share(&self) -> f64 {
+    pub fn sun_share(&self) -> f64 {
         self.sun
             .as_ref()
             .map_or(0.0, |sun| exact_luminance(sun.irradiance) / (exact_luminance(self.mean) * 4.0 * PI))

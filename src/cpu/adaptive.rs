@@ -103,7 +103,7 @@ pub struct Adaptive<'a> {
     pub(super) tolerance: f64,
     /// Factor of the answers.
     scale: f64,
-    arch: pulp::Arch,
+    arch: crate::vector::Arch,
 }
 
 /// Evaluation of one packet, compiled for the widest available vectors: a closure would not be inlined there.
@@ -129,7 +129,7 @@ impl<'a> Adaptive<'a> {
     #[must_use]
     pub fn new(cells: &'a Cells, kernel: Kernel, error: f64) -> Self {
         let tolerance = kernel.tolerance_per_mean(error) * cells.mean_luminance;
-        Self { cells, light: None, kernel, tolerance, scale: 1.0, arch: pulp::Arch::new() }
+        Self { cells, light: None, kernel, tolerance, scale: 1.0, arch: crate::vector::Arch::new() }
     }
 
     /// The same over [`Cells::of_source`]: subdivides cells down to texels of `light`, and further.

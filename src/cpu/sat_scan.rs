@@ -109,7 +109,7 @@ struct Wavefront<'a> {
     carries: Vec<Mutex<[[u64; 4]; BLOCK_ROWS]>>,
     /// Number of blocks that each block of each strip still waits for.
     waits: Vec<AtomicU8>,
-    arch: pulp::Arch,
+    arch: crate::vector::Arch,
 }
 
 impl<'a> Wavefront<'a> {
@@ -131,7 +131,7 @@ impl<'a> Wavefront<'a> {
             .collect();
         let carries = (0..blocks).map(|_| Mutex::new([[0; 4]; BLOCK_ROWS])).collect();
         let strips = strips.into_iter().map(Mutex::new).collect();
-        Self { fixed, texels, width, strips, carries, waits, arch: pulp::Arch::new() }
+        Self { fixed, texels, width, strips, carries, waits, arch: crate::vector::Arch::new() }
     }
 
     /// Processes `block` of `strip` and all blocks that become ready.

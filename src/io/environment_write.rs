@@ -61,7 +61,7 @@ pub(crate) fn picture_bytes(
 ///
 /// # Errors
 /// As [`exr_bytes`].
-pub(crate) fn exact_exr_bytes(environment: &Environment, comment: &str) -> Result<Vec<u8>> {
+pub fn exact_exr_bytes(environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
     let attributes = [("comments".to_owned(), Attribute::Text(comment.to_owned()))];
     exr_bytes(width, height, Samples::Rgb(&texels), Pixel::F32, &attributes)

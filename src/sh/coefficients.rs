@@ -186,7 +186,7 @@ fn panorama<const WAVES: usize>(
             })
         })
         .collect();
-    let arch = pulp::Arch::new();
+    let arch = crate::vector::Arch::new();
     let rows: Vec<[[f64; 4]; WAVES]> = environment
         .texels()
         .par_chunks_exact(width)

@@ -519,7 +519,7 @@ impl TargetPlan {
 
     /// Whether each cube is one file, and not a folder of images.
     #[must_use]
-    pub(crate) const fn is_single(&self) -> bool {
+    pub const fn is_single(&self) -> bool {
         self.container.is_single() || matches!(self.layout, OutputLayout::Parts | OutputLayout::Mips)
     }
 

@@ -83,7 +83,7 @@ struct Sweep<'a> {
     scale: DVec2,
     /// Sine and cosine of the polar angle in the middle of every row.
     middles: Vec<(f64, f64)>,
-    arch: pulp::Arch,
+    arch: crate::vector::Arch,
 }
 
 /// A cell of the grid, packed, and its weight in a target texel.
@@ -157,7 +157,7 @@ impl<'a> Sweep<'a> {
             source_maps: std::array::from_fn(|octant| SourceMap::new(source, octant)),
             scale: DVec2::new(f64::from(width) / TAU, f64::from(height) / PI),
             middles: (0..height.div_ceil(2)).map(|row| middle(row).sin_cos()).collect(),
-            arch: pulp::Arch::new(),
+            arch: crate::vector::Arch::new(),
         }
     }
 

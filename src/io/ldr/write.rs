@@ -19,7 +19,7 @@ pub fn write_png(path: &Path, existing: Existing, picture: &RgbImage) -> Result<
 ///
 /// # Errors
 /// [`Error::Parameter`] for a picture larger than PNG supports.
-pub(crate) fn png_bytes(picture: &RgbImage) -> Result<Vec<u8>> {
+pub fn png_bytes(picture: &RgbImage) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
         .write_image(picture.as_raw(), picture.width(), picture.height(), ExtendedColorType::Rgb8)
