@@ -1,0 +1,119 @@
+//! Single queries: lobes around directions.
+
+use crate::given::{Given, wrong};
+use glam::DVec3;
+use octagloss::internals::filter;
+use octagloss::internals::lobe::LOBES;
+use octagloss::internals::reflector::{Workspace, check_answers};
+use octagloss::{Environment, Filter, Lobe, Reflector, ReflectorSettings, Result};
+
+/// Options of a query besides directions and roughness.
+pub(crate) struct Query {
+    lobe: Lobe,
+    filter: Filter,
+    bound: bool,
+    oem_size: Option<u32>,
+    border: Option<u32>,
+}
+
+impl Query {
+    pub(crate) fn of(given: &mut Given) -> Result<Self> {
+        let query = Self {
+            lobe: given.choice("lobe", &LOBES.map(|lobe| (lobe.name(), lobe)))?.unwrap_or(Lobe::Ggx),
+            filter: given.parsed_text("filter", filter::parsed)?.unwrap_or(Filter::Adaptive(0.005)),
+            bound: given.flag("bound")?,
+            oem_size: given.whole("oemSize", 1..=16_384)?,
+            border: given.whole("border", 0..=16_384)?,
+        };
+        if query.bound && !matches!(query.filter, Filter::Adaptive(_)) {
+            return wrong("`bound` needs `filter` adaptive:E; other filters have no certified bounds");
+        }
+        Ok(query)
+    }
+
+    /// Red, green and blue of each of `directions`, three numbers each, and with `bound` a fourth number.
+    /// `roughness` has one number, or one for each direction; none for the cosine lobe.
+    pub(crate) fn answer(
+        &self,
+        environment: &Environment,
+        directions: &[f64],
+        roughness: &[f64],
+    ) -> Result<Vec<f32>> {
+        let (directions, rest) = directions.as_chunks::<3>();
+        if !rest.is_empty() {
+            return wrong(format!(
+                "`directions` has {} numbers; three a direction are needed",
+                3 * directions.len() + rest.len()
+            ));
+        }
+        let directions = directions.iter().enumerate().map(unit).collect::<Result<Vec<DVec3>>>()?;
+        let each = self.roughness(roughness, directions.len())?;
+        let served = each.iter().map(|roughness| self.lobe.served_roughness(*roughness));
+        let least = served.clone().filter(|roughness| *roughness > 0.0).reduce(f64::min);
+        self.filter.check(self.lobe, self.oem_size)?;
+        let settings = ReflectorSettings {
+            oem_size: self.oem_size,
+            border: self.border,
+            sharpest: least.or_else(|| served.reduce(f64::min)).unwrap_or(1.0),
+            fitted: matches!(self.filter, Filter::Fitted(_)),
+            ..ReflectorSettings::default()
+        };
+        let reflector = Reflector::new(environment, &settings)?;
+        let mut order: Vec<usize> = (0..directions.len()).collect();
+        order.sort_by(|a, b| each[*a].total_cmp(&each[*b]));
+        let mut answers = vec![None; directions.len()];
+        let (mut workspace, mut found) = (Workspace::default(), Vec::with_capacity(1));
+        for alike in order.chunk_by(|a, b| each[*a] == each[*b]) {
+            let lobes = reflector.lobes(self.lobe, each[alike[0]], self.filter)?;
+            for place in alike {
+                // Each on its own, as the command line answers them.
+                found.clear();
+                lobes.evaluate(&[directions[*place]], &mut workspace, &mut found);
+                answers[*place] = found.first().copied();
+            }
+        }
+        let answers: Vec<_> = answers.into_iter().flatten().collect();
+        check_answers(&directions, &answers)?;
+        let row = |answer: &filter::Answer| {
+            let bound = self.bound.then(|| answer.bound.unwrap_or(f32::INFINITY));
+            answer.radiance.into_iter().chain(bound)
+        };
+        Ok(answers.iter().flat_map(row).collect())
+    }
+
+    /// One roughness for each of `count` directions.
+    fn roughness(&self, given: &[f64], count: usize) -> Result<Vec<f64>> {
+        let name = self.lobe.name();
+        let each = match (self.lobe, given) {
+            (Lobe::Cosine, []) => vec![1.0; count],
+            (Lobe::Cosine, _) => return wrong("the lobe cosine has no roughness; omit `roughness`"),
+            (_, []) => return wrong(format!("the lobe {name} needs `roughness`, from 0 to 1")),
+            (_, [one]) => vec![*one; count],
+            (_, many) if many.len() == count => many.to_vec(),
+            (_, many) => {
+                return wrong(format!(
+                    "`roughness` has {} numbers for {count} directions; one, or one for each, is needed",
+                    many.len()
+                ));
+            }
+        };
+        match each.iter().find(|value| !(0.0..=1.0).contains(*value)) {
+            Some(value) => wrong(format!("`roughness` {value} is outside of 0 to 1")),
+            None => Ok(each),
+        }
+    }
+}
+
+/// The unit vector along the direction `row`, of any length but zero.
+fn unit((index, row): (usize, &[f64; 3])) -> Result<DVec3> {
+    let direction = DVec3::from_array(*row);
+    // Scale first: squares of tiny and huge lengths exceed the range of floats.
+    let longest = direction.abs().max_element();
+    if !direction.is_finite() || longest == 0.0 {
+        let [x, y, z] = row;
+        return wrong(format!(
+            "direction {index} is {x}, {y}, {z}; finite numbers that are not all 0 are needed"
+        ));
+    }
+    Ok((direction / longest).normalize())
+}
