@@ -1,4 +1,4 @@
-//! The widest vector unit of the machine, for inner loops.
+//! The widest vector unit of the machine, for inner loops, and extremes that it computes.
 
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use pulp::Arch;
@@ -18,5 +18,39 @@ impl Arch {
     #[inline]
     pub(crate) fn dispatch<Op: pulp::NullaryFnOnce>(self, op: Op) -> Op::Output {
         op.call()
+    }
+}
+
+/// The greater and the lesser of two numbers. The argument must not be NaN; if the receiver is, the result is the
+/// argument.
+pub(crate) trait Extremes {
+    fn at_least(self, least: Self) -> Self;
+    fn at_most(self, most: Self) -> Self;
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl Extremes for f32 {
+    #[inline(always)]
+    fn at_least(self, least: Self) -> Self {
+        self.max(least)
+    }
+
+    #[inline(always)]
+    fn at_most(self, most: Self) -> Self {
+        self.min(most)
+    }
+}
+
+/// By comparisons: `f32::max` calls a function in WebAssembly, so that no loop with it is vectorised.
+#[cfg(target_arch = "wasm32")]
+impl Extremes for f32 {
+    #[inline(always)]
+    fn at_least(self, least: Self) -> Self {
+        if self > least { self } else { least }
+    }
+
+    #[inline(always)]
+    fn at_most(self, most: Self) -> Self {
+        if self < most { self } else { most }
     }
 }

@@ -1,6 +1,7 @@
 //! The radial kernel of each lobe.
 
 use super::radial::{Interval, Radial, reciprocals};
+use crate::vector::Extremes as _;
 
 /// peak (1 - 2 s) w^2, w = 1/(1 + steep s), peak = 1/(pi alpha^2), steep = (1 - alpha^2)/alpha^2.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +32,7 @@ impl Radial for Ggx {
         let lambert = s.map(|s| 1.0 - 2.0 * s);
         let steep_w = self.steep * w[N - 1];
         (
-            std::array::from_fn(|k| scaled[k] * lambert[k].max(0.0)),
+            std::array::from_fn(|k| scaled[k] * lambert[k].at_least(0.0)),
             scaled[N - 1] * steep_w * (8.0 + 6.0 * steep_w * lambert[N - 1]),
         )
     }
@@ -39,7 +40,7 @@ impl Radial for Ggx {
     #[inline(always)]
     fn scale(self, s: f32) -> f32 {
         // At alpha = 1 the kernel is a straight line.
-        s + 1.0 / self.steep.max(1e-6)
+        s + 1.0 / self.steep.at_least(1e-6)
     }
 
     #[inline(always)]
@@ -52,7 +53,7 @@ impl Radial for Ggx {
     fn worst_distance(self, near: f32, far: f32) -> f32 {
         // distance/(s + alpha^2) is greatest at distance 2 alpha. Avoids `clamp`, whose check prevents
         // vectorisation.
-        (1.2 / (self.steep + 1.0).sqrt()).max(near).min(far)
+        (1.2 / (self.steep + 1.0).sqrt()).at_least(near).at_most(far)
     }
 }
 
@@ -73,13 +74,13 @@ impl Radial for Phong {
 
     #[inline(always)]
     fn curvature(self, s: f32) -> f32 {
-        let cosine = (1.0 - 2.0 * s).max(1e-3);
+        let cosine = (1.0 - 2.0 * s).at_least(1e-3);
         4.0 * self.exponent * (self.exponent - 1.0) * self.value(s) / (cosine * cosine)
     }
 
     #[inline(always)]
     fn scale(self, s: f32) -> f32 {
-        1.44 * (1.0 - 2.0 * s).max(1e-3) / self.exponent
+        1.44 * (1.0 - 2.0 * s).at_least(1e-3) / self.exponent
     }
 }
 
@@ -104,11 +105,11 @@ impl Radial for WidePhong {
         let horizon = std::f32::consts::SQRT_2;
         let steepest = if self.exponent > 1.0 { 1.0 / (self.exponent - 0.5).sqrt() } else { horizon };
         let at = |distance: f32| {
-            let distance = distance.max(near).min(far);
-            let (low, high) = ((distance - radius).max(0.0), distance + radius);
-            self.spread(0.25 * low * low, (0.25 * high * high).min(1.0))
+            let distance = distance.at_least(near).at_most(far);
+            let (low, high) = ((distance - radius).at_least(0.0), distance + radius);
+            self.spread(0.25 * low * low, (0.25 * high * high).at_most(1.0))
         };
-        at(near).max(at(far)).max(at(horizon)).max(at(steepest))
+        at(near).at_least(at(far)).at_least(at(horizon)).at_least(at(steepest))
     }
 }
 
@@ -136,7 +137,7 @@ impl Radial for Cosine {
 
     #[inline(always)]
     fn value(self, s: f32) -> f32 {
-        (1.0 - 2.0 * s).max(0.0)
+        (1.0 - 2.0 * s).at_least(0.0)
     }
 
     fn scale(self, _: f32) -> f32 {
@@ -194,7 +195,7 @@ impl Radial for Charlie {
 
     #[inline(always)]
     fn value(self, s: f32) -> f32 {
-        self.rise(2.0 * s) * (1.0 - 2.0 * s).max(0.0)
+        self.rise(2.0 * s) * (1.0 - 2.0 * s).at_least(0.0)
     }
 
     #[inline(always)]
@@ -213,7 +214,7 @@ impl Radial for Charlie {
 
     fn spread(self, low: f32, high: f32) -> f32 {
         let peak = 0.5 * self.power / (self.power + 1.0);
-        let (least, greatest) = (self.value(low).min(self.value(high)), peak.max(low).min(high));
+        let (least, greatest) = (self.value(low).at_most(self.value(high)), peak.at_least(low).at_most(high));
         self.value(greatest) - least
     }
 
@@ -225,48 +226,50 @@ impl Radial for Charlie {
     fn interval<const ACROSS: bool>(self, squared: f32, trace: f32, along: f32, radius: f32) -> Interval {
         let p = self.power;
         let distance = squared.sqrt();
-        let near = (distance - radius).max(0.0);
+        let near = (distance - radius).at_least(0.0);
         let far = distance + radius;
-        let (low, high) = (0.25 * near * near, (0.25 * far * far).min(1.0));
-        let s = (0.25 * (squared + trace)).min(high);
+        let (low, high) = (0.25 * near * near, (0.25 * far * far).at_most(1.0));
+        let s = (0.25 * (squared + trace)).at_most(high);
         let [a, b, t] = [2.0 * low, 2.0 * high, 2.0 * s];
         let [rise_a, rise_b, rise_t] = [self.rise(a), self.rise(b), self.rise(t)];
-        let [at_a, at_b] = [rise_a * (1.0 - a).max(0.0), rise_b * (1.0 - b).max(0.0)];
+        let [at_a, at_b] = [rise_a * (1.0 - a).at_least(0.0), rise_b * (1.0 - b).at_least(0.0)];
         let peak = p / (p + 1.0);
-        let crest = if (a < peak) & (peak < b) { self.crest } else { at_a.max(at_b) };
-        let trough = at_a.min(at_b);
+        let crest = if (a < peak) & (peak < b) { self.crest } else { at_a.at_least(at_b) };
+        let trough = at_a.at_most(at_b);
 
-        let (tangential, radial) = (along.max(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
+        let (tangential, radial) = (along.at_least(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
         let most = 0.25 * (tangential + radial) * (tangential + radial);
-        let least = 0.25 * (tangential - radial).max(0.0) * (tangential - radial).max(0.0);
+        let least = 0.25 * (tangential - radial).at_least(0.0) * (tangential - radial).at_least(0.0);
         // The bend is extreme at an end or where its own slope vanishes.
         let [bend_a, bend_b] = [self.bend(a, rise_a), self.bend(b, rise_b)];
         let turning = if (a < self.turn) & (self.turn < b) { self.turning } else { bend_a };
-        let steepest = 2.0 * bend_a.max(bend_b).max(turning);
-        let flattest = 2.0 * bend_a.min(bend_b).min(turning);
+        let steepest = 2.0 * bend_a.at_least(bend_b).at_least(turning);
+        let flattest = 2.0 * bend_a.at_most(bend_b).at_most(turning);
         let at_mean = rise_t * (1.0 - t);
         let upper = at_mean + if steepest > 0.0 { steepest * most } else { steepest * least };
         let lower = at_mean + if flattest > 0.0 { flattest * least } else { flattest * most };
         let beyond = s - 0.5;
         let over = if b > 1.0 { rise_b * ((most + beyond * beyond).sqrt() + beyond) } else { 0.0 };
-        let under = (2.0 * beyond).max(0.0);
+        let under = (2.0 * beyond).at_least(0.0);
         // The second derivative is unbounded at s = 0.
         let sharp = a > 0.0;
-        let greatest = if sharp { crest.min(upper + over) } else { crest }.max(0.0) + NOTHING;
-        let least = (if sharp { trough.max(lower + under) } else { trough } - NOTHING).max(0.0).min(greatest);
+        let greatest = if sharp { crest.at_most(upper + over) } else { crest }.at_least(0.0) + NOTHING;
+        let least = (if sharp { trough.at_least(lower + under) } else { trough } - NOTHING)
+            .at_least(0.0)
+            .at_most(greatest);
 
         let half_width = 0.866 * tangential;
-        let across = (half_width - beyond.abs()).max(0.0);
-        let gain = 2.0 * across * across / (4.0 * half_width).max(1e-6);
+        let across = (half_width - beyond.abs()).at_least(0.0);
+        let gain = 2.0 * across * across / (4.0 * half_width).at_least(1e-6);
         let second_order = if s < 0.5 { 0.5 * self.bend(t, rise_t) * along } else { 0.0 };
-        let estimate = (at_mean.max(0.0) + second_order + gain).max(least).min(greatest);
+        let estimate = (at_mean.at_least(0.0) + second_order + gain).at_least(least).at_most(greatest);
         Interval { least, greatest, estimate }
     }
 
     #[inline(always)]
     fn worst_distance(self, near: f32, far: f32) -> f32 {
         // At the horizon, where the bend is sharp and ends; for a wide lobe, where it begins.
-        let horizon = std::f32::consts::SQRT_2.max(near).min(far);
+        let horizon = std::f32::consts::SQRT_2.at_least(near).at_most(far);
         if (self.power < 2.0) & (far < 1.0) { near } else { horizon }
     }
 }
@@ -284,7 +287,7 @@ fn power(x: f32, p: f32) -> f32 {
     let series = t * (2.0 + u * (2.0 / 3.0 + u * (0.4 + u * (2.0 / 7.0 + u * (2.0 / 9.0)))));
     let log2 = whole as f32 + series * std::f32::consts::LOG2_E;
     // 2^y, with the fraction of y by the exponential series.
-    let y = (p * log2).max(-120.0);
+    let y = (p * log2).at_least(-120.0);
     // Adding and subtracting 1.5 * 2^23 rounds to a whole number.
     let rounded = (y + 12_582_912.0) - 12_582_912.0;
     let z = (y - rounded) * std::f32::consts::LN_2;

@@ -1,5 +1,7 @@
 //! Radial kernels, and intervals of their means over cells of energy.
 
+use crate::vector::Extremes as _;
+
 /// The reciprocals of `x` by one division (Montgomery's trick); the last is the most accurate.
 #[inline(always)]
 pub(super) fn reciprocals<const N: usize>(x: [f32; N]) -> [f32; N] {
@@ -80,8 +82,8 @@ pub(crate) trait Radial: Copy {
     /// The greatest variation of k within `radius` of a distance between `near` and `far`. The default is the
     /// variation between the ends, which is exact for one jump.
     fn widest_spread(self, near: f32, far: f32, radius: f32) -> f32 {
-        let (near, far) = ((near - radius).max(0.0), far + radius);
-        self.spread(0.25 * near * near, (0.25 * far * far).min(1.0))
+        let (near, far) = ((near - radius).at_least(0.0), far + radius);
+        self.spread(0.25 * near * near, (0.25 * far * far).at_most(1.0))
     }
 
     /// The distance between `near` and `far` at which a cell's relative error is greatest.
@@ -116,9 +118,9 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     radius: f32,
 ) -> Interval {
     let distance = squared.sqrt();
-    let near = (distance - radius).max(0.0);
+    let near = (distance - radius).at_least(0.0);
     let far = distance + radius;
-    let (low, high) = (0.25 * near * near, (0.25 * far * far).min(1.0));
+    let (low, high) = (0.25 * near * near, (0.25 * far * far).at_most(1.0));
     let s = 0.25 * (squared + trace);
     let ([nearest, farthest, value], curvature) = kernel.values_and_curvature([low, high, s]);
     if !R::SMOOTH {
@@ -126,31 +128,31 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     }
     // s - low and high - s, computed without cancellation.
     let down = if distance > radius { 0.25 * (radius * (2.0 * distance - radius) + trace) } else { s };
-    let up = (0.25 * (radius * (2.0 * distance + radius) - trace)).max(1e-6 * down);
-    let (tangential, radial) = (along.max(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
+    let up = (0.25 * (radius * (2.0 * distance + radius) - trace)).at_least(1e-6 * down);
+    let (tangential, radial) = (along.at_least(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
     let most = 0.25 * (tangential + radial) * (tangential + radial);
-    let least = 0.25 * (tangential - radial).max(0.0) * (tangential - radial).max(0.0);
+    let least = 0.25 * (tangential - radial).at_least(0.0) * (tangential - radial).at_least(0.0);
     let [per_down, per_up] = reciprocals([down, up]);
-    let (step_up, step_down) = ((most * per_down).min(up), (least * per_up).min(down));
+    let (step_up, step_down) = ((most * per_down).at_most(up), (least * per_up).at_most(down));
     let [inner, outer] = kernel.values([s + step_up, s - step_down]);
     let lengths = [down + step_up, up + step_down];
     let [per_above, per_below] = reciprocals(lengths);
     // Reciprocals of vanishing products overflow; there k is constant to float32.
-    let sharp = (down * up).min(lengths[0] * lengths[1]) > 1e-36;
+    let sharp = (down * up).at_most(lengths[0] * lengths[1]) > 1e-36;
     let (share_above, share_below) = (step_up * per_above, step_down * per_below);
     if !ACROSS {
         let greatest = if sharp { inner + share_above * (nearest - inner) } else { nearest };
-        let least = if sharp { outer + share_below * (farthest - outer) } else { farthest }.min(greatest);
-        let estimate = (value + 0.125 * curvature * along).max(least).min(greatest);
+        let least = if sharp { outer + share_below * (farthest - outer) } else { farthest }.at_most(greatest);
+        let estimate = (value + 0.125 * curvature * along).at_least(least).at_most(greatest);
         return Interval { least, greatest, estimate };
     }
     // Split k into a hinge at the horizon and a smooth rest; a cell in front of the horizon needs no hinge.
     let kink = if high < 0.5 { 0.0 } else { kernel.kink() };
-    let hinge = |s: f32| kink * (0.5 - s).max(0.0);
+    let hinge = |s: f32| kink * (0.5 - s).at_least(0.0);
     let (inner, nearest) = (inner - hinge(s + step_up), nearest - hinge(low));
     let (outer, farthest) = (outer - hinge(s - step_down), farthest - hinge(high));
     let before = 0.5 - s;
-    let deviation = (most.min(down * up) + before * before).sqrt();
+    let deviation = (most.at_most(down * up) + before * before).sqrt();
     // Differences of hinges are rounded at the precision of the greater one.
     let rounding = 5e-7 * kink;
     let greatest = if sharp { inner + share_above * (nearest - inner) } else { nearest }
@@ -158,14 +160,14 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
         + rounding;
     let least = (if sharp { outer + share_below * (farthest - outer) } else { farthest } + hinge(s)
         - rounding)
-        .max(0.0)
-        .min(greatest);
+        .at_least(0.0)
+        .at_most(greatest);
     // Second-order term in front of the horizon, and gain from the kink for energy spread evenly over s.
     let half_width = 0.866 * tangential;
     let second_order = if s < 0.5 { 0.125 * curvature * along } else { 0.0 };
-    let across = (half_width - before.abs()).max(0.0);
-    let gain = kink * across * across / (4.0 * half_width).max(1e-6);
-    let estimate = (value + second_order + gain).max(least).min(greatest);
+    let across = (half_width - before.abs()).at_least(0.0);
+    let gain = kink * across * across / (4.0 * half_width).at_least(1e-6);
+    let estimate = (value + second_order + gain).at_least(least).at_most(greatest);
     Interval { least, greatest, estimate }
 }
 
@@ -181,9 +183,9 @@ pub(crate) fn expected_error<R: Radial>(
 ) -> f32 {
     if !R::SMOOTH {
         // A jump or a steep end may lie anywhere between the packet's nearest and farthest direction.
-        return 0.25 * kernel.widest_spread((distance - packet).max(0.0), distance + packet, radius);
+        return 0.25 * kernel.widest_spread((distance - packet).at_least(0.0), distance + packet, radius);
     }
-    let worst = kernel.worst_distance((distance - packet).max(0.0), distance + packet);
+    let worst = kernel.worst_distance((distance - packet).at_least(0.0), distance + packet);
     // About half of the trace lies along the line to R.
     let along = 0.6 * trace * worst * worst;
     let interval = kernel.interval::<true>(worst * worst, trace, along, radius);
@@ -196,18 +198,18 @@ pub(crate) fn expected_error<R: Radial>(
     let certain = 0.25 * (interval.greatest - interval.least);
     // Add the uncertainty from the kink, for the direction nearest to it: the gap between Scarf's bound and
     // Jensen's, as such errors have one sign and accumulate; at most the part that reaches over the horizon.
-    let (near, far) = ((distance - packet - radius).max(0.0), distance + packet + radius);
-    let over = (0.25 * far * far - 0.5).min(0.5 - 0.25 * near * near).max(0.0);
+    let (near, far) = ((distance - packet - radius).at_least(0.0), distance + packet + radius);
+    let over = (0.25 * far * far - 0.5).at_most(0.5 - 0.25 * near * near).at_least(0.0);
     let variance = 0.25 * trace * distance * distance;
-    let apart = ((0.5 - 0.25 * (distance * distance + trace)).abs() - 0.5 * distance * packet).max(0.0);
-    let bent = 0.5 * variance / ((variance + apart * apart).sqrt() + apart).max(1e-12);
-    let bent = kernel.kink() * bent.min(over);
+    let apart = ((0.5 - 0.25 * (distance * distance + trace)).abs() - 0.5 * distance * packet).at_least(0.0);
+    let bent = 0.5 * variance / ((variance + apart * apart).sqrt() + apart).at_least(1e-12);
+    let bent = kernel.kink() * bent.at_most(over);
     if (reach < 0.5 * scale) & (R::SPLIT | (over == 0.0)) { third + bent } else { certain }
 }
 
 /// Width of the interval between the extremes of k, for cells whose centroid is not known exactly.
 pub(crate) fn first_order_width<R: Radial>(kernel: R, distance: f32, radius: f32, packet: f32) -> f32 {
-    let near = (distance - radius - packet).max(0.0);
+    let near = (distance - radius - packet).at_least(0.0);
     let far = distance + radius + packet;
-    kernel.spread(0.25 * near * near, (0.25 * far * far).min(1.0))
+    kernel.spread(0.25 * near * near, (0.25 * far * far).at_most(1.0))
 }

@@ -144,14 +144,22 @@ impl Table {
     }
 
     fn read(shape: &'static Shape, bytes: &[u8]) -> Self {
-        let halves = bytes.chunks_exact(2).map(|two| f16::from_le_bytes([two[0], two[1]]));
-        Self::new(shape, halves.map(f16::to_f32).collect())
+        let (low, high) = bytes.split_at(bytes.len() / 2);
+        let half = |at: usize| f16::from_le_bytes([low[at], high[at]]).to_f32();
+        let (parameters, nodes) = (shape.parameters(), low.len() / shape.parameters());
+        let of_node = |node: usize| (0..parameters).map(move |parameter| half(parameter * nodes + node));
+        Self::new(shape, (0..nodes).flat_map(of_node).collect())
     }
 
-    /// The bytes of its file: half floats, little-endian.
+    /// The bytes of its file: half floats by parameter, octave, knot and node; the lower bytes of all before the
+    /// upper ones. Pages download it compressed, and alike bytes next to each other compress better.
     #[must_use]
     pub fn bytes(&self) -> Vec<u8> {
-        self.values.iter().flat_map(|value| f16::from_f32(*value).to_le_bytes()).collect()
+        let count = self.shape.parameters();
+        let of_parameter = |parameter: usize| self.values.iter().skip(parameter).step_by(count);
+        let halves = (0..count).flat_map(of_parameter).map(|value| f16::from_f32(*value).to_le_bytes());
+        let halves: Vec<[u8; 2]> = halves.collect();
+        [0, 1].into_iter().flat_map(|byte| halves.iter().map(move |half| half[byte])).collect()
     }
 
     /// The model it was fitted for.
