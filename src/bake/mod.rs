@@ -11,11 +11,15 @@ pub(crate) mod solve;
 
 use crate::environment::Environment;
 use crate::error::Result;
+use crate::filter::{Answer, Filter};
+use crate::lobe::Lobe;
 use crate::memory;
 use crate::oem::OemSize;
-use crate::reflector::Reflector;
+use crate::reflector::{Reflector, Workspace, check_answers};
+use glam::DVec3;
 use job::Job;
 use level::{Advance, BakedLevel, LevelJob};
+use rayon::prelude::*;
 pub use result::{Bake, LevelStats, OnProgress, Processor, Progress};
 pub use settings::BakeSettings;
 use std::ops::ControlFlow;
@@ -55,16 +59,26 @@ pub fn unwatched(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Engine interface of a bake, over a prepared OEM. Futures of the CPU engine are always ready.
-pub(crate) trait BakeEngine {
+/// Interface of both engines, over a prepared OEM. Futures of the CPU engine are always ready.
+pub(crate) trait Engine {
     /// Bakes `level`; calls `advance` with the number of texels done and stops at its error.
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel>;
 
     /// The OEM's size, and the energy of the light that lobes read in the source's units.
     async fn oem(&self) -> Result<(OemSize, [f64; 3])>;
+
+    /// Answers to `directions` (unit vectors in world space), each evaluated on its own: an answer depends on
+    /// no other direction.
+    async fn query_each(
+        &self,
+        directions: &[DVec3],
+        lobe: Lobe,
+        roughness: f64,
+        filter: Filter,
+    ) -> Result<Vec<Answer>>;
 }
 
-impl BakeEngine for Reflector<'_> {
+impl Engine for Reflector<'_> {
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
         level::bake_level(self, level, advance)
     }
@@ -72,12 +86,31 @@ impl BakeEngine for Reflector<'_> {
     async fn oem(&self) -> Result<(OemSize, [f64; 3])> {
         Ok((self.size(), self.energy()))
     }
+
+    async fn query_each(
+        &self,
+        directions: &[DVec3],
+        lobe: Lobe,
+        roughness: f64,
+        filter: Filter,
+    ) -> Result<Vec<Answer>> {
+        let lobes = self.lobes(lobe, roughness, filter)?;
+        let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
+            answers.clear();
+            lobes.evaluate(&[*direction], workspace, answers);
+            answers[0]
+        };
+        let start = || (Workspace::default(), Vec::with_capacity(1));
+        let answers: Vec<Answer> = directions.par_iter().map_init(start, answer).collect();
+        check_answers(directions, &answers)?;
+        Ok(answers)
+    }
 }
 
 /// Bakes every level of `job` by `engine`.
 pub(crate) async fn bake_job(
     job: Job<'_>,
-    engine: &impl BakeEngine,
+    engine: &impl Engine,
     progress: OnProgress<'_>,
 ) -> Result<Vec<Bake>> {
     let meter = job.meter(progress);
@@ -92,7 +125,7 @@ pub(crate) async fn bake_job(
 }
 
 /// Output of a future of the CPU engine.
-fn ready<T>(future: impl Future<Output = T>) -> T {
+pub(crate) fn ready<T>(future: impl Future<Output = T>) -> T {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(output) => output,
         Poll::Pending => unreachable!("the CPU waits for nothing"),

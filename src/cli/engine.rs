@@ -9,15 +9,14 @@ use super::values::EngineArg;
 use crate::Environment;
 #[cfg(feature = "gpu")]
 use crate::Error;
-use crate::bake::{Bake, BakeSettings, OnProgress, bake_all};
+use crate::bake::{self, Bake, BakeSettings, OnProgress, bake_all, ready};
 use crate::filter::{Answer, Filter};
 use crate::lobe::Lobe;
 use crate::memory;
-use crate::reflector::{Reflector, ReflectorSettings, Workspace};
+use crate::reflector::{Reflector, ReflectorSettings};
 #[cfg(feature = "gpu")]
 use crate::wgpu;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
@@ -61,6 +60,16 @@ impl Query<'_> {
             alike.directions.push(*direction);
         }
         by_roughness.into_values().collect()
+    }
+
+    /// The answers of `engine` in the order of the query, which `all` groups.
+    async fn answers(&self, all: &[Alike], engine: &impl bake::Engine) -> crate::Result<Vec<Answer>> {
+        let mut ordered = vec![Answer { radiance: [0.0; 3], bound: None }; self.directions.len()];
+        for Alike { roughness, places, directions } in all {
+            let answers = engine.query_each(directions, self.lobe, *roughness, self.filter).await?;
+            places.iter().zip(answers).for_each(|(place, answer)| ordered[*place] = answer);
+        }
+        Ok(ordered)
     }
 }
 
@@ -233,46 +242,26 @@ impl Engine {
         for Alike { roughness, .. } in &all {
             memory::check_query(environment.layout(), settings, lobe, *roughness, filter)?;
         }
-        let none = Answer { radiance: [0.0; 3], bound: None };
-        let mut ordered = vec![none; query.directions.len()];
-        let mut put = |alike: &Alike, answers: Vec<Answer>| {
-            alike.places.iter().zip(answers).for_each(|(place, answer)| ordered[*place] = answer);
-        };
-        let on_cpu = |put: &mut dyn FnMut(&Alike, Vec<Answer>)| {
-            let reflector = Reflector::new(environment, settings)?;
-            for alike in &all {
-                let lobes = reflector.lobes(lobe, alike.roughness, filter)?;
-                let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
-                    answers.clear();
-                    lobes.evaluate(&[*direction], workspace, answers);
-                    answers[0]
-                };
-                let directions = alike.directions.par_iter();
-                let start = || (Workspace::default(), Vec::with_capacity(1));
-                put(alike, directions.map_init(start, answer).collect());
-            }
-            Ok(())
-        };
+        let on_cpu = || ready(query.answers(&all, &Reflector::new(environment, settings)?));
         match self {
-            Self::Cpu => on_cpu(&mut put)?,
+            Self::Cpu => on_cpu(),
             #[cfg(feature = "gpu")]
             Self::Gpu { engine, may_fall_back } => {
                 let on_gpu = async {
                     engine.check_fits(environment, settings, filter)?;
                     let reflector = crate::gpu::engine::GpuReflector::new(engine, environment, settings)?;
-                    for alike in &all {
-                        put(alike, reflector.query(&alike.directions, lobe, alike.roughness, filter).await?);
-                    }
-                    Ok(())
+                    query.answers(&all, &reflector).await
                 };
-                if let Err(error) = crate::gpu::block_on(Some(engine.context()), on_gpu)? {
-                    let Some(why) = fallback(&error, *may_fall_back) else { return Err(error) };
-                    console.note(&why);
-                    on_cpu(&mut put)?;
+                match crate::gpu::block_on(Some(engine.context()), on_gpu)? {
+                    Ok(answers) => Ok(answers),
+                    Err(error) => {
+                        let Some(why) = fallback(&error, *may_fall_back) else { return Err(error) };
+                        console.note(&why);
+                        on_cpu()
+                    }
                 }
             }
         }
-        Ok(ordered)
     }
 }
 

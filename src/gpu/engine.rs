@@ -12,7 +12,7 @@ use super::table_scan::TableScan;
 use super::{Context, OemPlanes, SatPlanes, Stage};
 use crate::bake::job::Job;
 use crate::bake::level::{Advance, BakedLevel, LevelJob};
-use crate::bake::{self, Bake, BakeEngine, BakeSettings, OnProgress, Processor};
+use crate::bake::{self, Bake, BakeSettings, OnProgress, Processor};
 use crate::cpu::box_filter::single_box;
 use crate::cpu::cells::{Cells, SourceLight};
 use crate::cpu::leaves::LANES;
@@ -411,7 +411,7 @@ impl<'a> GpuReflector<'a> {
     }
 }
 
-impl BakeEngine for GpuReflector<'_> {
+impl bake::Engine for GpuReflector<'_> {
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
         let LevelJob { spec, lobe, filter } = *level;
         let Engine { context, reparameterise, .. } = self.engine;
@@ -459,6 +459,16 @@ impl BakeEngine for GpuReflector<'_> {
         let oem = self.planes.read(&self.engine.context).await?;
         let [red, green, blue, _] = oem.totals();
         Ok((oem.size(), self.scale.energies([red, green, blue])))
+    }
+
+    async fn query_each(
+        &self,
+        directions: &[DVec3],
+        lobe: Lobe,
+        roughness: f64,
+        filter: Filter,
+    ) -> Result<Vec<Answer>> {
+        self.query(directions, lobe, roughness, filter).await
     }
 }
 
