@@ -68,7 +68,7 @@ pub(crate) fn output(
         }
         let made = files(&plan.files, &name, &bake, &metadata(settings, &baked.opened.turned))?;
         let stored = Stored::new(plan, &bake, &made);
-        for warning in bake.warnings.iter().chain(&stored.warnings) {
+        for warning in plan.warning.iter().chain(&bake.warnings).chain(&stored.warnings) {
             if !output.warnings.contains(warning) {
                 output.warnings.push(warning.clone());
             }
@@ -194,7 +194,7 @@ fn report(
         level_pixels: stored.pixels,
         clamped: stored.clamped,
         clamped_energy_share: stored.share,
-        warnings: [&opened.warnings[..], &stored.warnings].concat(),
+        warnings: [&opened.warnings[..], plan.warning.as_slice(), &stored.warnings].concat(),
         seconds: *seconds,
     };
     let outputs =

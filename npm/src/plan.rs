@@ -51,6 +51,8 @@ impl Skybox {
 pub(crate) struct Plan {
     pub(crate) files: TargetPlan,
     pub(crate) settings: BakeSettings,
+    /// A costly choice of ladder or levels.
+    pub(crate) warning: Option<String>,
 }
 
 /// What to bake, and what to make of it.
@@ -250,7 +252,9 @@ impl Options {
         let diffuse = if self.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
         let skybox = self.skybox.is_some();
         let files = TargetPlan { container, pixel, layout, diffuse, skybox, ..TargetPlan::new(&UNTARGETED) };
-        Ok(Plan { files, settings })
+        let defaults = Ladder::ALL.map(|ladder| (ladder, ladder.default_levels(map, size)));
+        let warning = self.costly(&settings, &defaults);
+        Ok(Plan { files, settings, warning })
     }
 
     /// Pixel format of `layout` in `container`.
@@ -343,6 +347,33 @@ impl Options {
         };
         let levels = settings.level_specs()?.len() as u32;
         files.check_levels(size, levels)?;
-        Ok(Plan { files, settings })
+        let warning = self.costly(&settings, &[(target.ladder, target.levels(size))]);
+        Ok(Plan { files, settings, warning })
+    }
+
+    /// A warning if the given ladder or number of levels costs more than twice the best of `choices`, by the
+    /// estimated error of look-ups.
+    fn costly(&self, settings: &BakeSettings, choices: &[(Ladder, u32)]) -> Option<String> {
+        let &BakeSettings { map, size, ladder, lobe, .. } = settings;
+        if lobe != Lobe::Ggx || (self.ladder.is_none() && self.levels.is_none()) {
+            return None;
+        }
+        let error = |ladder: Ladder, levels| ladder.look_up_error(map, size, levels);
+        let levels = settings.levels.unwrap_or_else(|| ladder.default_levels(map, size));
+        let own = error(ladder, levels);
+        let (best, best_ladder, best_levels) = choices
+            .iter()
+            .map(|&(ladder, levels)| (error(ladder, levels), ladder, levels))
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (own > 2.0 * best).then(|| {
+            format!(
+                "trilinear look-ups at roughness 0.6 to 1 are up to {:.0} % off by estimate with {levels} levels \
+                 of the {} ladder; {:.0} % with `ladder` {} and `levels` {best_levels}",
+                100.0 * own,
+                ladder.name(),
+                100.0 * best,
+                best_ladder.name()
+            )
+        })
     }
 }
