@@ -141,10 +141,15 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
 /// The input of the conversion.
 struct Source {
     grid: Grid,
-    texels: Vec<Rgb>,
+    texels: SourceTexels,
     world_from_source: DMat3,
-    /// The input as an environment, if `geometry::overlap` supports its layout exactly.
-    environment: Option<Environment>,
+}
+
+enum SourceTexels {
+    /// The input as an environment, whose layout `geometry::overlap` supports exactly.
+    Environment(Environment),
+    /// The components of a picture of another map.
+    Components(Vec<Rgb>),
 }
 
 impl Source {
@@ -176,8 +181,7 @@ impl Source {
         };
         let grid = Grid::new(map.map, size)?;
         if args.from.is_none() {
-            let texels = environment.texels().to_vec();
-            return Ok(Self { grid, texels, world_from_source, environment: Some(environment) });
+            return Ok(Self { grid, texels: SourceTexels::Environment(environment), world_from_source });
         }
         // Split the picture into its components.
         let Layout::Panorama { width, .. } = environment.layout() else { unreachable!("matched above") };
@@ -185,8 +189,16 @@ impl Source {
             let [left, top] = grid.picture_origin(component, 0);
             environment.texels()[(top + y) as usize * width as usize + (left + x) as usize]
         };
-        let texels = grid.texels().map(at).collect();
-        Ok(Self { grid, texels, world_from_source, environment: None })
+        let texels = SourceTexels::Components(grid.texels().map(at).collect());
+        Ok(Self { grid, texels, world_from_source })
+    }
+
+    /// Texels of the grid, in order.
+    fn texels(&self) -> &[Rgb] {
+        match &self.texels {
+            SourceTexels::Environment(environment) => environment.texels(),
+            SourceTexels::Components(texels) => texels,
+        }
     }
 
     /// The size at which `map` has about as many texels as the input, even if it has several components.
@@ -199,20 +211,21 @@ impl Source {
     /// Mean radiance over every texel of `target`, the grid of `map`.
     fn converted(&self, map: &NamedMap, target: &Grid) -> crate::Result<Vec<Rgb>> {
         let size = target.size();
-        match (&self.environment, map.name) {
-            (Some(environment), "octahedral") => {
+        use SourceTexels::Environment as Exact;
+        match (&self.texels, map.name) {
+            (Exact(environment), "octahedral") => {
                 mean_radiances(environment, Target::Octahedral(size), Space::World)
             }
-            (Some(environment), "cube") => mean_radiances(environment, Target::Cube(size), Space::World),
-            (Some(environment), "equirect") => panorama_mean_radiances(environment, 2 * size, size),
-            _ => Ok(resample(&self.grid, &self.texels, self.world_from_source, target)),
+            (Exact(environment), "cube") => mean_radiances(environment, Target::Cube(size), Space::World),
+            (Exact(environment), "equirect") => panorama_mean_radiances(environment, 2 * size, size),
+            _ => Ok(resample(&self.grid, self.texels(), self.world_from_source, target)),
         }
     }
 
     /// Radiance along `direction`.
     fn look(&self, direction: DVec3) -> Rgb {
         let local = self.world_from_source.transpose() * direction;
-        self.texels[self.grid.index(self.grid.texel_from_direction(local))]
+        self.texels()[self.grid.index(self.grid.texel_from_direction(local))]
     }
 }
 

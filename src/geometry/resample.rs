@@ -2,7 +2,8 @@
 //!
 //! A source texel's corners are mapped to the target's coordinates. The quadrilateral between them is
 //! rasterised over the target's texels, which gives the overlap areas, and with the target's density the
-//! solid angles. At kinks, seams and poles a texel is quartered until the mapping is flat or its parts are
+//! solid angles. Where the mapping is smooth the corners of a block of texels are interpolated from a few of
+//! its points. At kinks, seams and poles a texel is quartered until the mapping is flat or its parts are
 //! negligible. Shares are scaled to the source texel's exact solid angle, which conserves energy; a target
 //! texel is the mean over its shares, which reproduces constants. The remaining energy error, a few parts in
 //! a million, is corrected by one factor a channel.
@@ -21,11 +22,21 @@ const BEND: f64 = 0.02;
 /// Maximum number of quarterings: parts are 1/32 of a texel. Parts on a seam are assigned by their centre.
 const MOST_QUARTERINGS: u32 = 5;
 
-/// Rows whose shared corners are computed once.
+/// Texels along the edge of a block whose corners are interpolated.
+const BLOCK: u32 = 8;
+
+/// Greatest error of interpolated corners at the points that are checked, in target texels: a twentieth of
+/// [`BEND`].
+const OFF: f64 = 0.001;
+
+/// Rows processed as one task.
 const BAND: u32 = 16;
 
 /// Bands processed in parallel before their shares are summed; bounds memory.
 const BANDS_AT_ONCE: usize = 16;
+
+/// Target texels whose sums are converted at once, after which their memory is free for the results.
+const CHUNK: usize = 1 << 16;
 
 /// Overlap of source texel `source` with target texel `target`.
 #[derive(Clone, Copy)]
@@ -51,6 +62,8 @@ struct Carrier<'a> {
     target: &'a Grid,
     world_from_source: DMat3,
     component: u32,
+    /// The source component's first texel.
+    first: usize,
     /// Of the source component: least coordinates, a texel's extent, columns and rows.
     frame: (DVec2, DVec2, DVec2),
     /// Of every target component: least coordinates, texels per unit, columns and rows, first texel.
@@ -67,13 +80,16 @@ struct Carrier<'a> {
 #[must_use]
 pub fn resample(source: &Grid, texels: &[Rgb], world_from_source: DMat3, target: &Grid) -> Vec<Rgb> {
     assert_eq!(texels.len(), source.texel_count(), "texels of the source");
-    let mut sums = vec![[0.0_f64; 4]; target.texel_count()];
+    let count = target.texel_count();
+    let mut sums: Vec<Vec<[f64; 4]>> =
+        (0..count).step_by(CHUNK).map(|first| vec![[0.0; 4]; CHUNK.min(count - first)]).collect();
     let bands: Vec<(u32, Range<u32>)> = (0..source.map().components())
         .flat_map(|component| {
             let rows = source.sides(component)[1];
             (0..rows).step_by(BAND as usize).map(move |row| (component, row..(row + BAND).min(rows)))
         })
         .collect();
+    let per_thread = sums.len().div_ceil(rayon::current_num_threads());
     for some in bands.chunks(BANDS_AT_ONCE) {
         let shares: Vec<Vec<Share>> = some
             .par_iter()
@@ -81,45 +97,58 @@ pub fn resample(source: &Grid, texels: &[Rgb], world_from_source: DMat3, target:
                 Carrier::new(source, target, world_from_source, *component).band(rows.clone())
             })
             .collect();
-        for share in shares.iter().flatten() {
-            let weight = f64::from(share.solid_angle);
-            let radiance = texels[share.source as usize];
-            let sum = &mut sums[share.target as usize];
-            for (sum, value) in sum.iter_mut().zip(radiance) {
-                *sum += weight * f64::from(value);
+        // Every thread sums its own range of targets, in the order of the sources.
+        sums.par_chunks_mut(per_thread).enumerate().for_each(|(thread, sums)| {
+            let first = thread * per_thread * CHUNK;
+            for share in shares.iter().flatten() {
+                let Some(target) = (share.target as usize).checked_sub(first) else { continue };
+                let Some(sums) = sums.get_mut(target / CHUNK) else { continue };
+                let sum = &mut sums[target % CHUNK];
+                let weight = f64::from(share.solid_angle);
+                for (sum, value) in sum.iter_mut().zip(texels[share.source as usize]) {
+                    *sum += weight * f64::from(value);
+                }
+                sum[3] += weight;
             }
-            sum[3] += weight;
-        }
+        });
     }
     let look = |direction: DVec3| {
         texels[source.index(source.texel_from_direction(world_from_source.transpose() * direction))]
     };
     // Correct the energy error of each channel from rounding and curvature by one factor.
-    let places: Vec<Texel> = target.texels().collect();
     let energies = |[r, g, b, weight]: [f64; 4], texel: Texel| {
         let mean = if weight > 0.0 { target.solid_angle(texel) / weight } else { 0.0 };
         [[r, g, b], [r * mean, g * mean, b * mean]]
     };
     let totals: Vec<[[f64; 3]; 2]> = sums
-        .par_chunks(1 << 14)
-        .zip(places.par_chunks(1 << 14))
-        .map(|(sums, places)| {
-            let all = sums.iter().zip(places).map(|(sums, texel)| energies(*sums, *texel));
+        .par_iter()
+        .enumerate()
+        .map(|(chunk, sums)| {
+            let places = target.texels_from(chunk * CHUNK);
+            let all = sums.iter().zip(places).map(|(sums, texel)| energies(*sums, texel));
             all.fold([[0.0; 3]; 2], add)
         })
         .collect();
     let [arrived, held] = totals.into_iter().fold([[0.0; 3]; 2], add);
     let scale: [f64; 3] = std::array::from_fn(|c| if held[c] > 0.0 { arrived[c] / held[c] } else { 1.0 });
-    sums.into_par_iter()
-        .zip(places)
-        .map(|(sums, texel)| {
-            if sums[3] > 0.0 {
+    let mut means = vec![[0.0; 3]; count];
+    sums.into_par_iter().zip(means.par_chunks_mut(CHUNK)).enumerate().for_each(|(chunk, (sums, means))| {
+        let places = target.texels_from(chunk * CHUNK);
+        for ((sums, texel), mean) in sums.into_iter().zip(places).zip(means) {
+            *mean = if sums[3] > 0.0 {
                 std::array::from_fn(|c| (sums[c] / sums[3] * scale[c]) as f32)
             } else {
                 look(target.direction_from_texel(texel))
-            }
-        })
-        .collect()
+            };
+        }
+    });
+    means
+}
+
+/// The parabola through `nodes` at 0, 1/2 and 1.
+#[inline]
+fn quadratic([a, b, c]: [DVec2; 3], t: f64) -> DVec2 {
+    a + (b - a) * (2.0 * t) + (a - 2.0 * b + c) * (t * (2.0 * t - 1.0))
 }
 
 fn add(sum: [[f64; 3]; 2], term: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
@@ -138,40 +167,133 @@ impl<'a> Carrier<'a> {
         let rectangle = source.map().component(component);
         let sides = DVec2::from(source.sides(component).map(f64::from));
         let frame = (rectangle.low, source.step(&rectangle), sides);
-        Self { source, target, world_from_source, component, frame, frames, window: Vec::new() }
+        let first = source.first_texel(component);
+        Self { source, target, world_from_source, component, first, frame, frames, window: Vec::new() }
     }
 
     /// The shares of all texels of `rows`.
     fn band(mut self, rows: Range<u32>) -> Vec<Share> {
         let columns = self.source.sides(self.component)[0];
-        let first = self.source.first_texel(self.component);
-        let line = |carrier: &Self, y: u32| -> Vec<Option<Place>> {
-            (0..=columns).map(|x| carrier.place(DVec2::new(f64::from(x), f64::from(y)))).collect()
-        };
         let mut shares = Vec::new();
-        let mut above = line(&self, rows.start);
-        for y in rows {
-            let below = line(&self, y + 1);
-            for x in 0..columns {
-                let low = DVec2::new(f64::from(x), f64::from(y));
-                let part = Piece { low, high: low + 1.0 };
-                let map = self.source.map();
-                let solid_angle = map.solid_angle(self.component, self.uv(part.low), self.uv(part.high));
+        for top in rows.clone().step_by(BLOCK as usize) {
+            for left in (0..columns).step_by(BLOCK as usize) {
+                let low = [left, top];
+                let high = [(left + BLOCK).min(columns), (top + BLOCK).min(rows.end)];
+                if !self.smooth_block(low, high, &mut shares) {
+                    self.block(low, high, &mut shares);
+                }
+            }
+        }
+        shares
+    }
+
+    /// Appends the shares of the texels from `low` to `high`, each on its own.
+    fn block(&mut self, low: [u32; 2], high: [u32; 2], shares: &mut Vec<Share>) {
+        let line = |carrier: &Self, y: u32| -> Vec<Option<Place>> {
+            (low[0]..=high[0]).map(|x| carrier.place(DVec2::new(f64::from(x), f64::from(y)))).collect()
+        };
+        let mut above = line(self, low[1]);
+        for y in low[1]..high[1] {
+            let below = line(self, y + 1);
+            for x in low[0]..high[0] {
+                let solid_angle = self.solid_angle(x, y);
                 if solid_angle <= 0.0 {
                     continue;
                 }
-                let k = x as usize;
+                let corner = DVec2::new(f64::from(x), f64::from(y));
+                let part = Piece { low: corner, high: corner + 1.0 };
+                let k = (x - low[0]) as usize;
                 let corners = [above[k], above[k + 1], below[k + 1], below[k]];
                 let start = shares.len();
-                let source = u32::try_from(first + y as usize * columns as usize + k).expect("texels fit");
-                self.carry(part, corners, 0, source, &mut shares);
+                self.carry(part, corners, 0, self.source_index(x, y), shares);
                 let sum: f64 = shares[start..].iter().map(|share| f64::from(share.solid_angle)).sum();
                 let scale = (solid_angle / sum) as f32;
                 shares[start..].iter_mut().for_each(|share| share.solid_angle *= scale);
             }
             above = below;
         }
-        shares
+    }
+
+    /// Appends the shares of the texels from `low` to `high` if the mapping is smooth there: nine points give
+    /// their corners by quadratic interpolation, four more confirm it. Returns whether it is.
+    fn smooth_block(&mut self, low: [u32; 2], high: [u32; 2], shares: &mut Vec<Share>) -> bool {
+        let corner = DVec2::new(f64::from(low[0]), f64::from(low[1]));
+        let count = [high[0] - low[0], high[1] - low[1]];
+        let extent = DVec2::from(count.map(f64::from));
+        let mut component = None;
+        let mut at = |s: f64, t: f64| {
+            let place = self.place(corner + extent * DVec2::new(s, t))?;
+            (*component.get_or_insert(place.component) == place.component).then(|| self.in_texels(place))
+        };
+        let mut nodes = [[DVec2::ZERO; 3]; 3];
+        for (row, t) in nodes.iter_mut().zip([0.0, 0.5, 1.0]) {
+            for (node, s) in row.iter_mut().zip([0.0, 0.5, 1.0]) {
+                let Some(found) = at(s, t) else { return false };
+                *node = found;
+            }
+        }
+        for (s, t) in [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)] {
+            let Some(found) = at(s, t) else { return false };
+            let row = nodes.map(|row| quadratic(row, s));
+            if (quadratic(row, t) - found).abs().max_element() > OFF {
+                return false;
+            }
+        }
+        // A texel's share of the block's second differences; `carry` has the same limits.
+        let second = |a: DVec2, b: DVec2, c: DVec2| (a - 2.0 * b + c).abs() * 4.0;
+        let mut bend = DVec2::ZERO;
+        for k in 0..3 {
+            let along = second(nodes[k][0], nodes[k][1], nodes[k][2]) / (extent.x * extent.x);
+            let across = second(nodes[0][k], nodes[1][k], nodes[2][k]) / (extent.y * extent.y);
+            bend = bend.max((along + across) / 8.0);
+        }
+        let [[a, .., b], _, [d, .., c]] = nodes;
+        let twist = (a + c - b - d).abs() / (extent.x * extent.y);
+        if bend.max_element() > BEND || twist.max_element() > 8.0 * BEND {
+            return false;
+        }
+        let component = component.expect("points were found");
+        let sides = DVec2::from(self.frames[component as usize].2.map(f64::from));
+        let line = |y: u32| {
+            let row = |k: usize| quadratic([nodes[0][k], nodes[1][k], nodes[2][k]], f64::from(y) / extent.y);
+            let row = [row(0), row(1), row(2)];
+            let mut line = [DVec2::ZERO; BLOCK as usize + 1];
+            for (x, place) in (0..=count[0]).zip(&mut line) {
+                *place = quadratic(row, f64::from(x) / extent.x).clamp(DVec2::ZERO, sides);
+            }
+            line
+        };
+        let mut above = line(0);
+        for y in 0..count[1] {
+            let below = line(y + 1);
+            // Texels of a row are often equal.
+            let of_row = self.solid_angle(low[0], low[1] + y);
+            let is_equal = |x: u32| (self.solid_angle(x, low[1] + y) / of_row - 1.0).abs() < 1e-12;
+            let are_equal = is_equal(low[0] + count[0] / 2) && is_equal(high[0] - 1);
+            for x in 0..count[0] {
+                let solid_angle = if are_equal { of_row } else { self.solid_angle(low[0] + x, low[1] + y) };
+                if solid_angle > 0.0 {
+                    let k = x as usize;
+                    let outline = [above[k], above[k + 1], below[k + 1], below[k]];
+                    let source = self.source_index(low[0] + x, low[1] + y);
+                    self.walk(component, outline, solid_angle, source, shares);
+                }
+            }
+            above = below;
+        }
+        true
+    }
+
+    /// Exact solid angle of the source texel in column `x`, row `y`.
+    fn solid_angle(&self, x: u32, y: u32) -> f64 {
+        let low = DVec2::new(f64::from(x), f64::from(y));
+        self.source.map().solid_angle(self.component, self.uv(low), self.uv(low + 1.0))
+    }
+
+    /// Index of the source texel in column `x`, row `y`.
+    fn source_index(&self, x: u32, y: u32) -> u32 {
+        let (.., sides) = self.frame;
+        u32::try_from(self.first + y as usize * sides.x as usize + x as usize).expect("texels fit")
     }
 
     /// Coordinates of `at`, in texels of the source's image.
@@ -271,9 +393,11 @@ impl<'a> Carrier<'a> {
         shares: &mut Vec<Share>,
     ) {
         let (low, per_unit, [width, height], first) = self.frames[component as usize];
-        let texel = outline[0].floor();
-        if outline.iter().all(|corner| corner.floor() == texel) {
-            let target = self.index(component, texel.x as u32, texel.y as u32);
+        // Coordinates are not negative: casts round down.
+        let texel = |corner: DVec2| [corner.x as u32, corner.y as u32];
+        let [x, y] = texel(outline[0]);
+        if outline.iter().all(|corner| texel(*corner) == [x, y]) {
+            let target = self.index(component, x, y);
             return shares.push(Share { target, source, solid_angle: solid_angle as f32 });
         }
         let start = shares.len();
@@ -294,7 +418,7 @@ impl<'a> Carrier<'a> {
         } else {
             // Negligible area: assign all of it to one texel.
             shares.truncate(start);
-            let target = self.index(component, texel.x as u32, texel.y as u32);
+            let target = self.index(component, x, y);
             shares.push(Share { target, source, solid_angle: solid_angle as f32 });
         }
     }

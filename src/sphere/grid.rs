@@ -137,12 +137,24 @@ impl Grid {
         self.map.solid_angle(texel.component, low, high)
     }
 
+    /// The texels from number `first` on, in order.
+    pub(crate) fn texels_from(&self, first: usize) -> impl Iterator<Item = Texel> + use<> {
+        let (grid, map) = (*self, self.map);
+        let start = (0..map.components()).rfind(|component| self.first_texel(*component) <= first);
+        (start.unwrap_or(0)..map.components()).flat_map(move |component| {
+            let [width, height] = grid.sides(component);
+            // Rows before the first texel are skipped at once.
+            let skipped = first.saturating_sub(grid.first_texel(component));
+            let (row, column) = (skipped / width as usize, skipped % width as usize);
+            (row as u32..height).flat_map(move |y| {
+                let from = if y as usize == row { column as u32 } else { 0 };
+                (from..width).map(move |x| Texel { component, x, y })
+            })
+        })
+    }
+
     /// All texels, in order.
     pub fn texels(&self) -> impl Iterator<Item = Texel> + use<> {
-        let grid = *self;
-        (0..self.map.components()).flat_map(move |component| {
-            let [width, height] = grid.sides(component);
-            (0..height).flat_map(move |y| (0..width).map(move |x| Texel { component, x, y }))
-        })
+        self.texels_from(0)
     }
 }

@@ -106,6 +106,10 @@ impl SphereMap for TennisBall {
     }
 
     fn solid_angle(&self, _: u32, low: DVec2, high: DVec2) -> f64 {
+        if low.x.abs().max(high.x.abs()) <= FRAC_PI_2 {
+            // Wholly inside: the seam runs along the panel's sides.
+            return (high.y.sin() - low.y.sin()) * (high.x - low.x);
+        }
         let to = |u: f64, v: f64| quarter(u.abs(), v.abs()).copysign(u * v);
         to(high.x, high.y) - to(low.x, high.y) - to(high.x, low.y) + to(low.x, low.y)
     }
