@@ -121,6 +121,7 @@ mod geometry;
 mod gpu;
 mod image;
 mod io;
+mod laboratory;
 mod ladder;
 mod light_scale;
 mod lobe;
@@ -193,6 +194,7 @@ pub mod internals {
         geometry,
         image,
         io,
+        laboratory,
         ladder,
         lobe,
         oem,

@@ -89,14 +89,21 @@ impl FixedPoint {
     /// an integer sum.
     #[must_use]
     pub fn of_square(oem: &Oem) -> Self {
-        let inner = oem.size().inner;
+        let inner = u64::from(oem.size().inner);
+        Self::of_texels(inner * inner, || oem.square())
+    }
+
+    /// The same for `count` `texels`, whose boxes count each texel at most four times.
+    pub(crate) fn of_texels<'a, I: Iterator<Item = &'a [f32; 4]>>(
+        count: u64,
+        texels: impl Fn() -> I,
+    ) -> Self {
         let mut greatest = [0_u32; 4];
-        for texel in oem.square() {
+        for texel in texels() {
             for (greatest, value) in greatest.iter_mut().zip(texel) {
                 *greatest = (*greatest).max(value.to_bits());
             }
         }
-        let count = u64::from(inner) * u64::from(inner);
         let count_log2 = i32::try_from(64 - (count - 1).leading_zeros()).expect("at most 64");
         // At this scale the greatest value times the count stays below 2^62.
         let provisional = Self {
@@ -106,7 +113,7 @@ impl FixedPoint {
             }),
         };
         let mut sums = [0_u64; 4];
-        for texel in oem.square() {
+        for texel in texels() {
             for (sum, value) in sums.iter_mut().zip(provisional.quantise(*texel)) {
                 *sum += value;
             }
@@ -300,55 +307,70 @@ impl Sat {
     /// Sides must be at most 2 * `inner`.
     #[must_use]
     pub fn fractional_box(&self, low: DVec2, high: DVec2) -> [f64; 4] {
-        let columns = fractional_spans(low.x, high.x);
-        let rows = fractional_spans(low.y, high.y);
-        // The sixteen table entries around the four corners give all nine boxes: one read each inside the
-        // border, by parity beyond it. Differences are the same modulo 2^64.
+        let columns = Spans::new(low.x, high.x);
+        let rows = Spans::new(low.y, high.y);
+        // The sixteen table entries around the four corners: one read each inside the border, by parity
+        // beyond it. Differences are the same modulo 2^64.
         let border = i64::from(self.size.border);
         let far = i64::from(self.size.inner) + border;
         let is_inside = |edges: &[i64; 4]| -border <= edges[0] && edges[3] <= far;
-        let prefixes = if is_inside(&columns.edges) && is_inside(&rows.edges) {
+        if is_inside(&columns.edges) && is_inside(&rows.edges) {
             let at = |edge: i64| (edge + border) as usize;
-            rows.edges.map(|y| columns.edges.map(|x| self.prefix(at(x), at(y))))
+            fractional_sum(self.fixed, &columns, &rows, |x, y| self.prefix(at(x), at(y)))
         } else {
-            rows.edges.map(|y| columns.edges.map(|x| self.plane_prefix(x, y)))
-        };
-        let mut sum = [0.0; 4];
-        for j in 0..3 {
-            for i in 0..3 {
-                let share = columns.shares[i] * rows.shares[j];
-                if share > 0.0 {
-                    let (upper, lower) = (&prefixes[j], &prefixes[j + 1]);
-                    let part = difference(upper[i], upper[i + 1], lower[i], lower[i + 1]);
-                    for (sum, value) in sum.iter_mut().zip(self.fixed.values(part)) {
-                        *sum += share * value;
-                    }
+            fractional_sum(self.fixed, &columns, &rows, |x, y| self.plane_prefix(x, y))
+        }
+    }
+}
+
+/// The sum over the box between `columns` and `rows` from sixteen prefixes: nine integer boxes, weighted by
+/// their shares.
+#[inline]
+pub(crate) fn fractional_sum(
+    fixed: FixedPoint,
+    columns: &Spans,
+    rows: &Spans,
+    prefix: impl Fn(i64, i64) -> [u64; 4],
+) -> [f64; 4] {
+    let prefixes = rows.edges.map(|y| columns.edges.map(|x| prefix(x, y)));
+    let mut sum = [0.0; 4];
+    for j in 0..3 {
+        for i in 0..3 {
+            let share = columns.shares[i] * rows.shares[j];
+            if share > 0.0 {
+                let (upper, lower) = (&prefixes[j], &prefixes[j + 1]);
+                let part = difference(upper[i], upper[i + 1], lower[i], lower[i + 1]);
+                for (sum, value) in sum.iter_mut().zip(fixed.values(part)) {
+                    *sum += share * value;
                 }
             }
         }
-        sum
     }
+    sum
 }
 
 /// A box from the four corners' prefixes, modulo 2^64.
 #[inline]
-fn difference(a: [u64; 4], b: [u64; 4], c: [u64; 4], d: [u64; 4]) -> [u64; 4] {
+pub(crate) fn difference(a: [u64; 4], b: [u64; 4], c: [u64; 4], d: [u64; 4]) -> [u64; 4] {
     std::array::from_fn(|k| d[k].wrapping_sub(b[k]).wrapping_sub(c[k]).wrapping_add(a[k]))
 }
 
 /// An interval with fractional ends, as a partial texel, whole texels and a partial texel.
-struct Spans {
+pub(crate) struct Spans {
     edges: [i64; 4],
     shares: [f64; 3],
 }
 
-fn fractional_spans(low: f64, high: f64) -> Spans {
-    let (first, last) = (low.floor(), high.ceil());
-    if last - first <= 1.0 {
-        // Both ends lie in one texel.
-        let edge = first as i64;
-        return Spans { edges: [edge, edge + 1, edge + 1, edge + 1], shares: [high - low, 0.0, 0.0] };
+impl Spans {
+    /// The interval from `low` to `high`, in texels.
+    pub(crate) fn new(low: f64, high: f64) -> Self {
+        let (first, last) = (low.floor(), high.ceil());
+        if last - first <= 1.0 {
+            // Both ends lie in one texel.
+            let edge = first as i64;
+            return Self { edges: [edge, edge + 1, edge + 1, edge + 1], shares: [high - low, 0.0, 0.0] };
+        }
+        let edges = [first as i64, first as i64 + 1, last as i64 - 1, last as i64];
+        Self { edges, shares: [first + 1.0 - low, 1.0, high - (last - 1.0)] }
     }
-    let edges = [first as i64, first as i64 + 1, last as i64 - 1, last as i64];
-    Spans { edges, shares: [first + 1.0 - low, 1.0, high - (last - 1.0)] }
 }

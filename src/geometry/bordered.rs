@@ -50,7 +50,7 @@ pub fn bordered_picture(
 }
 
 /// The mean of `look` over 4 x 4 directions of the texel in column `x`, row `y`, outside its image.
-fn mean_around(target: &Grid, component: u32, x: i64, y: i64, look: impl Fn(DVec3) -> Rgb) -> Rgb {
+pub(crate) fn mean_around(target: &Grid, component: u32, x: i64, y: i64, look: impl Fn(DVec3) -> Rgb) -> Rgb {
     let mut sum = [0.0_f64; 3];
     for k in 0..16 {
         let share = |k: u32| (f64::from(k) + 0.5) / 4.0;

@@ -10,6 +10,7 @@ mod geometry;
 mod gpu;
 mod image;
 mod io;
+mod laboratory;
 mod ladder;
 #[cfg(feature = "mesh")]
 mod mesh;
