@@ -13,18 +13,18 @@ pub(super) struct FigureArgs {
     /// For every map: relative solid angle and anisotropy on the sphere, the layout, and a panorama in the
     /// layout. Also: three maps compared (figure 5 of the octahedron paper), the unfolding of the octahedron,
     /// the border of its square (figure 4), the seam of the tennis ball, sampling requirement against
-    /// anisotropy, and look-ups without and with each remedy of that paper's section 4.2. Needs the feature
-    /// plot.
+    /// anisotropy, look-ups without and with each remedy of that paper's section 4.2, and the errors of
+    /// --lobes. Needs the feature plot.
     #[arg(long, requires = "output", conflicts_with_all = ["table", "csv", "json"])]
     pub(super) plot: bool,
     /// The folder of the figures
     #[arg(short, long, value_name = "FOLDER", requires = "plot")]
     pub(super) output: Option<PathBuf>,
-    /// Draw the figures of this map only; repeat for several
+    /// Draw the figures of this map, or measure it with --lobes; repeat for several
     #[arg(
         long,
         value_name = "MAP",
-        requires = "plot",
+        requires = "subject",
         value_parser = PossibleValuesParser::new(MAPS.iter().map(|map| map.name)),
         hide_possible_values = true
     )]
@@ -32,21 +32,27 @@ pub(super) struct FigureArgs {
     /// Draw this figure only; repeat for several
     ///
     /// A kind (solid-angle, anisotropy, layout, panorama, compared, unfolding, border, seam, sampling,
-    /// lookup-level, lookup-border, lookup-greatest, lookup-weights, lookup-rectangular), or a figure of a
-    /// map, such as layout-cube.
+    /// lookup-level, lookup-border, lookup-greatest, lookup-weights, lookup-rectangular, lobes-box,
+    /// lobes-stack, lobes-adaptive, lobes-sphere), or a figure of a map, such as layout-cube.
     #[arg(long, value_name = "NAME", requires = "plot")]
     pub(super) figure: Vec<String>,
     /// Environment of the panorama figures [default: sky of synth]
-    #[arg(long, value_name = "FILE", requires = "plot")]
+    ///
+    /// With --lobes the environment to integrate, 2:1 if a panorama; by default 400 lamps spread evenly.
+    /// Integration is exhaustive: an environment of 512 x 256 takes minutes.
+    #[arg(long, value_name = "FILE", requires = "subject")]
     pub(super) panorama: Option<PathBuf>,
     /// Texels along the square of the figure border, 1 to 12 [default: 8]
-    #[arg(long, value_name = "N", requires = "plot")]
+    ///
+    /// With --lobes texels along the octahedral square, 8 to 1024, by default 128; the other maps have as
+    /// many texels in all.
+    #[arg(long, value_name = "N", requires = "subject")]
     pub(super) size: Option<u32>,
     /// Width of the border in that figure, at most N [default: 2]
     #[arg(long, value_name = "B", requires = "plot")]
     pub(super) border: Option<u32>,
     /// Print errors only
-    #[arg(long, short, requires = "plot")]
+    #[arg(long, short, requires = "subject")]
     pub(super) quiet: bool,
     /// Replace figures that exist
     #[arg(long, requires = "plot")]

@@ -4,6 +4,7 @@
 //! error.
 
 mod analyze;
+mod analyze_lobes;
 mod args;
 mod bake;
 mod bake_plan;

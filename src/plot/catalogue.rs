@@ -1,9 +1,10 @@
 //! Lists and draws the figures.
 
 use super::figure::Figure;
-use super::{border, layout, lookup, panorama, sampling, seam, stretch, unfolding};
+use super::{border, layout, lobes, lookup, panorama, sampling, seam, stretch, unfolding};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
+use crate::laboratory::measure::{Method, Settings};
 use crate::sphere::registry::{MAPS, NamedMap};
 
 /// Kinds of figures.
@@ -37,11 +38,19 @@ pub enum Kind {
     LookupWeights,
     /// Look-ups in one layer per hemisphere, without and with a border.
     LookupRectangular,
+    /// Errors of lobes by the single box over roughness.
+    LobesBox,
+    /// Errors of lobes by a stack of boxes over roughness.
+    LobesStack,
+    /// Errors of lobes by adaptive quadrature over roughness.
+    LobesAdaptive,
+    /// Errors of lobes by a stack of boxes on the sphere.
+    LobesSphere,
 }
 
 impl Kind {
     /// All kinds; the first four have a figure for every map.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 18] = [
         Self::SolidAngle,
         Self::Anisotropy,
         Self::Layout,
@@ -56,6 +65,10 @@ impl Kind {
         Self::LookupGreatest,
         Self::LookupWeights,
         Self::LookupRectangular,
+        Self::LobesBox,
+        Self::LobesStack,
+        Self::LobesAdaptive,
+        Self::LobesSphere,
     ];
 
     /// Name on the command line.
@@ -76,6 +89,10 @@ impl Kind {
             Self::LookupGreatest => "lookup-greatest",
             Self::LookupWeights => "lookup-weights",
             Self::LookupRectangular => "lookup-rectangular",
+            Self::LobesBox => "lobes-box",
+            Self::LobesStack => "lobes-stack",
+            Self::LobesAdaptive => "lobes-adaptive",
+            Self::LobesSphere => "lobes-sphere",
         }
     }
 
@@ -117,6 +134,8 @@ pub struct Content {
     pub size: u32,
     /// Width of its border in texels, at most the size.
     pub border: u32,
+    /// What the figures of lobes measure.
+    pub lobes: Settings,
 }
 
 /// The largest square of [`Kind::Border`] with room for texel names.
@@ -129,7 +148,8 @@ impl Content {
     /// As [`crate::synth::synth`].
     pub fn new() -> Result<Self> {
         let panorama = crate::synth::synth("sky")?;
-        Ok(Self { panorama, panorama_name: "hdr/sky.exr".to_owned(), size: 8, border: 2 })
+        let lobes = Settings { turns: 2, directions: 250, ..Settings::default() };
+        Ok(Self { panorama, panorama_name: "hdr/sky.exr".to_owned(), size: 8, border: 2, lobes })
     }
 
     /// Checks that the square and its border can be drawn.
@@ -186,6 +206,10 @@ impl Entry {
             Kind::LookupGreatest => lookup::greatest(name),
             Kind::LookupWeights => lookup::weights(name),
             Kind::LookupRectangular => lookup::rectangular(name),
+            Kind::LobesBox => lobes::over_roughness(&name, Method::Box, &content.lobes)?,
+            Kind::LobesStack => lobes::over_roughness(&name, Method::Stack, &content.lobes)?,
+            Kind::LobesAdaptive => lobes::over_roughness(&name, Method::Adaptive, &content.lobes)?,
+            Kind::LobesSphere => lobes::over_sphere(name, &content.lobes)?,
         })
     }
 }

@@ -19,9 +19,17 @@ pub(super) const OUTSIDE: Colour = [240, 241, 243];
 pub(super) const LATITUDE: Colour = [0, 104, 180];
 /// Meridians.
 pub(super) const LONGITUDE: Colour = [196, 82, 0];
-/// Series of a chart and parts of a curve: Okabe and Ito's colour-blind-safe palette.
-pub(super) const SERIES: [Colour; 6] =
-    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
+/// Series of a chart and parts of a curve: Okabe and Ito's colour-blind-safe palette, and
+/// grey.
+pub(super) const SERIES: [Colour; 7] = [
+    [0, 114, 178],
+    [213, 94, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [230, 159, 0],
+    [86, 180, 233],
+    [100, 104, 112],
+];
 
 /// Text sizes in pixels per em.
 pub(super) const TITLE: f64 = 24.0;
@@ -95,6 +103,14 @@ pub const ANISOTROPY: ColourScale = ColourScale {
         (2.0 * std::f64::consts::SQRT_2, "2.83"),
         (4.0, "4"),
     ],
+};
+
+/// Errors of lobes in per cent of the mean.
+pub(super) const LOBE_ERROR: ColourScale = ColourScale {
+    stops: ANISOTROPY.stops,
+    low: 0.5,
+    high: 8.0,
+    ticks: &[(0.5, "0.5"), (1.0, "1"), (2.0, "2"), (4.0, "4"), (8.0, "8")],
 };
 
 /// Steps of a scale; every tick is at the middle of a step.

@@ -10,6 +10,7 @@ pub mod chart;
 pub mod figure;
 mod globe;
 mod layout;
+mod lobes;
 mod look;
 mod lookup;
 mod page;

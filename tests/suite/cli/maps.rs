@@ -30,6 +30,60 @@ fn analyze_prints_one_table_in_three_forms() {
 }
 
 #[test]
+fn analyze_prints_errors_of_lobes_in_three_forms() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let folder = folder.path();
+    write_panorama(&folder.join("in.exr"), 16, |d| [(1.0 + d.x) as f32; 3]);
+    write_panorama(&folder.join("other.exr"), 16, |d| [(1.0 + d.y) as f32; 3]);
+    let of = |environment: &str, more: &[&str]| {
+        let maps = ["--size", "16", "--map", "octahedral", "--map", "tennis-ball", "--roughness", "1"];
+        let args = ["analyze", "--lobes", "--panorama", environment];
+        done(folder, &[&args, &maps[..], more].concat()).out
+    };
+    let run = |more: &[&str]| of("in.exr", more);
+    let text = run(&[]);
+    for words in ["roughness", "Two octahedral, blended", "Tennis-ball", "adaptive", "KiB", "texels"] {
+        assert!(text.contains(words), "{text} lacks {words:?}");
+    }
+    assert!(!text.contains("Cube"), "{text}");
+    let json: Value = serde_json::from_str(&run(&["--json"])).expect("JSON");
+    let rows = json["rows"].as_array().expect("an array");
+    assert_eq!(rows.len(), 14, "five rows of maps, three filters, one of them without adaptive queries");
+    let csv = run(&["--csv"]);
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let records: Vec<csv::StringRecord> = reader.records().map(|record| record.expect("a record")).collect();
+    let errors = rows
+        .iter()
+        .flat_map(|row| row["errors"].as_array().expect("an array").iter().map(move |error| (row, error)));
+    let mut count = 0;
+    for ((row, error), record) in errors.zip(&records) {
+        assert_eq!([&row["name"], &row["filter"]], [&record[0], &record[2]], "the same order");
+        assert_eq!(error["rms"]["sphere"].as_f64(), record[8].parse().ok(), "{record:?}");
+        assert_eq!(error["worst"].as_f64(), record[12].parse().ok(), "{record:?}");
+        count += 1;
+    }
+    assert_eq!((count, records.len()), (14, 14), "one roughness");
+    let errors = |csv: &str| -> Vec<String> {
+        let mut reader = csv::Reader::from_reader(csv.as_bytes());
+        reader.records().map(|record| record.expect("a record")[8].to_owned()).collect()
+    };
+    assert_ne!(errors(&of("other.exr", &["--csv"])), errors(&csv), "another environment");
+    let fails = |more: &[&str], words: &str, code: i32| {
+        fails(folder, &[&["analyze", "--lobes"], more].concat(), code, words);
+    };
+    fails(&["--map", "globe"], "globe", 2);
+    fails(&["--map", "healpix"], "--map healpix has no rule for boxes", 2);
+    fails(&["--size", "0"], "--size 0 must be 8 to 1024 texels", 2);
+    fails(&["--size", "2000"], "--size 2000 must be 8 to 1024 texels", 2);
+    fails(&["--roughness", "0"], "--roughness 0 must be 0.1 to 1", 2);
+    fails(&["--table"], "--table", 2);
+    fails(&["--plot", "-o", "figures"], "--plot", 2);
+    fails(&["--json", "--csv"], "--csv", 2);
+    fails(&["--panorama", "none.exr"], "none.exr", 1);
+    assert_eq!(names(folder), ["in.exr", "other.exr"]);
+}
+
+#[test]
 fn convert_goes_to_another_map_and_back() {
     let folder = TempDir::new().expect("a temporary folder");
     let folder = folder.path();

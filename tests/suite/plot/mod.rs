@@ -22,7 +22,13 @@ fn content() -> Content {
     let panorama =
         Environment::new(Layout::Panorama { width: 32, height: 16 }, (0..512).map(texel).collect())
             .expect("sound");
-    Content { panorama, panorama_name: "a & b".to_owned(), size: 8, border: 2 }
+    Content {
+        panorama,
+        panorama_name: "a & b".to_owned(),
+        size: 8,
+        border: 2,
+        lobes: crate::laboratory::small(),
+    }
 }
 
 fn entry(name: &str) -> Entry {
@@ -76,6 +82,10 @@ fn every_map_has_its_figures() {
         "lookup-greatest",
         "lookup-weights",
         "lookup-rectangular",
+        "lobes-box",
+        "lobes-stack",
+        "lobes-adaptive",
+        "lobes-sphere",
     ];
     for name in others {
         assert!(names.contains(name), "{name}");
@@ -91,7 +101,7 @@ fn no_text_is_cut_off_or_covers_another() {
         entry.kind == Kind::Layout || entry.map.is_none_or(|map| map.name == "polar-capped-conformal")
     };
     let drawn: Vec<Entry> = entries().into_iter().filter(is_drawn).collect();
-    assert_eq!(drawn.len(), MAPS.len() + 3 + 10);
+    assert_eq!(drawn.len(), MAPS.len() + 3 + 14);
     let figures: Vec<Figure> =
         drawn.par_iter().map(|entry| entry.draw(&content).expect("a figure")).collect();
     for figure in figures {
