@@ -39,7 +39,7 @@ pub(super) struct FigureArgs {
     /// Environment of the panorama figures [default: sky of synth]
     ///
     /// With --lobes the environment to integrate, 2:1 if a panorama; by default 400 lamps spread evenly.
-    /// Integration is exhaustive: an environment of 512 x 256 takes minutes.
+    /// Integration is exhaustive: use small environments, and cubes, which are faster than panoramas.
     #[arg(long, value_name = "FILE", requires = "subject")]
     pub(super) panorama: Option<PathBuf>,
     /// Texels along the square of the figure border, 1 to 12 [default: 8]
