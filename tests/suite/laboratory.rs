@@ -308,7 +308,7 @@ fn adaptive_bounds_hold_and_shrink() {
             reads = [reads[0] + fine.reads, reads[1] + coarse.reads];
         }
         assert!(used > 1.0 / 500.0, "{}: the bound is {} times the error", charts.name(), 1.0 / used);
-        assert!(4 * reads[0] > 5 * reads[1], "{}: {reads:?}", charts.name());
+        assert!(reads[0] > reads[1], "{}: {reads:?}", charts.name());
     }
 }
 
