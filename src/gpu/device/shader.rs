@@ -46,6 +46,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/rows.wgsl",
     "common/sat.wgsl",
     "common/scan.wgsl",
+    "common/source_pieces.wgsl",
     "common/sum.wgsl",
     "common/table.wgsl",
     "common/u64.wgsl",
