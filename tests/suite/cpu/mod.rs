@@ -1,5 +1,6 @@
 //! The stages of the CPU engine.
 
 pub(super) mod adaptive;
+mod continuity;
 pub(super) mod extremes;
 pub(super) mod lights;

@@ -18,6 +18,7 @@ fn mutated_inputs_neither_panic_nor_hang_nor_swell() {
     assert!(!text.contains("panicked at"), "a contained panic must not print: {text}");
 }
 
+/// Not a test of its own: the test above starts it where no other test allocates.
 #[test]
 #[ignore = "run by mutated_inputs_neither_panic_nor_hang_nor_swell, in a separate process"]
 fn mutated_inputs_alone() {
