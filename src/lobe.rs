@@ -154,19 +154,26 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
 /// from 0.1 on.
 #[must_use]
 pub fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
-    // Midpoints in the logarithm of s + alpha^2, in which GGX is flat.
-    const COUNT: u32 = 1024;
-    let a2 = alpha * alpha;
-    let step = ((0.5 + a2) / a2).ln() / f64::from(COUNT);
     let mut sums = [0.0; 5];
-    for k in 0..COUNT {
-        let shifted = a2 * ((f64::from(k) + 0.5) * step).exp();
-        let weight = kernel(lobe, alpha, shifted - a2) * shifted;
-        for (sum, value) in sums.iter_mut().zip(legendre(1.0 - 2.0 * (shifted - a2))) {
+    for (cosine, weight) in zonal_nodes(lobe, alpha) {
+        for (sum, value) in sums.iter_mut().zip(legendre(cosine)) {
             *sum += weight * value;
         }
     }
     sums.map(|sum| sum / sums[0])
+}
+
+/// Values of cos(theta) with weights proportional to the kernel there, for integrals over the lobe; `alpha` in
+/// (0, 1].
+pub(crate) fn zonal_nodes(lobe: Lobe, alpha: f64) -> impl Iterator<Item = (f64, f64)> {
+    // Midpoints in the logarithm of s + alpha^2, in which GGX is flat.
+    const COUNT: u32 = 1024;
+    let a2 = alpha * alpha;
+    let step = ((0.5 + a2) / a2).ln() / f64::from(COUNT);
+    (0..COUNT).map(move |k| {
+        let shifted = a2 * ((f64::from(k) + 0.5) * step).exp();
+        (1.0 - 2.0 * (shifted - a2), kernel(lobe, alpha, shifted - a2) * shifted)
+    })
 }
 
 /// Legendre's polynomials of order 0 to 4 at `x`.

@@ -8,6 +8,7 @@
 //! free of noise.
 
 use crate::error::{Error, Result};
+use crate::sphere::quadrature::gauss_legendre;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -90,7 +91,7 @@ pub(crate) fn dfg_table_with(
 
 /// Nodes per piece and axis. Doubling them changes GGX by less than 1e-4 and Charlie by less than half-float
 /// rounding.
-const NODES: usize = 48;
+const NODES: u32 = 48;
 
 /// Scale and bias of f0 for GGX at the view's `cosine` in (0, 1] and the perceptual `roughness` in \[0, 1\];
 /// their sum is the single-scattering reflectance of a white surface of that roughness.
@@ -210,27 +211,6 @@ fn integrate(
         }
     }
     sum
-}
-
-/// Nodes and weights of Gauss-Legendre quadrature on [0, 1], by Newton's method on Legendre's recurrence.
-fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
-    let n = count as f64;
-    (0..count)
-        .map(|k| {
-            let mut x = (PI * (k as f64 + 0.75) / (n + 0.5)).cos();
-            let mut slope = 1.0;
-            for _ in 0..8 {
-                let (mut before, mut value) = (1.0, x);
-                for degree in 2..=count {
-                    let d = degree as f64;
-                    (before, value) = (value, ((2.0 * d - 1.0) * x * value - (d - 1.0) * before) / d);
-                }
-                slope = n * (x * value - before) / (x * x - 1.0);
-                x -= value / slope;
-            }
-            ((1.0 - x) / 2.0, 1.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 
 use super::{Ladder, edges_of_a_face};
 use crate::environment::Map;
-use crate::lobe::{Lobe, kernel};
+use crate::lobe::{Lobe, zonal_nodes};
 use std::array;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -99,20 +99,13 @@ fn interpolation(band: f64, edge: f64) -> (f64, f64) {
 
 /// Zonal weights of the normalised GGX lobe of `roughness`; of a mirror all are 1.
 fn zonal_bands(roughness: f64) -> [f64; BANDS] {
-    // Midpoints in the logarithm of s + alpha^2, in which GGX is flat.
-    const COUNT: u32 = 1024;
     let alpha = roughness * roughness;
-    let a2 = alpha * alpha;
-    let mut sums = [0.0; BANDS];
     // Narrower lobes have all their power in the bands.
-    if a2 < 1e-10 {
+    if alpha < 1e-5 {
         return [1.0; BANDS];
     }
-    let step = ((0.5 + a2) / a2).ln() / f64::from(COUNT);
-    for k in 0..COUNT {
-        let shifted = a2 * ((f64::from(k) + 0.5) * step).exp();
-        let weight = kernel(Lobe::Ggx, alpha, shifted - a2) * shifted;
-        let x = 1.0 - 2.0 * (shifted - a2);
+    let mut sums = [0.0; BANDS];
+    for (x, weight) in zonal_nodes(Lobe::Ggx, alpha) {
         let (mut before, mut legendre) = (0.0, 1.0);
         for (band, sum) in sums.iter_mut().enumerate() {
             *sum += weight * legendre;
