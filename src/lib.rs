@@ -129,6 +129,7 @@ mod memory;
 #[cfg(feature = "mesh")]
 mod mesh;
 mod oem;
+mod percent;
 #[cfg(feature = "plot")]
 mod plot;
 mod realtime;

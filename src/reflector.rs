@@ -392,6 +392,30 @@ impl<'a> Reflector<'a> {
         Ok(answers)
     }
 
+    /// As [`Reflector::query_all`], but evaluates each of `directions` on its own: an answer depends on no
+    /// other direction.
+    ///
+    /// # Errors
+    /// Those of [`Reflector::query`].
+    pub(crate) fn query_each(
+        &self,
+        directions: &[DVec3],
+        lobe: Lobe,
+        roughness: f64,
+        filter: Filter,
+    ) -> Result<Vec<Answer>> {
+        let lobes = self.lobes(lobe, roughness, filter)?;
+        let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
+            answers.clear();
+            lobes.evaluate(&[*direction], workspace, answers);
+            answers[0]
+        };
+        let start = || (Workspace::default(), Vec::with_capacity(1));
+        let answers: Vec<Answer> = directions.par_iter().map_init(start, answer).collect();
+        check_answers(directions, &answers)?;
+        Ok(answers)
+    }
+
     /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (in world space, any length but zero).
     ///
     /// # Errors
@@ -403,6 +427,15 @@ impl<'a> Reflector<'a> {
         check_answers(&directions, &answers)?;
         Ok(answers[0])
     }
+}
+
+/// The least `roughness` above 0 as `lobe` is served, for [`ReflectorSettings::sharpest`]; 0 if all are
+/// mirrors, `None` for none.
+#[must_use]
+pub fn sharpest(lobe: Lobe, roughness: &[f64]) -> Option<f64> {
+    let served = roughness.iter().map(|roughness| lobe.served_roughness(*roughness));
+    let least = served.clone().filter(|roughness| *roughness > 0.0).reduce(f64::min);
+    least.or_else(|| served.reduce(f64::min))
 }
 
 /// Directions of one task of [`Reflector::query_all`].

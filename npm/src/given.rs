@@ -9,6 +9,20 @@ pub(crate) fn wrong<T>(message: impl Into<String>) -> Result<T> {
     Err(Error::Parameter(message.into()))
 }
 
+/// Names of options in the library's messages, and here.
+const NAMES: [(&str, &str); 5] = [
+    ("`container`", "`format`"),
+    ("`oem_size`", "`oemSize`"),
+    ("`out_layout`", "`outLayout`"),
+    ("`sh_order`", "`shOrder`"),
+    ("`sh_window`", "`shWindow`"),
+];
+
+/// Replaces the library's names of options in `text`.
+pub(crate) fn with_options(text: &str) -> String {
+    NAMES.iter().fold(text.to_owned(), |text, (theirs, own)| text.replace(theirs, own))
+}
+
 /// Options that have not been read yet.
 pub(crate) struct Given {
     left: Map<String, Value>,

@@ -1,7 +1,7 @@
 //! Bakes in browsers and in Node.js: the library's CPU engine behind three functions.
 //!
-//! The module answers synchronously, on one thread. The package's JavaScript runs it in workers, and cancels a
-//! call by ending its worker.
+//! The module answers synchronously, on one thread. The package's JavaScript runs it in workers, and cancels
+//! a call by ending its worker.
 
 mod given;
 mod output;
@@ -9,7 +9,7 @@ mod plan;
 mod query;
 mod source;
 
-use given::Given;
+use given::{Given, with_options};
 use js_sys::{Array, Error, Float32Array, Function, Object, Reflect, Uint8Array};
 use octagloss::internals::analysis::statistics::Statistics;
 use octagloss::internals::analysis::sun::{Brightest, Sun};
@@ -33,8 +33,8 @@ thread_local! {
     static ON_PROGRESS: RefCell<Option<Function>> = const { RefCell::new(None) };
 }
 
-/// Throws panics as errors named `Panic`; without this they are traps without a message. The instance must not
-/// be used again.
+/// Throws panics as errors named `Panic`; without this they are traps without a message. The instance must
+/// not be used again.
 #[wasm_bindgen(start)]
 fn start() {
     std::panic::set_hook(Box::new(|info| {
@@ -57,11 +57,13 @@ pub fn version() -> String {
 /// None in practice: texts and numbers always serialise.
 #[wasm_bindgen]
 pub fn targets() -> Result<String, JsError> {
-    let target = |target: &Target| {
-        let Target { name, reader, size, verified, .. } = target;
-        serde_json::json!({"name": name, "reader": reader, "size": size, "verified": verified})
-    };
-    Ok(output::json(&TARGETS.iter().map(target).collect::<Vec<_>>())?)
+    answered(|| {
+        let target = |target: &Target| {
+            let Target { name, reader, size, verified, .. } = target;
+            serde_json::json!({"name": name, "reader": reader, "size": size, "verified": verified})
+        };
+        output::json(&TARGETS.iter().map(target).collect::<Vec<_>>())
+    })
 }
 
 /// Bakes the environment in `bytes`, the file `input`. `options` is JSON. Calls `read` once the file is read,
@@ -77,21 +79,29 @@ pub fn bake(
     read: &Function,
     progress: Option<Function>,
 ) -> Result<Object, JsError> {
-    let start = Instant::now();
-    let mut given = Given::parsed(options)?;
-    let reading = Reading::of(&mut given)?;
-    let request = Request::of(&mut given, reading.extract_sun)?;
-    given.finish()?;
-    let opened = reading.open(input, &bytes)?;
-    drop(bytes);
-    read.call0(&JsValue::NULL).ok();
-    let settings = request.settings(opened.environment.layout());
-    ON_PROGRESS.set(progress);
-    let bakes = bake_all(&opened.environment, &settings, &advance);
-    ON_PROGRESS.set(None);
-    let seconds = start.elapsed().as_secs_f64();
-    let baked = Baked { input, reading: &reading, opened: &opened, seconds };
-    Ok(object(output(&request, &settings, bakes?, &baked)?))
+    answered(|| {
+        let start = Instant::now();
+        let mut given = Given::parsed(options)?;
+        let reading = Reading::of(&mut given)?;
+        let request = Request::of(&mut given, reading.extract_sun)?;
+        given.finish()?;
+        let opened = reading.open(input, &bytes)?;
+        drop(bytes);
+        read.call0(&JsValue::NULL).ok();
+        let plans = request.plans(opened.environment.layout());
+        let settings: Vec<_> = plans.iter().map(|plan| plan.settings.clone()).collect();
+        ON_PROGRESS.set(progress);
+        let bakes = bake_all(&opened.environment, &settings, &advance);
+        ON_PROGRESS.set(None);
+        let seconds = start.elapsed().as_secs_f64();
+        let baked = Baked { input, reading: &reading, opened: &opened, seconds };
+        Ok(object(output(&request, &plans, bakes?, &baked)?))
+    })
+}
+
+/// The result of `work`, with options in messages named as here.
+fn answered<T>(work: impl FnOnce() -> octagloss::Result<T>) -> Result<T, JsError> {
+    work().map_err(|error| JsError::new(&with_options(&error.to_string())))
 }
 
 fn advance(Progress { done, total, .. }: Progress) -> ControlFlow<()> {
@@ -132,56 +142,59 @@ fn object_of<const N: usize>(entries: [(&str, JsValue); N]) -> Object {
     object
 }
 
-/// Describes the environment in `bytes`, the file `input`, as JSON. `options` is JSON with options of reading.
+/// Describes the environment in `bytes`, the file `input`, as JSON. `options` is JSON with options of
+/// reading.
 ///
 /// # Errors
 /// The library's message for wrong options, and for a file that is no environment.
 #[wasm_bindgen]
 pub fn info(input: &str, bytes: Vec<u8>, options: &str) -> Result<String, JsError> {
-    #[derive(Serialize)]
-    struct Info<'a> {
-        input: &'a str,
-        format: &'a str,
-        bytes: u64,
-        layout: &'a str,
-        width: u32,
-        height: u32,
-        min: [f32; 3],
-        max: [f32; 3],
-        mean: [f64; 3],
-        sun: Option<SunReport>,
-        repaired: RepairReport,
-        warnings: &'a [String],
-    }
-    let mut given = Given::parsed(options)?;
-    let mut reading = Reading::of(&mut given)?;
-    given.finish()?;
-    // Counts NaN and Inf, unless repairs are errors.
-    reading.options.sanitize = !reading.options.strict;
-    let Opened { environment, loaded, warnings, bytes, .. } = reading.open(input, &bytes)?;
-    let statistics = Statistics::of(&environment);
-    let share = statistics.sun_share();
-    let is_sun = |sun: &&Sun| sun.kind == Brightest::Sun;
-    let info = Info {
-        input,
-        format: &loaded.format,
-        bytes,
-        layout: loaded.layout,
-        width: loaded.width,
-        height: loaded.height,
-        min: statistics.min,
-        max: statistics.max,
-        mean: statistics.mean,
-        sun: statistics.sun.as_ref().filter(is_sun).map(|sun| SunReport::new(sun, share)),
-        repaired: loaded.repaired.into(),
-        warnings: &warnings,
-    };
-    Ok(output::json(&info)?)
+    answered(|| {
+        #[derive(Serialize)]
+        struct Info<'a> {
+            input: &'a str,
+            format: &'a str,
+            bytes: u64,
+            layout: &'a str,
+            width: u32,
+            height: u32,
+            min: [f32; 3],
+            max: [f32; 3],
+            mean: [f64; 3],
+            sun: Option<SunReport>,
+            repaired: RepairReport,
+            warnings: &'a [String],
+        }
+        let mut given = Given::parsed(options)?;
+        let mut reading = Reading::of(&mut given)?;
+        given.finish()?;
+        // Counts NaN and Inf, unless repairs are errors.
+        reading.options.sanitize = !reading.options.strict;
+        let Opened { environment, loaded, warnings, bytes, .. } = reading.open(input, &bytes)?;
+        let statistics = Statistics::of(&environment);
+        let share = statistics.sun_share();
+        let is_sun = |sun: &&Sun| sun.kind == Brightest::Sun;
+        let info = Info {
+            input,
+            format: &loaded.format,
+            bytes,
+            layout: loaded.layout,
+            width: loaded.width,
+            height: loaded.height,
+            min: statistics.min,
+            max: statistics.max,
+            mean: statistics.mean,
+            sun: statistics.sun.as_ref().filter(is_sun).map(|sun| SunReport::new(sun, share)),
+            repaired: loaded.repaired.into(),
+            warnings: &warnings,
+        };
+        output::json(&info)
+    })
 }
 
-/// Radiance of a lobe around each of `directions`, three numbers each, of the environment in `bytes`. `roughness`
-/// has one number, or one for each direction. `options` is JSON with options of reading, and `lobe`, `filter`,
-/// `bound`, `oemSize` and `border`.
+/// Radiance of a lobe around each of `directions`, three numbers each, of the environment in `bytes`.
+/// `roughness` has one number, or one for each direction. `options` is JSON with options of reading, and
+/// `lobe`, `filter`, `bound`, `oemSize` and `border`.
 ///
 /// # Errors
 /// The library's message for wrong options, and for a file that is no environment.
@@ -193,11 +206,13 @@ pub fn query(
     directions: &[f64],
     roughness: &[f64],
 ) -> Result<Float32Array, JsError> {
-    let mut given = Given::parsed(options)?;
-    let reading = Reading::of(&mut given)?;
-    let query = Query::of(&mut given)?;
-    given.finish()?;
-    let opened = reading.open(input, &bytes)?;
-    drop(bytes);
-    Ok(Float32Array::from(&query.answer(&opened.environment, directions, roughness)?[..]))
+    answered(|| {
+        let mut given = Given::parsed(options)?;
+        let reading = Reading::of(&mut given)?;
+        let query = Query::of(&mut given)?;
+        given.finish()?;
+        let opened = reading.open(input, &bytes)?;
+        drop(bytes);
+        Ok(Float32Array::from(&query.answer(&opened.environment, directions, roughness)?[..]))
+    })
 }

@@ -2,9 +2,10 @@
 
 use crate::given::{Given, wrong};
 use glam::DVec3;
+use octagloss::internals::bake::query::Query as Directions;
 use octagloss::internals::filter;
 use octagloss::internals::lobe::LOBES;
-use octagloss::internals::reflector::{Workspace, check_answers};
+use octagloss::internals::reflector::sharpest;
 use octagloss::{Environment, Filter, Lobe, Reflector, ReflectorSettings, Result};
 
 /// Options of a query besides directions and roughness.
@@ -48,32 +49,18 @@ impl Query {
         }
         let directions = directions.iter().enumerate().map(unit).collect::<Result<Vec<DVec3>>>()?;
         let each = self.roughness(roughness, directions.len())?;
-        let served = each.iter().map(|roughness| self.lobe.served_roughness(*roughness));
-        let least = served.clone().filter(|roughness| *roughness > 0.0).reduce(f64::min);
         self.filter.check(self.lobe, self.oem_size)?;
         let settings = ReflectorSettings {
             oem_size: self.oem_size,
             border: self.border,
-            sharpest: least.or_else(|| served.reduce(f64::min)).unwrap_or(1.0),
+            sharpest: sharpest(self.lobe, &each).unwrap_or(1.0),
             fitted: matches!(self.filter, Filter::Fitted(_)),
             ..ReflectorSettings::default()
         };
         let reflector = Reflector::new(environment, &settings)?;
-        let mut order: Vec<usize> = (0..directions.len()).collect();
-        order.sort_by(|a, b| each[*a].total_cmp(&each[*b]));
-        let mut answers = vec![None; directions.len()];
-        let (mut workspace, mut found) = (Workspace::default(), Vec::with_capacity(1));
-        for alike in order.chunk_by(|a, b| each[*a] == each[*b]) {
-            let lobes = reflector.lobes(self.lobe, each[alike[0]], self.filter)?;
-            for place in alike {
-                // Each on its own, as the command line answers them.
-                found.clear();
-                lobes.evaluate(&[directions[*place]], &mut workspace, &mut found);
-                answers[*place] = found.first().copied();
-            }
-        }
-        let answers: Vec<_> = answers.into_iter().flatten().collect();
-        check_answers(&directions, &answers)?;
+        let query =
+            Directions { lobe: self.lobe, filter: self.filter, directions: &directions, roughness: &each };
+        let answers = query.answered(&reflector)?;
         let row = |answer: &filter::Answer| {
             let bound = self.bound.then(|| answer.bound.unwrap_or(f32::INFINITY));
             answer.radiance.into_iter().chain(bound)

@@ -7,11 +7,13 @@ use crate::errors::{warn, wrong};
 use crate::output::Output;
 use crate::work::run;
 use numpy::PyArrayDyn;
+use octagloss::files::OutputLayout;
 use octagloss::internals::bake::dfg::{DfgBlue, dfg_table};
-use octagloss::internals::bake::{LevelStats, bake_all};
+use octagloss::internals::bake::{LevelStats, Skybox, bake_all};
 use octagloss::internals::chain::Level as CoreLevel;
-use octagloss::internals::target::{Diffuse, Target, TargetPlan};
-use octagloss::{Bake as CoreBake, BakeSettings, Filter, Layout, Lobe, Map, Scan};
+use octagloss::internals::export::plan::PlanOptions;
+use octagloss::internals::target::Target;
+use octagloss::{Bake as CoreBake, BakeSettings};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -270,68 +272,43 @@ pub(crate) fn bake(
     force: bool,
 ) -> PyResult<Bake> {
     let target = target.map(choices::target).transpose()?;
-    let (lobe, filter) = (choices::lobe(lobe)?, choices::filter(filter)?);
-    if bounds && (target.is_some() || !matches!(filter, Filter::Adaptive(_))) {
-        return Err(wrong("`bounds` needs `filter` adaptive:E, and no `target`"));
-    }
-    if lobe == Lobe::Cosine && (target.is_some() || levels.is_some_and(|levels| levels > 1)) {
-        return Err(wrong("the lobe cosine has no roughness: omit `levels` and `target`"));
-    }
     if output.is_none() && (container.is_some() || pixel.is_some() || name.is_some() || force) {
         return Err(wrong("`container`, `pixel`, `name` and `force` are for `output`, which is missing"));
     }
-    let skybox = skybox.map(|skybox| skybox_edge(skybox, environment.light.layout())).transpose()?;
-    let of_target = |map| target.map_or(map, |target| target.map);
-    let map = match layout {
-        None => of_target(Map::Cube),
-        Some(layout) => choices::level_layout(layout)?.0,
-    };
-    if let Some(target) = target.filter(|target| target.map != map) {
-        return Err(wrong(format!(
-            "`layout` is {}, but target {} needs {}; omit it",
-            choices::map_name(map),
-            target.name,
-            choices::map_name(target.map)
-        )));
-    }
-    let ladder = match (ladder, target) {
-        (Some(ladder), _) => choices::ladder(ladder)?,
-        (None, Some(target)) => target.ladder,
-        (None, None) => octagloss::Ladder::default(),
-    };
-    let own_size = target.map_or_else(|| ladder.default_size(map, lobe), |target| target.size);
-    let size = size.unwrap_or(own_size);
-    let diffuse = target.map_or(Diffuse::None, |target| target.diffuse);
-    let own_irradiance = target
-        .filter(|_| matches!(diffuse, Diffuse::Cube | Diffuse::Both))
-        .map(|target| target.irradiance_size);
-    let settings = BakeSettings {
-        map,
+    let options = PlanOptions {
         size,
-        levels: levels.or_else(|| target.map(|target| target.levels(size))),
-        ladder,
-        lobe,
-        filter,
-        oem_size,
-        border,
-        scan: Scan::default(),
-        bounds,
-        irradiance: irradiance.or(own_irradiance),
-        skybox,
+        levels,
+        ladder: ladder.map(choices::ladder).transpose()?,
+        chain: chain.map(choices::chain).transpose()?,
+        lobe: choices::lobe(lobe)?,
+        filter: choices::filter(filter)?,
+        // Those of the output are checked with it.
+        container: None,
+        out_layout: layout.map(|layout| out_layout(layout, target)).transpose()?.flatten(),
+        pixel: None,
+        irradiance,
+        skybox: skybox.map(skybox_of).transpose()?,
         sh_order,
         sh_window: choices::sh_window("sh_window", sh_window)?,
-        chain: chain.map(choices::chain).transpose()?.or_else(|| target.and_then(|target| target.chain)),
-        sheen: target.is_some_and(Target::has_sheen),
+        flip: None,
+        diffuse: None,
+        bounds,
+        oem_size,
+        border,
+        scan: None,
+    };
+    let settings = match target {
+        Some(target) => options.targeted(target).map(|plan| plan.settings),
+        None => options.untargeted_settings(),
+    };
+    let settings = BakeSettings {
+        skybox: options.skybox.map(|skybox| skybox.edge(environment.light.layout())),
+        ..settings.map_err(|error| wrong(error.to_string()))?
     };
     let (light, origin) = (Arc::clone(&environment.light), environment.origin.clone());
     let theirs = settings.clone();
     let start = Instant::now();
-    let specs = settings.level_specs();
     // An output that cannot be written is reported before the bake.
-    let count = specs.map_or(0, |specs| specs.len() as u32);
-    if let Some(target) = target.filter(|_| count > 0) {
-        TargetPlan::new(target).check_levels(size, count).map_err(|error| wrong(error.to_string()))?;
-    }
     if let Some(path) = &output {
         Output::check(path, target, (container, pixel, overflow), (settings.map, name.as_deref()), force)
             .map_err(|error| error.into_raised(py))?;
@@ -352,23 +329,27 @@ pub(crate) fn bake(
     Ok(bake)
 }
 
-/// The edge of a skybox, a number or `source`, for a source of `layout`.
-fn skybox_edge(skybox: &Bound<'_, PyAny>, layout: Layout) -> PyResult<u32> {
-    let edge = match skybox.extract::<String>() {
-        Err(_) => skybox.extract()?,
-        // As fine as the source around the horizon.
-        Ok(name) if name == "source" => match layout {
-            Layout::Panorama { width, .. } => width.div_ceil(4),
-            Layout::Cube { size } => size,
-            Layout::Octahedral { size } => size.div_ceil(2),
-        },
-        Ok(name) => return Err(wrong(format!("`skybox` is {name:?}; a size or \"source\" is needed"))),
-    };
-    if (1..=16_384).contains(&edge) {
-        Ok(edge)
-    } else {
-        Err(wrong(format!("`skybox` is {edge}; it must be 1 to 16384")))
+/// The layout of files of levels called `layout`; none for that of `target`.
+fn out_layout(layout: &str, target: Option<&'static Target>) -> PyResult<Option<OutputLayout>> {
+    let (map, own) = choices::level_layout(layout)?;
+    match target {
+        None => Ok(Some(own)),
+        Some(target) if target.map == map => Ok(None),
+        Some(Target { name, map, .. }) => {
+            let needed = choices::map_name(*map);
+            Err(wrong(format!("`layout` is {layout}, but target {name} needs {needed}; omit it")))
+        }
     }
+}
+
+/// The size of a skybox, a number or `source`.
+fn skybox_of(skybox: &Bound<'_, PyAny>) -> PyResult<Skybox> {
+    let text = match skybox.extract::<String>() {
+        Ok(name) => name,
+        Err(_) => skybox.extract::<u32>()?.to_string(),
+    };
+    Skybox::parsed(&text)
+        .map_err(|_| wrong(format!("`skybox` is {text}; a size from 1 to 16384 or \"source\" is needed")))
 }
 
 /// The split-sum DFG (BRDF integration) table: float32 of shape (size, size, 2), with charlie (size, size,

@@ -76,19 +76,11 @@ pub(crate) fn array_layout(text: &str) -> PyResult<Map> {
 
 /// Layout of a file.
 pub(crate) fn file_layout(text: &str) -> PyResult<LayoutChoice> {
-    let all = [
-        ("auto", LayoutChoice::Auto),
-        ("equirect", LayoutChoice::Equirect),
-        ("cross", LayoutChoice::Cross),
-        ("strip", LayoutChoice::Strip),
-        ("faces", LayoutChoice::Faces),
-        ("octahedral", LayoutChoice::Octahedral),
-    ];
-    choice("layout", text, &all)
+    choice("layout", text, &LayoutChoice::CHOICES.map(|layout| (layout.name(), layout)))
 }
 
 pub(crate) fn pad(text: &str) -> PyResult<Pad> {
-    choice("pad", text, &[Pad::Black, Pad::Edge].map(|pad| (pad.name(), pad)))
+    choice("pad", text, &Pad::ALL.map(|pad| (pad.name(), pad)))
 }
 
 pub(crate) fn target(text: &str) -> PyResult<&'static Target> {
@@ -97,8 +89,7 @@ pub(crate) fn target(text: &str) -> PyResult<&'static Target> {
 }
 
 pub(crate) fn container(text: &str) -> PyResult<Container> {
-    let all = [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr, Container::Hdr];
-    choice("container", text, &all.map(|container| (container.name(), container)))
+    choice("container", text, &Container::ALL.map(|container| (container.name(), container)))
 }
 
 pub(crate) fn pixel(text: &str) -> PyResult<Pixel> {
@@ -108,8 +99,7 @@ pub(crate) fn pixel(text: &str) -> PyResult<Pixel> {
 }
 
 pub(crate) fn overflow(text: &str) -> PyResult<Overflow> {
-    let all = [("clamp", Overflow::Clamp), ("compress", Overflow::Compress), ("error", Overflow::Error)];
-    choice("overflow", text, &all)
+    choice("overflow", text, &Overflow::ALL.map(|how| (how.name(), how)))
 }
 
 pub(crate) fn dfg_form(text: &str) -> PyResult<DfgForm> {

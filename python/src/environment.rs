@@ -418,15 +418,9 @@ impl Environment {
         let light = Arc::clone(&self.light);
         let found = run(py, move |_, pool| Ok(pool.install(|| FoundSun::extract(&light))))?;
         Ok(found.map(|found| {
-            let report = SunReport::new(&found.sun, found.energy_share);
-            let taken = TakenSun {
-                direction: report.direction,
-                irradiance: report.irradiance,
-                solid_angle: report.solid_angle,
-            };
             let mut origin = self.origin.clone();
-            origin.turned.sun = Some(taken);
-            origin.sun = Some(report);
+            origin.turned.sun = Some(TakenSun::from(&found.sun));
+            origin.sun = Some(SunReport::new(&found.sun, found.energy_share));
             (Self::new(found.sunless, origin), Sun::new(&found.sun, found.energy_share))
         }))
     }

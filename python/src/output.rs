@@ -6,18 +6,16 @@ use crate::environment::Origin;
 use crate::errors::{raised, wrong};
 use crate::work::Cancel;
 use octagloss::files::{Container, Existing, OutputLayout, Pixel};
-use octagloss::internals::bake::overflow::{Overflow, clamped_share};
-use octagloss::internals::bake::report::{Circumstances, OutputFileReport, Report, TargetReport};
+use octagloss::internals::bake::overflow::Overflow;
+use octagloss::internals::bake::report::{Circumstances, Report};
 use octagloss::internals::export::files::{files, metadata};
+use octagloss::internals::export::stored::{Stored, recorded};
 use octagloss::internals::io::output::{self, Output as File};
-use octagloss::internals::target::{Diffuse, Target, TargetPlan};
+use octagloss::internals::target::{Diffuse, Target, TargetPlan, UNTARGETED};
 use octagloss::{Bake as CoreBake, BakeSettings, Error, Map, WriteOptions};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Least share of energy lost to clamping that deserves a warning: 0.01 %, rounded.
-const SHARE_THAT_MATTERS: f64 = 5e-5;
 
 /// A bake and where to write it.
 pub(crate) struct Output {
@@ -236,29 +234,16 @@ impl Output {
             cancel.check()?;
             bake.write(&self.path, &self.options)?;
             let clamped = bake.levels().map(|level| pixel.clamped(&level.texels)).sum();
-            return Ok(Self::warnings(bake, pixel, clamped));
+            let plan = TargetPlan { pixel, ..TargetPlan::new(&UNTARGETED) };
+            return Ok(Stored::counted(&plan, bake, clamped).warnings);
         };
         let fitted = self.fitted(plan.pixel)?;
         let (bake, compressed) = fitted.as_ref().map_or((&*self.bake, 0), |(bake, count)| (bake, *count));
         let made = files(plan, &self.name, bake, &self.options.metadata)?;
-        let clamped = made.iter().flat_map(|file| &file.clamped).sum();
-        let warnings = Self::warnings(bake, plan.pixel, clamped);
-        let outputs = made
-            .iter()
-            .map(|file| OutputFileReport { path: file.path.clone(), bytes: file.bytes.len() as u64 });
-        let report = Report {
-            compressed,
-            outputs: outputs.collect(),
-            target: Some(TargetReport {
-                name: plan.target.name.to_owned(),
-                environment: self.name.clone(),
-                flip: plan.flip.name().to_owned(),
-                diffuse: plan.diffuse.name().to_owned(),
-                verified: plan.target.verified.is_some(),
-                files: made.iter().map(|file| file.path.clone()).collect(),
-            }),
-            ..Report::new(&self.settings, bake, self.circumstances(plan, bake, clamped, &warnings))
-        };
+        let stored = Stored::new(plan, bake, &made);
+        let warnings = stored.warnings.clone();
+        let report = Report::new(&self.settings, bake, self.circumstances(plan, stored));
+        let report = recorded(Report { compressed, ..report }, plan, &self.name, &made);
         let report = serde_json::to_string_pretty(&report)
             .map_err(|error| Error::NonFiniteResult { place: format!("JSON, {error}"), value: f64::NAN })?;
         let report = (report + "\n").into_bytes();
@@ -281,28 +266,8 @@ impl Output {
         Ok(Some((bake, count)))
     }
 
-    /// The warning about `clamped` texels, unless they are too few or too dim to matter.
-    fn warnings(bake: &CoreBake, pixel: Pixel, clamped: u64) -> Vec<String> {
-        let share = clamped_share(bake, pixel);
-        if share < SHARE_THAT_MATTERS {
-            return Vec::new();
-        }
-        let (name, percent) = (pixel.name(), 100.0 * share);
-        vec![format!(
-            "{clamped} texels exceed the range of {name} and were clamped, {percent:.2} % of a level's \
-             energy; `overflow` compress keeps their colour"
-        )]
-    }
-
-    fn circumstances(
-        &self,
-        plan: &TargetPlan,
-        bake: &CoreBake,
-        clamped: u64,
-        warnings: &[String],
-    ) -> Circumstances {
+    fn circumstances(&self, plan: &TargetPlan, stored: Stored) -> Circumstances {
         let Origin { input, layout, turned, sun, repaired, warnings: own, sanitize, strict } = &self.origin;
-        let stored = bake.chain.levels.iter().map(|level| plan.pixel.stored(&level.texels).name().to_owned());
         Circumstances {
             input: input.clone(),
             // Arrays have no files.
@@ -325,10 +290,10 @@ impl Output {
             sun: sun.clone(),
             format: plan.format_name().to_owned(),
             pixel: plan.pixel.name().to_owned(),
-            level_pixels: stored.collect(),
-            clamped,
-            clamped_energy_share: clamped_share(bake, plan.pixel),
-            warnings: [&own[..], warnings].concat(),
+            level_pixels: stored.pixels,
+            clamped: stored.clamped,
+            clamped_energy_share: stored.clamped_share,
+            warnings: [&own[..], &stored.warnings].concat(),
             seconds: self.seconds,
         }
     }

@@ -10,7 +10,7 @@ use numpy::PyArrayDyn;
 use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::filter::Answer;
 use octagloss::internals::oem::OemSize;
-use octagloss::internals::reflector::{Workspace, check_answers};
+use octagloss::internals::reflector::{Workspace, check_answers, sharpest};
 use octagloss::{Environment as Light, Filter, Lobe, Reflector, ReflectorSettings};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
@@ -161,14 +161,13 @@ impl Asked {
 
 /// The least roughness above 0, as the command line takes it; `asked` if given.
 pub(crate) fn sharpest_of(lobe: Lobe, roughness: &[f64], asked: Option<f64>) -> PyResult<f64> {
-    let served = roughness.iter().map(|roughness| lobe.served_roughness(*roughness));
-    let least = served.clone().filter(|roughness| *roughness > 0.0).reduce(f64::min);
+    let least = sharpest(lobe, roughness);
     match asked {
-        None => Ok(least.or_else(|| served.reduce(f64::min)).unwrap_or(1.0)),
+        None => Ok(least.unwrap_or(1.0)),
         Some(asked) if !(0.0..=1.0).contains(&asked) => {
             Err(wrong(format!("`sharpest` is {asked}; it must be between 0 and 1")))
         }
-        Some(asked) => match least.filter(|least| *least < asked) {
+        Some(asked) => match least.filter(|least| (f64::MIN_POSITIVE..asked).contains(least)) {
             Some(least) => Err(wrong(format!(
                 "`roughness` has {least}, below `sharpest`, {asked}; lower `sharpest` to it"
             ))),

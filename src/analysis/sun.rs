@@ -1,6 +1,6 @@
 //! Sun detection: finds the region that outshines its surroundings, and removes it from the environment.
 
-use crate::environment::{Environment, Layout, Rgb, exact_luminance};
+use crate::environment::{Environment, Layout, Rgb, exact_luminance, luminance};
 use crate::sphere::{cube, equirect, octahedral};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -134,6 +134,21 @@ impl Sun {
         let texels = environment.texels();
         let region = grid.region(peak.at, |at| exact_luminance(texels[at]) >= peak.edge());
         Some(Self::over(environment, grid, &peak, &region, |at| texels[at].map(f64::from)))
+    }
+
+    /// Why [`Sun::extract`] removes nothing from `environment`.
+    #[must_use]
+    pub fn why_none(environment: &Environment) -> String {
+        match Self::find(environment) {
+            None => "no sun detected, so none was removed".to_owned(),
+            Some(region) => format!(
+                "no sun detected, so none was removed: the brightest region covers {:.2e} sr and is {:.0} times \
+                 as bright as its surroundings; a sun covers at most {SUN_SOLID_ANGLE} sr and is at least \
+                 {SUN_CONTRAST} times as bright",
+                region.solid_angle,
+                f64::from(luminance(region.peak)) / region.surroundings,
+            ),
+        }
     }
 
     /// Splits `environment` into its sun and the rest; their energies add up to its own. `None` if nothing

@@ -4,10 +4,12 @@ pub mod dfg;
 pub(crate) mod job;
 pub(crate) mod level;
 pub mod overflow;
+pub mod query;
 pub mod report;
 pub(crate) mod result;
 pub(crate) mod settings;
 pub(crate) mod solve;
+pub mod turned;
 
 use crate::environment::Environment;
 use crate::error::Result;
@@ -15,13 +17,12 @@ use crate::filter::{Answer, Filter};
 use crate::lobe::Lobe;
 use crate::memory;
 use crate::oem::OemSize;
-use crate::reflector::{Reflector, Workspace, check_answers};
+use crate::reflector::Reflector;
 use glam::DVec3;
 use job::Job;
 use level::{Advance, BakedLevel, LevelJob};
-use rayon::prelude::*;
 pub use result::{Bake, LevelStats, OnProgress, Processor, Progress};
-pub use settings::BakeSettings;
+pub use settings::{BakeSettings, Skybox};
 use std::ops::ControlFlow;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
@@ -94,16 +95,7 @@ impl Engine for Reflector<'_> {
         roughness: f64,
         filter: Filter,
     ) -> Result<Vec<Answer>> {
-        let lobes = self.lobes(lobe, roughness, filter)?;
-        let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
-            answers.clear();
-            lobes.evaluate(&[*direction], workspace, answers);
-            answers[0]
-        };
-        let start = || (Workspace::default(), Vec::with_capacity(1));
-        let answers: Vec<Answer> = directions.par_iter().map_init(start, answer).collect();
-        check_answers(directions, &answers)?;
-        Ok(answers)
+        Self::query_each(self, directions, lobe, roughness, filter)
     }
 }
 

@@ -65,6 +65,9 @@ fn level_clamped_share(level: &Level, pixel: Pixel) -> f64 {
 }
 
 impl Overflow {
+    /// Every treatment.
+    pub const ALL: [Self; 3] = [Self::Clamp, Self::Compress, Self::Error];
+
     /// Name on the command line and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {

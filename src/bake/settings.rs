@@ -2,13 +2,50 @@
 
 use super::solve::{self, Node};
 use crate::chain::{ChainKind, LevelSpec};
-use crate::environment::Map;
+use crate::environment::{Layout, Map};
 use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::ladder::{DEFAULT_CUBE_SIZE, Ladder};
 use crate::lobe::Lobe;
 use crate::sat::Scan;
 use crate::sh::window::ShWindow;
+
+/// Size of a skybox.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Skybox {
+    /// Edge of its faces.
+    Edge(u32),
+    /// Same texel size as the source.
+    Source,
+}
+
+/// Maximum edge of a skybox.
+const MAX_EDGE: u32 = 16_384;
+
+impl Skybox {
+    /// Parses an edge, or `source`.
+    ///
+    /// # Errors
+    /// A remedy.
+    pub fn parsed(text: &str) -> Result<Self, String> {
+        match text {
+            "source" => Ok(Self::Source),
+            _ => match text.parse() {
+                Ok(edge) if (1..=MAX_EDGE).contains(&edge) => Ok(Self::Edge(edge)),
+                _ => Err(format!("must be 1 to {MAX_EDGE}, or source")),
+            },
+        }
+    }
+
+    /// The edge of the cube for a source of `layout`.
+    #[must_use]
+    pub fn edge(self, layout: Layout) -> u32 {
+        match self {
+            Self::Edge(edge) => edge,
+            Self::Source => layout.face_edge().clamp(1, MAX_EDGE),
+        }
+    }
+}
 
 /// Settings of a bake. `Default` corresponds to `octagloss bake INPUT`.
 #[derive(Clone, Debug)]

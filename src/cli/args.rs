@@ -3,9 +3,9 @@
 use super::outcome::{Outcome, usage};
 use super::shared_args::{EngineArgs, InputArgs, MAX_THREADS};
 use super::values::{
-    SkyboxArg, Texels, file_name, filter, roughness, sh_window, skybox, target, target_help, texels,
-    threshold,
+    Texels, file_name, filter, roughness, sh_window, target, target_help, texels, threshold,
 };
+use crate::bake::Skybox;
 use crate::bake::dfg::DfgForm;
 use crate::bake::overflow::Overflow;
 use crate::chain::ChainKind;
@@ -235,8 +235,8 @@ pub(super) struct BakeArgs {
     /// to the levels. Other formats: OUT's stem with .skybox.ktx2 or similar. Targets: NAME_skybox or skybox.
     /// unreal, godot and blender get a panorama of 4N x 2N; babylon a .dds and gltf-ext a .ktx2 file of half
     /// floats. For filament it replaces level 0.
-    #[arg(long, value_name = "N|source", value_parser = skybox)]
-    pub(super) skybox: Option<SkyboxArg>,
+    #[arg(long, value_name = "N|source", value_parser = Skybox::parsed)]
+    pub(super) skybox: Option<Skybox>,
     /// Highest band of spherical harmonics, 2 to 4
     ///
     /// Written to the report and sh.json. Filament and EXT_lights_image_based use bands up to 2 only.

@@ -1,7 +1,7 @@
 //! `octagloss bake`: bakes environments into prefiltered levels, with or without a target.
 
 use super::args::BakeArgs;
-use super::bake_plan::{self, BakePlan};
+use super::bake_plan;
 use super::console::{self, Console, Files};
 use super::engine::{Baker, Engine};
 use super::expand::{Expansion, Found, expand};
@@ -11,21 +11,23 @@ use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
 use super::output::{Common, Outputs, Place, SunFile, names_folder};
 use super::shared_args::{EngineArgs, InputArgs};
 use crate::analysis::oracle::Oracle;
-use crate::bake::overflow::{Overflow, clamped_share};
-use crate::bake::report::{Circumstances, InputFileReport, Report, TargetReport};
+use crate::bake::overflow::Overflow;
+use crate::bake::report::{Circumstances, InputFileReport, Report};
 use crate::bake::{Bake, BakeSettings};
 use crate::chain::ChainKind;
-use crate::export::{self, files::Made};
+use crate::export;
+use crate::export::plan::BakePlan;
+use crate::export::stored::{Stored, recorded};
 use crate::filter::Filter;
-use crate::format::{Pixel, RGBE_MAX};
+use crate::format::Pixel;
 use crate::image::exposure::Exposure;
 use crate::image::preview;
 use crate::io::LayoutChoice;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::{self, Existing};
+use crate::percent::percent;
 use crate::sat::Scan;
 use crate::sphere::cube::{Face, direction_from_texel};
-use crate::target::TargetPlan;
 use crate::{Environment, Error, memory};
 use anyhow::anyhow;
 use rayon::prelude::*;
@@ -344,11 +346,13 @@ impl Work {
                 &bake,
                 &export::files::metadata(&plan.settings, &opened.turned),
             )?;
-            let stored = Stored::new(&plan.plan, &bake, &made);
+            let mut stored = Stored::new(&plan.plan, &bake, &made);
+            stored.warnings.iter_mut().for_each(|warning| *warning = console::with_options(warning));
             for warning in &stored.warnings {
                 console.warn(&format!("{name}: {warning}"));
             }
-            let report = self.report(&circumstances, plan, &bake, &made, stored);
+            let report = self.report(&circumstances, plan, &bake, stored);
+            let report = recorded(report, &plan.plan, &job.outputs.name, &made);
             reports.push(Report { compressed, ..report });
             all_made.push(made);
         }
@@ -422,7 +426,6 @@ impl Work {
         baked: &Baked<'_>,
         BakePlan { plan, settings, warning, .. }: &BakePlan,
         bake: &Bake,
-        made: &[Made],
         stored: Stored,
     ) -> Report {
         let Baked { job, input_files, opened, baker, start } = baked;
@@ -454,20 +457,7 @@ impl Work {
                 .concat(),
             seconds: start.elapsed().as_secs_f64(),
         };
-        let mut report = Report::new(settings, bake, circumstances);
-        if plan.is_targeted() {
-            report.target = Some(TargetReport {
-                name: plan.target.name.to_owned(),
-                environment: job.outputs.name.clone(),
-                flip: plan.flip.name().to_owned(),
-                diffuse: plan.diffuse.name().to_owned(),
-                verified: plan.target.verified.is_some(),
-                files: made.iter().map(|file| file.path.clone()).collect(),
-            });
-        } else {
-            report.options.out_layout = Some(plan.layout.name().to_owned());
-        }
-        report
+        Report::new(settings, bake, circumstances)
     }
 }
 
@@ -501,80 +491,20 @@ const fn texel_bytes(pixel: Pixel) -> u64 {
     }
 }
 
-/// How a bake was stored.
-struct Stored {
-    /// Pixel format of each level.
-    pixels: Vec<String>,
-    /// Texels clamped.
-    clamped: u64,
-    /// Greatest share of a level's energy lost to clamping.
-    clamped_share: f64,
-    warnings: Vec<String>,
-}
-
-impl Stored {
-    fn new(plan: &TargetPlan, bake: &Bake, made: &[Made]) -> Self {
-        let pixel = plan.pixel;
-        let pixels: Vec<Pixel> = bake.chain.levels.iter().map(|level| pixel.stored(&level.texels)).collect();
-        let clamped = made.iter().flat_map(|file| &file.clamped).sum();
-        let clamped_share = clamped_share(bake, pixel);
-        let mut warnings = Vec::new();
-        if clamped > 0 && pixel != Pixel::Rgbe && share_matters(clamped_share) {
-            let remedy = if plan.target.has_container() { "; --pixel f32 keeps them" } else { "" };
-            warnings.push(format!(
-                "{clamped} texels exceed the range of {} and were clamped, {} of a level's energy{remedy}",
-                pixel.name(),
-                console::percent(clamped_share),
-            ));
-        }
-        if clamped > 0 && pixel == Pixel::Rgbe {
-            warnings.push(format!(
-                "{clamped} texels exceed the RGBE maximum of {RGBE_MAX:.1e} and were clamped; --format exr \
-                 keeps them",
-            ));
-        }
-        let floats = pixels.iter().filter(|pixel| **pixel == Pixel::F32).count();
-        if floats > 0 && pixel == Pixel::Auto {
-            warnings.push(format!(
-                "{floats} of {} levels are stored as float, since they exceed the range of half floats",
-                pixels.len()
-            ));
-        }
-        // All light rounds to 0.
-        let texels = bake.levels().flat_map(|level| level.texels.as_flattened());
-        let (greatest, rounded_to_zero) = (texels.copied().fold(0.0, f32::max), pixel.rounded_to_zero());
-        if greatest > 0.0 && greatest <= rounded_to_zero {
-            warnings.push(format!(
-                "all light is below {}, which rounds {rounded_to_zero:e} and less to 0: the output is \
-                 black; --pixel \
-                 f32 with ktx2 or exr keeps it",
-                pixel.name()
-            ));
-        }
-        let pixels = pixels.iter().map(|pixel| pixel.name().to_owned()).collect();
-        Self { pixels, clamped, clamped_share, warnings }
-    }
-}
-
 /// Summarizes the certified bounds of `report`: the greatest error relative to the environment's mean
 /// luminance, and the greatest bound itself.
 fn certified(report: &Report) -> String {
     let (Some(most), Some(p99)) = (report.error_bound_max(), report.error_bound_p99()) else {
         return "nothing certified".to_owned();
     };
-    let percent = |bound: f64| console::percent(report.relative_bound(bound));
+    let share = |bound: f64| percent(report.relative_bound(bound));
     let level = if report.chain == ChainKind::Mixed.name() { "sampled level" } else { "level" };
     format!(
         "certified within {} of the mean luminance for 99 % of each {level}'s texels, {} for all (luminance \
          {most:.2e})",
-        percent(p99),
-        percent(most),
+        share(p99),
+        share(most),
     )
-}
-
-/// Whether a share of energy deserves a warning: it must not round to 0.00 %.
-fn share_matters(share: f64) -> bool {
-    share >= 5e-5
 }
 
 /// Estimates the reference filter's time in seconds from a few texels of each level.

@@ -179,20 +179,24 @@ pub(super) fn error(text: &str) {
 }
 
 /// Maps settings and remedies in the library's errors to this program's options.
-const OPTIONS: [(&str, &str); 27] = [
+const OPTIONS: [(&str, &str); 32] = [
     ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
     ("`border`", "--border"),
     ("`bounds`", "--bounds"),
     ("`chain`", "--chain"),
     ("`container`", "--format"),
     ("`crop`", "--crop"),
+    ("`diffuse`", "--diffuse"),
     ("`filter`", "--filter"),
+    ("`flip`", "--flip"),
     ("`irradiance`", "--irradiance"),
     ("`ladder`", "--ladder"),
     ("`layout`", "--layout"),
     ("`levels`", "--levels"),
+    ("`lobe`", "--lobe"),
     ("`mesh_root`", "--mesh-root"),
     ("`oem_size`", "--oem-size"),
+    ("`out_layout`", "--out-layout"),
     ("`overflow`", "--overflow"),
     ("`pad`", "--pad"),
     ("`pixel`", "--pixel"),
@@ -204,6 +208,7 @@ const OPTIONS: [(&str, &str); 27] = [
     ("`size`", "--size"),
     ("`skybox`", "--skybox"),
     ("`strict`", "--strict"),
+    ("`target`", "--target"),
     ("`Existing::Replace`", "--force"),
     ("`gpu::adapters`", "octagloss info --adapters"),
     ("the CPU engine", "--engine cpu"),
@@ -248,18 +253,6 @@ pub(super) fn bytes(count: u64) -> String {
         c if c < 1e6 => format!("{:.1} kB", c / 1e3),
         c if c < 1e9 => format!("{:.1} MB", c / 1e6),
         c => format!("{:.1} GB", c / 1e9),
-    }
-}
-
-/// Formats a share in percent with two significant digits below ten, and as `less than 0.01 %` instead of
-/// 0.00.
-pub(super) fn percent(share: f64) -> String {
-    match 100.0 * share {
-        0.0 => "0 %".to_owned(),
-        p if p.abs() < 0.005 => "less than 0.01 %".to_owned(),
-        p if p.abs() < 0.095 => format!("{p:.2} %"),
-        p if p.abs() < 9.5 => format!("{p:.1} %"),
-        p => format!("{p:.0} %"),
     }
 }
 

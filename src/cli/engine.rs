@@ -9,16 +9,14 @@ use super::values::EngineArg;
 use crate::Environment;
 #[cfg(feature = "gpu")]
 use crate::Error;
-use crate::bake::{self, Bake, BakeSettings, OnProgress, bake_all, ready};
-use crate::filter::{Answer, Filter};
-use crate::lobe::Lobe;
+use crate::bake::query::Query;
+use crate::bake::{Bake, BakeSettings, OnProgress, bake_all};
+use crate::filter::Answer;
 use crate::memory;
 use crate::reflector::{Reflector, ReflectorSettings};
 #[cfg(feature = "gpu")]
 use crate::wgpu;
-use glam::DVec3;
 use std::cell::OnceCell;
-use std::collections::BTreeMap;
 
 /// The chosen engine.
 pub(super) enum Engine {
@@ -29,48 +27,6 @@ pub(super) enum Engine {
         /// Whether to fall back to the CPU.
         may_fall_back: bool,
     },
-}
-
-/// Inputs of a query.
-pub(super) struct Query<'a> {
-    pub(super) lobe: Lobe,
-    pub(super) filter: Filter,
-    pub(super) directions: &'a [DVec3],
-    /// Roughness of each direction.
-    pub(super) roughness: &'a [f64],
-}
-
-/// Directions that share a roughness.
-struct Alike {
-    roughness: f64,
-    /// Their indices in the query.
-    places: Vec<usize>,
-    directions: Vec<DVec3>,
-}
-
-impl Query<'_> {
-    /// Groups directions by roughness, so each lobe is prepared once.
-    fn alike(&self) -> Vec<Alike> {
-        // Bits of nonnegative floats sort like the numbers.
-        let mut by_roughness: BTreeMap<u64, Alike> = BTreeMap::new();
-        for (place, (direction, roughness)) in self.directions.iter().zip(self.roughness).enumerate() {
-            let none = || Alike { roughness: *roughness, places: Vec::new(), directions: Vec::new() };
-            let alike = by_roughness.entry(roughness.to_bits()).or_insert_with(none);
-            alike.places.push(place);
-            alike.directions.push(*direction);
-        }
-        by_roughness.into_values().collect()
-    }
-
-    /// The answers of `engine` in the order of the query, which `all` groups.
-    async fn answers(&self, all: &[Alike], engine: &impl bake::Engine) -> crate::Result<Vec<Answer>> {
-        let mut ordered = vec![Answer { radiance: [0.0; 3], bound: None }; self.directions.len()];
-        for Alike { roughness, places, directions } in all {
-            let answers = engine.query_each(directions, self.lobe, *roughness, self.filter).await?;
-            places.iter().zip(answers).for_each(|(place, answer)| ordered[*place] = answer);
-        }
-        Ok(ordered)
-    }
 }
 
 /// The engine that baked, as in the report.
@@ -237,20 +193,18 @@ impl Engine {
         #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU falls back"))]
         console: &Console,
     ) -> crate::Result<Vec<Answer>> {
-        let Query { lobe, filter, .. } = *query;
-        let all = query.alike();
-        for Alike { roughness, .. } in &all {
-            memory::check_query(environment.layout(), settings, lobe, *roughness, filter)?;
+        for roughness in query.roughnesses() {
+            memory::check_query(environment.layout(), settings, query.lobe, roughness, query.filter)?;
         }
-        let on_cpu = || ready(query.answers(&all, &Reflector::new(environment, settings)?));
+        let on_cpu = || query.answered(&Reflector::new(environment, settings)?);
         match self {
             Self::Cpu => on_cpu(),
             #[cfg(feature = "gpu")]
             Self::Gpu { engine, may_fall_back } => {
                 let on_gpu = async {
-                    engine.check_fits(environment, settings, filter)?;
+                    engine.check_fits(environment, settings, query.filter)?;
                     let reflector = crate::gpu::engine::GpuReflector::new(engine, environment, settings)?;
-                    query.answers(&all, &reflector).await
+                    query.answers(&reflector).await
                 };
                 match crate::gpu::block_on(Some(engine.context()), on_gpu)? {
                     Ok(answers) => Ok(answers),

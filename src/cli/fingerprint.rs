@@ -1,12 +1,12 @@
 //! Detects up-to-date outputs by the request and output hashes in the report.
 
 use super::args::BakeArgs;
-use super::bake_plan::BakePlan;
 use super::input::Source;
 use super::outcome::Outcome;
 use super::shared_args::InputArgs;
 use crate::bake::BakeSettings;
 use crate::bake::report::{FingerprintReport, InputFileReport, Report, filter_name};
+use crate::export::plan::BakePlan;
 use crate::format::{LevelName, Shown};
 use crate::io::exr::write::SOFTWARE;
 use crate::io::regular::{open_regular, read_regular};

@@ -14,6 +14,7 @@ use crate::environment::exact_luminance;
 use crate::io::provenance::{Provenance, TakenSun};
 use crate::io::{Pad, Repairs};
 use crate::lobe::Lobe;
+use crate::percent::percent;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::fs;
@@ -342,7 +343,7 @@ impl EnvironmentInfo {
                         sun.texels
                     ),
                 );
-                row("", format!("{} of all energy", console::percent(sun.energy_share)));
+                row("", format!("{} of all energy", percent(sun.energy_share)));
             }
         }
         let half = &self.half_float;
@@ -351,7 +352,7 @@ impl EnvironmentInfo {
             match half.clipped_texels {
                 0 => "clips nothing".to_owned(),
                 count => {
-                    let share = console::percent(half.lost_energy_share);
+                    let share = percent(half.lost_energy_share);
                     format!("clips {count} texels above 65504, {share} of all energy")
                 }
             },

@@ -3,10 +3,9 @@
 use super::console::Console;
 use super::outcome::{Outcome, usage};
 use super::shared_args::InputArgs;
-use crate::analysis::sun::Sun;
 use crate::bake::report::SunReport;
-use crate::environment::luminance;
-use crate::io::provenance::{Provenance, TakenSun};
+use crate::bake::turned::Turn;
+use crate::io::provenance::Provenance;
 use crate::io::regular::open_regular;
 use crate::io::{self, LayoutChoice, LoadedChain, ReadOptions, Repairs};
 use crate::{Environment, Layout};
@@ -123,45 +122,22 @@ impl Source {
             [path] => io::read(path, &options)?,
             faces => io::read_faces(faces, &options)?,
         };
+        let turn = Turn {
+            mirror: args.mirror,
+            rotate_y: args.rotate_y.unwrap_or(0.0),
+            extract_sun: args.extract_sun,
+        };
+        let turned = turn.applied(loaded.environment, &options);
         let mut warnings = loaded.warnings;
-        let mut environment = loaded.environment;
-        if args.mirror {
-            environment = environment.mirrored();
-        }
-        if let Some(degrees) = args.rotate_y {
-            environment = environment.rotated_y(degrees);
-        }
-        let mut sun = None;
-        if args.extract_sun {
-            match Sun::extract(&environment) {
-                Some(extraction) => {
-                    sun = Some(SunReport::new(&extraction.sun, extraction.energy_share));
-                    environment = extraction.sunless;
-                }
-                None => warnings.push(no_sun(&environment)),
-            }
-        }
+        warnings.extend(turned.warning);
         for warning in &warnings {
             console.warn(&format!("{}: {warning}", self.path().display()));
         }
-        let taken = |sun: &SunReport| TakenSun {
-            direction: sun.direction,
-            irradiance: sun.irradiance,
-            solid_angle: sun.solid_angle,
-        };
         Ok(Opened {
-            environment,
+            environment: turned.environment,
             provenance: loaded.provenance,
-            turned: Provenance {
-                rotate_y: Some(args.rotate_y.unwrap_or(0.0)),
-                mirror: Some(args.mirror),
-                sun: sun.as_ref().map(taken),
-                scale: args.scale.filter(|scale| *scale != 1.0),
-                crop: args.crop.then_some(true),
-                pad: args.pad,
-                ..Provenance::default()
-            },
-            sun,
+            turned: turned.provenance,
+            sun: turned.sun,
             repaired: loaded.repaired,
             warnings,
             format: loaded.format,
@@ -169,20 +145,6 @@ impl Source {
             width: loaded.width,
             height: loaded.height,
         })
-    }
-}
-
-/// Why no sun of `environment` was removed.
-fn no_sun(environment: &Environment) -> String {
-    match Sun::find(environment) {
-        None => "no sun detected, so none was removed".to_owned(),
-        Some(region) => format!(
-            "no sun detected, so none was removed: the brightest region covers {:.2e} sr and is {:.0} times \
-             as bright \
-             as its surroundings; a sun covers at most 0.01 sr and is at least 100 times as bright",
-            region.solid_angle,
-            f64::from(luminance(region.peak)) / region.surroundings,
-        ),
     }
 }
 

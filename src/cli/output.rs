@@ -1,12 +1,12 @@
 //! Outputs of a bake: paths, planned contents, and writing all files in one step.
 
-use super::bake_plan::BakePlan;
 use super::console::{Console, escaped};
 use super::fingerprint::{self, fingerprint};
 use super::input::{Opened, Source};
 use super::outcome::{Outcome, print_bytes, usage};
 use crate::bake::report::{OutputFileReport, Report};
 use crate::export::files::Made;
+use crate::export::plan::BakePlan;
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel, Shown};
 use crate::io::environment_write::exact_exr_bytes;

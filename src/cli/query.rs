@@ -3,14 +3,14 @@
 use super::args::QueryArgs;
 use super::console::{self, Console};
 use super::directions::{Asked, Directions, read_directions};
-use super::engine::Query;
 use super::input;
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, print, usage, write_output};
+use crate::bake::query::Query;
 use crate::filter::{Answer, Filter};
 use crate::io::npy;
 use crate::io::output::Existing;
 use crate::lobe::Lobe;
-use crate::reflector::ReflectorSettings;
+use crate::reflector::{ReflectorSettings, sharpest};
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -66,7 +66,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
             oem_size: args.table.oem_size,
             border: args.table.border,
             scan: args.table.scan.unwrap_or_default(),
-            sharpest: sharpest(lobe, &roughness, shared),
+            sharpest: sharpest(lobe, &roughness).unwrap_or_else(|| lobe.served_roughness(shared)),
             fitted: matches!(args.filter, Filter::Fitted(_)),
         };
         let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
@@ -131,12 +131,4 @@ fn array(answers: &[Answer], bound: bool) -> Vec<u8> {
     let row = |answer: &Answer| answer.radiance.into_iter().chain(bounds(answer));
     let values: Vec<f32> = answers.iter().flat_map(row).collect();
     npy::table_bytes(if bound { 4 } else { 3 }, &values)
-}
-
-/// The smallest roughness of the lobe, ignoring mirrors; `shared` if no row has one.
-fn sharpest(lobe: Lobe, roughness: &[f64], shared: f64) -> f64 {
-    let served = roughness.iter().map(|roughness| lobe.served_roughness(*roughness));
-    let (mirrors, lobes): (Vec<f64>, Vec<f64>) = served.partition(|roughness| *roughness == 0.0);
-    let least = lobes.into_iter().reduce(f64::min).or(mirrors.first().copied());
-    least.unwrap_or_else(|| lobe.served_roughness(shared))
 }

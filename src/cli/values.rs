@@ -1,9 +1,9 @@
 //! Option values: choices, their meanings, and parsers.
 
+use crate::Map;
 pub(super) use crate::filter::parsed as filter;
 pub(super) use crate::sh::window::parsed as sh_window;
 use crate::target::{Diffuse, Naming, TARGETS, Target, TargetPlan};
-use crate::{Layout, Map};
 use clap::ValueEnum;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -21,37 +21,6 @@ pub(super) enum EngineArg {
 pub(super) enum Texels {
     Some(usize),
     All,
-}
-
-/// Size of a skybox.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SkyboxArg {
-    Edge(u32),
-    /// Same texel size as the source.
-    Source,
-}
-
-/// Maximum edge of a cube.
-const MAX_EDGE: u32 = 16_384;
-
-impl SkyboxArg {
-    /// The edge of the cube for a source of `layout`.
-    pub(super) fn edge(self, layout: Layout) -> u32 {
-        match self {
-            Self::Edge(edge) => edge,
-            Self::Source => layout.face_edge().clamp(1, MAX_EDGE),
-        }
-    }
-}
-
-pub(super) fn skybox(text: &str) -> Result<SkyboxArg, String> {
-    match text {
-        "source" => Ok(SkyboxArg::Source),
-        _ => match text.parse() {
-            Ok(edge) if (1..=MAX_EDGE).contains(&edge) => Ok(SkyboxArg::Edge(edge)),
-            _ => Err(format!("must be 1 to {MAX_EDGE}, or source")),
-        },
-    }
 }
 
 /// Parses a target's name.

@@ -3,4 +3,6 @@
 pub(crate) mod babylon;
 pub mod files;
 pub(crate) mod gltf;
+pub mod plan;
+pub mod stored;
 pub mod write;

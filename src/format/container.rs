@@ -20,6 +20,9 @@ pub enum Container {
 }
 
 impl Container {
+    /// Every container.
+    pub const ALL: [Self; 5] = [Self::Ktx2, Self::Ktx1, Self::Dds, Self::Exr, Self::Hdr];
+
     /// Name on the command line, and the files' extension.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -35,7 +38,7 @@ impl Container {
     /// The container for the file extension `extension`, in lower case.
     #[must_use]
     pub fn named(extension: &str) -> Option<Self> {
-        CONTAINERS.into_iter().find(|container| container.name() == extension)
+        Self::ALL.into_iter().find(|container| container.name() == extension)
     }
 
     /// Whether one file can hold a whole cube chain.
@@ -56,10 +59,6 @@ impl Container {
         }
     }
 }
-
-/// Every container.
-pub(crate) const CONTAINERS: [Container; 5] =
-    [Container::Ktx2, Container::Ktx1, Container::Dds, Container::Exr, Container::Hdr];
 
 /// Magic number of an `.env`.
 pub(crate) const ENV_MAGIC: [u8; 8] = [0x86, 0x16, 0x87, 0x96, 0xf6, 0xd6, 0x96, 0x36];

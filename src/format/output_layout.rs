@@ -28,6 +28,19 @@ pub enum OutputLayout {
 }
 
 impl OutputLayout {
+    /// Every layout.
+    pub const ALL: [Self; 9] = [
+        Self::Faces,
+        Self::Cross,
+        Self::CrossVertical,
+        Self::Strip,
+        Self::StripVertical,
+        Self::Equirect,
+        Self::Octahedral,
+        Self::Parts,
+        Self::Mips,
+    ];
+
     /// Name on the command line and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {

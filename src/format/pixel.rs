@@ -44,6 +44,9 @@ pub enum Pixel {
 }
 
 impl Pixel {
+    /// Formats to choose from; others belong to containers of one format.
+    pub const CHOICES: [Self; 5] = [Self::F16, Self::F32, Self::Rgb9e5, Self::R11g11b10, Self::Bc6h];
+
     /// Name on the command line and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {

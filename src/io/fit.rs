@@ -21,6 +21,9 @@ pub enum Pad {
 }
 
 impl Pad {
+    /// Every padding.
+    pub const ALL: [Self; 2] = [Self::Black, Self::Edge];
+
     /// Name on the command line and in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -33,7 +36,7 @@ impl Pad {
     /// Returns the padding called `name`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        [Self::Black, Self::Edge].into_iter().find(|pad| pad.name() == name)
+        Self::ALL.into_iter().find(|pad| pad.name() == name)
     }
 }
 

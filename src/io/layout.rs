@@ -38,6 +38,26 @@ pub enum LayoutChoice {
     Picture,
 }
 
+impl LayoutChoice {
+    /// Layouts that a user may select.
+    pub const CHOICES: [Self; 6] =
+        [Self::Auto, Self::Equirect, Self::Cross, Self::Strip, Self::Faces, Self::Octahedral];
+
+    /// Name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Equirect => "equirect",
+            Self::Cross => "cross",
+            Self::Strip => "strip",
+            Self::Faces => "faces",
+            Self::Octahedral => "octahedral",
+            Self::Picture => "picture",
+        }
+    }
+}
+
 /// Position of a face in the image, in units of its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Cell {

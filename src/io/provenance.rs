@@ -15,6 +15,7 @@
 //! precedence over its report.
 
 use super::fit::Pad;
+use crate::analysis::sun::Sun;
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::{Layout, Rgb};
 use crate::lobe::{LOBE_KEY, Lobe};
@@ -61,6 +62,12 @@ pub struct TakenSun {
     pub irradiance: [f64; 3],
     /// Steradians.
     pub solid_angle: f64,
+}
+
+impl From<&Sun> for TakenSun {
+    fn from(sun: &Sun) -> Self {
+        Self { direction: sun.direction.to_array(), irradiance: sun.irradiance, solid_angle: sun.solid_angle }
+    }
 }
 
 /// Origin and orientation recorded in a file; `None` for values that it does not record.

@@ -2,6 +2,7 @@
 
 use crate::environment::{LUMINANCE, Layout, Rgb};
 use crate::error::{Error, Result};
+use crate::percent::share_matters;
 use crate::sphere::{equirect, octahedral};
 use std::path::Path;
 
@@ -29,7 +30,7 @@ impl Repairs {
     /// Smaller energies show in no pixel format.
     #[must_use]
     pub(crate) fn matters(&self) -> bool {
-        self.nan + self.infinite > 0 || self.negative_energy_share >= 5e-5
+        self.nan + self.infinite > 0 || share_matters(self.negative_energy_share)
     }
 }
 

@@ -18,6 +18,9 @@ pub enum Flip {
 }
 
 impl Flip {
+    /// Every flip.
+    pub const ALL: [Self; 3] = [Self::None, Self::X, Self::Z];
+
     /// Name on the command line and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -31,7 +34,7 @@ impl Flip {
     /// The flip called `name`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        [Self::None, Self::X, Self::Z].into_iter().find(|flip| flip.name() == name)
+        Self::ALL.into_iter().find(|flip| flip.name() == name)
     }
 
     /// Maps a world direction to the engine's look-up direction, and back.

@@ -11,7 +11,7 @@ pub use flip::Flip;
 use crate::chain::ChainKind;
 use crate::environment::Map;
 use crate::error::{Error, Result};
-use crate::format::container::{CONTAINERS, Container};
+use crate::format::container::Container;
 use crate::format::{LevelName, OutputLayout, Pixel, Shown};
 use crate::ladder::Ladder;
 use crate::lobe::Lobe;
@@ -82,6 +82,9 @@ pub enum Diffuse {
 }
 
 impl Diffuse {
+    /// Every form.
+    pub const ALL: [Self; 4] = [Self::None, Self::Cube, Self::Sh, Self::Both];
+
     /// Name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -93,7 +96,7 @@ impl Diffuse {
         }
     }
 
-    const fn has_cube(self) -> bool {
+    pub(crate) const fn has_cube(self) -> bool {
         matches!(self, Self::Cube | Self::Both)
     }
 
@@ -415,7 +418,7 @@ impl Target {
                 .is_some_and(|name| !name.is_empty())
         };
         let is_at = |file: &&FileSpec| {
-            CONTAINERS.iter().any(|container| matches(&file.path.replace("{ext}", container.name())))
+            Container::ALL.iter().any(|container| matches(&file.path.replace("{ext}", container.name())))
         };
         self.files.iter().find(is_at).map(|file| file.content)
     }
@@ -513,7 +516,7 @@ impl TargetPlan {
 
     /// Whether this is the plan of a target.
     #[must_use]
-    pub(crate) const fn is_targeted(&self) -> bool {
+    pub const fn is_targeted(&self) -> bool {
         !self.target.name.is_empty()
     }
 

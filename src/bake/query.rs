@@ -1,0 +1,68 @@
+//! Queries of many directions, each with its own roughness.
+
+use super::{Engine, ready};
+use crate::error::Result;
+use crate::filter::{Answer, Filter};
+use crate::lobe::Lobe;
+use crate::reflector::Reflector;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Directions to be answered by one lobe and filter.
+#[derive(Clone, Copy, Debug)]
+pub struct Query<'a> {
+    /// The lobe.
+    pub lobe: Lobe,
+    /// The filter.
+    pub filter: Filter,
+    /// Unit vectors in world space.
+    pub directions: &'a [DVec3],
+    /// Roughness of each direction.
+    pub roughness: &'a [f64],
+}
+
+/// Directions that share a roughness.
+struct Alike {
+    roughness: f64,
+    /// Their indices in the query.
+    places: Vec<usize>,
+    directions: Vec<DVec3>,
+}
+
+impl Query<'_> {
+    /// Groups directions by roughness, so that each lobe is prepared once.
+    fn alike(&self) -> Vec<Alike> {
+        // Bits of nonnegative floats sort like the numbers.
+        let mut by_roughness: BTreeMap<u64, Alike> = BTreeMap::new();
+        for (place, (direction, roughness)) in self.directions.iter().zip(self.roughness).enumerate() {
+            let none = || Alike { roughness: *roughness, places: Vec::new(), directions: Vec::new() };
+            let alike = by_roughness.entry(roughness.to_bits()).or_insert_with(none);
+            alike.places.push(place);
+            alike.directions.push(*direction);
+        }
+        by_roughness.into_values().collect()
+    }
+
+    /// Each roughness once.
+    pub(crate) fn roughnesses(&self) -> Vec<f64> {
+        self.alike().into_iter().map(|alike| alike.roughness).collect()
+    }
+
+    /// The answers of `engine`, in the order of the directions.
+    pub(crate) async fn answers(&self, engine: &impl Engine) -> Result<Vec<Answer>> {
+        let mut ordered = vec![Answer { radiance: [0.0; 3], bound: None }; self.directions.len()];
+        for Alike { roughness, places, directions } in self.alike() {
+            let answers = engine.query_each(&directions, self.lobe, roughness, self.filter).await?;
+            places.into_iter().zip(answers).for_each(|(place, answer)| ordered[place] = answer);
+        }
+        Ok(ordered)
+    }
+
+    /// The answers of the CPU, in the order of the directions.
+    ///
+    /// # Errors
+    /// As [`Reflector::query`].
+    pub fn answered(&self, reflector: &Reflector<'_>) -> Result<Vec<Answer>> {
+        ready(self.answers(reflector))
+    }
+}

@@ -1,0 +1,313 @@
+//! Options of a bake, as every front end has them, as plans: files to write, and the settings of their bake.
+
+use crate::bake::{BakeSettings, Skybox};
+use crate::chain::ChainKind;
+use crate::environment::{Layout, Map};
+use crate::error::{Error, Result};
+use crate::filter::Filter;
+use crate::format::container::Container;
+use crate::format::{OutputLayout, Pixel};
+use crate::ladder::Ladder;
+use crate::lobe::Lobe;
+use crate::sat::Scan;
+use crate::sh::window::ShWindow;
+use crate::target::{Diffuse, Flip, Target, TargetPlan, UNTARGETED};
+
+/// Files to write, and the settings of their bake.
+#[derive(Clone, Debug)]
+pub struct BakePlan {
+    /// The files.
+    pub plan: TargetPlan,
+    /// The bake.
+    pub settings: BakeSettings,
+    /// The requested skybox; resolved in the settings once the source is known.
+    pub skybox: Option<Skybox>,
+    /// A costly choice of ladder or levels.
+    pub warning: Option<String>,
+}
+
+impl BakePlan {
+    /// Resolves the skybox for a source of `layout`.
+    #[must_use]
+    pub fn settled(&self, layout: Layout) -> Self {
+        let edge = self.skybox.map(|skybox| skybox.edge(layout));
+        Self { settings: BakeSettings { skybox: edge, ..self.settings.clone() }, ..self.clone() }
+    }
+}
+
+/// Options of a bake; `None` for those that were not given.
+#[derive(Clone, Debug)]
+pub struct PlanOptions {
+    /// As in [`BakeSettings`].
+    pub size: Option<u32>,
+    /// As in [`BakeSettings`].
+    pub levels: Option<u32>,
+    /// As in [`BakeSettings`].
+    pub ladder: Option<Ladder>,
+    /// As in [`BakeSettings`].
+    pub chain: Option<ChainKind>,
+    /// The lobe.
+    pub lobe: Lobe,
+    /// The filter.
+    pub filter: Filter,
+    /// Container of the files.
+    pub container: Option<Container>,
+    /// Layout of the levels in files.
+    pub out_layout: Option<OutputLayout>,
+    /// Pixel format of the files.
+    pub pixel: Option<Pixel>,
+    /// Edge of the irradiance cube.
+    pub irradiance: Option<u32>,
+    /// Edge of the skybox.
+    pub skybox: Option<Skybox>,
+    /// As in [`BakeSettings`].
+    pub sh_order: u32,
+    /// As in [`BakeSettings`].
+    pub sh_window: ShWindow,
+    /// Flip of a target's cubes.
+    pub flip: Option<Flip>,
+    /// Diffuse light of a target.
+    pub diffuse: Option<Diffuse>,
+    /// Whether every texel's error bound is written.
+    pub bounds: bool,
+    /// As in [`BakeSettings`].
+    pub oem_size: Option<u32>,
+    /// As in [`BakeSettings`].
+    pub border: Option<u32>,
+    /// As in [`BakeSettings`].
+    pub scan: Option<Scan>,
+}
+
+impl PlanOptions {
+    /// The plan of one file, or of a folder of images: the given container, else the layout's, and pixels
+    /// that it can hold.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for options that contradict each other.
+    pub fn untargeted(&self) -> Result<BakePlan> {
+        if self.flip.is_some() || self.diffuse.is_some() {
+            return wrong("`flip` and `diffuse` are for targets; choose a `target`, or omit them");
+        }
+        let settings = self.untargeted_settings()?;
+        let layout = self.out_layout.unwrap_or_default();
+        let (name, map) = (layout.name(), layout.map());
+        if self.bounds && layout != OutputLayout::Faces {
+            return wrong(format!("`bounds` is for `out_layout` faces, not {name}"));
+        }
+        if self.irradiance.is_some() && map != Map::Cube {
+            return wrong(format!("`irradiance` is a cube; omit it or `out_layout` {name}"));
+        }
+        if self.skybox.is_some() && map != Map::Cube {
+            return wrong(format!("`skybox` is a cube; omit it or `out_layout` {name}"));
+        }
+        let images = layout != OutputLayout::Faces;
+        let container = self.container.unwrap_or(if images { Container::Exr } else { Container::Ktx2 });
+        let pixel = self.pixel_in(container, layout)?;
+        let diffuse = if self.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
+        let skybox = self.skybox.is_some();
+        let plan = TargetPlan { container, pixel, layout, diffuse, skybox, ..TargetPlan::new(&UNTARGETED) };
+        let size = settings.size;
+        let warning =
+            self.costly(&settings, &Ladder::ALL.map(|ladder| (ladder, ladder.default_levels(map, size))));
+        Ok(BakePlan { plan, settings, skybox: self.skybox, warning })
+    }
+
+    /// The settings of [`PlanOptions::untargeted`], without what files of several images cannot hold.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for options that contradict each other.
+    pub fn untargeted_settings(&self) -> Result<BakeSettings> {
+        if self.lobe == Lobe::Cosine && self.levels.is_some_and(|levels| levels > 1) {
+            return wrong("`lobe` cosine has no roughness and bakes one level; omit `levels`");
+        }
+        if let Some(kind) = self.chain.filter(|kind| self.bounds && *kind != ChainKind::Sampled) {
+            let name = kind.name();
+            return wrong(format!("`bounds` needs sampled texels; omit `chain` {name} or `bounds`"));
+        }
+        if self.bounds && !matches!(self.filter, Filter::Adaptive(_)) {
+            return wrong("`bounds` needs `filter` adaptive:E; other filters have no certified bounds");
+        }
+        let layout = self.out_layout.unwrap_or_default();
+        let map = layout.map();
+        let ladder = self.ladder.unwrap_or_default();
+        // The format requires every level down to one texel.
+        let every_level = layout == OutputLayout::Mips;
+        let size = self.size.unwrap_or(if every_level { 256 } else { ladder.default_size(map, self.lobe) });
+        let settings = BakeSettings {
+            map,
+            size,
+            levels: self.levels.or_else(|| every_level.then(|| map.most_levels(size))),
+            ladder,
+            bounds: self.bounds,
+            irradiance: self.irradiance,
+            ..self.settings()
+        };
+        settings.level_specs()?;
+        Ok(settings)
+    }
+
+    /// Pixel format of `layout` in `container`.
+    fn pixel_in(&self, container: Container, layout: OutputLayout) -> Result<Pixel> {
+        let (name, images) = (container.name(), layout != OutputLayout::Faces);
+        let is_one_exr = matches!(layout, OutputLayout::Parts | OutputLayout::Mips);
+        if is_one_exr && container != Container::Exr {
+            return wrong(format!("`out_layout` {} is an exr file, not {name}", layout.name()));
+        }
+        if images && container.is_single() {
+            return wrong(format!("`out_layout` {} is for exr and hdr, not {name}", layout.name()));
+        }
+        match (container, self.pixel) {
+            (Container::Hdr, None) => Ok(Pixel::Rgbe),
+            (Container::Hdr, Some(_)) => {
+                wrong("`pixel` cannot be combined with hdr; its pixels are always RGBE")
+            }
+            (Container::Exr, None) if !is_one_exr => Ok(Pixel::Auto),
+            (_, pixel) => {
+                let pixel = pixel.unwrap_or_default();
+                if container.holds(pixel) {
+                    return Ok(pixel);
+                }
+                let pixel = pixel.name();
+                wrong(match container {
+                    Container::Exr => {
+                        format!("`pixel` {pixel} is for ktx2 and dds; exr supports f16 and f32")
+                    }
+                    _ => format!("{name} does not support `pixel` {pixel}; ktx2 and dds do"),
+                })
+            }
+        }
+    }
+
+    /// The preset of `target` with these options.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for options that contradict each other or the target.
+    pub fn targeted(&self, target: &'static Target) -> Result<BakePlan> {
+        let mut plan = TargetPlan::new(target);
+        let name = target.name;
+        if self.bounds {
+            return wrong("`bounds` needs a bake with no `target`; omit one");
+        }
+        if self.out_layout.is_some() {
+            return wrong("`out_layout` cannot be combined with `target`; omit one");
+        }
+        if self.lobe == Lobe::Cosine {
+            return wrong("`lobe` cosine cannot be combined with `target`; `diffuse` cube adds irradiance");
+        }
+        let fixed = |option: &str| wrong(format!("target {name} has a fixed format; omit {option}"));
+        if !target.has_container() {
+            if self.container.is_some() {
+                return fixed("`container`");
+            }
+            if self.pixel.is_some() {
+                return fixed("`pixel`");
+            }
+            if self.diffuse.is_some() || self.irradiance.is_some() {
+                return fixed("`diffuse` and `irradiance`");
+            }
+        }
+        plan.container = self.container.unwrap_or(plan.container);
+        if plan.container == Container::Hdr {
+            return wrong(
+                "`container` hdr is a folder of faces and cannot be combined with `target`; use ktx2, ktx, dds \
+                 or exr",
+            );
+        }
+        if target.map == Map::Octahedral && !matches!(plan.container, Container::Ktx2 | Container::Exr) {
+            let container = plan.container.name();
+            return wrong(format!("target {name}: `container` {container} is for cubes; use ktx2 or exr"));
+        }
+        if target.map != Map::Cube && self.flip.is_some() {
+            return wrong(format!("target {name} has no cube; omit `flip`"));
+        }
+        if target.map == Map::Panorama && self.levels.is_some() {
+            return wrong(format!("target {name} has one level; omit `levels`"));
+        }
+        plan.pixel = self.pixel.unwrap_or(plan.pixel);
+        plan.flip = self.flip.unwrap_or(plan.flip);
+        plan.diffuse = self.diffuse_of(plan.diffuse)?;
+        plan.skybox |= self.skybox.is_some();
+        self.filter.check(self.lobe, self.oem_size)?;
+        plan.check()?;
+        let size = self.size.unwrap_or(target.size);
+        let irradiance = self.irradiance.unwrap_or(target.irradiance_size);
+        let settings = BakeSettings {
+            map: target.map,
+            size,
+            levels: Some(self.levels.unwrap_or_else(|| target.levels(size))),
+            ladder: self.ladder.unwrap_or(target.ladder),
+            chain: self.chain.or(target.chain),
+            irradiance: plan.diffuse.has_cube().then_some(irradiance),
+            sheen: target.has_sheen(),
+            ..self.settings()
+        };
+        let check = || plan.check_levels(size, settings.level_specs()?.len() as u32);
+        check().map_err(|error| Error::Parameter(format!("target {name}: {error}")))?;
+        let warning = self.costly(&settings, &[(target.ladder, target.levels(size))]);
+        Ok(BakePlan { plan, settings, skybox: self.skybox, warning })
+    }
+
+    /// The diffuse light of a target whose own is `own`: with a cube, if its size was given.
+    fn diffuse_of(&self, own: Diffuse) -> Result<Diffuse> {
+        let diffuse = self.diffuse.unwrap_or(own);
+        if self.irradiance.is_none() || diffuse.has_cube() {
+            return Ok(diffuse);
+        }
+        match self.diffuse {
+            Some(_) => wrong(format!(
+                "`irradiance` requests a cube but `diffuse` {} has none; omit one",
+                diffuse.name()
+            )),
+            None if diffuse == Diffuse::Sh => Ok(Diffuse::Both),
+            None => Ok(Diffuse::Cube),
+        }
+    }
+
+    /// The settings that all plans share.
+    fn settings(&self) -> BakeSettings {
+        BakeSettings {
+            lobe: self.lobe,
+            filter: self.filter,
+            oem_size: self.oem_size,
+            border: self.border,
+            scan: self.scan.unwrap_or_default(),
+            chain: self.chain,
+            sh_order: self.sh_order,
+            sh_window: self.sh_window,
+            ..BakeSettings::default()
+        }
+    }
+
+    /// A warning if the given ladder or number of levels costs more than twice the best of `choices`, by the
+    /// estimated error of look-ups.
+    fn costly(&self, settings: &BakeSettings, choices: &[(Ladder, u32)]) -> Option<String> {
+        let &BakeSettings { map, size, ladder, lobe, .. } = settings;
+        let levels = settings.levels.unwrap_or_else(|| ladder.default_levels(map, size));
+        // One level is not looked up by roughness.
+        if lobe != Lobe::Ggx || levels == 1 || (self.ladder.is_none() && self.levels.is_none()) {
+            return None;
+        }
+        let own = ladder.look_up_error(map, size, levels);
+        let (best, best_ladder, best_levels) = choices
+            .iter()
+            .map(|&(ladder, levels)| (ladder.look_up_error(map, size, levels), ladder, levels))
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (own > COSTLY * best).then(|| {
+            format!(
+                "trilinear look-ups at roughness 0.6 to 1 are up to {:.0} % off by estimate with {levels} levels \
+                 of the {} ladder; {:.0} % with `ladder` {} and `levels` {best_levels}",
+                100.0 * own,
+                ladder.name(),
+                100.0 * best,
+                best_ladder.name()
+            )
+        })
+    }
+}
+
+/// Ratio of estimated errors above which a choice is warned about.
+const COSTLY: f64 = 2.0;
+
+fn wrong<T>(message: impl Into<String>) -> Result<T> {
+    Err(Error::Parameter(message.into()))
+}
