@@ -6,7 +6,11 @@ import type { Scene, WebGLRenderer } from 'three';
 export async function use(bytes: Uint8Array, scene: Scene, renderer: WebGLRenderer): Promise<number> {
     configure({ workers: 2 });
     const { files, report, preview } = await bake(bytes, {
-        target: ['three', 'filament'], size: 64, skybox: 'source', preview: true, signal: AbortSignal.timeout(1000),
+        target: ['three', 'filament'],
+        size: 64,
+        skybox: 'source',
+        preview: true,
+        signal: AbortSignal.timeout(1000),
     });
     // @ts-expect-error A size is a number.
     await bake(bytes, { size: '64' });
@@ -16,5 +20,12 @@ export async function use(bytes: Uint8Array, scene: Scene, renderer: WebGLRender
     const answers: Float32Array = await query(bytes, { directions: [0, 1, 0], roughness: 0.5 });
     const names: string[] = (await targets()).map(({ name }) => name);
     close();
-    return files.length + report.levels.length + (preview?.length ?? 0) + answers.length + names.length + (await info(bytes)).width;
+    return (
+        files.length +
+        report.levels.length +
+        (preview?.length ?? 0) +
+        answers.length +
+        names.length +
+        (await info(bytes)).width
+    );
 }

@@ -13,7 +13,11 @@ const NUMBERS = [
     ['oem-size', 'edge of the octahedral map', "lobes'"],
     ['border', 'its border', "filter's"],
 ];
-const TEXTS = [['filter', 'adaptive:E, fitted:K, box', 'adaptive:0.005'], ['sh-window', 'window of harmonics', 'none'], ['exposure', 'of the preview, in EV', 'auto']];
+const TEXTS = [
+    ['filter', 'adaptive:E, fitted:K, box', 'adaptive:0.005'],
+    ['sh-window', 'window of harmonics', 'none'],
+    ['exposure', 'of the preview, in EV', 'auto'],
+];
 const CHOICES = [
     ['format', 'ktx2 ktx dds exr hdr'],
     ['pixel', 'f16 f32 rgb9e5 r11g11b10f bc6h'],
@@ -30,10 +34,16 @@ const CHOICES = [
 const SWITCHES = ['extract-sun', 'sunless', 'bounds', 'mirror', 'crop', 'sanitize', 'strict'];
 // The first ones are always shown.
 const COMMON = ['size', 'levels', 'format', 'pixel', 'skybox', 'irradiance', 'extract-sun'];
-const UNITS = [[1e6, 'MB'], [1e3, 'kB'], [1, 'B']];
+const UNITS = [
+    [1e6, 'MB'],
+    [1e3, 'kB'],
+    [1, 'B'],
+];
 
 const camel = (word) => word.replace(/-./g, (match) => match[1].toUpperCase());
-const sized = (bytes) => UNITS.map(([unit, name]) => bytes >= unit && `${(bytes / unit).toPrecision(3)} ${name}`).find(Boolean) ?? '0 B';
+const sized = (bytes) =>
+    UNITS.map(([unit, name]) => bytes >= unit && `${(bytes / unit).toPrecision(3)} ${name}`).find(Boolean) ??
+    '0 B';
 
 function element(tag, properties = {}, ...children) {
     const made = Object.assign(document.createElement(tag), properties);
@@ -47,7 +57,9 @@ async function compiled() {
     // If the server declares .gz as an encoding, the browser has unpacked it already.
     const encoded = response.headers.get('Content-Encoding') !== null;
     const unpacked = encoded ? response.body : response.body.pipeThrough(new DecompressionStream('gzip'));
-    return WebAssembly.compileStreaming(new Response(unpacked, { headers: { 'Content-Type': 'application/wasm' } }));
+    return WebAssembly.compileStreaming(
+        new Response(unpacked, { headers: { 'Content-Type': 'application/wasm' } }),
+    );
 }
 
 // Fills `side`, the page's element; returns add(files), which lists environments to bake.
@@ -63,7 +75,18 @@ export function open(side, close) {
     };
     const made = new Map();
     for (const [word, hint, placeholder] of [...NUMBERS, ...TEXTS]) {
-        made.set(word, field(word, hint, element('input', { placeholder: placeholder || 'preset', autocomplete: 'off', spellcheck: false })));
+        made.set(
+            word,
+            field(
+                word,
+                hint,
+                element('input', {
+                    placeholder: placeholder || 'preset',
+                    autocomplete: 'off',
+                    spellcheck: false,
+                }),
+            ),
+        );
     }
     for (const [word, choices] of CHOICES) {
         const select = element('select', {}, element('option', { value: '', textContent: 'preset' }));
@@ -76,30 +99,77 @@ export function open(side, close) {
         made.set(word, label);
     }
     const common = element('div', { className: 'fields' }, ...COMMON.map((word) => made.get(word)));
-    const rest = element('div', { className: 'fields' }, ...[...made].filter(([word]) => !COMMON.includes(word)).map(([, label]) => label));
+    const rest = element(
+        'div',
+        { className: 'fields' },
+        ...[...made].filter(([word]) => !COMMON.includes(word)).map(([, label]) => label),
+    );
 
     const list = element('ul', { id: 'bake-jobs' });
-    const chosen = element('input', { type: 'file', id: 'bake-file', multiple: true, hidden: true, accept: '.hdr,.exr,.png,.jpg,.jpeg,.ktx2,.ktx,.dds' });
+    const chosen = element('input', {
+        type: 'file',
+        id: 'bake-file',
+        multiple: true,
+        hidden: true,
+        accept: '.hdr,.exr,.png,.jpg,.jpeg,.ktx2,.ktx,.dds',
+    });
     const names = element('div', { className: 'targets' });
     const command = element('code', { id: 'bake-command' });
     const message = element('p', { id: 'bake-message', role: 'status', hidden: true });
     const bar = element('progress', { id: 'bake-progress', max: 1, value: 0, hidden: true });
-    const start = element('button', { id: 'bake-start', textContent: 'Bake', disabled: true, type: 'submit' });
-    const cancel = element('button', { id: 'bake-cancel', textContent: 'Cancel', disabled: true, type: 'button' });
-    const zip = element('button', { id: 'bake-zip', textContent: 'Download all (.zip)', disabled: true, type: 'button' });
-    const form = element('form', {},
-        element('header', {},
+    const start = element('button', {
+        id: 'bake-start',
+        textContent: 'Bake',
+        disabled: true,
+        type: 'submit',
+    });
+    const cancel = element('button', {
+        id: 'bake-cancel',
+        textContent: 'Cancel',
+        disabled: true,
+        type: 'button',
+    });
+    const zip = element('button', {
+        id: 'bake-zip',
+        textContent: 'Download all (.zip)',
+        disabled: true,
+        type: 'button',
+    });
+    const form = element(
+        'form',
+        {},
+        element(
+            'header',
+            {},
             element('h1', { textContent: 'Bake' }),
-            element('button', { type: 'button', title: 'Back to the viewer', textContent: 'Close', onclick: close })),
-        element('button', { type: 'button', className: 'drop', id: 'bake-choose', onclick: () => chosen.click() },
-            element('b', { textContent: 'Choose environments' }), ' or drop them here: .hdr, .exr, .png, .jpg, .ktx2. Nothing is uploaded.'),
+            element('button', {
+                type: 'button',
+                title: 'Back to the viewer',
+                textContent: 'Close',
+                onclick: close,
+            }),
+        ),
+        element(
+            'button',
+            { type: 'button', className: 'drop', id: 'bake-choose', onclick: () => chosen.click() },
+            element('b', { textContent: 'Choose environments' }),
+            ' or drop them here: .hdr, .exr, .png, .jpg, .ktx2. Nothing is uploaded.',
+        ),
         chosen,
         element('fieldset', {}, element('legend', { textContent: 'target' }), names),
-        element('fieldset', {}, element('legend', { textContent: 'options' }), common,
-            element('details', {}, element('summary', { textContent: 'more options' }), rest)),
+        element(
+            'fieldset',
+            {},
+            element('legend', { textContent: 'options' }),
+            common,
+            element('details', {}, element('summary', { textContent: 'more options' }), rest),
+        ),
         element('p', { className: 'command' }, command),
         element('div', { className: 'actions' }, start, cancel, zip),
-        bar, message, list);
+        bar,
+        message,
+        list,
+    );
     side.replaceChildren(form);
 
     // The options for the module, and the words for the command line.
@@ -115,7 +185,14 @@ export function open(side, close) {
             if (value === '' || value === false) continue;
             const number = NUMBERS.some(([name]) => name === word) && value !== 'source';
             options[camel(word)] = number && Number.isFinite(Number(value)) ? Number(value) : value;
-            if (word !== 'exposure') words.push(...(value === true ? [`--${word}`] : word === 'pad' ? [`--pad=${value}`] : [`--${word}`, value]));
+            if (word !== 'exposure')
+                words.push(
+                    ...(value === true
+                        ? [`--${word}`]
+                        : word === 'pad'
+                          ? [`--pad=${value}`]
+                          : [`--${word}`, value]),
+                );
         }
         return { options, words };
     }
@@ -125,11 +202,17 @@ export function open(side, close) {
     function update() {
         const { words, options } = request();
         const several = jobs.length !== 1;
-        const output = several ? 'baked' : options.target || ['exr', 'hdr'].includes(options.format) ? stem(jobs[0].file.name) : `${stem(jobs[0].file.name)}.${options.format ?? 'ktx2'}`;
+        const output = several
+            ? 'baked'
+            : options.target || ['exr', 'hdr'].includes(options.format)
+              ? stem(jobs[0].file.name)
+              : `${stem(jobs[0].file.name)}.${options.format ?? 'ktx2'}`;
         const inputs = jobs.length > 0 ? jobs.map((job) => job.file.name) : ['INPUT'];
         // Shells split at spaces; lines break between words only.
         const quoted = (word) => (/^[\w.,:/=+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
-        const all = ['octagloss', 'bake', ...inputs, ...words, '-o', output].map((word) => element('span', { textContent: quoted(word) }));
+        const all = ['octagloss', 'bake', ...inputs, ...words, '-o', output].map((word) =>
+            element('span', { textContent: quoted(word) }),
+        );
         command.replaceChildren(...all.flatMap((word, index) => (index > 0 ? [' ', word] : [word])));
         start.disabled = running !== undefined || jobs.length === 0;
         cancel.disabled = running === undefined;
@@ -162,16 +245,36 @@ export function open(side, close) {
         for (const file of files) {
             const other = jobs.find((job) => stem(job.file.name) === stem(file.name));
             if (other && other.file.name !== file.name) {
-                say(`${other.file.name} and ${file.name} would both be written as ${stem(file.name)}; rename one or bake them separately`);
+                say(
+                    `${other.file.name} and ${file.name} would both be written as ${stem(file.name)}; rename one or bake them separately`,
+                );
                 continue;
             }
             if (other) take(other);
             const job = { file, share: 0, addresses: [] };
             job.status = element('span', { className: 'status' });
             job.details = element('div', { className: 'details' });
-            job.remove = element('button', { type: 'button', textContent: 'Remove', onclick: () => { take(job); update(); } });
-            job.item = element('li', {}, element('div', { className: 'line' }, element('b', { textContent: file.name }),
-                element('span', { textContent: sized(file.size) }), job.status, job.remove), job.details);
+            job.remove = element('button', {
+                type: 'button',
+                textContent: 'Remove',
+                onclick: () => {
+                    take(job);
+                    update();
+                },
+            });
+            job.item = element(
+                'li',
+                {},
+                element(
+                    'div',
+                    { className: 'line' },
+                    element('b', { textContent: file.name }),
+                    element('span', { textContent: sized(file.size) }),
+                    job.status,
+                    job.remove,
+                ),
+                job.details,
+            );
             job.item.dataset.name = file.name;
             shown(job, 'waiting');
             jobs.push(job);
@@ -197,12 +300,22 @@ export function open(side, close) {
         const { files, warnings, preview } = job.result;
         const total = files.reduce((sum, file) => sum + file.bytes.length, 0);
         shown(job, 'done', `${files.length} files, ${sized(total)}, ${seconds.toFixed(1)} s`);
-        const download = ({ name, bytes }) => element('li', {},
-            element('a', { href: address(job, bytes, 'application/octet-stream'), download: name.split('/').pop(), textContent: name }), ` ${sized(bytes.length)}`);
+        const download = ({ name, bytes }) =>
+            element(
+                'li',
+                {},
+                element('a', {
+                    href: address(job, bytes, 'application/octet-stream'),
+                    download: name.split('/').pop(),
+                    textContent: name,
+                }),
+                ` ${sized(bytes.length)}`,
+            );
         job.details.replaceChildren(
             ...warnings.map((warning) => element('p', { className: 'warning', textContent: warning })),
             element('ul', { className: 'files' }, ...files.map(download)),
-            element('img', { src: address(job, preview, 'image/png'), alt: `levels of ${job.file.name}` }));
+            element('img', { src: address(job, preview, 'image/png'), alt: `levels of ${job.file.name}` }),
+        );
     }
 
     async function one(job, options, signal) {
@@ -240,22 +353,34 @@ export function open(side, close) {
         const wait = [...jobs];
         const workers = Math.min(2, navigator.hardwareConcurrency ?? 1, jobs.length);
         configure({ workers });
-        await Promise.all(Array.from({ length: workers }, async () => {
-            while (wait.length > 0) await one(wait.shift(), options, signal);
-        }));
+        await Promise.all(
+            Array.from({ length: workers }, async () => {
+                while (wait.length > 0) await one(wait.shift(), options, signal);
+            }),
+        );
         running = undefined;
         const count = (state) => jobs.filter((job) => job.item.dataset.state === state).length;
         const cancelled = count('cancelled');
-        say(`${count('done')} baked, ${count('failed')} failed${cancelled > 0 ? `, ${cancelled} cancelled` : ''}`);
+        say(
+            `${count('done')} baked, ${count('failed')} failed${cancelled > 0 ? `, ${cancelled} cancelled` : ''}`,
+        );
         update();
     };
     cancel.onclick = () => running?.abort();
     zip.onclick = async () => {
         const { downloadZip } = await import('./client-zip.js');
         const baked = jobs.filter((job) => job.result);
-        const entries = baked.flatMap((job) => job.result.files.map(({ name, bytes }) => ({ name: `${stem(job.file.name)}/${name}`, input: bytes })));
+        const entries = baked.flatMap((job) =>
+            job.result.files.map(({ name, bytes }) => ({
+                name: `${stem(job.file.name)}/${name}`,
+                input: bytes,
+            })),
+        );
         const made = URL.createObjectURL(await downloadZip(entries).blob());
-        element('a', { href: made, download: baked.length === 1 ? `${stem(baked[0].file.name)}.zip` : 'baked.zip' }).click();
+        element('a', {
+            href: made,
+            download: baked.length === 1 ? `${stem(baked[0].file.name)}.zip` : 'baked.zip',
+        }).click();
         setTimeout(() => URL.revokeObjectURL(made), 60_000);
     };
     chosen.onchange = () => {
@@ -269,11 +394,25 @@ export function open(side, close) {
     update();
 
     configure({ module: compiled() });
-    targets().then((all) => {
-        names.replaceChildren(...all.map(({ name, reader, verified }) => element('label', { className: 'switch', title: `${reader}${verified ? `; tested with ${verified}` : '; untested in its engine'}` },
-            element('input', { type: 'checkbox', value: name, checked: name === 'three' }), element('span', { textContent: name }))));
-        update();
-        side.dataset.ready = 'true';
-    }, (error) => say(`The Bake side did not start: ${error.message}`));
+    targets().then(
+        (all) => {
+            names.replaceChildren(
+                ...all.map(({ name, reader, verified }) =>
+                    element(
+                        'label',
+                        {
+                            className: 'switch',
+                            title: `${reader}${verified ? `; tested with ${verified}` : '; untested in its engine'}`,
+                        },
+                        element('input', { type: 'checkbox', value: name, checked: name === 'three' }),
+                        element('span', { textContent: name }),
+                    ),
+                ),
+            );
+            update();
+            side.dataset.ready = 'true';
+        },
+        (error) => say(`The Bake side did not start: ${error.message}`),
+    );
     return { add };
 }

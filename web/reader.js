@@ -8,6 +8,8 @@ addEventListener('message', async ({ data: { module, name, bytes } }) => {
         postMessage({ bytes }, [bytes.buffer]);
     } catch (error) {
         const panicked = error instanceof WebAssembly.RuntimeError;
-        postMessage({ refused: panicked ? `${name}: corrupt: the decoder failed; re-export the file` : error.message });
+        postMessage({
+            refused: panicked ? `${name}: corrupt: the decoder failed; re-export the file` : error.message,
+        });
     }
 });

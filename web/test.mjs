@@ -43,14 +43,31 @@ const origin = await new Promise((resolve, reject) => {
     server.once('exit', (status) => reject(new Error(`web/serve ended with status ${status}`)));
 });
 
-const common = ['--no-sandbox', '--no-first-run', '--disable-quic', '--disable-background-networking',
-    '--disable-component-update', '--disable-sync', '--force-color-profile=srgb'];
-const launch = (args, defaultViewport = { width, height, deviceScaleFactor: 1 }) => puppeteer.launch({
-    executablePath: chromium, headless: true, protocolTimeout: 600_000, defaultViewport, args: [...common, ...args],
-});
-const webgpu = ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
+const common = [
+    '--no-sandbox',
+    '--no-first-run',
+    '--disable-quic',
+    '--disable-background-networking',
+    '--disable-component-update',
+    '--disable-sync',
+    '--force-color-profile=srgb',
+];
+const launch = (args, defaultViewport = { width, height, deviceScaleFactor: 1 }) =>
+    puppeteer.launch({
+        executablePath: chromium,
+        headless: true,
+        protocolTimeout: 600_000,
+        defaultViewport,
+        args: [...common, ...args],
+    });
+const webgpu = [
+    '--enable-unsafe-webgpu',
+    '--use-webgpu-adapter=swiftshader',
     // Without Vulkan and without a GPU the canvas is black.
-    '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan'];
+    '--enable-features=Vulkan',
+    '--use-vulkan=swiftshader',
+    '--use-angle=vulkan',
+];
 
 // Opens the page; any error or warning in it is a failure.
 async function open(name) {
@@ -86,43 +103,80 @@ async function set(page, change) {
 async function shot(page, name) {
     await settled(page);
     const shown = await state(page);
-    await page.evaluate((hidden) => { document.getElementById('buttons').hidden = hidden; }, !shown.panel);
+    await page.evaluate((hidden) => {
+        document.getElementById('buttons').hidden = hidden;
+    }, !shown.panel);
     const png = await page.screenshot({ path: join(pictures, `${name}.png`) });
     return Buffer.from(png).toString('base64');
 }
 
 // The program's picture of the page's default view, with the given changes.
-function expected(name, file, { roughness = 0.3, filter = 'fitted:4', size = [width, height], yaw = 0, mesh }) {
+function expected(
+    name,
+    file,
+    { roughness = 0.3, filter = 'fitted:4', size = [width, height], yaw = 0, mesh },
+) {
     const path = join(pictures, `${name}-program.png`);
     const degrees = (radians) => String((radians * 180) / Math.PI);
-    execFileSync(program, ['view', file, '--screenshot', path, '--force', '--quiet', '--size', size.join('x'), '--samples', '1',
-        '--roughness', String(roughness), '--filter', filter, '--yaw', degrees(yaw), '--pitch', degrees(0.12), '--angle', degrees(0.6),
-        ...(mesh ? ['--mesh', mesh] : [])],
-    { stdio: ['ignore', 'inherit', 'ignore'] });
+    execFileSync(
+        program,
+        [
+            'view',
+            file,
+            '--screenshot',
+            path,
+            '--force',
+            '--quiet',
+            '--size',
+            size.join('x'),
+            '--samples',
+            '1',
+            '--roughness',
+            String(roughness),
+            '--filter',
+            filter,
+            '--yaw',
+            degrees(yaw),
+            '--pitch',
+            degrees(0.12),
+            '--angle',
+            degrees(0.6),
+            ...(mesh ? ['--mesh', mesh] : []),
+        ],
+        { stdio: ['ignore', 'inherit', 'ignore'] },
+    );
     return readFileSync(path).toString('base64');
 }
 
 // Mean absolute difference of two pictures in steps of 255, and the share of pixels with a channel off by
 // more than 2.
-const difference = (page, a, b) => page.evaluate(async (a, b) => {
-    const pixels = async (png) => {
-        const bytes = Uint8Array.from(atob(png), (c) => c.charCodeAt(0));
-        const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }), { colorSpaceConversion: 'none' });
-        const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
-        context.drawImage(image, 0, 0);
-        return context.getImageData(0, 0, image.width, image.height);
-    };
-    const [found, wanted] = [await pixels(a), await pixels(b)];
-    if (found.width !== wanted.width || found.height !== wanted.height) return { mean: Infinity, share: 1 };
-    let [sum, off] = [0, 0];
-    for (let i = 0; i < found.data.length; i += 4) {
-        const by = [0, 1, 2].map((c) => Math.abs(found.data[i + c] - wanted.data[i + c]));
-        sum += by[0] + by[1] + by[2];
-        off += Math.max(...by) > 2 ? 1 : 0;
-    }
-    const count = found.data.length / 4;
-    return { mean: sum / (3 * count), share: off / count };
-}, a, b);
+const difference = (page, a, b) =>
+    page.evaluate(
+        async (a, b) => {
+            const pixels = async (png) => {
+                const bytes = Uint8Array.from(atob(png), (c) => c.charCodeAt(0));
+                const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }), {
+                    colorSpaceConversion: 'none',
+                });
+                const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+                context.drawImage(image, 0, 0);
+                return context.getImageData(0, 0, image.width, image.height);
+            };
+            const [found, wanted] = [await pixels(a), await pixels(b)];
+            if (found.width !== wanted.width || found.height !== wanted.height)
+                return { mean: Infinity, share: 1 };
+            let [sum, off] = [0, 0];
+            for (let i = 0; i < found.data.length; i += 4) {
+                const by = [0, 1, 2].map((c) => Math.abs(found.data[i + c] - wanted.data[i + c]));
+                sum += by[0] + by[1] + by[2];
+                off += Math.max(...by) > 2 ? 1 : 0;
+            }
+            const count = found.data.length / 4;
+            return { mean: sum / (3 * count), share: off / count };
+        },
+        a,
+        b,
+    );
 
 // Tolerance for the drivers' rounding and for pixels on edges. The sky's ground has one colour over up to
 // half of a picture: if a channel lies between two levels, drivers round it differently, which is 1/2 * 1/3
@@ -135,7 +189,11 @@ const said = ({ mean, share }) =>
 // Compares a picture of the page with the program's; `view` are additional options for the program.
 async function check(page, name, file, change = {}, view = {}) {
     await set(page, { panel: false, ...change });
-    const found = await difference(page, await shot(page, name), expected(name, file, { ...change, ...view }));
+    const found = await difference(
+        page,
+        await shot(page, name),
+        expected(name, file, { ...change, ...view }),
+    );
     report(name, agrees(found), `${said(found)} (at most ${most.mean} and ${100 * most.share} %)`);
 }
 
@@ -148,11 +206,14 @@ async function checkShaders(page) {
             device.pushErrorScope('validation');
             const module = device.createShaderModule({ code });
             const compiled = (await module.getCompilationInfo()).messages;
-            const messages = compiled.map(({ type, lineNum, message }) => `${type}, line ${lineNum}: ${message}`);
+            const messages = compiled.map(
+                ({ type, lineNum, message }) => `${type}, line ${lineNum}: ${message}`,
+            );
             const entries = [...code.matchAll(/@(compute|vertex|fragment)[^{]*?\bfn\s+(\w+)/g)];
             // The pictures test the render pipelines.
             for (const [, , entryPoint] of entries.filter(([, stage]) => stage === 'compute')) {
-                await device.createComputePipelineAsync({ layout: 'auto', compute: { module, entryPoint } })
+                await device
+                    .createComputePipelineAsync({ layout: 'auto', compute: { module, entryPoint } })
                     .catch((error) => messages.push(`${entryPoint}: ${error.message}`));
             }
             const error = await device.popErrorScope();
@@ -164,7 +225,10 @@ async function checkShaders(page) {
         const copy = shader_source('copy.wgsl');
         const broken = [
             { path: 'no semicolon', code: copy.replace(';', '') },
-            { path: 'group too large', code: copy.replace(/@workgroup_size\([^)]*\)/, '@workgroup_size(1024)') },
+            {
+                path: 'group too large',
+                code: copy.replace(/@workgroup_size\([^)]*\)/, '@workgroup_size(1024)'),
+            },
         ];
         for (const { path, code } of broken) all.push({ path, broken: true, ...(await compile(code)) });
         device.destroy();
@@ -172,7 +236,11 @@ async function checkShaders(page) {
     });
     for (const { path, broken, entries, messages } of compiled) {
         const ok = broken ? messages.length > 0 : messages.length === 0 && entries.length > 0;
-        report(`Tint: ${path}`, ok, messages.map((message) => message.split('\n')[0]).join('; ') || entries.join(', '));
+        report(
+            `Tint: ${path}`,
+            ok,
+            messages.map((message) => message.split('\n')[0]).join('; ') || entries.join(', '),
+        );
     }
 }
 
@@ -220,12 +288,18 @@ async function checkMesh(page) {
     // A pyramid on a square, with face normals.
     const corners = ['1 -0.6 1', '1 -0.6 -1', '-1 -0.6 -1', '-1 -0.6 1', '0 1 0'];
     const faces = ['1 2 5', '2 3 5', '3 4 5', '4 1 5', '4 3 2 1'];
-    const text = [...corners.map((corner) => `v ${corner}`), ...faces.map((face) => `f ${face}`), ''].join('\n');
+    const text = [...corners.map((corner) => `v ${corner}`), ...faces.map((face) => `f ${face}`), ''].join(
+        '\n',
+    );
     const mesh = join(work, 'pyramid.obj');
     writeFileSync(mesh, text);
     const before = await shot(page, 'before-a-mesh');
     await drop(page, 'pyramid.obj', Buffer.from(text), () => window.octagloss.state().object === 'mesh');
-    report('a mesh is another picture', !agrees(await difference(page, await shot(page, 'mesh'), before)), 'pyramid.obj');
+    report(
+        'a mesh is another picture',
+        !agrees(await difference(page, await shot(page, 'mesh'), before)),
+        'pyramid.obj',
+    );
     // The camera faces its front.
     await check(page, 'mesh', sky, {}, { mesh, yaw: -Math.PI / 2 });
     await checkBroken(page, 'broken.obj', Buffer.from('f 1 2 3'), 'broken.obj', 'sky.exr');
@@ -245,11 +319,15 @@ async function choose(page, path, then) {
 
 // Drops a file onto the page.
 async function drop(page, name, bytes, then) {
-    await page.evaluate((name, bytes) => {
-        const files = new DataTransfer();
-        files.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
-        dispatchEvent(new DragEvent('drop', { dataTransfer: files, cancelable: true }));
-    }, name, bytes.toString('base64'));
+    await page.evaluate(
+        (name, bytes) => {
+            const files = new DataTransfer();
+            files.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
+            dispatchEvent(new DragEvent('drop', { dataTransfer: files, cancelable: true }));
+        },
+        name,
+        bytes.toString('base64'),
+    );
     await page.waitForFunction(then, { timeout: 120_000, polling: 200 }, name);
     await settled(page);
 }
@@ -260,7 +338,11 @@ async function checkBroken(page, name, bytes, why, shown = 'studio.hdr') {
     const { environment, message } = await state(page);
     report(`${name} is refused`, message.includes(why), message);
     const kept = await difference(page, await shot(page, `after-${name}`), before);
-    report(`${name}: the picture stays`, environment === shown && kept.mean === 0, `${environment}; ${said(kept)}`);
+    report(
+        `${name}: the picture stays`,
+        environment === shown && kept.mean === 0,
+        `${environment}; ${said(kept)}`,
+    );
 }
 
 let browser;
@@ -276,10 +358,18 @@ try {
     const page = await open('page');
     await settled(page);
     const { environment, adapter, message } = await state(page);
-    report('the sky is shown', environment === 'sky.exr' && message === null, `on ${adapter}, after ${since()}`);
+    report(
+        'the sky is shown',
+        environment === 'sky.exr' && message === null,
+        `on ${adapter}, after ${since()}`,
+    );
 
     await check(page, 'roughness-0.3', sky);
-    const differs = await difference(page, await shot(page, 'roughness-0.3'), expected('roughness-0.35', sky, { roughness: 0.35 }));
+    const differs = await difference(
+        page,
+        await shot(page, 'roughness-0.3'),
+        expected('roughness-0.35', sky, { roughness: 0.35 }),
+    );
     report('another roughness differs', !agrees(differs), said(differs));
     await check(page, 'roughness-0.6', sky, { roughness: 0.6 });
     await check(page, 'box', sky, { roughness: 0.3, filter: 'box' });
@@ -308,8 +398,15 @@ try {
     await checkMesh(page);
 
     await page.setViewport({ width: 240, height: 300, deviceScaleFactor: 1 });
-    await page.waitForFunction(() => String(window.octagloss.state().size) === '240,300', { timeout: 60_000, polling: 200 });
-    const resized = await difference(page, await shot(page, 'resized'), expected('resized', sky, { size: [240, 300], yaw: -Math.PI / 2 }));
+    await page.waitForFunction(() => String(window.octagloss.state().size) === '240,300', {
+        timeout: 60_000,
+        polling: 200,
+    });
+    const resized = await difference(
+        page,
+        await shot(page, 'resized'),
+        expected('resized', sky, { size: [240, 300], yaw: -Math.PI / 2 }),
+    );
     report('resized', agrees(resized), said(resized));
 
     const refused = await page.evaluate(() => {
@@ -332,20 +429,34 @@ try {
         const page = await open('two pixels a point');
         await set(page, { panel: false });
         const [size, points] = [(await state(page)).size, await page.evaluate('[innerWidth, innerHeight]')];
-        report('two pixels a point', String(size) === String(points.map((side) => 2 * side)), `${size} on ${points}`);
+        report(
+            'two pixels a point',
+            String(size) === String(points.map((side) => 2 * side)),
+            `${size} on ${points}`,
+        );
         await check(page, 'two-pixels-a-point', sky, {}, { size });
     }
     await browser.close();
 
     // Without an adapter, and without the interface.
     browser = await launch(['--disable-features=WebGPU,WebGPUService']);
-    for (const [what, before] of [['adapter', () => {}], ['navigator.gpu', () => delete Navigator.prototype.gpu]]) {
+    for (const [what, before] of [
+        ['adapter', () => {}],
+        ['navigator.gpu', () => delete Navigator.prototype.gpu],
+    ]) {
         const page = await browser.newPage();
         await page.evaluateOnNewDocument(before);
         await page.goto(origin);
         await page.waitForFunction('window.ready === true', { timeout: 60_000 });
-        const shown = await page.$eval('#message', (element) => element.checkVisibility() && element.textContent);
-        report(`without ${what} the page says so`, shown && shown.startsWith('WebGPU is not available.'), shown);
+        const shown = await page.$eval(
+            '#message',
+            (element) => element.checkVisibility() && element.textContent,
+        );
+        report(
+            `without ${what} the page says so`,
+            shown && shown.startsWith('WebGPU is not available.'),
+            shown,
+        );
         await page.screenshot({ path: join(pictures, `no-${what}.png`) });
     }
 } catch (error) {

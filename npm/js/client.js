@@ -9,7 +9,8 @@ const finite = (_, value) => (typeof value === 'number' && !Number.isFinite(valu
 async function bytesOf(source) {
     if (typeof source?.arrayBuffer === 'function') return new Uint8Array(await source.arrayBuffer());
     if (source instanceof ArrayBuffer) return new Uint8Array(source);
-    if (ArrayBuffer.isView(source)) return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
+    if (ArrayBuffer.isView(source))
+        return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
     throw new TypeError('the environment is no Uint8Array, ArrayBuffer, Blob or File');
 }
 
@@ -29,7 +30,10 @@ export function client(spawn, load) {
     function start(call) {
         let worker = idle.pop();
         if (!worker) {
-            worker = spawn((message) => worker.call?.answer(message), (error) => worker.call?.fail(error));
+            worker = spawn(
+                (message) => worker.call?.answer(message),
+                (error) => worker.call?.fail(error),
+            );
             count += 1;
         }
         worker.keep?.(true);
@@ -68,7 +72,13 @@ export function client(spawn, load) {
         signal?.throwIfAborted();
         const name = input ?? source.name ?? 'environment';
         const message = {
-            kind, module: compiled, input: name, bytes, options: JSON.stringify(options, finite), progress: Boolean(onProgress), ...more,
+            kind,
+            module: compiled,
+            input: name,
+            bytes,
+            options: JSON.stringify(options, finite),
+            progress: Boolean(onProgress),
+            ...more,
         };
         return new Promise((resolve, reject) => {
             const cancel = () => settle(true, () => reject(signal.reason));
@@ -94,7 +104,10 @@ export function client(spawn, load) {
 
     return {
         async bake(source, options) {
-            const { result: { files, reports, warnings, preview }, memory } = await ask('bake', source, options);
+            const {
+                result: { files, reports, warnings, preview },
+                memory,
+            } = await ask('bake', source, options);
             const parsed = reports.map((report) => JSON.parse(report));
             return { files, report: parsed[0], reports: parsed, warnings, preview, memory };
         },
@@ -114,7 +127,8 @@ export function client(spawn, load) {
         },
         configure({ workers, module: given } = {}) {
             if (workers !== undefined) {
-                if (!Number.isInteger(workers) || workers < 1) throw new RangeError(`workers is ${workers}; 1 or more are needed`);
+                if (!Number.isInteger(workers) || workers < 1)
+                    throw new RangeError(`workers is ${workers}; 1 or more are needed`);
                 most = workers;
             }
             if (given !== undefined) module = Promise.resolve(given);

@@ -3,7 +3,7 @@ export type Source = Uint8Array | ArrayBuffer | ArrayBufferView | Blob;
 
 /** Options of reading, by the command line's words in camel case. */
 export interface InputOptions {
-    /** Name of the file, for messages and as the default of `name`. Default: that of a `File`, or "environment". */
+    /** Name of the file, for messages and for `name`. Default: that of a `File`, or "environment". */
     input?: string;
     /** Default: by the aspect ratio. */
     layout?: 'auto' | 'equirect' | 'cross' | 'strip' | 'faces' | 'octahedral';
@@ -34,8 +34,19 @@ export type Lobe = 'ggx' | 'phong' | 'cone' | 'cosine' | 'charlie';
 
 /** A target's name; a newer version may have more. */
 export type TargetName =
-    | 'generic' | 'three' | 'filament' | 'bevy' | 'khronos' | 'oem' | 'babylon' | 'gltf-ext' | 'unity' | 'unreal'
-    | 'godot' | 'blender' | (string & {});
+    | 'generic'
+    | 'three'
+    | 'filament'
+    | 'bevy'
+    | 'khronos'
+    | 'oem'
+    | 'babylon'
+    | 'gltf-ext'
+    | 'unity'
+    | 'unreal'
+    | 'godot'
+    | 'blender'
+    | (string & {});
 
 export interface BakeOptions extends InputOptions, CallOptions {
     /** Presets for engines; several write a folder each. Without one, a single KTX2 file of a cube. */
@@ -52,7 +63,14 @@ export interface BakeOptions extends InputOptions, CallOptions {
     filter?: string;
     format?: 'ktx2' | 'ktx' | 'dds' | 'exr' | 'hdr';
     outLayout?:
-        | 'faces' | 'cross' | 'cross-vertical' | 'strip' | 'strip-vertical' | 'equirect' | 'octahedral' | 'parts'
+        | 'faces'
+        | 'cross'
+        | 'cross-vertical'
+        | 'strip'
+        | 'strip-vertical'
+        | 'equirect'
+        | 'octahedral'
+        | 'parts'
         | 'mips';
     pixel?: 'f16' | 'f32' | 'rgb9e5' | 'r11g11b10f' | 'bc6h';
     overflow?: 'clamp' | 'compress' | 'error';
@@ -134,7 +152,11 @@ export interface Info {
     min: [number, number, number];
     max: [number, number, number];
     mean: [number, number, number];
-    sun: { direction: [number, number, number]; irradiance: [number, number, number]; [key: string]: unknown } | null;
+    sun: {
+        direction: [number, number, number];
+        irradiance: [number, number, number];
+        [key: string]: unknown;
+    } | null;
     repaired: { negative: number; nan: number; infinite: number; negative_energy_share: number };
     warnings: string[];
 }
@@ -162,10 +184,13 @@ export function query(source: Source, options: QueryOptions): Promise<Float32Arr
 export function targets(): Promise<TargetInfo[]>;
 
 /**
- * Sets how many workers run calls at the same time (default 1), and the compiled module, where it is not to be
- * loaded from octagloss_npm_bg.wasm beside the package's files.
+ * Sets how many workers run calls at the same time (default 1), and the compiled module, where it is not to
+ * be loaded from octagloss_npm_bg.wasm beside the package's files.
  */
-export function configure(options: { workers?: number; module?: WebAssembly.Module | Promise<WebAssembly.Module> }): void;
+export function configure(options: {
+    workers?: number;
+    module?: WebAssembly.Module | Promise<WebAssembly.Module>;
+}): void;
 
 /** Ends idle workers, which otherwise wait for further calls. */
 export function close(): void;

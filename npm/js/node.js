@@ -3,7 +3,8 @@ import { readFile } from 'node:fs/promises';
 import { Worker } from 'node:worker_threads';
 import { client } from './client.js';
 
-const load = async () => WebAssembly.compile(await readFile(new URL('./octagloss_npm_bg.wasm', import.meta.url)));
+const load = async () =>
+    WebAssembly.compile(await readFile(new URL('./octagloss_npm_bg.wasm', import.meta.url)));
 
 function spawn(onmessage, onerror) {
     // Options such as --input-type are for the main program only.

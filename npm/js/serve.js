@@ -6,10 +6,11 @@ let instance;
 // Errors that the instance does not survive: panics, and traps such as those of failed allocations.
 function described(error, input, isRead) {
     const panicked = error?.name === 'Panic';
-    if (!panicked && !(error instanceof WebAssembly.RuntimeError)) return { message: error.message, ended: false };
+    if (!panicked && !(error instanceof WebAssembly.RuntimeError))
+        return { message: error.message, ended: false };
     const message = isRead
         ? `${input}: octagloss stopped: ${error.message}; a smaller size or source needs less memory`
-        : `${input}: corrupt, or too large for the memory of WebAssembly: the decoder failed; re-export the file`;
+        : `${input}: corrupt, or too large for WebAssembly: the decoder failed; re-export the file`;
     return { message, ended: true };
 }
 
@@ -25,7 +26,15 @@ async function answer({ kind, module, input, bytes, options, progress, direction
                 if (step > last) post({ progress: share });
                 last = Math.max(step, last);
             };
-            result = engine.bake(input, bytes, options, () => { isRead = true; }, progress ? report : undefined);
+            result = engine.bake(
+                input,
+                bytes,
+                options,
+                () => {
+                    isRead = true;
+                },
+                progress ? report : undefined,
+            );
         } else if (kind === 'info') {
             result = engine.info(input, bytes, options);
         } else if (kind === 'targets') {
@@ -33,7 +42,10 @@ async function answer({ kind, module, input, bytes, options, progress, direction
         } else {
             result = engine.query(input, bytes, options, directions, roughness);
         }
-        const buffers = [...(result.files ?? []).map((file) => file.bytes.buffer), ...(result.preview ? [result.preview.buffer] : [])];
+        const buffers = [
+            ...(result.files ?? []).map((file) => file.bytes.buffer),
+            ...(result.preview ? [result.preview.buffer] : []),
+        ];
         post({ result, memory: instance.memory.buffer.byteLength }, buffers);
     } catch (error) {
         post({ error: described(error, input, isRead) });

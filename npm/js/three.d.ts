@@ -4,7 +4,7 @@ import type { BakeOptions, BakeResult } from './index.js';
 export interface EnvironmentOptions extends Omit<BakeOptions, 'target' | 'format'> {
     /** The renderer, for the texture formats that it supports. */
     renderer: object;
-    /** Address of the harmonics of a baked file. Default: NAME_sh.json beside NAME_pmrem.ktx2; null for none. */
+    /** Harmonics of a baked file. Default: NAME_sh.json beside NAME_pmrem.ktx2; null for none. */
     sh?: string | null;
 }
 

@@ -22,9 +22,15 @@ function targetOf(bytes) {
 // KTX2Loader makes one texture of an uncompressed cube, with the six faces one after the other.
 function cubeOf(loaded) {
     if (loaded.isCubeTexture) return loaded;
-    const { image: { width, height }, mipmaps, format, type } = loaded;
+    const {
+        image: { width, height },
+        mipmaps,
+        format,
+        type,
+    } = loaded;
     const faces = Array.from({ length: 6 }, (_, face) => ({
-        width, height,
+        width,
+        height,
         mipmaps: mipmaps.map((level) => {
             const length = level.data.length / 6;
             return { ...level, data: level.data.subarray(face * length, (face + 1) * length) };
@@ -61,12 +67,15 @@ export async function loadEnvironment(source, { renderer, sh, signal, ...options
     let bytes = new Uint8Array(file instanceof Blob ? await file.arrayBuffer() : file);
     const target = targetOf(bytes);
     if (target !== undefined && target !== 'three') {
-        throw new Error(`${url ?? file.name ?? 'the file'}: baked for ${target}; bake the source with the target three`);
+        throw new Error(
+            `${url ?? file.name ?? 'the file'}: baked for ${target}; bake the source with the target three`,
+        );
     }
     let [harmonics, result] = [null, null];
     if (target === 'three') {
         // The name that a bake gives the file beside it.
-        const beside = sh === undefined && url?.includes('_pmrem.ktx2') ? url.replace('_pmrem.ktx2', '_sh.json') : sh;
+        const beside =
+            sh === undefined && url?.includes('_pmrem.ktx2') ? url.replace('_pmrem.ktx2', '_sh.json') : sh;
         if (beside) harmonics = await fetched(beside, signal).then((response) => response.json());
     } else {
         const { bake } = await import('./browser.js');

@@ -1,4 +1,4 @@
-"""Feeds PyTorch: recovers the roughness of a sphere's surface from its picture, under the light of a panorama.
+"""Feeds PyTorch: recovers the roughness of a sphere's surface from its picture, under a panorama's light.
 
     python3 torch_lighting.py [ENVIRONMENT.exr]
 

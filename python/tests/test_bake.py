@@ -74,11 +74,17 @@ def test_levels_are_arrays(sky, tmp_path):
     np.testing.assert_allclose(middle.texels, queried, rtol=0.03)
     bake.write(tmp_path / "late.ktx2", pixel="f32")
     np.testing.assert_array_equal(Environment.from_file(tmp_path / "late.ktx2").texels, mirror.texels)
-    assert {path.name for path in tmp_path.iterdir()} >= {"late.ktx2", "late.irradiance.ktx2", "late.skybox.ktx2"}
+    assert {path.name for path in tmp_path.iterdir()} >= {
+        "late.ktx2",
+        "late.irradiance.ktx2",
+        "late.skybox.ktx2",
+    }
 
 
 def test_levels_may_be_panoramas_and_octahedral_squares(sky, tmp_path):
-    panorama = octagloss.bake(sky, layout="panorama", size=8, levels=2, output=tmp_path / "p", container="hdr")
+    panorama = octagloss.bake(
+        sky, layout="panorama", size=8, levels=2, output=tmp_path / "p", container="hdr"
+    )
     assert [level.texels.shape for level in panorama.levels] == [(8, 16, 3), (4, 8, 3)]
     assert (tmp_path / "p/m0.hdr").is_file()
     octahedral = octagloss.bake(sky, layout="octahedral", size=8, levels=1)

@@ -85,7 +85,12 @@ def bad(value, place=(1, 2, 0), dtype=float):
         (bad(np.inf, (3, 7, 2), np.float32), "panorama", ValueError, r"array\[3, 7, 2\] is inf"),
         (bad(-1e-30), "panorama", ValueError, r"array\[1, 2, 0\] is -1e-30"),
         (bad(1e39), "panorama", ValueError, r"is 1e39; .* at most 3.4"),
-        (np.ones((4, 8)), "panorama", ValueError, r"shape \(4, 8\); the layout panorama needs \(height, width, 3\)"),
+        (
+            np.ones((4, 8)),
+            "panorama",
+            ValueError,
+            r"shape \(4, 8\); the layout panorama needs \(height, width, 3\)",
+        ),
         (np.ones((4, 8, 4)), "panorama", ValueError, r"\(4, 8, 4\)"),
         (np.ones((0, 8, 3)), "panorama", ValueError, "sides must be 1 to 65536"),
         (np.ones((5, 4, 4, 3)), "cube", ValueError, r"the layout cube needs \(6, n, n, 3\)"),

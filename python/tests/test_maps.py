@@ -8,7 +8,9 @@ from octagloss import maps
 
 def test_conventions():
     # The panorama's centre looks along +X, its right half along +Z.
-    np.testing.assert_allclose(maps.equirect_from_direction([[1, 0, 0], [0, 0, 1]]), [[0.5, 0.5], [0.75, 0.5]])
+    np.testing.assert_allclose(
+        maps.equirect_from_direction([[1, 0, 0], [0, 0, 1]]), [[0.5, 0.5], [0.75, 0.5]]
+    )
     np.testing.assert_allclose(maps.equirect_from_direction([0, 5, 0]), [0.5, 0])
     # +Y is the octahedral centre, +X and +Z the midpoints of edges.
     centre = maps.oct_from_direction([[0, 1, 0], [1, 0, 0], [0, 0, 1]])
@@ -24,7 +26,9 @@ def test_conventions():
 def test_round_trips(directions):
     unit = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
     grid = unit.reshape(4, 50, 3)
-    np.testing.assert_allclose(maps.direction_from_equirect(maps.equirect_from_direction(grid)), grid, atol=1e-12)
+    np.testing.assert_allclose(
+        maps.direction_from_equirect(maps.equirect_from_direction(grid)), grid, atol=1e-12
+    )
     np.testing.assert_allclose(maps.direction_from_oct(maps.oct_from_direction(grid)), grid, atol=1e-12)
     faces, uv = maps.cube_from_direction(grid)
     for face in range(6):

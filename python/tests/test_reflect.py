@@ -148,7 +148,19 @@ def test_wrong_arguments_are_named(lamp, directions, roughness, options, error, 
 
 
 def test_spherical_harmonics_equal_the_reports(program, sky, sky_file):
-    arguments = ["bake", sky_file, "--size", "4", "--levels", "1", "--json", "-o", "a.ktx2", "--engine", "cpu"]
+    arguments = [
+        "bake",
+        sky_file,
+        "--size",
+        "4",
+        "--levels",
+        "1",
+        "--json",
+        "-o",
+        "a.ktx2",
+        "--engine",
+        "cpu",
+    ]
     report = program.json(*arguments, "--sh-order", "4")
     ours = sky.sh(4)
     assert ours.dtype == np.float64 and ours.shape == (25, 3)

@@ -12,8 +12,12 @@ const turned = ([x, y, z]) => [-x, y, z];
 
 // Pixels of the unit sphere in the world of glTF, seen by the engine's camera, whose axes come with the
 // picture.
-const pixelsOf = ({ size, right, up }, eye, step) => spherePixels(size, eye, step, [right, up]).map(
-    ({ at, normal, mirrored }) => ({ at, normal: turned(normal), mirrored: turned(mirrored) }));
+const pixelsOf = ({ size, right, up }, eye, step) =>
+    spherePixels(size, eye, step, [right, up]).map(({ at, normal, mirrored }) => ({
+        at,
+        normal: turned(normal),
+        mirrored: turned(mirrored),
+    }));
 
 export async function checkBabylon({ open, bake, query, diffuse, check }) {
     bake('babylon', ['--target', 'babylon']);
@@ -25,17 +29,30 @@ export async function checkBabylon({ open, bake, query, diffuse, check }) {
         const roughness = roughnessOf(level);
         const picture = await render({ url: `/bake/${folder}/world_ibl.env`, roughness, eye });
         const pixels = pixelsOf(picture, eye, 16);
-        return relativeError(shownAt(picture, pixels), query(pixels.map((p) => p.mirrored), roughness));
+        return relativeError(
+            shownAt(picture, pixels),
+            query(
+                pixels.map((p) => p.mirrored),
+                roughness,
+            ),
+        );
     };
     for (const level of LEVELS) {
         let worst = 0;
         for (const eye of EYES) worst = Math.max(worst, await errorOf('babylon', level, eye));
-        check(`babylon .env, level ${level} of roughness ${roughnessOf(level).toFixed(3)}, ${EYES.length} views`,
-            worst < TOLERANCE, `relative error ${worst.toFixed(4)}`);
+        check(
+            `babylon .env, level ${level} of roughness ${roughnessOf(level).toFixed(3)}, ${EYES.length} views`,
+            worst < TOLERANCE,
+            `relative error ${worst.toFixed(4)}`,
+        );
     }
     // The comparison detects a cube with the wrong flip.
     const unflipped = await errorOf('babylon-unflipped', 3, EYES.at(-1));
-    check('babylon, a cube that is not flipped is seen', unflipped > 10 * TOLERANCE, `relative error ${unflipped.toFixed(4)}`);
+    check(
+        'babylon, a cube that is not flipped is seen',
+        unflipped > 10 * TOLERANCE,
+        `relative error ${unflipped.toFixed(4)}`,
+    );
 
     // Irradiance over pi, as evaluated by the engine's shader from its parser's result
     // (harmonicsFunctions.fx, computeEnvironmentIrradiance).
@@ -48,7 +65,9 @@ export async function checkBabylon({ open, bake, query, diffuse, check }) {
     const irradiance = (normal) => {
         const [x, y, z] = turned(normal);
         const terms = { x, y, z, xx: x * x, yy: y * y, zz: z * z, xy: x * y, yz: y * z, zx: z * x };
-        return [0, 1, 2].map((c) => Object.entries(terms).reduce((sum, [name, t]) => sum + t * found[name][c], 0));
+        return [0, 1, 2].map((c) =>
+            Object.entries(terms).reduce((sum, [name, t]) => sum + t * found[name][c], 0),
+        );
     };
     const error = relativeError(normals.map(irradiance), diffuse(normals));
     // Share of bands above the second in this environment's irradiance.

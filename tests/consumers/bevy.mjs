@@ -29,11 +29,26 @@ const { bake, query, diffuse } = programAt(program, work);
 // Pictures of jobs { subject, roughness, folder, eye }: rows upwards of four floats.
 function pictures(jobs) {
     const lines = jobs.map(({ subject, roughness, folder, eye }) =>
-        [subject, roughness, `${folder}/world_specular.ktx2`, `${folder}/world_diffuse.ktx2`, ...eye].join(' '));
-    const built = ['run', '--release', '--locked', '--quiet', '--manifest-path', join(root, 'tests/consumers/bevy/Cargo.toml'),
-        '--target-dir', join(root, 'target/bevy'), '--', work];
+        [subject, roughness, `${folder}/world_specular.ktx2`, `${folder}/world_diffuse.ktx2`, ...eye].join(
+            ' ',
+        ),
+    );
+    const built = [
+        'run',
+        '--release',
+        '--locked',
+        '--quiet',
+        '--manifest-path',
+        join(root, 'tests/consumers/bevy/Cargo.toml'),
+        '--target-dir',
+        join(root, 'target/bevy'),
+        '--',
+        work,
+    ];
     const bytes = execFileSync('cargo', built, {
-        input: `${lines.join('\n')}\n`, maxBuffer: 1 << 30, stdio: ['pipe', 'pipe', 'inherit'],
+        input: `${lines.join('\n')}\n`,
+        maxBuffer: 1 << 30,
+        stdio: ['pipe', 'pipe', 'inherit'],
     });
     const floats = new Float32Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
     if (floats.length !== jobs.length * SIZE * SIZE * 4) throw new Error(`${bytes.length} bytes of pictures`);
@@ -54,13 +69,20 @@ const expectedOf = {
     // Single reflection by the lobe, the rest as diffuse. The engine's reflectance fit (pbr_lighting.wgsl,
     // F_AB) sums to 1 - 0.55 roughness for a white metal, for any view.
     metal: (pixels, roughness) => {
-        const lobes = query(pixels.map((p) => drawn(p, roughness)), roughness);
+        const lobes = query(
+            pixels.map((p) => drawn(p, roughness)),
+            roughness,
+        );
         const rest = diffuse(pixels.map((p) => p.normal));
         const once = 1 - 0.55 * roughness;
         return pixels.map((_, k) => lobes[k].map((v, c) => once * v + (1 - once) * rest[k][c]));
     },
     diffuse: (pixels) => diffuse(pixels.map((p) => p.normal)),
-    sky: (pixels) => query(pixels.map((p) => p.direction), 0),
+    sky: (pixels) =>
+        query(
+            pixels.map((p) => p.direction),
+            0,
+        ),
 };
 
 try {
@@ -69,15 +91,40 @@ try {
     const checks = [
         // Letters have hard edges, on which two bilinear filters differ.
         { what: 'skybox', subject: 'sky', roughness: 0, eyes: EYES, most: 0.12 },
-        ...LADDER.map((roughness) => ({ what: 'EnvironmentMapLight on metal', subject: 'metal', roughness, eyes: EYES, most: TOLERANCE })),
-        { what: 'EnvironmentMapLight on a diffuse surface', subject: 'diffuse', roughness: 1, eyes: EYES, most: TOLERANCE },
+        ...LADDER.map((roughness) => ({
+            what: 'EnvironmentMapLight on metal',
+            subject: 'metal',
+            roughness,
+            eyes: EYES,
+            most: TOLERANCE,
+        })),
+        {
+            what: 'EnvironmentMapLight on a diffuse surface',
+            subject: 'diffuse',
+            roughness: 1,
+            eyes: EYES,
+            most: TOLERANCE,
+        },
         // The comparison detects a cube with the wrong flip.
         { what: 'skybox that is not flipped', subject: 'sky', roughness: 0, eyes: [EYES[4]], least: 0.3 },
-        { what: 'metal under a cube that is not flipped', subject: 'metal', roughness: LADDER[1], eyes: [EYES.at(-1)], least: 0.2 },
-        { what: 'diffuse surface under a cube that is not flipped', subject: 'diffuse', roughness: 1, eyes: [EYES.at(-1)], least: 0.2 },
+        {
+            what: 'metal under a cube that is not flipped',
+            subject: 'metal',
+            roughness: LADDER[1],
+            eyes: [EYES.at(-1)],
+            least: 0.2,
+        },
+        {
+            what: 'diffuse surface under a cube that is not flipped',
+            subject: 'diffuse',
+            roughness: 1,
+            eyes: [EYES.at(-1)],
+            least: 0.2,
+        },
     ];
     const jobs = checks.flatMap(({ subject, roughness, eyes, least }) =>
-        eyes.map((eye) => ({ subject, roughness, folder: least ? 'bevy-unflipped' : 'bevy', eye })));
+        eyes.map((eye) => ({ subject, roughness, folder: least ? 'bevy-unflipped' : 'bevy', eye })),
+    );
     const shown = pictures(jobs);
     for (const { what, subject, roughness, eyes, most, least } of checks) {
         const errors = eyes.map((eye) => {
@@ -90,7 +137,11 @@ try {
             ? [Math.min(...errors), Math.min(...errors) > least]
             : [Math.max(...errors), Math.max(...errors) < most];
         const of = subject === 'metal' ? `, roughness ${roughness.toFixed(3)}` : '';
-        check(`bevy ${what}${of}, ${eyes.length} views`, ok, `relative error ${error.toFixed(4)}${least ? ', as it must' : ''}`);
+        check(
+            `bevy ${what}${of}, ${eyes.length} views`,
+            ok,
+            `relative error ${error.toFixed(4)}${least ? ', as it must' : ''}`,
+        );
     }
 } catch (error) {
     check('run', false, error.stack);

@@ -4,9 +4,9 @@
     apt-get install libfilament-tools
     cmgen.py target/release/octagloss hdr/sky.exr -o hdr/cmgen.png
 
-Both bake five levels of Filament's ladder at 256 x 256. Each sphere is a mirror that looks up one level, bilinearly within
-a face. cmgen puts the panorama's centre at +Z; our bake is turned to match.
-"""
+Both bake five levels of Filament's ladder at 256 x 256. Each sphere is a mirror that looks up one level,
+bilinearly within a face. cmgen puts the panorama's centre at +Z; our bake is turned to match. """
+
 import argparse
 import pathlib
 import subprocess
@@ -73,7 +73,9 @@ def sphere(faces, towards, exposure):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("program"), parser.add_argument("environment")
     parser.add_argument("-o", "--output", required=True)
     parser.add_argument("--towards", type=float, nargs=3, default=[-0.7, 0.25, 0.65])
@@ -82,11 +84,29 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         theirs, ours = pathlib.Path(scratch) / "cmgen", pathlib.Path(scratch) / "octagloss"
         subprocess.run(
-            ["cmgen", "--quiet", "--type=cubemap", "--format=exr", "--size=256", f"--ibl-ld={theirs}", args.environment],
+            [
+                "cmgen",
+                "--quiet",
+                "--type=cubemap",
+                "--format=exr",
+                "--size=256",
+                f"--ibl-ld={theirs}",
+                args.environment,
+            ],
             check=True,
         )
         subprocess.run(
-            [args.program, "bake", args.environment, "--rotate-y", "-90", "--ladder", "filament", "--levels", "5"]
+            [
+                args.program,
+                "bake",
+                args.environment,
+                "--rotate-y",
+                "-90",
+                "--ladder",
+                "filament",
+                "--levels",
+                "5",
+            ]
             + ["--format", "exr", "--pixel", "f32", "--quiet", "-o", str(ours)],
             check=True,
         )

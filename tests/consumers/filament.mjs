@@ -16,7 +16,13 @@ export async function checkFilament({ open, bake, query, diffuse, check }) {
     const skyError = async (folder, looking) => {
         const picture = await call('sky', { url: `/bake/${folder}/world_skybox.ktx`, looking });
         const pixels = skyPixels(picture.size, looking, 9);
-        return relativeError(shownAt(picture, pixels), query(pixels.map((p) => p.direction), 0));
+        return relativeError(
+            shownAt(picture, pixels),
+            query(
+                pixels.map((p) => p.direction),
+                0,
+            ),
+        );
     };
     let worst = 0;
     for (const looking of EYES.slice(0, 6)) worst = Math.max(worst, await skyError('filament', looking));
@@ -31,10 +37,17 @@ export async function checkFilament({ open, bake, query, diffuse, check }) {
             const picture = await call('sphere', { url: '/bake/filament/world_ibl.ktx', roughness, eye });
             const pixels = spherePixels(picture.size, eye, 16);
             // A white metal reflects all light: the engine compensates for multiple scattering.
-            const expected = query(pixels.map((p) => drawn(p, roughness)), roughness);
+            const expected = query(
+                pixels.map((p) => drawn(p, roughness)),
+                roughness,
+            );
             worst = Math.max(worst, relativeError(shownAt(picture, pixels), expected));
         }
-        check(`filament IBL, roughness ${roughness.toFixed(3)}, 3 views`, worst < TOLERANCE, `relative error ${worst.toFixed(4)}`);
+        check(
+            `filament IBL, roughness ${roughness.toFixed(3)}, 3 views`,
+            worst < TOLERANCE,
+            `relative error ${worst.toFixed(4)}`,
+        );
     }
 
     // Irradiance over pi, as evaluated by the engine's shader from its parser's result.
@@ -50,6 +63,10 @@ export async function checkFilament({ open, bake, query, diffuse, check }) {
     };
     const error = relativeError(normals.map(irradiance), diffuse(normals));
     // Share of bands above the second in this environment's irradiance.
-    check('filament spherical harmonics', sh.length === 27 && error < 0.03, `relative error ${error.toFixed(4)}`);
+    check(
+        'filament spherical harmonics',
+        sh.length === 27 && error < 0.03,
+        `relative error ${error.toFixed(4)}`,
+    );
     await page.close();
 }

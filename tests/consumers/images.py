@@ -2,8 +2,8 @@
 
     python tests/consumers/images.py PROGRAM
 
-Both must read the same numbers, and those that `octagloss query` gives. Exit status 0 when all agree, 1 otherwise.
-"""
+Both must read the same numbers, and those that `octagloss query` gives. Exit status 0 when all agree, 1
+otherwise. """
 
 import subprocess
 import sys
@@ -49,7 +49,19 @@ def by_oiio(path):
 
 def query(program, environment, directions, roughness):
     text = "x,y,z\n" + "\n".join(",".join(repr(float(v)) for v in d) for d in directions) + "\n"
-    rows = run(program, "query", environment, "--directions", "-", "--roughness", str(roughness), "--oem-size", "512", "--quiet", text=text)
+    rows = run(
+        program,
+        "query",
+        environment,
+        "--directions",
+        "-",
+        "--roughness",
+        str(roughness),
+        "--oem-size",
+        "512",
+        "--quiet",
+        text=text,
+    )
     return np.array([[float(v) for v in row.split(",")[3:]] for row in rows.strip().split("\n")[1:]])
 
 
@@ -71,8 +83,24 @@ def main(program):
         for pixel, dtype in (("f16", np.float16), ("f32", np.float32), (None, None)):
             out = folder / f"bake-{pixel}"
             options = ["--pixel", pixel] if pixel else []
-            run(program, "bake", environment, "--size", "64", "--levels", "5", "--format", "exr", "--bounds",
-                "--irradiance", "8", *options, "-o", str(out), "--quiet")
+            run(
+                program,
+                "bake",
+                environment,
+                "--size",
+                "64",
+                "--levels",
+                "5",
+                "--format",
+                "exr",
+                "--bounds",
+                "--irradiance",
+                "8",
+                *options,
+                "-o",
+                str(out),
+                "--quiet",
+            )
             files = sorted(out.glob("*.exr"))
             # Five levels of six faces, those of irradiance, and bounds of the four levels that have them.
             failures += check(len(files) == 30 + 6 + 24, f"{pixel or 'auto'}: {len(files)} files")
@@ -106,10 +134,24 @@ def main(program):
         # A BC6H cube: OpenImageIO stacks its faces. Level 0 only: the reader expects the others elsewhere.
         labelled = str(ROOT / "hdr" / "labelled.exr")
         for options, place in ((["--pixel", "bc6h"], "a.dds"), (["--format", "exr"], "a")):
-            run(program, "bake", labelled, "--size", "64", "--levels", "1", *options, "-o", str(folder / place), "--quiet")
+            run(
+                program,
+                "bake",
+                labelled,
+                "--size",
+                "64",
+                "--levels",
+                "1",
+                *options,
+                "-o",
+                str(folder / place),
+                "--quiet",
+            )
         buffer = oiio.ImageBuf(str(folder / "a.dds"))
         shown = buffer.get_pixels(oiio.FLOAT)[:, :, :3]
-        failures += check(not buffer.has_error and shown.shape == (384, 64, 3), f"DDS by OpenImageIO: {shown.shape}")
+        failures += check(
+            not buffer.has_error and shown.shape == (384, 64, 3), f"DDS by OpenImageIO: {shown.shape}"
+        )
         exact = [by_oiio(folder / "a" / f"m0_{name}.exr") for name in FACES]
         exact = np.concatenate([np.stack([face[c] for c in "RGB"], -1) for face in exact])
         error = relative(shown, exact)

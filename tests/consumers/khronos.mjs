@@ -17,9 +17,10 @@ const dielectric = (base, more = {}) => ({
     pbrMetallicRoughness: { baseColorFactor: [base, base, base, 1], metallicFactor: 0 },
     extensions: { KHR_materials_specular: { specularFactor: 0 }, ...more },
 });
-const sheen = (roughness) => dielectric(0, {
-    KHR_materials_sheen: { sheenColorFactor: [1, 1, 1], sheenRoughnessFactor: roughness },
-});
+const sheen = (roughness) =>
+    dielectric(0, {
+        KHR_materials_sheen: { sheenColorFactor: [1, 1, 1], sheenRoughnessFactor: roughness },
+    });
 
 // Keeps the brightest value just below the eight-bit maximum.
 const exposureOf = (expected) => 0.9 / Math.max(...expected.flat());
@@ -29,8 +30,12 @@ export async function checkKhronos({ open, octagloss, work, bake, query, diffuse
     bake('khronos-flipped', ['--target', 'khronos', '--flip', 'z']);
     octagloss(['dfg', '--quiet', '--charlie', '-o', join(work, 'dfg.ktx2')]);
     const page = await open('khronos.html');
-    const call = (name, folder, options) => page.evaluate((f, o) => window[f](o), name,
-        { folder: `/bake/${folder}`, table: '/bake/dfg.ktx2', ...options });
+    const call = (name, folder, options) =>
+        page.evaluate((f, o) => window[f](o), name, {
+            folder: `/bake/${folder}`,
+            table: '/bake/dfg.ktx2',
+            ...options,
+        });
     const shownAt = (picture, pixels) => pixels.map(({ at }) => picture.pixels.slice(4 * at, 4 * at + 3));
 
     // The worst error over `eyes` against `expectedOf` pixels of the sphere, and whether all levels were
@@ -48,7 +53,10 @@ export async function checkKhronos({ open, octagloss, work, bake, query, diffuse
     };
     const skyError = async (folder, looking) => {
         const pixels = skyPixels(SIZE, looking, 9);
-        const expected = query(pixels.map((p) => p.direction), 0);
+        const expected = query(
+            pixels.map((p) => p.direction),
+            0,
+        );
         const picture = await call('sky', folder, { looking, exposure: exposureOf(expected) });
         return relativeError(shownAt(picture, pixels), expected);
     };
@@ -61,22 +69,42 @@ export async function checkKhronos({ open, octagloss, work, bake, query, diffuse
 
     for (const roughness of LADDER) {
         // A white metal reflects all light, straight along the mirrored view.
-        const [error, all] = await sphereError('khronos', metal(roughness), EYES,
-            (pixels) => query(pixels.map((p) => p.mirrored), roughness));
-        check(`khronos GGX, roughness ${roughness.toFixed(3)}, ${EYES.length} views`, error < TOLERANCE && all,
-            `relative error ${error.toFixed(4)}`);
+        const [error, all] = await sphereError('khronos', metal(roughness), EYES, (pixels) =>
+            query(
+                pixels.map((p) => p.mirrored),
+                roughness,
+            ),
+        );
+        check(
+            `khronos GGX, roughness ${roughness.toFixed(3)}, ${EYES.length} views`,
+            error < TOLERANCE && all,
+            `relative error ${error.toFixed(4)}`,
+        );
     }
     for (const roughness of LADDER) {
         const eyes = EYES.slice(-2);
         const expectedOf = (pixels) => {
-            const lobes = query(pixels.map((p) => p.mirrored), roughness, 'charlie');
+            const lobes = query(
+                pixels.map((p) => p.mirrored),
+                roughness,
+                'charlie',
+            );
             return pixels.map((p, k) => lobes[k].map((v) => v * sheenReflected(p.cosine, roughness)));
         };
         const [error] = await sphereError('khronos', sheen(roughness), eyes, expectedOf);
-        check(`khronos Charlie and its table, roughness ${roughness.toFixed(3)}, ${eyes.length} views`, error < TOLERANCE,
-            `relative error ${error.toFixed(4)}`);
+        check(
+            `khronos Charlie and its table, roughness ${roughness.toFixed(3)}, ${eyes.length} views`,
+            error < TOLERANCE,
+            `relative error ${error.toFixed(4)}`,
+        );
     }
-    const [error] = await sphereError('khronos', dielectric(1), EYES, (pixels) => diffuse(pixels.map((p) => p.normal)));
-    check(`khronos Lambertian, ${EYES.length} views`, error < TOLERANCE, `relative error ${error.toFixed(4)}`);
+    const [error] = await sphereError('khronos', dielectric(1), EYES, (pixels) =>
+        diffuse(pixels.map((p) => p.normal)),
+    );
+    check(
+        `khronos Lambertian, ${EYES.length} views`,
+        error < TOLERANCE,
+        `relative error ${error.toFixed(4)}`,
+    );
     await page.close();
 }

@@ -22,7 +22,18 @@ export function spherePixels(size, eye, step, [right, up] = axesOf(eye)) {
             if (rr > 0.8) continue;
             const normal = unit([0, 1, 2].map((c) => right[c] * x + up[c] * y + eye[c] * Math.sqrt(1 - rr)));
             const cosine = dot(normal, eye);
-            pixels.push({ at: j * size + i, normal, cosine, mirrored: unit(add(eye.map((v) => -v), 2 * cosine, normal)) });
+            pixels.push({
+                at: j * size + i,
+                normal,
+                cosine,
+                mirrored: unit(
+                    add(
+                        eye.map((v) => -v),
+                        2 * cosine,
+                        normal,
+                    ),
+                ),
+            });
         }
     }
     return pixels;
@@ -31,7 +42,13 @@ export function spherePixels(size, eye, step, [right, up] = axesOf(eye)) {
 // Look-up direction of both engines: the mirrored one, bent towards the normal by roughness^4 (three:
 // envmap_physical_pars_fragment.glsl.js; Filament: getReflectedVector in surface_light_indirect.fs).
 export const drawn = ({ mirrored, normal }, roughness) =>
-    unit(add(mirrored.map((v) => v * (1 - roughness ** 4)), roughness ** 4, normal));
+    unit(
+        add(
+            mirrored.map((v) => v * (1 - roughness ** 4)),
+            roughness ** 4,
+            normal,
+        ),
+    );
 
 // Single-scattering reflectance of a white GGX metal for the view's cosine: height-correlated Smith, by 4096
 // points.
@@ -48,11 +65,15 @@ export function reflected(cosine, roughness) {
         const [c, s] = [Math.sqrt(cos2), Math.sqrt(1 - cos2)];
         const half = [s * Math.cos(2 * Math.PI * v), s * Math.sin(2 * Math.PI * v), c];
         const vh = dot(view, half);
-        const light = add(view.map((w) => -w), 2 * vh, half);
+        const light = add(
+            view.map((w) => -w),
+            2 * vh,
+            half,
+        );
         if (light[2] <= 0 || vh <= 0) continue;
         const lambda = (z) => Math.sqrt(z * z * (1 - alpha * alpha) + alpha * alpha);
         const visibility = 0.5 / (light[2] * lambda(cosine) + cosine * lambda(light[2]));
-        sum += visibility * light[2] * 4 * vh / c;
+        sum += (visibility * light[2] * 4 * vh) / c;
     }
     return sum / count;
 }
@@ -69,24 +90,34 @@ export function sheenReflected(cosine, roughness) {
         const s = Math.sqrt(1 - z * z);
         const light = [s * Math.cos(phi), s * Math.sin(phi), z];
         const half = unit(add(view, 1, light));
-        const distribution = (2 + 1 / alpha) * Math.sqrt(1 - half[2] * half[2]) ** (1 / alpha) / (2 * Math.PI);
-        sum += distribution * z / (4 * (z + cosine - z * cosine));
+        const distribution =
+            ((2 + 1 / alpha) * Math.sqrt(1 - half[2] * half[2]) ** (1 / alpha)) / (2 * Math.PI);
+        sum += (distribution * z) / (4 * (z + cosine - z * cosine));
     }
-    return 2 * Math.PI * sum / count;
+    return (2 * Math.PI * sum) / count;
 }
 
 const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
 // Relative RMS error of the luminance of `shown` against `expected`, lists of colours.
 export function relativeError(shown, expected) {
-    if (shown.length !== expected.length || shown.length < 100) throw new Error(`${shown.length} pixels to compare`);
+    if (shown.length !== expected.length || shown.length < 100)
+        throw new Error(`${shown.length} pixels to compare`);
     const sum = (f) => shown.reduce((total, _, k) => total + f(k), 0);
     const error = sum((k) => [0, 1, 2].reduce((e, c) => e + (shown[k][c] - expected[k][c]) ** 2, 0) / 3);
     return Math.sqrt(error / sum((k) => luminance(expected[k]) ** 2));
 }
 
 // View directions: the six sides of the world, and a corner.
-export const EYES = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1], unit([1, 0.7, -0.5])];
+export const EYES = [
+    [1, 0, 0],
+    [-1, 0, 0],
+    [0, 1, 0],
+    [0, -1, 0],
+    [0, 0, 1],
+    [0, 0, -1],
+    unit([1, 0.7, -0.5]),
+];
 
 // Pixels of a square view of 90 degrees `looking` along a unit vector, rows upwards: index and direction.
 export function skyPixels(size, looking, step) {

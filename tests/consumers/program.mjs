@@ -9,11 +9,20 @@ export const environment = join(root, 'hdr', 'labelled.exr');
 // `program` and the folder `work` for its outputs.
 export function programAt(program, work) {
     const octagloss = (args, input) =>
-        execFileSync(program, args, { input, encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['pipe', 'pipe', 'inherit'] });
+        execFileSync(program, args, {
+            input,
+            encoding: 'utf8',
+            maxBuffer: 1 << 28,
+            stdio: ['pipe', 'pipe', 'inherit'],
+        });
     const ask = (directions, args) => {
         const csv = 'x,y,z\n' + directions.map((d) => d.join(',')).join('\n') + '\n';
         const rows = octagloss(['query', environment, '--directions', '-', '--quiet', ...args], csv);
-        return rows.trim().split('\n').slice(1).map((row) => row.split(',').slice(3).map(Number));
+        return rows
+            .trim()
+            .split('\n')
+            .slice(1)
+            .map((row) => row.split(',').slice(3).map(Number));
     };
     return {
         work,
@@ -21,7 +30,8 @@ export function programAt(program, work) {
         bake: (folder, args) =>
             octagloss(['bake', environment, '--quiet', '--name', 'world', '-o', join(work, folder), ...args]),
         // Radiance of a lobe around each of `directions`.
-        query: (directions, roughness, lobe = 'ggx') => ask(directions, ['--roughness', String(roughness), '--lobe', lobe]),
+        query: (directions, roughness, lobe = 'ggx') =>
+            ask(directions, ['--roughness', String(roughness), '--lobe', lobe]),
         // Irradiance over pi for each of `normals`.
         diffuse: (normals) => ask(normals, ['--lobe', 'cosine']),
     };

@@ -38,7 +38,9 @@ const server = createServer((request, response) => {
     const file = path.startsWith('/bake/') ? join(work, path.slice(6)) : join(here, path);
     try {
         const body = readFileSync(file);
-        response.writeHead(200, { 'content-type': types[extname(file)] ?? 'application/octet-stream' }).end(body);
+        response
+            .writeHead(200, { 'content-type': types[extname(file)] ?? 'application/octet-stream' })
+            .end(body);
     } catch {
         response.writeHead(404).end();
     }
@@ -64,7 +66,12 @@ try {
         executablePath: chromium,
         headless: true,
         protocolTimeout: 600_000,
-        args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+        args: [
+            '--no-sandbox',
+            '--use-angle=swiftshader',
+            '--enable-unsafe-swiftshader',
+            '--ignore-gpu-blocklist',
+        ],
     });
     const parts = { open, check, ...programAt(program, work) };
     for (const engine of engines) await checks[engine](parts);

@@ -1,7 +1,9 @@
 // A unit sphere as GLB, for the pages of engines that read glTF.
 
 // White metal.
-const metal = (roughness) => ({ pbrMetallicRoughness: { baseColorFactor: [1, 1, 1, 1], metallicFactor: 1, roughnessFactor: roughness } });
+const metal = (roughness) => ({
+    pbrMetallicRoughness: { baseColorFactor: [1, 1, 1, 1], metallicFactor: 1, roughnessFactor: roughness },
+});
 
 // `more` is additional JSON of the file; the sphere is node 0 of scene 0.
 function sphereGlb(material, more = {}) {
@@ -10,7 +12,7 @@ function sphereGlb(material, more = {}) {
     const indices = [];
     for (let j = 0; j <= rows; j++) {
         for (let i = 0; i <= columns; i++) {
-            const [theta, phi] = [Math.PI * j / rows, 2 * Math.PI * i / columns];
+            const [theta, phi] = [(Math.PI * j) / rows, (2 * Math.PI * i) / columns];
             positions.push(Math.sin(theta) * Math.cos(phi), Math.cos(theta), Math.sin(theta) * Math.sin(phi));
             if (j === rows || i === columns) continue;
             const at = j * (columns + 1) + i;
@@ -23,7 +25,10 @@ function sphereGlb(material, more = {}) {
     binary.set(new Uint8Array(new Float32Array(positions).buffer));
     binary.set(new Uint8Array(new Uint32Array(indices).buffer), positions.length * 4);
     const json = JSON.stringify({
-        asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+        asset: { version: '2.0' },
+        scene: 0,
+        scenes: [{ nodes: [0] }],
+        nodes: [{ mesh: 0 }],
         meshes: [{ primitives: [{ attributes: { POSITION: 0, NORMAL: 0 }, indices: 1, material: 0 }] }],
         materials: [material],
         buffers: [{ byteLength: binary.length }],
@@ -40,7 +45,9 @@ function sphereGlb(material, more = {}) {
     const text = new TextEncoder().encode(json.padEnd(Math.ceil(json.length / 4) * 4));
     const glb = new Uint8Array(20 + text.length + 8 + binary.length);
     const view = new DataView(glb.buffer);
-    [0x46546c67, 2, glb.length, text.length, 0x4e4f534a].forEach((word, k) => view.setUint32(4 * k, word, true));
+    [0x46546c67, 2, glb.length, text.length, 0x4e4f534a].forEach((word, k) =>
+        view.setUint32(4 * k, word, true),
+    );
     glb.set(text, 20);
     view.setUint32(20 + text.length, binary.length, true);
     view.setUint32(24 + text.length, 0x004e4942, true);

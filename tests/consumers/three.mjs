@@ -17,15 +17,17 @@ export async function checkThree({ open, bake, query, diffuse, check }) {
 
     // Expected sphere: single reflection by the lobe, the rest as diffuse.
     const expectedOf = (pixels, roughness) => {
-        const lobes = query(pixels.map((p) => drawn(p, roughness)), roughness);
+        const lobes = query(
+            pixels.map((p) => drawn(p, roughness)),
+            roughness,
+        );
         const rest = diffuse(pixels.map((p) => p.normal));
         return pixels.map((p, k) => {
             const once = reflected(p.cosine, roughness);
             return lobes[k].map((v, c) => once * v + (1 - once) * rest[k][c]);
         });
     };
-    const shownAt = (picture, pixels) =>
-        pixels.map(({ at }) => picture.pixels.slice(4 * at, 4 * at + 3));
+    const shownAt = (picture, pixels) => pixels.map(({ at }) => picture.pixels.slice(4 * at, 4 * at + 3));
 
     const files = [
         ['KTX2 f16', '/bake/three/world_pmrem.ktx2', EYES],
@@ -43,8 +45,11 @@ export async function checkThree({ open, bake, query, diffuse, check }) {
                 worst = Math.max(worst, relativeError(shownAt(picture, pixels), expected.get(key)));
                 levels = picture.levels;
             }
-            check(`three ${name}, roughness ${roughness.toFixed(3)}, ${eyes.length} views, ${levels} levels`,
-                worst < TOLERANCE && levels === 6, `relative error ${worst.toFixed(4)}`);
+            check(
+                `three ${name}, roughness ${roughness.toFixed(3)}, ${eyes.length} views, ${levels} levels`,
+                worst < TOLERANCE && levels === 6,
+                `relative error ${worst.toFixed(4)}`,
+            );
         }
     }
     // The comparison detects a cube with the wrong flip.
@@ -52,6 +57,10 @@ export async function checkThree({ open, bake, query, diffuse, check }) {
     const picture = await render('/bake/three-unflipped/world_pmrem.ktx2', LADDER[0], eye);
     const pixels = spherePixels(picture.size, eye, 16);
     const error = relativeError(shownAt(picture, pixels), expected.get(`${LADDER[0]} ${eye}`));
-    check('three, a cube that is not flipped is seen', error > 10 * TOLERANCE, `relative error ${error.toFixed(4)}`);
+    check(
+        'three, a cube that is not flipped is seen',
+        error > 10 * TOLERANCE,
+        `relative error ${error.toFixed(4)}`,
+    );
     await page.close();
 }
