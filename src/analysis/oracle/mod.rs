@@ -141,7 +141,12 @@ impl<'a> Oracle<'a> {
         if total == 0.0 && edge.iter().all(|texel| texel.radiance == [0.0; 3]) {
             return [0.0; 3];
         }
-        let mean = total / (edge.iter().map(|e| e.estimate).sum::<f64>() + sum.kernel);
+        // Estimates that find no light say nothing of the mean: refine all, as if it were the greatest.
+        let mean = if total > 0.0 {
+            total / (edge.iter().map(|e| e.estimate).sum::<f64>() + sum.kernel)
+        } else {
+            edge.iter().map(|e| brightest(e.radiance)).fold(0.0, f64::max)
+        };
         for texel in edge {
             // A texel counts in the sum over the kernel too, with the mean radiance. Every halving makes the
             // doubt about a kink or a jump at least 2^1.5 times less.
@@ -154,6 +159,10 @@ impl<'a> Oracle<'a> {
                 texel.estimate
             };
             sum.add(value, texel.radiance);
+        }
+        if sum.kernel == 0.0 {
+            // A cone that falls between all samples lies inside the texel looked at.
+            return self.texel_towards(direction).map(f64::from);
         }
         sum.radiance.map(|channel| channel / sum.kernel)
     }

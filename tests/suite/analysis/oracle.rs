@@ -315,6 +315,43 @@ fn harmonics_of_known_fields_match() {
     }
 }
 
+/// Cones inside one large texel, which samples of the texel miss: its radiance, be it black or as bright as can
+/// be, whatever the others'.
+#[test]
+fn a_narrow_cone_shows_the_texel_it_lies_in() {
+    let mut random = Random::new(41);
+    let mut compared = 0;
+    for layout in [
+        Layout::Octahedral { size: 2 },
+        Layout::Cube { size: 1 },
+        Layout::Panorama { width: 2, height: 1 },
+        Layout::Octahedral { size: 5 },
+    ] {
+        let light = |k: usize| [[0.0; 3], [3e38; 3], [1e-45; 3], [1.0; 3]][k % 4];
+        let environment = environment(layout, (0..layout.texel_count()).map(light).collect());
+        let oracle = Oracle::new(&environment);
+        for roughness in [4e-5, 1e-3, 0.018, 0.03] {
+            let spread = roughness * PI / 2.0;
+            for _ in 0..40 {
+                let direction = random.direction();
+                let seen = oracle.reflect(Lobe::Cone, 0.0, direction);
+                // Whole cones only: around the rim all must look at one texel.
+                let (x, y) = direction.any_orthonormal_pair();
+                let within = (0..64).map(|k| f64::from(k) / 32.0 * PI).all(|angle| {
+                    let rim = direction + (x * angle.cos() + y * angle.sin()) * (1.1 * spread.tan());
+                    oracle.reflect(Lobe::Cone, 0.0, rim) == seen
+                });
+                if within {
+                    let value = oracle.reflect(Lobe::Cone, roughness, direction);
+                    assert!(difference(value, seen) < 1e-12, "{layout:?} {roughness} {direction}: {value:?}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 500, "{compared} cones lay inside a texel");
+}
+
 #[test]
 fn harmonics_of_a_lone_texel_are_its_integrals() {
     let mut random = Random::new(7);
