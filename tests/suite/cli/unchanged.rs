@@ -58,7 +58,7 @@ fn unchanged_outputs_stay_whatever_the_container() {
         &["-o", "a.dds", "--pixel", "bc6h"],
         &["-o", "a", "--format", "exr", "--bounds", "--preview", "a.png"],
         &["-o", "a", "--format", "hdr", "--irradiance", "2"],
-        &["-o", "a", "--target", "khronos"],
+        &["-o", "a", "--target", "khronos", "--filter", "adaptive:0.5"],
         &["-o", "a", "--target", "three,bevy,filament"],
     ];
     for kind in kinds {
