@@ -197,13 +197,6 @@ fn extreme_mean(samples: &[Answer], weights: &[f32]) -> Answer {
     Answer { radiance, bound }
 }
 
-/// Directions per full width at half maximum. Equal steps miss exp(-2 pi^2 sigma^2/step^2) of a Gaussian, whose
-/// width is 2.355 sigma: 1e-6 for two a width, and a Charlie lobe is a band of Gaussian profile. The peak of GGX is
-/// sharper.
-fn samples_per_width(lobe: Lobe) -> f64 {
-    if lobe == Lobe::Charlie { 2.0 } else { 4.0 }
-}
-
 /// Footprint over which a texel's lobe is averaged.
 struct Footprint {
     pub(crate) layout: Layout,
@@ -222,7 +215,8 @@ impl Footprint {
         let divisions = if extent(share) < NEGLIGIBLE_EXTENT {
             1
         } else {
-            ((samples_per_width(lobe) * share).ceil() as u32).next_power_of_two().clamp(2, 64)
+            // Samples at most a quarter of a lobe apart.
+            ((4.0 * share).ceil() as u32).next_power_of_two().clamp(2, 64)
         };
         Self { layout: spec.layout, width, divisions }
     }
