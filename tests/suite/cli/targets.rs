@@ -89,8 +89,8 @@ fn a_target_is_a_folder_with_its_files_and_a_report() {
 #[test]
 fn several_targets_and_several_inputs_have_folders_of_their_own() {
     let folder = with_environments();
-    let args = [&["bake", "a.exr", "b.exr", "--target", "khronos,three", "-o", "out", "--json"], &SMALL[..2]]
-        .concat();
+    let targets = ["--target", "khronos,three", "--filter", "adaptive:0.5"];
+    let args = [&["bake", "a.exr", "b.exr", "-o", "out", "--json"], &SMALL[..2], &targets].concat();
     let lines = done(folder.path(), &args);
     let reports: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     let names: Vec<&Value> = reports.iter().map(|report| &report["target"]["name"]).collect();
@@ -117,7 +117,7 @@ fn equal_runs_write_equal_files() {
     let folder = with_environments();
     for (out, threads) in [("one", "1"), ("four", "4")] {
         let options = ["--target", "three,bevy,filament,khronos,generic", "--threads", threads, "-o", out];
-        done(folder.path(), &bake(&[&options[..], &SMALL].concat()));
+        done(folder.path(), &bake(&[&options[..], &SMALL, &["--filter", "adaptive:0.5"]].concat()));
     }
     let files = tree(&folder.path().join("one"));
     assert_eq!(files, tree(&folder.path().join("four")));
@@ -134,7 +134,8 @@ fn equal_runs_write_equal_files() {
 fn an_existing_folder_is_replaced_by_force_and_never_when_others_files_are_in_it() {
     let folder = with_environments();
     let again = |more: &[&'static str]| {
-        bake(&[&["--target", "three,khronos", "--size", "16", "-o", "out"], more].concat())
+        let coarse = ["--filter", "adaptive:0.5"];
+        bake(&[&["--target", "three,khronos", "--size", "16", "-o", "out"], &coarse[..], more].concat())
     };
     done(folder.path(), &again(&[]));
     let before = tree(&folder.path().join("out"));
