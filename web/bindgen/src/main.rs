@@ -11,6 +11,7 @@ fn main() -> Result<()> {
         .web(true)?
         .input_path(module)
         .typescript(false)
+        .omit_default_module_path(false)
         .remove_name_section(true)
         .remove_producers_section(true)
         .generate(folder)
