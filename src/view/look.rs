@@ -95,7 +95,7 @@ pub enum Show {
     Scene,
     /// The octahedral map.
     Oem,
-    /// Its SAT: the mean radiance of the box from the upper left corner to each texel.
+    /// Its SAT: the mean radiance of the box from the table's upper left corner to each texel.
     Sat,
     /// The filter's relative error against the certified tier, in false colour.
     Error,

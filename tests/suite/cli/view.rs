@@ -32,6 +32,26 @@ fn a_picture_is_written_whole_and_only_once() {
     assert_eq!(fs::read(folder.join("a.png")).expect("readable"), before);
 }
 
+/// The table's first texel is that of the map, and its last the mean of all.
+#[test]
+fn map_and_table_are_shown() {
+    let folder = with_sky();
+    let picture = |show: &str| {
+        let name = format!("{show}.png");
+        let args = ["view", "sky.exr", "--show", show, "--exposure", "0", "--screenshot", &name];
+        done(folder.path(), &[&args[..], &QUICK[..], &["0"]].concat());
+        image::open(folder.path().join(name)).expect("a picture").to_rgb8()
+    };
+    let (oem, sat) = (picture("oem"), picture("sat"));
+    // The square as high as the picture, in its middle.
+    let at = |picture: &image::RgbImage, x: u32, y: u32| picture.get_pixel(x, y).0.map(i32::from);
+    assert_eq!((at(&oem, 4, 16), at(&sat, 4, 16)), ([0; 3], [0; 3]));
+    let off = |a: [i32; 3], b: [i32; 3]| (0..3).map(|c| (a[c] - b[c]).abs()).max();
+    assert!(off(at(&oem, 8, 0), at(&sat, 8, 0)) <= Some(1), "the first texel");
+    assert!(off(at(&sat, 39, 31), at(&oem, 39, 31)) > Some(10), "the last is no texel");
+    assert_ne!(oem, sat);
+}
+
 #[test]
 fn what_cannot_be_shown_is_a_usage_error_and_bad_files_are_named() {
     let folder = with_sky();
