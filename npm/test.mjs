@@ -362,7 +362,8 @@ try {
     }
     close();
     // The process ends by itself while an idle worker waits.
-    const script = `import { info } from ${JSON.stringify(join(process.env.PACKAGE ?? join(root, 'npm/dist'), 'node.js'))};
+    const module = join(process.env.PACKAGE ?? join(root, 'npm/dist'), 'node.js');
+    const script = `import { info } from ${JSON.stringify(module)};
         import { readFileSync } from 'node:fs';
         console.log((await info(readFileSync(${JSON.stringify(sky)}))).width);`;
     const ran = spawnSync(process.execPath, ['--input-type=module', '--eval', script], {

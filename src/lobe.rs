@@ -163,8 +163,8 @@ pub fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
     sums.map(|sum| sum / sums[0])
 }
 
-/// Values of cos(theta) with weights proportional to the kernel there, for integrals over the lobe; `alpha` in
-/// (0, 1].
+/// Values of cos(theta) with weights proportional to the kernel there, for integrals over the lobe; `alpha`
+/// in (0, 1].
 pub(crate) fn zonal_nodes(lobe: Lobe, alpha: f64) -> impl Iterator<Item = (f64, f64)> {
     // Midpoints in the logarithm of s + alpha^2, in which GGX is flat.
     const COUNT: u32 = 1024;

@@ -392,30 +392,6 @@ impl<'a> Reflector<'a> {
         Ok(answers)
     }
 
-    /// As [`Reflector::query_all`], but evaluates each of `directions` on its own: an answer depends on no
-    /// other direction.
-    ///
-    /// # Errors
-    /// Those of [`Reflector::query`].
-    pub(crate) fn query_each(
-        &self,
-        directions: &[DVec3],
-        lobe: Lobe,
-        roughness: f64,
-        filter: Filter,
-    ) -> Result<Vec<Answer>> {
-        let lobes = self.lobes(lobe, roughness, filter)?;
-        let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
-            answers.clear();
-            lobes.evaluate(&[*direction], workspace, answers);
-            answers[0]
-        };
-        let start = || (Workspace::default(), Vec::with_capacity(1));
-        let answers: Vec<Answer> = directions.par_iter().map_init(start, answer).collect();
-        check_answers(directions, &answers)?;
-        Ok(answers)
-    }
-
     /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (in world space, any length but zero).
     ///
     /// # Errors

@@ -11,8 +11,8 @@ use crate::lobe::Lobe;
 use crate::oem::{OemSize, bilinear_share};
 use crate::sat::Scan;
 
-/// Memory limit of a bake, a query or the viewer's tables: 4 GiB; 3 GiB in WebAssembly, whose addresses end at 4
-/// GiB.
+/// Memory limit of a bake, a query or the viewer's tables: 4 GiB; 3 GiB in WebAssembly, whose addresses end
+/// at 4 GiB.
 pub(crate) const LIMIT: u64 = if cfg!(target_arch = "wasm32") { 3 << 30 } else { 4 << 30 };
 
 /// Bytes of a source texel.

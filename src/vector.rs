@@ -3,8 +3,8 @@
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use pulp::Arch;
 
-/// The vector unit that the whole module is compiled for: WebAssembly has no detection, and copies of the loops
-/// for other units would double its size.
+/// The vector unit that the whole module is compiled for: WebAssembly has no detection, and copies of the
+/// loops for other units would double its size.
 #[cfg(target_arch = "wasm32")]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arch;
@@ -21,8 +21,8 @@ impl Arch {
     }
 }
 
-/// The greater and the lesser of two numbers. The argument must not be NaN; if the receiver is, the result is the
-/// argument.
+/// The greater and the lesser of two numbers. The argument must not be NaN; if the receiver is, the result is
+/// the argument.
 pub(crate) trait Extremes {
     fn at_least(self, least: Self) -> Self;
     fn at_most(self, most: Self) -> Self;

@@ -245,9 +245,8 @@ export function open(side, close) {
         for (const file of files) {
             const other = jobs.find((job) => stem(job.file.name) === stem(file.name));
             if (other && other.file.name !== file.name) {
-                say(
-                    `${other.file.name} and ${file.name} would both be written as ${stem(file.name)}; rename one or bake them separately`,
-                );
+                const both = `${other.file.name} and ${file.name} would both be written as ${stem(file.name)}`;
+                say(`${both}; rename one or bake them separately`);
                 continue;
             }
             if (other) take(other);
@@ -361,9 +360,8 @@ export function open(side, close) {
         running = undefined;
         const count = (state) => jobs.filter((job) => job.item.dataset.state === state).length;
         const cancelled = count('cancelled');
-        say(
-            `${count('done')} baked, ${count('failed')} failed${cancelled > 0 ? `, ${cancelled} cancelled` : ''}`,
-        );
+        const ended = `${count('done')} baked, ${count('failed')} failed`;
+        say(cancelled > 0 ? `${ended}, ${cancelled} cancelled` : ended);
         update();
     };
     cancel.onclick = () => running?.abort();
@@ -402,7 +400,7 @@ export function open(side, close) {
                         'label',
                         {
                             className: 'switch',
-                            title: `${reader}${verified ? `; tested with ${verified}` : '; untested in its engine'}`,
+                            title: `${reader}; ${verified ? `tested with ${verified}` : 'untested in its engine'}`,
                         },
                         element('input', { type: 'checkbox', value: name, checked: name === 'three' }),
                         element('span', { textContent: name }),

@@ -147,7 +147,8 @@ fn visit_source(
     }
     for (var n = 0u; n < 4u; n++) {
         let at = corner + along * vec2<f32>(f32(n & 1u), f32(n >> 1u));
-        let reached = source_direction(piece, at, select(below, n == 3u, triangles)).towards - packet_axis - centroid;
+        let direction = source_direction(piece, at, select(below, n == 3u, triangles)).towards;
+        let reached = direction - packet_axis - centroid;
         visit.leaf.radius = max(visit.leaf.radius, length(reached));
     }
     // Float32 directions are in error by less than 2^-22.

@@ -1,4 +1,5 @@
-// Draws triangles into an octahedral map, one octant at a time, or into a face of a cube: src/gpu/direct/view.rs.
+// Draws triangles into an octahedral map, one octant at a time, or into a face of a cube:
+// src/gpu/direct/view.rs.
 //
 // Within an octant |x| + |y| + |z| is linear, so that clip coordinates are a matrix times the position, and
 // interpolation with perspective is exact. The map of an octant holds beyond its borders wherever w > 0: a
@@ -25,7 +26,8 @@ fn project(@location(0) position: vec3<f32>, @location(2) value: vec4<f32>) -> F
     return Fragment(view.clip_from_scene * vec4<f32>(position, 1.0), value);
 }
 
-// The planar projection of a position in `octant`. On a fold, where y = 0, both sides compute the same coordinates.
+// The planar projection of a position in `octant`. On a fold, where y = 0, both sides compute the same
+// coordinates.
 fn planar(position: vec3<f32>, octant: u32) -> vec4<f32> {
     let signs = signs_of_octant(octant);
     let folded = select(0.0, abs(position.y), signs.y < 0.0);

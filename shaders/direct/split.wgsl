@@ -1,10 +1,10 @@
-// Cuts triangles at the planes x = 0, y = 0 and z = 0 into pieces that each lie in one octant: "strict split" of
-// Engelhardt and Dachsbacher 2008, section 4.1, in two compute passes around direct/offsets.wgsl.
+// Cuts triangles at the planes x = 0, y = 0 and z = 0 into pieces that each lie in one octant: "strict split"
+// of Engelhardt and Dachsbacher 2008, section 4.1, in two compute passes around direct/offsets.wgsl.
 #include "common/direct.wgsl"
 
 const GROUP_SIZE = 256u;
-// Triangles of a triangle's pieces: three lines cut it into seven polygons at most, with twelve corners of which
-// nine are on its border, which is 2 * 12 - 9 - 2 triangles.
+// Triangles of a triangle's pieces: three lines cut it into seven polygons at most, with twelve corners of
+// which nine are on its border, which is 2 * 12 - 9 - 2 triangles.
 const PIECES = 13u;
 
 struct Split {
@@ -39,8 +39,8 @@ struct Polygon {
     corners: array<Corner, 6>,
 }
 
-// Where an edge meets the plane. From the positive side to the negative one, so that both triangles at an edge, and
-// both pieces at a cut, have the same point.
+// Where an edge meets the plane. From the positive side to the negative one, so that both triangles at an
+// edge, and both pieces at a cut, have the same point.
 fn crossing(a: Corner, b: Corner, axis: u32) -> Corner {
     var above = a;
     var below = b;
@@ -103,7 +103,8 @@ fn split_triangle(triangle: u32, at: u32, is_written: bool) -> u32 {
             if is_written {
                 let place = 3u * (at + count);
                 pieces[place] = Corner(piece.corners[0].position, octant, piece.corners[0].value);
-                pieces[place + 1u] = Corner(piece.corners[k - 1u].position, octant, piece.corners[k - 1u].value);
+                let before = piece.corners[k - 1u];
+                pieces[place + 1u] = Corner(before.position, octant, before.value);
                 pieces[place + 2u] = Corner(piece.corners[k].position, octant, piece.corners[k].value);
             }
             count++;

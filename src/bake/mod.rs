@@ -17,10 +17,11 @@ use crate::filter::{Answer, Filter};
 use crate::lobe::Lobe;
 use crate::memory;
 use crate::oem::OemSize;
-use crate::reflector::Reflector;
+use crate::reflector::{Reflector, Workspace, check_answers};
 use glam::DVec3;
 use job::Job;
 use level::{Advance, BakedLevel, LevelJob};
+use rayon::prelude::*;
 pub use result::{Bake, LevelStats, OnProgress, Processor, Progress};
 pub use settings::{BakeSettings, Skybox};
 use std::ops::ControlFlow;
@@ -95,7 +96,16 @@ impl Engine for Reflector<'_> {
         roughness: f64,
         filter: Filter,
     ) -> Result<Vec<Answer>> {
-        Self::query_each(self, directions, lobe, roughness, filter)
+        let lobes = self.lobes(lobe, roughness, filter)?;
+        let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
+            answers.clear();
+            lobes.evaluate(&[*direction], workspace, answers);
+            answers[0]
+        };
+        let start = || (Workspace::default(), Vec::with_capacity(1));
+        let answers: Vec<Answer> = directions.par_iter().map_init(start, answer).collect();
+        check_answers(directions, &answers)?;
+        Ok(answers)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::filter::{Answer, Filter};
 use crate::lobe::Lobe;
 use crate::reflector::Reflector;
 use glam::DVec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Directions to be answered by one lobe and filter.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +45,8 @@ impl Query<'_> {
 
     /// Each roughness once.
     pub(crate) fn roughnesses(&self) -> Vec<f64> {
-        self.alike().into_iter().map(|alike| alike.roughness).collect()
+        let bits: BTreeSet<u64> = self.roughness.iter().map(|roughness| roughness.to_bits()).collect();
+        bits.into_iter().map(f64::from_bits).collect()
     }
 
     /// The answers of `engine`, in the order of the directions.

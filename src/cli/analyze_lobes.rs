@@ -56,7 +56,8 @@ fn settings(args: &AnalyzeArgs) -> Outcome<Settings> {
     for name in &args.figures.map {
         if !SUBJECTS.iter().any(|subject| subject.map == name) {
             return usage(format!(
-                "--map {name} has no rule for boxes; use octahedral, tennis-ball, equirect or cube with --lobes"
+                "--map {name} has no rule for boxes; use octahedral, tennis-ball, equirect or cube with \
+                 --lobes"
             ));
         }
     }
@@ -88,8 +89,8 @@ fn place((direction, region): &(glam::DVec3, Region)) -> String {
 fn text_table(settings: &Settings, rows: &[Row]) -> String {
     let mut text = format!(
         "GGX lobes over exact summed-area tables of about {} texels. Errors of luminance in % of its mean.\n\
-         stack: {STACK} nested boxes; adaptive: to {} %. cones: 8\u{b0} around +-X and +-Z; seams: on edges of \
-         the map's\ncomponents. reads: table entries a query.\n",
+         stack: {STACK} nested boxes; adaptive: to {} %. cones: 8\u{b0} around +-X and +-Z; seams: on edges \
+         of the map's\ncomponents. reads: table entries a query.\n",
         settings.size * settings.size,
         settings.error * 100.0
     );

@@ -462,8 +462,8 @@ pub(super) struct BenchArgs {
     pub(super) runs: u32,
     /// Time drawing triangles into octahedral maps and cubes
     ///
-    /// On the GPU, of 104992 triangles, at the sizes of Table 1 of Engelhardt and Dachsbacher 2008: octahedral
-    /// maps of 512 x 512 pixels and cubes of 6 x 209 x 209.
+    /// On the GPU, of 104992 triangles, at the sizes of Table 1 of Engelhardt and Dachsbacher 2008:
+    /// octahedral maps of 512 x 512 pixels and cubes of 6 x 209 x 209.
     #[arg(long, conflicts_with = "size")]
     pub(super) direct: bool,
     #[command(flatten)]

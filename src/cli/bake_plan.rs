@@ -79,8 +79,8 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
     }
     if !plan.is_single() {
         return usage(
-            "-o - needs an output of one file: ktx2, ktx, dds, or exr with --out-layout parts or mips; name a \
-             folder with -o",
+            "-o - needs an output of one file: ktx2, ktx, dds, or exr with --out-layout parts or mips; name \
+             a folder with -o",
         );
     }
     let beside = [

@@ -1,5 +1,5 @@
-//! `octagloss bench --direct`: times the ways of drawing triangles into maps of the sphere, next to Table 1 of
-//! Engelhardt and Dachsbacher 2008, and prints JSON.
+//! `octagloss bench --direct`: times the ways of drawing triangles into maps of the sphere, next to Table 1
+//! of Engelhardt and Dachsbacher 2008, and prints JSON.
 
 use super::args::BenchArgs;
 use super::engine::any_adapter;

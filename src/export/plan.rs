@@ -209,8 +209,8 @@ impl PlanOptions {
         plan.container = self.container.unwrap_or(plan.container);
         if plan.container == Container::Hdr {
             return wrong(
-                "`container` hdr is a folder of faces and cannot be combined with `target`; use ktx2, ktx, dds \
-                 or exr",
+                "`container` hdr is a folder of faces and cannot be combined with `target`; use ktx2, ktx, \
+                 dds or exr",
             );
         }
         if target.map == Map::Octahedral && !matches!(plan.container, Container::Ktx2 | Container::Exr) {
@@ -294,8 +294,8 @@ impl PlanOptions {
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         (own > COSTLY * best).then(|| {
             format!(
-                "trilinear look-ups at roughness 0.6 to 1 are up to {:.0} % off by estimate with {levels} levels \
-                 of the {} ladder; {:.0} % with `ladder` {} and `levels` {best_levels}",
+                "trilinear look-ups at roughness 0.6 to 1 are up to {:.0} % off by estimate with {levels} \
+                 levels of the {} ladder; {:.0} % with `ladder` {} and `levels` {best_levels}",
                 100.0 * own,
                 ladder.name(),
                 100.0 * best,

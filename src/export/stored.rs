@@ -37,8 +37,8 @@ impl Stored {
         let mut warnings = Vec::new();
         if clamped > 0 && pixel == Pixel::Rgbe {
             warnings.push(format!(
-                "{clamped} texels exceed the RGBE maximum of {RGBE_MAX:.1e} and were clamped; `container` exr \
-                 keeps them",
+                "{clamped} texels exceed the RGBE maximum of {RGBE_MAX:.1e} and were clamped; `container` \
+                 exr keeps them",
             ));
         } else if clamped > 0 && share_matters(clamped_share) {
             let remedy = if plan.target.has_container() { "; `pixel` f32 keeps them" } else { "" };

@@ -1,8 +1,8 @@
 //! The source's texels, each constant over its own solid angle: moments of every texel and of pieces of it.
 //!
 //! Coarse texels are cut into 2^k x 2^k, which keeps the source's light and makes all sides shorter than 1/5:
-//! three nodes per side then integrate directions to 3e-8 and their spread to 1e-5 of itself. Even sizes follow for octahedral squares, so that
-//! only fold diagonals cross texels, from corner to corner.
+//! three nodes per side then integrate directions to 3e-8 and their spread to 1e-5 of itself. Even sizes
+//! follow for octahedral squares, so that only fold diagonals cross texels, from corner to corner.
 
 use crate::environment::Layout;
 use crate::geometry::tent::{Moments, Patch, mirrored_in_diagonal};

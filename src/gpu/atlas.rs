@@ -1,4 +1,5 @@
-//! An atlas of octahedral maps on the GPU: its texels, filled tile by tile, and the exact table of all of them.
+//! An atlas of octahedral maps on the GPU: its texels, filled tile by tile, and the exact table of all of
+//! them.
 
 use super::fixed_point::FixedPoint;
 use super::sat_scan::SatScan;

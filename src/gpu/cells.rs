@@ -184,8 +184,8 @@ impl CellTree {
         Self::holding(context, inner, block, Reconstruction::Constant, least, levels, &quads)
     }
 
-    /// Uploads the CPU's `cells` of the texels of a source ([`Cells::of_source`]), and their members. `texture`
-    /// holds the source's light.
+    /// Uploads the CPU's `cells` of the texels of a source ([`Cells::of_source`]), and their members.
+    /// `texture` holds the source's light.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] if they are larger than the device can bind.

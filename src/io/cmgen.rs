@@ -25,7 +25,7 @@ pub(super) fn provenance() -> Provenance {
 /// The warning about these assumptions.
 pub(super) fn warning(count: usize) -> String {
     format!(
-        "neither a report nor roughness in its files; assuming cmgen's {count} levels of a panorama: Filament's \
-         ladder of ggx, rotated by {ROTATION} degrees"
+        "neither a report nor roughness in its files; assuming cmgen's {count} levels of a panorama: \
+         Filament's ladder of ggx, rotated by {ROTATION} degrees"
     )
 }

@@ -2,8 +2,8 @@
 //!
 //! Model: sampled GGX levels of an environment that is one point light at a random direction. A look-up is
 //! then a mixture of two levels' lobes, each sampled at texel centres and interpolated bilinearly at a random
-//! phase. All of it is diagonal in spherical harmonics: band l has the lobe's zonal weight, the mean factor of
-//! bilinear interpolation at l cycles per turn, and the power that sampling aliases.
+//! phase. All of it is diagonal in spherical harmonics: band l has the lobe's zonal weight, the mean factor
+//! of bilinear interpolation at l cycles per turn, and the power that sampling aliases.
 
 use super::{Ladder, edges_of_a_face};
 use crate::environment::Map;

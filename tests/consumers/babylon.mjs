@@ -41,7 +41,7 @@ export async function checkBabylon({ open, bake, query, diffuse, check }) {
         let worst = 0;
         for (const eye of EYES) worst = Math.max(worst, await errorOf('babylon', level, eye));
         check(
-            `babylon .env, level ${level} of roughness ${roughnessOf(level).toFixed(3)}, ${EYES.length} views`,
+            `babylon .env, level ${level}, roughness ${roughnessOf(level).toFixed(3)}, ${EYES.length} views`,
             worst < TOLERANCE,
             `relative error ${worst.toFixed(4)}`,
         );

@@ -1,8 +1,8 @@
 //! Rays through the pixels of an octahedral map against triangles: what drawing into the map must show.
 //!
-//! A ray from the origin along p meets the triangle a, b, c at the point of barycentric coordinates l / sum(l)
-//! with l = [a b c]^-1 p, by Cramer's rule. With |p| = 1 in the 1-norm, the point is at distance 1 / sum(l) in
-//! that norm. No projection, clipping or rasterisation takes part.
+//! A ray from the origin along p meets the triangle a, b, c at the point of barycentric coordinates l /
+//! sum(l) with l = [a b c]^-1 p, by Cramer's rule. With |p| = 1 in the 1-norm, the point is at distance 1 /
+//! sum(l) in that norm. No projection, clipping or rasterisation takes part.
 
 use crate::direct::{Triangles, check_near};
 use crate::error::{Error, Result};

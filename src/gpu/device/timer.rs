@@ -87,8 +87,8 @@ impl Timer {
         Ok(spans.into_iter().map(|(from, to)| to - from).collect())
     }
 
-    /// Seconds of the first of `count` passes, which must have been submitted in order, and from its beginning
-    /// to the end of the last.
+    /// Seconds of the first of `count` passes, which must have been submitted in order, and from its
+    /// beginning to the end of the last.
     ///
     /// # Errors
     /// [`Error::Gpu`] if the device fails.

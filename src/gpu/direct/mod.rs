@@ -6,8 +6,8 @@
 //!     +------cull--> lists of triangles by face -----draw x 6--> cube --reparameterise--> octahedral map
 //! ```
 //!
-//! [`Direct`] holds the pipelines for one kind of output. Bound to a mesh and a target by [`Direct::frame`], a
-//! method is a [`DirectFrame`], which records into the caller's encoder. The frame reads the mesh's buffers
+//! [`Direct`] holds the pipelines for one kind of output. Bound to a mesh and a target by [`Direct::frame`],
+//! a method is a [`DirectFrame`], which records into the caller's encoder. The frame reads the mesh's buffers
 //! anew whenever it is submitted.
 
 pub mod list;
@@ -31,8 +31,8 @@ use view::Bounded;
 /// How triangles come into a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// The octahedral map, an octant per draw by the octant's own projective map. Each pixel takes part in the
-    /// draw of the octant of its centre; a draw has only the triangles that may meet its octant.
+    /// The octahedral map, an octant per draw by the octant's own projective map. Each pixel takes part in
+    /// the draw of the octant of its centre; a draw has only the triangles that may meet its octant.
     Octants,
     /// The same draws of all triangles: *perspective, clip mask* of Engelhardt and Dachsbacher 2008. The
     /// perspective projection to the face of the octahedron differs from the planar projection by an affine
@@ -40,8 +40,8 @@ pub enum Method {
     ClipMask,
     /// One draw of the pieces of triangles that were cut at the coordinate planes: their *strict split*.
     StrictSplit,
-    /// One draw of whole triangles, each corner projected by its own octant: the error of their figure 2 wherever
-    /// a triangle leaves an octant.
+    /// One draw of whole triangles, each corner projected by its own octant: the error of their figure 2
+    /// wherever a triangle leaves an octant.
     PerCorner,
     /// The cube, a face per draw of the triangles that may meet it.
     Cube,
@@ -274,7 +274,8 @@ fn pipeline(
     })
 }
 
-/// A method bound to a mesh and a target. Recording allocates no buffers, submits nothing and waits for nothing.
+/// A method bound to a mesh and a target. Recording allocates no buffers, submits nothing and waits for
+/// nothing.
 #[derive(Clone, Debug)]
 pub struct DirectFrame {
     list: Option<List>,

@@ -2,8 +2,8 @@
 //!
 //! In the octant of the signs s the planar projection is projective. With w = s.x x + s.y y + s.z z and
 //! m = max(-s.y, 0), the square's coordinates are u = (x - m s.x y) / w and v = (z - m s.z y) / w: equation 2
-//! of Engelhardt and Dachsbacher 2008 with 1 - |p.z| written as |p.x| + |p.y|. Clip z is the near distance, so
-//! that depth is near / w, which is continuous across folds.
+//! of Engelhardt and Dachsbacher 2008 with 1 - |p.z| written as |p.x| + |p.y|. Clip z is the near distance,
+//! so that depth is near / w, which is continuous across folds.
 
 use crate::gpu::device::shader;
 use crate::sphere::cube::{Face, cube_point};

@@ -43,8 +43,8 @@ pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     })
 }
 
-/// Decodes every level with its roughness; takes a file with cmgen's key and several levels, but without their
-/// roughness, for its.
+/// Decodes every level with its roughness; takes a file with cmgen's key and several levels, but without
+/// their roughness, for its.
 pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     let texture = Texture::open(source)?;
     let count = texture.levels.len();

@@ -151,8 +151,8 @@ impl Table {
         Self::new(shape, (0..nodes).flat_map(of_node).collect())
     }
 
-    /// The bytes of its file: half floats by parameter, octave, knot and node; the lower bytes of all before the
-    /// upper ones. Pages download it compressed, and alike bytes next to each other compress better.
+    /// The bytes of its file: half floats by parameter, octave, knot and node; the lower bytes of all before
+    /// the upper ones. Pages download it compressed, and alike bytes next to each other compress better.
     #[must_use]
     pub fn bytes(&self) -> Vec<u8> {
         let count = self.shape.parameters();

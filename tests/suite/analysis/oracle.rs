@@ -315,8 +315,8 @@ fn harmonics_of_known_fields_match() {
     }
 }
 
-/// Cones inside one large texel, which samples of the texel miss: its radiance, be it black or as bright as can
-/// be, whatever the others'.
+/// Cones inside one large texel, which samples of the texel miss: its radiance, be it black or as bright as
+/// can be, whatever the others'.
 #[test]
 fn a_narrow_cone_shows_the_texel_it_lies_in() {
     let mut random = Random::new(41);

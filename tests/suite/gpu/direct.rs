@@ -101,7 +101,8 @@ fn nearest(
     (values, wait(context, readback::read_layer(context, target.depth(), layer)))
 }
 
-/// [`in_full`] without SwiftShader, which drops pixels where a corner's w is exactly 0 in a neighbouring octant.
+/// [`in_full`] without SwiftShader, which drops pixels where a corner's w is exactly 0 in a neighbouring
+/// octant.
 fn in_full_with_zero_w(name: &str, test: impl Fn(&Context)) {
     in_full(name, |context| {
         if !context.device().adapter_info().name.contains("SwiftShader") {
@@ -196,8 +197,8 @@ fn difference(context: &Context, triangles: &Triangles, size: u32, near: f32) ->
     Ok(expected)
 }
 
-/// Corners anywhere, on axes and coordinate planes, close to the centre, far away, and on a coarse grid, which
-/// repeats corners and puts triangles into planes through the centre.
+/// Corners anywhere, on axes and coordinate planes, close to the centre, far away, and on a coarse grid,
+/// which repeats corners and puts triangles into planes through the centre.
 fn corner() -> impl Strategy<Value = DVec3> {
     let within = |most: f64| (-most..most, -most..most, -most..most).prop_map(DVec3::from);
     prop_oneof![
@@ -219,7 +220,8 @@ fn triangle() -> impl Strategy<Value = [DVec3; 3]> {
         6 => [corner(), corner(), corner()],
         // The centre inside, or in the plane.
         1 => (corner(), corner(), 0.2..2.0_f64, 0.2..2.0_f64).prop_map(|(a, b, s, t)| [a, b, -s * a - t * b]),
-        1 => (corner(), corner(), -2.0..2.0_f64, -2.0..2.0_f64).prop_map(|(a, b, s, t)| [a, b, s * a + t * b]),
+        1 => (corner(), corner(), -2.0..2.0_f64, -2.0..2.0_f64)
+            .prop_map(|(a, b, s, t)| [a, b, s * a + t * b]),
         1 => [corner(), corner()].prop_map(|[a, b]| [a, b, a]),
     ]
 }

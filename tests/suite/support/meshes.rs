@@ -19,8 +19,8 @@ pub(crate) fn mesh(triangles: &[[DVec3; 3]]) -> Triangles {
 }
 
 /// A surface that every ray from the origin meets once: an octahedron whose faces have `parts` edges along a
-/// side, with corners at random distances. Turned at random by a `turn`; otherwise corners lie on the axes, and
-/// edges on the coordinate planes.
+/// side, with corners at random distances. Turned at random by a `turn`; otherwise corners lie on the axes,
+/// and edges on the coordinate planes.
 pub(crate) fn closed(parts: i32, turn: Option<u64>, distance: Range<f64>) -> Triangles {
     let mut random = Random::new(turn.unwrap_or(0) + 100);
     let rotation = turn.map_or(DMat3::IDENTITY, |_| {

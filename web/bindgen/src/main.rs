@@ -1,5 +1,5 @@
-//! Writes the JavaScript and the final module of a WebAssembly file for browsers: `octagloss-bindgen MODULE.wasm
-//! FOLDER`. Without names, debug information and types.
+//! Writes the JavaScript and the final module of a WebAssembly file for browsers: `octagloss-bindgen
+//! MODULE.wasm FOLDER`. Without names, debug information and types.
 
 use anyhow::{Result, bail};
 use wasm_bindgen_cli_support::Bindgen;
