@@ -7,14 +7,23 @@
 //! negligible. Shares are scaled to the source texel's exact solid angle, which conserves energy; a target
 //! texel is the mean over its shares, which reproduces constants. The remaining energy error, a few parts in
 //! a million, is corrected by one factor a channel.
+//!
+//! Where coordinate planes are mirrors of both maps, only the part of the sphere on their positive sides is
+//! computed, an eighth at best: a share stands for as many shares as there are images of the part. Each image
+//! has its own source texel, and its own sums in the target texel.
+
+mod mirrors;
+mod sums;
 
 use super::overlap::walk_outline;
 use crate::environment::Rgb;
 use crate::sphere::grid::Grid;
 use crate::sphere::map::{Place, Texel};
 use glam::{DMat3, DVec2, DVec3};
+use mirrors::{Mirrors, Side};
 use rayon::prelude::*;
 use std::ops::Range;
+use sums::Sums;
 
 /// Flatness tolerance: distance of a texel's centre from the mean of its corners, in target texels.
 const BEND: f64 = 0.02;
@@ -35,15 +44,23 @@ const BAND: u32 = 16;
 /// Bands processed in parallel before their shares are summed; bounds memory.
 const BANDS_AT_ONCE: usize = 16;
 
-/// Target texels whose sums are converted at once, after which their memory is free for the results.
-const CHUNK: usize = 1 << 16;
-
-/// Overlap of source texel `source` with target texel `target`.
+/// Overlap of a source texel, by its number among those of a band, with target texel `target`.
 #[derive(Clone, Copy)]
 struct Share {
     target: u32,
     source: u32,
     solid_angle: f32,
+}
+
+/// Numbers of a block's texels, by row and column; `None` for those not computed.
+type Sources = [[Option<u32>; BLOCK as usize]; BLOCK as usize];
+
+/// Shares of the texels of some rows.
+#[derive(Default)]
+struct Band {
+    shares: Vec<Share>,
+    /// Images of each source texel, in the mirrors' order.
+    sources: Vec<u32>,
 }
 
 /// A texel or a part of one, from `low` to `high` in texels of its image.
@@ -62,12 +79,11 @@ struct Carrier<'a> {
     target: &'a Grid,
     world_from_source: DMat3,
     component: u32,
-    /// The source component's first texel.
-    first: usize,
     /// Of the source component: least coordinates, a texel's extent, columns and rows.
     frame: (DVec2, DVec2, DVec2),
     /// Of every target component: least coordinates, texels per unit, columns and rows, first texel.
     frames: Vec<(DVec2, DVec2, [u32; 2], usize)>,
+    mirrors: &'a Mirrors,
     window: Vec<super::overlap::Accumulator>,
 }
 
@@ -80,69 +96,45 @@ struct Carrier<'a> {
 #[must_use]
 pub fn resample(source: &Grid, texels: &[Rgb], world_from_source: DMat3, target: &Grid) -> Vec<Rgb> {
     assert_eq!(texels.len(), source.texel_count(), "texels of the source");
-    let count = target.texel_count();
-    let mut sums: Vec<Vec<[f64; 4]>> =
-        (0..count).step_by(CHUNK).map(|first| vec![[0.0; 4]; CHUNK.min(count - first)]).collect();
+    let mirrors = if world_from_source == DMat3::IDENTITY {
+        Mirrors::shared(source, target)
+    } else {
+        Mirrors::default()
+    };
+    resample_by(&mirrors, source, texels, world_from_source, target)
+        .or_else(|| resample_by(&Mirrors::default(), source, texels, world_from_source, target))
+        .expect("without mirrors nothing is cut by them")
+}
+
+/// [`resample`] by `mirrors` of both grids. `None` if a mirror cuts texels of the source.
+fn resample_by(
+    mirrors: &Mirrors,
+    source: &Grid,
+    texels: &[Rgb],
+    world_from_source: DMat3,
+    target: &Grid,
+) -> Option<Vec<Rgb>> {
+    let mut sums = Sums::new(mirrors.images(), target.texel_count());
     let bands: Vec<(u32, Range<u32>)> = (0..source.map().components())
         .flat_map(|component| {
             let rows = source.sides(component)[1];
             (0..rows).step_by(BAND as usize).map(move |row| (component, row..(row + BAND).min(rows)))
         })
         .collect();
-    let per_thread = sums.len().div_ceil(rayon::current_num_threads());
     for some in bands.chunks(BANDS_AT_ONCE) {
-        let shares: Vec<Vec<Share>> = some
+        let bands: Vec<Band> = some
             .par_iter()
             .map(|(component, rows)| {
-                Carrier::new(source, target, world_from_source, *component).band(rows.clone())
+                Carrier::new(source, target, world_from_source, *component, mirrors).band(rows.clone())
             })
-            .collect();
-        // Every thread sums its own range of targets, in the order of the sources.
-        sums.par_chunks_mut(per_thread).enumerate().for_each(|(thread, sums)| {
-            let first = thread * per_thread * CHUNK;
-            for share in shares.iter().flatten() {
-                let Some(target) = (share.target as usize).checked_sub(first) else { continue };
-                let Some(sums) = sums.get_mut(target / CHUNK) else { continue };
-                let sum = &mut sums[target % CHUNK];
-                let weight = f64::from(share.solid_angle);
-                for (sum, value) in sum.iter_mut().zip(texels[share.source as usize]) {
-                    *sum += weight * f64::from(value);
-                }
-                sum[3] += weight;
-            }
-        });
+            .collect::<Option<_>>()?;
+        sums.add(&bands, texels);
     }
-    let look = |direction: DVec3| {
-        texels[source.index(source.texel_from_direction(world_from_source.transpose() * direction))]
+    let look = |texel: Texel| {
+        let direction = world_from_source.transpose() * target.direction_from_texel(texel);
+        texels[source.index(source.texel_from_direction(direction))]
     };
-    // Correct the energy error of each channel from rounding and curvature by one factor.
-    let energies = |[r, g, b, weight]: [f64; 4], texel: Texel| {
-        let mean = if weight > 0.0 { target.solid_angle(texel) / weight } else { 0.0 };
-        [[r, g, b], [r * mean, g * mean, b * mean]]
-    };
-    let totals: Vec<[[f64; 3]; 2]> = sums
-        .par_iter()
-        .enumerate()
-        .map(|(chunk, sums)| {
-            let places = target.texels_from(chunk * CHUNK);
-            let all = sums.iter().zip(places).map(|(sums, texel)| energies(*sums, texel));
-            all.fold([[0.0; 3]; 2], add)
-        })
-        .collect();
-    let [arrived, held] = totals.into_iter().fold([[0.0; 3]; 2], add);
-    let scale: [f64; 3] = std::array::from_fn(|c| if held[c] > 0.0 { arrived[c] / held[c] } else { 1.0 });
-    let mut means = vec![[0.0; 3]; count];
-    sums.into_par_iter().zip(means.par_chunks_mut(CHUNK)).enumerate().for_each(|(chunk, (sums, means))| {
-        let places = target.texels_from(chunk * CHUNK);
-        for ((sums, texel), mean) in sums.into_iter().zip(places).zip(means) {
-            *mean = if sums[3] > 0.0 {
-                std::array::from_fn(|c| (sums[c] / sums[3] * scale[c]) as f32)
-            } else {
-                look(target.direction_from_texel(texel))
-            };
-        }
-    });
-    means
+    sums.means(mirrors, target, look)
 }
 
 /// The parabola through `nodes` at 0, 1/2 and 1.
@@ -151,12 +143,14 @@ fn quadratic([a, b, c]: [DVec2; 3], t: f64) -> DVec2 {
     a + (b - a) * (2.0 * t) + (a - 2.0 * b + c) * (t * (2.0 * t - 1.0))
 }
 
-fn add(sum: [[f64; 3]; 2], term: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
-    std::array::from_fn(|k| std::array::from_fn(|c| sum[k][c] + term[k][c]))
-}
-
 impl<'a> Carrier<'a> {
-    fn new(source: &'a Grid, target: &'a Grid, world_from_source: DMat3, component: u32) -> Self {
+    fn new(
+        source: &'a Grid,
+        target: &'a Grid,
+        world_from_source: DMat3,
+        component: u32,
+        mirrors: &'a Mirrors,
+    ) -> Self {
         let frames = (0..target.map().components())
             .map(|k| {
                 let rectangle = target.map().component(k);
@@ -167,35 +161,96 @@ impl<'a> Carrier<'a> {
         let rectangle = source.map().component(component);
         let sides = DVec2::from(source.sides(component).map(f64::from));
         let frame = (rectangle.low, source.step(&rectangle), sides);
-        let first = source.first_texel(component);
-        Self { source, target, world_from_source, component, first, frame, frames, window: Vec::new() }
+        let window = Vec::new();
+        Self { source, target, world_from_source, component, frame, frames, mirrors, window }
     }
 
-    /// The shares of all texels of `rows`.
-    fn band(mut self, rows: Range<u32>) -> Vec<Share> {
+    /// The shares of the texels of `rows` on the mirrors' positive sides; `None` if a mirror cuts a texel.
+    fn band(mut self, rows: Range<u32>) -> Option<Band> {
         let columns = self.source.sides(self.component)[0];
-        let mut shares = Vec::new();
+        let mut band = Band::default();
         for top in rows.clone().step_by(BLOCK as usize) {
             for left in (0..columns).step_by(BLOCK as usize) {
                 let low = [left, top];
                 let high = [(left + BLOCK).min(columns), (top + BLOCK).min(rows.end)];
-                if !self.smooth_block(low, high, &mut shares) {
-                    self.block(low, high, &mut shares);
+                let sources = self.sources(low, high, &mut band.sources)?;
+                if sources.iter().flatten().all(Option::is_none) {
+                    continue;
+                }
+                if !self.smooth_block(low, high, &sources, &mut band.shares) {
+                    self.block(low, high, &sources, &mut band.shares);
                 }
             }
         }
-        shares
+        Some(band)
+    }
+
+    /// Numbers of the texels from `low` to `high` that are on the mirrors' positive sides, by row and column;
+    /// appends their images. `None` if a mirror cuts one of them.
+    fn sources(&self, low: [u32; 2], high: [u32; 2], images: &mut Vec<u32>) -> Option<Sources> {
+        let mut sources = Sources::default();
+        let side = self.side_of_block(low, high);
+        if side == Side::Behind {
+            return Some(sources);
+        }
+        for (y, row) in (low[1]..high[1]).zip(&mut sources) {
+            for (x, source) in (low[0]..high[0]).zip(row) {
+                if side == Side::Unknown {
+                    let is_behind = |dx: f64, dy: f64| {
+                        let at = DVec2::new(f64::from(x) + dx, f64::from(y) + dy);
+                        self.mirrors.is_behind(self.direction(at))
+                    };
+                    if is_behind(0.5, 0.5) {
+                        continue;
+                    }
+                    if [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+                        .iter()
+                        .any(|(dx, dy)| is_behind(*dx, *dy))
+                    {
+                        return None;
+                    }
+                }
+                let texel = Texel { component: self.component, x, y };
+                *source = Some((images.len() / self.mirrors.images()) as u32);
+                self.mirrors.append(self.source, texel, images)?;
+            }
+        }
+        Some(sources)
+    }
+
+    /// On which side of the mirrors the block from `low` to `high` lies, by nine of its points: farther from
+    /// the mirrors than neighbours are from each other, they speak for what is between them.
+    fn side_of_block(&self, low: [u32; 2], high: [u32; 2]) -> Side {
+        if self.mirrors.images() == 1 {
+            return Side::Ahead;
+        }
+        let [low, high] = [low, high].map(|at| DVec2::from(at.map(f64::from)));
+        let node = |k: usize| {
+            let share = DVec2::new((k % 3) as f64, (k / 3) as f64) / 2.0;
+            self.direction(low + (high - low) * share)
+        };
+        let nodes: [DVec3; 9] = std::array::from_fn(node);
+        let along = (0..9).filter(|k| k % 3 < 2).map(|k| nodes[k].distance(nodes[k + 1]));
+        let across = (0..6).map(|k| nodes[k].distance(nodes[k + 3]));
+        let spacing = along.chain(across).fold(0.0, f64::max);
+        self.mirrors.side(&nodes, spacing)
+    }
+
+    /// Direction at `at`, in texels of the source's image, in the source's space.
+    fn direction(&self, at: DVec2) -> DVec3 {
+        self.source.map().direction(self.component, self.uv(at))
     }
 
     /// Appends the shares of the texels from `low` to `high`, each on its own.
-    fn block(&mut self, low: [u32; 2], high: [u32; 2], shares: &mut Vec<Share>) {
+    fn block(&mut self, low: [u32; 2], high: [u32; 2], sources: &Sources, shares: &mut Vec<Share>) {
         let line = |carrier: &Self, y: u32| -> Vec<Option<Place>> {
             (low[0]..=high[0]).map(|x| carrier.place(DVec2::new(f64::from(x), f64::from(y)))).collect()
         };
         let mut above = line(self, low[1]);
         for y in low[1]..high[1] {
             let below = line(self, y + 1);
-            for x in low[0]..high[0] {
+            for (x, source) in (low[0]..high[0]).zip(sources[(y - low[1]) as usize]) {
+                let Some(source) = source else { continue };
                 let solid_angle = self.solid_angle(x, y);
                 if solid_angle <= 0.0 {
                     continue;
@@ -205,7 +260,7 @@ impl<'a> Carrier<'a> {
                 let k = (x - low[0]) as usize;
                 let corners = [above[k], above[k + 1], below[k + 1], below[k]];
                 let start = shares.len();
-                self.carry(part, corners, 0, self.source_index(x, y), shares);
+                self.carry(part, corners, 0, source, shares);
                 let sum: f64 = shares[start..].iter().map(|share| f64::from(share.solid_angle)).sum();
                 let scale = (solid_angle / sum) as f32;
                 shares[start..].iter_mut().for_each(|share| share.solid_angle *= scale);
@@ -216,7 +271,13 @@ impl<'a> Carrier<'a> {
 
     /// Appends the shares of the texels from `low` to `high` if the mapping is smooth there: nine points give
     /// their corners by quadratic interpolation, four more confirm it. Returns whether it is.
-    fn smooth_block(&mut self, low: [u32; 2], high: [u32; 2], shares: &mut Vec<Share>) -> bool {
+    fn smooth_block(
+        &mut self,
+        low: [u32; 2],
+        high: [u32; 2],
+        sources: &Sources,
+        shares: &mut Vec<Share>,
+    ) -> bool {
         let corner = DVec2::new(f64::from(low[0]), f64::from(low[1]));
         let count = [high[0] - low[0], high[1] - low[1]];
         let extent = DVec2::from(count.map(f64::from));
@@ -270,12 +331,12 @@ impl<'a> Carrier<'a> {
             let of_row = self.solid_angle(low[0], low[1] + y);
             let is_equal = |x: u32| (self.solid_angle(x, low[1] + y) / of_row - 1.0).abs() < 1e-12;
             let are_equal = is_equal(low[0] + count[0] / 2) && is_equal(high[0] - 1);
-            for x in 0..count[0] {
+            for (x, source) in (0..count[0]).zip(sources[y as usize]) {
+                let Some(source) = source else { continue };
                 let solid_angle = if are_equal { of_row } else { self.solid_angle(low[0] + x, low[1] + y) };
                 if solid_angle > 0.0 {
                     let k = x as usize;
                     let outline = [above[k], above[k + 1], below[k + 1], below[k]];
-                    let source = self.source_index(low[0] + x, low[1] + y);
                     self.walk(component, outline, solid_angle, source, shares);
                 }
             }
@@ -288,12 +349,6 @@ impl<'a> Carrier<'a> {
     fn solid_angle(&self, x: u32, y: u32) -> f64 {
         let low = DVec2::new(f64::from(x), f64::from(y));
         self.source.map().solid_angle(self.component, self.uv(low), self.uv(low + 1.0))
-    }
-
-    /// Index of the source texel in column `x`, row `y`.
-    fn source_index(&self, x: u32, y: u32) -> u32 {
-        let (.., sides) = self.frame;
-        u32::try_from(self.first + y as usize * sides.x as usize + x as usize).expect("texels fit")
     }
 
     /// Coordinates of `at`, in texels of the source's image.

@@ -118,6 +118,17 @@ impl Disc {
         if sin == 0.0 { DVec2::new(r, 0.0) } else { across * (r / sin) }
     }
 
+    /// Coordinates in `other`, the image of this disc in the mirror of coordinate `axis`, of the image of `uv`.
+    /// Both have frames along the axes.
+    pub(super) fn mirrored(&self, other: &Self, uv: DVec2, axis: usize) -> DVec2 {
+        let sign = |k: usize| {
+            let mut image = self.frame[k];
+            image[axis] = -image[axis];
+            image.dot(other.frame[k])
+        };
+        DVec2::new(sign(0), sign(1)) * uv
+    }
+
     pub(super) fn density(&self, uv: DVec2) -> f64 {
         self.profile.density(uv.length_squared())
     }

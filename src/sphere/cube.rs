@@ -35,6 +35,19 @@ impl SphereMap for Cube {
     fn solid_angle(&self, _: u32, low: DVec2, high: DVec2) -> f64 {
         rectangle_solid_angle(low, high)
     }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        let own = place.component as usize / 2;
+        if axis == own {
+            // s of opposite faces runs in opposite directions, on the faces +-Y t.
+            let signs = if own == 1 { DVec2::new(1.0, -1.0) } else { DVec2::new(-1.0, 1.0) };
+            return Some(Place { component: place.component ^ 1, uv: place.uv * signs });
+        }
+        // t runs along y, on the faces +-Y along z.
+        let down = if own == 1 { 2 } else { 1 };
+        let signs = if axis == down { DVec2::new(1.0, -1.0) } else { DVec2::new(-1.0, 1.0) };
+        Some(Place { uv: place.uv * signs, ..place })
+    }
 }
 
 /// A face of the cube, in storage order.

@@ -56,4 +56,10 @@ impl SphereMap for Dual {
     fn solid_angle(&self, component: u32, low: DVec2, high: DVec2) -> f64 {
         self.disc(component).solid_angle(low, high)
     }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        let component = if axis == 2 { 1 - place.component } else { place.component };
+        let uv = self.disc(place.component).mirrored(&self.disc(component), place.uv, axis);
+        Some(Place { component, uv })
+    }
 }

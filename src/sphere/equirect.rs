@@ -47,6 +47,17 @@ impl SphereMap for Equirect {
         let index = |k: i64| u32::try_from(k).expect("inside the panorama");
         Some(Texel { component, x: index(x.rem_euclid(width)), y: index(y) })
     }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        let DVec2 { x: u, y: v } = place.uv;
+        let uv = match axis {
+            // Longitude phi = u - pi becomes pi - phi.
+            0 => DVec2::new((3.0 * PI - u).rem_euclid(TAU), v),
+            1 => DVec2::new(u, PI - v),
+            _ => DVec2::new(TAU - u, v),
+        };
+        Some(Place { uv, ..place })
+    }
 }
 
 /// Unit direction at `u`, `v` in [0, 1].

@@ -1,6 +1,6 @@
 //! A map of the sphere divided into texels.
 
-use super::map::{Component, SphereMap, Texel};
+use super::map::{Component, Place, SphereMap, Texel};
 use crate::error::{Error, Result};
 use glam::{DVec2, DVec3};
 
@@ -121,11 +121,54 @@ impl Grid {
         }
     }
 
+    /// The place of the centre of `texel`.
+    pub(crate) fn centre(&self, texel: Texel) -> Place {
+        let uv = self.uv(texel.component, f64::from(texel.x) + 0.5, f64::from(texel.y) + 0.5);
+        Place { component: texel.component, uv }
+    }
+
+    /// The texel whose centre is at `place`, if there is one.
+    pub(crate) fn texel_from_centre(&self, place: Place) -> Option<Texel> {
+        let component = self.map.component(place.component);
+        let at = (place.uv - component.low) / self.step(&component) - 0.5;
+        let nearest = at.round();
+        let [width, height] = component.cells.map(|cells| f64::from(cells * self.size));
+        let is_texel = (at - nearest).abs().max_element() < 1e-4
+            && nearest.min_element() >= 0.0
+            && nearest.x < width
+            && nearest.y < height;
+        is_texel.then_some(Texel { component: place.component, x: nearest.x as u32, y: nearest.y as u32 })
+    }
+
+    /// The texel whose directions are those of `texel` with their coordinate `axis` (0 to 2 for x to z)
+    /// negated; `None` if this mirror does not map texels onto texels.
+    #[must_use]
+    pub fn mirrored(&self, texel: Texel, axis: usize) -> Option<Texel> {
+        self.texel_from_centre(self.map.mirrored(self.centre(texel), axis)?)
+    }
+
     /// Index of `texel`.
     #[must_use]
     pub fn index(&self, texel: Texel) -> usize {
         let width = self.sides(texel.component)[0] as usize;
         self.first_texel(texel.component) + texel.y as usize * width + texel.x as usize
+    }
+
+    /// The texel of number `index`.
+    ///
+    /// # Panics
+    /// If there is no such texel.
+    #[must_use]
+    pub(crate) fn texel(&self, index: usize) -> Texel {
+        let mut rest = index;
+        for component in 0..self.map.components() {
+            let [width, height] = self.sides(component).map(|side| side as usize);
+            if rest < width * height {
+                return Texel { component, x: (rest % width) as u32, y: (rest / width) as u32 };
+            }
+            rest -= width * height;
+        }
+        panic!("texel {index} of {}", self.texel_count());
     }
 
     /// Exact solid angle, in steradians, of the part of `texel` in its component's domain.
@@ -137,24 +180,12 @@ impl Grid {
         self.map.solid_angle(texel.component, low, high)
     }
 
-    /// The texels from number `first` on, in order.
-    pub(crate) fn texels_from(&self, first: usize) -> impl Iterator<Item = Texel> + use<> {
-        let (grid, map) = (*self, self.map);
-        let start = (0..map.components()).rfind(|component| self.first_texel(*component) <= first);
-        (start.unwrap_or(0)..map.components()).flat_map(move |component| {
-            let [width, height] = grid.sides(component);
-            // Rows before the first texel are skipped at once.
-            let skipped = first.saturating_sub(grid.first_texel(component));
-            let (row, column) = (skipped / width as usize, skipped % width as usize);
-            (row as u32..height).flat_map(move |y| {
-                let from = if y as usize == row { column as u32 } else { 0 };
-                (from..width).map(move |x| Texel { component, x, y })
-            })
-        })
-    }
-
     /// All texels, in order.
     pub fn texels(&self) -> impl Iterator<Item = Texel> + use<> {
-        self.texels_from(0)
+        let grid = *self;
+        (0..self.map.components()).flat_map(move |component| {
+            let [width, height] = grid.sides(component);
+            (0..height).flat_map(move |y| (0..width).map(move |x| Texel { component, x, y }))
+        })
     }
 }

@@ -95,4 +95,16 @@ impl SphereMap for Healpix {
     fn solid_angle(&self, _: u32, low: DVec2, high: DVec2) -> f64 {
         (high.x - low.x) * (high.y - low.y) * (PI / 3.0)
     }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        let Place { component, uv } = place;
+        let (row, column) = (component / 4, component % 4);
+        // Longitudes are negated by z, and subtracted from half a circle by x: both exchange east and west.
+        let turned = |sum: u32| if row == 1 { (sum + 1 - column) % 4 } else { (sum - column) % 4 };
+        Some(match axis {
+            0 => Place { component: 4 * row + turned(5), uv: DVec2::new(uv.y, uv.x) },
+            1 => Place { component: 4 * (2 - row) + column, uv: DVec2::new(1.0 - uv.y, 1.0 - uv.x) },
+            _ => Place { component: 4 * row + turned(3), uv: DVec2::new(uv.y, uv.x) },
+        })
+    }
 }

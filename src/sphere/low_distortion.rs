@@ -11,7 +11,7 @@
 //! axes and the fold diagonals; the corners are -Y.
 
 use super::map::{Component, Place, SphereMap, Texel};
-use super::octahedral::{wrap_oct, wrap_texel};
+use super::octahedral::{mirrored_oct, wrap_oct, wrap_texel};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -61,5 +61,9 @@ impl SphereMap for LowDistortion {
     fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
         let (x, y) = wrap_texel(size, x, y);
         Some(Texel { component, x, y })
+    }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        Some(Place { uv: mirrored_oct(place.uv, axis), ..place })
     }
 }

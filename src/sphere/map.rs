@@ -94,4 +94,12 @@ pub trait SphereMap: Debug + Sync {
         let _ = (size, component, x, y);
         None
     }
+
+    /// The place of the direction at `place` with its coordinate `axis` (0 to 2 for x to z) negated, and for
+    /// places outside a domain the continuation's. `None` if the map lacks this symmetry, or its mirror
+    /// image does not move rectangles as a whole or cut along lines between texels.
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        let _ = (place, axis);
+        None
+    }
 }

@@ -46,6 +46,10 @@ impl SphereMap for Octahedral {
         let (x, y) = wrap_texel(size, x, y);
         Some(Texel { component, x, y })
     }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        Some(Place { uv: mirrored_oct(place.uv, axis), ..place })
+    }
 }
 
 /// Point on the octahedron |x| + |y| + |z| = 1 at `uv` in [-1, 1]^2.
@@ -83,6 +87,17 @@ pub fn wrap_oct(uv: DVec2) -> DVec2 {
     let inside = uv - tile * 2.0;
     // Odd tiles are turned by 180 degrees. `tile` is integral, so the remainder is exact.
     if (tile.x + tile.y).rem_euclid(2.0) == 1.0 { -inside } else { inside }
+}
+
+/// The point of the square whose direction is that at `uv`, in the square, with its coordinate `axis` negated.
+#[must_use]
+pub(super) fn mirrored_oct(uv: DVec2, axis: usize) -> DVec2 {
+    match axis {
+        0 => DVec2::new(-uv.x, uv.y),
+        // Across the fold: u + v = 1 in its quadrant.
+        1 => DVec2::new((1.0 - uv.y.abs()).copysign(uv.x), (1.0 - uv.x.abs()).copysign(uv.y)),
+        _ => DVec2::new(uv.x, -uv.y),
+    }
 }
 
 /// The texel of the `n` x `n` square that texel (`x`, `y`), anywhere on the unfolded plane, stands for.

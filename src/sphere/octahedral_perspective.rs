@@ -9,7 +9,7 @@
 
 use super::map::{Component, Place, SphereMap, Texel};
 use super::octahedral::{
-    oct_from_direction, octahedron_from_oct, rectangle_solid_angle, wrap_oct, wrap_texel,
+    mirrored_oct, oct_from_direction, octahedron_from_oct, rectangle_solid_angle, wrap_oct, wrap_texel,
 };
 use glam::{DVec2, DVec3};
 
@@ -77,5 +77,9 @@ impl SphereMap for OctahedralPerspective {
     fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
         let (x, y) = wrap_texel(size, x, y);
         Some(Texel { component, x, y })
+    }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        Some(Place { uv: mirrored_oct(place.uv, axis), ..place })
     }
 }

@@ -111,6 +111,18 @@ impl SphereMap for OctahedralRectangular {
         let index = |k: i64| u32::try_from(k).expect("inside the rectangle");
         Some(Texel { component, x: index(x.rem_euclid(width)), y: index(y) })
     }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        if axis == 1 {
+            return Some(Place { uv: DVec2::new(-place.uv.x, place.uv.y), ..place });
+        }
+        // The other two planes are the diagonals of each half.
+        let middle = DVec2::new(1.0_f64.copysign(place.uv.x), 0.0);
+        let off = place.uv - middle;
+        let is_falling = (axis == 0) == (middle.x < 0.0);
+        let uv = middle + if is_falling { DVec2::new(-off.y, -off.x) } else { DVec2::new(off.y, off.x) };
+        Some(Place { uv, ..place })
+    }
 }
 
 /// The part of a convex polygon where `depth` is not negative.

@@ -9,7 +9,7 @@
 use super::azimuthal::{Disc, Profile};
 use super::map::{Component, Place, SphereMap};
 use glam::{DVec2, DVec3};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// A polar-capped map by its projections and the latitude of its caps.
 #[derive(Clone, Copy, Debug)]
@@ -124,5 +124,21 @@ impl SphereMap for PolarCapped {
             Kind::Conformal => (b - a).sinh() / (a.cosh() * b.cosh()),
         };
         sines * (high.x - low.x)
+    }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        let Place { component, uv } = place;
+        if component > 0 {
+            let other = if axis == 1 { 3 - component } else { component };
+            let uv = self.cap(component).mirrored(&self.cap(other), uv, axis);
+            return Some(Place { component: other, uv });
+        }
+        let uv = match axis {
+            // Longitude u becomes pi - u.
+            0 => DVec2::new((TAU - uv.x).rem_euclid(TAU) - PI, uv.y),
+            1 => DVec2::new(uv.x, -uv.y),
+            _ => DVec2::new(-uv.x, uv.y),
+        };
+        Some(Place { component, uv })
     }
 }

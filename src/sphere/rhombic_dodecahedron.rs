@@ -79,4 +79,13 @@ impl SphereMap for RhombicDodecahedron {
         let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
         projected_solid_angle(&corners.map(|uv| point(component, uv)))
     }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        let Place { component, uv } = place;
+        Some(match (axis + 3 - component as usize / 4) % 3 {
+            0 => Place { component: component ^ 2, uv },
+            1 => Place { component: component ^ 1, uv },
+            _ => Place { component, uv: DVec2::new(uv.y, uv.x) },
+        })
+    }
 }

@@ -43,4 +43,8 @@ impl SphereMap for MirrorBall {
     fn solid_angle(&self, _: u32, low: DVec2, high: DVec2) -> f64 {
         DISC.solid_angle(low, high)
     }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        (axis < 2).then(|| Place { uv: DISC.mirrored(&DISC, place.uv, axis), ..place })
+    }
 }

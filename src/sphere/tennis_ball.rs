@@ -113,4 +113,15 @@ impl SphereMap for TennisBall {
         let to = |u: f64, v: f64| quarter(u.abs(), v.abs()).copysign(u * v);
         to(high.x, high.y) - to(low.x, high.y) - to(high.x, low.y) + to(low.x, low.y)
     }
+
+    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
+        let (along, across) = (DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0));
+        // The mirror z = 0 would have to exchange the panels, which are turned against each other.
+        let signs = match (axis, place.component) {
+            (0, 0) | (1, 1) => along,
+            (0, _) | (1, _) => across,
+            _ => return None,
+        };
+        Some(Place { uv: place.uv * signs, ..place })
+    }
 }

@@ -218,6 +218,52 @@ fn misplaced(map: &'static dyn SphereMap, size: u32, b: i64, shift: i64) -> Opti
     Some(wrong)
 }
 
+/// Returns `direction` with its coordinate `axis` negated.
+fn reflected(mut direction: DVec3, axis: usize) -> DVec3 {
+    direction[axis] = -direction[axis];
+    direction
+}
+
+/// Counts texels whose image in the plane of `axis` is not theirs again, or is not where `shown` is, the
+/// plane of an axis; `None` if the map lacks the mirror.
+fn misreflected(grid: &Grid, axis: usize, shown: usize) -> Option<usize> {
+    let mut wrong = 0;
+    for texel in grid.texels() {
+        let image = grid.mirrored(texel, axis)?;
+        let expected = reflected(grid.direction_from_texel(texel), shown);
+        wrong += usize::from(
+            grid.mirrored(image, axis) != Some(texel)
+                || grid.direction_from_texel(image).distance(expected) > 1e-9,
+        );
+    }
+    Some(wrong)
+}
+
+#[test]
+fn mirrors_map_texels_onto_texels() {
+    for NamedMap { name, map, .. } in &MAPS {
+        let axes: Vec<usize> = (0..3)
+            .filter(|axis| {
+                for size in [2, 6, 8] {
+                    let grid = Grid::new(*map, size).expect("a size");
+                    let Some(wrong) = misreflected(&grid, *axis, *axis) else { return false };
+                    assert_eq!(wrong, 0, "{name}, axis {axis}, {size}");
+                    let others = misreflected(&grid, *axis, (axis + 1) % 3).expect("a mirror");
+                    assert!(others > grid.texel_count() / 4, "{name}: another plane must be detected");
+                }
+                true
+            })
+            .collect();
+        let expected: &[usize] =
+            if ["tennis-ball", "sphere-map"].contains(name) { &[0, 1] } else { &[0, 1, 2] };
+        assert_eq!(axes, expected, "{name}");
+    }
+    // A fold through texels.
+    let odd = Grid::new(named("octahedral").expect("a map").map, 5).expect("a size");
+    assert_eq!(misreflected(&odd, 1, 1), None);
+    assert_eq!(misreflected(&odd, 0, 0), Some(0));
+}
+
 #[test]
 fn texels_wrap_by_the_map_s_continuation() {
     let mut wrapped = Vec::new();
