@@ -84,6 +84,8 @@ pub(super) enum Command {
     Completions(super::completions::CompletionsArgs),
     /// Print the manual page, or write all pages into a folder
     Man(super::man::ManArgs),
+    /// Print the licences of the crates in the program
+    Licenses,
 }
 
 /// Options of the summed-area table.

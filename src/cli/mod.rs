@@ -30,6 +30,7 @@ mod figures_args;
 mod fingerprint;
 mod info;
 mod input;
+mod licenses;
 mod look_ups;
 mod man;
 mod outcome;
@@ -53,11 +54,11 @@ use clap::error::ErrorKind;
 use outcome::{Failure, Outcome, print, usage};
 use std::process::ExitCode;
 
-/// Runs the program with the process's arguments.
-pub fn main() -> ExitCode {
+/// Runs the program with the process's arguments; `licenses` are those of other crates, if the program has them.
+pub fn main(licenses: Option<&str>) -> ExitCode {
     signals::watch();
     let outcome = match Args::try_parse() {
-        Ok(args) => run(args.command),
+        Ok(args) => run(args.command, licenses),
         Err(error) => refuse(&error),
     };
     match outcome {
@@ -74,7 +75,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(command: Command) -> Outcome {
+fn run(command: Command, licenses: Option<&str>) -> Outcome {
     cap_environment_threads()?;
     match command {
         Command::Bake(args) => bake::run(args),
@@ -88,6 +89,7 @@ fn run(command: Command) -> Outcome {
         Command::Convert(args) => convert::run(&args),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
+        Command::Licenses => licenses::run(licenses),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(*args),
         #[cfg(not(feature = "view"))]
@@ -101,7 +103,7 @@ fn refuse(error: &clap::Error) -> Outcome {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => usage(
             "missing subcommand; choose one of bake, query, info, compare, bench, synth, dfg, analyze, \
-             convert, view, completions, man; see octagloss --help",
+             convert, view, completions, man, licenses; see octagloss --help",
         ),
         _ => {
             let text = error.render().to_string();

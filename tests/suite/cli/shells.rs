@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "bake",
     "query",
     "info",
@@ -19,6 +19,7 @@ const COMMANDS: [&str; 12] = [
     "view",
     "completions",
     "man",
+    "licenses",
 ];
 
 #[test]
@@ -36,6 +37,12 @@ fn completions_are_scripts_that_know_every_subcommand_and_option() {
     }
     fails(folder.path(), &["completions", "csh"], 2, "bash, elvish, fish, powershell, zsh");
     fails(folder.path(), &["completions"], 2, "<SHELL>");
+}
+
+#[test]
+fn licenses_that_are_not_in_the_program_are_said_to_be_in_the_release() {
+    let folder = TempDir::new().expect("a temporary folder");
+    fails(folder.path(), &["licenses"], 1, "THIRD-PARTY-LICENSES.txt of the release");
 }
 
 #[test]
@@ -70,7 +77,7 @@ fn manual_pages_tell_of_every_subcommand() {
     }
     let ran = done(folder.path(), &["man", "-o", "pages/man1"]);
     assert_eq!(ran.out, "");
-    assert!(ran.err.contains("13 manual pages"), "{}", ran.err);
+    assert!(ran.err.contains("14 manual pages"), "{}", ran.err);
     let pages = folder.path().join("pages/man1");
     let mut expected: Vec<String> = COMMANDS.map(|command| format!("octagloss-{command}.1")).to_vec();
     expected.push("octagloss.1".to_owned());
