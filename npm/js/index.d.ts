@@ -41,6 +41,7 @@ export type TargetName =
     | 'khronos'
     | 'oem'
     | 'babylon'
+    | 'playcanvas'
     | 'gltf-ext'
     | 'unity'
     | 'unreal'

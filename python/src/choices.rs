@@ -93,8 +93,16 @@ pub(crate) fn container(text: &str) -> PyResult<Container> {
 }
 
 pub(crate) fn pixel(text: &str) -> PyResult<Pixel> {
-    let all =
-        [Pixel::F16, Pixel::F32, Pixel::Rgb9e5, Pixel::R11g11b10, Pixel::Bc6h, Pixel::Rgbd, Pixel::Rgbe];
+    let all = [
+        Pixel::F16,
+        Pixel::F32,
+        Pixel::Rgb9e5,
+        Pixel::R11g11b10,
+        Pixel::Bc6h,
+        Pixel::Rgbd,
+        Pixel::Rgbp,
+        Pixel::Rgbe,
+    ];
     choice("pixel", text, &all.map(|pixel| (pixel.name(), pixel)))
 }
 

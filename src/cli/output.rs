@@ -430,6 +430,9 @@ fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> 
             let layout = if face.is_some() { "face" } else { plan.layout.name() };
             format!("{pixel} {what}{layout} {size}")
         }
+        Content::Atlas => {
+            format!("{pixel} atlas {}, {} levels", 2 * settings.size, settings.level_specs()?.len())
+        }
         Content::Env | Content::Glb => {
             let specs = settings.level_specs()?;
             format!("{pixel} cube {}, {} levels, and spherical harmonics", settings.size, specs.len())

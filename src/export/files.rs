@@ -1,6 +1,6 @@
 //! Encodes the files of a plan from a bake.
 
-use super::{babylon, gltf};
+use super::{babylon, gltf, playcanvas};
 use crate::bake::report::filter_name;
 use crate::bake::{Bake, BakeSettings};
 use crate::chain::{Chain, ChainKind, Level};
@@ -117,6 +117,9 @@ fn file_of(
         }
         Content::Env => babylon::env_bytes(&plan.flip.chain(&bake.chain), &bake.sh, plan.flip)?,
         Content::Glb => gltf::glb_bytes(&plan.flip.chain(&bake.chain), &bake.sh, name)?,
+        Content::Atlas => {
+            playcanvas::atlas_bytes(&plan.flip.chain(&bake.chain), &plan.flip.level(irradiance(bake)?))?
+        }
         Content::Mips => CubeFile {
             bytes: mips_bytes(levels, plan.pixel, metadata)?,
             clamped: levels.iter().map(|level| plan.pixel.clamped(&level.texels)).collect(),

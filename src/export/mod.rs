@@ -4,5 +4,6 @@ pub(crate) mod babylon;
 pub mod files;
 pub(crate) mod gltf;
 pub mod plan;
+pub(crate) mod playcanvas;
 pub mod stored;
 pub mod write;

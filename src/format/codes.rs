@@ -27,7 +27,7 @@ impl Pixel {
             Self::Rgb9e5 => Some(ktx2::Format::E5B9G9R9_UFLOAT_PACK32),
             Self::R11g11b10 => Some(ktx2::Format::B10G11R11_UFLOAT_PACK32),
             Self::Bc6h => Some(ktx2::Format::BC6H_UFLOAT_BLOCK),
-            Self::Rgbd | Self::Rgbe | Self::Auto => None,
+            Self::Rgbd | Self::Rgbp | Self::Rgbe | Self::Auto => None,
         }
     }
 
@@ -39,7 +39,7 @@ impl Pixel {
             Self::Rgb9e5 => Some(DxgiFormat::R9G9B9E5_SharedExp),
             Self::R11g11b10 => Some(DxgiFormat::R11G11B10_Float),
             Self::Bc6h => Some(DxgiFormat::BC6H_UF16),
-            Self::Rgbd | Self::Rgbe | Self::Auto => None,
+            Self::Rgbd | Self::Rgbp | Self::Rgbe | Self::Auto => None,
         }
     }
 
@@ -55,7 +55,7 @@ impl Pixel {
             // Filament and cmgen use the internal format as the type, not GL_UNSIGNED_INT_10F_11F_11F_REV
             // (Ktx1Reader.cpp, toPixelDataType).
             Self::R11g11b10 => (0x8c3a, 4, GL_RGB, 0x8c3a),
-            Self::Bc6h | Self::Rgbd | Self::Rgbe | Self::Auto => return None,
+            Self::Bc6h | Self::Rgbd | Self::Rgbp | Self::Rgbe | Self::Auto => return None,
         };
         Some(GlFormat { kind, kind_bytes, format, internal })
     }

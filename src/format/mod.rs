@@ -8,6 +8,7 @@ mod output_layout;
 mod pixel;
 pub mod r11g11b10;
 pub mod rgbd;
+pub mod rgbp;
 pub(crate) mod texel_bytes;
 
 pub use level_name::{LevelName, Shown};

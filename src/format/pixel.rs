@@ -2,6 +2,7 @@
 
 use super::r11g11b10::R11G11B10_MAX;
 use super::rgbd::RGBD_MAX;
+use super::rgbp::RGBP_MAX;
 use crate::environment::Rgb;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
@@ -34,6 +35,10 @@ pub enum Pixel {
     /// Eight bits a channel and a divisor, clamped at [`super::rgbd::RGBD_MAX`]; in PNG images only.
     #[cfg_attr(feature = "cli", value(skip))]
     Rgbd,
+    /// Eight bits a channel of the square root and a scale, clamped at [`super::rgbp::RGBP_MAX`]; in PNG images
+    /// only.
+    #[cfg_attr(feature = "cli", value(skip))]
+    Rgbp,
     /// Three 8-bit mantissas and a shared 8-bit exponent, clamped at `RGBE_MAX`; in .hdr images only.
     #[cfg_attr(feature = "cli", value(skip))]
     Rgbe,
@@ -57,6 +62,7 @@ impl Pixel {
             Self::R11g11b10 => "r11g11b10f",
             Self::Bc6h => "bc6h",
             Self::Rgbd => "rgbd",
+            Self::Rgbp => "rgbp",
             Self::Rgbe => "rgbe",
             Self::Auto => "auto",
         }
@@ -71,6 +77,7 @@ impl Pixel {
             Self::Rgb9e5 => RGB9E5_MAX,
             Self::R11g11b10 => R11G11B10_MAX,
             Self::Rgbd => RGBD_MAX,
+            Self::Rgbp => RGBP_MAX,
             Self::Rgbe => RGBE_MAX,
         }
     }
@@ -87,6 +94,8 @@ impl Pixel {
             Self::R11g11b10 => 1.0 / (1_u32 << 21) as f32,
             // Below (0.5/255)^2.2.
             Self::Rgbd => 1.1e-6,
+            // Below (0.5/255)^2.
+            Self::Rgbp => 3.8e-6,
             // The largest subnormal number.
             Self::Rgbe => f32::from_bits(0x007f_ffff),
         }

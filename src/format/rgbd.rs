@@ -36,17 +36,22 @@ pub fn rgb_from_rgbd([r, g, b, divisor]: [u8; 4]) -> Rgb {
 /// # Errors
 /// [`Error::Parameter`] if the texels do not fill the image.
 pub fn rgbd_png_bytes(width: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
-    let height = texels.len() / width.max(1) as usize;
-    if texels.is_empty() || texels.len() != width as usize * height {
-        return Err(Error::Parameter(format!(
-            "a PNG of {width} columns cannot hold {} texels",
-            texels.len()
-        )));
+    let codes: Vec<[u8; 4]> = texels.iter().map(|texel| rgbd_from_rgb(*texel)).collect();
+    png_bytes(width, &codes)
+}
+
+/// Encodes row-major `codes` of `width` columns as a PNG with alpha.
+///
+/// # Errors
+/// [`Error::Parameter`] if the codes do not fill the image.
+pub(crate) fn png_bytes(width: u32, codes: &[[u8; 4]]) -> Result<Vec<u8>> {
+    let height = codes.len() / width.max(1) as usize;
+    if codes.is_empty() || codes.len() != width as usize * height {
+        return Err(Error::Parameter(format!("a PNG of {width} columns cannot hold {} texels", codes.len())));
     }
-    let pixels: Vec<u8> = texels.iter().flat_map(|texel| rgbd_from_rgb(*texel)).collect();
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
-        .write_image(&pixels, width, height as u32, ExtendedColorType::Rgba8)
+        .write_image(codes.as_flattened(), width, height as u32, ExtendedColorType::Rgba8)
         .map_err(|error| Error::Parameter(format!("a PNG of {width}x{height}: {error}")))?;
     Ok(bytes)
 }

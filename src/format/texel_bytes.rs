@@ -3,6 +3,7 @@
 use super::bc6h::bc6h_blocks;
 use super::r11g11b10::r11g11b10_from_rgb;
 use super::rgbd::rgbd_from_rgb;
+use super::rgbp::rgbp_from_rgb;
 use super::{Pixel, push_halves, rgb9e5_from_rgb};
 use crate::environment::Rgb;
 use half::f16;
@@ -33,6 +34,7 @@ pub(crate) fn texel_bytes(size: u32, texels: &[Rgb], pixel: Pixel) -> Vec<u8> {
         Pixel::Auto => return texel_bytes(size, texels, pixel.stored(texels)),
         Pixel::Rgbe => unreachable!("the .hdr writer alone has RGBE, and encodes it itself"),
         Pixel::Rgbd => bytes.extend(texels.iter().flat_map(|t| rgbd_from_rgb(*t))),
+        Pixel::Rgbp => bytes.extend(texels.iter().flat_map(|t| rgbp_from_rgb(*t))),
         Pixel::Bc6h => return bc6h_blocks(size, texels),
     }
     bytes

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::io::picture::{Picture, Source};
+use crate::io::target_folder::is_atlas;
 use crate::io::{dds, exr, hdr, ktx1, ktx2, ldr, regular};
 use std::path::Path;
 
@@ -96,6 +97,8 @@ pub(super) fn unreadable(source: &Source<'_>) -> Option<Error> {
     let name = match source.bytes {
         bytes if bytes.starts_with(&crate::format::container::ENV_MAGIC) => "a Babylon.js .env",
         bytes if bytes.starts_with(b"glTF") => "a binary glTF",
+        // Its panoramas would be read as one picture.
+        bytes if Format::sniff(bytes) == Some(Format::Png) && is_atlas(source.path) => "a PlayCanvas atlas",
         _ if text.starts_with(b"{") => "JSON, such as spherical harmonics or a report",
         _ => return None,
     };
@@ -107,7 +110,8 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     if source.bytes.is_empty() {
         return Err(source.error("the file is empty (0 bytes)"));
     }
-    let Some(format) = Format::sniff(source.bytes) else {
+    let readable = Format::sniff(source.bytes).filter(|_| !is_atlas(source.path));
+    let Some(format) = readable else {
         return Err(unreadable(source).unwrap_or_else(|| {
             source.error(
                 "not an image that can be read; Radiance .hdr, OpenEXR, KTX, KTX2, DDS, PNG and JPEG can, \

@@ -50,8 +50,8 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
     let holds_levels = |path: &&String| {
         let mut contents = TARGETS.iter().filter_map(|target| target.content_of(path));
         contents.any(|content| {
-            use Content::{Env, Glb, Oem, Panorama, Specular};
-            matches!(content, Specular | Oem | Panorama | Env | Glb)
+            use Content::{Atlas, Env, Glb, Oem, Panorama, Specular};
+            matches!(content, Specular | Oem | Panorama | Env | Glb | Atlas)
         })
     };
     let found: Vec<&String> = paths.iter().filter(holds_levels).collect();
@@ -70,6 +70,15 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
 
 /// Whether the file `path` is named as a target's panorama.
 pub(super) fn is_panorama(path: &Path) -> bool {
+    is_named(path, Content::Panorama)
+}
+
+/// Whether the file `path` is named as a target's atlas.
+pub(super) fn is_atlas(path: &Path) -> bool {
+    is_named(path, Content::Atlas)
+}
+
+fn is_named(path: &Path, content: Content) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    TARGETS.iter().any(|target| target.content_of(&name) == Some(Content::Panorama))
+    TARGETS.iter().any(|target| target.content_of(&name) == Some(content))
 }

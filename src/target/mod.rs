@@ -45,6 +45,8 @@ pub enum Content {
     Env,
     /// Levels and harmonics as a glTF light.
     Glb,
+    /// Levels and irradiance in PlayCanvas's atlas.
+    Atlas,
     /// The levels as a lat-long MIP map.
     Mips,
     /// One image of a level.
@@ -145,8 +147,8 @@ pub struct Target {
 }
 
 use Content::{
-    Env, Glb, Image, Irradiance, Mips, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox, SkyboxPanorama,
-    Specular,
+    Atlas, Env, Glb, Image, Irradiance, Mips, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox,
+    SkyboxPanorama, Specular,
 };
 
 /// This program's own conventions, the base of the other rows.
@@ -191,7 +193,7 @@ pub const UNTARGETED: Target = Target {
 const ENGINE: Target = Target { size: 256, last_size: Some(1), chain: Some(ChainKind::Sampled), ..GENERIC };
 
 /// The presets.
-pub const TARGETS: [Target; 12] = [
+pub const TARGETS: [Target; 13] = [
     GENERIC,
     // Cube textures are looked up with x negated unless they are render targets (WebGLMaterials.js); a
     // prefiltered cube runs down to 8 texels and its last level is the irradiance (PMREMGenerator.js,
@@ -306,6 +308,21 @@ pub const TARGETS: [Target; 12] = [
         verified: Some("babylonjs 9.34"),
         ..ENGINE
     },
+    // See playcanvas.rs. x is negated before look-ups of the atlas (lit/frag/reflectionEnv.js, ambient.js) and
+    // of a cube (skybox/frag/skybox.js).
+    Target {
+        name: "playcanvas",
+        reader: "PlayCanvas's environment atlas",
+        pixel: Pixel::Rgbp,
+        flip: Flip::X,
+        diffuse: Diffuse::Cube,
+        files: &[
+            FileSpec { path: "{name}_envatlas.png", content: Atlas },
+            FileSpec { path: "{name}_skybox.dds", content: Skybox },
+        ],
+        verified: Some("playcanvas 2.23"),
+        ..ENGINE
+    },
     // See gltf.rs.
     Target {
         name: "gltf-ext",
@@ -387,7 +404,7 @@ pub const TARGETS: [Target; 12] = [
             FileSpec { path: "{name}_panorama.exr", content: Panorama },
             FileSpec { path: "{name}_skybox.exr", content: SkyboxPanorama },
         ],
-        verified: None,
+        verified: Some("Blender 5.0 (bpy)"),
         ..ENGINE
     },
 ];
@@ -402,6 +419,9 @@ impl Target {
     /// Levels from `size` down to the target's last.
     #[must_use]
     pub fn levels(&self, size: u32) -> u32 {
+        if self.has_atlas() {
+            return sizes::ATLAS_LEVELS;
+        }
         match self.last_size {
             None => self.ladder.default_levels(self.map, size).max(1),
             Some(last) => size.checked_ilog2().unwrap_or(0).saturating_sub(last.ilog2()) + 1,
@@ -427,6 +447,12 @@ impl Target {
     #[must_use]
     pub fn has_sheen(&self) -> bool {
         self.files.iter().any(|file| file.content == Sheen)
+    }
+
+    /// Whether its levels are in an atlas.
+    #[must_use]
+    pub fn has_atlas(&self) -> bool {
+        self.files.iter().any(|file| file.content == Atlas)
     }
 
     /// Whether the container and pixel format of its files can be chosen.
@@ -503,6 +529,7 @@ impl TargetPlan {
             Oem => crate::oem::level_sizes(size, levels).map(drop),
             Env => sizes::check_env(size, levels),
             Glb => sizes::check_glb(size),
+            Atlas => sizes::check_atlas(size, levels),
             _ => Ok(()),
         })
     }

@@ -28,3 +28,20 @@ pub(crate) fn check_glb(size: u32) -> Result<()> {
     }
     Err(Error::Parameter(format!("{EXTENSION} needs a `size` that is a power of two; {size} is not")))
 }
+
+/// Levels of PlayCanvas's atlas.
+pub(crate) const ATLAS_LEVELS: u32 = 6;
+
+/// Checks that an atlas can hold a chain of `levels` from `size` down.
+///
+/// # Errors
+/// [`Error::Parameter`] if the reader would look up other levels, or none.
+pub(crate) fn check_atlas(size: u32, levels: u32) -> Result<()> {
+    if size.is_power_of_two() && size >= 1 << (ATLAS_LEVELS - 1) && levels == ATLAS_LEVELS {
+        return Ok(());
+    }
+    Err(Error::Parameter(format!(
+        "an atlas needs a `size` that is a power of two from 32, and {ATLAS_LEVELS} levels; {size} with \
+         {levels} levels is not"
+    )))
+}

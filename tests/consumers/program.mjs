@@ -1,10 +1,20 @@
 // Runs the program (bakes and queries of one environment) and reports checks.
 import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 export const root = fileURLToPath(new URL('../..', import.meta.url));
 export const environment = join(root, 'hdr', 'labelled.exr');
+
+// The code in `language` under the heading `engine` of docs/engines.md.
+export function recipe(engine, language) {
+    const sections = readFileSync(join(root, 'docs', 'engines.md'), 'utf8').split(/^## /m);
+    const section = sections.find((text) => text.startsWith(`${engine}\n`)) ?? '';
+    const [, code] = section.split(`\n\`\`\`${language}\n`);
+    if (!code) throw new Error(`docs/engines.md: no ${language} under ${engine}`);
+    return code.split(/^```$/m)[0];
+}
 
 // `program` and the folder `work` for its outputs.
 export function programAt(program, work) {

@@ -3,7 +3,7 @@
 //
 //   node tests/consumers/run.mjs PROGRAM [ENGINE...]
 //
-// ENGINE: three, filament, babylon or khronos; all by default. CHROMIUM in the environment names the browser.
+// ENGINE: three, filament, babylon, playcanvas or khronos; all by default. CHROMIUM in the environment names the browser.
 // Exit status 0 when every picture agrees, 1 otherwise.
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -14,11 +14,18 @@ import puppeteer from 'puppeteer-core';
 import { checkBabylon } from './babylon.mjs';
 import { checkFilament } from './filament.mjs';
 import { checkKhronos } from './khronos.mjs';
-import { finish, programAt, check } from './program.mjs';
+import { checkPlayCanvas } from './playcanvas.mjs';
+import { finish, programAt, check, recipe } from './program.mjs';
 import { checkThree } from './three.mjs';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
-const checks = { three: checkThree, filament: checkFilament, babylon: checkBabylon, khronos: checkKhronos };
+const checks = {
+    three: checkThree,
+    filament: checkFilament,
+    babylon: checkBabylon,
+    playcanvas: checkPlayCanvas,
+    khronos: checkKhronos,
+};
 const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium';
 const [program, ...named] = process.argv.slice(2);
 const engines = named.length ? named : Object.keys(checks);
@@ -28,11 +35,15 @@ if (!program || engines.some((engine) => !checks[engine])) {
 }
 const work = mkdtempSync(join(tmpdir(), 'octagloss-consumers-'));
 
-const types = { '.html': 'text/html', '.js': 'text/javascript', '.wasm': 'application/wasm' };
+const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.wasm': 'application/wasm' };
 const server = createServer((request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
     if (path === '/favicon.ico') {
         response.writeHead(204).end();
+        return;
+    }
+    if (path.startsWith('/recipe/')) {
+        response.writeHead(200, { 'content-type': 'text/plain' }).end(recipe(path.slice(8), 'js'));
         return;
     }
     const file = path.startsWith('/bake/') ? join(work, path.slice(6)) : join(here, path);

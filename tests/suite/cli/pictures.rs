@@ -14,7 +14,7 @@ fn every_target_has_a_picture() {
     let folder = with_sky();
     for target in &TARGETS {
         let args =
-            ["bake", "sky.exr", "--target", target.name, "--size", "16", "--preview", "p.png", "--force"];
+            ["bake", "sky.exr", "--target", target.name, "--size", "32", "--preview", "p.png", "--force"];
         done(
             folder.path(),
             &[&args[..], &["-o", target.name, "--quiet", "--filter", "adaptive:0.5"]].concat(),

@@ -308,11 +308,14 @@ fn compare_gives_the_source_the_turns_and_the_sun_of_the_bake() {
 fn what_cannot_be_read_is_named_by_every_command() {
     let folder = with_source();
     bake(folder.path(), "out", &[&TINY[..], &["--target", "babylon,gltf-ext,oem"]].concat());
+    bake(folder.path(), "atlas", &["--size", "32", "--filter", "adaptive:0.5", "--target", "playcanvas"]);
     fs::write(folder.path().join("directions.csv"), "x,y,z\n1,0,0\n").expect("writable");
     let query = ["--directions", "directions.csv", "--roughness", "0.5"];
     for (path, words) in [
         ("out/babylon/a_ibl.env", "out/babylon/a_ibl.env: a Babylon.js .env"),
         ("out/babylon", "out/babylon/a_ibl.env: a Babylon.js .env"),
+        ("atlas/a_envatlas.png", "atlas/a_envatlas.png: a PlayCanvas atlas"),
+        ("atlas", "atlas/a_envatlas.png: a PlayCanvas atlas"),
         ("out/gltf-ext/a_ibl.glb", "a_ibl.glb: a binary glTF"),
         ("out/oem/a_sh.json", "a_sh.json: JSON"),
         ("out/oem/oem.wgsl", "oem.wgsl: not an image"),

@@ -8,6 +8,7 @@ use octagloss::internals::chain::Chain;
 use octagloss::internals::format::container::Container;
 use octagloss::internals::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
 use octagloss::internals::format::rgbd::{RGBD_MAX, rgb_from_rgbd, rgbd_from_rgb, rgbd_png_bytes};
+use octagloss::internals::format::rgbp::{RGBP_MAX, rgb_from_rgbp, rgbp_from_rgb};
 use octagloss::internals::format::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
 use octagloss::internals::io::cube_write::cube_bytes;
 use octagloss::internals::io::{ReadOptions, read_chain, read_chain_from_memory, read_from_memory};
@@ -45,7 +46,7 @@ pub(crate) fn colours(pixel: Pixel, size: u32, bytes: &[u8]) -> Vec<Rgb> {
         Pixel::Rgb9e5 => texels.map(|at| rgb_from_rgb9e5(word(bytes, at))).collect(),
         Pixel::R11g11b10 => texels.map(|at| rgb_from_r11g11b10(word(bytes, at))).collect(),
         Pixel::Bc6h => decoded(size, bytes),
-        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => (0..(size * size) as usize)
+        Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => (0..(size * size) as usize)
             .map(|k| rgb_from_rgbd(bytes[4 * k..4 * k + 4].try_into().unwrap()))
             .collect(),
     }
@@ -62,7 +63,7 @@ pub(crate) fn parse_ktx1(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
         Pixel::F32 => (0x1406, 4, 0x1908, 0x8814),
         Pixel::Rgb9e5 => (0x8c3e, 4, 0x1907, 0x8c3d),
         Pixel::R11g11b10 => (0x8c3a, 4, 0x1907, 0x8c3a),
-        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => {
+        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => {
             return Err("neither BC6H nor RGBD here".to_owned());
         }
     };
@@ -120,7 +121,7 @@ pub(crate) fn parse_dds(bytes: &[u8], pixel: Pixel) -> Result<Cube, String> {
         Pixel::R11g11b10 => 26,
         Pixel::Rgb9e5 => 67,
         Pixel::Bc6h => 95,
-        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => return Err("no RGBD here".to_owned()),
+        Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => return Err("no RGBD here".to_owned()),
     };
     rule(word(bytes, 128) == format, "DXGI format")?;
     rule(word(bytes, 132) == 3 && word(bytes, 136) == 4 && word(bytes, 140) == 1, "2D, a cube, one of it")?;
@@ -149,7 +150,9 @@ fn stored(pixel: Pixel, texel: Rgb) -> Rgb {
         Pixel::F32 => texel,
         Pixel::Rgb9e5 => rgb_from_rgb9e5(rgb9e5_from_rgb(texel)),
         Pixel::R11g11b10 => rgb_from_r11g11b10(r11g11b10_from_rgb(texel)),
-        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => unreachable!("not among the formats"),
+        Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => {
+            unreachable!("not among the formats")
+        }
     }
 }
 
@@ -243,6 +246,20 @@ fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
             assert_eq!(read_chain(&path).unwrap(), read);
         }
     }
+}
+
+#[test]
+fn rgbp_keeps_radiance_within_what_eight_bits_of_the_root_hold() {
+    for k in 0..6400_u16 {
+        let value = f32::from(k) / 100.0;
+        let [decoded, ..] = rgb_from_rgbp(rgbp_from_rgb([value, value / 3.0, 0.0]));
+        // Half a code of the root, whose scale is rounded up by up to 7/255.
+        let root = value.sqrt();
+        let most = root * (root.max(1.0) + 7.0 / 255.0) / 255.0 + 1e-5;
+        assert!((decoded - value).abs() <= most, "{value} is {decoded}");
+    }
+    assert_eq!(rgb_from_rgbp(rgbp_from_rgb([0.0, 1.0, 0.0])), [0.0, 1.0, 0.0]);
+    assert_eq!(rgb_from_rgbp(rgbp_from_rgb([1e9, 0.0, RGBP_MAX])), [RGBP_MAX, 0.0, RGBP_MAX]);
 }
 
 #[test]

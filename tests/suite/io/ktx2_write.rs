@@ -114,7 +114,7 @@ fn colours(pixel: Pixel, level: &[u8]) -> Vec<Rgb> {
             .map(|t| rgb_from_r11g11b10(u32::from_le_bytes(t.try_into().unwrap())))
             .collect(),
         Pixel::Bc6h => panic!("blocks hold no single texels"),
-        Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => panic!("not in KTX2"),
+        Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => panic!("not in KTX2"),
     }
 }
 
@@ -137,7 +137,9 @@ fn ktx2_files_hold_to_the_specification_and_come_back_as_written() {
                     Pixel::R11g11b10 => {
                         level.texels.iter().map(|t| rgb_from_r11g11b10(r11g11b10_from_rgb(*t))).collect()
                     }
-                    Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbe | Pixel::Auto => panic!("not among the formats"),
+                    Pixel::Bc6h | Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => {
+                        panic!("not among the formats")
+                    }
                 };
                 assert_eq!(first_difference(&colours(pixel, data), &expected), None);
                 match pixel {
