@@ -4,16 +4,19 @@
 //! texture --reparameterise--> OEM planes --build_fitted--> tables +-> octagloss_radiance(...)
 //!                                                                +-> octagloss_irradiance(...)
 //! ```
+//!
+//! The texture is the renderer's, or the octahedral map that [`LiveEnvironment::draw`] draws into.
 
 use super::build_fitted::BuildFitted;
 use super::device::shader::{self, Queries};
+use super::direct::{Surroundings, view_layout};
 use super::fitted::FittedTables;
 use super::reparameterise::{Reparameterise, upload};
 use super::{Context, OemPlanes, Stage};
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 /// Boxes of a fitted lobe at first.
 const BOXES: u32 = 4;
@@ -23,6 +26,9 @@ const BOXES: u32 = 4;
 /// The renderer owns device, queue and encoder. [`LiveEnvironment::update`] records the compute passes that
 /// follow a change of the light; [`LiveEnvironment::wgsl`] and [`LiveEnvironment::bind_group`] give its
 /// shaders the look-ups. `examples/render.rs` draws a sphere with it.
+///
+/// [`LiveEnvironment::draw`] takes a scene of triangles instead of a texture: the renderer's own draws go
+/// straight into the octahedral map. `examples/direct.rs` does so.
 #[derive(Debug)]
 pub struct LiveEnvironment {
     context: Context,
@@ -33,9 +39,26 @@ pub struct LiveEnvironment {
     build: Vec<Stage>,
     /// The texture of the last update, and the stage that reads it.
     source: Option<(wgpu::Texture, Stage)>,
+    /// The map of the first draw, and the stage that reads it.
+    drawn: Option<(Surroundings, Stage)>,
+    draw_layout: wgpu::BindGroupLayout,
     source_from_world: wgpu::Buffer,
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
+}
+
+/// Pipelines that several environments share.
+#[derive(Clone, Debug)]
+pub(crate) struct LivePasses {
+    reparameterise: Reparameterise,
+    build: BuildFitted,
+}
+
+impl LivePasses {
+    /// Compiles the passes.
+    pub(crate) fn new(context: &Context) -> Self {
+        Self { reparameterise: Reparameterise::new(context), build: BuildFitted::new(context) }
+    }
 }
 
 impl LiveEnvironment {
@@ -47,11 +70,17 @@ impl LiveEnvironment {
     /// size that fits.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
+        Self::with_passes(&context, &LivePasses::new(&context), size)
+    }
+
+    /// [`Self::new`] with passes compiled before.
+    pub(crate) fn with_passes(context: &Context, passes: &LivePasses, size: u32) -> Result<Self> {
+        let device = context.device();
         let inner = size.max(16).checked_next_power_of_two().unwrap_or(1 << 31);
         // Before any plane is allocated.
-        let tables = FittedTables::new(&context, inner, BOXES)?;
-        let planes = OemPlanes::new(&context, OemSize { inner, border: 0 })?;
-        let build = BuildFitted::new(&context).stages(&context, &planes, &tables)?;
+        let tables = FittedTables::new(context, inner, BOXES)?;
+        let planes = OemPlanes::new(context, OemSize { inner, border: 0 })?;
+        let build = passes.build.stages(context, &planes, &tables)?;
         let source_from_world = context.uniform("source from world", &columns(DMat3::IDENTITY));
         let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let mut entries = FittedTables::layout_entries(visibility).to_vec();
@@ -61,15 +90,17 @@ impl LiveEnvironment {
             entries: &entries,
         });
         let bind_group = bind_group(device, &layout, &tables, &source_from_world);
-        let reparameterise = Reparameterise::new(&context);
-        let source = None;
+        let reparameterise = passes.reparameterise.clone();
+        let draw_layout = view_layout(device);
         Ok(Self {
-            context,
+            context: context.clone(),
             planes,
             tables,
             reparameterise,
             build,
-            source,
+            source: None,
+            drawn: None,
+            draw_layout,
             source_from_world,
             layout,
             bind_group,
@@ -95,13 +126,84 @@ impl LiveEnvironment {
     /// [`Error::Parameter`] for a texture of another shape, [`Error::Limit`] where its overlaps exceed the
     /// device's buffers.
     pub fn update(&mut self, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> Result<()> {
+        self.stages(texture)?.for_each(|stage| stage.record(encoder));
+        Ok(())
+    }
+
+    /// The stages that [`Self::update`] records.
+    pub(crate) fn stages(&mut self, texture: &wgpu::Texture) -> Result<impl Iterator<Item = &Stage>> {
         if self.source.as_ref().is_none_or(|(known, _)| known != texture) {
             let layout = layout_of(texture.size())?;
             let stage = self.reparameterise.stage(&self.context, layout, texture, &self.planes)?;
             self.source = Some((texture.clone(), stage));
         }
-        self.source.iter().map(|(_, stage)| stage).chain(&self.build).for_each(|stage| stage.record(encoder));
+        Ok(self.source.iter().map(|(_, stage)| stage).chain(&self.build))
+    }
+
+    /// Format of the colour that [`Self::draw`] draws: radiance, up to 65504.
+    pub const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+    /// Format of the depth of [`Self::draw`]: `near` over the distance, cleared to 0. The nearest fragment has
+    /// the greatest depth.
+    pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+    /// Records one render pass that draws a scene into the octahedral map around `centre` (world space), and
+    /// the passes that bring the tables up to it, as [`Self::update`] does for a texture.
+    ///
+    /// The pass has eight parts, one per octant of directions. `record` is called for each with the group of
+    /// [`Self::draw_layout`] to bind, and records all draws of the scene with the caller's own pipelines: colour
+    /// [`Self::COLOUR`], depth [`Self::DEPTH`] compared by `Greater`, one sample. Vertex stages return
+    /// `octagloss_direct_position(position)`, fragment stages discard what `octagloss_direct_owns` denies; both
+    /// are in [`Self::draw_wgsl`]. As in the faces of a cube, triangles wind the other way round than in a picture:
+    /// to cull back faces, exchange `Ccw` and `Cw`. The scissor is the octant's.
+    ///
+    /// Points nearer than `near` are cut away, measured by |x| + |y| + |z|. The map is black where nothing is
+    /// drawn; a sky is a large box or dome. It has the world's axes: a rotation by [`Self::set_rotation`]
+    /// turns it with the scene in it.
+    ///
+    /// Centre and `near` take effect with the next submission: submit once for each draw.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a `near` that is not positive or a `centre` that is not finite,
+    /// [`Error::Limit`] where the map exceeds the device's textures.
+    pub fn draw(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        centre: DVec3,
+        near: f32,
+        record: impl FnMut(&mut wgpu::RenderPass<'_>, &wgpu::BindGroup),
+    ) -> Result<()> {
+        let OemSize { inner: size, .. } = self.planes.size();
+        let (surroundings, stage) = match &mut self.drawn {
+            Some(drawn) => drawn,
+            none => {
+                let surroundings = Surroundings::new(&self.context, &self.draw_layout, size)?;
+                let (layout, map) = (Layout::Octahedral { size }, surroundings.colour());
+                let stage = self.reparameterise.stage(&self.context, layout, map, &self.planes)?;
+                none.insert((surroundings, stage))
+            }
+        };
+        surroundings.draw(&self.context, encoder, centre, near, record)?;
+        std::iter::once(&*stage).chain(&self.build).for_each(|stage| stage.record(encoder));
         Ok(())
+    }
+
+    /// WGSL for the caller's shaders that draw into the map; their resource is declared in bind group `group`.
+    /// It can stand in one shader with [`Self::wgsl`] of another group.
+    ///
+    /// - `octagloss_direct_position(position: vec3<f32>) -> vec4<f32>`: clip coordinates of a position in
+    ///   world space, for the vertex stage.
+    /// - `octagloss_direct_owns(position: vec4<f32>) -> bool`: whether a pixel, by the fragment stage's
+    ///   built-in position, belongs to the octant. Discard it otherwise.
+    #[must_use]
+    pub fn draw_wgsl(group: u32) -> String {
+        shader::queries(&[Queries::Draw(group)])
+    }
+
+    /// The layout of the group that [`Self::draw`] passes on, for the caller's pipeline layouts.
+    #[must_use]
+    pub const fn draw_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.draw_layout
     }
 
     /// Turns the environment from the next submission on: `source_from_world` is the rotation that takes a

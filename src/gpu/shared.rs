@@ -111,6 +111,7 @@ pub fn structs() -> Vec<Struct> {
         layout!("cells.wgsl", "Level", cells::CellLevel),
         layout!("cells.wgsl", "Tent", cells::Tent),
         layout!("common/direct.wgsl", "Corner", crate::direct::Corner),
+        layout!("common/direct_view.wgsl", "OctaglossView", direct::view::View),
         layout!("common/light.wgsl", "OctaglossEmitter", fitted::EmitterWords),
         // Least radiance, two vectors of units, 25 harmonics, emitters.
         (
@@ -127,7 +128,6 @@ pub fn structs() -> Vec<Struct> {
         ("common/sum.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
         layout!("common/table.wgsl", "Table", oem::Table),
         layout!("direct/cull.wgsl", "Cull", direct::list::Cull),
-        layout!("direct/draw.wgsl", "View", direct::view::View),
         layout!("direct/offsets.wgsl", "Offsets", direct::list::Offsets),
         layout!("direct/split.wgsl", "Split", direct::list::Split),
         // Four greatest patterns and four 64-bit sums.

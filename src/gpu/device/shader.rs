@@ -29,6 +29,7 @@ pub(crate) use members;
 pub const FILES: &[(&str, &str)] = &files![
     "common/atlas.wgsl",
     "common/direct.wgsl",
+    "common/direct_view.wgsl",
     "common/fitted.wgsl",
     "common/fixed_point.wgsl",
     "common/harmonics.wgsl",
@@ -36,6 +37,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/light.wgsl",
     "common/live.wgsl",
     "common/octahedral.wgsl",
+    "common/octants.wgsl",
     "common/octaves.wgsl",
     "common/oem_lookup.wgsl",
     "common/plane.wgsl",
@@ -119,6 +121,9 @@ pub enum Queries {
     /// The same under a rotation, and irradiance, over a [`crate::gpu::live::LiveEnvironment`]:
     /// `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`.
     Live(u32),
+    /// Clip coordinates and ownership of pixels for draws into a [`crate::gpu::live::LiveEnvironment`]:
+    /// `octagloss_direct_position(position)` and `octagloss_direct_owns(position)`.
+    Draw(u32),
 }
 
 /// The resources of fitted lobes, by their bindings.
@@ -151,6 +156,9 @@ pub fn queries(queries: &[Queries]) -> String {
             ),
             Queries::Fitted(group) => (group, FITTED.to_vec(), "common/fitted.wgsl"),
             Queries::Live(group) => (group, [&FITTED[..], &[LIVE]].concat(), "common/live.wgsl"),
+            Queries::Draw(group) => {
+                (group, vec!["var<uniform> octagloss_view: OctaglossView"], "common/direct_view.wgsl")
+            }
         };
         for (binding, declared) in declared.iter().enumerate() {
             text.push_str(&format!("@group({group}) @binding({binding}) {declared};\n"));

@@ -12,10 +12,12 @@
 
 pub mod list;
 mod mesh;
+mod surroundings;
 mod target;
 pub mod view;
 
 pub use mesh::DirectMesh;
+pub(in crate::gpu) use surroundings::Surroundings;
 pub use target::DirectTarget;
 
 use super::Context;
@@ -30,6 +32,7 @@ use view::Bounded;
 
 /// How triangles come into a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Method {
     /// The octahedral map, an octant per draw by the octant's own projective map. Each pixel takes part in
     /// the draw of the octant of its centre; a draw has only the triangles that may meet its octant.
@@ -98,19 +101,7 @@ impl Direct {
             )));
         }
         let device = context.device();
-        let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("direct view"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        });
+        let group = view_layout(device);
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("direct"),
             bind_group_layouts: &[Some(&group)],
@@ -195,11 +186,7 @@ impl Direct {
         bounded: &Bounded,
     ) -> Draw {
         let uniform = self.context.uniform("direct view", &bounded.view);
-        let group = self.context.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("direct view"),
-            layout: &self.group,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-        });
+        let group = view_group(self.context.device(), &self.group, &uniform);
         let pipeline = match method {
             Method::Octants | Method::ClipMask => &self.own_octant,
             Method::StrictSplit => &self.pieces,
@@ -217,6 +204,35 @@ impl Direct {
         let (pipeline, corners) = (pipeline.clone(), corners.clone());
         Draw { pipeline, group, corners, source, scissor: bounded.scissor }
     }
+}
+
+/// The layout of a group that holds a view.
+pub(in crate::gpu) fn view_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("direct view"),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        }],
+    })
+}
+
+fn view_group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    uniform: &wgpu::Buffer,
+) -> wgpu::BindGroup {
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("direct view"),
+        layout,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+    })
 }
 
 fn pipeline(
@@ -367,32 +383,42 @@ impl DirectFrame {
     }
 }
 
+/// Begins a pass into `colour` and `depth`, both cleared to 0.
+fn cleared<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    colour: &wgpu::TextureView,
+    depth: Option<&wgpu::TextureView>,
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+) -> wgpu::RenderPass<'a> {
+    let depth_stencil_attachment = depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+        stencil_ops: None,
+    });
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("direct"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: colour,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        depth_stencil_attachment,
+        timestamp_writes,
+        ..Default::default()
+    })
+}
+
 impl Pass {
     fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        let depth = self.depth.as_ref().map(|view| wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
-        });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("direct"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.colour,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            depth_stencil_attachment: depth,
-            timestamp_writes,
-            ..Default::default()
-        });
+        let mut pass = cleared(encoder, &self.colour, self.depth.as_ref(), timestamp_writes);
         for Draw { pipeline, group, corners, source, scissor: [left, top, width, height] } in &self.draws {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, group, &[]);

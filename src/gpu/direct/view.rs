@@ -23,12 +23,20 @@ const MARGIN: f64 = 2.0;
 #[repr(C)]
 pub struct View {
     clip_from_scene: [[f32; 4]; 4],
+    centre: [f32; 3],
     size: u32,
     octant: u32,
-    pad: [u32; 2],
+    pad: [u32; 3],
 }
 
-shader::members!(View { clip_from_scene, size, octant, pad });
+shader::members!(View { clip_from_scene, centre, size, octant, pad });
+
+impl View {
+    /// The same view of a scene whose origin is at `centre`.
+    pub(super) const fn around(self, centre: [f32; 3]) -> Self {
+        Self { centre, ..self }
+    }
+}
 
 /// A plane: inside is where the product with (x, y, z, 1) is not negative.
 pub(super) type Plane = [f32; 4];
@@ -53,7 +61,7 @@ fn view(rows: [DVec3; 3], near: f32, size: u32, octant: u32) -> View {
     let [x, y, w] = rows.map(|row| row.as_vec3());
     let column = |k: usize| [x[k], y[k], 0.0, w[k]];
     let clip_from_scene = [column(0), column(1), column(2), [0.0, 0.0, near, 0.0]];
-    View { clip_from_scene, size, octant, pad: [0; 2] }
+    View { clip_from_scene, centre: [0.0; 3], size, octant, pad: [0; 3] }
 }
 
 fn plane(normal: DVec3, offset: f32) -> Plane {

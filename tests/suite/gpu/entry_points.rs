@@ -93,10 +93,10 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
     ("direct/cull.wgsl", "count_kept", [list::GROUP_SIZE, 1, 1], COUNT_KEPT),
     ("direct/cull.wgsl", "list_kept", [list::GROUP_SIZE, 1, 1], LIST_KEPT),
     // Vertex and fragment stages have no workgroups.
-    ("direct/draw.wgsl", "own_octant", [0; 3], &[(0, "uniform view")]),
-    ("direct/draw.wgsl", "project", [0; 3], &[(0, "uniform view")]),
-    ("direct/draw.wgsl", "project_corner", [0; 3], &[(0, "uniform view")]),
-    ("direct/draw.wgsl", "project_piece", [0; 3], &[(0, "uniform view")]),
+    ("direct/draw.wgsl", "own_octant", [0; 3], &[(0, "uniform octagloss_view")]),
+    ("direct/draw.wgsl", "project", [0; 3], &[(0, "uniform octagloss_view")]),
+    ("direct/draw.wgsl", "project_corner", [0; 3], &[(0, "uniform octagloss_view")]),
+    ("direct/draw.wgsl", "project_piece", [0; 3], &[(0, "uniform octagloss_view")]),
     ("direct/draw.wgsl", "whole", [0; 3], &[]),
     (
         "direct/offsets.wgsl",

@@ -18,6 +18,7 @@ mod fitted;
 mod lamp;
 mod lights;
 mod live;
+mod live_draw;
 mod look;
 mod oem;
 mod oem_lookup;

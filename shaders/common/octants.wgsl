@@ -1,0 +1,17 @@
+// Octants of the octahedral map, numbered by bits: 1 for x < 0, 2 for y < 0, 4 for z < 0.
+
+fn signs_of_octant(octant: u32) -> vec3<f32> {
+    let negative = (vec3<u32>(octant) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>();
+    return select(vec3<f32>(1.0), vec3<f32>(-1.0), negative);
+}
+
+// The octant of a pixel's centre in the square of even edge `size`, in integers: no centre lies on an axis,
+// and those on a fold diagonal belong to y >= 0.
+fn octant_of_pixel(size: u32, pixel: vec2<u32>) -> u32 {
+    // Distances from the axes in half pixels.
+    let from_axes = abs(2 * vec2<i32>(pixel) + 1 - i32(size));
+    let lower = from_axes.x + from_axes.y > i32(size);
+    let left = 2u * pixel.x < size;
+    let back = 2u * pixel.y < size;
+    return select(0u, 1u, left) | select(0u, 2u, lower) | select(0u, 4u, back);
+}
