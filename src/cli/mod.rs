@@ -47,6 +47,8 @@ mod values;
 mod view;
 #[cfg(not(feature = "view"))]
 mod view_absent;
+#[cfg(feature = "view")]
+mod view_scene;
 
 use args::{Args, Command};
 use clap::Parser as _;

@@ -4,6 +4,7 @@ use super::console::Console;
 use super::outcome::{Outcome, check_not_input, check_output, usage, write_output};
 use super::shared_args::InputArgs;
 use super::values::{finite, roughness};
+use super::view_scene::{self, SceneArgs};
 use super::{engine, input};
 use crate::gpu::{Context, block_on};
 use crate::image::exposure::Exposure;
@@ -28,20 +29,22 @@ pub(super) struct ViewArgs {
     inputs: Vec<PathBuf>,
     /// Write a picture instead of opening a window
     #[arg(long, value_name = "FILE.png")]
-    screenshot: Option<PathBuf>,
+    pub(super) screenshot: Option<PathBuf>,
     /// Size of the window or picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
-    size: (u32, u32),
+    pub(super) size: (u32, u32),
     /// Samples along a pixel's edge, 1 to 8
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
-    samples: u32,
+    pub(super) samples: u32,
     #[command(flatten)]
-    look: LookArgs,
+    pub(super) look: LookArgs,
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
     /// Edge of the octahedral map, 16 to 8192 [default: source's]
     ///
     /// A power of two. By default as fine as the source, at most 2048.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=8192))]
-    oem_size: Option<u32>,
+    pub(super) oem_size: Option<u32>,
     /// Border of the octahedral map in texels, 0 to 4096
     #[arg(long, value_name = "B", default_value_t = 0)]
     #[arg(value_parser = clap::value_parser!(u32).range(0..=4096))]
@@ -57,19 +60,19 @@ pub(super) struct ViewArgs {
     ///
     /// octagloss info --adapters lists them.
     #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
+    pub(super) adapter: Option<String>,
     /// Print errors only
     #[arg(long, short)]
-    quiet: bool,
+    pub(super) quiet: bool,
     /// Replace the picture if it exists
     #[arg(long)]
-    force: bool,
+    pub(super) force: bool,
 }
 
 /// Initial state of the view, and the state in a picture.
 #[derive(Debug, ClapArgs)]
 #[command(next_help_heading = "Look")]
-struct LookArgs {
+pub(super) struct LookArgs {
     /// sphere, row or knot
     ///
     /// A sphere, nine of roughness 0 to 1, or a torus knot.
@@ -96,7 +99,7 @@ struct LookArgs {
     ///
     /// For a mesh with materials, a factor of their roughness.
     #[arg(long, value_name = "R", value_parser = roughness, allow_negative_numbers = true)]
-    roughness: Option<f64>,
+    pub(super) roughness: Option<f64>,
     /// Vary the roughness over the surface
     ///
     /// Multiplies it by a map. Does not affect materials of a mesh's file.
@@ -120,17 +123,17 @@ struct LookArgs {
     ///
     /// auto brings the log-average luminance of the environment to middle grey, as in bake --preview.
     #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, allow_negative_numbers = true)]
-    exposure: Exposure,
+    pub(super) exposure: Exposure,
     /// neutral, aces, reinhard or linear
     #[arg(long, value_name = "TONE", default_value = "neutral", hide_possible_values = true)]
-    tone: Tone,
+    pub(super) tone: Tone,
     /// box, fitted:K, levels, adaptive [default: fitted:4]
     ///
     /// fitted:K is the real-time tier, K 1, 2, 4 or 8. levels is a prefiltered cube as in engines; for a bake
     /// with several levels it shows the bake's own and is the default. The other filters then use level 0.
     /// adaptive is the certified tier, computed on the CPU for visible pixels.
     #[arg(long, value_name = "F")]
-    filter: Option<Technique>,
+    pub(super) filter: Option<Technique>,
     /// scene, oem, sat or error
     ///
     /// oem is the octahedral map. sat is its table (means of the boxes from the corner). error is the
@@ -142,19 +145,19 @@ struct LookArgs {
     ///
     /// 0, the default, looks along +X. -90, the default with --mesh, looks along -Z at the +Z side.
     #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
-    yaw: Option<f64>,
+    pub(super) yaw: Option<f64>,
     /// Camera: height above the horizon, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 7.0, value_parser = finite)]
     #[arg(allow_negative_numbers = true)]
-    pitch: f64,
+    pub(super) pitch: f64,
     /// Camera: distance in radii of the object
     #[arg(long, value_name = "D", default_value_t = 4.2, value_parser = finite)]
     #[arg(allow_negative_numbers = true)]
-    distance: f64,
+    pub(super) distance: f64,
     /// Camera: vertical angle of view, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 35.0, value_parser = finite)]
     #[arg(allow_negative_numbers = true)]
-    angle: f64,
+    pub(super) angle: f64,
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {
@@ -210,6 +213,9 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     }
     if let Some(size) = args.oem_size.filter(|size| !size.is_power_of_two()) {
         return usage(format!("--oem-size {size} must be a power of two for fitted lobes"));
+    }
+    if args.scene.scene.is_some() {
+        return view_scene::run(args);
     }
     let console = Console::new(args.quiet);
     let root = args.look.mesh_root.as_deref();

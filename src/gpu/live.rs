@@ -140,6 +140,11 @@ impl LiveEnvironment {
         Ok(self.source.iter().map(|(_, stage)| stage).chain(&self.build))
     }
 
+    /// Edge of the octahedral map in texels.
+    pub(crate) const fn size(&self) -> u32 {
+        self.planes.size().inner
+    }
+
     /// Format of the colour that [`Self::draw`] draws: radiance, up to 65504.
     pub const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 

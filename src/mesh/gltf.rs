@@ -154,8 +154,8 @@ impl Scene<'_> {
         let material = primitive.material.map(|material| material.value());
         let textures = material.and_then(|index| root.materials.get(index)).map(|material| {
             let surface = &material.pbr_metallic_roughness;
-            [&surface.base_color_texture, &surface.metallic_roughness_texture]
-                .map(|info| info.as_ref().map(|info| info.tex_coord))
+            let base = surface.base_color_texture.as_ref().or(emissive_texture(material));
+            [base, surface.metallic_roughness_texture.as_ref()].map(|info| info.map(|info| info.tex_coord))
         });
         let mut uvs = [None, None];
         for (uv, set) in uvs.iter_mut().zip(textures.unwrap_or_default()) {
@@ -220,7 +220,20 @@ impl Scene<'_> {
             }
             _ => None,
         };
+        let mut emission = [0.0; 3];
+        for (value, given) in emission.iter_mut().zip(material.emissive_factor.0) {
+            if !(given.is_finite() && given >= 0.0) {
+                return Err(format!("emissiveFactor {given} is negative or not finite"));
+            }
+            *value = given;
+        }
+        // Vertices have one set of coordinates for both.
+        let emission_texture = emissive_texture(material).filter(|info| {
+            surface.base_color_texture.as_ref().is_none_or(|base| base.tex_coord == info.tex_coord)
+        });
         Ok(Material {
+            emission,
+            emission_texture: emission_texture.map(|info| self.texture(info)).transpose()?,
             base,
             metallic: fraction("metallicFactor", surface.metallic_factor.0)?,
             roughness: fraction("roughnessFactor", surface.roughness_factor.0)?,
@@ -298,6 +311,11 @@ impl Scene<'_> {
         }
         Ok(images)
     }
+}
+
+/// The texture of a material's emission, unless that is black.
+fn emissive_texture(material: &json::Material) -> Option<&Info> {
+    material.emissive_texture.as_ref().filter(|_| material.emissive_factor.0 != [0.0; 3])
 }
 
 /// The transform from the node to its parent.

@@ -23,8 +23,12 @@ pub struct Material {
     pub roughness: f32,
     /// Opacity below which the surface is discarded.
     pub cutoff: Option<f32>,
+    /// Radiance that the surface emits, linear.
+    pub emission: [f32; 3],
     /// Factors of the base colour, in sRGB.
     pub base_texture: Option<Texture>,
+    /// Factors of the emission, in sRGB, at the coordinates of the base colour's texture.
+    pub emission_texture: Option<Texture>,
     /// Factors of the roughness (green) and of the metalness (blue).
     pub surface_texture: Option<Texture>,
 }
@@ -37,7 +41,9 @@ impl Default for Material {
             metallic: 1.0,
             roughness: 1.0,
             cutoff: None,
+            emission: [0.0; 3],
             base_texture: None,
+            emission_texture: None,
             surface_texture: None,
         }
     }

@@ -11,7 +11,8 @@
 //! [`screenshot()`] into an image. Surfaces follow glTF's metallic-roughness model by the split sum: radiance
 //! of the lobe around the mirrored view, times the reflectance from the table of [`crate::bake::dfg`], with
 //! multiple scattering; dielectrics add the irradiance of the environment's harmonics. Spheres and knots are
-//! metals; meshes use the materials of their files.
+//! metals; meshes use the materials of their files. [`scene`] shows moving scenes instead, which reflect
+//! themselves.
 
 mod camera;
 mod frame;
@@ -23,6 +24,8 @@ mod panel;
 mod present;
 mod renderer;
 mod roughness_map;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod scene;
 mod screenshot;
 #[doc(hidden)]
 pub mod shared;

@@ -40,7 +40,7 @@ pub(super) struct Status<'a> {
 pub(super) const WIDTH: f32 = 250.0;
 
 /// Length of a slider in points.
-const SLIDER: f32 = 130.0;
+pub(super) const SLIDER: f32 = 130.0;
 
 /// Shows the panel's contents; returns the position of the roughness slider.
 pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &Status<'_>) -> Rect {
@@ -180,7 +180,7 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
     scrolled.inner
 }
 
-fn choice<T: Copy + PartialEq>(
+pub(super) fn choice<T: Copy + PartialEq>(
     ui: &mut Ui,
     label: &str,
     value: &mut T,

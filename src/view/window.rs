@@ -1,7 +1,9 @@
 //! A window around a [`Viewer`]: events, the surface, and the panel over the picture.
 
+use super::camera::Camera;
 use super::levels::Levels;
 use super::look::Look;
+use super::present::Viewport;
 use super::renderer::Renderer;
 use super::viewer::Viewer;
 use crate::environment::Environment;
@@ -10,6 +12,7 @@ use crate::gpu::Context;
 use crate::mesh::Mesh;
 use crate::reflector::ReflectorSettings;
 use glam::DVec2;
+use std::path::Path;
 use std::sync::Arc;
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
@@ -39,8 +42,116 @@ pub struct Start {
     pub size: (u32, u32),
 }
 
+/// What a window shows: [`Viewer`] or a scene.
+pub(super) trait Content: Sized + 'static {
+    /// What it is created from.
+    type Start: 'static;
+
+    /// Part of the GPU's name; `None` selects the best that can present.
+    fn adapter(start: &Self::Start) -> Option<&str>;
+
+    /// Creates the content.
+    fn new(context: Context, start: Self::Start) -> Result<Self>;
+
+    /// The device.
+    fn context(&self) -> &Context;
+
+    /// Runs the panel; returns the viewport left for the picture, in pixels of a target of `size`.
+    fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport;
+
+    /// Draws as much of a picture of `full` pixels as the frame time allows.
+    fn draw(&mut self, full: (u32, u32));
+
+    /// Draws the current picture into `viewport` of `view`.
+    fn present(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        viewport: Viewport,
+    );
+
+    /// Whether the next frame will differ from the last.
+    fn is_busy(&self) -> bool;
+
+    /// Opens a file dropped on the window.
+    fn open_file(&mut self, path: &Path);
+
+    /// The camera.
+    fn camera(&mut self) -> &mut Camera;
+
+    /// Moves the camera back to its first place.
+    fn reset_camera(&mut self);
+
+    /// Shows or hides the panel.
+    fn toggle_panel(&mut self);
+}
+
+impl Content for Viewer {
+    type Start = Start;
+
+    fn adapter(start: &Start) -> Option<&str> {
+        start.adapter.as_deref()
+    }
+
+    fn new(context: Context, start: Start) -> Result<Self> {
+        let mut renderer = Renderer::new(context)?;
+        if let Some(mesh) = &start.mesh {
+            renderer.set_mesh(mesh)?;
+        }
+        let mut viewer = Self::new(renderer, &start.environment, start.name, start.look, start.table)?;
+        if let Some(levels) = &start.levels {
+            viewer.set_levels(levels)?;
+        }
+        Ok(viewer)
+    }
+
+    fn context(&self) -> &Context {
+        self.context()
+    }
+
+    fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
+        self.interface(ui, size)
+    }
+
+    fn draw(&mut self, full: (u32, u32)) {
+        self.draw(full);
+    }
+
+    fn present(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        viewport: Viewport,
+    ) {
+        self.present(encoder, view, format, viewport);
+    }
+
+    fn is_busy(&self) -> bool {
+        self.is_busy()
+    }
+
+    fn open_file(&mut self, path: &Path) {
+        self.open_file(path);
+    }
+
+    fn camera(&mut self) -> &mut Camera {
+        &mut self.look_mut().camera
+    }
+
+    fn reset_camera(&mut self) {
+        let look = self.look_mut();
+        look.camera = look.first_camera();
+    }
+
+    fn toggle_panel(&mut self) {
+        self.set_panel(!self.panel());
+    }
+}
+
 /// Message to the event loop: the device, or why there is none.
-pub(super) struct Ready(Box<Result<Shown>>);
+pub(super) struct Ready<V = Viewer>(Box<Result<Shown<V>>>);
 
 /// Opens a window and runs its event loop until it is closed.
 ///
@@ -48,28 +159,37 @@ pub(super) struct Ready(Box<Result<Shown>>);
 /// [`Error::Gpu`] if no window or no device is available.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn run(start: Start) -> Result<()> {
+    let (name, size) = (start.name.clone(), start.size);
+    open::<Viewer>(start, &name, size)
+}
+
+/// Opens a window of `size` in points, named `name`, and runs its event loop until it is closed.
+///
+/// # Errors
+/// Those of [`run`].
+#[cfg(not(target_arch = "wasm32"))]
+pub(super) fn open<V: Content>(start: V::Start, name: &str, (width, height): (u32, u32)) -> Result<()> {
     // The system's message follows the location in winit's source.
     let refused = |error: winit::error::EventLoopError| {
         let said = error.to_string();
         let said = said.rsplit(": ").next().unwrap_or(&said).trim_end_matches('.');
         Error::Gpu(format!("cannot open a window: {said}; `screenshot` FILE.png needs none"))
     };
-    let (width, height) = start.size;
     let attributes = Window::default_attributes()
-        .with_title(format!("{} - octagloss", start.name))
+        .with_title(format!("{name} - octagloss"))
         .with_inner_size(winit::dpi::LogicalSize::new(width, height));
     let events = winit::event_loop::EventLoop::with_user_event().build().map_err(refused)?;
-    let mut application = Application::new(start, attributes, events.create_proxy());
+    let mut application = Application::<V>::new(start, attributes, events.create_proxy());
     events.run_app(&mut application).map_err(refused)?;
     application.failure.map_or(Ok(()), Err)
 }
 
 /// A window with its device.
-pub(super) struct Shown {
+pub(super) struct Shown<V = Viewer> {
     pub(super) window: Arc<Window>,
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
-    pub(super) viewer: Viewer,
+    pub(super) viewer: V,
     egui: egui_winit::State,
     painter: egui_wgpu::Renderer,
     /// Position of the pointer, and whether it orbits the camera.
@@ -80,20 +200,20 @@ pub(super) struct Shown {
 }
 
 /// State of the event loop.
-pub(super) struct Application {
-    start: Option<(Start, WindowAttributes)>,
-    messages: EventLoopProxy<Ready>,
+pub(super) struct Application<V: Content = Viewer> {
+    start: Option<(V::Start, WindowAttributes)>,
+    messages: EventLoopProxy<Ready<V>>,
     /// `None` until the device is ready.
-    pub(super) shown: Option<Shown>,
+    pub(super) shown: Option<Shown<V>>,
     /// The error that ended the loop.
     pub(super) failure: Option<Error>,
 }
 
-impl Application {
+impl<V: Content> Application<V> {
     pub(super) const fn new(
-        start: Start,
+        start: V::Start,
         attributes: WindowAttributes,
-        messages: EventLoopProxy<Ready>,
+        messages: EventLoopProxy<Ready<V>>,
     ) -> Self {
         Self { start: Some((start, attributes)), messages, shown: None, failure: None }
     }
@@ -104,10 +224,10 @@ impl Application {
     }
 }
 
-impl Shown {
-    /// Opens the device and creates the viewer of `start` in `window`.
+impl<V: Content> Shown<V> {
+    /// Opens the device and creates the content of `start` in `window`.
     async fn new(
-        start: Start,
+        start: V::Start,
         window: Arc<Window>,
         display: Box<dyn wgpu::wgt::WgpuHasDisplayHandle>,
     ) -> Result<Self> {
@@ -116,7 +236,7 @@ impl Shown {
         let surface = instance
             .create_surface(Arc::clone(&window))
             .map_err(|error| Error::Gpu(format!("cannot draw into the window: {error}")))?;
-        let adapter = adapter(&instance, &surface, start.adapter.as_deref()).await?;
+        let adapter = adapter(&instance, &surface, V::adapter(&start)).await?;
         let context = Context::new(&adapter).await?;
         let capabilities = surface.get_capabilities(&adapter);
         // The shader encodes sRGB itself.
@@ -134,16 +254,9 @@ impl Shown {
                 .ok_or_else(|| Error::Gpu(format!("{} cannot present to windows", context.describe())))?;
         configuration.format = format;
         surface.configure(context.device(), &configuration);
-        let mut renderer = Renderer::new(context.clone())?;
-        if let Some(mesh) = &start.mesh {
-            renderer.set_mesh(mesh)?;
-        }
         let painter =
             egui_wgpu::Renderer::new(context.device(), format, egui_wgpu::RendererOptions::default());
-        let mut viewer = Viewer::new(renderer, &start.environment, start.name, start.look, start.table)?;
-        if let Some(levels) = &start.levels {
-            viewer.set_levels(levels)?;
-        }
+        let viewer = V::new(context.clone(), start)?;
         let egui = egui_winit::State::new(
             egui::Context::default(),
             egui::ViewportId::ROOT,
@@ -267,12 +380,9 @@ impl Shown {
             WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
                 match &event.logical_key {
                     Key::Character(text) if text.eq_ignore_ascii_case("h") => {
-                        self.viewer.set_panel(!self.viewer.panel());
+                        self.viewer.toggle_panel();
                     }
-                    Key::Named(NamedKey::Home) => {
-                        let look = self.viewer.look_mut();
-                        look.camera = look.first_camera();
-                    }
+                    Key::Named(NamedKey::Home) => self.viewer.reset_camera(),
                     _ => {}
                 }
             }
@@ -306,14 +416,14 @@ impl Shown {
 
     /// Divides the camera's distance by `times`.
     fn approach(&mut self, times: f64) {
-        let camera = &mut self.viewer.look_mut().camera;
+        let camera = self.viewer.camera();
         camera.distance = (camera.distance / times).clamp(1.05, 100.0);
     }
 
     /// Orbits the camera by a drag in pixels: half a turn for the window's height.
     fn orbit(&mut self, right: f64, down: f64) {
         let turn = std::f64::consts::PI / f64::from(self.configuration.height);
-        let camera = &mut self.viewer.look_mut().camera;
+        let camera = self.viewer.camera();
         camera.yaw = (camera.yaw - right * turn).rem_euclid(std::f64::consts::TAU);
         camera.pitch =
             (camera.pitch + down * turn).clamp(-super::camera::MAX_PITCH, super::camera::MAX_PITCH);
@@ -347,7 +457,7 @@ async fn adapter(
     })
 }
 
-impl ApplicationHandler<Ready> for Application {
+impl<V: Content> ApplicationHandler<Ready<V>> for Application<V> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         event_loop.set_control_flow(ControlFlow::Wait);
         let Some((start, attributes)) = self.start.take() else { return };
@@ -358,7 +468,7 @@ impl ApplicationHandler<Ready> for Application {
             }
         };
         let display = Box::new(event_loop.owned_display_handle());
-        let shown = Shown::new(start, window, display);
+        let shown = Shown::<V>::new(start, window, display);
         let messages = self.messages.clone();
         #[cfg(not(target_arch = "wasm32"))]
         {
@@ -372,7 +482,7 @@ impl ApplicationHandler<Ready> for Application {
         });
     }
 
-    fn user_event(&mut self, event_loop: &ActiveEventLoop, Ready(shown): Ready) {
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, Ready(shown): Ready<V>) {
         match *shown {
             Ok(mut shown) => {
                 shown.resize(shown.window.inner_size());

@@ -141,13 +141,22 @@ fn materials_are_read_from_the_file() {
         roughness: 0.125,
         cutoff: Some(0.5),
         base_texture: Some(texture),
-        surface_texture: None,
+        ..Material::default()
     };
-    assert_eq!(mesh.materials, [first, Material::default()]);
+    assert_eq!(mesh.materials, [first.clone(), Material::default()]);
     assert_eq!((mesh.images[0].width, &mesh.images[0].texels), (2, &vec![[10, 20, 30, 40]; 2]));
     let parts: Vec<_> = mesh.parts.iter().map(|part| (part.indices.clone(), part.material)).collect();
     assert_eq!(parts, [(0..3, Some(0)), (3..6, Some(1))]);
     assert_eq!(mesh.vertices[1].uv, [0.0, 1.0]);
+    json["materials"][0]["emissiveFactor"] = json!([0.5, 0.25, 0.0]);
+    json["materials"][0]["emissiveTexture"] = json!({"index": 0});
+    let lit = read("m.gltf", json.to_string().as_bytes()).expect("a mesh");
+    let shining = Material { emission: [0.5, 0.25, 0.0], emission_texture: Some(texture), ..first };
+    assert_eq!(lit.materials, [shining, Material::default()]);
+    json["materials"][0]["emissiveFactor"] = json!([0.5, -0.25, 0.0]);
+    let error = read("m.gltf", json.to_string().as_bytes()).expect_err("dark").to_string();
+    assert!(error.contains("emissiveFactor -0.25"), "{error}");
+    json["materials"][0].as_object_mut().expect("a material").remove("emissiveFactor");
     // A material out of range, a texture without coordinates.
     json["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = json!(1.5);
     let error = read("m.gltf", json.to_string().as_bytes()).expect_err("rough").to_string();

@@ -5,5 +5,5 @@ pub(super) mod block_on;
 pub mod context;
 pub mod readback;
 pub mod shader;
-pub(super) mod stage;
+pub(crate) mod stage;
 pub mod timer;

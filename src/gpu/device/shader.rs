@@ -53,6 +53,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/table.wgsl",
     "common/u64.wgsl",
     "common/view_draw.wgsl",
+    "common/view_parts.wgsl",
     "common/view_scene.wgsl",
     "adaptive.wgsl",
     "blur.wgsl",
@@ -79,6 +80,8 @@ pub const FILES: &[(&str, &str)] = &files![
     "view/fitted.wgsl",
     "view/levels.wgsl",
     "view/present.wgsl",
+    "view/scene.wgsl",
+    "view/scene_pose.wgsl",
     "view/truth.wgsl",
 ];
 

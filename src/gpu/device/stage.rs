@@ -6,7 +6,7 @@ use super::context::Context;
 pub(in crate::gpu) const ROW: u32 = 32_768;
 
 /// The workgroups of a dispatch of `count`, in rows of [`ROW`]; the last may have some to spare.
-pub(in crate::gpu) fn in_rows(count: u32) -> [u32; 3] {
+pub(crate) fn in_rows(count: u32) -> [u32; 3] {
     [count.min(ROW), count.div_ceil(ROW), 1]
 }
 

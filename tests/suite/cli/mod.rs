@@ -26,6 +26,8 @@ pub(super) mod unchanged;
 pub(super) mod view;
 #[cfg(not(feature = "view"))]
 pub(super) mod view_absent;
+#[cfg(feature = "view")]
+pub(super) mod view_scene;
 pub(super) mod worlds;
 
 use octagloss::internals::format::Pixel;

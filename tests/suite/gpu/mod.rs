@@ -31,6 +31,8 @@ mod stages;
 mod view;
 #[cfg(feature = "view")]
 mod view_meshes;
+#[cfg(feature = "view")]
+mod view_scenes;
 
 use octagloss::internals::gpu::engine::Engine;
 use octagloss::internals::gpu::{Context, adapters, block_on};

@@ -412,6 +412,8 @@ const VIEW_ENTRY_POINTS: &[(&str, &[&str])] = &[
         ],
     ),
     ("view/present.wgsl", &["cover", "show"]),
+    ("view/scene.wgsl", &["cover_glossy", "glossy", "glossy_corner", "matte", "matte_corner"]),
+    ("view/scene_pose.wgsl", &["pose_glossy", "pose_matte"]),
     (
         "view/truth.wgsl",
         &[

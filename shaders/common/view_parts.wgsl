@@ -1,0 +1,44 @@
+// Parts of moving scenes: src/view/scene/uniforms.rs.
+
+struct SceneCorner {
+    // In the space of the part.
+    position: vec3<f32>,
+    part: u32,
+    normal: vec3<f32>,
+    // Albedo of matte parts.
+    albedo: vec3<f32>,
+    // Radiance that the surface emits.
+    emission: vec3<f32>,
+}
+
+struct ScenePart {
+    // Turns and moves, without scale.
+    world_from_part: mat4x4<f32>,
+    // Reflectance of glossy parts.
+    reflectance: vec3<f32>,
+    roughness: f32,
+}
+
+// A distant lamp and the light from above and from below.
+struct SceneLight {
+    // Unit vector to the lamp.
+    towards: vec3<f32>,
+    // Radiance of a white surface that faces the lamp.
+    lamp: vec3<f32>,
+    above: vec3<f32>,
+    below: vec3<f32>,
+}
+
+fn world_position(part: ScenePart, position: vec3<f32>) -> vec3<f32> {
+    return (part.world_from_part * vec4<f32>(position, 1.0)).xyz;
+}
+
+fn world_normal(part: ScenePart, normal: vec3<f32>) -> vec3<f32> {
+    return normalize((part.world_from_part * vec4<f32>(normal, 0.0)).xyz);
+}
+
+// Radiance of a matte surface.
+fn matte_radiance(light: SceneLight, normal: vec3<f32>, albedo: vec3<f32>, emission: vec3<f32>) -> vec3<f32> {
+    let ambient = mix(light.below, light.above, 0.5 + 0.5 * normal.y);
+    return albedo * (ambient + light.lamp * max(dot(normal, light.towards), 0.0)) + emission;
+}

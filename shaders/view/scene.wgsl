@@ -1,0 +1,142 @@
+// Pictures of moving scenes: matte parts, and glossy parts that reflect the maps of probes:
+// src/view/scene/picture.rs. As in common/view_scene.wgsl, no branch depends on the uniform alone.
+@group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
+@group(1) @binding(1) var<uniform> octagloss_light: OctaglossLight;
+@group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;
+@group(1) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
+@group(1) @binding(4) var octagloss_oem: texture_2d<f32>;
+@group(1) @binding(5) var<uniform> octagloss_source_from_world: mat3x3<f32>;
+#include "common/live.wgsl"
+#include "common/view_parts.wgsl"
+
+const MOST_PROBES = 8u;
+
+// The greatest half float.
+const MOST_RADIANCE = 65504.0f;
+
+struct SceneFrame {
+    clip_from_world: mat4x4<f32>,
+    eye: vec3<f32>,
+    // Factor of radiance.
+    exposure: f32,
+    // Corners of the proxy box.
+    low: vec3<f32>,
+    // 0 for no proxy, 1 for a box, 2 for a sphere.
+    proxy: u32,
+    high: vec3<f32>,
+    probes: u32,
+    // Centre and radius of the proxy sphere.
+    sphere: vec4<f32>,
+    centres: array<vec4<f32>, MOST_PROBES>,
+}
+
+// What a draw of a glossy part reads.
+struct SceneDraw {
+    // The probe of group 1.
+    probe: u32,
+    // 1 if the probe is at the part's centre and serves it alone.
+    own: u32,
+}
+
+@group(0) @binding(0) var<uniform> frame: SceneFrame;
+@group(0) @binding(1) var<uniform> light: SceneLight;
+@group(0) @binding(2) var<storage, read> parts: array<ScenePart>;
+@group(2) @binding(0) var<uniform> drawn: SceneDraw;
+
+struct Matte {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) radiance: vec3<f32>,
+}
+
+@vertex
+fn matte_corner(
+    @location(0) position: vec3<f32>,
+    @location(1) index: u32,
+    @location(2) normal: vec3<f32>,
+    @location(3) albedo: vec3<f32>,
+    @location(4) emission: vec3<f32>,
+) -> Matte {
+    let part = parts[index];
+    let clip = frame.clip_from_world * vec4<f32>(world_position(part, position), 1.0);
+    return Matte(clip, matte_radiance(light, world_normal(part, normal), albedo, emission));
+}
+
+@fragment
+fn matte(fragment: Matte) -> @location(0) vec4<f32> {
+    return vec4<f32>(min(frame.exposure * fragment.radiance, vec3<f32>(MOST_RADIANCE)), 1.0);
+}
+
+struct Glossy {
+    // Passes over one part meet the same depth.
+    @builtin(position) @invariant clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) @interpolate(flat) part: u32,
+}
+
+@vertex
+fn glossy_corner(
+    @location(0) position: vec3<f32>,
+    @location(1) index: u32,
+    @location(2) normal: vec3<f32>,
+) -> Glossy {
+    let part = parts[index];
+    let place = world_position(part, position);
+    return Glossy(frame.clip_from_world * vec4<f32>(place, 1.0), place, world_normal(part, normal), index);
+}
+
+// The depth of a glossy part, to which its probes add radiance.
+@fragment
+fn cover_glossy() -> @location(0) vec4<f32> {
+    return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+}
+
+// Distance along the unit `direction` from `position` to the inside of the box; negative from outside.
+fn box_distance(position: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let away = select(direction, vec3<f32>(1e-6), abs(direction) < vec3<f32>(1e-6));
+    let distance = max((frame.low - position) / away, (frame.high - position) / away);
+    let inside = all(position >= frame.low) && all(position <= frame.high);
+    return select(-1.0, min(distance.x, min(distance.y, distance.z)), inside);
+}
+
+// The same for the sphere.
+fn sphere_distance(position: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let from_centre = position - frame.sphere.xyz;
+    let beyond = dot(from_centre, from_centre) - frame.sphere.w * frame.sphere.w;
+    let along = dot(from_centre, direction);
+    return select(-1.0, sqrt(max(along * along - beyond, 0.0)) - along, beyond <= 0.0);
+}
+
+// The direction in which a probe at `centre` sees what the proxy has in unit `direction` from `position`; from
+// outside of the proxy, `direction`.
+fn direction_from(centre: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
+    let of_sphere = sphere_distance(position, direction);
+    let distance = select(of_sphere, box_distance(position, direction), frame.proxy == 1u);
+    let corrected = position + distance * direction - centre;
+    return select(direction, corrected, frame.proxy != 0u && distance > 0.0);
+}
+
+// Share of the probe among all: inverse squared distances.
+fn share_of_probe(position: vec3<f32>) -> f32 {
+    var sum = 0.0;
+    var own = 0.0;
+    for (var k = 0u; k < MOST_PROBES; k++) {
+        let away = position - frame.centres[k].xyz;
+        let weight = select(0.0, 1.0 / (dot(away, away) + 1e-4), k < frame.probes);
+        sum += weight;
+        own += select(0.0, weight, k == drawn.probe);
+    }
+    return select(own / sum, 1.0, drawn.own == 1u);
+}
+
+@fragment
+fn glossy(fragment: Glossy) -> @location(0) vec4<f32> {
+    let part = parts[fragment.part];
+    let seen = normalize(fragment.position - frame.eye);
+    let direction = reflect(seen, normalize(fragment.normal));
+    let centre = frame.centres[drawn.probe].xyz;
+    let towards = direction_from(centre, fragment.position, direction);
+    let radiance = part.reflectance * octagloss_radiance(towards, part.roughness);
+    let share = share_of_probe(fragment.position);
+    return vec4<f32>(min(frame.exposure * share * radiance, vec3<f32>(MOST_RADIANCE)), 0.0);
+}

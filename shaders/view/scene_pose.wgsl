@@ -1,0 +1,68 @@
+// Places the corners of a moving scene around a probe, with their radiance, for direct draws into the probe's map:
+// src/view/scene/probe.rs.
+@group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
+@group(1) @binding(1) var<uniform> octagloss_light: OctaglossLight;
+@group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;
+@group(1) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
+@group(1) @binding(4) var octagloss_oem: texture_2d<f32>;
+@group(1) @binding(5) var<uniform> octagloss_source_from_world: mat3x3<f32>;
+#include "common/live.wgsl"
+#include "common/direct.wgsl"
+#include "common/rows.wgsl"
+#include "common/view_parts.wgsl"
+
+const POSE_GROUP = 64u;
+
+struct ScenePose {
+    // Position of the probe.
+    centre: vec3<f32>,
+    // Part that the probe is inside of, which it does not show.
+    hidden: u32,
+    // Range of corners.
+    first: u32,
+    count: u32,
+}
+
+@group(0) @binding(0) var<uniform> pose: ScenePose;
+@group(0) @binding(1) var<uniform> light: SceneLight;
+@group(0) @binding(2) var<storage, read> parts: array<ScenePart>;
+@group(0) @binding(3) var<storage, read> scene_corners: array<SceneCorner>;
+@group(0) @binding(4) var<storage, read_write> posed: array<Corner>;
+
+// Hidden triangles shrink to the centre, which lies within the near surface.
+fn place(index: u32, corner: SceneCorner, position: vec3<f32>, radiance: vec3<f32>) {
+    let relative = position - pose.centre;
+    posed[index].position = select(relative, vec3<f32>(), corner.part == pose.hidden);
+    posed[index].octant = 0u;
+    posed[index].value = vec4<f32>(radiance, 1.0);
+}
+
+@compute @workgroup_size(POSE_GROUP)
+fn pose_matte(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let index = index_in_rows(group) * POSE_GROUP + lane;
+    if index >= pose.count {
+        return;
+    }
+    let corner = scene_corners[pose.first + index];
+    let part = parts[corner.part];
+    let normal = world_normal(part, corner.normal);
+    let radiance = matte_radiance(light, normal, corner.albedo, corner.emission);
+    place(pose.first + index, corner, world_position(part, corner.position), radiance);
+}
+
+// Glossy parts reflect the surroundings of the probe of group 1.
+@compute @workgroup_size(POSE_GROUP)
+fn pose_glossy(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let index = index_in_rows(group) * POSE_GROUP + lane;
+    if index >= pose.count {
+        return;
+    }
+    let corner = scene_corners[pose.first + index];
+    let part = parts[corner.part];
+    let position = world_position(part, corner.position);
+    let mirrored = reflect(position - pose.centre, world_normal(part, corner.normal));
+    // A corner at the centre, of a hidden part, has no direction.
+    let direction = select(vec3<f32>(0.0, 1.0, 0.0), mirrored, dot(mirrored, mirrored) > 1e-12);
+    let radiance = part.reflectance * octagloss_radiance(direction, part.roughness);
+    place(pose.first + index, corner, position, radiance);
+}

@@ -1,0 +1,378 @@
+//! Scenes of moving parts.
+
+use super::uniforms::{LightUniform, MOST_PROBES, PartUniform, SceneCorner};
+use crate::direct::{Corner, Triangles};
+use crate::error::{Error, Result};
+use crate::mesh::{MOST_INDICES, MOST_VERTICES};
+use glam::{DMat3, DMat4, DVec3};
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+
+/// A metal that reflects its surroundings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gloss {
+    /// Reflectance, linear, the same at every angle.
+    pub reflectance: [f32; 3],
+    /// Perceptual roughness in \[0, 1\].
+    pub roughness: f64,
+}
+
+/// How a part moves: on an ellipse around its place, turning about +Y.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Offset at phase 0.
+    pub axis: DVec3,
+    /// Offset at a quarter of the round.
+    pub across: DVec3,
+    /// Rounds per second.
+    pub rate: f64,
+    /// Start in rounds.
+    pub phase: f64,
+    /// Turns about +Y per second.
+    pub spin: f64,
+}
+
+/// Triangles that move as one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Part {
+    /// Corners in the part's space.
+    pub corners: Vec<SceneCorner>,
+    /// Three indices per triangle.
+    pub indices: Vec<u32>,
+    /// Place of the part's origin in the world. The probe of a glossy part is there.
+    pub place: DVec3,
+    /// Motion around the place.
+    pub motion: Motion,
+    /// Its reflections; `None` for matte parts.
+    pub gloss: Option<Gloss>,
+    /// Whether it is far away, as a sky: proxies do not enclose it.
+    pub distant: bool,
+}
+
+/// Light of the matte parts: a distant lamp, and light from above and below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneLight {
+    /// Direction to the lamp, of any length but 0.
+    pub towards: DVec3,
+    /// Radiance of a white surface that faces the lamp.
+    pub lamp: [f32; 3],
+    /// Radiance of a white surface that faces up, without the lamp.
+    pub above: [f32; 3],
+    /// Radiance of a white surface that faces down.
+    pub below: [f32; 3],
+}
+
+impl Default for SceneLight {
+    fn default() -> Self {
+        Self {
+            towards: DVec3::new(-0.5, 0.8, 0.35),
+            lamp: [0.55, 0.52, 0.45],
+            above: [0.40, 0.44, 0.50],
+            below: [0.20, 0.18, 0.16],
+        }
+    }
+}
+
+/// A scene that can be drawn: matte parts, then glossy ones.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub(super) corners: Vec<SceneCorner>,
+    pub(super) indices: Vec<u32>,
+    pub(super) parts: Vec<Placed>,
+    pub(super) light: SceneLight,
+    pub(super) bounds: Bounds,
+}
+
+/// A part in the lists of its scene.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub(super) corners: Range<u32>,
+    pub(super) indices: Range<u32>,
+    place: DVec3,
+    motion: Motion,
+    pub(super) gloss: Option<Gloss>,
+}
+
+/// A box and a sphere around the parts that are not distant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    pub(super) low: DVec3,
+    pub(super) high: DVec3,
+    pub(super) radius: f64,
+}
+
+impl Part {
+    /// A ball around its origin, with `along` edges from pole to pole.
+    #[must_use]
+    pub fn ball(radius: f64, along: u32, albedo: [f32; 3], emission: [f32; 3]) -> Self {
+        let (along, around) = (along.max(3), 2 * along.max(3));
+        let mut part = Self::default();
+        for j in 0..=along {
+            let (ring, y) = (f64::from(j) / f64::from(along) * PI).sin_cos();
+            for i in 0..=around {
+                let (sin, cos) = (f64::from(i % around) / f64::from(around) * TAU).sin_cos();
+                let normal = DVec3::new(ring * cos, y, ring * sin);
+                let [position, normal] = [radius * normal, normal].map(|v| v.as_vec3().to_array());
+                part.corners.push(SceneCorner::new(position, normal, albedo, emission));
+            }
+        }
+        for (j, i) in (0..along).flat_map(|j| (0..around).map(move |i| (j, i))) {
+            let at = j * (around + 1) + i;
+            let below = at + around + 1;
+            part.indices.extend([at, at + 1, below, at + 1, below + 1, below]);
+        }
+        part
+    }
+
+    /// A box with half edges `half` around its origin, whose faces have `parts` squares along an edge. `colour`
+    /// gives albedo and emission by outward axis and position. From inside, as a room, if `inside`.
+    #[must_use]
+    pub fn cuboid(
+        half: DVec3,
+        parts: u32,
+        inside: bool,
+        colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2],
+    ) -> Self {
+        let mut part = Self::default();
+        for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+            let right = DVec3::new(axis.y, axis.z, axis.x);
+            let up = axis.cross(right);
+            let normal = (if inside { -axis } else { axis }).as_vec3().to_array();
+            let side = |k: u32| 2.0 * f64::from(k) / f64::from(parts) - 1.0;
+            for (j, i) in (0..parts).flat_map(|j| (0..parts).map(move |i| (j, i))) {
+                // Squares have corners of their own, so that colours may change from one to the next.
+                let place = |i: u32, j: u32| half * (axis + side(i) * right + side(j) * up);
+                let middle = 0.5 * (place(i, j) + place(i + 1, j + 1));
+                let [albedo, emission] = colour(axis, middle);
+                let first = part.corners.len() as u32;
+                for at in [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)] {
+                    let position = at.as_vec3().to_array();
+                    part.corners.push(SceneCorner::new(position, normal, albedo, emission));
+                }
+                part.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+            }
+        }
+        part
+    }
+}
+
+impl Motion {
+    fn offset(&self, time: f64) -> DVec3 {
+        let (sin, cos) = ((self.rate * time + self.phase).fract() * TAU).sin_cos();
+        cos * self.axis + sin * self.across
+    }
+}
+
+impl Scene {
+    /// A scene of `parts`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a scene without triangles, indices out of range, numbers that are not finite,
+    /// and more than [`MOST_PROBES`] glossy parts; [`Error::Limit`] for too many corners.
+    pub fn new(mut parts: Vec<Part>, light: SceneLight) -> Result<Self> {
+        let invalid = |message: String| Err(Error::Parameter(message));
+        parts.sort_by_key(|part| part.gloss.is_some());
+        let glossy = parts.iter().filter(|part| part.gloss.is_some()).count();
+        if glossy > MOST_PROBES {
+            return invalid(format!("{glossy} glossy parts; a scene has at most {MOST_PROBES}"));
+        }
+        let corners: usize = parts.iter().map(|part| part.corners.len()).sum();
+        let indices: usize = parts.iter().map(|part| part.indices.len()).sum();
+        if corners > MOST_VERTICES || indices > MOST_INDICES {
+            return Err(Error::Limit {
+                what: format!("a scene of {corners} corners and {indices} indices"),
+                needed: (64 * corners + 4 * indices) as u64,
+                available: (64 * MOST_VERTICES + 4 * MOST_INDICES) as u64,
+                remedy: "use a scene of fewer triangles".to_owned(),
+            });
+        }
+        if indices == 0 {
+            return invalid("a scene without triangles; add a part".to_owned());
+        }
+        let bounds = Bounds::of(&parts);
+        let mut scene = Self { corners: Vec::new(), indices: Vec::new(), parts: Vec::new(), light, bounds };
+        for (number, part) in parts.into_iter().enumerate() {
+            let Part { corners, indices, place, motion, gloss, .. } = part;
+            let Motion { axis, across, rate, phase, spin } = motion;
+            let numbers = [rate, phase, spin, gloss.map_or(0.0, |gloss| gloss.roughness)];
+            let vectors = [place, axis, across];
+            if !(numbers.iter().all(|x| x.is_finite()) && vectors.iter().all(|v| v.is_finite())) {
+                return invalid(format!("part {number} has a place or motion that is not finite"));
+            }
+            if let Some(gloss) = gloss.filter(|gloss| !(0.0..=1.0).contains(&gloss.roughness)) {
+                return invalid(format!("part {number} has roughness {}; use 0 to 1", gloss.roughness));
+            }
+            let finite = |corner: &SceneCorner| {
+                let SceneCorner { position, normal, albedo, emission, .. } = corner;
+                [position, normal, albedo, emission].into_iter().flatten().all(|x| x.is_finite())
+            };
+            if let Some(at) = corners.iter().position(|corner| !finite(corner)) {
+                let SceneCorner { position: [x, y, z], .. } = corners[at];
+                return invalid(format!(
+                    "corner {at} of part {number}, at ({x}, {y}, {z}), is not finite; use finite numbers"
+                ));
+            }
+            if let Some(at) = indices.iter().position(|index| *index as usize >= corners.len()) {
+                return invalid(format!(
+                    "index {} at position {at} of part {number} is out of range for {} corners",
+                    indices[at],
+                    corners.len()
+                ));
+            }
+            if !indices.len().is_multiple_of(3) {
+                return invalid(format!(
+                    "{} indices of part {number} are not whole triangles",
+                    indices.len()
+                ));
+            }
+            let first = [scene.corners.len() as u32, scene.indices.len() as u32];
+            let part = scene.parts.len() as u32;
+            scene.corners.extend(corners.into_iter().map(|corner| SceneCorner { part, ..corner }));
+            scene.indices.extend(indices.into_iter().map(|index| first[0] + index));
+            scene.parts.push(Placed {
+                corners: first[0]..scene.corners.len() as u32,
+                indices: first[1]..scene.indices.len() as u32,
+                place,
+                motion,
+                gloss,
+            });
+        }
+        Ok(scene)
+    }
+
+    /// Number of glossy parts, each with a place for a probe.
+    #[must_use]
+    pub fn glossy_parts(&self) -> usize {
+        self.parts.iter().filter(|part| part.gloss.is_some()).count()
+    }
+
+    /// Indices of the glossy parts.
+    pub(super) fn glossy(&self) -> Range<usize> {
+        self.parts.len() - self.glossy_parts()..self.parts.len()
+    }
+
+    /// Place of part `index` at `time` in seconds.
+    #[must_use]
+    pub fn place(&self, index: usize, time: f64) -> DVec3 {
+        let Placed { place, motion, .. } = &self.parts[index];
+        *place + motion.offset(time)
+    }
+
+    fn world_from_part(&self, index: usize, time: f64) -> DMat4 {
+        let turn = (self.parts[index].motion.spin * time).fract() * TAU;
+        DMat4::from_translation(self.place(index, time)) * DMat4::from_rotation_y(turn)
+    }
+
+    /// The parts at `time`; glossy ones have `roughness`, or their own.
+    pub(super) fn part_uniforms(&self, time: f64, roughness: Option<f64>) -> Vec<PartUniform> {
+        let uniform = |(index, part): (usize, &Placed)| {
+            let gloss = part.gloss.unwrap_or(Gloss { reflectance: [0.0; 3], roughness: 0.0 });
+            PartUniform {
+                world_from_part: self.world_from_part(index, time).as_mat4().to_cols_array_2d(),
+                reflectance: gloss.reflectance,
+                roughness: roughness.unwrap_or(gloss.roughness) as f32,
+            }
+        };
+        self.parts.iter().enumerate().map(uniform).collect()
+    }
+
+    pub(super) fn light_uniform(&self) -> LightUniform {
+        let SceneLight { towards, lamp, above, below } = self.light;
+        let towards = towards.normalize_or(DVec3::Y).as_vec3().to_array();
+        LightUniform { towards, pad_0: 0.0, lamp, pad_1: 0.0, above, pad_2: 0.0, below, pad_3: 0.0 }
+    }
+
+    /// The triangles around `centre` at `time`, with the radiance of matte parts; glossy parts are black, and
+    /// part `hidden` is a point at the centre, as in the map of a probe.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for corners beyond [`crate::direct::MOST`].
+    pub fn triangles(&self, time: f64, centre: DVec3, hidden: Option<usize>) -> Result<Triangles> {
+        let SceneLight { towards, lamp, above, below } = self.light;
+        let towards = towards.normalize_or(DVec3::Y);
+        let world: Vec<DMat4> = (0..self.parts.len()).map(|part| self.world_from_part(part, time)).collect();
+        let posed = |corner: &SceneCorner| {
+            let part = corner.part as usize;
+            let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+            let position = world[part].transform_point3(vector(corner.position)) - centre;
+            let normal = DMat3::from_mat4(world[part]) * vector(corner.normal);
+            let share = 0.5 + 0.5 * normal.y;
+            let facing = normal.dot(towards).max(0.0);
+            let light = vector(below).lerp(vector(above), share) + facing * vector(lamp);
+            let radiance = vector(corner.albedo) * light + vector(corner.emission);
+            let radiance = if self.parts[part].gloss.is_some() { DVec3::ZERO } else { radiance };
+            let position = if hidden == Some(part) { DVec3::ZERO } else { position };
+            Corner::new(position.as_vec3().to_array(), radiance.as_vec3().extend(1.0).to_array())
+        };
+        Triangles::new(self.corners.iter().map(posed).collect(), self.indices.clone())
+    }
+}
+
+impl Bounds {
+    /// Bounds of the matte parts that neither move nor are distant, or of all that are not distant.
+    fn of(parts: &[Part]) -> Self {
+        let still = |part: &&Part| part.motion == Motion::default() && !part.distant && part.gloss.is_none();
+        let chosen: Vec<&Part> = match parts.iter().filter(still).count() {
+            0 => parts.iter().filter(|part| !part.distant).collect(),
+            _ => parts.iter().filter(still).collect(),
+        };
+        let places = || {
+            chosen.iter().flat_map(|part| {
+                let place =
+                    |corner: &SceneCorner| part.place + DVec3::from_array(corner.position.map(f64::from));
+                part.corners.iter().map(place)
+            })
+        };
+        let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = places().fold(empty, |(low, high), at| (low.min(at), high.max(at)));
+        let centre = 0.5 * (low + high);
+        let radius = places().map(|at| at.distance(centre)).fold(0.0, f64::max);
+        Self { low, high, radius }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Gloss, Part, Scene, SceneLight};
+    use crate::error::Error;
+    use crate::view::scene::uniforms::MOST_PROBES;
+    use glam::DVec3;
+
+    fn message(parts: Vec<Part>) -> String {
+        Scene::new(parts, SceneLight::default()).expect_err("an invalid scene").to_string()
+    }
+
+    #[test]
+    fn bad_scenes_are_errors_that_name_the_place() {
+        let ball = || Part::ball(1.0, 4, [0.5; 3], [0.0; 3]);
+        let with = |change: fn(&mut Part)| {
+            let mut part = ball();
+            change(&mut part);
+            vec![ball(), part]
+        };
+        let cases: [(Vec<Part>, &[&str]); 8] = [
+            (Vec::new(), &["without triangles"]),
+            (vec![Part::default()], &["without triangles"]),
+            (with(|part| part.corners[3].position[1] = f32::NAN), &["corner 3 of part 1", "NaN", "finite"]),
+            (with(|part| part.corners[2].emission[0] = f32::INFINITY), &["corner 2 of part 1", "finite"]),
+            (with(|part| part.indices[4] = 1000), &["index 1000 at position 4 of part 1", "45 corners"]),
+            (with(|part| part.indices.truncate(4)), &["4 indices of part 1", "whole triangles"]),
+            (with(|part| part.place = DVec3::NAN), &["part 1", "finite"]),
+            (
+                with(|part| part.gloss = Some(Gloss { reflectance: [1.0; 3], roughness: 1.5 })),
+                &["part 1", "roughness 1.5", "0 to 1"],
+            ),
+        ];
+        for (parts, expected) in cases {
+            let message = message(parts);
+            assert!(expected.iter().all(|part| message.contains(part)), "{message}");
+        }
+        let gloss = Some(Gloss { reflectance: [1.0; 3], roughness: 0.5 });
+        let many = vec![Part { gloss, ..ball() }; MOST_PROBES + 1];
+        assert!(message(many).contains("at most 8"));
+        let far = Part { place: DVec3::splat(1e20), ..ball() };
+        let scene = Scene::new(vec![far], SceneLight::default()).expect("finite");
+        let error = scene.triangles(0.0, DVec3::ZERO, None).expect_err("too far");
+        assert!(matches!(&error, Error::Parameter(text) if text.contains("at most")), "{error}");
+    }
+}

@@ -1,0 +1,30 @@
+//! A moving scene whose glossy parts reflect it, and each other, through probes.
+//!
+//! ```text
+//! corners --pose--> corners around a probe --direct draw--> octahedral map or cube
+//!    |                                                            +--tables--> octagloss_radiance(...)
+//!    |                                                            |                     |
+//!    +--picture: matte parts, then glossy parts by their probes <-+---------------------+
+//! ```
+//!
+//! [`Scene`] has the parts. [`SceneRenderer`] keeps the probes' maps up to date and draws pictures. A probe is at
+//! the centre of a glossy part, and does not show that part. In its map, the other glossy parts show the
+//! reflections of the tables before: reflections of reflections build up from frame to frame.
+
+mod content;
+mod gallery;
+mod picture;
+mod probe;
+mod renderer;
+mod schedule;
+mod uniforms;
+mod viewer;
+
+pub use content::{Gloss, Motion, Part, Scene, SceneLight};
+pub use picture::{Proxy, SceneLook};
+pub use renderer::{SceneRenderer, SceneSettings, screenshot_of_scene};
+pub(in crate::view) use uniforms::{
+    DrawUniform, FrameUniform, LightUniform, MOST_RADIANCE, POSE_GROUP, PartUniform, PoseUniform,
+};
+pub use uniforms::{MOST_PROBES, SceneCorner};
+pub use viewer::{SceneStart, run_scene};

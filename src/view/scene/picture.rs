@@ -1,0 +1,328 @@
+//! Pipelines of pictures, and what a picture shows.
+
+use super::super::camera::Camera;
+use super::super::look::Tone;
+use super::content::{Bounds, Scene};
+use super::probe::{Probe, SceneBuffers};
+use super::uniforms::{DrawUniform, FrameUniform, MOST_PROBES, SceneCorner};
+use crate::error::{Error, Result};
+use crate::gpu::Context;
+use crate::gpu::device::shader;
+use glam::DVec3;
+
+pub(super) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Shape of the surroundings that reflections are corrected for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Proxy {
+    /// Infinitely far away.
+    #[default]
+    None,
+    /// The box around the parts that do not move.
+    Box,
+    /// The sphere around that box's centre.
+    Sphere,
+}
+
+/// What a picture of a scene shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneLook {
+    /// The camera.
+    pub camera: Camera,
+    /// Roughness of all glossy parts; `None` for their own.
+    pub roughness: Option<f64>,
+    /// Exposure in powers of two.
+    pub exposure: f64,
+    /// Tone mapping.
+    pub tone: Tone,
+    /// Correction of parallax.
+    pub proxy: Proxy,
+}
+
+impl Default for SceneLook {
+    fn default() -> Self {
+        Self {
+            camera: Camera::default(),
+            roughness: None,
+            exposure: 0.0,
+            tone: Tone::default(),
+            proxy: Proxy::default(),
+        }
+    }
+}
+
+/// A draw of a glossy part that adds the reflections of one probe.
+#[derive(Debug)]
+pub(super) struct GlossyDraw {
+    part: usize,
+    probe: usize,
+    group: wgpu::BindGroup,
+}
+
+/// What a picture is drawn from.
+#[derive(Debug)]
+pub(super) struct Drawn<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) buffers: &'a SceneBuffers,
+    pub(super) probes: &'a [Probe],
+    pub(super) draws: &'a [GlossyDraw],
+}
+
+/// Textures of one size.
+#[derive(Debug)]
+pub(super) struct Targets {
+    pub(super) size: (u32, u32),
+    pub(super) texture: wgpu::Texture,
+    pub(super) picture: wgpu::TextureView,
+    depth: wgpu::TextureView,
+}
+
+/// Pipelines of pictures.
+#[derive(Debug)]
+pub(super) struct Pictures {
+    frame: wgpu::Buffer,
+    frame_group: wgpu::BindGroup,
+    draw_layout: wgpu::BindGroupLayout,
+    matte: wgpu::RenderPipeline,
+    cover: wgpu::RenderPipeline,
+    glossy: wgpu::RenderPipeline,
+}
+
+impl Targets {
+    /// # Errors
+    /// [`Error::Parameter`] for a size that the device does not have.
+    pub(super) fn new(context: &Context, size: (u32, u32)) -> Result<Self> {
+        let most = context.device().limits().max_texture_dimension_2d;
+        let (width, height) = size;
+        if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
+            return Err(Error::Parameter(format!(
+                "a picture of {width} x {height} pixels; each side must be 1 to {most}"
+            )));
+        }
+        let texture = |label, format| super::super::textures::target(context, label, format, [width, height]);
+        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let (picture, depth) = (texture("picture", PICTURE), texture("depth", DEPTH));
+        Ok(Self { size, picture: view(&picture), depth: view(&depth), texture: picture })
+    }
+}
+
+impl Pictures {
+    pub(super) fn new(
+        context: &Context,
+        live_layout: &wgpu::BindGroupLayout,
+        buffers: &SceneBuffers,
+    ) -> Self {
+        let device = context.device();
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
+        };
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let layout = |label, entries: &[_]| {
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+        };
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let frame_layout = layout("scene frame", &[entry(0, uniform), entry(1, uniform), entry(2, storage)]);
+        let draw_layout = layout("scene draw", &[entry(0, uniform)]);
+        let frame = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("scene frame"),
+            size: size_of::<FrameUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let resources = [&frame, &buffers.light, &buffers.parts];
+        let frame_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("scene frame"),
+            layout: &frame_layout,
+            entries: &[0, 1, 2].map(|k| wgpu::BindGroupEntry {
+                binding: k as u32,
+                resource: resources[k].as_entire_binding(),
+            }),
+        });
+        let module = shader::module(context, "view/scene.wgsl");
+        let groups = [Some(&frame_layout), Some(live_layout), Some(&draw_layout)];
+        let build = |vertex, fragment, groups: &[Option<&wgpu::BindGroupLayout>], depth, blend| {
+            pipeline(device, &module, [vertex, fragment], groups, depth, blend)
+        };
+        let (less, equal) = (wgpu::CompareFunction::Less, wgpu::CompareFunction::Equal);
+        Self {
+            matte: build("matte_corner", "matte", &groups[..1], less, None),
+            cover: build("glossy_corner", "cover_glossy", &groups[..1], less, None),
+            glossy: build("glossy_corner", "glossy", &groups, equal, Some(added())),
+            frame,
+            frame_group,
+            draw_layout,
+        }
+    }
+
+    /// The draws of the glossy parts of `scene` by `probes`: the own probe of a part alone, else all.
+    pub(super) fn draws(&self, context: &Context, scene: &Scene, probes: &[Probe]) -> Vec<GlossyDraw> {
+        let mut draws = Vec::new();
+        for part in scene.glossy() {
+            let own = probes.iter().position(|probe| probe.part == part);
+            let chosen = own.map_or(0..probes.len(), |own| own..own + 1);
+            for probe in chosen {
+                let uniform = DrawUniform { probe: probe as u32, own: u32::from(own.is_some()) };
+                let uniform = context.uniform("scene draw", &uniform);
+                let group = context.device().create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("scene draw"),
+                    layout: &self.draw_layout,
+                    entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+                });
+                draws.push(GlossyDraw { part, probe, group });
+            }
+        }
+        draws
+    }
+
+    /// Writes the uniform of a picture `aspect` times as wide as high, of probes at `centres`.
+    pub(super) fn set_frame(
+        &self,
+        context: &Context,
+        look: &SceneLook,
+        aspect: f64,
+        bounds: &Bounds,
+        centres: &[DVec3],
+    ) {
+        let three = |v: DVec3| v.as_vec3().to_array();
+        let frame = look.camera.frame(aspect);
+        let Bounds { low, high, radius } = *bounds;
+        let mut places = [[0.0; 4]; MOST_PROBES];
+        for (place, centre) in places.iter_mut().zip(centres) {
+            *place = centre.as_vec3().extend(0.0).to_array();
+        }
+        let uniform = FrameUniform {
+            clip_from_world: frame.clip_from_world.as_mat4().to_cols_array_2d(),
+            eye: three(frame.eye),
+            exposure: look.exposure.exp2() as f32,
+            low: three(low),
+            proxy: look.proxy as u32,
+            high: three(high),
+            probes: centres.len() as u32,
+            sphere: (0.5 * (low + high)).as_vec3().extend(radius as f32).to_array(),
+            centres: places,
+        };
+        context.queue().write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+    }
+
+    /// Records the pass that draws a scene into `targets`.
+    pub(super) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        Drawn { scene, buffers, probes, draws }: &Drawn<'_>,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("picture"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &targets.picture,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &targets.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes,
+            ..Default::default()
+        });
+        pass.set_vertex_buffer(0, buffers.corners.slice(..));
+        pass.set_index_buffer(buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_bind_group(0, &self.frame_group, &[]);
+        let all = scene.indices.len() as u32;
+        let matte = scene.parts.get(scene.glossy().start).map_or(all, |part| part.indices.start);
+        pass.set_pipeline(&self.matte);
+        pass.draw_indexed(0..matte, 0, 0..1);
+        pass.set_pipeline(&self.cover);
+        pass.draw_indexed(matte..all, 0, 0..1);
+        pass.set_pipeline(&self.glossy);
+        for GlossyDraw { part, probe, group } in *draws {
+            pass.set_bind_group(1, probes[*probe].live.bind_group(), &[]);
+            pass.set_bind_group(2, group, &[]);
+            pass.draw_indexed(scene.parts[*part].indices.clone(), 0, 0..1);
+        }
+    }
+}
+
+/// Adds colours up.
+fn added() -> wgpu::BlendState {
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::BlendState { color: add, alpha: add }
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    [vertex, fragment]: [&str; 2],
+    groups: &[Option<&wgpu::BindGroupLayout>],
+    depth_compare: wgpu::CompareFunction,
+    blend: Option<wgpu::BlendState>,
+) -> wgpu::RenderPipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(fragment),
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    });
+    let attribute =
+        |shader_location, offset, format| wgpu::VertexAttribute { format, offset, shader_location };
+    let three = wgpu::VertexFormat::Float32x3;
+    let attributes = [
+        attribute(0, 0, three),
+        attribute(1, 12, wgpu::VertexFormat::Uint32),
+        attribute(2, 16, three),
+        attribute(3, 32, three),
+        attribute(4, 48, three),
+    ];
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<SceneCorner>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &attributes,
+            })],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(blend.is_none()),
+            depth_compare: Some(depth_compare),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: PICTURE,
+                blend,
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

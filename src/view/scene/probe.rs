@@ -1,0 +1,235 @@
+//! Probes: maps of the scene around glossy parts, and their tables.
+
+use super::content::Scene;
+use super::uniforms::{POSE_GROUP, PoseUniform};
+use crate::direct::check_near;
+use crate::environment::Layout;
+use crate::error::Result;
+use crate::gpu::Context;
+use crate::gpu::device::shader;
+use crate::gpu::device::timer::Timer;
+use crate::gpu::direct::{Direct, DirectFrame, DirectMesh, DirectTarget, Method, Overlap};
+use crate::gpu::live::{LiveEnvironment, LivePasses};
+use glam::DVec3;
+
+/// Distance of the near surface of a probe.
+const NEAR: f32 = 0.02;
+
+/// Format of the maps.
+const FORMAT: wgpu::TextureFormat = LiveEnvironment::COLOUR;
+
+/// Pipelines that fill probes.
+#[derive(Debug)]
+pub(super) struct ProbePasses {
+    direct: Direct,
+    live: LivePasses,
+    layout: wgpu::BindGroupLayout,
+    matte: wgpu::ComputePipeline,
+    glossy: wgpu::ComputePipeline,
+}
+
+/// The scene's buffers on the GPU.
+#[derive(Debug)]
+pub(super) struct SceneBuffers {
+    pub(super) corners: wgpu::Buffer,
+    pub(super) indices: wgpu::Buffer,
+    pub(super) parts: wgpu::Buffer,
+    pub(super) light: wgpu::Buffer,
+}
+
+/// A map around a glossy part.
+#[derive(Debug)]
+pub(super) struct Probe {
+    /// The part.
+    pub(super) part: usize,
+    mesh: DirectMesh,
+    target: DirectTarget,
+    frame: DirectFrame,
+    pub(super) live: LiveEnvironment,
+    /// Matte corners, then those of each other glossy part.
+    poses: Vec<Pose>,
+    /// Passes of [`Probe::fill`].
+    passes: u32,
+}
+
+/// A dispatch that places a range of corners.
+#[derive(Debug)]
+struct Pose {
+    uniform: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    first: u32,
+    count: u32,
+    /// The glossy part.
+    part: Option<usize>,
+}
+
+impl ProbePasses {
+    /// Compiles the passes.
+    ///
+    /// # Errors
+    /// Those of [`Direct::new`].
+    pub(super) fn new(
+        context: &Context,
+        live_layout: &wgpu::BindGroupLayout,
+        live: LivePasses,
+    ) -> Result<Self> {
+        let device = context.device();
+        let buffer = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
+        };
+        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let kinds = [uniform, uniform, storage(true), storage(true), storage(false)];
+        let entries: Vec<_> = (0..).zip(kinds).map(|(binding, ty)| buffer(binding, ty)).collect();
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("scene pose"),
+            entries: &entries,
+        });
+        let module = shader::module(context, "view/scene_pose.wgsl");
+        let pipeline = |entry, groups: &[Option<&wgpu::BindGroupLayout>]| {
+            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(entry),
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            });
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry),
+                layout: Some(&layout),
+                module: &module,
+                entry_point: Some(entry),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        };
+        Ok(Self {
+            direct: Direct::new(context, FORMAT, Overlap::Nearest)?,
+            matte: pipeline("pose_matte", &[Some(&layout)]),
+            glossy: pipeline("pose_glossy", &[Some(&layout), Some(live_layout)]),
+            layout,
+            live,
+        })
+    }
+}
+
+impl Probe {
+    /// A probe at glossy part `part` with tables over a map of `size`, drawn by `method`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] and [`crate::Error::Parameter`] if the scene or the map does not fit the device.
+    pub(super) fn new(
+        context: &Context,
+        passes: &ProbePasses,
+        scene: &Scene,
+        buffers: &SceneBuffers,
+        part: usize,
+        method: Method,
+        size: u32,
+    ) -> Result<Self> {
+        check_near(NEAR)?;
+        let triangles = scene.triangles(0.0, scene.place(part, 0.0), Some(part))?;
+        let mesh = DirectMesh::upload(context, &triangles)?;
+        let mut live = LiveEnvironment::with_passes(context, &passes.live, size)?;
+        let layout = if method.is_cube() {
+            // As many texels.
+            Layout::Cube { size: ((f64::from(live.size()).powi(2) / 6.0).sqrt().round() as u32).max(2) }
+        } else {
+            Layout::Octahedral { size: live.size() }
+        };
+        let target = DirectTarget::new(context, layout, FORMAT)?;
+        let frame = passes.direct.frame(method, &mesh, &target, NEAR)?;
+        let glossy = scene.glossy();
+        let matte = 0..scene.parts.get(glossy.start).map_or(0, |part| part.corners.start);
+        let ranges = std::iter::once((matte, None))
+            .chain(glossy.map(|part| (scene.parts[part].corners.clone(), Some(part))));
+        let poses = ranges
+            .filter(|(range, _)| !range.is_empty())
+            .map(|(range, part)| {
+                let (first, count) = (range.start, range.len() as u32);
+                let empty = PoseUniform { centre: [0.0; 3], hidden: 0, first, count, pad: [0; 2] };
+                let uniform = context.uniform("scene pose", &empty);
+                let resources = [&uniform, &buffers.light, &buffers.parts, &buffers.corners, mesh.corners()];
+                let entries: Vec<_> = (0..)
+                    .zip(resources)
+                    .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                        binding,
+                        resource: buffer.as_entire_binding(),
+                    })
+                    .collect();
+                let group = context.device().create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("scene pose"),
+                    layout: &passes.layout,
+                    entries: &entries,
+                });
+                Pose { uniform, group, first, count, part }
+            })
+            .collect();
+        let passes = frame.passes() + live.stages(target.colour())?.count() as u32;
+        Ok(Self { part, mesh, target, frame, live, poses, passes })
+    }
+
+    /// Number of passes of [`Probe::fill`].
+    pub(super) const fn passes(&self) -> u32 {
+        self.passes
+    }
+
+    /// Records the pass that places the corners around `centre`. `lives` gives the tables that a glossy part
+    /// reflects.
+    pub(super) fn pose<'a>(
+        &self,
+        context: &Context,
+        passes: &ProbePasses,
+        encoder: &mut wgpu::CommandEncoder,
+        centre: DVec3,
+        lives: impl Fn(usize) -> &'a LiveEnvironment,
+        timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        for Pose { uniform, first, count, .. } in &self.poses {
+            let hidden = self.part as u32;
+            let centre = centre.as_vec3().to_array();
+            let pose = PoseUniform { centre, hidden, first: *first, count: *count, pad: [0; 2] };
+            context.queue().write_buffer(uniform, 0, bytemuck::bytes_of(&pose));
+        }
+        let descriptor = wgpu::ComputePassDescriptor { label: Some("pose"), timestamp_writes };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        for Pose { group, count, part, .. } in &self.poses {
+            pass.set_pipeline(if part.is_some() { &passes.glossy } else { &passes.matte });
+            pass.set_bind_group(0, group, &[]);
+            if let Some(part) = part {
+                pass.set_bind_group(1, lives(*part).bind_group(), &[]);
+            }
+            let [x, y, z] = crate::gpu::device::stage::in_rows(count.div_ceil(POSE_GROUP));
+            pass.dispatch_workgroups(x, y, z);
+        }
+    }
+
+    /// Records the draws into the map and the passes of its tables. With a timer, passes write their times from
+    /// place 0 on; returns their labels.
+    ///
+    /// # Errors
+    /// Those of [`LiveEnvironment::update`].
+    pub(super) fn fill(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        timer: Option<&Timer>,
+    ) -> Result<Vec<&'static str>> {
+        self.frame.record_timed(encoder, timer);
+        let mut labels = vec!["draw"; self.frame.passes() as usize];
+        if self.frame.has_list() {
+            labels[0] = "lists";
+        }
+        for stage in self.live.stages(self.target.colour())? {
+            let writes = timer.map(|timer| timer.compute_writes(labels.len() as u32));
+            stage.record_timed(encoder, writes);
+            labels.push(stage.label());
+        }
+        Ok(labels)
+    }
+
+    /// Triangles of the scene.
+    pub(super) const fn triangles(&self) -> u32 {
+        self.mesh.triangles()
+    }
+}

@@ -1,0 +1,352 @@
+//! Keeps the probes of a scene up to date and draws pictures.
+
+use super::super::look::{Look, Tone};
+use super::super::present::{Presenter, Viewport};
+use super::super::screenshot::Screenshot;
+use super::super::textures::target;
+use super::content::Scene;
+use super::picture::{Drawn, GlossyDraw, Pictures, SceneLook, Targets};
+use super::probe::{Probe, ProbePasses, SceneBuffers};
+use super::uniforms::MOST_PROBES;
+use crate::error::{Error, Result};
+use crate::gpu::Context;
+use crate::gpu::device::readback;
+use crate::gpu::device::timer::Timer;
+use crate::gpu::direct::Method;
+use crate::gpu::live::{LiveEnvironment, LivePasses};
+use glam::DVec3;
+use half::f16;
+use image::RgbImage;
+
+/// Passes of a measured frame, at most: lists, six faces, eight stages, pose, picture.
+const PASSES: u32 = 17;
+
+/// Rounds of updates before a screenshot: reflections of reflections of reflections.
+const ROUNDS: u32 = 3;
+
+/// How the probes are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneSettings {
+    /// How the scene comes into their maps.
+    pub method: Method,
+    /// Number of probes, at most that of glossy parts. Parts without a probe blend all by distance.
+    pub probes: usize,
+    /// Edge of their octahedral maps; a cube has as many texels.
+    pub size: u32,
+    /// Boxes of a fitted lobe: 1, 2, 4 or 8.
+    pub boxes: u32,
+}
+
+impl Default for SceneSettings {
+    fn default() -> Self {
+        Self { method: Method::Octants, probes: MOST_PROBES, size: 256, boxes: 4 }
+    }
+}
+
+/// A scene on one device.
+#[derive(Debug)]
+pub struct SceneRenderer {
+    context: Context,
+    scene: Scene,
+    settings: SceneSettings,
+    passes: ProbePasses,
+    buffers: SceneBuffers,
+    probes: Vec<Probe>,
+    /// Where each probe was at its last update.
+    centres: Vec<DVec3>,
+    pictures: Pictures,
+    draws: Vec<GlossyDraw>,
+    targets: Option<Targets>,
+    presenter: Presenter,
+    time: f64,
+}
+
+impl SceneRenderer {
+    /// Uploads `scene` and creates its probes, at time 0. Their maps are black until they are updated.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for invalid settings, [`Error::Limit`] if the scene or the tables do not fit the
+    /// device, [`Error::Gpu`] if a shader fails to compile.
+    pub fn new(context: Context, scene: Scene, settings: SceneSettings) -> Result<Self> {
+        let corner_bytes: &[u8] = bytemuck::cast_slice(&scene.corners);
+        let index_bytes: &[u8] = bytemuck::cast_slice(&scene.indices);
+        let storage = wgpu::BufferUsages::STORAGE;
+        let parts = scene.part_uniforms(0.0, None);
+        let buffers = SceneBuffers {
+            corners: buffer(&context, "corners", wgpu::BufferUsages::VERTEX | storage, corner_bytes)?,
+            indices: buffer(&context, "triangles", wgpu::BufferUsages::INDEX, index_bytes)?,
+            parts: buffer(&context, "parts", storage, bytemuck::cast_slice(&parts))?,
+            light: context.uniform("scene light", &scene.light_uniform()),
+        };
+        let live = LivePasses::new(&context);
+        // All environments have layouts of one content.
+        let least = LiveEnvironment::with_passes(&context, &live, 16)?;
+        let layout = least.bind_group_layout();
+        let passes = ProbePasses::new(&context, layout, live)?;
+        let pictures = Pictures::new(&context, layout, &buffers);
+        let mut renderer = Self {
+            presenter: Presenter::new(&context),
+            context,
+            scene,
+            settings,
+            passes,
+            buffers,
+            probes: Vec::new(),
+            centres: Vec::new(),
+            pictures,
+            draws: Vec::new(),
+            targets: None,
+            time: 0.0,
+        };
+        renderer.configure(settings)?;
+        Ok(renderer)
+    }
+
+    /// Replaces the probes by those of `settings`, black until they are updated.
+    ///
+    /// # Errors
+    /// Those of [`SceneRenderer::new`]; the probes stay.
+    pub fn configure(&mut self, settings: SceneSettings) -> Result<()> {
+        let glossy = self.scene.glossy();
+        let count = settings.probes.min(glossy.len());
+        if count == 0 && !glossy.is_empty() {
+            return Err(Error::Parameter("no probes; choose 1 to 8".to_owned()));
+        }
+        let mut probes = Vec::new();
+        for part in glossy.take(count) {
+            let SceneSettings { method, size, boxes, .. } = settings;
+            let Self { context, passes, scene, buffers, .. } = self;
+            let probe = Probe::new(context, passes, scene, buffers, part, method, size)?;
+            probe.live.set_boxes(boxes)?;
+            probes.push(probe);
+        }
+        self.centres = probes.iter().map(|probe| self.scene.place(probe.part, self.time)).collect();
+        self.draws = self.pictures.draws(&self.context, &self.scene, &probes);
+        (self.probes, self.settings) = (probes, settings);
+        self.context.check()
+    }
+
+    /// The device.
+    #[must_use]
+    pub const fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// The scene.
+    #[must_use]
+    pub const fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// How the probes are drawn.
+    #[must_use]
+    pub const fn settings(&self) -> SceneSettings {
+        self.settings
+    }
+
+    /// Number of probes.
+    #[must_use]
+    pub fn probes(&self) -> usize {
+        self.probes.len()
+    }
+
+    /// Triangles of the scene.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.probes.first().map_or(self.scene.indices.len() / 3, |probe| probe.triangles() as usize)
+    }
+
+    /// Moves the parts to `time` in seconds. Glossy parts have `roughness`, or their own.
+    pub fn set_time(&mut self, time: f64, roughness: Option<f64>) {
+        self.time = time;
+        let parts = self.scene.part_uniforms(time, roughness);
+        self.context.queue().write_buffer(&self.buffers.parts, 0, bytemuck::cast_slice(&parts));
+    }
+
+    /// Draws the scene of the current time into the maps of `probes` and builds their tables, in order.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device fails.
+    ///
+    /// # Panics
+    /// If there are fewer probes.
+    pub fn update(&mut self, probes: &[usize]) -> Result<()> {
+        for probe in probes {
+            let mut encoder = self.context.device().create_command_encoder(&Default::default());
+            self.record_update(&mut encoder, *probe, None)?;
+            self.context.queue().submit([encoder.finish()]);
+        }
+        self.context.check()
+    }
+
+    /// Records the update of one probe; returns the labels of its passes in a timer's places.
+    fn record_update(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        index: usize,
+        timer: Option<&Timer>,
+    ) -> Result<Vec<&'static str>> {
+        let centre = self.scene.place(self.probes[index].part, self.time);
+        self.centres[index] = centre;
+        let lives = |part: usize| {
+            let place = self.scene.place(part, self.time);
+            let own = self.probes.iter().find(|probe| probe.part == part);
+            let away = |probe: &&Probe| self.scene.place(probe.part, self.time).distance_squared(place);
+            let nearest = || self.probes.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            &own.or_else(nearest).expect("a probe is updated").live
+        };
+        let place = self.probes[index].passes();
+        let writes = timer.map(|timer| timer.compute_writes(place));
+        self.probes[index].pose(&self.context, &self.passes, encoder, centre, lives, writes);
+        let mut labels = self.probes[index].fill(encoder, timer)?;
+        labels.push("pose");
+        Ok(labels)
+    }
+
+    /// Draws a linear picture of `size` samples.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an unsupported size or look, [`Error::Gpu`] if the device fails.
+    pub fn draw(&mut self, look: &SceneLook, size: (u32, u32)) -> Result<()> {
+        let mut encoder = self.context.device().create_command_encoder(&Default::default());
+        self.record_picture(&mut encoder, look, size, None)?;
+        self.context.queue().submit([encoder.finish()]);
+        self.context.check()
+    }
+
+    fn record_picture(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        look: &SceneLook,
+        size: (u32, u32),
+        writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> Result<()> {
+        // The ranges of what a scene's look shares with others.
+        let roughness = look.roughness.unwrap_or(0.0);
+        let exposure = crate::image::exposure::Exposure::Ev(look.exposure);
+        Look { camera: look.camera, roughness, exposure, ..Look::default() }.check()?;
+        if self.targets.as_ref().is_none_or(|targets| targets.size != size) {
+            self.targets = Some(Targets::new(&self.context, size)?);
+        }
+        let targets = self.targets.as_ref().expect("made");
+        let aspect = f64::from(size.0) / f64::from(size.1);
+        self.pictures.set_frame(&self.context, look, aspect, &self.scene.bounds, &self.centres);
+        let Self { scene, buffers, probes, draws, .. } = self;
+        self.pictures.record(encoder, targets, &Drawn { scene, buffers, probes, draws }, writes);
+        Ok(())
+    }
+
+    /// Seconds of the passes of one probe's update and of a picture, which are done once more: labels in order,
+    /// the picture last.
+    ///
+    /// # Errors
+    /// Those of [`SceneRenderer::draw`], and [`Error::Gpu`] if the adapter has no timestamp queries.
+    pub async fn times(&mut self, look: &SceneLook, size: (u32, u32)) -> Result<Vec<(&'static str, f64)>> {
+        let timer = Timer::new(&self.context, PASSES)?;
+        let mut encoder = self.context.device().create_command_encoder(&Default::default());
+        let mut labels = Vec::new();
+        if !self.probes.is_empty() {
+            labels = self.record_update(&mut encoder, 0, Some(&timer))?;
+        }
+        let picture = labels.len() as u32;
+        self.record_picture(&mut encoder, look, size, Some(timer.render_writes(picture)))?;
+        self.context.queue().submit([encoder.finish()]);
+        labels.push("picture");
+        let seconds = timer.read(&self.context, labels.len() as u32).await?;
+        let mut sums: Vec<(&'static str, f64)> = Vec::new();
+        for (label, seconds) in labels.into_iter().zip(seconds) {
+            match sums.last_mut().filter(|(last, _)| *last == label) {
+                Some((_, sum)) => *sum += seconds,
+                None => sums.push((label, seconds)),
+            }
+        }
+        Ok(sums)
+    }
+
+    /// Whether a picture was drawn.
+    pub(super) const fn has_picture(&self) -> bool {
+        self.targets.is_some()
+    }
+
+    /// Draws the last picture into `viewport` of `view`, tone-mapped, in sRGB.
+    ///
+    /// # Panics
+    /// If no picture was drawn.
+    pub fn present(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        viewport: Viewport,
+        tone: Tone,
+    ) {
+        let picture = &self.targets.as_ref().expect("a picture was drawn").picture;
+        let look = Look { tone, ..Look::default() };
+        self.presenter.present(picture, encoder, view, format, viewport, &look);
+    }
+
+    /// Reads the last picture: linear radiance times exposure, row by row.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device fails.
+    ///
+    /// # Panics
+    /// If no picture was drawn.
+    pub async fn pixels(&self) -> Result<Vec<[f32; 3]>> {
+        let texture = &self.targets.as_ref().expect("a picture was drawn").texture;
+        let texels: Vec<[u16; 4]> = readback::read_texture(&self.context, texture).await?;
+        let number = |bits: u16| f16::from_bits(bits).to_f32();
+        Ok(texels.into_iter().map(|[red, green, blue, _]| [red, green, blue].map(number)).collect())
+    }
+}
+
+/// Renders `look` at `time` as a window would show it after some frames, in sRGB.
+///
+/// # Errors
+/// Those of [`SceneRenderer::draw`].
+pub async fn screenshot_of_scene(
+    renderer: &mut SceneRenderer,
+    look: &SceneLook,
+    time: f64,
+    Screenshot { width, height, samples }: Screenshot,
+) -> Result<RgbImage> {
+    renderer.set_time(time, look.roughness);
+    let all: Vec<usize> = (0..renderer.probes()).collect();
+    for _ in 0..ROUNDS {
+        renderer.update(&all)?;
+    }
+    renderer.draw(look, (width.saturating_mul(samples), height.saturating_mul(samples)))?;
+    let context = renderer.context().clone();
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let texture = target(&context, "screenshot", format, [width, height]);
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let viewport = Viewport { x: 0, y: 0, width, height };
+    context.submit(|encoder| renderer.present(encoder, &view, format, viewport, look.tone));
+    let pixels: Vec<[u8; 4]> = readback::read_texture(&context, &texture).await?;
+    let mut picture = RgbImage::new(width, height);
+    for (pixel, [red, green, blue, _]) in picture.pixels_mut().zip(pixels) {
+        pixel.0 = [red, green, blue];
+    }
+    Ok(picture)
+}
+
+fn buffer(context: &Context, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> Result<wgpu::Buffer> {
+    let limits = context.device().limits();
+    let available = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+    if bytes.len() as u64 > available {
+        return Err(Error::Limit {
+            what: format!("the scene's {label}"),
+            needed: bytes.len() as u64,
+            available,
+            remedy: "use a scene of fewer triangles".to_owned(),
+        });
+    }
+    let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes.len() as u64,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    context.queue().write_buffer(&buffer, 0, bytes);
+    Ok(buffer)
+}

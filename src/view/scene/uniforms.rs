@@ -1,0 +1,97 @@
+//! Structs that the shaders of scenes read: `shaders/common/view_parts.wgsl`, `shaders/view/scene.wgsl` and
+//! `shaders/view/scene_pose.wgsl`.
+
+use crate::gpu::device::shader;
+
+/// Most probes, and most glossy parts.
+pub const MOST_PROBES: usize = 8;
+
+/// Invocations of a workgroup that places corners.
+pub(in crate::view) const POSE_GROUP: u32 = 64;
+
+/// Greatest radiance of a picture: half floats.
+pub(in crate::view) const MOST_RADIANCE: f64 = 65504.0;
+
+/// A corner of a triangle, in the space of its part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct SceneCorner {
+    /// Position.
+    pub position: [f32; 3],
+    pub(super) part: u32,
+    /// Unit normal.
+    pub normal: [f32; 3],
+    pub(super) pad_0: f32,
+    /// Albedo of matte parts, linear.
+    pub albedo: [f32; 3],
+    pub(super) pad_1: f32,
+    /// Radiance that the surface emits.
+    pub emission: [f32; 3],
+    pub(super) pad_2: f32,
+}
+shader::members!(SceneCorner { position, part, normal, pad_0, albedo, pad_1, emission, pad_2 });
+
+impl SceneCorner {
+    /// A corner at `position`.
+    #[must_use]
+    pub fn new(position: [f32; 3], normal: [f32; 3], albedo: [f32; 3], emission: [f32; 3]) -> Self {
+        Self { position, normal, albedo, emission, ..Self::default() }
+    }
+}
+
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(in crate::view) struct PartUniform {
+    pub(super) world_from_part: [[f32; 4]; 4],
+    pub(super) reflectance: [f32; 3],
+    pub(super) roughness: f32,
+}
+shader::members!(PartUniform { world_from_part, reflectance, roughness });
+
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(in crate::view) struct LightUniform {
+    pub(super) towards: [f32; 3],
+    pub(super) pad_0: f32,
+    pub(super) lamp: [f32; 3],
+    pub(super) pad_1: f32,
+    pub(super) above: [f32; 3],
+    pub(super) pad_2: f32,
+    pub(super) below: [f32; 3],
+    pub(super) pad_3: f32,
+}
+shader::members!(LightUniform { towards, pad_0, lamp, pad_1, above, pad_2, below, pad_3 });
+
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(in crate::view) struct PoseUniform {
+    pub(super) centre: [f32; 3],
+    pub(super) hidden: u32,
+    pub(super) first: u32,
+    pub(super) count: u32,
+    pub(super) pad: [u32; 2],
+}
+shader::members!(PoseUniform { centre, hidden, first, count, pad });
+
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(in crate::view) struct FrameUniform {
+    pub(super) clip_from_world: [[f32; 4]; 4],
+    pub(super) eye: [f32; 3],
+    pub(super) exposure: f32,
+    pub(super) low: [f32; 3],
+    pub(super) proxy: u32,
+    pub(super) high: [f32; 3],
+    pub(super) probes: u32,
+    pub(super) sphere: [f32; 4],
+    pub(super) centres: [[f32; 4]; MOST_PROBES],
+}
+shader::members!(FrameUniform { clip_from_world, eye, exposure, low, proxy, high, probes, sphere, centres });
+
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(in crate::view) struct DrawUniform {
+    pub(super) probe: u32,
+    pub(super) own: u32,
+}
+shader::members!(DrawUniform { probe, own });
