@@ -388,7 +388,7 @@ pub const TARGETS: [Target; 13] = [
             FileSpec { path: "{name}_panorama.exr", content: Panorama },
             FileSpec { path: "{name}_skybox.exr", content: SkyboxPanorama },
         ],
-        verified: None,
+        verified: Some("Godot 3.2"),
         ..ENGINE
     },
     // u = 1/2 - atan2(y, x)/2 pi (intern/cycles/kernel/camera/projection.h); glTF's (x, y, z) is imported as
