@@ -1,6 +1,6 @@
 //! Draws a moving scene straight into a live environment, and a glossy sphere in it: `cargo run --release
-//! --example direct -- 0.2 1.5` writes direct.png for roughness 0.2 after 1.5 seconds. Device, queue, buffers,
-//! pipelines and encoder are the renderer's own.
+//! --example direct -- 0.2 1.5` writes direct.png for roughness 0.2 after 1.5 seconds. Device, queue,
+//! buffers, pipelines and encoder are the renderer's own.
 
 use glam::{DVec3, Mat3, Vec3};
 use octagloss::internals::gpu::{Context, adapters, block_on, device::readback};

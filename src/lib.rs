@@ -94,7 +94,8 @@ queue.submit([encoder.finish()]);
 # }
 ```
 
-A scene that moves is drawn straight into the octahedral map, by [`LiveEnvironment::draw`]: `examples/direct.rs`.
+A scene that moves is drawn straight into the octahedral map, by [`LiveEnvironment::draw`]:
+`examples/direct.rs`.
 "#
 )]
 // Parts that only some features use; the build with all of them has no dead code.

@@ -245,8 +245,8 @@ export function open(side, close) {
         for (const file of files) {
             const other = jobs.find((job) => stem(job.file.name) === stem(file.name));
             if (other && other.file.name !== file.name) {
-                const both = `${other.file.name} and ${file.name} would both be written as ${stem(file.name)}`;
-                say(`${both}; rename one or bake them separately`);
+                const both = `${other.file.name} and ${file.name}`;
+                say(`${both} would be written as ${stem(file.name)}; rename one or bake them separately`);
                 continue;
             }
             if (other) take(other);
@@ -400,7 +400,7 @@ export function open(side, close) {
                         'label',
                         {
                             className: 'switch',
-                            title: `${reader}; ${verified ? `tested with ${verified}` : 'untested in its engine'}`,
+                            title: `${reader}; ${verified ? 'tested with ' + verified : 'untested in it'}`,
                         },
                         element('input', { type: 'checkbox', value: name, checked: name === 'three' }),
                         element('span', { textContent: name }),

@@ -1,5 +1,5 @@
-// Draws into one octant of an octahedral map, or into one face of a cube: `View` of src/gpu/direct/view.rs. The
-// including shader declares octagloss_view: OctaglossView (uniform).
+// Draws into one octant of an octahedral map, or into one face of a cube: `View` of src/gpu/direct/view.rs.
+// The including shader declares octagloss_view: OctaglossView (uniform).
 //
 // Within an octant |x| + |y| + |z| is linear, so that clip coordinates are a matrix times the position, and
 // interpolation with perspective is exact. The map of an octant holds beyond its borders wherever w > 0: a
@@ -21,8 +21,8 @@ fn octagloss_direct_position(position: vec3<f32>) -> vec4<f32> {
     return octagloss_view.clip_from_scene * vec4<f32>(position - octagloss_view.centre, 1.0);
 }
 
-// Whether the fragment at `position`, the built-in of the fragment stage, belongs to the octant that is drawn.
-// Discard all others.
+// Whether the fragment at `position`, the built-in of the fragment stage, belongs to the octant that is
+// drawn. Discard all others.
 fn octagloss_direct_owns(position: vec4<f32>) -> bool {
     return octant_of_pixel(octagloss_view.size, vec2<u32>(position.xy)) == octagloss_view.octant;
 }

@@ -107,8 +107,8 @@ fn sphere_distance(position: vec3<f32>, direction: vec3<f32>) -> f32 {
     return select(-1.0, sqrt(max(along * along - beyond, 0.0)) - along, beyond <= 0.0);
 }
 
-// The direction in which a probe at `centre` sees what the proxy has in unit `direction` from `position`; from
-// outside of the proxy, `direction`.
+// The direction in which a probe at `centre` sees what the proxy has in unit `direction` from `position`;
+// from outside of the proxy, `direction`.
 fn direction_from(centre: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
     let of_sphere = sphere_distance(position, direction);
     let distance = select(of_sphere, box_distance(position, direction), frame.proxy == 1u);

@@ -1,5 +1,5 @@
-// Places the corners of a moving scene around a probe, with their radiance, for direct draws into the probe's map:
-// src/view/scene/probe.rs.
+// Places the corners of a moving scene around a probe, with their radiance, for direct draws into the probe's
+// map: src/view/scene/probe.rs.
 @group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
 @group(1) @binding(1) var<uniform> octagloss_light: OctaglossLight;
 @group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;

@@ -143,8 +143,8 @@ impl Sun {
             None => "no sun detected, so none was removed".to_owned(),
             Some(region) => format!(
                 "no sun detected, so none was removed: the brightest region covers {:.2e} sr and is {:.0} \
-                 times as bright as its surroundings; a sun covers at most {SUN_SOLID_ANGLE} sr and is at least \
-                 {SUN_CONTRAST} times as bright",
+                 times as bright as its surroundings; a sun covers at most {SUN_SOLID_ANGLE} sr and is \
+                 at least {SUN_CONTRAST} times as bright",
                 region.solid_angle,
                 f64::from(luminance(region.peak)) / region.surroundings,
             ),

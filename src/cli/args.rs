@@ -235,8 +235,8 @@ pub(super) struct BakeArgs {
     ///
     /// N is 1 to 16384; source gives texels about as large as the source's. exr and hdr: skybox_{face} next
     /// to the levels. Other formats: OUT's stem with .skybox.ktx2 or similar. Targets: NAME_skybox or skybox.
-    /// unreal, godot and blender get a panorama of 4N x 2N; babylon and playcanvas a .dds and gltf-ext a .ktx2
-    /// file of half floats. For filament it replaces level 0.
+    /// unreal, godot and blender get a panorama of 4N x 2N; babylon and playcanvas a .dds and gltf-ext a
+    /// .ktx2 file of half floats. For filament it replaces level 0.
     #[arg(long, value_name = "N|source", value_parser = Skybox::parsed)]
     pub(super) skybox: Option<Skybox>,
     /// Highest band of spherical harmonics, 2 to 4

@@ -56,7 +56,8 @@ use clap::error::ErrorKind;
 use outcome::{Failure, Outcome, print, usage};
 use std::process::ExitCode;
 
-/// Runs the program with the process's arguments; `licenses` are those of other crates, if the program has them.
+/// Runs the program with the process's arguments; `licenses` are those of other crates, if the program has
+/// them.
 pub fn main(licenses: Option<&str>) -> ExitCode {
     signals::watch();
     let outcome = match Args::try_parse() {

@@ -67,8 +67,8 @@ pub(super) struct SceneArgs {
     probes: Option<u32>,
     /// Milliseconds of a frame for the probes
     ///
-    /// Updates as many as fit, in turns, and at least one. By default all are updated in every frame. Pictures
-    /// by --screenshot have all up to date.
+    /// Updates as many as fit, in turns, and at least one. By default all are updated in every frame.
+    /// Pictures by --screenshot have all up to date.
     #[arg(long, value_name = "MS", value_parser = budget, requires = "scene", conflicts_with = "screenshot")]
     probe_budget: Option<f64>,
     /// Correction of parallax: none, box or sphere

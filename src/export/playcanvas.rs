@@ -74,8 +74,8 @@ struct Atlas {
 }
 
 impl Atlas {
-    /// Draws the panorama of `level` into `rect`, with `samples` x `samples` look-ups a texel. The seam around
-    /// it continues around the sphere and over the poles.
+    /// Draws the panorama of `level` into `rect`, with `samples` x `samples` look-ups a texel. The seam
+    /// around it continues around the sphere and over the poles.
     fn draw(&mut self, rect: Rect, level: &Level, samples: u32) {
         let lookup = SeamlessLevel::new(level);
         let scale = f64::from(self.edge) / f64::from(EDGE);

@@ -35,8 +35,8 @@ pub enum Pixel {
     /// Eight bits a channel and a divisor, clamped at [`super::rgbd::RGBD_MAX`]; in PNG images only.
     #[cfg_attr(feature = "cli", value(skip))]
     Rgbd,
-    /// Eight bits a channel of the square root and a scale, clamped at [`super::rgbp::RGBP_MAX`]; in PNG images
-    /// only.
+    /// Eight bits a channel of the square root and a scale, clamped at [`super::rgbp::RGBP_MAX`]; in PNG
+    /// images only.
     #[cfg_attr(feature = "cli", value(skip))]
     Rgbp,
     /// Three 8-bit mantissas and a shared 8-bit exponent, clamped at `RGBE_MAX`; in .hdr images only.

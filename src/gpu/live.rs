@@ -148,19 +148,19 @@ impl LiveEnvironment {
     /// Format of the colour that [`Self::draw`] draws: radiance, up to 65504.
     pub const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-    /// Format of the depth of [`Self::draw`]: `near` over the distance, cleared to 0. The nearest fragment has
-    /// the greatest depth.
+    /// Format of the depth of [`Self::draw`]: `near` over the distance, cleared to 0. The nearest fragment
+    /// has the greatest depth.
     pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
     /// Records one render pass that draws a scene into the octahedral map around `centre` (world space), and
     /// the passes that bring the tables up to it, as [`Self::update`] does for a texture.
     ///
     /// The pass has eight parts, one per octant of directions. `record` is called for each with the group of
-    /// [`Self::draw_layout`] to bind, and records all draws of the scene with the caller's own pipelines: colour
-    /// [`Self::COLOUR`], depth [`Self::DEPTH`] compared by `Greater`, one sample. Vertex stages return
-    /// `octagloss_direct_position(position)`, fragment stages discard what `octagloss_direct_owns` denies; both
-    /// are in [`Self::draw_wgsl`]. As in the faces of a cube, triangles wind the other way round than in a picture:
-    /// to cull back faces, exchange `Ccw` and `Cw`. The scissor is the octant's.
+    /// [`Self::draw_layout`] to bind, and records all draws of the scene with the caller's own pipelines:
+    /// colour [`Self::COLOUR`], depth [`Self::DEPTH`] compared by `Greater`, one sample. Vertex stages return
+    /// `octagloss_direct_position(position)`, fragment stages discard what `octagloss_direct_owns` denies;
+    /// both are in [`Self::draw_wgsl`]. As in the faces of a cube, triangles wind the other way round than in
+    /// a picture: to cull back faces, exchange `Ccw` and `Cw`. The scissor is the octant's.
     ///
     /// Points nearer than `near` are cut away, measured by |x| + |y| + |z|. The map is black where nothing is
     /// drawn; a sky is a large box or dome. It has the world's axes: a rotation by [`Self::set_rotation`]
@@ -193,8 +193,8 @@ impl LiveEnvironment {
         Ok(())
     }
 
-    /// WGSL for the caller's shaders that draw into the map; their resource is declared in bind group `group`.
-    /// It can stand in one shader with [`Self::wgsl`] of another group.
+    /// WGSL for the caller's shaders that draw into the map; their resource is declared in bind group
+    /// `group`. It can stand in one shader with [`Self::wgsl`] of another group.
     ///
     /// - `octagloss_direct_position(position: vec3<f32>) -> vec4<f32>`: clip coordinates of a position in
     ///   world space, for the vertex stage.

@@ -118,8 +118,8 @@ impl Disc {
         if sin == 0.0 { DVec2::new(r, 0.0) } else { across * (r / sin) }
     }
 
-    /// Coordinates in `other`, the image of this disc in the mirror of coordinate `axis`, of the image of `uv`.
-    /// Both have frames along the axes.
+    /// Coordinates in `other`, the image of this disc in the mirror of coordinate `axis`, of the image of
+    /// `uv`. Both have frames along the axes.
     pub(super) fn mirrored(&self, other: &Self, uv: DVec2, axis: usize) -> DVec2 {
         let sign = |k: usize| {
             let mut image = self.frame[k];

@@ -89,7 +89,8 @@ pub fn wrap_oct(uv: DVec2) -> DVec2 {
     if (tile.x + tile.y).rem_euclid(2.0) == 1.0 { -inside } else { inside }
 }
 
-/// The point of the square whose direction is that at `uv`, in the square, with its coordinate `axis` negated.
+/// The point of the square whose direction is that at `uv`, in the square, with its coordinate `axis`
+/// negated.
 #[must_use]
 pub(super) fn mirrored_oct(uv: DVec2, axis: usize) -> DVec2 {
     match axis {

@@ -308,8 +308,8 @@ pub const TARGETS: [Target; 13] = [
         verified: Some("babylonjs 9.34"),
         ..ENGINE
     },
-    // See playcanvas.rs. x is negated before look-ups of the atlas (lit/frag/reflectionEnv.js, ambient.js) and
-    // of a cube (skybox/frag/skybox.js).
+    // See playcanvas.rs. x is negated before look-ups of the atlas (lit/frag/reflectionEnv.js, ambient.js)
+    // and of a cube (skybox/frag/skybox.js).
     Target {
         name: "playcanvas",
         reader: "PlayCanvas's environment atlas",

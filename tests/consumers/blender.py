@@ -84,9 +84,10 @@ def picture(scene, ball, eye, surface, folder, view):
     scene.render.border_min_x = scene.render.border_min_y = 0.5 - border
     scene.render.border_max_x = scene.render.border_max_y = 0.5 + border
     columns = [in_blender(v) for v in (right, up, eye)]
-    scene.camera.matrix_world = Matrix.Translation([3 * v for v in in_blender(eye)]) @ Matrix(
-        [[column[row] for column in columns] for row in range(3)]
-    ).to_4x4()
+    scene.camera.matrix_world = (
+        Matrix.Translation([3 * v for v in in_blender(eye)])
+        @ Matrix([[column[row] for column in columns] for row in range(3)]).to_4x4()
+    )
     ball.data.materials.clear()
     ball.data.materials.append(surface)
     scene.render.filepath = str(folder / "picture.exr")
@@ -119,7 +120,19 @@ def main(program):
         bakes = {"right": [], "rotated": ["--rotate-y", "90"], "mirrored": ["--mirror"]}
         for name, options in bakes.items():
             out = folder / name
-            run(program, "bake", LABELLED, "--target", "blender", "--name", "sky", "-o", out, "--quiet", *options)
+            run(
+                program,
+                "bake",
+                LABELLED,
+                "--target",
+                "blender",
+                "--name",
+                "sky",
+                "-o",
+                out,
+                "--quiet",
+                *options,
+            )
         scene, ball = quietly(lambda: scene_with(folder / "right" / "sky_panorama.exr"))
 
         def worst(surface, eyes, view, directions, options):
@@ -139,17 +152,23 @@ def main(program):
             return diffuse, worst(material("Anisotropic", 0), eyes, MIRROR_VIEW, "mirrored", options)
 
         diffuse, mirror = lookups(EYES)
-        checks.below(f"Blender {bpy.app.version_string}, Cycles, diffuse, {len(EYES)} views", diffuse, DIFFUSE)
+        checks.below(
+            f"Blender {bpy.app.version_string}, Cycles, diffuse, {len(EYES)} views", diffuse, DIFFUSE
+        )
         checks.below(f"Blender, mirror, {len(EYES)} views", mirror, MIRROR)
         for roughness, most in GLOSSY.items():
             # Within 7 degrees of facing the viewer.
             options = ["--roughness", str(roughness)]
             error = worst(material("Anisotropic", roughness), EYES, GLOSSY_VIEW, "mirrored", options)
-            checks.below(f"Blender, GGX of roughness {roughness} seen from ahead, {len(EYES)} views", error, most)
+            checks.below(
+                f"Blender, GGX of roughness {roughness} seen from ahead, {len(EYES)} views", error, most
+            )
         for name in ("rotated", "mirrored"):
             scene, ball = quietly(lambda: scene_with(folder / name / "sky_panorama.exr"))
             diffuse, mirror = lookups(EYES[-1:])
-            checks.above(f"Blender, a panorama that is {name} is seen on the diffuse sphere", diffuse, 5 * DIFFUSE)
+            checks.above(
+                f"Blender, a panorama that is {name} is seen on the diffuse sphere", diffuse, 5 * DIFFUSE
+            )
             checks.above(f"Blender, a panorama that is {name} is seen in the mirror", mirror, 0.3)
     return 1 if checks.failures else 0
 

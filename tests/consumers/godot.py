@@ -3,10 +3,10 @@
     apt-get install godot3 xvfb libgl1-mesa-dri; pip install numpy
     python tests/consumers/godot.py PROGRAM
 
-The recipe of docs/engines.md sets up the environment. Compares the sky and spheres of metal with `query`, and a
-diffuse sphere with `query --lobe cosine`; the engine filters the panorama itself. A panorama that is rotated or
-mirrored must fail. GODOT in the environment names the engine, by default godot3. Exit status 0 when all agree, 1
-otherwise."""
+The recipe of docs/engines.md sets up the environment. Compares the sky and spheres of metal with `query`,
+and a diffuse sphere with `query --lobe cosine`; the engine filters the panorama itself. A panorama that
+is rotated or mirrored must fail. GODOT in the environment names the engine, by default godot3. Exit
+status 0 when all agree, 1 otherwise."""
 
 import os
 import shutil
@@ -140,7 +140,9 @@ def pictures(engine, folder, panorama, jobs):
 def sky(eye, step):
     """Pixels of a view of 90 degrees from the centre, away from `eye`: rows, columns and directions."""
     right, up = axes(eye)
-    rows, columns = (grid.ravel() for grid in np.meshgrid(*[np.arange(step // 2, SIZE, step)] * 2, indexing="ij"))
+    rows, columns = (
+        grid.ravel() for grid in np.meshgrid(*[np.arange(step // 2, SIZE, step)] * 2, indexing="ij")
+    )
     x, y = (2 * columns + 1) / SIZE - 1, 1 - (2 * rows + 1) / SIZE
     directions = x[:, None] * right + y[:, None] * up - np.array(eye, float)
     return rows, columns, directions / np.linalg.norm(directions, axis=1)[:, None]
@@ -170,7 +172,19 @@ def main(program):
         bakes = {"right": [], "rotated": ["--rotate-y", "90"], "mirrored": ["--mirror"]}
         for name, options in bakes.items():
             out = folder / f"bake-{name}"
-            run(program, "bake", LABELLED, "--target", "godot", "--name", "sky", "-o", out, "--quiet", *options)
+            run(
+                program,
+                "bake",
+                LABELLED,
+                "--target",
+                "godot",
+                "--name",
+                "sky",
+                "-o",
+                out,
+                "--quiet",
+                *options,
+            )
             eyes = EYES if name == "right" else EYES[-1:]
             jobs = [(*subject, eye) for subject in tolerances for eye in eyes]
             shown = pictures(engine, folder / name, out / "sky_panorama.exr", jobs)

@@ -1,4 +1,5 @@
-// Runs the recipe of docs/engines.md for `engine`, with files renamed as in `files` and the variables `given`.
+// Runs the recipe of docs/engines.md for `engine`, with files renamed as in `files` and the variables
+// `given`.
 async function runRecipe(engine, files, given) {
     let code = await (await fetch(`/recipe/${engine}`)).text();
     for (const [name, url] of Object.entries(files)) {

@@ -3,8 +3,8 @@
 //
 //   node tests/consumers/run.mjs PROGRAM [ENGINE...]
 //
-// ENGINE: three, filament, babylon, playcanvas or khronos; all by default. CHROMIUM in the environment names the browser.
-// Exit status 0 when every picture agrees, 1 otherwise.
+// ENGINE: three, filament, babylon, playcanvas or khronos; all by default. CHROMIUM in the environment names
+// the browser. Exit status 0 when every picture agrees, 1 otherwise.
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { tmpdir } from 'node:os';

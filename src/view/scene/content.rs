@@ -124,8 +124,8 @@ impl Part {
         part
     }
 
-    /// A box with half edges `half` around its origin, whose faces have `parts` squares along an edge. `colour`
-    /// gives albedo and emission by outward axis and position. From inside, as a room, if `inside`.
+    /// A box with half edges `half` around its origin, whose faces have `parts` squares along an edge.
+    /// `colour` gives albedo and emission by outward axis and position. From inside, as a room, if `inside`.
     #[must_use]
     pub fn cuboid(
         half: DVec3,

@@ -76,8 +76,8 @@ impl Scene {
     }
 
     /// The scene of `mesh`, under a sky, with a bright ball that circles it. Connected metal triangles are
-    /// glossy parts, the largest first; a mesh without metals gets a glossy ball above it. Textures are sampled
-    /// at corners.
+    /// glossy parts, the largest first; a mesh without metals gets a glossy ball above it. Textures are
+    /// sampled at corners.
     ///
     /// # Errors
     /// Those of [`Scene::new`].

@@ -7,9 +7,9 @@
 //!    +--picture: matte parts, then glossy parts by their probes <-+---------------------+
 //! ```
 //!
-//! [`Scene`] has the parts. [`SceneRenderer`] keeps the probes' maps up to date and draws pictures. A probe is at
-//! the centre of a glossy part, and does not show that part. In its map, the other glossy parts show the
-//! reflections of the tables before: reflections of reflections build up from frame to frame.
+//! [`Scene`] has the parts. [`SceneRenderer`] keeps the probes' maps up to date and draws pictures. A probe
+//! is at the centre of a glossy part, and does not show that part. In its map, the other glossy parts show
+//! the reflections of the tables before: reflections of reflections build up from frame to frame.
 
 mod content;
 mod gallery;

@@ -118,7 +118,8 @@ impl Probe {
     /// A probe at glossy part `part` with tables over a map of `size`, drawn by `method`.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] and [`crate::Error::Parameter`] if the scene or the map does not fit the device.
+    /// [`crate::Error::Limit`] and [`crate::Error::Parameter`] if the scene or the map does not fit the
+    /// device.
     pub(super) fn new(
         context: &Context,
         passes: &ProbePasses,
@@ -205,8 +206,8 @@ impl Probe {
         }
     }
 
-    /// Records the draws into the map and the passes of its tables. With a timer, passes write their times from
-    /// place 0 on; returns their labels.
+    /// Records the draws into the map and the passes of its tables. With a timer, passes write their times
+    /// from place 0 on; returns their labels.
     ///
     /// # Errors
     /// Those of [`LiveEnvironment::update`].

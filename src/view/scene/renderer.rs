@@ -236,8 +236,8 @@ impl SceneRenderer {
         Ok(())
     }
 
-    /// Seconds of the passes of one probe's update and of a picture, which are done once more: labels in order,
-    /// the picture last.
+    /// Seconds of the passes of one probe's update and of a picture, which are done once more: labels in
+    /// order, the picture last.
     ///
     /// # Errors
     /// Those of [`SceneRenderer::draw`], and [`Error::Gpu`] if the adapter has no timestamp queries.

@@ -10,8 +10,8 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// The probes, of `count`, that fit into `budget` seconds: at least one, and all without a budget. Before a
-    /// measurement, one.
+    /// The probes, of `count`, that fit into `budget` seconds: at least one, and all without a budget. Before
+    /// a measurement, one.
     pub(super) fn turn(&mut self, count: usize, budget: Option<f64>) -> Vec<usize> {
         let many = match (budget, self.seconds) {
             (None, _) => count,

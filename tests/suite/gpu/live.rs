@@ -88,9 +88,9 @@ pub(super) fn answers(context: &Context, live: &LiveEnvironment, directions: &[D
     wait(context, readback::read(context, &found))
 }
 
-/// The first answer out of tolerance. Glossy: two engines, whose own tests have the derived bound; `allowed` is
-/// the relative tolerance. Diffuse: harmonics up to order 4 and the cosine lobe differ by at most 0.034/pi anywhere, which a source's whole
-/// energy, 4 pi times its mean radiance, can meet.
+/// The first answer out of tolerance. Glossy: two engines, whose own tests have the derived bound; `allowed`
+/// is the relative tolerance. Diffuse: harmonics up to order 4 and the cosine lobe differ by at most 0.034/pi
+/// anywhere, which a source's whole energy, 4 pi times its mean radiance, can meet.
 pub(super) fn difference(
     found: &[[[f32; 4]; 2]],
     environment: &Environment,

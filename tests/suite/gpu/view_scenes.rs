@@ -41,8 +41,8 @@ fn room() -> Part {
     Part::cuboid(DVec3::splat(ROOM), 1, true, |axis, _| [[0.4; 3], [0.1 + 0.1 * axis.x.abs() as f32; 3]])
 }
 
-/// Places and emission of two balls: a red one to the left of the default camera, which is at -X, and a blue one
-/// to the right.
+/// Places and emission of two balls: a red one to the left of the default camera, which is at -X, and a blue
+/// one to the right.
 const LIT: [([f64; 3], [f32; 3]); 2] =
     [([-0.6, 0.1, -1.8], [3.0, 0.1, 0.1]), ([-0.6, 0.1, 1.8], [0.1, 0.1, 3.0])];
 
@@ -245,8 +245,8 @@ fn orbit(across: DVec3) -> Scene {
 fn reflections_of_moving_objects_do_not_jump() {
     const STEPS: usize = 24;
     in_full("frames", |context| {
-        // The lamp starts at the cone point +X. The first circle is in the horizon, which is a fold, the second
-        // leads through the pole, and the third over folds between.
+        // The lamp starts at the cone point +X. The first circle is in the horizon, which is a fold, the
+        // second leads through the pole, and the third over folds between.
         let circles = [DVec3::Z, DVec3::Y, DVec3::new(0.0, -0.6, 0.8)];
         for across in circles.into_iter().take(sweep(1, 3)) {
             let mut renderer = renderer(context, orbit(across), settings());
