@@ -1,4 +1,11 @@
-// Parts of moving scenes: src/view/scene/uniforms.rs.
+// Parts of moving scenes: src/view/scene/uniforms.rs. Group 1 has the tables of a probe.
+@group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
+@group(1) @binding(1) var<uniform> octagloss_light: OctaglossLight;
+@group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;
+@group(1) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
+@group(1) @binding(4) var octagloss_oem: texture_2d<f32>;
+@group(1) @binding(5) var<uniform> octagloss_source_from_world: mat3x3<f32>;
+#include "common/live.wgsl"
 
 struct SceneCorner {
     // In the space of the part.

@@ -1,12 +1,5 @@
 // Pictures of moving scenes: matte parts, and glossy parts that reflect the maps of probes:
 // src/view/scene/picture.rs. As in common/view_scene.wgsl, no branch depends on the uniform alone.
-@group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
-@group(1) @binding(1) var<uniform> octagloss_light: OctaglossLight;
-@group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;
-@group(1) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
-@group(1) @binding(4) var octagloss_oem: texture_2d<f32>;
-@group(1) @binding(5) var<uniform> octagloss_source_from_world: mat3x3<f32>;
-#include "common/live.wgsl"
 #include "common/view_parts.wgsl"
 
 const MOST_PROBES = 8u;

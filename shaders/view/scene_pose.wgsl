@@ -1,12 +1,5 @@
 // Places the corners of a moving scene around a probe, with their radiance, for direct draws into the probe's
 // map: src/view/scene/probe.rs.
-@group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
-@group(1) @binding(1) var<uniform> octagloss_light: OctaglossLight;
-@group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;
-@group(1) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
-@group(1) @binding(4) var octagloss_oem: texture_2d<f32>;
-@group(1) @binding(5) var<uniform> octagloss_source_from_world: mat3x3<f32>;
-#include "common/live.wgsl"
 #include "common/direct.wgsl"
 #include "common/rows.wgsl"
 #include "common/view_parts.wgsl"

@@ -77,8 +77,8 @@ pub(super) fn over_sphere(name: String, settings: &Settings) -> Result<Figure> {
     let caption = format!(
         "Root mean square over {TURNS} rotations of 400 lamps of the error of GGX's luminance at {points} \
          directions, in per cent of its mean. Each pixel shows the mean of the directions within about \
-         6\u{b0}. Dark lines: edges of the map's components; grey: the planes x\u{a0}=\u{a0}0, y\u{a0}=\u{a0}0 \
-         and z\u{a0}=\u{a0}0. +X, +Y and +Z face the reader.",
+         6\u{b0}. Dark lines: edges of the map's components; grey: the planes x\u{a0}=\u{a0}0, \
+         y\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0. +X, +Y and +Z face the reader.",
     );
     let fields = error_field(&settings, &default_environment()?)?;
     let rows = fields.len().div_ceil(3);

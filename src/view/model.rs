@@ -99,31 +99,44 @@ pub(super) struct Model {
     pub(super) surfaces: Vec<Surface>,
 }
 
+/// A buffer of the `content` of a `whole` made of triangles.
+///
+/// # Errors
+/// [`Error::Limit`] for more than `available` bytes.
+pub(super) fn filled_buffer(
+    context: &Context,
+    [whole, content]: [&str; 2],
+    usage: wgpu::BufferUsages,
+    bytes: &[u8],
+    available: u64,
+) -> Result<wgpu::Buffer> {
+    if bytes.len() as u64 > available {
+        return Err(Error::Limit {
+            what: format!("the {whole}'s {content}"),
+            needed: bytes.len() as u64,
+            available,
+            remedy: format!("use a {whole} of fewer triangles"),
+        });
+    }
+    let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
+        label: Some(content),
+        size: bytes.len() as u64,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    context.queue().write_buffer(&buffer, 0, bytes);
+    Ok(buffer)
+}
+
 impl Model {
     /// Uploads `mesh` to the device of `context`.
     ///
     /// # Errors
     /// [`Error::Limit`] and [`Error::Parameter`] if it does not fit the device.
     pub(super) fn new(context: &Context, mesh: &Mesh) -> Result<Self> {
-        let buffer = |label, usage, bytes: &[u8]| {
-            let most = context.device().limits().max_buffer_size;
-            if bytes.len() as u64 > most {
-                return Err(Error::Limit {
-                    what: format!("the mesh's {label}"),
-                    needed: bytes.len() as u64,
-                    available: most,
-                    remedy: "use a mesh of fewer triangles".to_owned(),
-                });
-            }
-            let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: bytes.len() as u64,
-                usage: usage | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-            context.queue().write_buffer(&buffer, 0, bytes);
-            Ok(buffer)
-        };
+        let most = context.device().limits().max_buffer_size;
+        let buffer =
+            |content, usage, bytes: &[u8]| filled_buffer(context, ["mesh", content], usage, bytes, most);
         let white = white(context);
         let mut views = HashMap::new();
         let mut texture = |texture: Option<Texture>, space: Space| -> Result<_> {

@@ -1,7 +1,9 @@
 //! Renders pictures without a window.
 
+use super::textures::target;
 use super::{Light, Look, Renderer, Truth, Viewport};
 use crate::error::Result;
+use crate::gpu::Context;
 use crate::gpu::device::readback;
 use image::RgbImage;
 
@@ -40,12 +42,27 @@ pub async fn screenshot(
     }
     renderer.draw(look, light, columns, rows)?;
     let context = renderer.context().clone();
+    presented(&context, [width, height], |encoder, view, format, viewport| {
+        renderer.present(encoder, view, format, viewport, look);
+    })
+    .await
+}
+
+/// The picture that `present` draws into a target of `width` x `height`.
+///
+/// # Errors
+/// [`crate::Error::Gpu`] if the device fails.
+pub(super) async fn presented(
+    context: &Context,
+    [width, height]: [u32; 2],
+    present: impl FnOnce(&mut wgpu::CommandEncoder, &wgpu::TextureView, wgpu::TextureFormat, Viewport),
+) -> Result<RgbImage> {
     let format = wgpu::TextureFormat::Rgba8Unorm;
-    let texture = super::textures::target(&context, "screenshot", format, [width, height]);
+    let texture = target(context, "screenshot", format, [width, height]);
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
     let viewport = Viewport { x: 0, y: 0, width, height };
-    context.submit(|encoder| renderer.present(encoder, &view, format, viewport, look));
-    let pixels: Vec<[u8; 4]> = readback::read_texture(&context, &texture).await?;
+    context.submit(|encoder| present(encoder, &view, format, viewport));
+    let pixels: Vec<[u8; 4]> = readback::read_texture(context, &texture).await?;
     let mut picture = RgbImage::new(width, height);
     for (pixel, [r, g, b, _]) in picture.pixels_mut().zip(pixels) {
         pixel.0 = [r, g, b];

@@ -5,7 +5,6 @@
 Both must read the same numbers, and those that `octagloss query` gives. Exit status 0 when all agree, 1
 otherwise. """
 
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -13,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 import OpenImageIO as oiio
+from recipes import ROOT, run
 
-ROOT = Path(__file__).resolve().parents[2]
 FACES = {
     "px": lambda s, t: (1 + 0 * s, -t, -s),
     "nx": lambda s, t: (-1 + 0 * s, -t, s),
@@ -23,13 +22,6 @@ FACES = {
     "pz": lambda s, t: (s, -t, 1 + 0 * s),
     "nz": lambda s, t: (-s, -t, -1 + 0 * s),
 }
-
-
-def run(program, *arguments, text=None):
-    done = subprocess.run([program, *arguments], input=text, capture_output=True, text=True)
-    if done.returncode != 0:
-        raise SystemExit(f"{' '.join(arguments)}: {done.stderr}")
-    return done.stdout
 
 
 def by_openexr(path):

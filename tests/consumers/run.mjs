@@ -35,7 +35,12 @@ if (!program || engines.some((engine) => !checks[engine])) {
 }
 const work = mkdtempSync(join(tmpdir(), 'octagloss-consumers-'));
 
-const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.wasm': 'application/wasm' };
+const types = {
+    '.html': 'text/html',
+    '.js': 'text/javascript',
+    '.mjs': 'text/javascript',
+    '.wasm': 'application/wasm',
+};
 const server = createServer((request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
     if (path === '/favicon.ico') {

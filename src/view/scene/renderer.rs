@@ -1,9 +1,9 @@
 //! Keeps the probes of a scene up to date and draws pictures.
 
 use super::super::look::{Look, Tone};
+use super::super::model::filled_buffer;
 use super::super::present::{Presenter, Viewport};
-use super::super::screenshot::Screenshot;
-use super::super::textures::target;
+use super::super::screenshot::{Screenshot, presented};
 use super::content::Scene;
 use super::picture::{Drawn, GlossyDraw, Pictures, SceneLook, Targets};
 use super::probe::{Probe, ProbePasses, SceneBuffers};
@@ -317,36 +317,15 @@ pub async fn screenshot_of_scene(
     }
     renderer.draw(look, (width.saturating_mul(samples), height.saturating_mul(samples)))?;
     let context = renderer.context().clone();
-    let format = wgpu::TextureFormat::Rgba8Unorm;
-    let texture = target(&context, "screenshot", format, [width, height]);
-    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let viewport = Viewport { x: 0, y: 0, width, height };
-    context.submit(|encoder| renderer.present(encoder, &view, format, viewport, look.tone));
-    let pixels: Vec<[u8; 4]> = readback::read_texture(&context, &texture).await?;
-    let mut picture = RgbImage::new(width, height);
-    for (pixel, [red, green, blue, _]) in picture.pixels_mut().zip(pixels) {
-        pixel.0 = [red, green, blue];
-    }
-    Ok(picture)
+    presented(&context, [width, height], |encoder, view, format, viewport| {
+        renderer.present(encoder, view, format, viewport, look.tone);
+    })
+    .await
 }
 
-fn buffer(context: &Context, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> Result<wgpu::Buffer> {
+/// A buffer of the scene's `content`.
+fn buffer(context: &Context, content: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> Result<wgpu::Buffer> {
     let limits = context.device().limits();
     let available = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-    if bytes.len() as u64 > available {
-        return Err(Error::Limit {
-            what: format!("the scene's {label}"),
-            needed: bytes.len() as u64,
-            available,
-            remedy: "use a scene of fewer triangles".to_owned(),
-        });
-    }
-    let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: bytes.len() as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    context.queue().write_buffer(&buffer, 0, bytes);
-    Ok(buffer)
+    filled_buffer(context, ["scene", content], usage, bytes, available)
 }
