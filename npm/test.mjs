@@ -327,12 +327,9 @@ try {
         const sizes = [size(Buffer.from(preview)), size(readFileSync(join(work, 'program.png')))];
         report('previews have one size', sizes[0] === sizes[1], sizes[0]);
         const names = (await targets()).map(({ name }) => name);
-        const help = octagloss('bake', '--help');
-        report(
-            'all targets are listed',
-            names.length === 12 && names.every((name) => help.includes(`${name}: `)),
-            names.join(' '),
-        );
+        const help = octagloss('bake', '--help').split('--target <TARGET>')[1].split('\n      --')[0];
+        const inHelp = [...help.matchAll(/^ {10}([a-z-]+): /gm)].map(([, name]) => name);
+        report('all targets are listed', names.join() === inHelp.join(), names.join(' '));
 
         // Several at once; one of them cancelled.
         configure({ workers: 2 });
