@@ -64,7 +64,7 @@ def sheet(outcomes: List[Outcome], heading: str) -> bytes:
     font = ImageFont.load_default(11)
     columns = min(COLUMNS, len(outcomes))
     rows = -(-len(outcomes) // columns)
-    cell_width, cell_height = PICTURE_WIDTH + MARGIN, PICTURE_WIDTH + 2 * LABEL + MARGIN
+    cell_width, cell_height = PICTURE_WIDTH + MARGIN, PICTURE_WIDTH + 3 * LABEL + MARGIN
     title = ImageFont.load_default(14)
     width = max(columns * cell_width, int(title.getlength(heading))) + 2 * MARGIN
     image = Image.new("RGB", (width, rows * cell_height + 2 * MARGIN + 24), "white")
@@ -74,20 +74,26 @@ def sheet(outcomes: List[Outcome], heading: str) -> bytes:
         left, top = MARGIN + at % columns * cell_width, MARGIN + 24 + at // columns * cell_height
         if outcome.picture:
             image.paste(Image.open(io.BytesIO(outcome.picture)), (left, top))
-            below = (
-                f"{outcome.width} x {outcome.height}, {outcome.exposure:+.1f} EV, r {outcome.roughness:.2f}"
-            )
+            size = f"{outcome.width} x {outcome.height}"
+            below = [size, f"{outcome.exposure:+.1f} EV, roughness {outcome.roughness:.2f}"]
         else:
             draw.rectangle(
                 (left, top, left + PICTURE_WIDTH - 1, top + PICTURE_WIDTH - 1), "#eeeeee", "#bbbbbb"
             )
             draw.text((left + 8, top + 8), outcome.status, "#aa0000", font)
-            below = ""
-        draw.text((left, top + PICTURE_WIDTH), fitting(outcome.input, font), "black", font)
-        draw.text((left, top + PICTURE_WIDTH + LABEL), below, "#555555", font)
+            below = []
+        draw.text((left, top + PICTURE_WIDTH), fitting(legible(outcome.input, font), font), "black", font)
+        for line, text in enumerate(below, 1):
+            draw.text((left, top + PICTURE_WIDTH + line * LABEL), text, "#555555", font)
     file = io.BytesIO()
     image.save(file, "PNG")
     return file.getvalue()
+
+
+def legible(name: str, font: "ImageFont.FreeTypeFont | ImageFont.ImageFont") -> str:
+    """A name with the numbers of characters that the font lacks, so that names stay distinct."""
+    missing = bytes(font.getmask("\uffff"))
+    return "".join(c if bytes(font.getmask(c)) != missing else f"[{ord(c):04X}]" for c in name)
 
 
 def fitting(name: str, font: "ImageFont.FreeTypeFont | ImageFont.ImageFont") -> str:
