@@ -2,9 +2,10 @@
 //!
 //! Supersampled: a texel approximates the mean radiance over its solid angle.
 
+mod marks;
+
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
-use crate::image::font;
 use crate::sphere::cube::{self, Face};
 use crate::sphere::equirect;
 use glam::DVec3;
@@ -313,9 +314,9 @@ fn labelled(direction: DVec3) -> Rgb {
         return [1.0; 3];
     }
     let inked = |text: &str, cell: f64, top: f64| {
-        let x = (right / cell + f64::from(font::text_width(text)) / 2.0).floor();
+        let x = (right / cell + f64::from(marks::text_width(text)) / 2.0).floor();
         let y = ((down - top) / cell).floor();
-        x >= 0.0 && y >= 0.0 && font::is_inked(text, x as u32, y as u32)
+        x >= 0.0 && y >= 0.0 && marks::is_inked(text, x as u32, y as u32)
     };
     if inked(name, 0.11, -0.17) || inked("^", 0.07, -0.75) {
         return INK;

@@ -60,7 +60,9 @@ pub(crate) fn output(
         bake.warnings.dedup();
         let compressed = request.overflow.apply_all(&mut bake, files.pixel)?;
         if request.preview {
-            sheets.push((files.target.name, preview::contact_sheet(&bake.chain, request.exposure)?));
+            let name = Path::new(baked.input).file_name().unwrap_or_default().to_string_lossy();
+            let origin = preview::Origin { name: &name, target: files.target.name };
+            sheets.push(preview::contact_sheet(&bake.chain, origin, request.exposure)?);
         }
         let made = made_files(files, &name, &bake, &metadata(&plan.settings, &baked.opened.turned))?;
         let stored = Stored::new(files, &bake, &made);
@@ -85,7 +87,6 @@ pub(crate) fn output(
     }
     output.preview = match &sheets[..] {
         [] => None,
-        [(_, sheet)] => Some(png_bytes(sheet)?),
         sheets => Some(png_bytes(&preview::stacked(sheets))?),
     };
     Ok(output)

@@ -338,7 +338,9 @@ impl Work {
                 .apply_all(&mut bake, plan.plan.pixel)
                 .map_err(|error| anyhow::Error::from(error).context(name.clone()))?;
             if job.outputs.preview.is_some() {
-                sheets.push((plan.plan.target.name, preview::contact_sheet(&bake.chain, self.exposure)?));
+                let name = job.source.path().file_name().unwrap_or_default().to_string_lossy();
+                let origin = preview::Origin { name: &name, target: plan.plan.target.name };
+                sheets.push(preview::contact_sheet(&bake.chain, origin, self.exposure)?);
             }
             let made = export::files::files(
                 &plan.plan,
@@ -358,7 +360,6 @@ impl Work {
         }
         let picture = match &sheets[..] {
             [] => None,
-            [(_, sheet)] => Some(png_bytes(sheet)?),
             sheets => Some(png_bytes(&preview::stacked(sheets))?),
         };
         if let Some(folder) = &job.folder {

@@ -11,7 +11,8 @@ use crate::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, grid_of, is_measurable,
 };
 use crate::chain::{Chain, ChainKind, Level};
-use crate::image::preview::error_picture;
+use crate::image::drawing::scene::Scene;
+use crate::image::error_sheet;
 use crate::io::ldr::write::write_png;
 use crate::io::regular::open_regular;
 use crate::io::{
@@ -21,7 +22,6 @@ use crate::io::{
 use crate::lobe::Lobe;
 use crate::{Environment, Layout};
 use anyhow::anyhow;
-use image::RgbImage;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -74,7 +74,7 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
             None => against_source(&args, &bake, &console)?,
         };
         if let Some(path) = &args.picture {
-            write_png(path, existing, &picture(&bake.chain, &comparison.levels)?)?;
+            write_png(path, existing, &picture(&args, &bake.chain, &comparison.levels)?.picture())?;
         }
         if let (Some(path), Some(delivered)) = (&args.chart, &comparison.delivered) {
             let overlays = comparison.overlays.iter().map(|overlay| (&overlay.bake[..], &overlay.delivered));
@@ -237,24 +237,25 @@ fn sampling(args: &CompareArgs, lobe: Lobe) -> Sampling {
     if args.picture.is_some() { Sampling::Grid(count) } else { Sampling::Random(count) }
 }
 
-/// Stacks the levels' error pictures vertically.
-fn picture(bake: &Chain, levels: &[LevelErrors]) -> crate::Result<RgbImage> {
-    let pictures = levels.iter().filter_map(|errors| {
-        let reference = errors.reference.as_ref()?;
-        Some(error_picture(&grid_of(&bake.levels[errors.level], reference.size()), reference))
-    });
-    let pictures = pictures.collect::<crate::Result<Vec<_>>>()?;
-    let width = pictures.iter().map(RgbImage::width).max().unwrap_or(1);
-    let height = pictures.iter().map(RgbImage::height).sum::<u32>().max(1);
-    // Fill the background with the picture's corner colour.
-    let ground = pictures.first().map_or(image::Rgb([0; 3]), |picture| *picture.get_pixel(0, 0));
-    let mut whole = RgbImage::from_pixel(width, height, ground);
-    let mut top = 0;
-    for picture in pictures {
-        image::imageops::replace(&mut whole, &picture, 0, top);
-        top += i64::from(picture.height());
-    }
-    Ok(whole)
+/// The sheet of the errors of the levels.
+fn picture(args: &CompareArgs, bake: &Chain, levels: &[LevelErrors]) -> crate::Result<Scene> {
+    let pairs: Vec<(&LevelErrors, &Level, Level)> = (levels.iter())
+        .filter_map(|errors| {
+            let reference = errors.reference.as_ref()?;
+            Some((errors, reference, grid_of(&bake.levels[errors.level], reference.size())))
+        })
+        .collect();
+    let shown: Vec<_> = (pairs.iter())
+        .map(|(errors, reference, level)| error_sheet::LevelErrors {
+            number: errors.level,
+            size: errors.size,
+            rel_rmse: errors.rel_rmse,
+            level,
+            reference,
+        })
+        .collect();
+    let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    error_sheet::error_sheet(&format!("Errors of {}", name(&args.bake)), &name(&args.against), &shown)
 }
 
 fn judge(comparison: &Comparison, limit: Option<f64>) -> Outcome {

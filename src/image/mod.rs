@@ -1,6 +1,9 @@
 //! Pictures of bakes for viewing.
 
+pub mod drawing;
+pub mod error_sheet;
 pub mod exposure;
-pub(super) mod font;
+mod faces;
 pub mod oem_mips;
 pub mod preview;
+pub(crate) mod tone;

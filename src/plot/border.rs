@@ -1,9 +1,9 @@
 //! Draws the border of the octahedral square: the interior texel that each border texel copies.
 
 use super::figure::Figure;
-use super::look::{Colour, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY, mix};
-use super::page::page;
-use super::scene::{Anchor, Frame};
+use crate::image::drawing::page::page;
+use crate::image::drawing::scene::{Anchor, Frame};
+use crate::image::drawing::style::{Colour, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY, mix};
 use crate::sphere::octahedral::wrap_texel;
 use glam::DVec2;
 

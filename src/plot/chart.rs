@@ -1,10 +1,11 @@
 //! Charts of named series over two axes, as PNG and SVG.
 
 use super::figure::{Figure, Form};
-use super::look::{Colour, FAINT, INK, LABEL, MARGIN, PAPER, SERIES, SMALL, SOFT, TINY};
-use super::page::{WIDTH, page};
-use super::scene::{Anchor, Frame, Scene};
+use super::look::SERIES;
 use crate::error::{Error, Result};
+use crate::image::drawing::page::{WIDTH, page};
+use crate::image::drawing::scene::{Anchor, Frame, Scene};
+use crate::image::drawing::style::{Colour, FAINT, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY};
 use crate::io::output::{Existing, write_file};
 use glam::DVec2;
 use plotters::coord::combinators::{IntoLogRange as _, LogCoord};
@@ -205,7 +206,7 @@ fn draw_legend(scene: &mut Scene, legend: &[(&Series, Colour)], mut at: DVec2) {
 
 /// Pixels of an entry of the legend, with the gap to the next one.
 fn legend_width(series: &Series) -> f64 {
-    36.0 + super::render::text_width(&series.name, SMALL) + 28.0
+    36.0 + crate::image::drawing::font::text_width(&series.name, SMALL) + 28.0
 }
 
 /// Breaks the legend into lines of at most `width` pixels; a longer entry has a line of its own.

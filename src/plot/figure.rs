@@ -1,8 +1,10 @@
 //! Figures and their file formats.
 
-use super::render;
-use super::scene::{Frame, Scene};
+use super::svg;
 use crate::error::{Error, Result};
+use crate::image::drawing::scene::{Frame, Scene};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder as _, RgbImage};
 use std::path::Path;
 
 /// A file format.
@@ -79,7 +81,7 @@ impl Figure {
     /// Every line of text and its rectangle.
     #[must_use]
     pub fn texts(&self) -> Vec<(String, Frame)> {
-        self.scene.texts().map(|text| (text.text.clone(), text.frame())).collect()
+        self.scene.labels()
     }
 
     /// The figure's rectangle.
@@ -92,8 +94,18 @@ impl Figure {
     #[must_use]
     pub fn bytes(&self, form: Form) -> Vec<u8> {
         match form {
-            Form::Png => render::png(&render::picture(&self.scene)),
-            Form::Svg => render::svg(&self.scene, &self.title, &self.caption).into_bytes(),
+            Form::Png => png(&self.scene.picture()),
+            Form::Svg => svg::svg(&self.scene, &self.title, &self.caption).into_bytes(),
         }
     }
+}
+
+/// Encodes `pixels` as PNG without filters, which halves the size of flat colours.
+pub(super) fn png(pixels: &RgbImage) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::NoFilter);
+    let (width, height) = pixels.dimensions();
+    let written = encoder.write_image(pixels.as_raw(), width, height, ExtendedColorType::Rgb8);
+    written.expect("drawing to memory cannot fail");
+    bytes
 }

@@ -1,8 +1,9 @@
 //! Draws the sphere in orthographic projection.
 
-use super::look::{Colour, INK, PAPER, THIN};
-use super::scene::{Frame, Scene};
+use super::look::THIN;
 use super::sheet::boundary;
+use crate::image::drawing::scene::{Frame, Scene};
+use crate::image::drawing::style::{Colour, INK, PAPER};
 use crate::sphere::map::SphereMap;
 use crate::sphere::oem_lookup::Cell;
 use glam::{DVec2, DVec3};
@@ -77,7 +78,7 @@ impl Globe {
         };
         let rows: Vec<u8> = (0..side).into_par_iter().flat_map_iter(row).collect();
         let pixels = RgbImage::from_raw(side, side, rows).expect("three bytes a pixel");
-        scene.picture(self.centre - half, self.centre + half, pixels);
+        scene.picture_at(self.centre - half, self.centre + half, pixels);
         scene.circle(self.centre, self.radius, 1.2, INK);
     }
 

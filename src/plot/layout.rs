@@ -1,8 +1,8 @@
 //! Draws a map's layout: domains, faces, parallels and meridians.
 
 use super::figure::Figure;
-use super::page::{WIDTH, page};
 use super::sheet::Sheet;
+use crate::image::drawing::page::{WIDTH, page};
 use crate::sphere::registry::NamedMap;
 use glam::DVec2;
 

@@ -3,10 +3,11 @@
 use super::chart::{Axis, Chart, Marks, Scale, Series};
 use super::figure::Figure;
 use super::globe::{FRONT, Globe};
-use super::look::{INK, LABEL, LOBE_ERROR, SMALL, SOFT};
-use super::page::{BAR_WIDTH, WIDTH, colour_bar, page};
-use super::scene::Frame;
 use crate::error::Result;
+use crate::image::drawing::page::{BAR_WIDTH, WIDTH, colour_bar, page};
+use crate::image::drawing::scale::LOBE_ERROR;
+use crate::image::drawing::scene::Frame;
+use crate::image::drawing::style::{INK, LABEL, SMALL, SOFT};
 use crate::laboratory::measure::{
     Field, Method, Region, STACK, Settings, default_environment, error_field, measure,
 };

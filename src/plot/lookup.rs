@@ -3,11 +3,11 @@
 
 use super::figure::Figure;
 use super::globe::Globe;
-use super::look::{Colour, INK, LABEL, PAPER, mix};
-use super::page::{WIDTH, page};
-use super::scene::{Anchor, Scene};
 use crate::analysis::delivered::even_directions;
 use crate::environment::Rgb;
+use crate::image::drawing::page::{WIDTH, page};
+use crate::image::drawing::scene::{Anchor, Scene};
+use crate::image::drawing::style::{Colour, INK, LABEL, PAPER, mix};
 use crate::image::oem_mips::{Addressing, OemMips, Weights};
 use crate::oem::{Oem, OemSize};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, texel_solid_angle};

@@ -3,12 +3,12 @@
 use super::catalogue::Content;
 use super::figure::Figure;
 use super::layout::MOST;
-use super::page::{WIDTH, page};
 use super::sheet::Sheet;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::geometry::resample::resample;
+use crate::image::drawing::page::{WIDTH, page};
 use crate::image::exposure;
-use crate::image::preview::display;
+use crate::image::tone::display;
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use crate::sphere::registry::{NamedMap, named};

@@ -2,10 +2,11 @@
 
 use super::figure::Figure;
 use super::globe::{FRONT, Globe};
-use super::look::{Colour, INK, LABEL, SERIES, mix};
-use super::page::{WIDTH, page};
-use super::scene::{Anchor, Scene};
+use super::look::SERIES;
 use super::sheet::Sheet;
+use crate::image::drawing::page::{WIDTH, page};
+use crate::image::drawing::scene::{Anchor, Scene};
+use crate::image::drawing::style::{Colour, INK, LABEL, mix};
 use crate::sphere::map::{Place, SphereMap as _};
 use crate::sphere::registry::named;
 use crate::sphere::tennis_ball::{TennisBall, panel, seam_point};
@@ -56,7 +57,7 @@ pub(super) fn seam(name: String) -> Figure {
     }
     let map = named("tennis-ball").expect("one of the maps");
     let top = body.low + DVec2::new(0.0, 2.0 * radius + 46.0);
-    let room = super::scene::Frame::new(top, body.high);
+    let room = crate::image::drawing::scene::Frame::new(top, body.high);
     let sheet = Sheet::fitting(map, room.extent()).placed(&room);
     sheet.fill(&mut scene, 1, |component, _| PANELS[component as usize]);
     sheet.frames(&mut scene);

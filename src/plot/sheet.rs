@@ -1,10 +1,11 @@
 //! Draws a map's components side by side, as placed by `convert`, with axes and labels.
 
 use super::globe::AXES;
-use super::look::{Colour, FAINT, INK, LATITUDE, LONGITUDE, OCTANTS, OUTSIDE, SMALL, TINY};
-use super::page::rectangle_ticks;
-use super::render::text_width;
-use super::scene::{Anchor, Frame, Scene};
+use super::look::{LATITUDE, LONGITUDE, OCTANTS, OUTSIDE};
+use super::ticks::rectangle_ticks;
+use crate::image::drawing::font::text_width;
+use crate::image::drawing::scene::{Anchor, Frame, Scene};
+use crate::image::drawing::style::{Colour, FAINT, INK, SMALL, TINY};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::{Component, Place, SphereMap};
 use crate::sphere::registry::NamedMap;
@@ -109,7 +110,7 @@ impl Sheet {
             let bytes: Vec<u8> = (0..height).into_par_iter().flat_map_iter(row).collect();
             let pixels = RgbImage::from_raw(width, height, bytes).expect("three bytes a pixel");
             let frame = self.frame(component);
-            scene.picture(frame.low, frame.high, pixels);
+            scene.picture_at(frame.low, frame.high, pixels);
         }
     }
 

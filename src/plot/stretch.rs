@@ -2,10 +2,11 @@
 
 use super::figure::Figure;
 use super::globe::{FRONT, Globe};
-use super::look::{ANISOTROPY, ColourScale, INK, LABEL, RELATIVE_SOLID_ANGLE, SMALL, SOFT};
-use super::page::{BAR_WIDTH, WIDTH, colour_bar, page};
-use super::scene::{Frame, Scene};
 use crate::analysis::stretch::{Stretch, measure};
+use crate::image::drawing::page::{BAR_WIDTH, WIDTH, colour_bar, page};
+use crate::image::drawing::scale::{ANISOTROPY, ColourScale, RELATIVE_SOLID_ANGLE};
+use crate::image::drawing::scene::{Frame, Scene};
+use crate::image::drawing::style::{INK, LABEL, SMALL, SOFT};
 use crate::sphere::map::SphereMap;
 use crate::sphere::registry::{NamedMap, named};
 use glam::{DVec2, DVec3};

@@ -2,10 +2,11 @@
 
 use super::figure::Figure;
 use super::globe::Globe;
-use super::look::{INK, LABEL, OCTANTS};
-use super::page::{WIDTH, page};
-use super::scene::{Anchor, Frame, Scene};
+use super::look::OCTANTS;
 use super::sheet::Sheet;
+use crate::image::drawing::page::{WIDTH, page};
+use crate::image::drawing::scene::{Anchor, Frame, Scene};
+use crate::image::drawing::style::{INK, LABEL};
 use crate::sphere::registry::named;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};

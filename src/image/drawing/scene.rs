@@ -1,21 +1,24 @@
-//! Scenes: lists of shapes and texts in pixels, drawn by `render` as PNG and SVG.
+//! Scenes: lists of shapes and texts in pixels.
 
-use super::look::{Colour, INK, PAPER, SOFT, TINY};
-use super::render::text_width;
+use super::font::{fitted, text_width};
+use super::style::{Colour, INK, LINE, PAPER, SOFT, TINY};
 use glam::DVec2;
 use image::RgbImage;
 
 /// Anchor of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub enum Anchor {
+    /// The start of the text.
     Start,
+    /// Its middle.
     Middle,
+    /// Its end.
     End,
 }
 
 /// A drawn item. Later items cover earlier ones.
 #[derive(Clone, Debug)]
-pub(super) enum Item {
+pub(crate) enum Item {
     Polygon {
         points: Vec<DVec2>,
         fill: Colour,
@@ -41,15 +44,15 @@ pub(super) enum Item {
 
 /// A line of text; `at` is the point of its baseline selected by `anchor`.
 #[derive(Clone, Debug)]
-pub(super) struct Text {
-    pub(super) at: DVec2,
-    pub(super) text: String,
+pub(crate) struct Text {
+    pub(crate) at: DVec2,
+    pub(crate) text: String,
     /// Pixels per em.
-    pub(super) em: f64,
-    pub(super) anchor: Anchor,
+    pub(crate) em: f64,
+    pub(crate) anchor: Anchor,
     /// Whether the text runs upwards.
-    pub(super) upwards: bool,
-    pub(super) colour: Colour,
+    pub(crate) upwards: bool,
+    pub(crate) colour: Colour,
 }
 
 /// A rectangle by its minimum and maximum coordinates.
@@ -62,11 +65,11 @@ pub struct Frame {
 }
 
 impl Frame {
-    pub(super) fn new(low: DVec2, high: DVec2) -> Self {
+    pub(crate) fn new(low: DVec2, high: DVec2) -> Self {
         Self { low, high }
     }
 
-    pub(super) fn extent(&self) -> DVec2 {
+    pub(crate) fn extent(&self) -> DVec2 {
         self.high - self.low
     }
 
@@ -86,7 +89,7 @@ impl Frame {
         Self { low: self.low - by, high: self.high + by }
     }
 
-    pub(super) fn corners(&self) -> [DVec2; 4] {
+    pub(crate) fn corners(&self) -> [DVec2; 4] {
         let (a, b) = (self.low, self.high);
         [a, DVec2::new(b.x, a.y), b, DVec2::new(a.x, b.y)]
     }
@@ -94,7 +97,7 @@ impl Frame {
 
 impl Text {
     /// Bounds of the text: capitals, digits and descenders.
-    pub(super) fn frame(&self) -> Frame {
+    pub(crate) fn frame(&self) -> Frame {
         let width = text_width(&self.text, self.em);
         let left = match self.anchor {
             Anchor::Start => 0.0,
@@ -113,30 +116,48 @@ impl Text {
 
 /// A drawing of `width` x `height` pixels.
 #[derive(Clone, Debug)]
-pub(super) struct Scene {
-    pub(super) width: u32,
-    pub(super) height: u32,
-    pub(super) items: Vec<Item>,
+pub struct Scene {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) items: Vec<Item>,
 }
 
 impl Scene {
-    pub(super) fn new(width: f64, height: f64) -> Self {
+    /// Every line of text and its rectangle.
+    #[must_use]
+    pub fn labels(&self) -> Vec<(String, Frame)> {
+        self.texts().map(|text| (text.text.clone(), text.frame())).collect()
+    }
+
+    /// The scene as a picture.
+    #[must_use]
+    pub fn picture(&self) -> RgbImage {
+        super::raster::picture(self)
+    }
+
+    /// An empty drawing.
+    #[must_use]
+    pub fn new(width: f64, height: f64) -> Self {
         Self { width: width.ceil() as u32, height: height.ceil() as u32, items: Vec::new() }
     }
 
-    pub(super) fn frame(&self) -> Frame {
+    /// The drawing's rectangle.
+    #[must_use]
+    pub fn frame(&self) -> Frame {
         Frame::new(DVec2::ZERO, DVec2::new(f64::from(self.width), f64::from(self.height)))
     }
 
-    pub(super) fn texts(&self) -> impl Iterator<Item = &Text> {
+    pub(crate) fn texts(&self) -> impl Iterator<Item = &Text> {
         self.items.iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None })
     }
 
-    pub(super) fn polygon(&mut self, points: impl Into<Vec<DVec2>>, fill: Colour) {
+    /// Adds a filled polygon.
+    pub fn polygon(&mut self, points: impl Into<Vec<DVec2>>, fill: Colour) {
         self.items.push(Item::Polygon { points: points.into(), fill });
     }
 
-    pub(super) fn line(&mut self, points: impl Into<Vec<DVec2>>, width: f64, colour: Colour) {
+    /// Adds a line through `points`.
+    pub fn line(&mut self, points: impl Into<Vec<DVec2>>, width: f64, colour: Colour) {
         let points = points.into();
         if points.len() > 1 {
             self.items.push(Item::Line { points, width, colour });
@@ -144,14 +165,14 @@ impl Scene {
     }
 
     /// Adds a closed line.
-    pub(super) fn outline(&mut self, points: impl Into<Vec<DVec2>>, width: f64, colour: Colour) {
+    pub(crate) fn outline(&mut self, points: impl Into<Vec<DVec2>>, width: f64, colour: Colour) {
         let mut points = points.into();
         points.extend(points.first().copied());
         self.line(points, width, colour);
     }
 
     /// Adds a dashed line with dashes and gaps of `dash` pixels.
-    pub(super) fn dashed(&mut self, points: &[DVec2], width: f64, colour: Colour, dash: f64) {
+    pub(crate) fn dashed(&mut self, points: &[DVec2], width: f64, colour: Colour, dash: f64) {
         let (mut drawn, mut left) = (true, dash);
         let mut piece: Vec<DVec2> = points.first().copied().into_iter().collect();
         for pair in points.windows(2) {
@@ -172,51 +193,54 @@ impl Scene {
         }
     }
 
-    pub(super) fn disc(&mut self, centre: DVec2, radius: f64, fill: Colour) {
+    /// Adds a disc.
+    pub fn disc(&mut self, centre: DVec2, radius: f64, fill: Colour) {
         self.items.push(Item::Disc { centre, radius, fill });
     }
 
     /// Adds the outline of a circle.
-    pub(super) fn circle(&mut self, centre: DVec2, radius: f64, width: f64, colour: Colour) {
+    pub(crate) fn circle(&mut self, centre: DVec2, radius: f64, width: f64, colour: Colour) {
         let points: Vec<DVec2> =
             (0..360).map(|k| centre + DVec2::from_angle(f64::from(k).to_radians()) * radius).collect();
         self.outline(points, width, colour);
     }
 
-    pub(super) fn picture(&mut self, low: DVec2, high: DVec2, pixels: RgbImage) {
+    /// Adds `pixels`, stretched over the rectangle from `low` to `high`.
+    pub fn picture_at(&mut self, low: DVec2, high: DVec2, pixels: RgbImage) {
         self.items.push(Item::Picture { low, high, pixels });
     }
 
-    pub(super) fn text(&mut self, at: DVec2, text: &str, em: f64, anchor: Anchor, colour: Colour) {
+    /// Adds a line of text.
+    pub fn text(&mut self, at: DVec2, text: &str, em: f64, anchor: Anchor, colour: Colour) {
         let text = Text { at, text: text.to_owned(), em, anchor, upwards: false, colour };
         self.items.push(Item::Text(text));
     }
 
     /// Adds text centred at `centre`.
-    pub(super) fn centred(&mut self, centre: DVec2, text: &str, em: f64, colour: Colour) {
+    pub fn centred(&mut self, centre: DVec2, text: &str, em: f64, colour: Colour) {
         self.text(centre + DVec2::new(0.0, 0.35 * em), text, em, Anchor::Middle, colour);
     }
 
     /// Adds upward text centred at `centre`.
-    pub(super) fn upwards(&mut self, centre: DVec2, text: &str, em: f64, colour: Colour) {
+    pub fn upwards(&mut self, centre: DVec2, text: &str, em: f64, colour: Colour) {
         let at = centre + DVec2::new(0.35 * em, 0.0);
         let text = Text { at, text: text.to_owned(), em, anchor: Anchor::Middle, upwards: true, colour };
         self.items.push(Item::Text(text));
     }
 
     /// Adds text wrapped to `width` pixels; returns the baseline of the next line.
-    pub(super) fn paragraph(&mut self, at: DVec2, text: &str, em: f64, width: f64) -> f64 {
+    pub(crate) fn paragraph(&mut self, at: DVec2, text: &str, em: f64, width: f64) -> f64 {
         let mut baseline = at.y;
         for line in wrapped(text, em, width) {
             self.text(DVec2::new(at.x, baseline), &line, em, Anchor::Start, SOFT);
-            baseline += 1.45 * em;
+            baseline += LINE * em;
         }
         baseline
     }
 
     /// Adds a label on a white plate at least `gap` pixels from `point`. Tries positions around the point
     /// from the right, and takes the first within `bounds` that covers no other text, else the right.
-    pub(super) fn label(&mut self, point: DVec2, text: &str, em: f64, gap: f64, bounds: &Frame) {
+    pub(crate) fn label(&mut self, point: DVec2, text: &str, em: f64, gap: f64, bounds: &Frame) {
         let texts = self.texts().map(|text| text.frame().grown(2.0));
         let taken: Vec<Frame> = texts.chain(self.dots(point)).collect();
         let half = DVec2::new(text_width(text, em), em) / 2.0;
@@ -252,14 +276,14 @@ impl Scene {
     }
 
     /// Adds a dot with a [`Scene::label`].
-    pub(super) fn point(&mut self, point: DVec2, text: &str, bounds: &Frame) {
+    pub(crate) fn point(&mut self, point: DVec2, text: &str, bounds: &Frame) {
         self.label(point, text, TINY, 9.0, bounds);
         self.disc(point, 4.5, PAPER);
         self.disc(point, 3.2, INK);
     }
 
     /// Adds a straight arrow.
-    pub(super) fn arrow(&mut self, from: DVec2, to: DVec2, width: f64, colour: Colour) {
+    pub(crate) fn arrow(&mut self, from: DVec2, to: DVec2, width: f64, colour: Colour) {
         let way = (to - from).normalize();
         let (back, across) = (to - way * 9.0, way.perp() * 3.6);
         self.line(vec![from, back], width, colour);
@@ -267,8 +291,8 @@ impl Scene {
     }
 }
 
-/// Wraps `text` to lines of at most `width` pixels.
-pub(super) fn wrapped(text: &str, em: f64, width: f64) -> Vec<String> {
+/// Wraps `text` to lines of at most `width` pixels; shortens longer words.
+pub(crate) fn wrapped(text: &str, em: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     // Keep non-breaking spaces.
     for word in text.split(' ').filter(|word| !word.is_empty()) {
@@ -277,7 +301,7 @@ pub(super) fn wrapped(text: &str, em: f64, width: f64) -> Vec<String> {
                 line.push(' ');
                 line.push_str(word);
             }
-            _ => lines.push(word.to_owned()),
+            _ => lines.push(fitted(word, em, width)),
         }
     }
     lines

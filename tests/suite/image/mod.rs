@@ -1,4 +1,6 @@
 //! Image output.
 
+mod drawing;
+mod error_sheet;
 mod oem_mips;
 pub(super) mod preview;

@@ -1,4 +1,4 @@
-//! The contact sheet is oriented correctly and seamless; the error picture marks the wrong texel.
+//! The contact sheet is oriented correctly, seamless and labelled without collisions.
 
 use crate::support::common::Random;
 use crate::support::written::chain;
@@ -7,8 +7,9 @@ use octagloss::Layout;
 use octagloss::internals::chain::{Chain, Level};
 use octagloss::internals::chain_lookup::SeamlessLevel;
 use octagloss::internals::environment::Rgb;
+use octagloss::internals::image::drawing::scene::Scene;
 use octagloss::internals::image::exposure::Exposure;
-use octagloss::internals::image::preview::{contact_sheet, error_picture};
+use octagloss::internals::image::preview::{Origin, contact_sheet, stacked};
 use octagloss::internals::sphere::cube::{self, Face};
 
 fn level_of(size: u32, roughness: f64, radiance: impl Fn(Face, DVec3) -> Rgb) -> Level {
@@ -107,9 +108,14 @@ fn look_up_is_continuous_across_every_edge_and_corner() {
 
 // Contact sheet
 
-/// Position and edge of the first sphere's tile, in pixels.
-const TILE_AT: (u32, u32) = (10, 36);
+/// Position and edge of the first sphere's tile, in pixels: the margin; and the margin, the title's line of
+/// 24 pixels, a space of 18, and the labels' line of 24.
+const TILE_AT: (u32, u32) = (26, 26 + 24 + 18 + 24);
 const TILE: u32 = 240;
+
+fn sheet(chain: &Chain, exposure: Exposure) -> image::RgbImage {
+    contact_sheet(chain, Origin::default(), exposure).expect("a sheet").picture()
+}
 
 /// Returns a world with one colour per face.
 fn coloured() -> Chain {
@@ -134,7 +140,7 @@ fn channels(sheet: &image::RgbImage, x: f64, y: f64) -> [bool; 3] {
 
 #[test]
 fn the_sphere_reflects_what_is_behind_the_camera_and_to_its_sides() {
-    let sheet = contact_sheet(&coloured(), Exposure::Auto).unwrap();
+    let sheet = sheet(&coloured(), Exposure::Auto);
     // The camera looks along +X with +Z to its right: the backdrop is +X, the middle of the ball -X.
     assert_eq!(channels(&sheet, -0.95, -0.95), [true, false, false], "+X behind the sphere");
     assert_eq!(channels(&sheet, 0.0, 0.0), [false, true, true], "-X in its middle");
@@ -150,7 +156,7 @@ fn swapped_faces_are_visible_in_the_sheet() {
     let area = 64;
     let (before, after) = chain.levels[0].texels.split_at_mut(5 * area);
     before[4 * area..].swap_with_slice(&mut after[..area]);
-    let sheet = contact_sheet(&chain, Exposure::Auto).unwrap();
+    let sheet = sheet(&chain, Exposure::Auto);
     assert_eq!(channels(&sheet, 0.55, 0.0), [true, true, false], "-Z where +Z was");
 }
 
@@ -161,7 +167,7 @@ fn a_smooth_world_has_no_seams_in_the_sphere() {
         [value(DVec3::X), value(DVec3::Y), value(DVec3::Z)]
     };
     let chain = Chain { levels: vec![level_of(32, 0.0, smooth)] };
-    let sheet = contact_sheet(&chain, Exposure::Auto).unwrap();
+    let sheet = sheet(&chain, Exposure::Auto);
     // Within 0.8 of the ball's radius, neighbours differ by no more than the reflection's slope.
     let mut compared = 0;
     for y in 0..TILE - 1 {
@@ -187,59 +193,102 @@ fn the_sheet_is_the_same_whatever_the_thread_count_and_has_room_for_every_level(
     let chain = chain(64, 7, false);
     let drawn = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| contact_sheet(&chain, Exposure::Auto)).unwrap()
+        pool.install(|| sheet(&chain, Exposure::Auto))
     };
     let one = drawn(1);
-    assert_eq!((one.width(), one.height()), (5 * 250 + 10, 2 * 466 + 10));
+    // Five tiles and two margins; above two rows of labels, tile and cross the title, below a line of the
+    // caption.
+    let row = 24 + 240 + 10 + 180;
+    assert_eq!(one.width(), 5 * 240 + 4 * 16 + 2 * 26);
+    assert_eq!(one.height(), 26 + 24 + 18 + 2 * row + 16 + 16 + 22 + 20);
     assert!(drawn(3) == one);
-    assert!(contact_sheet(&Chain { levels: vec![] }, Exposure::Auto).is_err());
+    assert!(contact_sheet(&Chain { levels: vec![] }, Origin::default(), Exposure::Auto).is_err());
 }
 
 #[test]
 fn black_and_extreme_worlds_can_be_drawn() {
     for radiance in [0.0, 1e-30, f32::MAX] {
         let chain = Chain { levels: vec![level_of(4, 0.0, |_, _| [radiance; 3])] };
-        contact_sheet(&chain, Exposure::Auto).unwrap();
-        error_picture(&chain.levels[0], &chain.levels[0]).unwrap();
+        sheet(&chain, Exposure::Auto);
     }
-}
-
-// Error picture
-
-#[test]
-fn the_error_picture_shows_one_wrong_texel_where_it_is() {
-    let reference = &chain(8, 1, false).levels[0];
-    let black = |level: &Level| {
-        let picture = error_picture(level, reference).unwrap();
-        // Faces of 96 pixels from (10, 10) on; +Z is at column 1, row 1.
-        let at = |x: u32, y: u32| picture.get_pixel(10 + 96 + x * 12 + 6, 10 + 96 + y * 12 + 6).0 == [0; 3];
-        (0..64).filter(|k| !at(k % 8, k / 8)).collect::<Vec<_>>()
-    };
-    assert!(black(reference).is_empty(), "without errors, no pixel is black");
-    let mut wrong = reference.clone();
-    wrong.texels[4 * 64 + 19][1] *= 1.5;
-    assert_eq!(black(&wrong), [19]);
-    assert!(error_picture(reference, &chain(4, 1, false).levels[0]).is_err());
-}
-
-#[test]
-fn larger_errors_are_lighter() {
-    let reference = level_of(1, 0.0, |_, _| [1.0; 3]);
-    let lightness = |error: f32| {
-        let level = level_of(1, 0.0, |_, _| [1.0 + error; 3]);
-        let picture = error_picture(&level, &reference).unwrap();
-        let [r, g, b] = picture.get_pixel(150, 150).0.map(|c| f64::from(c).powf(2.2));
-        0.2126 * r + 0.7152 * g + 0.0722 * b
-    };
-    let steps: Vec<f64> = [0.0, 2e-4, 1e-3, 5e-3, 2e-2, 0.1, 0.3, 0.9].map(lightness).to_vec();
-    assert!(steps.windows(2).all(|pair| pair[1] > pair[0]), "{steps:?}");
 }
 
 #[test]
 fn exposure_is_automatic_or_a_number() {
     let chain = chain(4, 1, false);
     let automatic = octagloss::internals::image::exposure::of_level(&chain.levels[0]);
-    let sheet = |exposure| contact_sheet(&chain, exposure).expect("a picture");
-    assert_eq!(sheet(Exposure::Auto), sheet(Exposure::Ev(automatic)));
-    assert_ne!(sheet(Exposure::Auto), sheet(Exposure::Ev(automatic - 2.0)));
+    // The tile, without the caption that tells the exposure.
+    let tile = |exposure| {
+        image::imageops::crop_imm(&sheet(&chain, exposure), TILE_AT.0, TILE_AT.1, TILE, TILE).to_image()
+    };
+    assert!(tile(Exposure::Auto) == tile(Exposure::Ev(automatic)));
+    assert!(tile(Exposure::Auto) != tile(Exposure::Ev(automatic - 2.0)));
+}
+
+// Labels
+
+/// Fails if a text leaves the picture or covers another.
+fn check_labels(scene: &Scene) {
+    let texts = scene.labels();
+    for (k, (text, own)) in texts.iter().enumerate() {
+        assert!(scene.frame().holds(own), "{text:?} is cut off");
+        for (other, others) in &texts[..k] {
+            assert!(!own.overlaps(others), "{text:?} covers {other:?}");
+        }
+    }
+}
+
+#[test]
+fn labels_tell_file_target_exposure_roughness_and_size_without_collisions() {
+    let names =
+        ["sky.exr", "\u{5929}\u{7a7a} \u{dc}ber \u{3b1}\u{3c9}.hdr", &"very_long_name_".repeat(20), ""];
+    let layouts = [
+        Layout::Cube { size: 1 },
+        Layout::Cube { size: 16 },
+        Layout::Panorama { width: 32, height: 16 },
+        Layout::Octahedral { size: 16 },
+    ];
+    // One level, a full row, one more, and three rows.
+    for ((name, layout), count) in names.into_iter().zip(layouts).zip([1_u32, 5, 6, 11]) {
+        let level = |k: u32| Level {
+            layout,
+            roughness: f64::from(k) / 16.0,
+            texels: vec![[1.0; 3]; layout.texel_count()],
+            bounds: None,
+        };
+        let chain = Chain { levels: (0..count).map(level).collect() };
+        let scene =
+            contact_sheet(&chain, Origin { name, target: "three" }, Exposure::Ev(-1.5)).expect("a sheet");
+        check_labels(&scene);
+        let texts: Vec<String> = scene.labels().into_iter().map(|(text, _)| text).collect();
+        let all = texts.join(" ");
+        // The last dozen letters of a name survive its shortening.
+        let end = name.char_indices().rev().nth(11).map_or(name, |(at, _)| &name[at..]);
+        assert!(texts[0].ends_with(end), "{texts:?}");
+        assert!(all.contains("Target three.") && all.contains("\u{2212}1.50\u{a0}EV"), "{all}");
+        assert_eq!(texts.iter().filter(|text| text.starts_with("roughness 0.")).count() as u32, count);
+        let size = match layout {
+            Layout::Cube { size } => format!("6 \u{d7} {size}\u{b2}"),
+            _ => layout.sides().0.to_string(),
+        };
+        let sized = texts.iter().filter(|text| text.contains('\u{d7}') && text.contains(&size)).count();
+        assert_eq!(sized as u32, count, "{texts:?}");
+    }
+    // The greatest sizes fit, too: the widest texts stand on one line of a tile.
+    let widest = octagloss::internals::image::drawing::font::text_width("16384 \u{d7} 8192", 14.5)
+        + octagloss::internals::image::drawing::font::text_width("roughness 0.000", 16.0);
+    assert!(widest < 230.0, "{widest}");
+}
+
+#[test]
+fn stacked_sheets_are_as_high_as_all() {
+    let chain = chain(8, 2, false);
+    let scene =
+        |target| contact_sheet(&chain, Origin { name: "a", target }, Exposure::Auto).expect("a sheet");
+    let (one, two) = (scene("three"), scene("godot"));
+    let all = stacked(&[one.clone(), two.clone()]);
+    let below =
+        image::imageops::crop_imm(&all, 0, one.picture().height(), all.width(), two.picture().height());
+    assert_eq!(below.to_image(), two.picture());
+    assert_ne!(one.picture(), two.picture(), "the target is named");
 }

@@ -3,9 +3,9 @@
 mod chart;
 
 use glam::DVec3;
+use octagloss::internals::image::drawing::scale::{ANISOTROPY, RELATIVE_SOLID_ANGLE};
 use octagloss::internals::plot::catalogue::{Content, Entry, Kind, entries};
 use octagloss::internals::plot::figure::{Figure, Form};
-use octagloss::internals::plot::{ANISOTROPY, RELATIVE_SOLID_ANGLE};
 use octagloss::internals::sphere::equirect::direction_from_equirect;
 use octagloss::internals::sphere::registry::MAPS;
 use octagloss::{Environment, Layout};

@@ -1,0 +1,158 @@
+//! Draws scenes as pixels: every shape by the exact share of each pixel that it covers.
+
+use super::font::text_path;
+use super::scene::{Anchor, Item, Scene, Text};
+use super::style::{Colour, PAPER};
+use ab_glyph_rasterizer::{Point, Rasterizer, point};
+use glam::DVec2;
+use image::RgbImage;
+
+/// Closed outlines. Areas that several outlines of one direction cover count once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Path {
+    pieces: Vec<[DVec2; 3]>,
+}
+
+impl Path {
+    pub(crate) fn line(&mut self, [from, to]: [DVec2; 2]) {
+        self.pieces.push([from, from.midpoint(to), to]);
+    }
+
+    /// Adds a quadratic curve by its start, control point and end.
+    pub(crate) fn curve(&mut self, points: [DVec2; 3]) {
+        self.pieces.push(points);
+    }
+
+    pub(crate) fn polygon(&mut self, points: &[DVec2]) {
+        for (k, from) in points.iter().enumerate() {
+            self.line([*from, points[(k + 1) % points.len()]]);
+        }
+    }
+
+    fn disc(&mut self, centre: DVec2, radius: f64) {
+        let count = (8.0 + 4.0 * radius).min(96.0) as u32;
+        // In the direction of `stroke`.
+        let turn = |k: u32| -std::f64::consts::TAU * f64::from(k) / f64::from(count);
+        let points: Vec<DVec2> = (0..count).map(|k| centre + DVec2::from_angle(turn(k)) * radius).collect();
+        self.polygon(&points);
+    }
+
+    /// Adds a line through `points`, `width` pixels wide, with round joints.
+    fn stroke(&mut self, points: &[DVec2], width: f64) {
+        let mut before: Option<DVec2> = None;
+        for pair in points.windows(2) {
+            let Some(way) = (pair[1] - pair[0]).try_normalize() else { continue };
+            let across = way.perp() * width / 2.0;
+            self.polygon(&[pair[0] + across, pair[1] + across, pair[1] - across, pair[0] - across]);
+            if before.is_some_and(|before| before.dot(way) < 0.99) {
+                self.disc(pair[0], width / 2.0);
+            }
+            before = Some(way);
+        }
+    }
+}
+
+/// Renders `scene` as a picture.
+pub(crate) fn picture(scene: &Scene) -> RgbImage {
+    let mut picture = RgbImage::from_pixel(scene.width, scene.height, image::Rgb(PAPER));
+    for item in &scene.items {
+        draw(&mut picture, item);
+    }
+    picture
+}
+
+fn draw(picture: &mut RgbImage, item: &Item) {
+    let mut path = Path::default();
+    let ink = match item {
+        Item::Polygon { points, fill } => {
+            path.polygon(points);
+            fill
+        }
+        Item::Line { points, width, colour } => {
+            path.stroke(points, *width);
+            colour
+        }
+        Item::Disc { centre, radius, fill } => {
+            path.disc(*centre, *radius);
+            fill
+        }
+        Item::Text(text) => {
+            path = outline(text);
+            &text.colour
+        }
+        Item::Picture { low, high, pixels } => return stretch(picture, *low, *high, pixels),
+    };
+    fill(picture, &path, *ink);
+}
+
+fn outline(text: &Text) -> Path {
+    let width = super::font::text_width(&text.text, text.em);
+    let left = match text.anchor {
+        Anchor::Start => 0.0,
+        Anchor::Middle => -width / 2.0,
+        Anchor::End => -width,
+    };
+    text_path(&text.text, text.em, |at| {
+        let along = at.x + left;
+        if text.upwards { text.at - DVec2::new(at.y, along) } else { text.at + DVec2::new(along, -at.y) }
+    })
+}
+
+/// Fills `path`, blending its edges in sRGB.
+fn fill(picture: &mut RgbImage, path: &Path, colour: Colour) {
+    if path.pieces.is_empty() {
+        return;
+    }
+    let points = || path.pieces.iter().flatten();
+    let low = points().copied().fold(DVec2::INFINITY, DVec2::min).floor();
+    let high = points().copied().fold(DVec2::NEG_INFINITY, DVec2::max).ceil();
+    // One pixel around, for the rasteriser carries an edge's rest to the next pixel.
+    let (low, high) = (low - 1.0, high + 1.0);
+    let [width, height] = (high - low).to_array().map(|side| side as usize);
+    let mut mask = Rasterizer::new(width, height);
+    let at = |place: DVec2| -> Point { point((place.x - low.x) as f32, (place.y - low.y) as f32) };
+    for [from, control, to] in &path.pieces {
+        mask.draw_quad(at(*from), at(*control), at(*to));
+    }
+    let (left, top) = (low.x as i64, low.y as i64);
+    mask.for_each_pixel_2d(|x, y, share| {
+        let (x, y) = (i64::from(x) + left, i64::from(y) + top);
+        let inside =
+            (0..i64::from(picture.width())).contains(&x) && (0..i64::from(picture.height())).contains(&y);
+        if inside && share > 1e-3 {
+            let pixel = picture.get_pixel_mut(x as u32, y as u32);
+            pixel.0 = super::style::mix(pixel.0, colour, f64::from(share.min(1.0)));
+        }
+    });
+}
+
+/// Samples along a pixel's edge of a stretched picture.
+const SAMPLES: u32 = 4;
+
+/// Draws `pixels` over the rectangle from `low` to `high`, each as a rectangle, to whole pixels of `picture`.
+fn stretch(picture: &mut RgbImage, low: DVec2, high: DVec2, pixels: &RgbImage) {
+    let (low, high) = (low.round(), high.round());
+    let [width, height] = (high - low).max(DVec2::ONE).to_array().map(|side| side as u32);
+    let (left, top) = (low.x as i64, low.y as i64);
+    if pixels.dimensions() == (width, height) {
+        return image::imageops::replace(picture, pixels, left, top);
+    }
+    // Sources of the samples across and down.
+    let sources = |to: u32, from: u32| -> Vec<u32> {
+        let place = |k: u32| (2 * u64::from(k) + 1) * u64::from(from) / (2 * u64::from(to * SAMPLES));
+        (0..to * SAMPLES).map(|k| place(k) as u32).collect()
+    };
+    let (across, down) = (sources(width, pixels.width()), sources(height, pixels.height()));
+    let stretched = RgbImage::from_fn(width, height, |x, y| {
+        let mut sum = [0_u32; 3];
+        for v in &down[(SAMPLES * y) as usize..(SAMPLES * (y + 1)) as usize] {
+            for u in &across[(SAMPLES * x) as usize..(SAMPLES * (x + 1)) as usize] {
+                let pixel = pixels.get_pixel(*u, *v).0;
+                sum = std::array::from_fn(|c| sum[c] + u32::from(pixel[c]));
+            }
+        }
+        let count = SAMPLES * SAMPLES;
+        image::Rgb(sum.map(|sum| ((sum + count / 2) / count) as u8))
+    });
+    image::imageops::replace(picture, &stretched, left, top);
+}

@@ -1,0 +1,38 @@
+//! Colours, text sizes and margins of all pictures.
+
+/// An 8-bit sRGB colour.
+pub type Colour = [u8; 3];
+
+/// Background.
+pub(crate) const PAPER: Colour = [255, 255, 255];
+/// Text and outlines.
+pub(crate) const INK: Colour = [32, 36, 44];
+/// Captions and tick labels.
+pub(crate) const SOFT: Colour = [62, 68, 78];
+/// Grid lines and empty parts of a rectangle.
+pub(crate) const FAINT: Colour = [222, 225, 230];
+
+/// Text sizes in pixels per em.
+pub(crate) const TITLE: f64 = 24.0;
+/// Names of axes, labels of components.
+pub(crate) const LABEL: f64 = 16.0;
+/// Ticks and captions.
+pub(crate) const SMALL: f64 = 14.5;
+/// Marks inside a drawing.
+pub(crate) const TINY: f64 = 13.0;
+
+/// Pixels around a figure.
+pub(crate) const MARGIN: f64 = 26.0;
+/// Pixels between the parts of a figure.
+pub(crate) const GAP: f64 = 16.0;
+
+/// Distance of the baselines of lines of text, in ems.
+pub(crate) const LINE: f64 = 1.45;
+
+/// Interpolates from `a` (0) to `b` (1).
+pub(crate) fn mix(a: Colour, b: Colour, share: f64) -> Colour {
+    std::array::from_fn(|c| {
+        let (a, b) = (f64::from(a[c]), f64::from(b[c]));
+        (a + (b - a) * share).round() as u8
+    })
+}

@@ -1,0 +1,106 @@
+//! A sheet of the errors of levels in false colour.
+
+use super::drawing::page::{BAR_WIDTH, colour_bar, page};
+use super::drawing::scale::RELATIVE_ERROR;
+use super::drawing::scene::{Anchor, Scene};
+use super::drawing::style::{GAP, INK, LABEL, LINE, MARGIN, SMALL, SOFT};
+use super::faces::draw_cross;
+use crate::chain::Level;
+use crate::environment::{Layout, exact_luminance};
+use crate::error::{Error, Result};
+use crate::percent::percent;
+use glam::DVec2;
+use image::Rgb as Pixel;
+
+/// A level of an error sheet.
+#[derive(Clone, Copy, Debug)]
+pub struct LevelErrors<'a> {
+    /// Its place among the levels.
+    pub number: usize,
+    /// Texels along an edge of its faces; those shown can be fewer.
+    pub size: u32,
+    /// RMS error of luminance divided by the mean.
+    pub rel_rmse: f64,
+    /// The texels shown.
+    pub level: &'a Level,
+    /// What they are compared with, as large.
+    pub reference: &'a Level,
+}
+
+/// Edge of a face in pixels.
+const FACE: f64 = 96.0;
+
+/// Greatest height of the colour bar in pixels.
+const BAR_HEIGHT: f64 = 400.0;
+
+/// Pixels above a cross for its labels.
+const LABELS: f64 = 48.0;
+
+/// Draws the relative error of each texel of `levels`, as unfolded crosses in false colour beside a colour
+/// bar: |difference of luminance| / (luminance of the reference + 0.001 of its mean).
+///
+/// # Errors
+/// [`Error::Parameter`] if a level and its reference differ in size or are no cubes, or there is no level.
+pub fn error_sheet(title: &str, against: &str, levels: &[LevelErrors<'_>]) -> Result<Scene> {
+    let errors = levels.iter().map(relative_errors).collect::<Result<Vec<_>>>()?;
+    if errors.is_empty() {
+        return Err(Error::Parameter("an error sheet needs at least one level".to_owned()));
+    }
+    let columns = (1..=3).find(|n| n * n >= errors.len()).unwrap_or(3);
+    let rows = errors.len().div_ceil(columns);
+    let cell = DVec2::new(4.0 * FACE + GAP, LABELS + 3.0 * FACE + GAP);
+    let caption = format!(
+        "Relative error of luminance against {against}: |difference| / (reference + 0.001 of its mean); \
+         black is no error. A pixel over several texels shows their mean. Faces as stored, unfolded around \
+         +Z. relRMSE: root mean square of the difference over the mean of the reference."
+    );
+    let width = BAR_WIDTH + cell.x * columns as f64 - GAP + 2.0 * MARGIN;
+    let (mut scene, body) = page(width, cell.y * rows as f64 - GAP, title, &caption);
+    let most =
+        errors.iter().flat_map(|errors| &errors.texels).map(|texel| f64::from(texel[0])).fold(0.0, f64::max);
+    let mut bar = body;
+    bar.low.y += LABELS;
+    bar.high.y = bar.high.y.min(bar.low.y + BAR_HEIGHT);
+    colour_bar(&mut scene, &bar, &RELATIVE_ERROR, "relative error", [RELATIVE_ERROR.range()[0], most]);
+    for (index, (level, errors)) in levels.iter().zip(&errors).enumerate() {
+        let place = DVec2::new((index % columns) as f64, (index / columns) as f64);
+        let low = body.low + DVec2::new(BAR_WIDTH, 0.0) + place * cell;
+        let head = format!("level {}: roughness {:.3}", level.number, level.level.roughness);
+        scene.text(low + DVec2::new(0.0, LABEL), &head, LABEL, Anchor::Start, INK);
+        let greatest = errors.texels.iter().map(|texel| f64::from(texel[0])).fold(0.0, f64::max);
+        let text = format!("relRMSE {}, greatest {}", percent(level.rel_rmse), percent(greatest));
+        let second = low.y + LABEL + LINE * SMALL;
+        scene.text(DVec2::new(low.x, second), &text, SMALL, Anchor::Start, INK);
+        let (size, shown) = (level.size, level.level.size());
+        let sides =
+            if shown == size { format!("{size}\u{b2}") } else { format!("{shown}\u{b2} of {size}\u{b2}") };
+        let text = format!("6 \u{d7} {sides} texels");
+        let right = low.x + 4.0 * FACE;
+        scene.text(DVec2::new(right, second), &text, SMALL, Anchor::End, SOFT);
+        let colour = |texel: [f32; 3]| Pixel(RELATIVE_ERROR.colour(f64::from(texel[0])));
+        draw_cross(&mut scene, low + DVec2::new(0.0, LABELS), FACE as u32, errors, colour);
+    }
+    Ok(scene)
+}
+
+/// The relative error of each texel, in all channels.
+fn relative_errors(errors: &LevelErrors<'_>) -> Result<Level> {
+    let LevelErrors { level, reference, .. } = errors;
+    let is_cube = matches!(level.layout, Layout::Cube { size: 1.. });
+    if !is_cube || level.layout != reference.layout || level.texels.len() != reference.texels.len() {
+        return Err(Error::Parameter(format!(
+            "cannot show errors of a {:?} against a {:?}; both must be cubes of one size",
+            level.layout, reference.layout
+        )));
+    }
+    let total: f64 = reference.texels.iter().map(|t| exact_luminance(*t)).sum();
+    let floor = 1e-3 * total / reference.texels.len() as f64;
+    let mut relative = Level::clone(level);
+    for (error, expected) in relative.texels.iter_mut().zip(&reference.texels) {
+        let expected_luminance = exact_luminance(*expected);
+        let difference = (exact_luminance(*error) - expected_luminance).abs();
+        let share = if difference == 0.0 { 0.0 } else { difference / (expected_luminance + floor) };
+        *error = [share as f32; 3];
+    }
+    Ok(relative)
+}

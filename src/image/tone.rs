@@ -1,0 +1,27 @@
+//! From radiance to the bytes of a picture.
+
+use crate::environment::Rgb;
+use image::Rgb as Pixel;
+
+/// Tone-maps radiance to [0, 1], linear: Narkowicz 2016, "ACES filmic tone mapping curve".
+pub(crate) fn tone_mapped(radiance: Rgb, exposure: f64) -> Rgb {
+    radiance.map(|c| {
+        // The curve saturates here; larger squares could overflow.
+        let x = (f64::from(c) * exposure).min(1e4) as f32;
+        ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0)
+    })
+}
+
+/// Converts linear display values in [0, 1] to 8-bit sRGB (IEC 61966-2-1).
+pub(crate) fn srgb(linear: Rgb) -> Pixel<u8> {
+    Pixel(linear.map(|c| {
+        let c = c.clamp(0.0, 1.0);
+        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        (encoded * 255.0).round() as u8
+    }))
+}
+
+/// Radiance to 8-bit sRGB as every picture shows it; `exposure` is a factor.
+pub(crate) fn display(radiance: Rgb, exposure: f64) -> Pixel<u8> {
+    srgb(tone_mapped(radiance, exposure))
+}
