@@ -70,7 +70,7 @@ fn mesh_picture(surface: Surface) -> @location(0) vec4<f32> {
 }
 
 // Colour of a relative luminance error: black through blue and red to pale yellow, with lightness linear in
-// the logarithm from 1e-4 to 1. `error_colour` of src/image/preview.rs, linear.
+// the logarithm from 1e-4 to 1. `RELATIVE_ERROR` of src/image/drawing/scale.rs, linear.
 fn error_colour(error: f32) -> vec3<f32> {
     if error <= 0.0 {
         return vec3<f32>();
@@ -91,11 +91,13 @@ fn error_colour(error: f32) -> vec3<f32> {
         dot(vec3<f32>(-0.0041960863, -0.7034186, 1.7076147), cubes)), vec3<f32>(0.0));
 }
 
+// The colour of the error, and the error.
 fn off(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
     let weights = vec3<f32>(0.2126, 0.7152, 0.0722);
     let given = dot(weights, radiance(frame.source_from_world * found.direction, found.roughness, pixel));
     let expected = dot(weights, textureLoad(truth, vec2<i32>(pixel), 0).rgb);
-    return vec4<f32>(error_colour(abs(given - expected) / max(expected, 1e-30)), 1.0);
+    let error = abs(given - expected) / max(expected, 1e-30);
+    return vec4<f32>(error_colour(error), min(error, GREATEST));
 }
 
 @fragment

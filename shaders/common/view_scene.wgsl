@@ -35,6 +35,8 @@ struct ViewFrame {
     roughness_factor: f32,
     // Pixels of the picture.
     size: vec2<f32>,
+    // Height of the ground below the spheres.
+    floor: f32,
     source_from_world: mat3x3<f32>,
     levels_from_source: mat3x3<f32>,
     clip_from_world: mat4x4<f32>,
@@ -157,11 +159,27 @@ fn irradiance(direction: vec3<f32>) -> vec3<f32> {
     return max(sum, vec3<f32>(0.0));
 }
 
+// The share of an even light that the spheres leave on the ground seen along `view`: a sphere above the
+// horizon hides (radius / distance)^2 times the cosine of its direction.
+fn ground_light(view: vec3<f32>) -> f32 {
+    let reach = (frame.floor - frame.eye.y) / min(view.y, -1e-4);
+    let at = frame.eye + reach * view;
+    var light = 1.0;
+    for (var k = 0u; k < BALLS; k++) {
+        let ball = frame.ball[k];
+        let way = ball.centre - at;
+        let square = max(dot(way, way), 1e-6);
+        let hidden = ball.radius * ball.radius / square * way.y * inverseSqrt(square);
+        light *= 1.0 - clamp(hidden, 0.0, 1.0);
+    }
+    return select(1.0, light, view.y < 0.0 && reach > 0.0);
+}
+
 // The nearest sphere along the view, or the backdrop.
 fn ball_sample(pixel: vec2<f32>) -> Sample {
     let view = view_direction(pixel);
     var nearest = 1e30;
-    var found = Sample(view, frame.backdrop, vec3<f32>(1.0), view, vec3<f32>(0.0));
+    var found = Sample(view, frame.backdrop, vec3<f32>(ground_light(view)), view, vec3<f32>(0.0));
     for (var k = 0u; k < BALLS; k++) {
         let ball = frame.ball[k];
         let from_centre = frame.eye - ball.centre;

@@ -9,7 +9,8 @@ fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>
     return octagloss_ggx(direction, roughness);
 }
 
-// Position of a pixel in the centred square as high or wide as the picture: 0 to 1 inside.
+// Pictures of the tables are opaque in their square and clear around it. Position of a pixel in the centred
+// square as high or wide as the picture: 0 to 1 inside.
 fn place_in_square(pixel: vec2<f32>) -> vec2<f32> {
     let side = min(frame.size.x, frame.size.y);
     return (pixel - 0.5 * (frame.size - side)) / side;
@@ -23,7 +24,7 @@ fn in_square(place: vec2<f32>) -> bool {
 fn oem(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let place = place_in_square(at.xy);
     if !in_square(place) {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+        return vec4<f32>();
     }
     let n = f32(octagloss_table.inner);
     let texel = vec2<i32>(place * n);
@@ -37,7 +38,7 @@ fn oem(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
 fn sat(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let place = place_in_square(at.xy);
     if !in_square(place) {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+        return vec4<f32>();
     }
     let corner = vec2<i32>(place * f32(octagloss_table.inner)) + i32(octagloss_table.border) + 1;
     return exposed(floats_from_sum(table_prefix(corner.x, corner.y)));

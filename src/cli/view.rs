@@ -15,8 +15,8 @@ use crate::reflector::ReflectorSettings;
 use crate::sat::Scan;
 use crate::synth::synth;
 use crate::view::{
-    Camera, FRONT, Levels, Look, Mesh, Object, Paint, Renderer, Screenshot, Show, Start, Technique, Tone,
-    Truth, run as run_window, screenshot,
+    Camera, FRONT, Ground, Levels, Look, Mesh, Object, Paint, Renderer, Screenshot, Show, Start, Technique,
+    Tone, Truth, run as run_window, screenshot,
 };
 use crate::{Environment, Layout, Rgb};
 use clap::Args as ClapArgs;
@@ -95,7 +95,7 @@ pub(super) struct LookArgs {
     /// and --metal, like the other objects; also used for files without materials.
     #[arg(long, value_name = "PAINT", default_value_t = Paint::File, requires = "mesh")]
     paint: Paint,
-    /// Roughness, 0 to 1 [default: 0.3; 1 for file]
+    /// Roughness, 0 to 1 [default: 0.2; 1 for file]
     ///
     /// For a mesh with materials, a factor of their roughness.
     #[arg(long, value_name = "R", value_parser = roughness, allow_negative_numbers = true)]
@@ -111,10 +111,17 @@ pub(super) struct LookArgs {
     /// 1,1,1.
     #[arg(long, value_name = "R,G,B", value_parser = metal)]
     metal: Option<Rgb>,
-    /// Blur of the backdrop as a roughness, 0 to 1
-    #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = roughness)]
-    #[arg(allow_negative_numbers = true)]
-    backdrop: f64,
+    /// Blur of the backdrop, 0 to 1 [default: hides texels]
+    ///
+    /// As a roughness. By default a lobe just wide enough to hide the texels of a coarse environment; 0 shows
+    /// them.
+    #[arg(long, value_name = "R", value_parser = roughness, allow_negative_numbers = true)]
+    backdrop: Option<f64>,
+    /// shadow or none: below spheres
+    ///
+    /// shadow darkens the environment below spheres as if they stood on a plane under an even sky.
+    #[arg(long, value_name = "GROUND", default_value = "shadow", hide_possible_values = true)]
+    ground: Ground,
     /// Rotate the environment about +Y, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite)]
     #[arg(allow_negative_numbers = true)]
@@ -138,7 +145,7 @@ pub(super) struct LookArgs {
     ///
     /// oem is the octahedral map. sat is its table (means of the boxes from the corner). error is the
     /// filter's relative error against the certified tier in false colour, from 1e-4 (black) through blue and
-    /// red to 1 (yellow).
+    /// red to 1 (yellow). Pictures of at least 320x200 pixels have a legend with scale, unit and range.
     #[arg(long, value_name = "WHAT", default_value = "scene", hide_possible_values = true)]
     show: Show,
     /// Camera: rotation to the right, in degrees
@@ -146,18 +153,19 @@ pub(super) struct LookArgs {
     /// 0, the default, looks along +X. -90, the default with --mesh, looks along -Z at the +Z side.
     #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
     pub(super) yaw: Option<f64>,
-    /// Camera: height above the horizon, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 7.0, value_parser = finite)]
-    #[arg(allow_negative_numbers = true)]
-    pub(super) pitch: f64,
+    /// Camera: height, in degrees [default: 4; 7 for scenes]
+    #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
+    pub(super) pitch: Option<f64>,
     /// Camera: distance in radii of the object
     #[arg(long, value_name = "D", default_value_t = 4.2, value_parser = finite)]
     #[arg(allow_negative_numbers = true)]
     pub(super) distance: f64,
-    /// Camera: vertical angle of view, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 35.0, value_parser = finite)]
-    #[arg(allow_negative_numbers = true)]
-    pub(super) angle: f64,
+    /// Camera: vertical angle, in degrees [default: fits]
+    ///
+    /// By default the objects fill the picture, whatever its shape: a row its width, a single object two
+    /// thirds of its height. With an angle, pictures narrower than 3:2 keep the horizontal angle of 3:2.
+    #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
+    pub(super) angle: Option<f64>,
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {
@@ -186,9 +194,9 @@ impl LookArgs {
                     None if self.mesh.is_some() => FRONT,
                     None => 0.0,
                 },
-                pitch: self.pitch.to_radians(),
+                pitch: self.pitch.unwrap_or(4.0).to_radians(),
                 distance: self.distance,
-                angle: self.angle.to_radians(),
+                angle: self.angle.map(f64::to_radians),
             },
             roughness: self.roughness.unwrap_or(look.roughness),
             textured: self.textured,
@@ -197,6 +205,7 @@ impl LookArgs {
             tint: self.metal.unwrap_or(look.tint),
             roughness_factor: self.roughness.unwrap_or(look.roughness_factor),
             backdrop: self.backdrop,
+            ground: self.ground,
             turn: self.turn,
             exposure: self.exposure,
             tone: self.tone,

@@ -19,7 +19,7 @@ use clap::Args as ClapArgs;
 use std::path::PathBuf;
 
 /// Options that a scene does not have: by their names in [`ViewArgs`] and what it contains.
-const WITHOUT: [&str; 21] = [
+const WITHOUT: [&str; 22] = [
     "inputs",
     "border",
     "scan",
@@ -30,6 +30,7 @@ const WITHOUT: [&str; 21] = [
     "textured",
     "metal",
     "backdrop",
+    "ground",
     "turn",
     "show",
     "layout",
@@ -145,9 +146,9 @@ fn look(args: &ViewArgs, of_file: bool) -> SceneLook {
     SceneLook {
         camera: Camera {
             yaw: yaw.unwrap_or(if of_file { FRONT } else { 0.0 }),
-            pitch: args.look.pitch.to_radians(),
+            pitch: args.look.pitch.unwrap_or(7.0).to_radians(),
             distance: args.look.distance,
-            angle: args.look.angle.to_radians(),
+            angle: args.look.angle.map(f64::to_radians),
         },
         roughness: args.look.roughness,
         // The built-in light needs no other.

@@ -22,6 +22,9 @@ pub(super) struct BallUniform {
 }
 shader::members!(BallUniform { centre, radius, roughness, pad });
 
+/// Height of a ground so far below that nothing casts a shadow on it.
+const NO_FLOOR: f64 = -1e6;
+
 /// Uniform of a picture.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -39,7 +42,8 @@ pub(super) struct ViewFrame {
     tint: [f32; 3],
     roughness_factor: f32,
     size: [f32; 2],
-    pad_size: [f32; 2],
+    floor: f32,
+    pad_floor: f32,
     source_from_world: [[f32; 4]; 3],
     levels_from_source: [[f32; 4]; 3],
     clip_from_world: [[f32; 4]; 4],
@@ -60,7 +64,8 @@ shader::members!(ViewFrame {
     tint,
     roughness_factor,
     size,
-    pad_size,
+    floor,
+    pad_floor,
     source_from_world,
     levels_from_source,
     clip_from_world,
@@ -100,11 +105,13 @@ fn columns(matrix: DMat3) -> [[f32; 4]; 3] {
 }
 
 impl ViewFrame {
-    /// The uniform of `look` for a picture's `frame`; `exposure` is in powers of two.
+    /// The uniform of `look` for a picture's `frame`; `exposure` is in powers of two, `texel` the angle of
+    /// the environment's texels.
     pub(super) fn new(
         look: &Look,
         frame: &Frame,
         exposure: f64,
+        texel: f64,
         source_from_world: DMat3,
         size: [u32; 2],
         ladder: &Ladder,
@@ -124,7 +131,7 @@ impl ViewFrame {
             right: three(frame.right),
             roughness: look.roughness as f32,
             up: three(frame.up),
-            backdrop: look.backdrop as f32,
+            backdrop: look.backdrop_roughness(texel, frame.up.length()) as f32,
             forward: three(frame.forward),
             levels: ladder.count as f32,
             metal: look.metal,
@@ -132,7 +139,8 @@ impl ViewFrame {
             tint: look.tint,
             roughness_factor: look.roughness_factor as f32,
             size: size.map(|side| side as f32),
-            pad_size: [0.0; 2],
+            floor: look.floor().unwrap_or(NO_FLOOR) as f32,
+            pad_floor: 0.0,
             source_from_world: columns(source_from_world),
             levels_from_source: columns(ladder.levels_from_source),
             clip_from_world: frame.clip_from_world.as_mat4().to_cols_array_2d(),

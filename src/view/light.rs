@@ -17,11 +17,12 @@ use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
 use crate::image::exposure;
 use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
+use crate::oem::OemSize;
 use crate::reflector::ReflectorSettings;
 use crate::table_bytes::{LIMIT, Served};
 use glam::{DMat3, DVec3};
 use std::cell::OnceCell;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Pipelines that build tables.
 #[derive(Debug)]
@@ -66,6 +67,7 @@ pub struct Light {
     own_levels: bool,
     boxes: SatTextures,
     fitted: FittedTables,
+    oem: OemSize,
     /// Stages from texels to tables, in order.
     stages: Vec<Stage>,
 }
@@ -150,6 +152,7 @@ impl Light {
             own_levels: false,
             boxes,
             fitted,
+            oem: size,
             stages,
         })
     }
@@ -205,6 +208,17 @@ impl Light {
     /// Converts `ev` for the source's light to the scaled light, clamped to the range of float32.
     pub(super) fn scaled_ev(&self, ev: f64) -> f64 {
         (ev - f64::from(self.scale.exponent())).clamp(-100.0, 100.0)
+    }
+
+    /// Texels of the octahedral map.
+    pub(super) const fn oem(&self) -> OemSize {
+        self.oem
+    }
+
+    /// Angle of a texel of the environment or of its map, the coarser, in radians.
+    pub(super) fn texel_angle(&self) -> f64 {
+        let quarter = self.environment.layout().face_edge().min(self.oem.inner.div_ceil(2));
+        FRAC_PI_2 / f64::from(quarter)
     }
 
     pub(super) const fn diffuse(&self) -> &wgpu::Buffer {

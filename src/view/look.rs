@@ -1,11 +1,12 @@
 //! Everything that the viewer's controls change.
 
-use super::camera::{Camera, FRONT};
+use super::camera::{Camera, FRONT, field_around};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::filter::fitted_count;
 use crate::image::exposure::{self, Exposure};
 use crate::realtime::tables::COUNTS;
+use glam::{DVec2, DVec3};
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
@@ -184,6 +185,23 @@ impl FromStr for Paint {
     }
 }
 
+/// What is below spheres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Ground {
+    /// A plane that shows the environment, in the spheres' shadow: they hide a part of an even sky.
+    #[default]
+    Shadow,
+    /// Nothing.
+    None,
+}
+
+/// Pixels across a picture's height up to which an automatic backdrop shows the environment's texels.
+const BACKDROP_PIXELS: f64 = 720.0;
+
+/// Width of the automatic backdrop's lobe, as the square of its roughness, per texel.
+const BACKDROP_TEXELS: f64 = 1.2;
+
 /// Description of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
@@ -203,8 +221,11 @@ pub struct Look {
     pub tint: Rgb,
     /// Factor of the roughness of a mesh's own materials.
     pub roughness_factor: f64,
-    /// Roughness of the lobe for the backdrop, in \[0, 1\].
-    pub backdrop: f64,
+    /// Roughness of the lobe for the backdrop, in \[0, 1\]. `None` blurs a coarse environment just enough to
+    /// hide its texels.
+    pub backdrop: Option<f64>,
+    /// What is below spheres.
+    pub ground: Ground,
     /// Rotation of the environment about +Y in degrees.
     pub turn: f64,
     /// Exposure of the picture.
@@ -222,13 +243,14 @@ impl Default for Look {
         Self {
             object: Object::default(),
             camera: Camera::default(),
-            roughness: 0.3,
+            roughness: 0.2,
             textured: false,
             metal: [0.95, 0.93, 0.88],
             paint: Paint::default(),
             tint: [1.0; 3],
             roughness_factor: 1.0,
-            backdrop: 0.0,
+            backdrop: None,
+            ground: Ground::default(),
             turn: 0.0,
             exposure: Exposure::default(),
             tone: Tone::default(),
@@ -258,14 +280,14 @@ impl Look {
         let Self { camera, metal: [red, green, blue], tint, .. } = self;
         let within = [
             ("roughness", self.roughness, 0.0, 1.0),
-            ("backdrop roughness", self.backdrop, 0.0, 1.0),
+            ("backdrop roughness", self.backdrop.unwrap_or(0.0), 0.0, 1.0),
             ("roughness factor", self.roughness_factor, 0.0, 1.0),
             ("exposure", self.exposure.ev(0.0), *exposure::RANGE.start(), *exposure::RANGE.end()),
             ("turn", self.turn, -1e6, 1e6),
             ("yaw", camera.yaw, -1e6, 1e6),
             ("pitch", camera.pitch, -std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2),
             ("distance", camera.distance, 1.05, 1e3),
-            ("angle of view", camera.angle, 0.01, 3.0),
+            ("angle of view", camera.angle.unwrap_or(1.0), 0.01, 3.0),
             ("red reflectance", f64::from(*red), 0.0, 1.0),
             ("green reflectance", f64::from(*green), 0.0, 1.0),
             ("blue reflectance", f64::from(*blue), 0.0, 1.0),
@@ -325,6 +347,37 @@ impl Look {
             Show::Oem | Show::Sat => true,
             Show::Error => false,
         }
+    }
+
+    /// Half the width and the height at distance 1 that a picture shows, at least, if the camera has no
+    /// angle.
+    #[must_use]
+    pub fn field(&self) -> DVec2 {
+        let spheres = match self.object {
+            // Meshes are scaled to the unit sphere.
+            Object::Knot | Object::Mesh => vec![(DVec3::ZERO, 1.0)],
+            Object::Sphere | Object::Row => {
+                self.balls().iter().map(|ball| (DVec3::from_array(ball.centre), ball.radius)).collect()
+            }
+        };
+        field_around(spheres)
+    }
+
+    /// Roughness of the backdrop's lobe for texels of the angle `texel` in a picture of half the height
+    /// `half_height` at distance 1. An automatic one adds to a pixel what it lacks to a texel's width, so
+    /// that fine environments stay sharp; it is the same for every size of the picture.
+    #[must_use]
+    pub fn backdrop_roughness(&self, texel: f64, half_height: f64) -> f64 {
+        let pixel = 2.0 * half_height / BACKDROP_PIXELS;
+        let automatic =
+            || (BACKDROP_TEXELS * (texel.powi(2) - pixel.powi(2)).max(0.0).sqrt()).sqrt().min(1.0);
+        self.backdrop.unwrap_or_else(automatic)
+    }
+
+    /// Height of the ground below the spheres, if there is one.
+    pub(super) fn floor(&self) -> Option<f64> {
+        let lowest = self.balls().iter().map(|ball| ball.centre[1] - ball.radius).reduce(f64::min);
+        lowest.filter(|_| self.ground == Ground::Shadow)
     }
 
     /// The visible spheres.

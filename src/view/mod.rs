@@ -16,6 +16,7 @@
 
 mod camera;
 mod frame;
+pub mod legend;
 mod levels;
 mod light;
 mod look;
@@ -37,11 +38,11 @@ pub mod web;
 mod window;
 
 pub use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Vertex, Wrap};
-pub use camera::Camera;
 pub(crate) use camera::FRONT;
+pub use camera::{Camera, field_around};
 pub use levels::Levels;
 pub use light::Light;
-pub use look::{Look, Object, Paint, Show, Technique, Tone};
+pub use look::{Ground, Look, Object, Paint, Show, Technique, Tone};
 pub use present::Viewport;
 pub use renderer::Renderer;
 pub use screenshot::{Screenshot, screenshot};

@@ -1,7 +1,7 @@
 //! The panel of controls.
 
 use super::camera::MAX_PITCH;
-use super::look::{Look, Object, Paint, Show, Technique, Tone};
+use super::look::{Ground, Look, Object, Paint, Show, Technique, Tone};
 use crate::image::exposure::{self, Exposure};
 use egui::{ComboBox, DragValue, Grid, Rect, RichText, ScrollArea, Slider, SliderClamping, Ui};
 
@@ -29,6 +29,8 @@ pub(super) struct Status<'a> {
     pub(super) has_levels: bool,
     /// The automatic exposure, in powers of two.
     pub(super) exposure: f64,
+    /// The automatic roughness of the backdrop.
+    pub(super) backdrop: f64,
     /// Size of the picture in samples, and the certified tier's progress.
     pub(super) size: (u32, u32),
     pub(super) progress: Option<f64>,
@@ -127,7 +129,17 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
             look.exposure = if automatic { Exposure::Auto } else { Exposure::Ev(fixed) };
         }
         ui.label("Backdrop roughness");
-        ui.add(Slider::new(&mut look.backdrop, 0.0..=1.0).max_decimals(3));
+        let mut automatic = look.backdrop.is_none();
+        let mut backdrop = look.backdrop.unwrap_or(status.backdrop);
+        if ui.add(Slider::new(&mut backdrop, 0.0..=1.0).max_decimals(3)).changed() {
+            look.backdrop = Some(backdrop);
+        } else if ui.checkbox(&mut automatic, "hide the environment's texels").changed() {
+            look.backdrop = (!automatic).then_some(backdrop);
+        }
+        let mut shadow = look.ground == Ground::Shadow;
+        if ui.checkbox(&mut shadow, "shadow of spheres on the ground").changed() {
+            look.ground = if shadow { Ground::Shadow } else { Ground::None };
+        }
         ui.label("Environment rotation");
         look.turn = look.turn.rem_euclid(360.0);
         ui.add(Slider::new(&mut look.turn, 0.0..=360.0).step_by(0.1).suffix("\u{b0}"));
@@ -144,12 +156,6 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 ui.end_row();
             });
         });
-        if look.show.is_false_colour() {
-            ui.label(
-                "Relative error from 0.01 % (black) over blue and red to 100 % (yellow), against the \
-                 adaptive filter",
-            );
-        }
         ui.separator();
         ui.checkbox(&mut motion.timing, "GPU times");
         if motion.timing {

@@ -19,6 +19,7 @@ use crate::gpu::device::{readback, shader};
 use crate::gpu::fitted::FittedTables;
 use crate::mesh::{Mesh, SubMesh, Vertex};
 use crate::reflector::ReflectorSettings;
+use half::f16;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -358,11 +359,12 @@ impl Renderer {
         }
         let cube = if source == Source::Levels { Some(light.levels(&self.context)?) } else { None };
         let Targets { width, height, depth, .. } = self.next.as_ref().expect("made before");
-        let frame = look.camera.frame(f64::from(*width) / f64::from(*height));
+        let frame = look.camera.frame(f64::from(*width) / f64::from(*height), look.field());
         let uniform = ViewFrame::new(
             look,
             &frame,
             light.scaled_ev(look.exposure.ev(light.exposure())),
+            light.texel_angle(),
             light.source_from_world(look.turn),
             [*width, *height],
             &cube.map_or_else(Ladder::default, |cube| cube.ladder),
@@ -534,6 +536,17 @@ impl Renderer {
             cache: None,
         });
         self.pipelines.insert((source, output, of_mesh), pipeline);
+    }
+
+    /// Reads back the last picture, if there is one: linear and exposed; in the fourth channel an error, or 1
+    /// where a table is shown.
+    pub(super) fn values(&self) -> Option<impl Future<Output = Result<Vec<[f16; 4]>>> + use<>> {
+        let picture = self.shown.as_ref()?.picture.clone();
+        let context = self.context.clone();
+        Some(async move {
+            let bits: Vec<[u16; 4]> = readback::read_texture(&context, picture.texture()).await?;
+            Ok(bits.into_iter().map(|channels| channels.map(f16::from_bits)).collect())
+        })
     }
 
     /// Draws the last picture into `viewport` of `view`, tone-mapped, in sRGB, as one pass of `encoder`.

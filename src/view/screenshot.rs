@@ -1,7 +1,8 @@
 //! Renders pictures without a window.
 
+use super::legend::{legend, put, shown};
 use super::textures::target;
-use super::{Light, Look, Renderer, Truth, Viewport};
+use super::{Light, Look, Renderer, Show, Truth, Viewport};
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::gpu::device::readback;
@@ -18,7 +19,8 @@ pub struct Screenshot {
     pub samples: u32,
 }
 
-/// Renders `look` as a window would show it, in sRGB. `truth` answers if the look needs the certified tier.
+/// Renders `look` as a window would show it, in sRGB; debug views with their legend, if there is room.
+/// `truth` answers if the look needs the certified tier.
 ///
 /// # Errors
 /// [`crate::Error::Parameter`] for an unsupported look or size, [`crate::Error::Gpu`] if the device fails.
@@ -42,10 +44,18 @@ pub async fn screenshot(
     }
     renderer.draw(look, light, columns, rows)?;
     let context = renderer.context().clone();
-    presented(&context, [width, height], |encoder, view, format, viewport| {
+    let mut picture = presented(&context, [width, height], |encoder, view, format, viewport| {
         renderer.present(encoder, view, format, viewport, look);
     })
-    .await
+    .await?;
+    if let Some(values) = renderer.values().filter(|_| look.show != Show::Scene) {
+        let values = values.await?;
+        let shown = shown(look, &values, look.exposure.ev(light.exposure()));
+        if let Some(legend) = legend(look, light, [width, height], shown) {
+            put(&mut picture, &legend);
+        }
+    }
+    Ok(picture)
 }
 
 /// The picture that `present` draws into a target of `width` x `height`.

@@ -1,8 +1,9 @@
 //! The viewer without its window: progressive drawing of the picture, and opening of files.
 
+use super::legend::{self, INSET};
 use super::levels::Levels;
 use super::light::Light;
-use super::look::{Look, Object, Technique};
+use super::look::{Look, Object, Show, Technique};
 use super::panel::{Motion, Status, panel};
 use super::present::Viewport;
 use super::renderer::Renderer;
@@ -16,7 +17,9 @@ use crate::io::{self, ReadOptions};
 use crate::mesh::Mesh;
 use crate::reflector::ReflectorSettings;
 use glam::DMat3;
+use half::f16;
 use std::cell::RefCell;
+use std::fmt;
 use std::io::Read as _;
 use std::path::Path;
 use std::rc::Rc;
@@ -86,6 +89,20 @@ struct Bands {
     rows: f64,
 }
 
+/// The legend of a debug view.
+struct Note {
+    /// The picture that it belongs to.
+    of: (Look, (u32, u32)),
+    values: Option<Later<Vec<[f16; 4]>>>,
+    legend: Option<egui::TextureHandle>,
+}
+
+impl fmt::Debug for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Note").field("of", &self.of).finish_non_exhaustive()
+    }
+}
+
 /// State of the viewer.
 #[derive(Debug)]
 pub struct Viewer {
@@ -123,6 +140,7 @@ pub struct Viewer {
     /// Duration of a frame that draws no picture.
     bare: Option<Duration>,
     work: Option<Work>,
+    note: Option<Note>,
     times: Vec<(&'static str, f64)>,
     pending_times: Option<Later<Vec<(&'static str, f64)>>>,
     timed: Instant,
@@ -188,6 +206,7 @@ impl Viewer {
             before: Before::Other,
             bare: None,
             work: None,
+            note: None,
             times: Vec::new(),
             pending_times: None,
             timed: now,
@@ -340,7 +359,19 @@ impl Viewer {
         let Motion { turning, lamp, timing } = self.motion;
         // The panel shows the picture's size.
         let size_shown = self.panel_hidden || self.reported_size == self.picture_size();
-        !settled || !size_shown || turning || lamp || timing || self.work.is_some() || self.coarse()
+        !settled
+            || !size_shown
+            || turning
+            || lamp
+            || timing
+            || self.work.is_some()
+            || self.coarse()
+            || self.is_noting()
+    }
+
+    /// Whether the legend is not ready.
+    fn is_noting(&self) -> bool {
+        self.look.show != Show::Scene && self.note.as_ref().is_none_or(|note| note.values.is_some())
     }
 
     /// Whether the current picture is coarser than possible.
@@ -348,9 +379,45 @@ impl Viewer {
         self.drawn.as_ref().is_some_and(|(_, size)| *size != self.full)
     }
 
+    /// Reads the values of a finished debug view, for its legend.
+    fn take_note(&mut self) {
+        let finished =
+            (self.drawn.clone()).filter(|(look, size)| look.show != Show::Scene && *size == self.full);
+        if self.note.as_ref().map(|note| &note.of) != finished.as_ref() {
+            self.note = finished.map(|of| {
+                let values = self.renderer.values().map(|values| later(self.renderer.context(), values));
+                Note { of, values, legend: None }
+            });
+        }
+    }
+
+    /// Shows the legend in the lower left corner of the picture, which begins at `left` points.
+    fn show_note(&mut self, context: &egui::Context, left: f32) -> Result<()> {
+        let Some(note) = &mut self.note else { return Ok(()) };
+        let values = note.values.as_ref().and_then(|values| values.borrow_mut().take());
+        if let Some(values) = values {
+            note.values = None;
+            let (look, (width, height)) = &note.of;
+            let shown = legend::shown(look, &values?, look.exposure.ev(self.light.exposure()));
+            note.legend = legend::legend(look, &self.light, [*width, *height], shown).map(|legend| {
+                let size = [legend.width() as usize, legend.height() as usize];
+                let image = egui::ColorImage::from_rgb(size, legend.as_raw());
+                context.load_texture("legend", image, egui::TextureOptions::LINEAR)
+            });
+        }
+        if let Some(legend) = &note.legend {
+            let offset = egui::vec2(left + INSET as f32, -(INSET as f32));
+            let area = egui::Area::new(egui::Id::unique("legend")).anchor(egui::Align2::LEFT_BOTTOM, offset);
+            area.interactable(false).show(context, |ui| ui.image(legend));
+        }
+        Ok(())
+    }
+
     /// Draws as much of a picture of `full` pixels as the frame time allows.
     pub fn draw(&mut self, full: (u32, u32)) {
-        if let Err(error) = self.try_draw(full) {
+        let drawn = self.try_draw(full);
+        self.take_note();
+        if let Err(error) = drawn {
             // Do not retry before something changes.
             self.drawn = Some((self.look.clone(), full));
             self.work = None;
@@ -544,11 +611,19 @@ impl Viewer {
         }
     }
 
+    /// [`Viewer::show_note`]; errors become messages.
+    fn note_or_message(&mut self, context: &egui::Context, left: f32) {
+        if let Err(error) = self.show_note(context, left) {
+            self.message = Some(error.to_string());
+        }
+    }
+
     /// Runs the panel; returns the viewport left for the picture, in pixels of a target of `size`.
     pub fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
         let (width, height) = size;
         if self.panel_hidden {
             self.slider = None;
+            self.note_or_message(ui.ctx(), 0.0);
             return Viewport { x: 0, y: 0, width, height };
         }
         let progress = self.work.as_ref().map(|work| {
@@ -560,6 +635,10 @@ impl Viewer {
         self.reported_size = size;
         let (has_materials, has_levels) = (self.renderer.has_materials(), self.light.has_own_levels());
         let exposure = self.light.exposure();
+        let half_height =
+            self.look.camera.frame(f64::from(width) / f64::from(height), self.look.field()).up.length();
+        let automatic = Look { backdrop: None, ..self.look.clone() };
+        let backdrop = automatic.backdrop_roughness(self.light.texel_angle(), half_height);
         let Self { look, motion, name, adapter, message, has_mesh, times, .. } = self;
         let status = Status {
             environment: name,
@@ -569,6 +648,7 @@ impl Viewer {
             has_materials,
             has_levels,
             exposure,
+            backdrop,
             size,
             progress,
             times,
@@ -578,7 +658,9 @@ impl Viewer {
             .resizable(false)
             .show(ui, |ui| panel(ui, look, motion, &status));
         self.slider = Some(shown.inner);
-        let edge = (shown.response.rect.right() * ui.ctx().pixels_per_point()).round() as u32;
+        let right = shown.response.rect.right();
+        self.note_or_message(ui.ctx(), right);
+        let edge = (right * ui.ctx().pixels_per_point()).round() as u32;
         let x = edge.min(width.saturating_sub(1));
         Viewport { x, y: 0, width: width - x, height }
     }

@@ -171,7 +171,7 @@ impl Page {
             let was = viewer.look().clone();
             let look = Look {
                 roughness: change.roughness.unwrap_or(was.roughness),
-                backdrop: change.backdrop.unwrap_or(was.backdrop),
+                backdrop: change.backdrop.or(was.backdrop),
                 exposure: exposure.unwrap_or(was.exposure),
                 roughness_factor: change.roughness_factor.unwrap_or(was.roughness_factor),
                 turn: change.turn.unwrap_or(was.turn),

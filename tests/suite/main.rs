@@ -23,6 +23,8 @@ mod sphere;
 mod support;
 mod synth;
 mod target;
+#[cfg(feature = "view")]
+mod view;
 
 /// Counts allocations, for [`io::fuzz`].
 #[global_allocator]

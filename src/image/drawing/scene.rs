@@ -85,6 +85,10 @@ impl Frame {
         self.low.cmple(other.low).all() && other.high.cmple(self.high).all()
     }
 
+    pub(crate) fn inset(&self, by: f64) -> Self {
+        self.grown(-by)
+    }
+
     fn grown(&self, by: f64) -> Self {
         Self { low: self.low - by, high: self.high + by }
     }

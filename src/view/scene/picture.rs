@@ -1,6 +1,6 @@
 //! Pipelines of pictures, and what a picture shows.
 
-use super::super::camera::Camera;
+use super::super::camera::{Camera, field_of_angle};
 use super::super::look::Tone;
 use super::content::{Bounds, Scene};
 use super::probe::{Probe, SceneBuffers};
@@ -12,6 +12,9 @@ use glam::DVec3;
 
 pub(super) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Vertical angle of view in radians.
+const ANGLE: f64 = 0.6;
 
 /// Shape of the surroundings that reflections are corrected for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,7 +47,7 @@ pub struct SceneLook {
 impl Default for SceneLook {
     fn default() -> Self {
         Self {
-            camera: Camera::default(),
+            camera: Camera { pitch: 0.12, ..Camera::default() },
             roughness: None,
             exposure: 0.0,
             tone: Tone::default(),
@@ -189,7 +192,7 @@ impl Pictures {
         centres: &[DVec3],
     ) {
         let three = |v: DVec3| v.as_vec3().to_array();
-        let frame = look.camera.frame(aspect);
+        let frame = look.camera.frame(aspect, field_of_angle(ANGLE));
         let Bounds { low, high, radius } = *bounds;
         let mut places = [[0.0; 4]; MOST_PROBES];
         for (place, centre) in places.iter_mut().zip(centres) {

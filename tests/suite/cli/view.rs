@@ -52,6 +52,23 @@ fn map_and_table_are_shown() {
     assert_ne!(oem, sat);
 }
 
+/// A plate of the legend's paper in the lower left corner of a debug view, if there is room.
+#[test]
+fn debug_views_have_a_legend() {
+    let folder = with_sky();
+    let corner = |show: &str, size: &str| {
+        let name = format!("{show}{size}.png");
+        let args = ["view", "sky.exr", "--show", show, "--screenshot", &name];
+        let quick = QUICK.map(|word| if word == "48x32" { size } else { word });
+        done(folder.path(), &[&args[..], &quick, &["0"]].concat());
+        let picture = image::open(folder.path().join(name)).expect("a picture").to_rgb8();
+        // Inside the plate's outline, 12 pixels from both edges.
+        picture.get_pixel(12 + 5, picture.height() - 12 - 5).0
+    };
+    assert_eq!((corner("oem", "320x200"), corner("sat", "320x200")), ([255; 3], [255; 3]));
+    assert_ne!(corner("oem", "319x200"), [255; 3]);
+}
+
 #[test]
 fn what_cannot_be_shown_is_a_usage_error_and_bad_files_are_named() {
     let folder = with_sky();

@@ -11,11 +11,12 @@ use octagloss::internals::lobe::Lobe;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::internals::synth::synth;
 use octagloss::internals::view::{
-    Camera, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Technique, Tone, Truth, Viewport,
+    Camera, Ground, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Technique, Tone, Truth, Viewport,
     screenshot,
 };
 use octagloss::{Environment, Error, Layout, wgpu};
 use rayon::prelude::*;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 const WIDTH: u32 = 96;
@@ -60,11 +61,18 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
         Technique::Fitted(count) => octagloss::internals::filter::Filter::Fitted(count),
         Technique::Adaptive | Technique::Levels => octagloss::internals::filter::Filter::Adaptive(0.001),
     };
+    // Angle of a texel at the horizon: of the environment or the map, the coarser.
+    let quarter = match environment.layout() {
+        Layout::Panorama { width, .. } => width / 4,
+        Layout::Cube { size } => size,
+        Layout::Octahedral { size } => size / 2,
+    };
+    let texel = FRAC_PI_2 / f64::from(quarter.min(OEM / 2));
     (0..WIDTH * HEIGHT)
         .into_par_iter()
         .map(|index| {
             let at = DVec2::new(f64::from(index % WIDTH) + 0.5, f64::from(index / WIDTH) + 0.5);
-            let seen = look_along(look, at, mesh);
+            let seen = look_along(look, at, mesh, texel);
             let answer = reflector.query(seen.direction, seen.roughness, Lobe::Ggx, filter).expect("a lobe");
             let light = DVec3::from_array(answer.radiance.map(f64::from));
             display(look.tone, light * seen.factor * look.exposure.ev(0.0).exp2())
@@ -72,12 +80,13 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
         .collect()
 }
 
-fn look_along(look: &Look, at: DVec2, mesh: Option<&Mesh>) -> Seen {
+fn look_along(look: &Look, at: DVec2, mesh: Option<&Mesh>, texel: f64) -> Seen {
     let Camera { yaw, pitch, distance, angle } = look.camera;
     let turn = DMat3::from_rotation_y(-yaw) * DMat3::from_rotation_z(-pitch);
     let [forward, up, right] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis);
-    let half = (angle / 2.0).tan();
     let (width, height) = (f64::from(WIDTH), f64::from(HEIGHT));
+    let field = look.field();
+    let half = angle.map_or(field.y.max(field.x * height / width), |angle| (angle / 2.0).tan());
     let x = (2.0 * at.x / width - 1.0) * half * width / height;
     let y = (1.0 - 2.0 * at.y / height) * half;
     let ray = (forward + x * right + y * up).normalize();
@@ -121,7 +130,8 @@ fn look_along(look: &Look, at: DVec2, mesh: Option<&Mesh>) -> Seen {
         .unwrap_or_default();
     let nearest = ball_hits.chain(mesh_hits).min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, normal, roughness)) = nearest else {
-        return Seen { direction: ray, roughness: look.backdrop, factor: DVec3::ONE };
+        let factor = DVec3::splat(ground_light(look, eye, ray, &balls));
+        return Seen { direction: ray, roughness: look.backdrop_roughness(texel, half), factor };
     };
     let cosine = -ray.dot(normal);
     let [scale, bias] = dfg::ggx(cosine.clamp(1.0 / 128.0, 1.0), roughness.max(1.0 / 128.0));
@@ -129,6 +139,21 @@ fn look_along(look: &Look, at: DVec2, mesh: Option<&Mesh>) -> Seen {
     let again = DVec3::ONE + metal * (1.0 / (scale + bias) - 1.0);
     let direction = ray + 2.0 * cosine * normal;
     Seen { direction, roughness, factor: (metal * scale + bias) * again }
+}
+
+/// The share of an even light that `balls` leave on the plane that they touch from above.
+fn ground_light(look: &Look, eye: DVec3, ray: DVec3, balls: &[(DVec3, f64, f64)]) -> f64 {
+    let Some((_, radius, _)) = balls.first().filter(|_| look.ground == Ground::Shadow) else { return 1.0 };
+    let above = eye.y + radius;
+    if ray.y >= 0.0 || above <= 0.0 {
+        return 1.0;
+    }
+    let at = eye - ray * above / ray.y;
+    let hidden = |(centre, radius, _): &(DVec3, f64, f64)| {
+        let way = centre - at;
+        (radius / way.length()).powi(2) * way.normalize().y
+    };
+    balls.iter().map(|ball| 1.0 - hidden(ball).min(1.0)).product()
 }
 
 fn display(tone: Tone, colour: DVec3) -> [u8; 3] {
@@ -196,14 +221,14 @@ fn looks() -> Vec<(&'static str, Look)> {
                 filter: Technique::Fitted(8),
                 camera: camera(2.1, -1.0),
                 turn: 77.0,
-                backdrop: 0.5,
+                backdrop: Some(0.5),
                 tone: Tone::Linear,
                 metal: [1.0, 0.7, 0.3],
                 ..look.clone()
             },
         ),
         ("a knot by fitted:4", Look { object: Object::Knot, camera: camera(0.5, 0.6), ..look.clone() }),
-        ("adaptive", Look { filter: Technique::Adaptive, roughness: 0.25, backdrop: 0.3, ..look }),
+        ("adaptive", Look { filter: Technique::Adaptive, roughness: 0.25, backdrop: Some(0.3), ..look }),
     ]
 }
 
@@ -239,8 +264,15 @@ pub(super) fn one_picture(context: &Context) {
 #[test]
 fn another_look_is_another_picture() {
     let environment = synth("studio").expect("a recipe");
-    let look =
-        Look { filter: Technique::Box, roughness: 0.4, exposure: Exposure::Ev(-1.0), ..Look::default() };
+    // A sphere that fills the picture's height.
+    let camera = Camera { angle: Some(0.5), ..Camera::default() };
+    let look = Look {
+        filter: Technique::Box,
+        roughness: 0.4,
+        exposure: Exposure::Ev(-1.0),
+        camera,
+        ..Look::default()
+    };
     let here = expected(&look, &environment, None);
     let changed = [
         Look { roughness: 0.43, ..look.clone() },
@@ -248,6 +280,7 @@ fn another_look_is_another_picture() {
         Look { exposure: Exposure::Ev(-0.95), ..look.clone() },
         Look { tone: Tone::Aces, ..look.clone() },
         Look { metal: [0.9, 0.93, 0.88], ..look.clone() },
+        Look { backdrop: Some(0.4), camera: Camera { angle: None, ..camera }, ..look.clone() },
     ];
     for other in changed {
         let off = difference(&expected(&other, &environment, None), &here);
@@ -311,8 +344,13 @@ fn a_furnace_is_white() {
     let environment = synth("furnace").expect("a recipe");
     in_full("white furnace", |context| {
         // A white metal that reflects all light, once or many times, is invisible.
-        let white =
-            Look { metal: [1.0; 3], tone: Tone::Linear, exposure: Exposure::Ev(-1.0), ..Look::default() };
+        let white = Look {
+            metal: [1.0; 3],
+            ground: Ground::None,
+            tone: Tone::Linear,
+            exposure: Exposure::Ev(-1.0),
+            ..Look::default()
+        };
         let looks = [
             (Object::Row, Technique::Box),
             (Object::Row, Technique::Levels),

@@ -258,7 +258,7 @@ fn own_levels_are_shown_as_they_are() {
                     let mut look = Look {
                         object: Object::Row,
                         filter: Technique::Levels,
-                        backdrop: roughness,
+                        backdrop: Some(roughness),
                         tone: Tone::Linear,
                         exposure: Exposure::Ev(ev),
                         ..Look::default()
@@ -266,7 +266,7 @@ fn own_levels_are_shown_as_they_are() {
                     look.camera.pitch = 0.0;
                     // Place the spheres far away, smaller than a pixel.
                     look.camera.distance = 900.0;
-                    look.camera.angle = 0.02;
+                    look.camera.angle = Some(0.02);
                     let pixels = picture(&mut renderer, &look, &light);
                     let above = pixels[(SIDE * (SIDE / 2 - 1) + SIDE / 2) as usize];
                     near(above, encoded(expected), &format!("roughness {roughness}, turned {turn}, {scale}"));

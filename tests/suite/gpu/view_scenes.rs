@@ -77,7 +77,7 @@ fn renderer(context: &Context, scene: Scene, settings: SceneSettings) -> SceneRe
 /// The point of the ball at the origin that a pixel shows, if it is not close to the silhouette, and the unit
 /// direction from the eye.
 fn seen(look: &SceneLook, x: u32, y: u32) -> Option<[DVec3; 2]> {
-    let frame = look.camera.frame(f64::from(WIDTH) / f64::from(HEIGHT));
+    let frame = look.camera.frame(f64::from(WIDTH) / f64::from(HEIGHT), 0.3_f64.tan() * DVec2::new(1.5, 1.0));
     let place = DVec2::new(
         (f64::from(x) + 0.5) / f64::from(WIDTH) * 2.0 - 1.0,
         1.0 - (f64::from(y) + 0.5) / f64::from(HEIGHT) * 2.0,

@@ -1,0 +1,4 @@
+//! The viewer's parts that need no device.
+
+mod framing;
+mod legend;
