@@ -14,13 +14,17 @@ fn project(@location(0) position: vec3<f32>, @location(2) value: vec4<f32>) -> F
     return Fragment(octagloss_direct_position(position), value);
 }
 
-// The planar projection of a position in `octant`. On a fold, where y = 0, both sides compute the same
+// The planar projection of a position in `octant`. Where octants meet both sides compute the same
 // coordinates.
 fn planar(position: vec3<f32>, octant: u32) -> vec4<f32> {
     let signs = signs_of_octant(octant);
-    let folded = select(0.0, abs(position.y), signs.y < 0.0);
-    let at = position.xz + signs.xz * folded;
+    let is_lower = signs.y < 0.0;
     let w = abs(position.x) + abs(position.y) + abs(position.z);
+    let folded = select(0.0, abs(position.y), is_lower);
+    let in_square = position.xz + signs.xz * folded;
+    let side = select(-0.5, 0.5, is_lower);
+    let in_rectangle = vec2<f32>(side * (position.z - position.x + w), position.x + position.z);
+    let at = select(in_square, in_rectangle, octagloss_view.squares == 2u);
     return vec4<f32>(at.x, -at.y, octagloss_view.clip_from_scene[3].z, w);
 }
 

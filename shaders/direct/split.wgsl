@@ -1,16 +1,26 @@
-// Cuts triangles at the planes x = 0, y = 0 and z = 0 into pieces that each lie in one octant: "strict split"
-// of Engelhardt and Dachsbacher 2008, section 4.1, in two compute passes around direct/offsets.wgsl.
+// Cuts triangles into pieces, by a method of Engelhardt and Dachsbacher 2008, in two compute passes around
+// direct/offsets.wgsl: "strict split" (section 4.1) at the planes x = 0, y = 0 and z = 0, so that each piece
+// lies in one octant; "XZ-split" (section 5.2) at y = 0; "edge strip" at y = 0 with the edges of both parts
+// cut at x = 0 and z = 0.
 #include "common/direct.wgsl"
 
 const GROUP_SIZE = 256u;
 // Triangles of a triangle's pieces: three lines cut it into seven polygons at most, with twelve corners of
 // which nine are on its border, which is 2 * 12 - 9 - 2 triangles.
 const PIECES = 13u;
+// Corners of a polygon: three, one more by each plane that cuts it, and four more on the edges of a strip.
+const CORNERS = 8u;
+
+// Values of `Split.cut`.
+const CUT_OCTANTS = 0u;
+const CUT_EDGES = 2u;
 
 struct Split {
     triangles: u32,
     // Chunks of GROUP_SIZE triangles.
     chunks: u32,
+    // `Cut` of src/gpu/direct/list.rs.
+    cut: u32,
 }
 
 @group(0) @binding(0) var<uniform> split: Split;
@@ -33,10 +43,10 @@ fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
 #include "common/scan.wgsl"
 #include "common/rows.wgsl"
 
-// A part of a triangle: every plane adds at most one corner.
+// A part of a triangle.
 struct Polygon {
     count: u32,
-    corners: array<Corner, 6>,
+    corners: array<Corner, CORNERS>,
 }
 
 // Where an edge meets the plane. From the positive side to the negative one, so that both triangles at an
@@ -54,28 +64,139 @@ fn crossing(a: Corner, b: Corner, axis: u32) -> Corner {
     return at;
 }
 
+fn next_corner(polygon: ptr<function, Polygon>, k: u32) -> Corner {
+    return (*polygon).corners[select(k + 1u, 0u, k + 1u == (*polygon).count)];
+}
+
+fn append_corner(polygon: ptr<function, Polygon>, corner: Corner) {
+    if (*polygon).count < CORNERS {
+        (*polygon).corners[(*polygon).count] = corner;
+        (*polygon).count++;
+    }
+}
+
 // The part of a polygon on one side of a plane (Sutherland and Hodgman 1974).
 fn cut(polygon: Polygon, axis: u32, side: f32) -> Polygon {
     var uncut = polygon;
     var part = Polygon();
     for (var k = 0u; k < uncut.count; k++) {
         let here = uncut.corners[k];
-        let next = uncut.corners[select(k + 1u, 0u, k + 1u == uncut.count)];
+        let next = next_corner(&uncut, k);
         let height = side * here.position[axis];
         let ahead = side * next.position[axis];
-        if height >= 0.0 && part.count < 6u {
-            part.corners[part.count] = here;
-            part.count++;
+        if height >= 0.0 {
+            append_corner(&part, here);
         }
-        if min(height, ahead) < 0.0 && max(height, ahead) > 0.0 && part.count < 6u {
-            part.corners[part.count] = crossing(here, next, axis);
-            part.count++;
+        if min(height, ahead) < 0.0 && max(height, ahead) > 0.0 {
+            append_corner(&part, crossing(here, next, axis));
         }
     }
     return part;
 }
 
-// Counts the triangles of the pieces, and writes them from place `at` on if `is_written`.
+// The polygon with further corners where its edges cross a plane.
+fn with_crossings(polygon: Polygon, axis: u32) -> Polygon {
+    var plain = polygon;
+    var part = Polygon();
+    for (var k = 0u; k < plain.count; k++) {
+        let here = plain.corners[k];
+        let next = next_corner(&plain, k);
+        append_corner(&part, here);
+        if min(here.position[axis], next.position[axis]) < 0.0
+            && max(here.position[axis], next.position[axis]) > 0.0 {
+            append_corner(&part, crossing(here, next, axis));
+        }
+    }
+    return part;
+}
+
+// Whether a part of a triangle between `low` and `high` lies on a side of planes; a triangle within a plane
+// is on the positive side.
+fn reaches(low: vec3<f32>, high: vec3<f32>, signs: vec3<f32>) -> vec3<bool> {
+    let is_above = (high > vec3<f32>()) | ((high == vec3<f32>()) & (low == vec3<f32>()));
+    return select(vec3<f32>() > low, is_above, signs > vec3<f32>());
+}
+
+// Writes triangle `index` of all pieces.
+fn write_piece(index: u32, a: Corner, b: Corner, c: Corner) {
+    pieces[3u * index] = a;
+    pieces[3u * index + 1u] = b;
+    pieces[3u * index + 2u] = c;
+}
+
+// The corner as part of a piece in `octant`.
+fn in_octant(corner: Corner, octant: u32) -> Corner {
+    return Corner(corner.position, octant, corner.value);
+}
+
+// The octant of a corner in the lower hemisphere or in the upper one.
+fn in_half(corner: Corner, half: u32) -> Corner {
+    let position = corner.position;
+    return in_octant(corner, half | select(0u, 1u, position.x < 0.0) | select(0u, 4u, position.z < 0.0));
+}
+
+// Counts the triangles of the pieces that each lie in an octant, and writes them from place `at` on if
+// `is_written`.
+fn split_by_octants(whole: Polygon, low: vec3<f32>, high: vec3<f32>, at: u32, is_written: bool) -> u32 {
+    let is_crossed = (low < vec3<f32>()) & (high > vec3<f32>());
+    var count = 0u;
+    for (var octant = 0u; octant < 8u; octant++) {
+        let signs = signs_of_octant(octant);
+        if !all(reaches(low, high, signs)) {
+            continue;
+        }
+        var piece = whole;
+        for (var axis = 0u; axis < 3u; axis++) {
+            if is_crossed[axis] {
+                piece = cut(piece, axis, signs[axis]);
+            }
+        }
+        for (var k = 2u; k < piece.count && count < PIECES; k++) {
+            if is_written {
+                let before = in_octant(piece.corners[k - 1u], octant);
+                let last = in_octant(piece.corners[k], octant);
+                write_piece(at + count, in_octant(piece.corners[0], octant), before, last);
+            }
+            count++;
+        }
+    }
+    return count;
+}
+
+// The same for the parts in either hemisphere, as strips from side to side of their polygons.
+fn split_by_halves(whole: Polygon, low: vec3<f32>, high: vec3<f32>, at: u32, is_written: bool) -> u32 {
+    let is_crossed = (low < vec3<f32>()) & (high > vec3<f32>());
+    var count = 0u;
+    for (var half = 0u; half <= 2u; half += 2u) {
+        let signs = signs_of_octant(half);
+        if !reaches(low, high, signs).y {
+            continue;
+        }
+        var part = whole;
+        if is_crossed.y {
+            part = cut(part, 1u, signs.y);
+        }
+        for (var axis = 0u; axis < 3u; axis += 2u) {
+            if is_crossed[axis] && split.cut == CUT_EDGES {
+                part = with_crossings(part, axis);
+            }
+        }
+        for (var k = 2u; k < part.count && count < PIECES; k++) {
+            if is_written {
+                var strip = array<Corner, 3>();
+                for (var i = 0u; i < 3u; i++) {
+                    let place = k - 2u + i;
+                    let corner = select(place / 2u, part.count - (place + 1u) / 2u, place % 2u == 1u);
+                    strip[i] = in_half(part.corners[corner], half);
+                }
+                write_piece(at + count, strip[0], strip[1], strip[2]);
+            }
+            count++;
+        }
+    }
+    return count;
+}
+
 fn split_triangle(triangle: u32, at: u32, is_written: bool) -> u32 {
     var whole = Polygon();
     whole.count = 3u;
@@ -87,30 +208,10 @@ fn split_triangle(triangle: u32, at: u32, is_written: bool) -> u32 {
     let c = whole.corners[2].position;
     let low = min(min(a, b), c);
     let high = max(max(a, b), c);
-    var count = 0u;
-    for (var octant = 0u; octant < 8u; octant++) {
-        let signs = signs_of_octant(octant);
-        // No corner is inside of one of the planes; 0 counts as positive if nothing is negative.
-        let reach = select(-low, high, signs > vec3<f32>());
-        if any(reach < vec3<f32>()) || any((reach == vec3<f32>()) & (signs < vec3<f32>())) {
-            continue;
-        }
-        var piece = whole;
-        for (var axis = 0u; axis < 3u; axis++) {
-            piece = cut(piece, axis, signs[axis]);
-        }
-        for (var k = 2u; k < piece.count && count < PIECES; k++) {
-            if is_written {
-                let place = 3u * (at + count);
-                pieces[place] = Corner(piece.corners[0].position, octant, piece.corners[0].value);
-                let before = piece.corners[k - 1u];
-                pieces[place + 1u] = Corner(before.position, octant, before.value);
-                pieces[place + 2u] = Corner(piece.corners[k].position, octant, piece.corners[k].value);
-            }
-            count++;
-        }
+    if split.cut == CUT_OCTANTS {
+        return split_by_octants(whole, low, high, at, is_written);
     }
-    return count;
+    return split_by_halves(whole, low, high, at, is_written);
 }
 
 var<workgroup> total: atomic<u32>;

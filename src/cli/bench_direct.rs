@@ -6,6 +6,7 @@ use super::engine::any_adapter;
 use super::outcome::{Outcome, print};
 use super::timing::{Timing, timing};
 use crate::Layout;
+use crate::direct::DirectMap;
 use crate::direct::scene::{NEAREST, scene};
 use crate::gpu::device::context::is_hardware;
 use crate::gpu::device::readback;
@@ -18,9 +19,10 @@ use crate::wgpu;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Edges of the paper's maps, of about as many pixels.
-const OEM: u32 = 512;
-const FACE: u32 = 209;
+/// The paper's maps, of about as many pixels.
+const QUADRATIC: DirectMap = DirectMap::Octahedral { size: 512 };
+const RECTANGULAR: DirectMap = DirectMap::Rectangular { size: 362 };
+const CUBE: DirectMap = DirectMap::Cube { size: 209 };
 
 /// Frames per second of the paper's cube.
 const PAPER_CUBE: f64 = 250.0;
@@ -43,6 +45,8 @@ struct Bench {
 #[derive(Serialize)]
 struct Row {
     method: &'static str,
+    /// Of the octahedral map: `quadratic` or `rectangular`; or `cube`.
+    layout: &'static str,
     pixels: u32,
     /// Triangles of all draws, or pieces of triangles.
     drawn: u64,
@@ -52,7 +56,7 @@ struct Row {
     /// Time relative to the cube's, drawn with lists of triangles and without.
     over_cube: f64,
     over_whole_cube: f64,
-    /// Share of pixels that differ from those of `octants` by more than a 64th.
+    /// Share of pixels that differ from those of `octants` in the same layout by more than a 64th.
     differing: Option<f64>,
     /// The row of Table 1, its frames per second, and its time relative to the paper's cube.
     paper: Option<&'static str>,
@@ -60,10 +64,13 @@ struct Row {
     paper_over_cube: Option<f64>,
 }
 
+/// Texels of half floats.
+type Picture = Vec<[u16; 4]>;
+
 /// A way to fill a map.
 struct Way {
     name: &'static str,
-    method: Method,
+    map: DirectMap,
     frame: DirectFrame,
     /// Cube to octahedral map.
     then: Option<Stage>,
@@ -86,25 +93,29 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     // Half floats, as renderers have them.
     let format = wgpu::TextureFormat::Rgba16Float;
     let direct = Direct::new(context, format, Overlap::Nearest)?;
-    let map = DirectTarget::new(context, Layout::Octahedral { size: OEM }, format)?;
-    let cube = DirectTarget::new(context, Layout::Cube { size: FACE }, format)?;
-    let planes = OemPlanes::new(context, OemSize { inner: OEM, border: 0 })?;
-    let reparameterise =
-        Reparameterise::new(context).stage(context, cube.layout(), cube.colour(), &planes)?;
+    let [square, rectangle, cube] =
+        [QUADRATIC, RECTANGULAR, CUBE].map(|map| DirectTarget::new(context, map, format));
+    let (square, rectangle, cube) = (&square?, &rectangle?, &cube?);
+    let planes = OemPlanes::new(context, OemSize { inner: QUADRATIC.size(), border: 0 })?;
+    let layout = Layout::Cube { size: CUBE.size() };
+    let reparameterise = Reparameterise::new(context).stage(context, layout, cube.colour(), &planes)?;
 
-    let way = |name, method: Method, then, paper| -> Outcome<Way> {
-        let target = if method.is_cube() { &cube } else { &map };
+    let way = |name, target: &DirectTarget, method, then, paper| -> Outcome<Way> {
         let frame = direct.frame(method, &mesh, target, NEAREST)?;
-        Ok(Way { name, method, frame, then, paper, seconds: Vec::new(), list_seconds: Vec::new() })
+        let (map, seconds, list_seconds) = (target.map(), Vec::new(), Vec::new());
+        Ok(Way { name, map, frame, then, paper, seconds, list_seconds })
     };
     let mut ways = vec![
-        way("octants", Method::Octants, None, None)?,
-        way("clip mask", Method::ClipMask, None, Some(("Perspective QL, clip mask", 95.0)))?,
-        way("strict split", Method::StrictSplit, None, Some(("Planar QL, strict split", 16.0)))?,
-        way("per corner", Method::PerCorner, None, None)?,
-        way("cube", Method::Cube, None, None)?,
-        way("whole cube", Method::WholeCube, None, Some(("Cube Map", PAPER_CUBE)))?,
-        way("cube, reparameterised", Method::Cube, Some(reparameterise), None)?,
+        way("octants", square, Method::Octants, None, None)?,
+        way("clip mask", square, Method::ClipMask, None, Some(("Perspective QL, clip mask", 95.0)))?,
+        way("strict split", square, Method::StrictSplit, None, Some(("Planar QL, strict split", 16.0)))?,
+        way("per corner", square, Method::PerCorner, None, None)?,
+        way("octants", rectangle, Method::Octants, None, None)?,
+        way("XZ-split", rectangle, Method::XzSplit, None, Some(("Planar RL, XZ-split", 34.0)))?,
+        way("edge strip", rectangle, Method::EdgeStrip, None, Some(("Planar RL, edge strip", 3.0)))?,
+        way("cube", cube, Method::Cube, None, None)?,
+        way("whole cube", cube, Method::WholeCube, None, Some(("Cube Map", PAPER_CUBE)))?,
+        way("cube, reparameterised", cube, Method::Cube, Some(reparameterise), None)?,
     ];
     let clock = Timer::new(context, PASSES).map_or(Clock::Wall, Clock::Timestamps);
     // In turn, so that other load on the machine meets all ways; the first turn warms up.
@@ -122,18 +133,33 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         timing(way.seconds.clone()).median_seconds
     };
     let (over_cube, over_whole_cube) = (median("cube"), median("whole cube"));
-    let picture = |way: &Way| -> Outcome<Vec<[u16; 4]>> {
+    let picture = |way: &Way| -> Outcome<Option<Picture>> {
+        let target = match way.map {
+            DirectMap::Octahedral { .. } => square,
+            DirectMap::Rectangular { .. } => rectangle,
+            DirectMap::Cube { .. } => return Ok(None),
+        };
         context.submit(|encoder| way.frame.record(encoder));
-        Ok(block_on(Some(context), readback::read_texture(context, map.colour()))??)
+        Ok(Some(block_on(Some(context), readback::read_texture(context, target.colour()))??))
     };
-    let exact = picture(&ways[0])?;
+    // The first method of each layout.
+    let mut exact: Option<(DirectMap, Picture)> = None;
     let methods = ways.iter().map(|way| {
-        let differing = if way.method.is_cube() { None } else { Some(differing(&exact, &picture(way)?)) };
+        let own = picture(way)?;
+        if let Some(own) = own.as_ref().filter(|_| exact.as_ref().is_none_or(|(map, _)| *map != way.map)) {
+            exact = Some((way.map, own.clone()));
+        }
+        let differing = own.as_ref().zip(exact.as_ref()).map(|(own, (_, exact))| differing(exact, own));
         let drawn = block_on(Some(context), way.frame.triangles(context))??;
         let time = timing(way.seconds.clone());
         Ok(Row {
             method: way.name,
-            pixels: if way.method.is_cube() { 6 * FACE * FACE } else { OEM * OEM },
+            layout: match way.map {
+                DirectMap::Octahedral { .. } => "quadratic",
+                DirectMap::Rectangular { .. } => "rectangular",
+                DirectMap::Cube { .. } => "cube",
+            },
+            pixels: way.map.pixels(),
             drawn: drawn.into_iter().map(u64::from).sum(),
             time,
             list: (!way.list_seconds.is_empty()).then(|| timing(way.list_seconds.clone())),

@@ -80,8 +80,9 @@ pub(super) struct SceneArgs {
     proxy: Option<Proxy>,
     /// How the probes are drawn [default: octants]
     ///
-    /// octants, clip-mask and strict-split draw into the octahedral map, exactly; per-corner does so wrongly;
-    /// cube and whole-cube draw six faces of as many texels and resample them. docs/direct.md explains them.
+    /// octants, clip-mask and strict-split draw into the octahedral map, exactly; xz-split, edge-strip and
+    /// per-corner do so wrongly; cube and whole-cube draw six faces of as many texels and resample them.
+    /// docs/direct.md explains them.
     #[arg(long, value_name = "METHOD", default_value = "octants", requires = "scene")]
     #[arg(hide_default_value = true, hide_possible_values = true)]
     direct: Method,

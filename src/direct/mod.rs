@@ -1,6 +1,9 @@
 //! Triangles around the origin, to be drawn straight into maps of the sphere.
 
+mod map;
 pub mod scene;
+
+pub use map::DirectMap;
 
 use crate::error::{Error, Result};
 

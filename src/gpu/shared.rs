@@ -70,6 +70,8 @@ pub fn constants() -> Vec<Constant> {
         one("direct/cull.wgsl", "PLANES", direct::view::PLANES as u32),
         one("direct/cull.wgsl", "VIEWS", direct::view::VIEWS as u32),
         one("direct/offsets.wgsl", "GROUP_SIZE", direct::list::GROUP_SIZE),
+        one("direct/split.wgsl", "CUT_EDGES", direct::list::Cut::Edges as u32),
+        one("direct/split.wgsl", "CUT_OCTANTS", direct::list::Cut::Octants as u32),
         one("direct/split.wgsl", "GROUP_SIZE", direct::list::GROUP_SIZE),
         one("direct/split.wgsl", "PIECES", direct::list::PIECES),
         one("emitters.wgsl", "BATCH", emitters::BATCH),

@@ -1,10 +1,11 @@
-//! Rays through the pixels of an octahedral map against triangles: what drawing into the map must show.
+//! Rays through the pixels of an octahedral map, in either layout, against triangles: what drawing into the
+//! map must show.
 //!
 //! A ray from the origin along p meets the triangle a, b, c at the point of barycentric coordinates l /
 //! sum(l) with l = [a b c]^-1 p, by Cramer's rule. With |p| = 1 in the 1-norm, the point is at distance 1 /
 //! sum(l) in that norm. No projection, clipping or rasterisation takes part.
 
-use crate::direct::{Triangles, check_near};
+use crate::direct::{DirectMap, Triangles, check_near};
 use crate::error::{Error, Result};
 use crate::sphere::octahedral::{octahedron_from_oct, texel_centre};
 use glam::{DVec2, DVec3};
@@ -48,22 +49,57 @@ pub enum Cover {
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleOracle<'a> {
     triangles: &'a Triangles,
-    size: u32,
+    map: DirectMap,
     near: f64,
 }
 
 impl<'a> TriangleOracle<'a> {
-    /// An oracle for the square map of `size` pixels along an edge. Points nearer than `near` in the 1-norm
-    /// are invisible.
+    /// An oracle for `map`. Points nearer than `near` in the 1-norm are invisible.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an odd `size`, 0, or an invalid `near`.
-    pub fn new(triangles: &'a Triangles, size: u32, near: f32) -> Result<Self> {
+    /// [`Error::Parameter`] for a cube, an odd size, 0, or an invalid `near`.
+    pub fn new(triangles: &'a Triangles, map: DirectMap, near: f32) -> Result<Self> {
         check_near(near)?;
+        let size = map.size();
+        if map.is_cube() {
+            return Err(Error::Parameter("a cube has no octants; choose an octahedral map".to_owned()));
+        }
         if size == 0 || size % 2 == 1 {
             return Err(Error::Parameter(format!("a map of {size} x {size} pixels; choose an even size")));
         }
-        Ok(Self { triangles, size, near: f64::from(near) })
+        Ok(Self { triangles, map, near: f64::from(near) })
+    }
+
+    /// The point on the octahedron at the centre of pixel (`x`, `y`), and how it moves along rows and columns
+    /// of pixels, in the octant of that centre.
+    fn point(&self, x: u32, y: u32) -> [DVec3; 3] {
+        let size = self.map.size();
+        let pixel = 2.0 / f64::from(size);
+        let sign = |t: f64| if t >= 0.0 { 1.0 } else { -1.0 };
+        if self.map.squares() == 1 {
+            let uv = texel_centre(size, x, y);
+            let p = octahedron_from_oct(uv);
+            let (sx, sz) = (sign(uv.x), sign(uv.y));
+            return if p.y >= 0.0 {
+                [p, pixel * DVec3::new(1.0, -sx, 0.0), pixel * DVec3::new(0.0, -sz, 1.0)]
+            } else {
+                [p, pixel * DVec3::new(0.0, -sx, -sx * sz), pixel * DVec3::new(-sx * sz, -sz, 0.0)]
+            };
+        }
+        // x and z are half the sum and the difference of the coordinates from the square's middle, of which
+        // the lower square is the mirror image. In halves of pixels they are integers, so that 0 is exact.
+        let lower = x >= size;
+        let from_middle = |at: u32| 2.0 * f64::from(at % size) + 1.0 - f64::from(size);
+        let half = if lower { -0.5 } else { 0.5 };
+        let (across, down) = (half * from_middle(x), 0.5 * from_middle(y));
+        let on_plane = |x: f64, z: f64, height: f64| DVec3::new(x, 2.0 * half * height, z) * pixel;
+        let (px, pz) = (down + across, down - across);
+        let (sx, sz) = (sign(px), sign(pz));
+        [
+            on_plane(0.5 * px, 0.5 * pz, 0.5 * (f64::from(size) - px.abs() - pz.abs())),
+            on_plane(half, -half, half * (sz - sx)),
+            on_plane(0.5, 0.5, -0.5 * (sx + sz)),
+        ]
     }
 
     /// Triangle `index` at pixel (`x`, `y`).
@@ -71,18 +107,8 @@ impl<'a> TriangleOracle<'a> {
     pub fn cover(&self, x: u32, y: u32, index: usize) -> Cover {
         let corners = self.triangles.triangle(index);
         let [a, b, c] = corners.map(|corner| DVec3::from_array(corner.position.map(f64::from)));
-        let uv = texel_centre(self.size, x, y);
-        let p = octahedron_from_oct(uv);
-        // How p moves with a pixel, in the octant of the pixel's centre.
-        let sign = |t: f64| if t >= 0.0 { 1.0 } else { -1.0 };
-        let (sx, sz) = (sign(uv.x), sign(uv.y));
-        let (along_u, along_v) = if p.y >= 0.0 {
-            (DVec3::new(1.0, -sx, 0.0), DVec3::new(0.0, -sz, 1.0))
-        } else {
-            (DVec3::new(0.0, -sx, -sx * sz), DVec3::new(-sx * sz, -sz, 0.0))
-        };
-        let pixel = 2.0 / f64::from(self.size);
-        let gradient = |normal: DVec3| pixel * DVec2::new(normal.dot(along_u), normal.dot(along_v));
+        let [p, along_row, along_column] = self.point(x, y);
+        let gradient = |normal: DVec3| DVec2::new(normal.dot(along_row), normal.dot(along_column));
         // Distance in pixels from the line where a linear function vanishes.
         let distance = |height: f64, gradient: DVec2| match height {
             0.0 => 0.0,
@@ -143,7 +169,7 @@ impl<'a> TriangleOracle<'a> {
             return if far > DOUBT { Cover::Outside } else { Cover::Doubtful };
         }
         // All corners on one line through the origin: a point. The map's density varies by less than 3.
-        let angle = 3.0 * 2.0 / f64::from(self.size);
+        let angle = 3.0 * 2.0 / f64::from(self.map.size());
         let is_close = |corner: &DVec3| corner.cross(p).length() <= angle * corner.length() * p.length();
         if corners.iter().any(is_close) { Cover::Doubtful } else { Cover::Outside }
     }

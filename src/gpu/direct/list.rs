@@ -14,6 +14,31 @@ pub const GROUP_SIZE: u32 = 256;
 /// Triangles of the pieces of a triangle, at most.
 pub const PIECES: u32 = 13;
 
+/// How a triangle is cut into pieces, by its number in the shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Cut {
+    /// At the three coordinate planes.
+    Octants = 0,
+    /// At the plane y = 0.
+    Halves = 1,
+    /// At the plane y = 0, and the edges of both parts at the other planes.
+    Edges = 2,
+}
+
+impl Cut {
+    /// Triangles of the pieces of a triangle, at most.
+    const fn pieces(self) -> u32 {
+        match self {
+            Self::Octants => PIECES,
+            // A triangle and a quadrilateral.
+            Self::Halves => 3,
+            // Each has at most four corners more.
+            Self::Edges => 11,
+        }
+    }
+}
+
 /// Words of the arguments of a draw.
 const DRAW_WORDS: u64 = 5;
 
@@ -40,9 +65,10 @@ shader::members!(Cull { planes, triangles, chunks, slack, pad });
 pub struct Split {
     triangles: u32,
     chunks: u32,
+    cut: u32,
 }
 
-shader::members!(Split { triangles, chunks });
+shader::members!(Split { triangles, chunks, cut });
 
 /// Uniform of the sums of counts.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -114,18 +140,18 @@ impl Lists {
         list.build(context, mesh, &uniform)
     }
 
-    /// The pieces of the triangles of `mesh` that lie in one octant each, three corners per triangle.
+    /// The pieces of the triangles of `mesh`, three corners per triangle.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] if they exceed the device's buffers.
-    pub(super) fn pieces(&self, context: &Context, mesh: &DirectMesh) -> Result<List> {
+    pub(super) fn pieces(&self, context: &Context, mesh: &DirectMesh, cut: Cut) -> Result<List> {
         let triangles = mesh.triangles;
         let chunks = triangles.div_ceil(GROUP_SIZE);
-        let uniform = context.uniform("split", &Split { triangles, chunks });
+        let uniform = context.uniform("split", &Split { triangles, chunks, cut: cut as u32 });
         let list = Plan {
             label: "direct split",
             lists: 1,
-            room: triangles.saturating_mul(PIECES),
+            room: triangles.saturating_mul(cut.pieces()),
             bytes_per_triangle: 3 * size_of::<Corner>() as u64,
             usage: wgpu::BufferUsages::VERTEX,
             pipelines: [&self.count_pieces, &self.sum_chunks, &self.write_pieces],

@@ -1,4 +1,4 @@
-//! Draws triangles straight into octahedral maps, and into cubes for comparison.
+//! Draws triangles straight into octahedral maps of either layout, and into cubes for comparison.
 //!
 //! ```text
 //! triangles --cull--> lists of triangles by octant --draw x 8--> octahedral map
@@ -24,9 +24,8 @@ use super::Context;
 use super::device::timer::Timer;
 use super::device::{readback, shader};
 use crate::direct::{Corner, check_near};
-use crate::environment::Layout;
 use crate::error::{Error, Result};
-use list::{List, Lists};
+use list::{Cut, List, Lists};
 use target::{DEPTH, check_format};
 use view::Bounded;
 
@@ -43,6 +42,13 @@ pub enum Method {
     ClipMask,
     /// One draw of the pieces of triangles that were cut at the coordinate planes: their *strict split*.
     StrictSplit,
+    /// One draw of the parts of triangles above and below the plane y = 0, each corner projected by its own
+    /// octant: their *XZ-split* for the rectangular layout, where either hemisphere is continuous. Wrong
+    /// wherever a part leaves an octant; in the quadratic layout's lower half, as wrong as `PerCorner`.
+    XzSplit,
+    /// The same parts, with further corners where their edges cross the planes x = 0 and z = 0, as triangle
+    /// strips: their *edge strip*. Outlines of parts are right, what is interpolated within them is not.
+    EdgeStrip,
     /// One draw of whole triangles, each corner projected by its own octant: the error of their figure 2
     /// wherever a triangle leaves an octant.
     PerCorner,
@@ -54,13 +60,31 @@ pub enum Method {
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 6] =
-        [Self::Octants, Self::ClipMask, Self::StrictSplit, Self::PerCorner, Self::Cube, Self::WholeCube];
+    pub const ALL: [Self; 8] = [
+        Self::Octants,
+        Self::ClipMask,
+        Self::StrictSplit,
+        Self::XzSplit,
+        Self::EdgeStrip,
+        Self::PerCorner,
+        Self::Cube,
+        Self::WholeCube,
+    ];
 
     /// Whether the target is a cube.
     #[must_use]
     pub const fn is_cube(self) -> bool {
         matches!(self, Self::Cube | Self::WholeCube)
+    }
+
+    /// How triangles are cut into pieces before they are drawn.
+    const fn cut(self) -> Option<Cut> {
+        match self {
+            Self::StrictSplit => Some(Cut::Octants),
+            Self::XzSplit => Some(Cut::Halves),
+            Self::EdgeStrip => Some(Cut::Edges),
+            Self::Octants | Self::ClipMask | Self::PerCorner | Self::Cube | Self::WholeCube => None,
+        }
     }
 }
 
@@ -144,22 +168,24 @@ impl Direct {
                 self.format
             )));
         }
-        if method.is_cube() != matches!(target.layout(), Layout::Cube { .. }) {
+        let map = target.map();
+        if method.is_cube() != map.is_cube() {
             return Err(Error::Parameter(format!(
-                "{method:?} cannot draw into {:?}; choose {}",
-                target.layout(),
+                "{method:?} cannot draw into {map:?}; choose {}",
                 if method.is_cube() { "a cube" } else { "an octahedral map" }
             )));
         }
         let views = match method {
-            Method::Octants | Method::ClipMask => view::octants(target.size, near),
-            Method::StrictSplit | Method::PerCorner => vec![view::square(target.size, near)],
-            Method::Cube | Method::WholeCube => view::faces(target.size, near),
+            Method::Octants | Method::ClipMask => view::octants(map, near),
+            Method::Cube | Method::WholeCube => view::faces(map.size(), near),
+            Method::StrictSplit | Method::XzSplit | Method::EdgeStrip | Method::PerCorner => {
+                vec![view::whole(map, near)]
+            }
         };
-        let list = match method {
-            Method::Octants | Method::Cube => Some(self.lists.kept(&self.context, mesh, &views)?),
-            Method::StrictSplit => Some(self.lists.pieces(&self.context, mesh)?),
-            Method::ClipMask | Method::PerCorner | Method::WholeCube => None,
+        let list = match (method, method.cut()) {
+            (Method::Octants | Method::Cube, _) => Some(self.lists.kept(&self.context, mesh, &views)?),
+            (_, Some(cut)) => Some(self.lists.pieces(&self.context, mesh, cut)?),
+            (_, None) => None,
         };
         let draws =
             views.iter().enumerate().map(|(index, bounded)| self.draw(method, mesh, &list, index, bounded));
@@ -189,13 +215,13 @@ impl Direct {
         let group = view_group(self.context.device(), &self.group, &uniform);
         let pipeline = match method {
             Method::Octants | Method::ClipMask => &self.own_octant,
-            Method::StrictSplit => &self.pieces,
+            Method::StrictSplit | Method::XzSplit | Method::EdgeStrip => &self.pieces,
             Method::PerCorner => &self.per_corner,
             Method::Cube | Method::WholeCube => &self.whole,
         };
         let offset = List::draw_offset(index);
-        let (corners, source) = match (method, list) {
-            (Method::StrictSplit, Some(list)) => (&list.content, Source::Pieces(list.draws.clone())),
+        let (corners, source) = match (method.cut(), list) {
+            (Some(_), Some(list)) => (&list.content, Source::Pieces(list.draws.clone())),
             (_, Some(list)) => {
                 (&mesh.corners, Source::Listed(list.content.clone(), list.draws.clone(), offset))
             }

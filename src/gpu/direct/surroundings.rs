@@ -2,8 +2,7 @@
 
 use super::view::{Bounded, octants};
 use super::{DirectTarget, cleared, view_group};
-use crate::direct::{MOST, check_near};
-use crate::environment::Layout;
+use crate::direct::{DirectMap, MOST, check_near};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use glam::DVec3;
@@ -24,9 +23,9 @@ impl Surroundings {
     /// Those of [`DirectTarget::new`].
     pub(in crate::gpu) fn new(context: &Context, layout: &wgpu::BindGroupLayout, size: u32) -> Result<Self> {
         let format = wgpu::TextureFormat::Rgba16Float;
-        let target = DirectTarget::new(context, Layout::Octahedral { size }, format)?;
+        let target = DirectTarget::new(context, DirectMap::Octahedral { size }, format)?;
         let [colour, depth] = target.views(0);
-        let views = octants(size, 1.0).into_iter().map(|Bounded { view, .. }| {
+        let views = octants(target.map(), 1.0).into_iter().map(|Bounded { view, .. }| {
             let uniform = context.uniform("direct view", &view);
             let group = view_group(context.device(), layout, &uniform);
             (uniform, group)
@@ -58,7 +57,7 @@ impl Surroundings {
                 "`centre` is at {centre}; coordinates must be finite and at most {MOST:e}"
             )));
         }
-        let octants = octants(self.target.size, near);
+        let octants = octants(self.target.map(), near);
         for ((uniform, _), Bounded { view, .. }) in self.views.iter().zip(&octants) {
             let view = view.around(centre.as_vec3().to_array());
             context.queue().write_buffer(uniform, 0, bytemuck::bytes_of(&view));

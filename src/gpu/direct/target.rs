@@ -1,6 +1,6 @@
 //! Textures that triangles are drawn into.
 
-use crate::environment::Layout;
+use crate::direct::DirectMap;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 
@@ -10,45 +10,39 @@ pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// A colour texture and its depth.
 #[derive(Clone, Debug)]
 pub struct DirectTarget {
-    pub(super) layout: Layout,
-    pub(super) size: u32,
+    pub(super) map: DirectMap,
     colour: wgpu::Texture,
     depth: wgpu::Texture,
 }
 
 impl DirectTarget {
-    /// Textures for the square octahedral map, or for six faces of a cube, as `layout` has it. The colour has
-    /// `format`; both have the usages of an attachment and of a texture, and can be copied from.
+    /// Textures for `map`. The colour has `format`; both have the usages of an attachment and of a texture,
+    /// and can be copied from.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a panorama, an octahedral map of odd size, a size of 0 or beyond the device's
-    /// textures, and formats other than `Rgba16Float` and `Rgba32Float`.
-    pub fn new(context: &Context, layout: Layout, format: wgpu::TextureFormat) -> Result<Self> {
+    /// [`Error::Parameter`] for an octahedral map of odd size, a size of 0 or beyond the device's textures,
+    /// and formats other than `Rgba16Float` and `Rgba32Float`.
+    pub fn new(context: &Context, map: DirectMap, format: wgpu::TextureFormat) -> Result<Self> {
         let invalid = |message: String| Err(Error::Parameter(message));
-        let (size, layers) = match layout {
-            Layout::Octahedral { size } => (size, 1),
-            Layout::Cube { size } => (size, 6),
-            Layout::Panorama { .. } => {
-                return invalid(
-                    "triangles cannot be drawn into a panorama; draw into an octahedral map or a cube"
-                        .to_owned(),
-                );
-            }
-        };
-        let most = context.device().limits().max_texture_dimension_2d;
+        let size = map.size();
+        let most = context.device().limits().max_texture_dimension_2d / map.squares();
         if !(1..=most).contains(&size) {
             return invalid(format!("a target of {size} x {size} pixels; choose 1 to {most}"));
         }
-        if layers == 1 && size % 2 == 1 {
+        if !map.is_cube() && size % 2 == 1 {
             return invalid(format!(
                 "an octahedral map of {size} x {size} pixels has pixels in two octants; choose an even size"
             ));
         }
         check_format(format)?;
-        let texture = |label, format, depth_or_array_layers| {
+        let texture = |label, format| {
             context.device().create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
-                size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers },
+                size: wgpu::Extent3d {
+                    width: map.squares() * size,
+                    height: size,
+                    depth_or_array_layers: map.layers(),
+                },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
@@ -59,14 +53,14 @@ impl DirectTarget {
                 view_formats: &[],
             })
         };
-        let colour = texture("direct colour", format, layers);
-        Ok(Self { layout, size, colour, depth: texture("direct depth", DEPTH, layers) })
+        let colour = texture("direct colour", format);
+        Ok(Self { map, colour, depth: texture("direct depth", DEPTH) })
     }
 
     /// The map and its size.
     #[must_use]
-    pub const fn layout(&self) -> Layout {
-        self.layout
+    pub const fn map(&self) -> DirectMap {
+        self.map
     }
 
     /// The colour: a layer per face of a cube.

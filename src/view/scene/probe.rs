@@ -2,8 +2,7 @@
 
 use super::content::Scene;
 use super::uniforms::{POSE_GROUP, PoseUniform};
-use crate::direct::check_near;
-use crate::environment::Layout;
+use crate::direct::{DirectMap, check_near};
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::gpu::device::shader;
@@ -133,13 +132,13 @@ impl Probe {
         let triangles = scene.triangles(0.0, scene.place(part, 0.0), Some(part))?;
         let mesh = DirectMesh::upload(context, &triangles)?;
         let mut live = LiveEnvironment::with_passes(context, &passes.live, size)?;
-        let layout = if method.is_cube() {
+        let map = if method.is_cube() {
             // As many texels.
-            Layout::Cube { size: ((f64::from(live.size()).powi(2) / 6.0).sqrt().round() as u32).max(2) }
+            DirectMap::Cube { size: ((f64::from(live.size()).powi(2) / 6.0).sqrt().round() as u32).max(2) }
         } else {
-            Layout::Octahedral { size: live.size() }
+            DirectMap::Octahedral { size: live.size() }
         };
-        let target = DirectTarget::new(context, layout, FORMAT)?;
+        let target = DirectTarget::new(context, map, FORMAT)?;
         let frame = passes.direct.frame(method, &mesh, &target, NEAR)?;
         let glossy = scene.glossy();
         let matte = 0..scene.parts.get(glossy.start).map_or(0, |part| part.corners.start);

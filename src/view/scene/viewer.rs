@@ -27,10 +27,12 @@ const COARSEST: f64 = 10.0;
 const TIMES: Duration = Duration::from_millis(500);
 
 /// Drawing methods and their names.
-const METHODS: [(Method, &str); 6] = [
+const METHODS: [(Method, &str); 8] = [
     (Method::Octants, "octants"),
     (Method::ClipMask, "clip mask"),
     (Method::StrictSplit, "strict split"),
+    (Method::XzSplit, "XZ-split (wrong)"),
+    (Method::EdgeStrip, "edge strip (wrong)"),
     (Method::PerCorner, "per corner (wrong)"),
     (Method::Cube, "cube"),
     (Method::WholeCube, "whole cube"),

@@ -2,12 +2,33 @@
 
 use crate::support::common::Random;
 use crate::support::meshes::{closed, mesh};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use octagloss::internals::analysis::oracle::{Cover, TriangleOracle};
-use octagloss::internals::direct::Triangles;
-use octagloss::internals::sphere::octahedral::{direction_from_oct, texel_centre};
+use octagloss::internals::direct::{DirectMap, Triangles};
+use octagloss::internals::sphere::map::SphereMap as _;
+use octagloss::internals::sphere::octahedral::{Octahedral, texel_centre};
+use octagloss::internals::sphere::octahedral_rectangular::OctahedralRectangular;
 
 const NEAR: f32 = 0.25;
+
+/// Both layouts.
+fn maps(size: u32) -> [DirectMap; 2] {
+    [DirectMap::Octahedral { size }, DirectMap::Rectangular { size }]
+}
+
+fn pixels(map: DirectMap) -> impl Iterator<Item = (u32, u32)> {
+    let (width, height) = (map.squares() * map.size(), map.size());
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
+/// The direction of a pixel's centre.
+fn ray(map: DirectMap, x: u32, y: u32) -> DVec3 {
+    if map.squares() == 1 {
+        return Octahedral.direction(0, texel_centre(map.size(), x, y));
+    }
+    // A pixel spans as much in both layouts; the rectangle begins at u = -2.
+    OctahedralRectangular.direction(0, texel_centre(map.size(), x, y) - DVec2::X)
+}
 
 fn soup(seed: u64) -> Triangles {
     let mut random = Random::new(seed);
@@ -19,11 +40,11 @@ fn soup(seed: u64) -> Triangles {
 fn hits_lie_on_the_ray_and_in_front() {
     let size = 24;
     let mut hits = 0;
-    for seed in 0..8 {
+    for (seed, map) in (0..8).flat_map(|seed| maps(size).map(|map| (seed, map))) {
         let soup = soup(seed);
-        let oracle = TriangleOracle::new(&soup, size, NEAR).expect("a valid map");
-        for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
-            let ray = direction_from_oct(texel_centre(size, x, y));
+        let oracle = TriangleOracle::new(&soup, map, NEAR).expect("a valid map");
+        for (x, y) in pixels(map) {
+            let ray = ray(map, x, y);
             for hit in oracle.pixel(x, y).0 {
                 let [a, b, c, one] = hit.value;
                 let at = DVec3::new(a, b, c);
@@ -45,30 +66,37 @@ fn hits_lie_on_the_ray_and_in_front() {
 
 #[test]
 fn a_closed_surface_is_hit_once() {
-    let (surface, size) = (closed(4, Some(7), 0.5..2.0), 34);
-    let oracle = TriangleOracle::new(&surface, size, NEAR).expect("a valid map");
-    let mut doubts = 0;
-    for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
-        let (hits, doubtful) = oracle.pixel(x, y);
-        assert!(hits.len() == 1 || hits.is_empty() && doubtful > 0, "({x}, {y})");
-        doubts += usize::from(hits.is_empty());
+    let surface = closed(4, Some(7), 0.5..2.0);
+    for map in maps(34) {
+        let oracle = TriangleOracle::new(&surface, map, NEAR).expect("a valid map");
+        let mut doubts = 0;
+        for (x, y) in pixels(map) {
+            let (hits, doubtful) = oracle.pixel(x, y);
+            assert!(hits.len() == 1 || hits.is_empty() && doubtful > 0, "({x}, {y})");
+            doubts += u32::from(hits.is_empty());
+        }
+        // A band of an eighth of a pixel around about 200 edges.
+        assert!(doubts < map.pixels() / 3, "{doubts} doubtful pixels");
     }
-    // A band of an eighth of a pixel around about 200 edges.
-    assert!(doubts < 34 * 34 / 3, "{doubts} doubtful pixels");
 }
 
 #[test]
 fn changes_are_slopes() {
-    let size = 256;
     let step = |from: f64, to: f64, slope: f64| (to - from).abs() <= 1.05 * slope + 1e-9;
-    let (mut steps, mut steep) = (0, 0);
     let soup = soup(3);
-    let oracle = TriangleOracle::new(&soup, size, NEAR).expect("a valid map");
-    // A row within one octant.
-    for x in 130..180 {
-        for index in 0..soup.count() {
-            let [here, next] = [x, x + 1].map(|x| oracle.cover(x, 140, index));
-            if let (Cover::Inside(here), Cover::Inside(next)) = (here, next) {
+    // Pixels of rows and columns within one octant.
+    for (map, columns, rows) in [
+        (DirectMap::Octahedral { size: 256 }, 130..180, 140..145),
+        (DirectMap::Rectangular { size: 256 }, 90..140, 190..195),
+        (DirectMap::Rectangular { size: 256 }, 490..495, 90..140),
+    ] {
+        let oracle = TriangleOracle::new(&soup, map, NEAR).expect("a valid map");
+        let (mut steps, mut steep) = (0, 0);
+        let places = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
+        for ((x, y), index) in places.flat_map(|at| (0..soup.count()).map(move |index| (at, index))) {
+            let Cover::Inside(here) = oracle.cover(x, y, index) else { continue };
+            for next in [oracle.cover(x + 1, y, index), oracle.cover(x, y + 1, index)] {
+                let Cover::Inside(next) = next else { continue };
                 assert!(step(here.depth, next.depth, here.depth_change));
                 for k in 0..4 {
                     // Between the pixels the slope of a quotient is between theirs.
@@ -79,8 +107,8 @@ fn changes_are_slopes() {
                 steep += usize::from((next.depth - here.depth).abs() > 0.3 * here.depth_change);
             }
         }
+        assert!(steps > 200 && steep > 40, "{steep} of {steps} in {map:?}");
     }
-    assert!(steps > 50 && steep > 10, "{steep} of {steps}");
 }
 
 #[test]
@@ -95,9 +123,10 @@ fn planes_through_the_centre_are_seen_from_their_edge() {
         (flat([[1.0, 1.0, 0.2], [1.0, 1.0, 0.2], [-1.0, 0.4, 0.2]]), 32 * 6),
         (flat([[1.0, 1.0, 0.2], [2.0, 2.0, 0.4], [3.0, 3.0, 0.6]]), 64),
     ] {
-        let oracle = TriangleOracle::new(&triangle, size, NEAR).expect("a valid map");
+        let map = DirectMap::Octahedral { size };
+        let oracle = TriangleOracle::new(&triangle, map, NEAR).expect("a valid map");
         let mut doubtful = 0;
-        for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
+        for (x, y) in pixels(map) {
             match oracle.cover(x, y, 0) {
                 Cover::Inside(hit) => panic!("{hit:?} at ({x}, {y})"),
                 Cover::Doubtful => doubtful += 1,
@@ -109,10 +138,14 @@ fn planes_through_the_centre_are_seen_from_their_edge() {
 }
 
 #[test]
-fn odd_maps_are_errors() {
+fn odd_maps_and_cubes_are_errors() {
     let soup = soup(1);
-    for size in [0, 7] {
-        let message = TriangleOracle::new(&soup, size, NEAR).expect_err("a bad size").to_string();
+    let message =
+        |map| TriangleOracle::new(&soup, map, NEAR).expect_err("a map without an oracle").to_string();
+    for (size, map) in [0, 7].into_iter().flat_map(|size| maps(size).map(|map| (size, map))) {
+        let message = message(map);
         assert!(message.contains(&size.to_string()) && message.contains("even"), "{message}");
     }
+    let message = message(DirectMap::Cube { size: 8 });
+    assert!(message.contains("choose an octahedral map"), "{message}");
 }

@@ -637,6 +637,7 @@ fn bench_of_drawing_prints_json() {
     assert_eq!(bench["triangles"], 104_992);
     let rows = bench["methods"].as_array().expect("a list");
     let row = |name: &str| rows.iter().find(|row| row["method"] == name).expect("a method");
+    let rectangular: Vec<_> = rows.iter().filter(|row| row["layout"] == "rectangular").collect();
     for row in rows {
         assert!(row["over_cube"].as_f64().expect("a number") > 0.0, "{row}");
     }
@@ -646,9 +647,16 @@ fn bench_of_drawing_prints_json() {
     let corners = row("per corner")["differing"].as_f64().expect("a number");
     assert!(strict < 0.001 && corners > 10.0 * strict, "{strict} and {corners}");
     assert_eq!(row("strict split")["paper_frames_per_second"], 16.0);
+    // Next to the octants of their own layout.
+    assert_eq!((&rectangular[0]["method"], &rectangular[0]["pixels"]), (&"octants".into(), &262_088.into()));
+    for name in ["XZ-split", "edge strip"] {
+        assert_eq!(row(name)["layout"], "rectangular");
+        let share = row(name)["differing"].as_f64().expect("a number");
+        assert!(share > 0.0 && share < 0.01, "{name}: {share}");
+    }
     // Lists hold few triangles more than once; few triangles are cut.
     let drawn = |name: &str| row(name)["drawn"].as_u64().expect("a number");
-    for name in ["octants", "cube", "strict split"] {
+    for name in ["octants", "cube", "strict split", "XZ-split", "edge strip"] {
         assert!((104_993..115_000).contains(&drawn(name)), "{name}: {}", drawn(name));
     }
     assert_eq!((drawn("clip mask"), drawn("whole cube")), (8 * 104_992, 6 * 104_992));

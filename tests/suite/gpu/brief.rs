@@ -8,6 +8,7 @@ use super::{
 };
 use crate::support::common::{Look, Random, oem as oem_of, texels};
 use octagloss::Layout;
+use octagloss::internals::direct::DirectMap;
 use octagloss::internals::gpu::copy::Copy;
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::sat_f32::SatF32;
@@ -149,9 +150,10 @@ fn small_fitted_lobes_match_the_cpu() {
 #[test]
 fn drawn_triangles_match_the_oracle() {
     on_every_adapter("brief: triangles", |context| {
-        direct::closed_surfaces(context, &[(3, 16)]);
+        let [square, rectangle] = [DirectMap::Octahedral { size: 16 }, DirectMap::Rectangular { size: 12 }];
+        direct::closed_surfaces(context, &[(3, square), (3, rectangle)]);
         direct::cubes(context, &[(3, 7)]);
-        direct::per_corner(context);
+        direct::approximate(context);
     });
 }
 

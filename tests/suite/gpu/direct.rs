@@ -9,7 +9,7 @@ use crate::support::meshes::{closed, mesh};
 use glam::DVec3;
 use half::f16;
 use octagloss::internals::analysis::oracle::{Hit, TriangleOracle};
-use octagloss::internals::direct::{Corner, Triangles};
+use octagloss::internals::direct::{Corner, DirectMap, Triangles};
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::direct::{Direct, DirectMesh, DirectTarget, Method, Overlap};
 use octagloss::internals::gpu::reparameterise::Reparameterise;
@@ -61,11 +61,11 @@ fn draw(
     format: wgpu::TextureFormat,
     method: Method,
     triangles: &Triangles,
-    layout: Layout,
+    map: DirectMap,
     near: f32,
 ) -> DirectTarget {
     let mesh = DirectMesh::upload(context, triangles).expect("a mesh that fits");
-    let target = DirectTarget::new(context, layout, format).expect("a target");
+    let target = DirectTarget::new(context, map, format).expect("a target");
     let frame = direct.frame(method, &mesh, &target, near).expect("a frame");
     context.submit(|encoder| frame.record(encoder));
     target
@@ -76,12 +76,12 @@ fn counts(
     context: &Context,
     method: Method,
     triangles: &Triangles,
-    layout: Layout,
+    map: DirectMap,
     near: f32,
     layer: u32,
 ) -> Vec<usize> {
     let direct = &PIPELINES[index(context)].sum;
-    let target = draw(context, direct, wgpu::TextureFormat::Rgba16Float, method, triangles, layout, near);
+    let target = draw(context, direct, wgpu::TextureFormat::Rgba16Float, method, triangles, map, near);
     let texels: Vec<[u16; 4]> = wait(context, readback::read_layer(context, target.colour(), layer));
     texels.iter().map(|texel| f16::from_bits(texel[3]).to_f32().round() as usize).collect()
 }
@@ -91,12 +91,12 @@ fn nearest(
     context: &Context,
     method: Method,
     triangles: &Triangles,
-    layout: Layout,
+    map: DirectMap,
     near: f32,
     layer: u32,
 ) -> (Vec<[f32; 4]>, Vec<f32>) {
     let direct = &PIPELINES[index(context)].nearest;
-    let target = draw(context, direct, wgpu::TextureFormat::Rgba32Float, method, triangles, layout, near);
+    let target = draw(context, direct, wgpu::TextureFormat::Rgba32Float, method, triangles, map, near);
     let values = wait(context, readback::read_layer(context, target.colour(), layer));
     (values, wait(context, readback::read_layer(context, target.depth(), layer)))
 }
@@ -113,38 +113,43 @@ fn in_full_with_zero_w(name: &str, test: impl Fn(&Context)) {
 
 /// What the rays of a map's pixels hit.
 struct Expected {
-    size: u32,
+    map: DirectMap,
     pixels: Vec<(Vec<Hit>, usize)>,
     /// The greatest value of the mesh.
     scale: f64,
 }
 
 impl Expected {
-    fn new(triangles: &Triangles, size: u32, near: f32) -> Self {
-        let oracle = TriangleOracle::new(triangles, size, near).expect("a valid map");
-        let pixels = (0..size * size).map(|k| oracle.pixel(k % size, k / size)).collect();
+    fn new(triangles: &Triangles, map: DirectMap, near: f32) -> Self {
+        let oracle = TriangleOracle::new(triangles, map, near).expect("a valid map");
+        let width = map.squares() * map.size();
+        let pixels = (0..map.pixels()).map(|k| oracle.pixel(k % width, k / width)).collect();
         let values = triangles.corners().iter().flat_map(|corner| corner.value);
         let scale = values.fold(1.0, |most: f64, value| most.max(f64::from(value.abs())));
-        Self { size, pixels, scale }
+        Self { map, pixels, scale }
     }
 
-    /// Describes the first pixel whose count is impossible.
-    fn wrong_count(&self, counts: &[usize]) -> Option<String> {
+    /// Column and row of pixel `k`.
+    fn place(&self, k: usize) -> (usize, usize) {
+        let width = (self.map.squares() * self.map.size()) as usize;
+        (k % width, k / width)
+    }
+
+    /// Describes every pixel whose count is impossible.
+    fn wrong_counts(&self, counts: &[usize]) -> impl Iterator<Item = String> {
         assert_eq!(counts.len(), self.pixels.len());
-        let wrong = |(k, (hits, doubtful)): (usize, &(Vec<Hit>, usize))| {
+        self.pixels.iter().zip(counts).enumerate().filter_map(|(k, ((hits, doubtful), count))| {
             let allowed = hits.len()..=hits.len() + doubtful;
-            let place = (k % self.size as usize, k / self.size as usize);
-            (!allowed.contains(&counts[k])).then(|| format!("{} at {place:?}, not {allowed:?}", counts[k]))
-        };
-        self.pixels.iter().enumerate().find_map(wrong)
+            (!allowed.contains(count)).then(|| format!("{count} at {:?}, not {allowed:?}", self.place(k)))
+        })
     }
 
-    /// Describes the first pixel that shows something else than its nearest hit, or one as near.
-    fn wrong_value(&self, values: &[[f32; 4]], depths: &[f32]) -> Option<String> {
+    /// Describes every pixel that shows something else than its nearest hit, or one as near.
+    fn wrong_values(&self, values: &[[f32; 4]], depths: &[f32]) -> impl Iterator<Item = String> {
         assert_eq!((values.len(), depths.len()), (self.pixels.len(), self.pixels.len()));
-        (0..values.len()).find_map(|k| {
-            let (hits, doubtful) = &self.pixels[k];
-            let (value, depth) = (values[k].map(f64::from), f64::from(depths[k]));
+        self.pixels.iter().zip(values.iter().zip(depths)).enumerate().filter_map(|(k, (pixel, shown))| {
+            let (hits, doubtful) = pixel;
+            let (value, depth) = (shown.0.map(f64::from), f64::from(*shown.1));
             if *doubtful > 0 {
                 return None;
             }
@@ -163,9 +168,19 @@ impl Expected {
                 0 => value == [0.0; 4] && depth == 0.0,
                 _ => hits.iter().filter(|hit| hit.depth + slack(hit) >= front).any(is),
             };
-            let place = (k % self.size as usize, k / self.size as usize);
+            let place = self.place(k);
             (!right).then(|| format!("{value:?} at depth {depth} in {place:?}, not {hits:?}"))
         })
+    }
+
+    /// The first wrong count.
+    fn wrong_count(&self, counts: &[usize]) -> Option<String> {
+        self.wrong_counts(counts).next()
+    }
+
+    /// The first wrong value.
+    fn wrong_value(&self, values: &[[f32; 4]], depths: &[f32]) -> Option<String> {
+        self.wrong_values(values, depths).next()
     }
 
     /// Share of pixels that are decided.
@@ -180,18 +195,22 @@ impl Expected {
 }
 
 /// Describes the first difference between the oracle and any exact method.
-fn difference(context: &Context, triangles: &Triangles, size: u32, near: f32) -> Result<Expected, String> {
-    let expected = Expected::new(triangles, size, near);
-    let layout = Layout::Octahedral { size };
+fn difference(
+    context: &Context,
+    triangles: &Triangles,
+    map: DirectMap,
+    near: f32,
+) -> Result<Expected, String> {
+    let expected = Expected::new(triangles, map, near);
     for method in METHODS {
-        if let Some(wrong) = expected.wrong_count(&counts(context, method, triangles, layout, near, 0)) {
-            return Err(format!("{method:?}, {size} pixels: {wrong}"));
+        if let Some(wrong) = expected.wrong_count(&counts(context, method, triangles, map, near, 0)) {
+            return Err(format!("{method:?}, {map:?}: {wrong}"));
         }
     }
     for method in METHODS {
-        let (values, depths) = nearest(context, method, triangles, layout, near, 0);
+        let (values, depths) = nearest(context, method, triangles, map, near, 0);
         if let Some(wrong) = expected.wrong_value(&values, &depths) {
-            return Err(format!("{method:?}, {size} pixels: {wrong}"));
+            return Err(format!("{method:?}, {map:?}: {wrong}"));
         }
     }
     Ok(expected)
@@ -236,12 +255,14 @@ fn any_triangles_match_the_oracle() {
         let mut runner = TestRunner::new_with_rng(config, random);
         let scenes = (
             proptest::collection::vec(triangle(), 1..10),
-            prop_oneof![Just(2_u32), Just(6), Just(16), Just(34)],
+            prop_oneof![Just(2_u32), Just(6), Just(16), Just(34)].prop_flat_map(|size| {
+                prop_oneof![Just(DirectMap::Octahedral { size }), Just(DirectMap::Rectangular { size })]
+            }),
             prop_oneof![Just(0.02_f32), Just(0.3), Just(1.0)],
         );
         let (decided, hits) = (Cell::new(0.0), Cell::new(0));
-        let test = |(triangles, size, near): (Vec<[DVec3; 3]>, u32, f32)| {
-            let expected = difference(context, &mesh(&triangles), size, near).map_err(TestCaseError::fail)?;
+        let test = |(triangles, map, near): (Vec<[DVec3; 3]>, DirectMap, f32)| {
+            let expected = difference(context, &mesh(&triangles), map, near).map_err(TestCaseError::fail)?;
             decided.set(decided.get() + expected.decided() / f64::from(CASES));
             hits.set(hits.get() + expected.hits());
             Ok(())
@@ -287,8 +308,10 @@ fn chosen_triangles_match_the_oracle() {
     ];
     in_full_with_zero_w("direct: chosen triangles", |context| {
         for (k, triangles) in chosen.iter().enumerate() {
-            for near in [0.05, 0.4] {
-                let expected = difference(context, &mesh(triangles), 48, near);
+            let (square, rectangle) =
+                (DirectMap::Octahedral { size: 48 }, DirectMap::Rectangular { size: 34 });
+            for (map, near) in [(square, 0.05), (square, 0.4), (rectangle, 0.1)] {
+                let expected = difference(context, &mesh(triangles), map, near);
                 let expected = expected.unwrap_or_else(|wrong| panic!("scene {k}: {wrong}"));
                 assert!(expected.decided() > 0.7 && expected.hits() > 0, "scene {k}");
             }
@@ -296,23 +319,31 @@ fn chosen_triangles_match_the_oracle() {
     });
 }
 
-/// Draws closed surfaces of so many parts into maps of so many pixels: every pixel shows one triangle, at the
-/// point on the pixel's ray.
-pub(super) fn closed_surfaces(context: &Context, cases: &[(i32, u32)]) {
-    for (parts, size) in cases {
-        for turn in [None, Some(u64::from(*size))] {
+/// The direction of the centre of pixel `k` of a square map, row by row.
+fn ray(size: u32, k: u32) -> DVec3 {
+    direction_from_oct(texel_centre(size, k % size, k / size))
+}
+
+/// Draws closed surfaces of so many parts into maps: every pixel shows one triangle, at the point on the
+/// pixel's ray.
+pub(super) fn closed_surfaces(context: &Context, cases: &[(i32, DirectMap)]) {
+    for (parts, map) in cases {
+        let size = map.size();
+        for turn in [None, Some(u64::from(size))] {
             let surface = closed(*parts, turn, 0.8..2.0);
-            let layout = Layout::Octahedral { size: *size };
             for method in METHODS {
-                let counts = counts(context, method, &surface, layout, 0.1, 0);
+                let counts = counts(context, method, &surface, *map, 0.1, 0);
                 let others = counts.iter().filter(|count| **count != 1).count();
-                assert_eq!(others, 0, "{method:?}, {parts} parts, {size} pixels, turn {turn:?}");
+                assert_eq!(others, 0, "{method:?}, {parts} parts, {map:?}, turn {turn:?}");
             }
-            let (values, depths) = nearest(context, Method::Octants, &surface, layout, 0.1, 0);
+            if map.squares() == 2 {
+                continue;
+            }
+            let (values, depths) = nearest(context, Method::Octants, &surface, *map, 0.1, 0);
             // A pixel is 2 / size of the square's unit, which spans an angle of 3 at most, in faces' centres.
-            let moved = SNAP * 2.0 * 3.0 / f64::from(*size);
+            let moved = SNAP * 2.0 * 3.0 / f64::from(size);
             for (k, ([x, y, z, one], depth)) in (0..).zip(values.iter().zip(depths)) {
-                let ray = direction_from_oct(texel_centre(*size, k % size, k / size));
+                let ray = ray(size, k);
                 let at = DVec3::from_array([*x, *y, *z].map(f64::from));
                 assert!(at.cross(ray).length() < moved * at.length(), "{at} along {ray}");
                 assert!(at.dot(ray) > 0.0 && (one - 1.0).abs() < 1e-5);
@@ -326,37 +357,125 @@ pub(super) fn closed_surfaces(context: &Context, cases: &[(i32, u32)]) {
 fn closed_surfaces_have_no_crack_and_no_double_cover() {
     in_full_with_zero_w("direct: closed surfaces", |context| {
         // Corners on corners of pixels, edges through centres of pixels, and several triangles per pixel.
-        closed_surfaces(context, &[(1, 2), (1, 64), (2, 6), (5, 64), (32, 64), (40, 16), (7, 250)]);
+        let squares = [(1, 2), (1, 64), (2, 6), (5, 64), (32, 64), (40, 16), (7, 250)]
+            .map(|(parts, size)| (parts, DirectMap::Octahedral { size }));
+        let rectangles = [(1, 2), (1, 32), (2, 6), (16, 32), (40, 16)]
+            .map(|(parts, size)| (parts, DirectMap::Rectangular { size }));
+        closed_surfaces(context, &[&squares[..], &rectangles].concat());
     });
 }
 
-/// Draws by corners triangles that each lie within an octant, and a surface of triangles that do not.
-pub(super) fn per_corner(context: &Context) {
-    let (size, near) = (32, 0.1);
-    let layout = Layout::Octahedral { size };
+/// The approximate methods, with the layout that each is for.
+const APPROXIMATE: [(Method, DirectMap); 3] = [
+    (Method::XzSplit, DirectMap::Rectangular { size: 46 }),
+    (Method::EdgeStrip, DirectMap::Rectangular { size: 46 }),
+    (Method::PerCorner, DirectMap::Octahedral { size: 64 }),
+];
+
+const APPROXIMATE_NEAR: f32 = 0.1;
+
+/// Triangles with corners in octant `octant` each, or in two octants on either side of y = 0.
+fn within_octants(across_horizon: bool) -> Triangles {
     let mut random = Random::new(12);
     let mut within = |octant: i32| {
         let sign = |bit: i32| if octant & bit == 0 { 1.0 } else { -1.0 };
         DVec3::from_array([sign(1), sign(2), sign(4)].map(|sign| sign * random.between(0.1, 2.0)))
     };
-    let triangles: Vec<[DVec3; 3]> = (0..120).map(|k| [k % 8; 3].map(&mut within)).collect();
-    let triangles = mesh(&triangles);
-    let expected = Expected::new(&triangles, size, near);
-    assert!(expected.hits() > 200, "{} hits", expected.hits());
-    let found = counts(context, Method::PerCorner, &triangles, layout, near, 0);
-    assert_eq!(expected.wrong_count(&found), None);
-    let (values, depths) = nearest(context, Method::PerCorner, &triangles, layout, near, 0);
-    assert_eq!(expected.wrong_value(&values, &depths), None);
+    let other = if across_horizon { 2 } else { 0 };
+    let triangles: Vec<[DVec3; 3]> =
+        (0..120).map(|k| [k % 8, k % 8, (k % 8) ^ other].map(&mut within)).collect();
+    mesh(&triangles)
+}
 
-    let surface = closed(5, Some(1), 0.8..2.0);
-    let found = counts(context, Method::PerCorner, &surface, layout, near, 0);
-    let wrong = found.iter().filter(|count| **count != 1).count();
-    assert!(wrong > 30, "{wrong} pixels");
+/// Describes what `method` shows wrongly.
+fn wrong(context: &Context, method: Method, expected: &Expected, triangles: &Triangles) -> Wrong {
+    let (map, near) = (expected.map, APPROXIMATE_NEAR);
+    let counts = counts(context, method, triangles, map, near, 0);
+    let (values, depths) = nearest(context, method, triangles, map, near, 0);
+    let share = |count: usize| count as f64 / counts.len() as f64;
+    let mut angles: Vec<f64> = expected
+        .pixels
+        .iter()
+        .zip(&values)
+        .filter(|((hits, doubtful), value)| hits.len() == 1 && *doubtful == 0 && value[3] != 0.0)
+        .map(|((hits, _), value)| {
+            let [a, b] = [hits[0].value, value.map(f64::from)].map(|[x, y, z, _]| DVec3::new(x, y, z));
+            a.angle_between(b)
+        })
+        .collect();
+    angles.sort_by(f64::total_cmp);
+    Wrong {
+        counts: share(expected.wrong_counts(&counts).count()),
+        values: share(expected.wrong_values(&values, &depths).count()),
+        mean: angles.iter().sum::<f64>() / angles.len().max(1) as f64,
+        most: angles.last().copied().unwrap_or(0.0),
+    }
+}
+
+/// Errors of a picture of triangles whose values are their positions.
+#[derive(Debug, PartialEq)]
+struct Wrong {
+    /// Share of pixels that show too many triangles or too few.
+    counts: f64,
+    /// Share of pixels that show another point than the ray's, or nothing.
+    values: f64,
+    /// Angle between the point that is shown and the pixel's ray: mean and greatest of covered pixels.
+    mean: f64,
+    most: f64,
+}
+
+impl Wrong {
+    fn is_none(&self) -> bool {
+        self.counts == 0.0 && self.values == 0.0
+    }
+}
+
+/// Draws by approximate methods triangles that each lie within an octant, or leave it by the plane that the
+/// method cuts at; then a surface of triangles that leave octants by all planes.
+pub(super) fn approximate(context: &Context) {
+    for (method, map) in APPROXIMATE {
+        for across_horizon in [false, true] {
+            let triangles = within_octants(across_horizon);
+            let expected = Expected::new(&triangles, map, APPROXIMATE_NEAR);
+            assert!(expected.hits() > 200, "{} hits", expected.hits());
+            let wrong = wrong(context, method, &expected, &triangles);
+            let is_exact = !across_horizon || method != Method::PerCorner;
+            assert_eq!(wrong.is_none(), is_exact, "{method:?}, {across_horizon}: {wrong:?}");
+        }
+    }
 }
 
 #[test]
-fn projecting_corners_alone_is_wrong_where_triangles_leave_an_octant() {
-    in_full("direct: corners", per_corner);
+fn approximate_methods_are_exact_where_they_cut() {
+    in_full("direct: approximate methods", approximate);
+}
+
+#[test]
+fn approximate_methods_are_wrong_where_triangles_leave_an_octant() {
+    // Triangles of 20 degrees, as measured on llvmpipe; other drivers round and snap differently.
+    let about = |measured: f64| measured / 1.5..measured * 1.5;
+    in_full("direct: errors of approximate methods", |context| {
+        let surface = closed(5, Some(1), 0.8..2.0);
+        for ((method, map), [counts, values, mean, most]) in APPROXIMATE.into_iter().zip([
+            [0.0090, 0.336, 0.0151, 0.140],
+            [0.0156, 0.079, 0.0020, 0.113],
+            [0.940, 0.731, 0.813, 3.09],
+        ]) {
+            let expected = Expected::new(&surface, map, APPROXIMATE_NEAR);
+            for exact in METHODS {
+                let wrong = wrong(context, exact, &expected, &surface);
+                // A sixteenth of a pixel, which spans an angle of 3 in the square's unit at most.
+                let moved = SNAP * 2.0 * 3.0 / f64::from(map.size());
+                assert!(wrong.is_none() && wrong.most < moved, "{exact:?}: {wrong:?}");
+            }
+            let wrong = wrong(context, method, &expected, &surface);
+            for (found, measured) in
+                [(wrong.counts, counts), (wrong.values, values), (wrong.mean, mean), (wrong.most, most)]
+            {
+                assert!(about(measured).contains(&found), "{method:?}: {wrong:?}");
+            }
+        }
+    });
 }
 
 #[test]
@@ -371,17 +490,17 @@ fn culling_leaves_the_picture_as_it_is() {
             })
             .collect();
         let triangles = mesh(&triangles);
-        let layout = Layout::Octahedral { size: 64 };
-        let drawn = |method| nearest(context, method, &triangles, layout, 0.1, 0);
+        let map = DirectMap::Octahedral { size: 64 };
+        let drawn = |method| nearest(context, method, &triangles, map, 0.1, 0);
         assert!(drawn(Method::Octants) == drawn(Method::ClipMask), "octahedral maps differ");
-        let layout = Layout::Cube { size: 33 };
+        let map = DirectMap::Cube { size: 33 };
         for layer in 0..6 {
-            let drawn = |method| nearest(context, method, &triangles, layout, 0.1, layer);
+            let drawn = |method| nearest(context, method, &triangles, map, 0.1, layer);
             assert!(drawn(Method::Cube) == drawn(Method::WholeCube), "cubes differ in layer {layer}");
         }
-        let listed = |method, layout| {
+        let listed = |method, map| {
             let mesh = DirectMesh::upload(context, &triangles).expect("a mesh that fits");
-            let target = DirectTarget::new(context, layout, wgpu::TextureFormat::Rgba32Float);
+            let target = DirectTarget::new(context, map, wgpu::TextureFormat::Rgba32Float);
             let target = target.expect("a target");
             let frame = PIPELINES[index(context)].nearest.frame(method, &mesh, &target, 0.1);
             let frame = frame.expect("a frame");
@@ -395,13 +514,13 @@ fn culling_leaves_the_picture_as_it_is() {
                 |corner: &Corner| corner.position.iter().zip(signs).all(|(x, sign)| x * sign > 0.2);
             (0..triangles.count()).filter(|k| triangles.triangle(*k).iter().any(is_inside)).count() as u32
         };
-        let lists = listed(Method::Octants, Layout::Octahedral { size: 64 });
+        let lists = listed(Method::Octants, DirectMap::Octahedral { size: 64 });
         for (octant, count) in (0..).zip(&lists) {
             assert!((inside(octant)..inside(octant) + 200).contains(count), "{octant}: {lists:?}");
         }
         assert_eq!(lists.len(), 8);
-        assert_eq!(listed(Method::Cube, layout).len(), 6);
-        assert_eq!(listed(Method::WholeCube, layout), [700; 6]);
+        assert_eq!(listed(Method::Cube, map).len(), 6);
+        assert_eq!(listed(Method::WholeCube, map), [700; 6]);
     });
 }
 
@@ -409,13 +528,13 @@ fn culling_leaves_the_picture_as_it_is() {
 pub(super) fn cubes(context: &Context, cases: &[(i32, u32)]) {
     for (parts, size) in cases {
         let surface = closed(*parts, Some(9), 0.8..2.0);
-        let layout = Layout::Cube { size: *size };
+        let map = DirectMap::Cube { size: *size };
         for method in [Method::Cube, Method::WholeCube] {
             for face in Face::ALL {
                 let layer = face.index() as u32;
-                let counts = counts(context, method, &surface, layout, 0.1, layer);
+                let counts = counts(context, method, &surface, map, 0.1, layer);
                 assert!(counts.iter().all(|count| *count == 1), "{method:?}, {face:?}: {counts:?}");
-                let (values, depths) = nearest(context, method, &surface, layout, 0.1, layer);
+                let (values, depths) = nearest(context, method, &surface, map, 0.1, layer);
                 for (k, ([x, y, z, _], depth)) in (0..).zip(values.iter().zip(depths)) {
                     let ray = direction_from_texel(face, *size, k % size, k / size);
                     let at = DVec3::from_array([*x, *y, *z].map(f64::from));
@@ -445,13 +564,18 @@ fn a_reparameterised_cube_is_close_to_the_direct_map() {
         let corners = surface.corners().iter().map(bright).collect();
         let surface = Triangles::new(corners, surface.indices().to_vec()).expect("a valid mesh");
         let (size, face) = (64, 26);
-        let (direct, _) = nearest(context, Method::Octants, &surface, Layout::Octahedral { size }, 0.1, 0);
-        let cube = Layout::Cube { size: face };
+        let (direct, _) = nearest(context, Method::Octants, &surface, DirectMap::Octahedral { size }, 0.1, 0);
+        let cube = DirectMap::Cube { size: face };
         let pipelines = &PIPELINES[index(context)].nearest;
         let format = wgpu::TextureFormat::Rgba32Float;
         let target = draw(context, pipelines, format, Method::Cube, &surface, cube, 0.1);
         let planes = OemPlanes::new(context, OemSize { inner: size, border: 0 }).expect("planes");
-        let stage = Reparameterise::new(context).stage(context, cube, target.colour(), &planes);
+        let stage = Reparameterise::new(context).stage(
+            context,
+            Layout::Cube { size: face },
+            target.colour(),
+            &planes,
+        );
         context.submit(|encoder| stage.as_ref().expect("a stage").record(encoder));
         let oem = wait(context, planes.read(context));
         for (energy, drawn) in oem.texels().iter().zip(direct) {
@@ -468,10 +592,10 @@ fn comparators_notice_one_wrong_pixel() {
     in_full("direct: comparators", |context| {
         let surface = closed(3, Some(5), 0.8..2.0);
         let (size, near) = (16, 0.1);
-        let expected = Expected::new(&surface, size, near);
-        let layout = Layout::Octahedral { size };
-        let counts = counts(context, Method::Octants, &surface, layout, near, 0);
-        let (values, depths) = nearest(context, Method::Octants, &surface, layout, near, 0);
+        let map = DirectMap::Octahedral { size };
+        let expected = Expected::new(&surface, map, near);
+        let counts = counts(context, Method::Octants, &surface, map, near, 0);
+        let (values, depths) = nearest(context, Method::Octants, &surface, map, near, 0);
         assert_eq!((expected.wrong_count(&counts), expected.wrong_value(&values, &depths)), (None, None));
         let place = (0..counts.len()).find(|k| expected.pixels[*k].1 == 0).expect("a decided pixel");
         for wrong in [0, 2] {
@@ -497,13 +621,15 @@ fn bad_targets_are_errors_that_name_the_remedy() {
     in_full("direct: errors", |context| {
         let failure = |outcome: octagloss::Result<()>| outcome.expect_err("an error").to_string();
         let half = wgpu::TextureFormat::Rgba16Float;
-        let target = |layout, format| DirectTarget::new(context, layout, format);
-        let square = |size| Layout::Octahedral { size };
+        let target = |map, format| DirectTarget::new(context, map, format);
+        let square = |size| DirectMap::Octahedral { size };
+        let rectangle = |size| DirectMap::Rectangular { size };
         for (outcome, parts) in [
             (target(square(7), half), ["7 x 7", "even"]),
             (target(square(0), half), ["0 x 0", "choose 1"]),
             (target(square(1 << 20), half), ["1048576", "choose 1 to"]),
-            (target(Layout::Panorama { width: 8, height: 4 }, half), ["panorama", "octahedral"]),
+            (target(rectangle(7), half), ["7 x 7", "even"]),
+            (target(rectangle(6000), half), ["6000 x 6000", "choose 1 to 4096"]),
             (target(square(8), wgpu::TextureFormat::Rgba8Unorm), ["Rgba8Unorm", "Rgba16Float"]),
         ] {
             let message = failure(outcome.map(|_| ()));
@@ -519,7 +645,7 @@ fn bad_targets_are_errors_that_name_the_remedy() {
         let large = Triangles::new(surface.corners().to_vec(), indices).expect("a valid mesh");
         let large = DirectMesh::upload(context, &large).expect("a mesh that fits");
         let map = target(square(8), half).expect("a target");
-        let cube = target(Layout::Cube { size: 8 }, half).expect("a target");
+        let cube = target(DirectMap::Cube { size: 8 }, half).expect("a target");
         let float = target(square(8), wgpu::TextureFormat::Rgba32Float).expect("a target");
         for (outcome, part) in [
             (direct.frame(Method::Cube, &mesh, &map, 0.1), "choose a cube"),

@@ -7,7 +7,7 @@ use crate::support::common::{Random, landmarks};
 use crate::support::meshes::closed;
 use glam::{DMat3, DVec3};
 use octagloss::internals::analysis::oracle::TriangleOracle;
-use octagloss::internals::direct::{Corner, Triangles};
+use octagloss::internals::direct::{Corner, DirectMap, Triangles};
 use octagloss::internals::gpu::Context;
 use octagloss::wgpu::util::DeviceExt as _;
 use octagloss::{Environment, Error, Layout, LiveEnvironment, Rgb, wgpu};
@@ -74,7 +74,8 @@ fn scene() -> Triangles {
 /// What rays from the origin through the pixels of the map see. Triangles whose edge is within a sixteenth of
 /// a pixel are left out; a pixel that shows no other has the mean of its neighbours.
 fn picture(triangles: &Triangles) -> Environment {
-    let oracle = TriangleOracle::new(triangles, SIZE, NEAR).expect("a valid map");
+    let oracle =
+        TriangleOracle::new(triangles, DirectMap::Octahedral { size: SIZE }, NEAR).expect("a valid map");
     let nearest = |x: u32, y: u32| {
         let (hits, _) = oracle.pixel(x, y);
         let hit = hits.into_iter().max_by(|a, b| a.depth.total_cmp(&b.depth));

@@ -205,7 +205,7 @@ const OWN_CONSTANTS: &[(&str, &[&str])] = &[
     ("common/view_draw.wgsl", &["GREATEST"]),
     ("direct/cull.wgsl", &["SCAN_SIZE"]),
     ("direct/offsets.wgsl", &["SCAN_SIZE"]),
-    ("direct/split.wgsl", &["SCAN_SIZE"]),
+    ("direct/split.wgsl", &["CORNERS", "SCAN_SIZE"]),
     ("harmonics.wgsl", &["HIGH_WORD", "LOW_WORD", "SKEW"]),
     ("reparameterise.wgsl", &["CHUNK"]),
     ("sat_f32.wgsl", &["GROUP_SIZE"]),
