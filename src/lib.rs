@@ -95,7 +95,7 @@ queue.submit([encoder.finish()]);
 ```
 
 A scene that moves is drawn straight into the octahedral map, by [`LiveEnvironment::draw`]:
-`examples/direct.rs`.
+`examples/direct.rs`. [`ShadowMap`] draws the shadows of a lamp the same way: `examples/shadows.rs`.
 "#
 )]
 // Parts that only some features use; the build with all of them has no dead code.
@@ -155,6 +155,8 @@ pub use export::write::WriteOptions;
 pub use filter::{Answer, Filter};
 #[cfg(feature = "gpu")]
 pub use gpu::live::LiveEnvironment;
+#[cfg(feature = "gpu")]
+pub use gpu::shadow::ShadowMap;
 pub use ladder::Ladder;
 pub use lobe::Lobe;
 pub use reflector::{Reflector, ReflectorSettings};

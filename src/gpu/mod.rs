@@ -46,6 +46,7 @@ pub mod reparameterise;
 pub mod sat_f32;
 pub mod sat_hensley;
 pub mod sat_scan;
+pub mod shadow;
 #[doc(hidden)]
 pub mod shared;
 pub mod table_scan;

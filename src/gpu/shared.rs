@@ -3,7 +3,7 @@
 
 use super::{
     adaptive, blur, box_filter, cells, copy, device::stage, direct, emitters, fitted, fixed_point, harmonics,
-    lamp, mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan,
+    lamp, mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shadow,
 };
 use crate::cpu::cells::{FAINT, FIELDS, RESIDUE};
 use crate::cpu::fitted::{HARMONICS_ALONE, HARMONICS_FROM};
@@ -127,6 +127,7 @@ pub fn structs() -> Vec<Struct> {
         // Four exponents, then the sizes, in a header of 32 bytes.
         ("common/sat.wgsl", "OctaglossTable", &[("exponents", 0), ("inner", 16), ("border", 20)], 32),
         // Four low words and four high ones.
+        layout!("common/shadow.wgsl", "OctaglossShadow", shadow::Shadow),
         ("common/sum.wgsl", "Sum", &[("low", 0), ("high", 16)], 32),
         layout!("common/table.wgsl", "Table", oem::Table),
         layout!("direct/cull.wgsl", "Cull", direct::list::Cull),

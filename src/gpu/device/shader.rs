@@ -48,6 +48,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/rows.wgsl",
     "common/sat.wgsl",
     "common/scan.wgsl",
+    "common/shadow.wgsl",
     "common/source_pieces.wgsl",
     "common/sum.wgsl",
     "common/table.wgsl",
@@ -127,6 +128,8 @@ pub enum Queries {
     /// Clip coordinates and ownership of pixels for draws into a [`crate::gpu::live::LiveEnvironment`]:
     /// `octagloss_direct_position(position)` and `octagloss_direct_owns(position)`.
     Draw(u32),
+    /// The look-up in a [`crate::gpu::shadow::ShadowMap`]: `octagloss_lit(position, normal)`.
+    Shadow(u32),
 }
 
 /// The resources of fitted lobes, by their bindings.
@@ -162,6 +165,14 @@ pub fn queries(queries: &[Queries]) -> String {
             Queries::Draw(group) => {
                 (group, vec!["var<uniform> octagloss_view: OctaglossView"], "common/direct_view.wgsl")
             }
+            Queries::Shadow(group) => (
+                group,
+                vec![
+                    "var<uniform> octagloss_shadow: OctaglossShadow",
+                    "var octagloss_shadow_depth: texture_depth_2d",
+                ],
+                "common/shadow.wgsl",
+            ),
         };
         for (binding, declared) in declared.iter().enumerate() {
             text.push_str(&format!("@group({group}) @binding({binding}) {declared};\n"));

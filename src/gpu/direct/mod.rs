@@ -12,11 +12,13 @@
 
 pub mod list;
 mod mesh;
+mod octants;
 mod surroundings;
 mod target;
 pub mod view;
 
 pub use mesh::DirectMesh;
+pub(in crate::gpu) use octants::OctantDraws;
 pub(in crate::gpu) use surroundings::Surroundings;
 pub use target::DirectTarget;
 
@@ -26,7 +28,8 @@ use super::device::{readback, shader};
 use crate::direct::{Corner, check_near};
 use crate::error::{Error, Result};
 use list::{Cut, List, Lists};
-use target::{DEPTH, check_format};
+use target::check_format;
+pub(in crate::gpu) use target::{DEPTH, cleared_depth, depth_texture};
 use view::Bounded;
 
 /// How triangles come into a map.
@@ -416,11 +419,6 @@ fn cleared<'a>(
     depth: Option<&wgpu::TextureView>,
     timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
 ) -> wgpu::RenderPass<'a> {
-    let depth_stencil_attachment = depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-        stencil_ops: None,
-    });
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("direct"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -432,7 +430,7 @@ fn cleared<'a>(
                 store: wgpu::StoreOp::Store,
             },
         })],
-        depth_stencil_attachment,
+        depth_stencil_attachment: depth.map(cleared_depth),
         timestamp_writes,
         ..Default::default()
     })

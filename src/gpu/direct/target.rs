@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Context;
 
 /// Format of depth, which is `near` over the distance: 0 where nothing is drawn, 1 at the near surface.
-pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(in crate::gpu) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// A colour texture and its depth.
 #[derive(Clone, Debug)]
@@ -23,38 +23,9 @@ impl DirectTarget {
     /// [`Error::Parameter`] for an octahedral map of odd size, a size of 0 or beyond the device's textures,
     /// and formats other than `Rgba16Float` and `Rgba32Float`.
     pub fn new(context: &Context, map: DirectMap, format: wgpu::TextureFormat) -> Result<Self> {
-        let invalid = |message: String| Err(Error::Parameter(message));
-        let size = map.size();
-        let most = context.device().limits().max_texture_dimension_2d / map.squares();
-        if !(1..=most).contains(&size) {
-            return invalid(format!("a target of {size} x {size} pixels; choose 1 to {most}"));
-        }
-        if !map.is_cube() && size % 2 == 1 {
-            return invalid(format!(
-                "an octahedral map of {size} x {size} pixels has pixels in two octants; choose an even size"
-            ));
-        }
         check_format(format)?;
-        let texture = |label, format| {
-            context.device().create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d {
-                    width: map.squares() * size,
-                    height: size,
-                    depth_or_array_layers: map.layers(),
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            })
-        };
-        let colour = texture("direct colour", format);
-        Ok(Self { map, colour, depth: texture("direct depth", DEPTH) })
+        let colour = texture(context, map, "direct colour", format)?;
+        Ok(Self { map, colour, depth: depth_texture(context, map)? })
     }
 
     /// The map and its size.
@@ -85,6 +56,61 @@ impl DirectTarget {
                 ..Default::default()
             })
         })
+    }
+}
+
+/// A texture of the pixels of `map`, see [`DirectTarget::new`].
+fn texture(
+    context: &Context,
+    map: DirectMap,
+    label: &str,
+    format: wgpu::TextureFormat,
+) -> Result<wgpu::Texture> {
+    let invalid = |message: String| Err(Error::Parameter(message));
+    let size = map.size();
+    let most = context.device().limits().max_texture_dimension_2d / map.squares();
+    if !(1..=most).contains(&size) {
+        return invalid(format!("a target of {size} x {size} pixels; choose 1 to {most}"));
+    }
+    if !map.is_cube() && size % 2 == 1 {
+        return invalid(format!(
+            "an octahedral map of {size} x {size} pixels has pixels in two octants; choose an even size"
+        ));
+    }
+    Ok(context.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width: map.squares() * size,
+            height: size,
+            depth_or_array_layers: map.layers(),
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    }))
+}
+
+/// A texture of the depth of `map`.
+///
+/// # Errors
+/// [`Error::Parameter`] for an octahedral map of odd size, and a size of 0 or beyond the device's textures.
+pub(in crate::gpu) fn depth_texture(context: &Context, map: DirectMap) -> Result<wgpu::Texture> {
+    texture(context, map, "direct depth", DEPTH)
+}
+
+/// The attachment of a depth that a pass clears.
+pub(in crate::gpu) const fn cleared_depth(
+    view: &wgpu::TextureView,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+        stencil_ops: None,
     }
 }
 

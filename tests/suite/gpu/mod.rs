@@ -26,6 +26,7 @@ mod oem_reader;
 mod reflection;
 mod sat;
 mod scenes;
+mod shadow;
 mod stages;
 #[cfg(feature = "view")]
 mod view;

@@ -1,0 +1,59 @@
+//! The eight draws of a renderer's own scene into an octahedral map, by its own pipelines.
+
+use super::view::{Bounded, octants};
+use super::view_group;
+use crate::direct::{DirectMap, MOST, check_near};
+use crate::error::{Error, Result};
+use crate::gpu::Context;
+use glam::DVec3;
+
+/// The views of the eight octants, each with its group.
+#[derive(Clone, Debug)]
+pub(in crate::gpu) struct OctantDraws {
+    map: DirectMap,
+    views: Vec<(wgpu::Buffer, wgpu::BindGroup)>,
+}
+
+impl OctantDraws {
+    /// Draws into the octahedral `map`; `layout` is that of [`super::view_layout`].
+    pub(in crate::gpu) fn new(context: &Context, layout: &wgpu::BindGroupLayout, map: DirectMap) -> Self {
+        let views = octants(map, 1.0).into_iter().map(|Bounded { view, .. }| {
+            let uniform = context.uniform("direct view", &view);
+            let group = view_group(context.device(), layout, &uniform);
+            (uniform, group)
+        });
+        Self { views: views.collect(), map }
+    }
+
+    /// Moves the map to `centre`, from the next submission on.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an invalid `near` and a `centre` that is not finite or beyond [`MOST`].
+    pub(in crate::gpu) fn place(&self, context: &Context, centre: DVec3, near: f32) -> Result<()> {
+        check_near(near)?;
+        // Also true for NaN.
+        if !centre.to_array().iter().all(|x| x.abs() <= f64::from(MOST)) {
+            return Err(Error::Parameter(format!(
+                "`centre` is at {centre}; coordinates must be finite and at most {MOST:e}"
+            )));
+        }
+        for ((uniform, _), Bounded { view, .. }) in self.views.iter().zip(octants(self.map, near)) {
+            let view = view.around(centre.as_vec3().to_array());
+            context.queue().write_buffer(uniform, 0, bytemuck::bytes_of(&view));
+        }
+        Ok(())
+    }
+
+    /// Calls `record` for each octant, with the octant's scissor set and its group.
+    pub(in crate::gpu) fn record(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        mut record: impl FnMut(&mut wgpu::RenderPass<'_>, &wgpu::BindGroup),
+    ) {
+        for ((_, group), Bounded { scissor, .. }) in self.views.iter().zip(octants(self.map, 1.0)) {
+            let [left, top, width, height] = scissor;
+            pass.set_scissor_rect(left, top, width, height);
+            record(pass, group);
+        }
+    }
+}
