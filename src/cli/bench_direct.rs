@@ -135,9 +135,9 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let (over_cube, over_whole_cube) = (median("cube"), median("whole cube"));
     let picture = |way: &Way| -> Outcome<Option<Picture>> {
         let target = match way.map {
-            DirectMap::Octahedral { .. } => square,
-            DirectMap::Rectangular { .. } => rectangle,
-            DirectMap::Cube { .. } => return Ok(None),
+            QUADRATIC => square,
+            RECTANGULAR => rectangle,
+            _ => return Ok(None),
         };
         context.submit(|encoder| way.frame.record(encoder));
         Ok(Some(block_on(Some(context), readback::read_texture(context, target.colour()))??))
@@ -155,9 +155,9 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         Ok(Row {
             method: way.name,
             layout: match way.map {
-                DirectMap::Octahedral { .. } => "quadratic",
-                DirectMap::Rectangular { .. } => "rectangular",
-                DirectMap::Cube { .. } => "cube",
+                QUADRATIC => "quadratic",
+                RECTANGULAR => "rectangular",
+                _ => "cube",
             },
             pixels: way.map.pixels(),
             drawn: drawn.into_iter().map(u64::from).sum(),

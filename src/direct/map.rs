@@ -19,24 +19,39 @@ pub enum DirectMap {
         /// Pixels along an edge of a face.
         size: u32,
     },
+    /// Two panels, one above the other, see [`crate::sphere::tennis_ball`].
+    TennisBall {
+        /// Pixels across a panel, which is three times as long.
+        size: u32,
+    },
 }
 
 impl DirectMap {
-    /// Pixels along an edge of a square or face.
+    /// Pixels along an edge of a square or face, or across a panel.
     #[must_use]
     pub const fn size(self) -> u32 {
         match self {
-            Self::Octahedral { size } | Self::Rectangular { size } | Self::Cube { size } => size,
+            Self::Octahedral { size }
+            | Self::Rectangular { size }
+            | Self::Cube { size }
+            | Self::TennisBall { size } => size,
         }
     }
 
-    /// Squares side by side in an image.
+    /// Squares of an image side by side, and one below the other.
+    #[must_use]
+    pub const fn cells(self) -> [u32; 2] {
+        match self {
+            Self::Rectangular { .. } => [2, 1],
+            Self::TennisBall { .. } => [3, 2],
+            Self::Octahedral { .. } | Self::Cube { .. } => [1, 1],
+        }
+    }
+
+    /// Squares of an image side by side.
     #[must_use]
     pub const fn squares(self) -> u32 {
-        match self {
-            Self::Rectangular { .. } => 2,
-            Self::Octahedral { .. } | Self::Cube { .. } => 1,
-        }
+        self.cells()[0]
     }
 
     /// Images: the faces of a cube.
@@ -44,7 +59,7 @@ impl DirectMap {
     pub const fn layers(self) -> u32 {
         match self {
             Self::Cube { .. } => 6,
-            Self::Octahedral { .. } | Self::Rectangular { .. } => 1,
+            Self::Octahedral { .. } | Self::Rectangular { .. } | Self::TennisBall { .. } => 1,
         }
     }
 
@@ -54,9 +69,16 @@ impl DirectMap {
         matches!(self, Self::Cube { .. })
     }
 
+    /// Whether the map is octahedral.
+    #[must_use]
+    pub const fn is_octahedral(self) -> bool {
+        matches!(self, Self::Octahedral { .. } | Self::Rectangular { .. })
+    }
+
     /// Pixels of all images, for sizes that textures have.
     #[must_use]
     pub const fn pixels(self) -> u32 {
-        self.squares() * self.layers() * self.size() * self.size()
+        let [columns, rows] = self.cells();
+        columns * rows * self.layers() * self.size() * self.size()
     }
 }

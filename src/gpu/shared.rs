@@ -74,6 +74,9 @@ pub fn constants() -> Vec<Constant> {
         one("direct/split.wgsl", "CUT_OCTANTS", direct::list::Cut::Octants as u32),
         one("direct/split.wgsl", "GROUP_SIZE", direct::list::GROUP_SIZE),
         one("direct/split.wgsl", "PIECES", direct::list::PIECES),
+        one("direct/unwrap.wgsl", "BY_ALPHA", direct::unwrap::Remedy::Alpha as u32),
+        one("direct/unwrap.wgsl", "DROP", direct::unwrap::Remedy::Drop as u32),
+        one("direct/unwrap.wgsl", "ONE_SIDE", direct::unwrap::Remedy::OneSide as u32),
         one("emitters.wgsl", "BATCH", emitters::BATCH),
         one("emitters.wgsl", "EDGE", emitters::EDGE),
         one("emitters.wgsl", "GRID", GRID),
@@ -133,6 +136,7 @@ pub fn structs() -> Vec<Struct> {
         layout!("direct/cull.wgsl", "Cull", direct::list::Cull),
         layout!("direct/offsets.wgsl", "Offsets", direct::list::Offsets),
         layout!("direct/split.wgsl", "Split", direct::list::Split),
+        layout!("direct/unwrap.wgsl", "Panel", direct::unwrap::Panel),
         // Four greatest patterns and four 64-bit sums.
         ("fixed_point.wgsl", "Partial", &[("greatest", 0), ("sums", 16)], 48),
         layout!("lamp.wgsl", "Lamp", lamp::Lamp),

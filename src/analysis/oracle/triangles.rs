@@ -61,8 +61,8 @@ impl<'a> TriangleOracle<'a> {
     pub fn new(triangles: &'a Triangles, map: DirectMap, near: f32) -> Result<Self> {
         check_near(near)?;
         let size = map.size();
-        if map.is_cube() {
-            return Err(Error::Parameter("a cube has no octants; choose an octahedral map".to_owned()));
+        if !map.is_octahedral() {
+            return Err(Error::Parameter(format!("{map:?} has no octants; choose an octahedral map")));
         }
         if size == 0 || size % 2 == 1 {
             return Err(Error::Parameter(format!("a map of {size} x {size} pixels; choose an even size")));

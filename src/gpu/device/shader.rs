@@ -65,6 +65,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "direct/draw.wgsl",
     "direct/offsets.wgsl",
     "direct/split.wgsl",
+    "direct/unwrap.wgsl",
     "emitters.wgsl",
     "fitted.wgsl",
     "fixed_point.wgsl",

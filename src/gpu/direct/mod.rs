@@ -15,6 +15,7 @@ mod mesh;
 mod octants;
 mod surroundings;
 mod target;
+pub mod unwrap;
 pub mod view;
 
 pub use mesh::DirectMesh;
@@ -164,15 +165,10 @@ impl Direct {
         near: f32,
     ) -> Result<DirectFrame> {
         check_near(near)?;
-        if target.colour().format() != self.format {
-            return Err(Error::Parameter(format!(
-                "a target of {:?} for pipelines of {:?}; create both with one format",
-                target.colour().format(),
-                self.format
-            )));
-        }
+        target.has_format(self.format)?;
         let map = target.map();
-        if method.is_cube() != map.is_cube() {
+        let fits = if method.is_cube() { map.is_cube() } else { map.is_octahedral() };
+        if !fits {
             return Err(Error::Parameter(format!(
                 "{method:?} cannot draw into {map:?}; choose {}",
                 if method.is_cube() { "a cube" } else { "an octahedral map" }

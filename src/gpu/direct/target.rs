@@ -46,6 +46,17 @@ impl DirectTarget {
         &self.depth
     }
 
+    /// Checks that the colour has the `format` of pipelines.
+    pub(super) fn has_format(&self, format: wgpu::TextureFormat) -> Result<()> {
+        let own = self.colour.format();
+        if own == format {
+            return Ok(());
+        }
+        Err(Error::Parameter(format!(
+            "a target of {own:?} for pipelines of {format:?}; create both with one format"
+        )))
+    }
+
     /// Views of layer `layer` of colour and depth.
     pub(super) fn views(&self, layer: u32) -> [wgpu::TextureView; 2] {
         [&self.colour, &self.depth].map(|texture| {
@@ -68,11 +79,12 @@ fn texture(
 ) -> Result<wgpu::Texture> {
     let invalid = |message: String| Err(Error::Parameter(message));
     let size = map.size();
-    let most = context.device().limits().max_texture_dimension_2d / map.squares();
+    let [columns, rows] = map.cells();
+    let most = context.device().limits().max_texture_dimension_2d / columns.max(rows);
     if !(1..=most).contains(&size) {
         return invalid(format!("a target of {size} x {size} pixels; choose 1 to {most}"));
     }
-    if !map.is_cube() && size % 2 == 1 {
+    if map.is_octahedral() && size % 2 == 1 {
         return invalid(format!(
             "an octahedral map of {size} x {size} pixels has pixels in two octants; choose an even size"
         ));
@@ -80,8 +92,8 @@ fn texture(
     Ok(context.device().create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d {
-            width: map.squares() * size,
-            height: size,
+            width: columns * size,
+            height: rows * size,
             depth_or_array_layers: map.layers(),
         },
         mip_level_count: 1,

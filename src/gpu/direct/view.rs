@@ -88,7 +88,7 @@ pub(super) fn octants(map: DirectMap, near: f32) -> Vec<Bounded> {
             let s = signs(octant);
             let ([u, v], scissor) = match map {
                 DirectMap::Rectangular { size } => of_rectangle(s, size),
-                DirectMap::Octahedral { size } | DirectMap::Cube { size } => of_square(s, size),
+                _ => of_square(s, map.size()),
             };
             let side = |axis: DVec3| plane(axis * s + margin * s, 0.0);
             Bounded {

@@ -4,7 +4,7 @@
 use super::entry_points::ENTRY_POINTS;
 use super::stages::TakeOver;
 use super::{
-    boxes, direct, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, sat, stages, wait,
+    boxes, direct, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, sat, stages, unwrap, wait,
 };
 use crate::support::common::{Look, Random, oem as oem_of, texels};
 use octagloss::Layout;
@@ -94,6 +94,8 @@ const RUN: [(&str, &[&str]); 7] = [
             "direct/offsets.wgsl sum_chunks",
             "direct/split.wgsl count_pieces",
             "direct/split.wgsl write_pieces",
+            "direct/unwrap.wgsl unwrap_corner",
+            "direct/unwrap.wgsl unwrapped_pixel",
         ],
     ),
 ];
@@ -154,6 +156,7 @@ fn drawn_triangles_match_the_oracle() {
         direct::closed_surfaces(context, &[(3, square), (3, rectangle)]);
         direct::cubes(context, &[(3, 7)]);
         direct::approximate(context);
+        unwrap::remedies(context);
     });
 }
 

@@ -107,6 +107,13 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
     ("direct/split.wgsl", "count_pieces", [list::GROUP_SIZE, 1, 1], PIECES),
     ("direct/split.wgsl", "write_pieces", [list::GROUP_SIZE, 1, 1], PIECES),
     (
+        "direct/unwrap.wgsl",
+        "unwrap_corner",
+        [0; 3],
+        &[(0, "uniform panel"), (1, "read corners"), (2, "read indices")],
+    ),
+    ("direct/unwrap.wgsl", "unwrapped_pixel", [0; 3], &[(0, "uniform panel")]),
+    (
         "emitters.wgsl",
         "brightest_cells",
         [emitters::GROUP_SIZE, 1, 1],

@@ -28,6 +28,7 @@ mod sat;
 mod scenes;
 mod shadow;
 mod stages;
+mod unwrap;
 #[cfg(feature = "view")]
 mod view;
 #[cfg(feature = "view")]

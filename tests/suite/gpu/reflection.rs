@@ -208,6 +208,7 @@ const OWN_CONSTANTS: &[(&str, &[&str])] = &[
     ("direct/cull.wgsl", &["SCAN_SIZE"]),
     ("direct/offsets.wgsl", &["SCAN_SIZE"]),
     ("direct/split.wgsl", &["CORNERS", "SCAN_SIZE"]),
+    ("direct/unwrap.wgsl", &["PI"]),
     ("harmonics.wgsl", &["HIGH_WORD", "LOW_WORD", "SKEW"]),
     ("reparameterise.wgsl", &["CHUNK"]),
     ("sat_f32.wgsl", &["GROUP_SIZE"]),
