@@ -5,9 +5,10 @@ use epaint_default_fonts::UBUNTU_LIGHT;
 use std::process::ExitCode;
 use ttf_parser::{Face, OutlineBuilder};
 
-/// Latin with accents, Greek, Cyrillic, punctuation, currencies, arrows and signs of mathematics.
+/// Latin with accents, Greek, punctuation, currencies, arrows and signs of mathematics: what the npm package
+/// has room for.
 const RANGES: [std::ops::RangeInclusive<char>; 3] =
-    [' '..='\u{24f}', '\u{300}'..='\u{45f}', '\u{2010}'..='\u{2265}'];
+    [' '..='\u{17f}', '\u{391}'..='\u{3c9}', '\u{2010}'..='\u{2265}'];
 
 fn main() -> ExitCode {
     let path = std::env::args().nth(1);

@@ -26,7 +26,7 @@ fn text_has_the_widths_of_the_font() {
     let face = Face::parse(UBUNTU_LIGHT, 0).expect("a font");
     let mut compared = 0;
     // The ranges of the example that writes the outlines.
-    let ranges = [' '..='\u{24f}', '\u{300}'..='\u{45f}', '\u{2010}'..='\u{2265}'];
+    let ranges = [' '..='\u{17f}', '\u{391}'..='\u{3c9}', '\u{2010}'..='\u{2265}'];
     let is_drawn = |character: &char| !character.is_whitespace() && !character.is_control();
     for character in ranges.into_iter().flatten().filter(is_drawn) {
         let Some(id) = face.glyph_index(character) else { continue };
@@ -36,7 +36,7 @@ fn text_has_the_widths_of_the_font() {
         assert!((width - advance).abs() < 1e-9, "{character:?}: {width} is not {advance}");
         compared += 1;
     }
-    assert!(compared > 700, "{compared} characters");
+    assert!(compared > 370, "{compared} characters");
 }
 
 #[test]
