@@ -1,8 +1,8 @@
 //! The drawing that previews, error pictures, legends of the viewer and charts share: one look, one font.
 //!
-//! A [`Scene`](scene::Scene) lists shapes and lines of text in pixels; [`raster`] draws it, and `plot` also
-//! writes it as SVG. [`style`] has colours, sizes and margins, [`scale`] the colour scales, [`page`] titles
-//! and colour bars.
+//! A [`Scene`](scene::Scene) lists shapes and lines of text in pixels; `raster` draws it, and `plot` also
+//! writes it as SVG. [`style`] has colours, sizes and margins, [`scale`] the colour scales, `page` titles and
+//! colour bars.
 
 pub mod font;
 pub(crate) mod page;
