@@ -10,12 +10,21 @@ use crate::environment::Map;
 use crate::lobe::{Lobe, zonal_nodes};
 use std::array;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::sync::LazyLock;
 
 /// Bands of the spherical harmonics: lobes of roughness 0.6 have less than 1e-6 of their power beyond.
 const BANDS: usize = 128;
 
 /// Roughnesses at which look-ups are judged: from 0.6 to 1, by which default chains are chosen too.
 const JUDGED: usize = 17;
+
+/// The judged roughnesses and the bands of their lobes: ladders are compared by the same ones.
+static JUDGED_LOBES: LazyLock<[(f64, [f64; BANDS]); JUDGED]> = LazyLock::new(|| {
+    array::from_fn(|index| {
+        let roughness = 0.6 + 0.4 * index as f64 / (JUDGED - 1) as f64;
+        (roughness, zonal_bands(roughness))
+    })
+});
 
 impl Ladder {
     /// Greatest relative RMS error of trilinear look-ups at roughness 0.6 to 1 in a sampled GGX chain of
@@ -32,14 +41,13 @@ impl Ladder {
                 LevelBands::new(self.roughness(level, levels, size), edge)
             })
             .collect();
-        let error = |index: usize| {
-            let judged = 0.6 + 0.4 * index as f64 / (JUDGED - 1) as f64;
-            let lod = self.lod(judged, levels, size) - f64::from(first);
+        let error = |(judged, exact): &(f64, [f64; BANDS])| {
+            let lod = self.lod(*judged, levels, size) - f64::from(first);
             let low = (lod as usize).min(sampled.len() - 1);
             let high = (low + 1).min(sampled.len() - 1);
-            mixture_error(&zonal_bands(judged), &sampled[low], &sampled[high], lod - low as f64)
+            mixture_error(exact, &sampled[low], &sampled[high], lod - low as f64)
         };
-        (0..JUDGED).map(error).fold(0.0, f64::max)
+        JUDGED_LOBES.iter().map(error).fold(0.0, f64::max)
     }
 }
 
@@ -104,17 +112,21 @@ fn zonal_bands(roughness: f64) -> [f64; BANDS] {
     if alpha < 1e-5 {
         return [1.0; BANDS];
     }
-    let mut sums = [0.0; BANDS];
-    for (x, weight) in zonal_nodes(Lobe::Ggx, alpha) {
-        let (mut before, mut legendre) = (0.0, 1.0);
-        for (band, sum) in sums.iter_mut().enumerate() {
-            *sum += weight * legendre;
-            let l = band as f64;
-            (before, legendre) = (legendre, ((2.0 * l + 1.0) * x * legendre - l * before) / (l + 1.0));
+    let (nodes, mut weighted): (Vec<f64>, Vec<f64>) = zonal_nodes(Lobe::Ggx, alpha).unzip();
+    // Legendre polynomials of two successive bands at all nodes, times the nodes' weights. All nodes of a
+    // band take the same two factors, so that the compiler can vectorise the loop.
+    let mut before = vec![0.0; nodes.len()];
+    let mut bands = [0.0; BANDS];
+    for (l, band) in bands.iter_mut().enumerate() {
+        *band = weighted.iter().sum();
+        let l = l as f64;
+        let (along, back) = ((2.0 * l + 1.0) / (l + 1.0), l / (l + 1.0));
+        for ((x, before), weighted) in nodes.iter().zip(&mut before).zip(&mut weighted) {
+            (*before, *weighted) = (*weighted, along * x * *weighted - back * *before);
         }
     }
-    let integral = sums[0];
-    sums.map(|sum| sum / integral)
+    let integral = bands[0];
+    bands.map(|band| band / integral)
 }
 
 #[cfg(test)]
