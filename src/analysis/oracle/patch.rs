@@ -250,59 +250,104 @@ impl Patch for Flat {
     }
 }
 
+/// An angle with its sine and cosine.
+#[derive(Clone, Copy, Debug)]
+struct Angle {
+    radians: f64,
+    sine: f64,
+    cosine: f64,
+}
+
+impl Angle {
+    fn new(radians: f64) -> Self {
+        let (sine, cosine) = radians.sin_cos();
+        Self { radians, sine, cosine }
+    }
+}
+
+/// An interval of angles.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    low: Angle,
+    middle: Angle,
+    high: Angle,
+}
+
+impl Span {
+    fn new([low, high]: [f64; 2]) -> Self {
+        Self::between(Angle::new(low), Angle::new(high))
+    }
+
+    fn between(low: Angle, high: Angle) -> Self {
+        Self { low, middle: Angle::new(f64::midpoint(low.radians, high.radians)), high }
+    }
+
+    fn width(&self) -> f64 {
+        self.high.radians - self.low.radians
+    }
+
+    fn halves(&self) -> [Self; 2] {
+        [Self::between(self.low, self.middle), Self::between(self.middle, self.high)]
+    }
+
+    /// The angle at `share` of the way from the low end.
+    fn at(&self, share: f64) -> Angle {
+        Angle::new(self.low.radians + share * self.width())
+    }
+}
+
 /// A rectangle of a panorama, in longitude about +X and polar angle from +Y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Band {
-    pub(super) longitude: [f64; 2],
-    pub(super) polar: [f64; 2],
+    longitude: Span,
+    polar: Span,
 }
 
-fn middle_of(span: [f64; 2]) -> f64 {
-    f64::midpoint(span[0], span[1])
+impl Band {
+    /// The rectangle between two longitudes and two polar angles.
+    pub(super) fn new(longitude: [f64; 2], polar: [f64; 2]) -> Self {
+        Self { longitude: Span::new(longitude), polar: Span::new(polar) }
+    }
 }
 
-/// Unit vector at `longitude` and polar angle.
-fn band_direction(longitude: f64, polar: f64) -> DVec3 {
-    let (sin_polar, cos_polar) = polar.sin_cos();
-    let (sin_longitude, cos_longitude) = longitude.sin_cos();
-    DVec3::new(sin_polar * cos_longitude, cos_polar, sin_polar * sin_longitude)
+fn band_direction(longitude: Angle, polar: Angle) -> DVec3 {
+    DVec3::new(polar.sine * longitude.cosine, polar.cosine, polar.sine * longitude.sine)
 }
 
 impl Patch for Band {
     fn cap(&self) -> (DVec3, f64) {
-        let (longitude, polar) = (middle_of(self.longitude), middle_of(self.polar));
+        let Self { longitude, polar } = self;
         // The way to any point is along a meridian and then a parallel, the widest one of the piece.
-        let widest = if self.polar[0] <= PI / 2.0 && self.polar[1] >= PI / 2.0 {
+        let widest = if polar.low.radians <= PI / 2.0 && polar.high.radians >= PI / 2.0 {
             1.0
         } else {
-            self.polar[0].sin().max(self.polar[1].sin())
+            polar.low.sine.max(polar.high.sine)
         };
-        let across = (self.longitude[1] - self.longitude[0]) / 2.0 * widest;
-        let along = (self.polar[1] - self.polar[0]) / 2.0;
-        (band_direction(longitude, polar), across.hypot(along).min(2.0))
+        let half_size = DVec2::new(longitude.width() / 2.0 * widest, polar.width() / 2.0);
+        (band_direction(longitude.middle, polar.middle), half_size.length().min(2.0))
     }
 
     fn split(&self) -> [Self; 4] {
-        let (longitude, polar) = (middle_of(self.longitude), middle_of(self.polar));
-        let quarter = |west: bool, north: bool| Self {
-            longitude: if west { [self.longitude[0], longitude] } else { [longitude, self.longitude[1]] },
-            polar: if north { [self.polar[0], polar] } else { [polar, self.polar[1]] },
-        };
-        [quarter(true, true), quarter(false, true), quarter(false, false), quarter(true, false)]
+        let ([west, east], [north, south]) = (self.longitude.halves(), self.polar.halves());
+        [(west, north), (east, north), (east, south), (west, south)]
+            .map(|(longitude, polar)| Self { longitude, polar })
     }
 
     fn sample(&self, rule: &[(f64, f64)], visit: &mut impl FnMut(Sample)) {
-        let width = self.longitude[1] - self.longitude[0];
-        let height = self.polar[1] - self.polar[0];
+        let area = self.longitude.width() * self.polar.width();
+        // Room for the greatest order.
+        let mut longitudes = [self.longitude.middle; ORDERS[ORDERS.len() - 1] as usize];
+        for (longitude, &(a, _)) in longitudes.iter_mut().zip(rule) {
+            *longitude = self.longitude.at(a);
+        }
         for &(b, weight_b) in rule {
-            let polar = self.polar[0] + b * height;
-            for &(a, weight_a) in rule {
-                let longitude = self.longitude[0] + a * width;
+            let polar = self.polar.at(b);
+            for (&longitude, &(_, weight_a)) in longitudes.iter().zip(rule) {
                 visit(Sample {
                     point: band_direction(longitude, polar),
                     length_squared: 1.0,
-                    uv: DVec2::new(longitude, polar),
-                    weight: weight_a * weight_b * width * height * polar.sin(),
+                    uv: DVec2::new(longitude.radians, polar.radians),
+                    weight: weight_a * weight_b * area * polar.sine,
                 });
             }
         }

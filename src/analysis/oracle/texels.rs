@@ -180,7 +180,7 @@ fn sample<P: Patch>(patch: &P, accuracy: &Accuracy, visit: &mut impl FnMut(DVec3
 fn panorama_texel(width: u32, height: u32, row: usize) -> Band {
     let half = PI / f64::from(width);
     let edge = |k: usize| k as f64 / f64::from(height) * PI;
-    Band { longitude: [-half, half], polar: [edge(row), edge(row + 1)] }
+    Band::new([-half, half], [edge(row), edge(row + 1)])
 }
 
 fn cube_texel(size: u32, block: usize) -> Flat {
