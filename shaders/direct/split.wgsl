@@ -110,6 +110,11 @@ fn with_crossings(polygon: Polygon, axis: u32) -> Polygon {
     return part;
 }
 
+// Whether a triangle between `low` and `high` crosses each plane.
+fn is_across(low: vec3<f32>, high: vec3<f32>) -> vec3<bool> {
+    return (low < vec3<f32>()) & (high > vec3<f32>());
+}
+
 // Whether a part of a triangle between `low` and `high` lies on a side of planes; a triangle within a plane
 // is on the positive side.
 fn reaches(low: vec3<f32>, high: vec3<f32>, signs: vec3<f32>) -> vec3<bool> {
@@ -138,7 +143,7 @@ fn in_half(corner: Corner, half: u32) -> Corner {
 // Counts the triangles of the pieces that each lie in an octant, and writes them from place `at` on if
 // `is_written`.
 fn split_by_octants(whole: Polygon, low: vec3<f32>, high: vec3<f32>, at: u32, is_written: bool) -> u32 {
-    let is_crossed = (low < vec3<f32>()) & (high > vec3<f32>());
+    let is_crossed = is_across(low, high);
     var count = 0u;
     for (var octant = 0u; octant < 8u; octant++) {
         let signs = signs_of_octant(octant);
@@ -165,7 +170,7 @@ fn split_by_octants(whole: Polygon, low: vec3<f32>, high: vec3<f32>, at: u32, is
 
 // The same for the parts in either hemisphere, as strips from side to side of their polygons.
 fn split_by_halves(whole: Polygon, low: vec3<f32>, high: vec3<f32>, at: u32, is_written: bool) -> u32 {
-    let is_crossed = (low < vec3<f32>()) & (high > vec3<f32>());
+    let is_crossed = is_across(low, high);
     var count = 0u;
     for (var half = 0u; half <= 2u; half += 2u) {
         let signs = signs_of_octant(half);
@@ -197,17 +202,36 @@ fn split_by_halves(whole: Polygon, low: vec3<f32>, high: vec3<f32>, at: u32, is_
     return count;
 }
 
+// Writes a triangle that crosses no plane, of which `low` is the least corner.
+fn write_whole(a: Corner, b: Corner, c: Corner, low: vec3<f32>, at: u32) {
+    let is_below = low < vec3<f32>();
+    let half = select(0u, 2u, is_below.y);
+    if split.cut == CUT_OCTANTS {
+        let octant = half | select(0u, 1u, is_below.x) | select(0u, 4u, is_below.z);
+        write_piece(at, in_octant(a, octant), in_octant(b, octant), in_octant(c, octant));
+    } else {
+        write_piece(at, in_half(a, half), in_half(b, half), in_half(c, half));
+    }
+}
+
 fn split_triangle(triangle: u32, at: u32, is_written: bool) -> u32 {
+    let a = corners[indices[3u * triangle]];
+    let b = corners[indices[3u * triangle + 1u]];
+    let c = corners[indices[3u * triangle + 2u]];
+    let low = min(min(a.position, b.position), c.position);
+    let high = max(max(a.position, b.position), c.position);
+    // Nearly all triangles of a fine mesh; polygons are slow.
+    if !any(is_across(low, high)) {
+        if is_written {
+            write_whole(a, b, c, low, at);
+        }
+        return 1u;
+    }
     var whole = Polygon();
     whole.count = 3u;
-    for (var k = 0u; k < 3u; k++) {
-        whole.corners[k] = corners[indices[3u * triangle + k]];
-    }
-    let a = whole.corners[0].position;
-    let b = whole.corners[1].position;
-    let c = whole.corners[2].position;
-    let low = min(min(a, b), c);
-    let high = max(max(a, b), c);
+    whole.corners[0] = a;
+    whole.corners[1] = b;
+    whole.corners[2] = c;
     if split.cut == CUT_OCTANTS {
         return split_by_octants(whole, low, high, at, is_written);
     }
