@@ -23,7 +23,7 @@ const FIRST_OCTAVE = 2u;
 const HARMONICS_FROM = 0.65f;
 const HARMONICS_ALONE = 0.75f;
 // Least roughness of the polynomial for peaks.
-const PEAK_FROM = 0.13f;
+const PEAK_FROM = 0.09f;
 // 2^-60: scales entries to the harmonics' units.
 const UNIT = 8.6736174e-19f;
 

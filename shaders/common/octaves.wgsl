@@ -29,12 +29,12 @@ struct OctaglossOctaves {
     // The least alpha that the tables resolve.
     sharpest: f32,
     pad_0: u32,
-    // 1 over pi times the lobe's integral as a polynomial over roughness 0.13 to 1, lowest power first, four
+    // 1 over pi times the lobe's integral as a polynomial over roughness 0.09 to 1, lowest power first, four
     // coefficients per vector.
     peak: array<vec4<f32>, 3>,
     // Convolution weights of harmonics of order 1 to 4 as polynomials over roughness 0.65 to 1, lowest power
     // first.
     zonal: array<vec4<f32>, 8>,
     // Octaves from 1 on.
-    octaves: array<OctaglossOctave, 6>,
+    octaves: array<OctaglossOctave, 7>,
 }

@@ -18,9 +18,8 @@ pub(crate) const HARMONICS_FROM: f64 = 0.65;
 /// Roughness above which harmonics replace the boxes.
 pub(crate) const HARMONICS_ALONE: f64 = 0.75;
 
-/// The finest octave in use. The parameters of the next one, for roughness 0.1 to 0.14, are no better than
-/// blending with the mirror.
-const FINEST: u32 = 6;
+/// The finest octave in use, whose tables have 1024 x 1024 texels: lobes from roughness 0.1 up.
+const FINEST: u32 = 7;
 
 /// The finest octave over an OEM of `inner` texels: blurs are at least four texels wide.
 #[must_use]

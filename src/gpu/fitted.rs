@@ -30,7 +30,7 @@ const ZONAL: usize = 8;
 const PEAK: usize = 12;
 
 /// Least roughness of that range, slightly below that of the finest octave's sharpest lobe.
-pub(super) const PEAK_FROM: f64 = 0.13;
+pub(super) const PEAK_FROM: f64 = 0.09;
 
 /// Byte offset of the emitter array in `OctaglossLight`: it follows least radiance, units and harmonics.
 pub(super) const EMITTERS_OFFSET: u64 = 16 * (1 + 2 + 25);

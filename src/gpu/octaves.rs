@@ -8,7 +8,7 @@ use crate::gpu::device::shader;
 pub const EDGE: u32 = 16;
 
 /// Greatest number of octaves.
-pub const OCTAVES: usize = 6;
+pub const OCTAVES: usize = 7;
 
 /// Texels of border around a blurred square. Over all directions, less than one box in a hundred leaves it:
 /// wide boxes with a small share of their lobe. These use the parity form of the unfolded plane.
