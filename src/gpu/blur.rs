@@ -33,15 +33,24 @@ impl Blur {
         Self { blur: pipeline("blur"), rows: pipeline("rows"), columns: pipeline("columns") }
     }
 
-    /// Stage that writes the blurred tables of `sat` to `tables`.
+    /// The blurred texels of all octaves of a map of `inner` texels along an edge, before they are summed.
+    pub(super) fn texels(context: &Context, inner: u32) -> wgpu::Buffer {
+        context.storage("blurred texels", 32 * u64::from(Layout::new(inner).texels))
+    }
+
+    /// Stage that writes the blurred tables of `sat` to `tables`, by way of [`Self::texels`].
     ///
     /// # Panics
     /// If `tables` was made for another size.
-    #[must_use]
-    pub fn stage(&self, context: &Context, sat: &SatPlanes, tables: &FittedTables) -> Stage {
+    pub(super) fn stage(
+        &self,
+        context: &Context,
+        sat: &SatPlanes,
+        texels: &wgpu::Buffer,
+        tables: &FittedTables,
+    ) -> Stage {
         assert_eq!(sat.size().inner, tables.inner(), "tables for this size");
         let layout = Layout::new(tables.inner());
-        let texels = context.storage("blurred texels", 32 * u64::from(layout.texels));
         let table = context.uniform("table", &oem::Table::new(sat.size()));
         let octaves = (5, tables.octaves().as_entire_binding());
         let entries = (8, tables.entries().as_entire_binding());

@@ -19,6 +19,28 @@ use super::{Context, OemPlanes, SatPlanes, Stage};
 use crate::error::Result;
 use crate::sat::Scan;
 
+/// Buffers between the passes. Tables of one size can share them: each build overwrites them.
+#[derive(Clone, Debug)]
+pub(super) struct Scratch {
+    /// The OEM without its emitters.
+    rest: OemPlanes,
+    sat: SatPlanes,
+    /// [`Blur::texels`].
+    blurred: wgpu::Buffer,
+}
+
+impl Scratch {
+    /// Buffers for OEMs of the size of `oem`, which share its solid angles.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] if the planes are larger than the device can bind.
+    pub(super) fn new(context: &Context, oem: &OemPlanes) -> Result<Self> {
+        let sat = SatPlanes::new(context, oem.size())?;
+        let rest = oem.of_the_same_solid_angles(context);
+        Ok(Self { rest, sat, blurred: Blur::texels(context, oem.size().inner) })
+    }
+}
+
 /// The passes that fill [`FittedTables`].
 #[derive(Clone, Debug)]
 pub struct BuildFitted {
@@ -66,15 +88,29 @@ impl BuildFitted {
     /// # Panics
     /// If `tables` was made for another size.
     pub fn stages(&self, context: &Context, oem: &OemPlanes, tables: &FittedTables) -> Result<Vec<Stage>> {
-        let (emitters, rest) = self.emitters.stage(context, oem, tables);
-        let sat = SatPlanes::new(context, oem.size())?;
-        Ok(vec![
-            emitters,
-            self.fixed_point.stage(context, &rest, &sat).labelled("fixed_point of the rest"),
-            self.sat_scan.stage_of_the_rest(context, &rest, &sat),
-            self.blur.stage(context, &sat, tables),
-            self.harmonics.stage(context, &sat, tables),
-            self.mirror.stage(context, oem, &rest, tables),
-        ])
+        Ok(self.stages_through(context, oem, &Scratch::new(context, oem)?, tables))
+    }
+
+    /// The same by way of `scratch`.
+    ///
+    /// # Panics
+    /// If `scratch` or `tables` was made for another size.
+    pub(super) fn stages_through(
+        &self,
+        context: &Context,
+        oem: &OemPlanes,
+        scratch: &Scratch,
+        tables: &FittedTables,
+    ) -> Vec<Stage> {
+        let Scratch { rest, sat, blurred } = scratch;
+        assert_eq!(oem.size(), sat.size(), "buffers for this size");
+        vec![
+            self.emitters.stage(context, oem, rest, tables),
+            self.fixed_point.stage(context, rest, sat).labelled("fixed_point of the rest"),
+            self.sat_scan.stage_of_the_rest(context, rest, sat),
+            self.blur.stage(context, sat, blurred, tables),
+            self.harmonics.stage(context, sat, tables),
+            self.mirror.stage(context, oem, rest, tables),
+        ]
     }
 }

@@ -43,15 +43,21 @@ impl Emitters {
         }
     }
 
-    /// Stage that writes the emitters of `oem` to `tables` and the residual map to the returned planes.
+    /// Stage that writes the emitters of `oem` to `tables`, and the residual map to `rest`, which shares the
+    /// solid angles of `oem`.
     ///
     /// # Panics
     /// If the tables were made for another size.
     #[must_use]
-    pub fn stage(&self, context: &Context, oem: &OemPlanes, tables: &FittedTables) -> (Stage, OemPlanes) {
+    pub fn stage(
+        &self,
+        context: &Context,
+        oem: &OemPlanes,
+        rest: &OemPlanes,
+        tables: &FittedTables,
+    ) -> Stage {
         let inner = oem.size().inner;
         assert_eq!(inner, tables.inner(), "tables for this size");
-        let rest = oem.of_the_same_solid_angles(context);
         let cells = (inner / block(inner)).pow(2);
         debug_assert!(cells <= GRID * GRID, "the grid is no finer");
         let brightness = context.storage("brightness of cells", 4 * u64::from(cells));
@@ -84,7 +90,7 @@ impl Emitters {
         let mut given = energies.clone();
         given.extend([listed, (11, tables.light().as_entire_binding())]);
         dispatches.push(Dispatch::new(context, &self.emitters, &given, [1, 1, 1]));
-        (Stage::new("emitters", dispatches), rest)
+        Stage::new("emitters", dispatches)
     }
 }
 

@@ -172,6 +172,16 @@ impl FittedTables {
     pub fn new(context: &Context, inner: u32, count: u32) -> Result<Self> {
         crate::filter::Filter::Fitted(count).check(Lobe::Ggx, Some(inner))?;
         Self::check_fits(context, inner)?;
+        let parameters = context.storage_of("parameters of fitted lobes", &parameters());
+        Ok(Self::with_parameters(context, inner, count, parameters))
+    }
+
+    /// Other tables of this size, for lobes of `count` boxes (1, 2, 4 or 8); they share the parameters.
+    pub(super) fn sibling(&self, context: &Context, count: u32) -> Self {
+        Self::with_parameters(context, self.inner, count, self.parameters.clone())
+    }
+
+    fn with_parameters(context: &Context, inner: u32, count: u32, parameters: wgpu::Buffer) -> Self {
         let layout = super::octaves::Layout::new(inner);
         let [boxes, first_parameters, first_wider] = lobes(count);
         let octaves = Octaves {
@@ -204,14 +214,14 @@ impl FittedTables {
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING,
             view_formats: &[],
         });
-        Ok(Self {
+        Self {
             inner,
             octaves: context.uniform("octaves", &octaves),
             light,
             entries: context.storage("blurred tables", 32 * u64::from(layout.entries)),
-            parameters: context.storage_of("parameters of fitted lobes", &parameters()),
+            parameters,
             oem: oem.create_view(&wgpu::TextureViewDescriptor::default()),
-        })
+        }
     }
 
     /// Checks that the tables over an OEM of `inner` texels fit the device.

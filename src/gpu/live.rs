@@ -7,7 +7,8 @@
 //!
 //! The texture is the renderer's, or the octahedral map that [`LiveEnvironment::draw`] draws into.
 
-use super::build_fitted::BuildFitted;
+use super::build_fitted::{BuildFitted, Scratch};
+use super::device::names::named;
 use super::device::shader::{self, Queries};
 use super::direct::{Surroundings, view_layout};
 use super::fitted::FittedTables;
@@ -32,9 +33,10 @@ const BOXES: u32 = 4;
 #[derive(Debug)]
 pub struct LiveEnvironment {
     context: Context,
+    passes: LivePasses,
     planes: OemPlanes,
+    scratch: Scratch,
     tables: FittedTables,
-    reparameterise: Reparameterise,
     /// From the planes to the tables.
     build: Vec<Stage>,
     /// The texture of the last update, and the stage that reads it.
@@ -73,14 +75,43 @@ impl LiveEnvironment {
         Self::with_passes(&context, &LivePasses::new(&context), size)
     }
 
+    /// Another environment of this size, black until its first update: a further probe of a scene, say. The
+    /// two share pipelines, all buffers that an update only passes through and, if this one has been updated
+    /// before, what was computed for the texture or the map of its draws. An environment made so takes half
+    /// the memory or less, and does not compute overlaps again for that texture.
+    ///
+    /// Updates of environments that share buffers run one after another on the GPU. A draw of one and a draw
+    /// of the other need a submission each.
+    #[must_use]
+    pub fn sibling(&self) -> Self {
+        let tables = self.tables.sibling(&self.context, BOXES);
+        let live = Self::over(&self.context, &self.passes, &self.planes, &self.scratch, tables);
+        let drawn = self.drawn.as_ref().map(|(surroundings, stage)| {
+            (surroundings.sharing_target(&self.context, &live.draw_layout), stage.clone())
+        });
+        Self { source: self.source.clone(), drawn, ..live }
+    }
+
     /// [`Self::new`] with passes compiled before.
     pub(crate) fn with_passes(context: &Context, passes: &LivePasses, size: u32) -> Result<Self> {
-        let device = context.device();
         let inner = size.max(16).checked_next_power_of_two().unwrap_or(1 << 31);
         // Before any plane is allocated.
         let tables = FittedTables::new(context, inner, BOXES)?;
         let planes = OemPlanes::new(context, OemSize { inner, border: 0 })?;
-        let build = passes.build.stages(context, &planes, &tables)?;
+        let scratch = Scratch::new(context, &planes)?;
+        Ok(Self::over(context, passes, &planes, &scratch, tables))
+    }
+
+    /// An environment of these tables, planes and buffers between passes.
+    fn over(
+        context: &Context,
+        passes: &LivePasses,
+        planes: &OemPlanes,
+        scratch: &Scratch,
+        tables: FittedTables,
+    ) -> Self {
+        let device = context.device();
+        let build = passes.build.stages_through(context, planes, scratch, &tables);
         let source_from_world = context.uniform("source from world", &columns(DMat3::IDENTITY));
         let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let mut entries = FittedTables::layout_entries(visibility).to_vec();
@@ -90,13 +121,13 @@ impl LiveEnvironment {
             entries: &entries,
         });
         let bind_group = bind_group(device, &layout, &tables, &source_from_world);
-        let reparameterise = passes.reparameterise.clone();
         let draw_layout = view_layout(device);
-        Ok(Self {
+        Self {
             context: context.clone(),
-            planes,
+            passes: passes.clone(),
+            planes: planes.clone(),
+            scratch: scratch.clone(),
             tables,
-            reparameterise,
             build,
             source: None,
             drawn: None,
@@ -104,7 +135,7 @@ impl LiveEnvironment {
             source_from_world,
             layout,
             bind_group,
-        })
+        }
     }
 
     /// `environment` as a texture for [`Self::update`].
@@ -134,7 +165,7 @@ impl LiveEnvironment {
     pub(crate) fn stages(&mut self, texture: &wgpu::Texture) -> Result<impl Iterator<Item = &Stage>> {
         if self.source.as_ref().is_none_or(|(known, _)| known != texture) {
             let layout = layout_of(texture.size())?;
-            let stage = self.reparameterise.stage(&self.context, layout, texture, &self.planes)?;
+            let stage = self.passes.reparameterise.stage(&self.context, layout, texture, &self.planes)?;
             self.source = Some((texture.clone(), stage));
         }
         Ok(self.source.iter().map(|(_, stage)| stage).chain(&self.build))
@@ -184,7 +215,7 @@ impl LiveEnvironment {
             none => {
                 let surroundings = Surroundings::new(&self.context, &self.draw_layout, size)?;
                 let (layout, map) = (Layout::Octahedral { size }, surroundings.colour());
-                let stage = self.reparameterise.stage(&self.context, layout, map, &self.planes)?;
+                let stage = self.passes.reparameterise.stage(&self.context, layout, map, &self.planes)?;
                 none.insert((surroundings, stage))
             }
         };
@@ -232,6 +263,17 @@ impl LiveEnvironment {
     #[must_use]
     pub fn wgsl(group: u32) -> String {
         shader::queries(&[Queries::Live(group)])
+    }
+
+    /// The same under names of the caller's, so that one shader can look several environments up:
+    /// `NAME_radiance(direction, roughness)` and `NAME_irradiance(normal)`. All else that the source declares
+    /// begins with `NAME_`, too.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if `name` does not begin with an ASCII letter, or has characters other than ASCII
+    /// letters, digits and single underscores between them.
+    pub fn wgsl_named(name: &str, group: u32) -> Result<String> {
+        named(&Self::wgsl(group), name)
     }
 
     /// The layout of [`Self::bind_group`], for the caller's pipeline layouts: visible to vertex, fragment and

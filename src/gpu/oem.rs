@@ -109,7 +109,8 @@ impl OemPlanes {
     }
 
     /// Zeroed energy planes that share this OEM's solid angles.
-    pub(super) fn of_the_same_solid_angles(&self, context: &Context) -> Self {
+    #[must_use]
+    pub fn of_the_same_solid_angles(&self, context: &Context) -> Self {
         let energy = || context.storage("OEM plane", self.planes[0].size());
         let planes = [energy(), energy(), energy(), self.planes[3].clone()];
         Self { planes, ..self.clone() }

@@ -3,6 +3,7 @@
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) mod block_on;
 pub mod context;
+pub(crate) mod names;
 pub mod readback;
 pub mod shader;
 pub(crate) mod stage;

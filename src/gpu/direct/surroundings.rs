@@ -28,6 +28,11 @@ impl Surroundings {
         Ok(Self { target, colour, depth, octants })
     }
 
+    /// The same map with draws of its own, for another centre; each overwrites what the other drew.
+    pub(in crate::gpu) fn sharing_target(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> Self {
+        Self { octants: OctantDraws::new(context, layout, self.target.map()), ..self.clone() }
+    }
+
     /// The map's colour.
     pub(in crate::gpu) const fn colour(&self) -> &wgpu::Texture {
         self.target.colour()

@@ -80,7 +80,8 @@ impl Open {
 fn taken_out_by_gpu(context: &Context, passes: &Engine, oem: &Oem) -> (Vec<Emitter>, Oem) {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let tables = FittedTables::new(context, oem.size().inner, 1).expect("small tables");
-    let (stage, rest) = passes.build_fitted.emitters.stage(context, &planes, &tables);
+    let rest = planes.of_the_same_solid_angles(context);
+    let stage = passes.build_fitted.emitters.stage(context, &planes, &rest, &tables);
     context.submit(|encoder| stage.record(encoder));
     (wait(context, tables.read_emitters(context)), wait(context, rest.read(context)))
 }

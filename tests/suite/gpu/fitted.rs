@@ -65,7 +65,8 @@ pub(super) fn blurred_tables(context: &Context, passes: &Engine, cases: &[(u32, 
         // Read back the GPU's residual map: its floats may differ from the CPU's.
         let planes = OemPlanes::upload(context, &oem).expect("small planes");
         let emitters = &passes.build_fitted.emitters;
-        let (stage, rest) = emitters.stage(context, &planes, &tables);
+        let rest = planes.of_the_same_solid_angles(context);
+        let stage = emitters.stage(context, &planes, &rest, &tables);
         context.submit(|encoder| stage.record(encoder));
         let rest = wait(context, rest.read(context));
         assert_ne!(rest, oem, "emitters must be extracted");

@@ -16,22 +16,49 @@ use octagloss::{Environment, Error, Layout, LiveEnvironment, wgpu};
 /// Roughness of the glossy look-ups.
 const ROUGHNESS: f64 = 0.4;
 
-const SHADER: &str = "
-@group(1) @binding(0) var<storage, read> directions: array<vec4<f32>>;
-@group(1) @binding(1) var<storage, read_write> answers: array<array<vec4<f32>, 2>>;
+/// A shader that looks `names` up, each in the group of its place, by lists in the group that follows.
+fn shader(names: &[&str]) -> String {
+    let group = names.len();
+    let look_ups: String = (0..)
+        .zip(names)
+        .map(|(k, name)| {
+            format!(
+                "answers[at.x * {group}u + {k}u][0] = vec4<f32>({name}_radiance(direction, 0.4), 1.0);\n\
+                 answers[at.x * {group}u + {k}u][1] = vec4<f32>({name}_irradiance(direction), 1.0);\n"
+            )
+        })
+        .collect();
+    format!(
+        "@group({group}) @binding(0) var<storage, read> directions: array<vec4<f32>>;
+@group({group}) @binding(1) var<storage, read_write> answers: array<array<vec4<f32>, 2>>;
 
 @compute @workgroup_size(1)
-fn look_up(@builtin(workgroup_id) at: vec3<u32>) {
+fn look_up(@builtin(workgroup_id) at: vec3<u32>) {{
     let direction = directions[at.x].xyz;
-    answers[at.x][0] = vec4<f32>(octagloss_radiance(direction, 0.4), 1.0);
-    answers[at.x][1] = vec4<f32>(octagloss_irradiance(direction), 1.0);
+{look_ups}}}
+"
+    )
 }
-";
 
-/// Radiance and irradiance around `directions`, in the caller's own pipeline with an explicit layout.
-pub(super) fn answers(context: &Context, live: &LiveEnvironment, directions: &[DVec3]) -> Vec<[[f32; 4]; 2]> {
+/// Radiance and irradiance around a direction.
+type Answer = [[f32; 4]; 2];
+
+/// Answers of `live` around `directions`, in the caller's own pipeline with an explicit layout.
+pub(super) fn answers(context: &Context, live: &LiveEnvironment, directions: &[DVec3]) -> Vec<Answer> {
+    let source = LiveEnvironment::wgsl(0) + &shader(&["octagloss"]);
+    answers_of(context, &look_ups(context, source, &[live]), &[live], directions)
+}
+
+/// A pipeline of the caller's own that looks environments up, and the layout of its lists.
+struct LookUps {
+    pipeline: wgpu::ComputePipeline,
+    lists: wgpu::BindGroupLayout,
+}
+
+/// Look-ups by the shader `source`, whose groups are those of `lives` in turn and the lists.
+fn look_ups(context: &Context, source: String, lives: &[&LiveEnvironment]) -> LookUps {
     let device = context.device();
-    let source = wgpu::ShaderSource::Wgsl((LiveEnvironment::wgsl(0) + SHADER).into());
+    let source = wgpu::ShaderSource::Wgsl(source.into());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
     let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
         binding,
@@ -47,9 +74,11 @@ pub(super) fn answers(context: &Context, live: &LiveEnvironment, directions: &[D
         label: None,
         entries: &[entry(0, true), entry(1, false)],
     });
+    let groups: Vec<_> =
+        lives.iter().map(|live| live.bind_group_layout()).chain([&lists]).map(Some).collect();
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
-        bind_group_layouts: &[Some(live.bind_group_layout()), Some(&lists)],
+        bind_group_layouts: &groups,
         ..Default::default()
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -60,6 +89,17 @@ pub(super) fn answers(context: &Context, live: &LiveEnvironment, directions: &[D
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
     });
+    LookUps { pipeline, lists }
+}
+
+/// For each direction in turn, the answers of all of `lives`.
+fn answers_of(
+    context: &Context,
+    LookUps { pipeline, lists }: &LookUps,
+    lives: &[&LiveEnvironment],
+    directions: &[DVec3],
+) -> Vec<Answer> {
+    let device = context.device();
     let buffer = |size, usage| {
         device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
     };
@@ -69,10 +109,11 @@ pub(super) fn answers(context: &Context, live: &LiveEnvironment, directions: &[D
         directions.iter().flat_map(|direction| direction.as_vec3().extend(0.0).to_array()).collect();
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
     context.queue().write_buffer(&asked, 0, &bytes);
-    let found = buffer(32 * count, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    let found =
+        buffer(32 * lives.len() as u64 * count, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
-        layout: &lists,
+        layout: lists,
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: asked.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: found.as_entire_binding() },
@@ -80,9 +121,9 @@ pub(super) fn answers(context: &Context, live: &LiveEnvironment, directions: &[D
     });
     context.submit(|encoder| {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, live.bind_group(), &[]);
-        pass.set_bind_group(1, &group, &[]);
+        pass.set_pipeline(pipeline);
+        let bound = lives.iter().map(|live| live.bind_group()).chain([&group]);
+        (0..).zip(bound).for_each(|(place, bound)| pass.set_bind_group(place, bound, &[]));
         pass.dispatch_workgroups(directions.len() as u32, 1, 1);
     });
     wait(context, readback::read(context, &found))
@@ -92,7 +133,7 @@ pub(super) fn answers(context: &Context, live: &LiveEnvironment, directions: &[D
 /// is the relative tolerance. Diffuse: harmonics up to order 4 and the cosine lobe differ by at most 0.034/pi
 /// anywhere, which a source's whole energy, 4 pi times its mean radiance, can meet.
 pub(super) fn difference(
-    found: &[[[f32; 4]; 2]],
+    found: &[Answer],
     environment: &Environment,
     source_from_world: DMat3,
     directions: &[DVec3],
@@ -180,5 +221,54 @@ fn textures_of_no_layout_are_refused() {
             let error = LiveEnvironment::new(context.device(), context.queue(), size).expect_err("too large");
             assert!(matches!(error, Error::Limit { .. }), "{error}");
         }
+    });
+}
+
+#[test]
+fn siblings_share_buffers_but_not_light() {
+    in_full("sibling environments", |context| {
+        let mut random = Random::new(52);
+        let layout = Layout::Cube { size: 16 };
+        let mut light =
+            || Environment::new(layout, texels(&mut random, Look::Suns, layout)).expect("it fits");
+        let (first, second) = (light(), light());
+        let directions = &landmarks()[..];
+        let update = |live: &mut LiveEnvironment, texture: &wgpu::Texture| {
+            let mut encoder = context.device().create_command_encoder(&Default::default());
+            live.update(&mut encoder, texture).expect("an environment");
+            context.queue().submit([encoder.finish()]);
+        };
+        let mut left = LiveEnvironment::new(context.device(), context.queue(), 64).expect("small tables");
+        let textures = [&first, &second].map(|light| left.upload(light).expect("a small texture"));
+        let alone = textures.each_ref().map(|texture| {
+            update(&mut left, texture);
+            answers(context, &left, directions)
+        });
+        assert_ne!(alone[0], alone[1], "the lights differ");
+
+        // `left` has the second light.
+        let mut right = left.sibling();
+        let names = ["left", "right"];
+        let source: String = (0..)
+            .zip(names)
+            .map(|(group, name)| LiveEnvironment::wgsl_named(name, group).expect("a name"))
+            .collect();
+        let both = look_ups(context, source + &shader(&names), &[&left, &right]);
+        for [own, other] in [[1, 0], [0, 0], [0, 1]] {
+            update(&mut right, &textures[other]);
+            update(&mut left, &textures[own]);
+            let found = answers_of(context, &both, &[&left, &right], directions);
+            // The same code over the same words.
+            for (k, light) in [own, other].into_iter().enumerate() {
+                let found: Vec<Answer> = found.iter().skip(k).step_by(2).copied().collect();
+                assert!(found == alone[light], "{} on {}", names[k], context.describe());
+            }
+        }
+        // Siblings of an environment without light have none to share.
+        let fresh = LiveEnvironment::new(context.device(), context.queue(), 64).expect("small tables");
+        let mut early = fresh.sibling();
+        update(&mut early, &textures[0]);
+        assert!(answers(context, &early, directions) == alone[0]);
+        assert!(LiveEnvironment::wgsl_named("2nd", 0).is_err());
     });
 }

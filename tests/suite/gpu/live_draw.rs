@@ -227,6 +227,17 @@ fn draws_and_textures_take_turns() {
         assert_eq!(judge(&live, &environment), None);
         update(&mut live, &texture);
         assert_eq!(judge(&live, &environment), None);
+        // A sibling draws into the same map, around a centre of its own.
+        let mut sibling = live.sibling();
+        let beside = DVec3::new(0.0, 1e6, 0.0);
+        draw(context, &mut sibling, &triangles, beside, wgpu::FrontFace::Cw).expect("a valid draw");
+        assert_eq!(judge(&live, &environment), None);
+        assert!(judge(&sibling, &environment).is_some(), "the scene is far below");
+        draw(context, &mut live, &triangles, DVec3::ZERO, wgpu::FrontFace::Cw).expect("a valid draw");
+        draw(context, &mut sibling, &triangles, DVec3::ZERO, wgpu::FrontFace::Cw).expect("a valid draw");
+        for drawn in [&live, &sibling] {
+            assert_eq!(judge(drawn, &environment), None);
+        }
     });
 }
 
