@@ -147,13 +147,23 @@ fn extremes(map: &dyn SphereMap, component: u32, inset: f64) -> Extremes {
     let cell = rectangle.extent() / f64::from(CELLS);
     // Near a cone point derivatives change over the distance to it.
     let step = cell.min_element() * inset / 100.0;
-    // Different offsets avoid the diagonals.
+    // Different offsets avoid the diagonals. The last two approach a corner along a line of the grid: where
+    // stretch depends on the direction of approach, it may be greatest along a fold.
     let (a, b) = (inset, 2.0 * inset);
-    let offsets = [(a, b), (1.0 - b, a), (b, 1.0 - a), (1.0 - a, 1.0 - b), (0.5 + a, 0.5 + b)];
+    let (along, beside) = (100.0 * inset, inset / 5.0);
+    let offsets = [
+        (a, b, step),
+        (1.0 - b, a, step),
+        (b, 1.0 - a, step),
+        (1.0 - a, 1.0 - b, step),
+        (0.5 + a, 0.5 + b, step),
+        (along, beside, step / 5.0),
+        (beside, along, step / 5.0),
+    ];
     let row = |y: u32| {
         let mut row = Extremes { greatest: 0.0, spacing: 0.0, anisotropy: 1.0, area: [f64::INFINITY, 0.0] };
         for x in 0..CELLS {
-            for (right, down) in offsets {
+            for (right, down, step) in offsets {
                 let at = DVec2::new(f64::from(x) + right, f64::from(y) + down);
                 let uv = rectangle.low + cell * at;
                 if !map.contains(component, uv) {

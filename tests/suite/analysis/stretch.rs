@@ -18,7 +18,7 @@ fn measured(name: &str) -> Metrics {
 }
 
 /// Bound of numeric metrics. Extremes are extrapolated over cells of 1/96: the second-order rest is below
-/// (1e-3/96)^2 times curvatures of at most 1000, and differences round by 2^-53 / 1e-8.
+/// (1e-3/96)^2 times curvatures of at most 1000, and differences round by 2^-53 / 4e-9.
 const CLOSED: f64 = 1e-6;
 
 /// Returns the greatest anisotropy a of a map whose Jacobian has the squared Frobenius norm f and the
@@ -58,9 +58,9 @@ fn closed_form(name: &str) -> [f64; 3] {
 }
 
 /// Error at the poles of the equal-area squares, where stretch depends on the direction of approach and is
-/// greatest along an axis. The points nearest to an axis are one cell off, at most 1/48, which costs less
-/// than its square.
-const CONE: f64 = 1.0 / (48.0 * 48.0);
+/// greatest along an axis. The points nearest to one are 1/500 of their distance to the pole off, at an
+/// angle of at most pi/2 times that, which costs less than three times its square.
+const CONE: f64 = 7.4 / (500.0 * 500.0);
 
 fn agrees(measured: f64, exact: f64, bound: f64) -> bool {
     measured == exact || (measured / exact - 1.0).abs() <= bound
