@@ -1,26 +1,33 @@
 //! Draws the border of the octahedral square: the interior texel that each border texel copies.
 
 use super::figure::Figure;
+use crate::image::drawing::font::text_width;
 use crate::image::drawing::page::page;
 use crate::image::drawing::scene::{Anchor, Frame};
 use crate::image::drawing::style::{Colour, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY, mix};
 use crate::sphere::octahedral::wrap_texel;
 use glam::DVec2;
 
-/// Width of the figure: the square and its labels.
+/// Least width of the figure: the square and its labels.
 const WIDTH: f64 = 760.0;
+
+/// Pixels left of the square for labels, and as many on its right.
+const BESIDE: f64 = 60.0;
 
 /// Figure 4 of the octahedron paper.
 pub(super) fn border(name: String, size: u32, border: u32) -> Figure {
-    let title = format!("Octahedral square of {size} texels with a border of {border}");
+    let texels = if size == 1 { "texel" } else { "texels" };
+    let title = format!("Octahedral square of {size} {texels} with a border of {border}");
     let caption = "As figure 4 of Engelhardt and Dachsbacher 2008. Every texel has the colour and the name, \
                    column and row, of the texel inside the square that it shows. Beyond a side lies the \
                    square turned by 180\u{b0}, beyond a corner the square itself.";
     let count = f64::from(size + 2 * border);
-    let room = WIDTH - 2.0 * MARGIN - 120.0;
-    let texel = (room / count).floor().min(64.0);
+    let around = 2.0 * (MARGIN + BESIDE);
+    // Every name fits its texel.
+    let least = text_width(&format!("{0},{0}", size - 1), TINY).ceil() + 5.0;
+    let texel = ((WIDTH - around) / count).floor().min(64.0).max(least);
     let height = texel * count + 56.0;
-    let (mut scene, body) = page(WIDTH, height, &title, caption);
+    let (mut scene, body) = page(WIDTH.max(texel * count + around), height, &title, caption);
     let left = (body.low.x + body.high.x - texel * count) / 2.0 + 20.0;
     let origin = DVec2::new(left, body.low.y + 48.0);
     let (n, b) = (i64::from(size), i64::from(border));

@@ -286,14 +286,22 @@ impl Placed {
 
     /// Values and labels of ticks.
     fn ticks(&self) -> Vec<(f64, String)> {
+        // Ends such as 10^-1 may be rounded to either side of their tick.
+        let hair = 1e-9;
         let values = match self.scale {
-            Scale::Linear => RangedCoordf64::from(self.low..self.high).key_points(BoldPoints(9)),
+            Scale::Linear => {
+                let hair = hair * (self.high - self.low);
+                RangedCoordf64::from(self.low - hair..self.high + hair).key_points(BoldPoints(9))
+            }
             Scale::Logarithmic => {
-                let coordinate: LogCoord<f64> = (self.low..self.high).log_scale().into();
+                let range = self.low * (1.0 - hair)..self.high * (1.0 + hair);
+                let coordinate: LogCoord<f64> = range.log_scale().into();
                 coordinate.key_points(BoldPoints(9))
             }
         };
-        let inside = values.into_iter().filter(|value| (self.low..=self.high).contains(value));
+        let room = 1.0 + if self.lane { LANE } else { 0.0 };
+        let inside =
+            values.into_iter().filter(|value| (-hair..=1.0 + hair).contains(&self.at(*value, 0.0, room)));
         let mut ticks: Vec<(f64, String)> = inside.map(|value| (value, tick_text(value))).collect();
         if self.lane {
             ticks.push((f64::INFINITY, "\u{221e}".to_owned()));

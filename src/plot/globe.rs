@@ -35,18 +35,25 @@ impl Globe {
     }
 
     /// The pixel that shows `direction`, with its neighbours to the right and below, in a picture of `count`
-    /// pixels along the diameter; `None` if the pixel's centre is outside the sphere.
-    pub(super) fn cell(&self, direction: DVec3, count: u32) -> Option<Cell> {
+    /// pixels along the diameter: the nearest one inwards if the pixel's centre is outside the sphere.
+    pub(super) fn cell(&self, direction: DVec3, count: u32) -> Cell {
         let step = 2.0 / f64::from(count);
-        let pixel = (DVec2::new(direction.dot(self.right), direction.dot(self.up)) / step).floor();
+        let mut pixel = (DVec2::new(direction.dot(self.right), direction.dot(self.up)) / step).floor();
+        while ((pixel + 0.5) * step).length() >= 1.0 {
+            let centre = pixel + 0.5;
+            if centre.x.abs() > centre.y.abs() {
+                pixel.x -= centre.x.signum();
+            } else {
+                pixel.y -= centre.y.signum();
+            }
+        }
         let towards = |x: f64, y: f64| {
             let at = (pixel + DVec2::new(x, y) + 0.5) * step;
             // Neighbours beyond the rim are at the rim.
             let at = at / at.length().max(1.0);
             self.right * at.x + self.up * at.y + self.eye * (1.0 - at.length_squared()).max(0.0).sqrt()
         };
-        let is_inside = ((pixel + 0.5) * step).length() < 1.0;
-        is_inside.then(|| [towards(0.0, 0.0), towards(1.0, 0.0), towards(0.0, -1.0)])
+        [towards(0.0, 0.0), towards(1.0, 0.0), towards(0.0, -1.0)]
     }
 
     /// Projects `point`; also returns whether it is in front of the centre.

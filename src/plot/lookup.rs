@@ -82,7 +82,7 @@ pub(super) fn level(name: String) -> Figure {
                    reflection at y\u{a0}=\u{a0}0 (figure 3 of the paper).";
     let mips = OemMips::quadratic(&map_of(256, 16, |d| blocks(3.5, d)), Weights::SolidAngle);
     let panel = |globe: &Globe, direction: DVec3, level: &dyn Fn([DVec3; 3], u32) -> f64| {
-        let Some(cell) = globe.cell(direction, PIXELS) else { return PAPER };
+        let cell = globe.cell(direction, PIXELS);
         shown(mips.radiance(cell[0], level(cell, mips.inner())))
     };
     let without = |globe: &Globe, direction: DVec3| panel(globe, direction, &level_of_cell);

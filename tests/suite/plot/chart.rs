@@ -79,6 +79,15 @@ fn what_an_axis_cannot_show_is_named() {
     reversed.x.range = Some([1.0, 0.0]);
     let error = reversed.figure("a").expect_err("reversed").to_string();
     assert!(error.contains("invalid range 1 to 0"), "{error}");
+    // Powers of ten round to either side of the ends of their axis.
+    for low in -6..3_i32 {
+        let mut decades = chart();
+        decades.series.clear();
+        decades.y.range = Some([10_f64.powi(low), 10_f64.powi(low + 3)]);
+        let ticks = decades.figure("a").expect("a chart").texts().len();
+        decades.y.range = Some([10_f64.powi(low) * 0.999, 10_f64.powi(low + 3) * 1.001]);
+        assert_eq!(ticks, decades.figure("a").expect("a chart").texts().len(), "both ends from 10^{low}");
+    }
     let empty = Chart { series: Vec::new(), ..chart() };
     empty.figure("a").expect("axes alone");
 }

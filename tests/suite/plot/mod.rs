@@ -202,7 +202,48 @@ fn sizes_and_borders_that_cannot_be_drawn_are_named() {
         let error = entry("border").draw(&Content { size, border, ..content() }).expect_err(words);
         assert!(error.to_string().contains(words), "{error}");
     }
-    for (size, border) in [(1, 0), (1, 1), (12, 12)] {
-        entry("border").draw(&Content { size, border, ..content() }).expect("a figure");
+    for (size, border) in [(1, 0), (1, 1), (12, 0), (12, 1), (12, 12), (11, 11), (10, 10)] {
+        let figure = entry("border").draw(&Content { size, border, ..content() }).expect("a figure");
+        let texts = figure.texts();
+        let side = (size + 2 * border) as usize;
+        assert!(texts.len() > side * side, "a name for every texel");
+        for (k, (text, own)) in texts.iter().enumerate() {
+            assert!(figure.frame().holds(own), "{size}, {border}: {text:?} is cut off");
+            let covered = texts[..k].iter().find(|(_, others)| own.overlaps(others));
+            assert!(covered.is_none(), "{size}, {border}: {text:?} covers {covered:?}");
+        }
+    }
+    let one = entry("border").draw(&Content { size: 1, border: 1, ..content() }).expect("a figure");
+    assert!(one.texts().iter().any(|(text, _)| text.contains("square of 1 texel with")), "one texel");
+}
+
+/// Pixels of coarse pictures whose centres lie beyond the rim show the nearest one inside, not paper.
+#[test]
+fn spheres_of_pixels_are_filled_up_to_their_rims() {
+    let figure = entry("lookup-level").draw(&content()).expect("a figure");
+    let picture = image::load_from_memory(&figure.bytes(Form::Png)).expect("a PNG").to_rgb8();
+    // Both spheres by their inked circles: the first and last columns with ink in a row of the lower halves,
+    // where no label is.
+    let (row, width) = (360, picture.width());
+    for half in [0..width / 2, width / 2..width] {
+        let ink: Vec<u32> =
+            half.filter(|x| picture.get_pixel(*x, row).0.iter().all(|channel| *channel < 120)).collect();
+        let (left, right) = (ink[0], *ink.last().expect("a circle"));
+        let radius = 205.0_f64;
+        let (x, y) = (
+            f64::from(left + right) / 2.0,
+            f64::from(row) - (radius.powi(2) - (f64::from(right - left) / 2.0).powi(2)).sqrt(),
+        );
+        let mut shown = 0;
+        for degrees in 10..170 {
+            // Downwards, past the label of -Y.
+            let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+            for share in [0.96, 0.97, 0.98, 0.985] {
+                let at = [x + cos * radius * share, y + sin * radius * share].map(|c| c.round() as u32);
+                assert_ne!(picture.get_pixel(at[0], at[1]).0, [255; 3], "paper at {at:?}");
+                shown += 1;
+            }
+        }
+        assert_eq!(shown, 640);
     }
 }
