@@ -285,7 +285,6 @@ pub(super) struct BakeArgs {
     /// auto brings the log-average luminance of the environment to middle grey, as in view. Does not affect
     /// the bake.
     #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, requires = "preview")]
-    #[arg(allow_negative_numbers = true)]
     pub(super) exposure: Exposure,
     /// Write the environment without its sun
     ///
@@ -350,7 +349,7 @@ pub(super) struct QueryArgs {
     /// Roughness in [0, 1]; 0 is a mirror
     ///
     /// Required, except for the cosine lobe and for --directions with a column of roughness.
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = roughness)]
+    #[arg(long, value_name = "R", value_parser = roughness)]
     pub(super) roughness: Option<f64>,
     /// ggx, phong, cone, cosine or charlie
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
@@ -434,7 +433,7 @@ pub(super) struct CompareArgs {
     /// Exit with 1 if a relRMSE is above X
     ///
     /// Tests every level; for a solved chain, every roughness.
-    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = threshold)]
+    #[arg(long, value_name = "X", value_parser = threshold)]
     pub(super) fail_above: Option<f64>,
     /// Print JSON, on one line
     #[arg(long)]

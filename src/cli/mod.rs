@@ -51,16 +51,19 @@ mod view_absent;
 mod view_scene;
 
 use args::{Args, Command};
-use clap::Parser as _;
 use clap::error::ErrorKind;
+use clap::{Arg, CommandFactory as _, FromArgMatches as _};
 use outcome::{Failure, Outcome, print, usage};
+use std::any::TypeId;
+use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Runs the program with the process's arguments; `licenses` are those of other crates, if the program has
 /// them.
 pub fn main(licenses: Option<&str>) -> ExitCode {
     signals::watch();
-    let outcome = match Args::try_parse() {
+    let outcome = match parsed() {
         Ok(args) => run(args.command, licenses),
         Err(error) => refuse(&error),
     };
@@ -76,6 +79,25 @@ pub fn main(licenses: Option<&str>) -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Parses the process's arguments.
+fn parsed() -> Result<Args, clap::Error> {
+    let mut matches = with_negative_numbers(Args::command()).try_get_matches()?;
+    Args::from_arg_matches_mut(&mut matches)
+}
+
+/// Takes negative numbers for values of options, so that the refusal of one names its option. Names of files
+/// do not begin like options.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let takes_numbers = |arg: &Arg| {
+        !arg.is_positional()
+            && arg.get_action().takes_values()
+            && arg.get_value_parser().type_id() != TypeId::of::<PathBuf>()
+    };
+    command
+        .mut_args(move |arg| if takes_numbers(&arg) { arg.allow_negative_numbers(true) } else { arg })
+        .mut_subcommands(with_negative_numbers)
 }
 
 fn run(command: Command, licenses: Option<&str>) -> Outcome {
@@ -108,6 +130,8 @@ fn refuse(error: &clap::Error) -> Outcome {
             "missing subcommand; choose one of bake, query, info, compare, bench, synth, dfg, analyze, \
              convert, view, completions, man, licenses; see octagloss --help",
         ),
+        // clap names neither the option nor the value.
+        ErrorKind::InvalidUtf8 => usage(not_utf8(std::env::args_os())),
         _ => {
             let text = error.render().to_string();
             let said: Vec<_> = text
@@ -120,6 +144,21 @@ fn refuse(error: &clap::Error) -> Outcome {
             usage(said.strip_prefix("error: ").unwrap_or(&said))
         }
     }
+}
+
+/// Names the arguments that are not UTF-8, with the options before them.
+fn not_utf8(arguments: impl Iterator<Item = OsString>) -> String {
+    let mut previous = String::new();
+    let mut named = Vec::new();
+    for argument in arguments {
+        let text = argument.to_string_lossy().into_owned();
+        if argument.to_str().is_none() {
+            let option = if previous.starts_with('-') { format!("{previous} ") } else { String::new() };
+            named.push(format!("{option}{text}"));
+        }
+        previous = text;
+    }
+    format!("invalid UTF-8 in {}", named.join(" and "))
 }
 
 /// Caps rayon's thread count from the environment at the number of cores; more are slower, and too many fail
@@ -147,7 +186,18 @@ fn capped_threads<'a>(asked: impl Iterator<Item = &'a str>, cores: usize) -> Opt
 
 #[cfg(test)]
 mod tests {
-    use super::capped_threads;
+    use super::{capped_threads, not_utf8};
+    use std::ffi::OsString;
+
+    #[cfg(unix)]
+    #[test]
+    fn arguments_that_are_no_text_are_named_with_their_options() {
+        use std::os::unix::ffi::OsStringExt as _;
+        let arguments = [&b"octagloss"[..], b"analyze", b"--map", b"cu\xffbe", b"--size=\xfe"];
+        let arguments = arguments.map(|bytes| OsString::from_vec(bytes.to_vec()));
+        let named = not_utf8(arguments.into_iter());
+        assert_eq!(named, "invalid UTF-8 in --map cu\u{fffd}be and --size=\u{fffd}");
+    }
 
     #[test]
     fn threads_of_the_environment_are_capped_at_the_cores() {

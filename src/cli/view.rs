@@ -98,7 +98,7 @@ pub(super) struct LookArgs {
     /// Roughness, 0 to 1 [default: 0.2; 1 for file]
     ///
     /// For a mesh with materials, a factor of their roughness.
-    #[arg(long, value_name = "R", value_parser = roughness, allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", value_parser = roughness)]
     pub(super) roughness: Option<f64>,
     /// Vary the roughness over the surface
     ///
@@ -115,7 +115,7 @@ pub(super) struct LookArgs {
     ///
     /// As a roughness. By default a lobe just wide enough to hide the texels of a coarse environment; 0 shows
     /// them.
-    #[arg(long, value_name = "R", value_parser = roughness, allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", value_parser = roughness)]
     backdrop: Option<f64>,
     /// shadow or none: below spheres
     ///
@@ -124,12 +124,11 @@ pub(super) struct LookArgs {
     ground: Ground,
     /// Rotate the environment about +Y, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite)]
-    #[arg(allow_negative_numbers = true)]
     turn: f64,
     /// Exposure: auto, or -40 to 40 EV
     ///
     /// auto brings the log-average luminance of the environment to middle grey, as in bake --preview.
-    #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, allow_negative_numbers = true)]
+    #[arg(long, value_name = "EV", default_value_t = Exposure::Auto)]
     pub(super) exposure: Exposure,
     /// neutral, aces, reinhard or linear
     #[arg(long, value_name = "TONE", default_value = "neutral", hide_possible_values = true)]
@@ -151,20 +150,19 @@ pub(super) struct LookArgs {
     /// Camera: rotation to the right, in degrees
     ///
     /// 0, the default, looks along +X. -90, the default with --mesh, looks along -Z at the +Z side.
-    #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) yaw: Option<f64>,
     /// Camera: height, in degrees [default: 4; 7 for scenes]
-    #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) pitch: Option<f64>,
     /// Camera: distance in radii of the object
     #[arg(long, value_name = "D", default_value_t = 4.2, value_parser = finite)]
-    #[arg(allow_negative_numbers = true)]
     pub(super) distance: f64,
     /// Camera: vertical angle, in degrees [default: fits]
     ///
     /// By default the objects fill the picture, whatever its shape: a row its width, a single object two
     /// thirds of its height. With an angle, pictures narrower than 3:2 keep the horizontal angle of 3:2.
-    #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) angle: Option<f64>,
 }
 

@@ -58,7 +58,7 @@ pub(super) struct SceneArgs {
     pub(super) scene: Option<Option<PathBuf>>,
     /// Time of the scene at the beginning, in seconds
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = finite)]
-    #[arg(allow_negative_numbers = true, requires = "scene")]
+    #[arg(requires = "scene")]
     scene_time: f64,
     /// Probes, 1 to 8 [default: one per glossy object]
     ///
