@@ -179,7 +179,11 @@ pub(super) fn error(text: &str) {
 }
 
 /// Maps settings and remedies in the library's errors to this program's options.
-const OPTIONS: [(&str, &str); 32] = [
+const OPTIONS: [(&str, &str); 33] = [
+    (
+        "leads to a stream of the process; name a file",
+        "leads to a stream of the process; -o - writes to standard output",
+    ),
     ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
     ("`border`", "--border"),
     ("`bounds`", "--bounds"),

@@ -266,8 +266,8 @@ pub(super) fn resolved(path: &Path) -> Result<PathBuf> {
             return fs::canonicalize(&at).map_err(|e| Error::io(path, e));
         };
         let place = fs::canonicalize(folder).map_err(|e| Error::io(path, e))?.join(name);
-        if is_stream(&at) || is_stream(&place) {
-            return Err(refused(path, "leads to a stream of the process; -o - writes to standard output"));
+        if let Some(reason) = unwritable(&at).or_else(|| unwritable(&place)) {
+            return Err(refused(path, reason));
         }
         match fs::read_link(&place) {
             Ok(target) => at = place.parent().unwrap_or(Path::new("")).join(target),
@@ -277,10 +277,15 @@ pub(super) fn resolved(path: &Path) -> Result<PathBuf> {
     Err(refused(path, "is a link loop"))
 }
 
-/// Whether `path` names an open stream of the process.
-fn is_stream(path: &Path) -> bool {
-    let streams = ["/proc", "/dev/fd", "/dev/stdin", "/dev/stdout", "/dev/stderr"];
-    cfg!(unix) && streams.iter().any(|stream| path.starts_with(stream))
+/// Why nothing can be written to `path`: it names an open stream, or where the system describes processes.
+fn unwritable(path: &Path) -> Option<&'static str> {
+    let streams = ["/dev/fd", "/dev/stdin", "/dev/stdout", "/dev/stderr"];
+    let describes = cfg!(unix) && path.starts_with("/proc");
+    let streams = cfg!(unix) && streams.iter().any(|stream| path.starts_with(stream));
+    if streams || (describes && path.iter().any(|name| name == "fd")) {
+        return Some("leads to a stream of the process; name a file");
+    }
+    describes.then_some("is in /proc, where the system describes processes; name another folder")
 }
 
 /// The folder of `path`, which must exist.
