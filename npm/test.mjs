@@ -236,6 +236,18 @@ try {
             Math.abs(described.sun.irradiance[0] / native.sun.irradiance[0] - 1) < 1e-9,
         described.format,
     );
+    const converted = (map) => {
+        const file = join(work, `${map}.exr`);
+        octagloss('convert', sky, '--layout', map, '--size', 16, '--border', 2, '-o', file, '--quiet');
+        return readFileSync(file);
+    };
+    const cube = await info(converted('cube'));
+    report('a map is that of the header', cube.layout === 'row strip' && cube.width === 96, cube.layout);
+    await refused('another map', info(converted('healpix')), ['its map is healpix', 'no environment has']);
+    await refused('another layout', info(converted('octahedral'), { layout: 'equirect' }), [
+        'its map is octahedral',
+        '`layout` is equirect',
+    ]);
 
     if (how !== '--smoke') {
         await compare('generic', sky, { target: 'generic', size: 64 }, targeted('generic'), [

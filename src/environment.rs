@@ -146,6 +146,19 @@ impl Layout {
     }
 }
 
+/// Rotation about +Y that maps +Z to +X for 90 degrees. Quarter turns are exact.
+#[must_use]
+pub(crate) fn rotation_y(degrees: f64) -> DMat3 {
+    let (sin, cos) = match degrees.rem_euclid(360.0) {
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        other => other.to_radians().sin_cos(),
+    };
+    DMat3::from_cols(DVec3::new(cos, 0.0, -sin), DVec3::Y, DVec3::new(sin, 0.0, cos))
+}
+
 /// Radiance from every direction.
 ///
 /// Texels are row-major, a cube's faces in order; each is finite, not negative, and constant over its own
@@ -199,17 +212,8 @@ impl Environment {
     /// Rotates the environment about +Y: +90 degrees maps +Z to +X.
     #[must_use]
     pub fn rotated_y(mut self, degrees: f64) -> Self {
-        // A world direction is looked up where the rotation took it from. Quarter turns stay exact.
-        let (sin, cos) = match degrees.rem_euclid(360.0) {
-            0.0 => (0.0, 1.0),
-            90.0 => (1.0, 0.0),
-            180.0 => (0.0, -1.0),
-            270.0 => (-1.0, 0.0),
-            other => other.to_radians().sin_cos(),
-        };
-        let world_from_previous =
-            DMat3::from_cols(DVec3::new(cos, 0.0, -sin), DVec3::Y, DVec3::new(sin, 0.0, cos));
-        self.source_from_world *= world_from_previous.transpose();
+        // A world direction is looked up where the rotation took it from.
+        self.source_from_world *= rotation_y(degrees).transpose();
         self
     }
 

@@ -5,7 +5,7 @@ export type Source = Uint8Array | ArrayBuffer | ArrayBufferView | Blob;
 export interface InputOptions {
     /** Name of the file, for messages and for `name`. Default: that of a `File`, or "environment". */
     input?: string;
-    /** Default: by the aspect ratio. */
+    /** Default: auto, the map that the header names, else by the aspect ratio. */
     layout?: 'auto' | 'equirect' | 'cross' | 'strip' | 'faces' | 'octahedral';
     /** Degrees about +Y; +90 maps +Z to +X. */
     rotateY?: number;

@@ -157,10 +157,10 @@ impl Environment {
     /// Reads an image (.exr, .hdr, .png, .jpg), a cube (.ktx2, .ktx, .dds), a bake, or six images as one
     /// cube.
     ///
-    /// layout: auto (by the aspect ratio), equirect, cross, strip, faces or octahedral. rotate_y: degrees
-    /// about +Y; +90 maps +Z to +X. mirror: flip left to right. scale: a factor for the radiance. crop:
-    /// remove the black bars of a panorama that is not 2:1. pad: black or edge, fill one up to 2:1. sanitize:
-    /// repair NaN and Inf. strict: treat any repair as an error.
+    /// layout: auto (the map that the header names, else by the aspect ratio), equirect, cross, strip, faces
+    /// or octahedral. rotate_y: degrees about +Y; +90 maps +Z to +X. mirror: flip left to right. scale: a
+    /// factor for the radiance. crop: remove the black bars of a panorama that is not 2:1. pad: black or
+    /// edge, fill one up to 2:1. sanitize: repair NaN and Inf. strict: treat any repair as an error.
     ///
     /// Raises OSError for a file that cannot be read, InputError for one that is not an environment.
     #[staticmethod]

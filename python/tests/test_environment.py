@@ -119,6 +119,21 @@ def test_files_of_every_kind_are_read(program, sky, sky_file, tmp_path):
     np.testing.assert_array_equal(faces.texels, Environment.from_file(tmp_path / "faces").texels)
 
 
+def test_files_are_read_by_the_map_that_their_header_names(program, sky_file, tmp_path):
+    maps = {"equirect": (16, 32, 3), "cube": (6, 16, 16, 3), "octahedral": (16, 16, 3)}
+    for name in octagloss.map_names():
+        path = tmp_path / f"{name}.exr"
+        program("convert", sky_file, "--layout", name, "--size", "16", "--border", "2", "-o", path)
+        if name in maps:
+            assert Environment.from_file(path).shape == maps[name]
+            wrong = "cross" if name == "cube" else "strip"
+            with pytest.raises(octagloss.InputError, match=f"its map is {name} .*, but `layout` is {wrong}"):
+                Environment.from_file(path, layout=wrong)
+        else:
+            with pytest.raises(octagloss.InputError, match=f"its map is {name} .*, which no environment has"):
+                Environment.from_file(path)
+
+
 def test_wrong_files_are_named(tmp_path, sky_file):
     with pytest.raises(FileNotFoundError, match="missing.exr: No such file") as caught:
         Environment.from_file(tmp_path / "missing.exr")

@@ -179,12 +179,13 @@ pub(super) fn error(text: &str) {
 }
 
 /// Maps settings and remedies in the library's errors to this program's options.
-const OPTIONS: [(&str, &str); 33] = [
+const OPTIONS: [(&str, &str); 35] = [
     (
         "leads to a stream of the process; name a file",
         "leads to a stream of the process; -o - writes to standard output",
     ),
     ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
+    ("convert it to equirect first", "run octagloss convert INPUT -o OUT --layout equirect"),
     ("`border`", "--border"),
     ("`bounds`", "--bounds"),
     ("`chain`", "--chain"),
@@ -193,6 +194,7 @@ const OPTIONS: [(&str, &str); 33] = [
     ("`diffuse`", "--diffuse"),
     ("`filter`", "--filter"),
     ("`flip`", "--flip"),
+    ("`from`", "--from"),
     ("`irradiance`", "--irradiance"),
     ("`ladder`", "--ladder"),
     ("`layout`", "--layout"),

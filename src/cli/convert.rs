@@ -1,19 +1,20 @@
 //! `octagloss convert`: converts environments between maps of the sphere.
 
 use super::console::{self, Console};
-use super::outcome::{Outcome, check_not_input, check_output, on_threads, usage, write_output};
+use super::outcome::{Outcome, check_not_input, check_output, on_threads, renamed, usage, write_output};
 use super::shared_args::MAX_THREADS;
 use super::values::{finite, scale};
+use crate::environment::rotation_y;
 use crate::geometry::bordered::bordered_picture;
 use crate::geometry::overlap::{Space, Target, mean_radiances, panorama_mean_radiances};
 use crate::geometry::resample::resample;
 use crate::io::environment_write::picture_bytes;
+use crate::io::map_header::map_pairs;
 use crate::io::output::Existing;
-use crate::io::{self, LayoutChoice, Pad, ReadOptions};
+use crate::io::{self, LoadedMap, MapLight, Pad, ReadOptions};
 use crate::sphere::grid::Grid;
-use crate::sphere::map::Texel;
 use crate::sphere::registry::{MAPS, NamedMap, named};
-use crate::{Environment, Error, Layout, Rgb};
+use crate::{Environment, Layout, Rgb};
 use clap::Args as ClapArgs;
 use clap::builder::PossibleValuesParser;
 use glam::{DMat3, DVec3};
@@ -40,9 +41,10 @@ pub(super) struct ConvertArgs {
     /// tennis ball's panels stacked. octagloss analyze --table lists the maps.
     #[arg(long, value_name = "MAP", value_parser = map_names())]
     pub(super) layout: String,
-    /// The map of INPUT [default: by its shape]
+    /// The map of INPUT [default: its header's, or by shape]
     ///
-    /// Expects a picture as written by convert, without a border.
+    /// For pictures without the header that convert writes; a map that contradicts the header is an error.
+    /// Expects the components as convert arranges them, without a border.
     #[arg(long, value_name = "MAP", value_parser = map_names(), hide_possible_values = true)]
     pub(super) from: Option<String>,
     /// Texels along the shorter side of a component
@@ -57,10 +59,10 @@ pub(super) struct ConvertArgs {
     #[arg(long, value_name = "B", default_value_t = 0, hide_default_value = true)]
     pub(super) border: u32,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) rotate_y: Option<f64>,
     /// Multiply radiance by X, above 0 [default: 1]
-    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = scale)]
+    #[arg(long, value_name = "X", value_parser = scale)]
     pub(super) scale: Option<f64>,
     /// Remove a panorama's black bars, as in bake
     #[arg(long, conflicts_with = "from")]
@@ -97,26 +99,24 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     check_not_input(path, [&args.input])?;
     check_output(path, existing)?;
-    let map = named(&args.layout).expect("clap knows the names");
+    let map = known(&args.layout);
     let console = Console::new(args.quiet);
     on_threads(args.threads, || {
         let options = ReadOptions {
-            layout: if args.from.is_some() { LayoutChoice::Picture } else { LayoutChoice::Auto },
             sanitize: args.sanitize,
             scale: args.scale.unwrap_or(1.0),
             crop: args.crop,
             pad: args.pad,
             ..ReadOptions::default()
         };
-        let loaded = io::read(&args.input, &options)?;
-        for warning in &loaded.warnings {
+        // The reader's setting `layout` is --from here; --layout is the map to convert to.
+        let from = args.from.as_deref().map(known);
+        let LoadedMap { light, warnings } = io::read_map(&args.input, from, &options)
+            .map_err(|error| renamed(&error, &[("`layout`", "--from")]))?;
+        for warning in &warnings {
             console.warn(&format!("{}: {warning}", args.input.display()));
         }
-        let environment = match args.rotate_y {
-            Some(degrees) => loaded.environment.rotated_y(degrees),
-            None => loaded.environment,
-        };
-        let source = Source::new(args, environment)?;
+        let source = Source::new(light, args.rotate_y.unwrap_or(0.0))?;
         let size = args.size.unwrap_or_else(|| source.equal_size(map));
         if args.border > size {
             return usage(format!("--border {} exceeds the map's side of {size} texels", args.border));
@@ -126,7 +126,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         let picture = bordered_picture(&target, &texels, args.border, |direction| source.look(direction));
         let [width, height] = target.picture_sides(args.border);
         let comment = format!("{} of {size} texels a side, border {}", map.title, args.border);
-        let bytes = picture_bytes(as_named, width, height, &picture, &comment)?;
+        let bytes = picture_bytes(as_named, width, height, &picture, &comment, &map_pairs(map, args.border))?;
         write_output(path, existing, &bytes)?;
         console.note(&format!(
             "{}: {}, {width} x {height}, {}",
@@ -153,44 +153,23 @@ enum SourceTexels {
 }
 
 impl Source {
-    fn new(args: &ConvertArgs, environment: Environment) -> Outcome<Self> {
+    /// `light`, turned by `degrees` about +Y.
+    fn new(light: MapLight, degrees: f64) -> crate::Result<Self> {
+        let environment = match light {
+            MapLight::Environment(environment) => environment.rotated_y(degrees),
+            MapLight::Components(grid, texels) => {
+                let (texels, world_from_source) = (SourceTexels::Components(texels), rotation_y(degrees));
+                return Ok(Self { grid, texels, world_from_source });
+            }
+        };
+        let (map, size) = match environment.layout() {
+            Layout::Panorama { height, .. } => (known("equirect"), height),
+            Layout::Cube { size } => (known("cube"), size),
+            Layout::Octahedral { size } => (known("octahedral"), size),
+        };
         let world_from_source = environment.source_from_world().transpose();
-        let (map, size) = match (environment.layout(), &args.from) {
-            (Layout::Panorama { width, height }, Some(name)) => {
-                let map = named(name).expect("clap knows the names");
-                let [cells_wide, cells_high] = Grid::new(map.map, 1)?.picture_sides(0);
-                let size = width / cells_wide;
-                if size == 0 || width != size * cells_wide || height != size * cells_high {
-                    return Err(Error::input(
-                        &args.input,
-                        format!(
-                            "{width}x{height} does not fit {name}, which is {cells_wide}:{cells_high}; \
-                             omit --from or name another map"
-                        ),
-                    )
-                    .into());
-                }
-                (map, size)
-            }
-            (_, Some(name)) => {
-                return usage(format!("{} already holds a cube; omit --from {name}", args.input.display()));
-            }
-            (Layout::Panorama { height, .. }, None) => (known("equirect"), height),
-            (Layout::Cube { size }, None) => (known("cube"), size),
-            (Layout::Octahedral { size }, None) => (known("octahedral"), size),
-        };
-        let grid = Grid::new(map.map, size)?;
-        if args.from.is_none() {
-            return Ok(Self { grid, texels: SourceTexels::Environment(environment), world_from_source });
-        }
-        // Split the picture into its components.
-        let Layout::Panorama { width, .. } = environment.layout() else { unreachable!("matched above") };
-        let at = |Texel { component, x, y }: Texel| {
-            let [left, top] = grid.picture_origin(component, 0);
-            environment.texels()[(top + y) as usize * width as usize + (left + x) as usize]
-        };
-        let texels = SourceTexels::Components(grid.texels().map(at).collect());
-        Ok(Self { grid, texels, world_from_source })
+        let texels = SourceTexels::Environment(environment);
+        Ok(Self { grid: Grid::new(map.map, size)?, texels, world_from_source })
     }
 
     /// Texels of the grid, in order.
@@ -229,7 +208,7 @@ impl Source {
     }
 }
 
-/// Looks up a map named in this file.
+/// Looks up a map named in this file, or checked by clap.
 fn known(name: &str) -> &'static NamedMap {
     named(name).expect("one of the maps")
 }

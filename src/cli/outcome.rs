@@ -38,6 +38,12 @@ pub(super) fn usage<T>(message: impl Into<String>) -> Outcome<T> {
     Err(Failure::Usage(message.into()))
 }
 
+/// `error` of reading, with this subcommand's own words for some of the reader's settings.
+pub(super) fn renamed(error: &crate::Error, names: &[(&str, &str)]) -> Failure {
+    let replace = |text: String, (setting, own): &(&str, &str)| text.replace(setting, own);
+    Failure::Failed(anyhow!(names.iter().fold(error.to_string(), replace)))
+}
+
 /// Writes text to standard output.
 pub(super) fn print(text: &str) -> Outcome {
     print_bytes(text.as_bytes())

@@ -13,12 +13,12 @@ pub(super) const MAX_THREADS: i64 = 256;
 pub(super) struct InputArgs {
     /// Layout of the environment [default: auto]
     ///
-    /// auto uses the aspect ratio: 2:1 is a panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces
+    /// auto uses the map that the header names (convert writes it), else the aspect ratio: 2:1 is a panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces
     /// reads six files as one cube, in the order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...).
     #[arg(long, value_name = "LAYOUT", default_value = "auto", hide_default_value = true)]
     pub(super) layout: LayoutChoice,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) rotate_y: Option<f64>,
     /// Flip left to right, for photographs from inside
     #[arg(long)]
@@ -27,7 +27,7 @@ pub(super) struct InputArgs {
     ///
     /// Applies first, when reading the input; the sun, bounds and compare's errors are those of the scaled
     /// light. Values beyond float32 are an error.
-    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = scale)]
+    #[arg(long, value_name = "X", value_parser = scale)]
     pub(super) scale: Option<f64>,
     /// Remove black bars of a panorama that is not 2:1
     ///

@@ -129,5 +129,5 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
         Format::Dds => dds::read::decode_level0(source),
     }?;
     picture.warnings.extend(misnamed(source.path, format));
-    Ok(picture)
+    picture.without_border(source)
 }

@@ -1,7 +1,7 @@
 //! Writes an environment as one image file: EXR (half, ZIP; float if half overflows) or Radiance .hdr.
 
 use super::exr::write::{Attribute, Samples, exr_bytes};
-use super::hdr::write::hdr_bytes;
+use super::hdr::write::hdr_bytes_with;
 use super::layout::Unfolding;
 use super::output::{self, Existing};
 use crate::environment::{Environment, Layout, Rgb};
@@ -30,11 +30,11 @@ pub fn write_environment(
 /// [`Error::Input`] for another extension.
 pub(crate) fn environment_bytes(path: &Path, environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
-    picture_bytes(path, width, height, &texels, comment)
+    picture_bytes(path, width, height, &texels, comment, &[])
 }
 
-/// Encodes an image of `width` x `height` row-major texels. The extension of `path` selects the format: `exr`
-/// (half, or float if half overflows) or `hdr`.
+/// Encodes an image of `width` x `height` row-major texels, with `metadata` in its header. The extension of
+/// `path` selects the format: `exr` (half, or float if half overflows) or `hdr`.
 ///
 /// # Errors
 /// [`Error::Input`] for another extension.
@@ -44,15 +44,20 @@ pub(crate) fn picture_bytes(
     height: u32,
     texels: &[Rgb],
     comment: &str,
+    metadata: &[(String, String)],
 ) -> Result<Vec<u8>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("exr") => {
             let pixel = if Pixel::F16.clamped(texels) == 0 { Pixel::F16 } else { Pixel::F32 };
-            let attributes = [("comments".to_owned(), Attribute::Text(comment.to_owned()))];
+            let texts = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
+            let attributes: Vec<(String, Attribute)> = std::iter::once(("comments", comment))
+                .chain(texts)
+                .map(|(key, text)| (key.to_owned(), Attribute::Text(text.to_owned())))
+                .collect();
             exr_bytes(width, height, Samples::Rgb(texels), pixel, &attributes)
         }
-        Some("hdr") => hdr_bytes(width, height, texels),
+        Some("hdr") => hdr_bytes_with(width, height, texels, metadata),
         _ => Err(Error::input(path, "an environment is written as .exr or .hdr")),
     }
 }

@@ -77,16 +77,30 @@ impl Bars {
     }
 }
 
-/// Crops and pads `picture` according to `options`, adds warnings about it, and returns the layout.
-pub(super) fn fit(path: &Path, picture: &mut Picture, options: &ReadOptions) -> Result<LayoutChoice> {
+/// Crops and pads `picture` according to `options`, adds warnings about it, and returns its layout: `layout`,
+/// or a panorama if that is automatic.
+pub(super) fn fit(
+    path: &Path,
+    picture: &mut Picture,
+    mut layout: LayoutChoice,
+    options: &ReadOptions,
+) -> Result<LayoutChoice> {
     // Cubes have no bars.
     if picture.content == Content::Cube || !(options.crop || options.pad.is_some()) {
-        return Ok(options.layout);
+        return Ok(layout);
     }
-    if !matches!(options.layout, LayoutChoice::Auto | LayoutChoice::Equirect) {
-        return Err(Error::Parameter("`pad` and `crop` are for panoramas; omit `layout`".to_owned()));
+    if !matches!(layout, LayoutChoice::Auto | LayoutChoice::Equirect) {
+        return Err(match &picture.map {
+            Some(header) => Error::input(
+                path,
+                format!(
+                    "`pad` and `crop` are for panoramas, and its header says that its map is {}; omit them",
+                    header.map.name
+                ),
+            ),
+            None => Error::Parameter("`pad` and `crop` are for panoramas; omit `layout`".to_owned()),
+        });
     }
-    let mut layout = options.layout;
     if options.crop && crop(picture) {
         layout = LayoutChoice::Equirect;
     }
@@ -225,6 +239,7 @@ mod tests {
             height,
             texels,
             content: Content::Image,
+            map: None,
             format: "test".to_owned(),
             warnings: Vec::new(),
             provenance: Provenance::default(),

@@ -21,7 +21,7 @@ use std::path::Path;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum LayoutChoice {
-    /// By its shape: 2:1 panorama, 4:3 and 3:4 crosses, 6:1 and 1:6 strips, 1:1 octahedral square.
+    /// The map that the header names, else by its shape: 2:1 panorama, 4:3 and 3:4 crosses, 6:1 and 1:6 strips, 1:1 octahedral square.
     #[default]
     Auto,
     /// A panorama, 2:1.
@@ -34,8 +34,6 @@ pub enum LayoutChoice {
     Faces,
     /// An octahedral square, 1:1.
     Octahedral,
-    /// An image of any shape, row-major; the caller splits it.
-    Picture,
 }
 
 impl LayoutChoice {
@@ -53,7 +51,6 @@ impl LayoutChoice {
             Self::Strip => "strip",
             Self::Faces => "faces",
             Self::Octahedral => "octahedral",
-            Self::Picture => "picture",
         }
     }
 }
@@ -205,7 +202,6 @@ pub(super) fn arrangement(
             (None, "one image is not six faces; give six files, or set `layout` to cross or strip")
         }
         LayoutChoice::Octahedral => (octahedral(), "an octahedral square must be 1:1; set another `layout`"),
-        LayoutChoice::Picture => (Some(whole(Layout::Panorama { width, height }, "picture")), ""),
     };
     found.ok_or_else(|| Error::input(path, format!("{width}x{height}: {needed}")))
 }

@@ -6,6 +6,7 @@
 use super::cmgen;
 use super::decode::Format;
 use super::layout::{LayoutChoice, arrangement};
+use super::map_header::settled;
 use super::panics::catching_panics;
 use super::picture::{Content, LevelHeader, Picture, Source, Stored, check_finite};
 use super::provenance::Provenance;
@@ -245,7 +246,8 @@ fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pict
     let source = Source { path, bytes: &bytes, memory_limit };
     let mut picture = catching_panics(path, || super::decode::decode(&source))?;
     let (width, height) = (picture.width, picture.height);
-    let arrangement = arrangement(path, width, height, picture.content, LayoutChoice::Auto)?;
+    let layout = settled(path, LayoutChoice::Auto, picture.map.as_ref())?;
+    let arrangement = arrangement(path, width, height, picture.content, layout)?;
     let (_, rows) = arrangement.layout.sides();
     if rows != level.size {
         return Err(source.error(format!(

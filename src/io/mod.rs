@@ -25,6 +25,7 @@ pub mod layout;
 pub mod ldr;
 mod level_folder;
 pub mod level_images;
+pub(crate) mod map_header;
 pub mod npy;
 pub mod oem_write;
 pub mod output;
@@ -47,6 +48,9 @@ pub use repair::Repairs;
 use crate::chain::Chain;
 use crate::environment::{Environment, Rgb};
 use crate::error::{Error, Result, printable};
+use crate::sphere::grid::Grid;
+use crate::sphere::map::Texel;
+use crate::sphere::registry::NamedMap;
 use panics::catching_panics;
 use picture::Stored;
 use picture::{Content, Picture, Source};
@@ -134,20 +138,59 @@ pub struct LoadedChain {
 /// Inf unless `options.sanitize`, [`Error::Limit`] for more pixels than `options.memory_limit` allows,
 /// [`Error::Parameter`] for a layout that the file cannot have.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
-    let place = Place::of(path)?;
-    let Place::File(file) = &place else {
-        return finish(path, level_folder::read_environment(path, options.memory_limit)?, options);
+    let (file, picture) = read_picture(path, options.memory_limit)?;
+    finish(&file, picture, options)
+}
+
+/// Light on any map of the sphere, read from a file.
+#[derive(Clone, Debug)]
+pub struct LoadedMap {
+    /// The light, finite and non-negative.
+    pub light: MapLight,
+    /// Warnings, one line each, without the file's name.
+    pub warnings: Vec<String>,
+}
+
+/// Light on any map of the sphere.
+#[derive(Clone, Debug)]
+pub enum MapLight {
+    /// A map that environments can have.
+    Environment(Environment),
+    /// Another map: its texels, numbered as in [`Grid`].
+    Components(Grid, Vec<Rgb>),
+}
+
+/// Reads light on any map of the sphere: on `from` if given, else on the map that the header names, else an
+/// environment as [`read`]. A map's picture is as `convert` writes it; borders that the header names are
+/// removed. `options.layout` is ignored.
+///
+/// # Errors
+/// As [`read`]; [`Error::Input`] for a `from` that contradicts the header or the picture's shape.
+pub fn read_map(path: &Path, from: Option<&'static NamedMap>, options: &ReadOptions) -> Result<LoadedMap> {
+    let (file, picture) = read_picture(path, options.memory_limit)?;
+    let map = map_header::chosen(&file, &picture, from)?;
+    if let Some(map) = map.filter(|map| map_header::layout_of(map).is_none()) {
+        return components(&file, picture, map, options);
+    }
+    let layout = map.and_then(map_header::layout_of).unwrap_or_default();
+    let loaded = finish(&file, picture, &ReadOptions { layout, ..options.clone() })?;
+    Ok(LoadedMap { light: MapLight::Environment(loaded.environment), warnings: loaded.warnings })
+}
+
+/// Reads level 0 of `path` as a picture, with the file or folder that holds it.
+fn read_picture(path: &Path, memory_limit: u64) -> Result<(PathBuf, Picture)> {
+    let Place::File(file) = Place::of(path)? else {
+        return Ok((path.to_owned(), level_folder::read_environment(path, memory_limit)?));
     };
-    let bytes = file_bytes(file, options.memory_limit)?;
-    let source = Source { path: file, bytes: &bytes, memory_limit: options.memory_limit };
-    let mut picture = catching_panics(file, || decode(&source))?;
+    let bytes = file_bytes(&file, memory_limit)?;
+    let source = Source { path: &file, bytes: &bytes, memory_limit };
+    let mut picture = catching_panics(&file, || decode(&source))?;
     if picture.provenance.is_partial()
-        && let Some(described) = side_report::of_file(file, || blake3::hash(&bytes))
+        && let Some(described) = side_report::of_file(&file, || blake3::hash(&bytes))
     {
         picture.provenance = picture.provenance.or(described.provenance);
     }
-    drop(bytes);
-    finish(file, picture, options)
+    Ok((file, picture))
 }
 
 /// Reads a file already in memory, as [`read`]; `path` names it in messages, and its extension is checked
@@ -317,6 +360,12 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
         if face.content == Content::Cube {
             return Err(source.error("already a whole cube; use it as the only input"));
         }
+        if let Some(header) = &face.map {
+            return Err(source.error(format!(
+                "its header says that its map is {}; use it as the only input",
+                header.map.name
+            )));
+        }
         if face.width != face.height {
             return Err(
                 source.error(format!("{}x{} is not square, as a face must be", face.width, face.height))
@@ -353,7 +402,11 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
 
 /// Converts a picture to an environment: layout, repairs, checks.
 fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Loaded> {
-    let layout = fit::fit(path, &mut picture, options)?;
+    let layout = map_header::settled(path, options.layout, picture.map.as_ref())?;
+    let layout = fit::fit(path, &mut picture, layout, options)?;
+    if let Some(header) = &picture.map {
+        header.check_shape(path, &picture)?;
+    }
     let mut repaired = Repairs::default();
     // Most pictures need no repair; one pass detects them.
     let sound = repair::is_sound(&picture.texels);
@@ -415,24 +468,16 @@ fn finish_finite(
     mut repaired: Repairs,
     options: &ReadOptions,
 ) -> Result<Loaded> {
-    let Picture { width, height, texels, content, format, mut warnings, provenance } = picture;
+    let Picture { width, height, texels, content, map: _, format, warnings, provenance } = picture;
     let arrangement = layout::arrangement(path, width, height, content, layout)?;
     let texels = arrangement.arrange(texels, width);
     let mut texels =
         provenance.world_texels(arrangement.layout, texels).map_err(|message| Error::input(path, message))?;
     if !sound {
-        repair::negative(arrangement.layout, &mut texels, &mut repaired);
+        let density = |index| repair::density(arrangement.layout, index);
+        repair::negative(&mut texels, density, &mut repaired);
     }
-    if options.strict && repaired.any() {
-        return Err(Error::input(
-            path,
-            format!("{repaired}; `strict` forbids repairs, omit it to repair them"),
-        ));
-    }
-    warnings.extend(repaired.matters().then(|| format!("{repaired}, repaired")));
-    warnings.extend(scaled(path, &mut texels, options.scale)?);
-    // Some warnings quote layer and channel names.
-    let warnings = warnings.iter().map(|warning| printable(warning)).collect();
+    let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;
     let environment = Environment::of_sound(arrangement.layout, texels)?;
     let height = if content == Content::Cube { width } else { height };
     Ok(Loaded {
@@ -445,6 +490,58 @@ fn finish_finite(
         height,
         provenance,
     })
+}
+
+/// Refuses repairs if `options` says so, and scales; returns all warnings.
+fn finish_texels(
+    path: &Path,
+    texels: &mut [Rgb],
+    repaired: &Repairs,
+    mut warnings: Vec<String>,
+    options: &ReadOptions,
+) -> Result<Vec<String>> {
+    if options.strict && repaired.any() {
+        return Err(Error::input(
+            path,
+            format!("{repaired}; `strict` forbids repairs, omit it to repair them"),
+        ));
+    }
+    warnings.extend(repaired.matters().then(|| format!("{repaired}, repaired")));
+    warnings.extend(scaled(path, texels, options.scale)?);
+    // Some warnings quote layer and channel names.
+    Ok(warnings.iter().map(|warning| printable(warning)).collect())
+}
+
+/// Splits the picture of `map`, which no environment has, into the texels of its components; repairs and
+/// checks them.
+fn components(
+    path: &Path,
+    mut picture: Picture,
+    map: &'static NamedMap,
+    options: &ReadOptions,
+) -> Result<LoadedMap> {
+    if options.crop || options.pad.is_some() {
+        let message = format!("`pad` and `crop` are for panoramas, and its map is {}; omit them", map.name);
+        return Err(Error::input(path, message));
+    }
+    let Picture { width, height, provenance, .. } = &picture;
+    let grid = map_header::grid_of(path, map, [*width, *height], map_header::RESHAPED)?;
+    provenance.check_unturned().map_err(|message| Error::input(path, message))?;
+    let mut repaired = Repairs::default();
+    finite(path, &mut picture, options, &mut repaired)?;
+    let at = |texel: Texel| {
+        let [left, top] = grid.picture_origin(texel.component, 0);
+        picture.texels[(top + texel.y) as usize * picture.width as usize + (left + texel.x) as usize]
+    };
+    let mut texels: Vec<Rgb> = grid.texels().map(at).collect();
+    let density = |index| {
+        let place = grid.centre(grid.texel(index));
+        let inside = map.map.contains(place.component, place.uv);
+        if inside { map.map.density(place.component, place.uv) } else { 0.0 }
+    };
+    repair::negative(&mut texels, density, &mut repaired);
+    let warnings = finish_texels(path, &mut texels, &repaired, picture.warnings, options)?;
+    Ok(LoadedMap { light: MapLight::Components(grid, texels), warnings })
 }
 
 impl Environment {

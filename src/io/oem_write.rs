@@ -11,6 +11,7 @@ use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::Attribute;
 use super::ktx2::file::{TextureShape, ktx2_file};
 use super::ktx2::write::{ROUGHNESS_KEY, format_of, roughness_text};
+use super::map_header::BORDER_KEY;
 use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
@@ -19,9 +20,6 @@ use crate::format::texel_bytes::texel_bytes;
 use crate::format::{LevelName, Pixel};
 use crate::oem::{OemSize, level_sizes};
 use crate::sphere::octahedral::wrap_texel;
-
-/// The key that lists each level's border in texels, comma-separated.
-pub(crate) const BORDER_KEY: &str = "octaglossBorder";
 
 /// Conventions written into every file.
 const CONVENTIONS: [(&str, &str); 4] = [

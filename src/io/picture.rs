@@ -1,5 +1,6 @@
 //! Input and output of the codecs: a file in memory, and its pixels.
 
+use super::map_header::MapHeader;
 use super::provenance::Provenance;
 use crate::chain::Chain;
 use crate::environment::Rgb;
@@ -38,34 +39,13 @@ pub(super) struct Picture {
     /// Row-major, from the top left.
     pub(super) texels: Vec<Rgb>,
     pub(super) content: Content,
+    /// The map that the header names.
+    pub(super) map: Option<MapHeader>,
     /// The encoding in words.
     pub(super) format: String,
     pub(super) warnings: Vec<String>,
     /// Origin and orientation recorded in the file; not yet applied to the texels.
     pub(super) provenance: Provenance,
-}
-
-impl Picture {
-    /// Removes the border of an octahedral map written by `octagloss bake --target oem`. `border` lists the
-    /// border of each level, level 0 first.
-    pub(super) fn without_border(mut self, source: &Source<'_>, border: &str) -> Result<Self> {
-        let first = border.split(',').next().unwrap_or_default().trim();
-        let fits =
-            |b: &u32| self.width == self.height && b.checked_mul(2).is_some_and(|both| both < self.width);
-        let Some(border) = first.parse::<u32>().ok().filter(fits) else {
-            return Err(source.error(format!(
-                "it says its border is {border:?}, which a map of {}x{} cannot have; bake it again",
-                self.width, self.height
-            )));
-        };
-        let (side, cut) = (self.width as usize, border as usize);
-        let rows = self.texels.chunks_exact(side).skip(cut).take(side - 2 * cut);
-        self.texels = rows.flat_map(|row| &row[cut..side - cut]).copied().collect();
-        self.width -= 2 * border;
-        self.height = self.width;
-        self.format += &format!(", border {border}");
-        Ok(self)
-    }
 }
 
 impl Source<'_> {

@@ -246,6 +246,18 @@ impl Provenance {
         })
     }
 
+    /// Checks that nothing is flipped or moved, for maps that cannot be.
+    ///
+    /// # Errors
+    /// A message that names the flip or the quarter turns.
+    pub(super) fn check_unturned(&self) -> Result<(), String> {
+        match (self.flip.unwrap_or_default(), self.quarter_turns.unwrap_or(0)) {
+            (Flip::None, 0) => Ok(()),
+            (Flip::None, _) => Err(format!("{QUARTER_TURNS_KEY} is for panoramas; bake it again")),
+            _ => Err(format!("{FLIP_KEY} is for cubes, panoramas and octahedral squares; bake it again")),
+        }
+    }
+
     /// Converts the texels of `chain` to the world.
     ///
     /// # Errors

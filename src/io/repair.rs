@@ -173,41 +173,38 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
     true
 }
 
-/// Sets negative values to 0, counts them and weighs their energy against that of the rest.
-pub(super) fn negative(layout: Layout, texels: &mut [Rgb], repairs: &mut Repairs) {
+/// Sets negative values to 0, counts them and weighs their energy, with the relative solid angle of each
+/// texel, against that of the rest.
+pub(super) fn negative(texels: &mut [Rgb], density: impl Fn(usize) -> f64, repairs: &mut Repairs) {
     // No early exit, so that the loop vectorises.
     if !texels.as_flattened().iter().fold(false, |any, value| any | (*value < 0.0)) {
         return;
     }
-    let row_length = match layout {
-        Layout::Panorama { width, .. } => width,
-        Layout::Cube { size } | Layout::Octahedral { size } => size,
-    };
     let (mut below, mut above) = (0.0, 0.0);
-    for (j, row) in texels.chunks_mut(row_length as usize).enumerate() {
-        let j = u32::try_from(j).expect("rows are u32");
-        for (i, texel) in (0..row_length).zip(row) {
-            let weight = density(layout, i, j);
-            for (value, luminance) in texel.iter_mut().zip(LUMINANCE) {
-                let energy = weight * f64::from(luminance) * f64::from(*value);
-                if *value < 0.0 {
-                    below -= energy;
-                    repairs.negative += 1;
-                    *value = 0.0;
-                } else {
-                    above += energy;
-                }
+    for (index, texel) in texels.iter_mut().enumerate() {
+        let weight = density(index);
+        for (value, luminance) in texel.iter_mut().zip(LUMINANCE) {
+            let energy = weight * f64::from(luminance) * f64::from(*value);
+            if *value < 0.0 {
+                below -= energy;
+                repairs.negative += 1;
+                *value = 0.0;
+            } else {
+                above += energy;
             }
         }
     }
     repairs.negative_energy_share = if above > 0.0 { below / above } else { 1.0 };
 }
 
-/// Approximate relative solid angle of a texel, evaluated at its centre.
-fn density(layout: Layout, i: u32, j: u32) -> f64 {
+/// Approximate relative solid angle of texel `index` of an environment, evaluated at its centre.
+pub(super) fn density(layout: Layout, index: usize) -> f64 {
+    let columns = layout.sides().0 as usize;
+    let (i, j) = ((index % columns) as u32, (index / columns) as u32);
     match layout {
         Layout::Panorama { width, height } => equirect::texel_solid_angle(width, height, j),
         Layout::Cube { size } => {
+            // Rows of all faces are numbered on.
             let centre = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(size) - 1.0;
             let (s, t) = (centre(i), centre(j % size));
             (1.0 + s * s + t * t).powf(-1.5)

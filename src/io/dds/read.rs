@@ -21,6 +21,7 @@ pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
         height: texture.faces() * height,
         texels: texture.level(0),
         content: if is_cube { Content::Cube } else { Content::Image },
+        map: None,
         format: texture.format_name(),
         warnings: Vec::new(),
         provenance: provenance(source),

@@ -5,6 +5,7 @@ use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::color::{self, Primaries};
 use crate::io::ktx2::write::ROUGHNESS_KEY;
+use crate::io::map_header::MapHeader;
 use crate::io::picture::{Content, LevelHeader, Picture, Source, TEXEL_BYTES};
 use crate::io::provenance::{KEY_PREFIX, Provenance};
 use image::ImageDecoder as _;
@@ -101,7 +102,8 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     }
     let provenance =
         Provenance::of_texts(&|key| header.text(key)).map_err(|message| source.error(message))?;
-    Ok(Picture { width, height, texels, content: Content::Image, format, warnings, provenance })
+    let map = MapHeader::of_texts(source, &|key| header.text(key))?;
+    Ok(Picture { width, height, texels, content: Content::Image, map, format, warnings, provenance })
 }
 
 impl Scan {

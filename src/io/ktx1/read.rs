@@ -37,6 +37,7 @@ pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
         height: 6 * texture.size,
         texels: texture.level(0),
         content: Content::Cube,
+        map: None,
         format: texture.format(),
         warnings: Vec::new(),
         provenance: texture.provenance()?,

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::format::bc6h;
 use crate::format::r11g11b10::rgb_from_r11g11b10;
 use crate::format::rgb_from_rgb9e5;
-use crate::io::oem_write::BORDER_KEY;
+use crate::io::map_header::MapHeader;
 use crate::io::picture::{Content, Picture, Source, Stored, TEXEL_BYTES};
 use crate::io::provenance::Provenance;
 use half::slice::HalfFloatSliceExt as _;
@@ -61,19 +61,17 @@ impl Pixel {
 /// Decodes level 0.
 pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     let container = Container::open(source)?;
-    let picture = Picture {
+    let map = if container.is_cube { None } else { MapHeader::of_texts(source, &|key| container.text(key))? };
+    Ok(Picture {
         width: container.width,
         height: if container.is_cube { 6 * container.width } else { container.height },
         texels: container.level(0)?,
         content: if container.is_cube { Content::Cube } else { Content::Image },
+        map,
         format: container.format(),
         warnings: Vec::new(),
         provenance: container.provenance()?,
-    };
-    match container.text(BORDER_KEY) {
-        Some(border) if !container.is_cube => picture.without_border(source, &border),
-        _ => Ok(picture),
-    }
+    })
 }
 
 /// Decodes every level of a cube with its roughness.

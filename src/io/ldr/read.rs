@@ -81,6 +81,7 @@ fn picture(name: &str, bits: u32, (width, height): (u32, u32), texels: Vec<Rgb>)
         height,
         texels,
         content: Content::Image,
+        map: None,
         format: format!("{name}, {bits} bits a channel, sRGB"),
         warnings: vec![format!("a {name} is not HDR: radiance above its white is clipped")],
         provenance: Provenance::default(),

@@ -3,6 +3,7 @@
 use crate::cli::{done, fails, names, write_panorama};
 use octagloss::internals::io::{self, ReadOptions};
 use serde_json::Value;
+use std::path::Path;
 use tempfile::TempDir;
 
 #[test]
@@ -99,9 +100,7 @@ fn convert_goes_to_another_map_and_back() {
     {
         let file = format!("{map}.exr");
         done(folder, &["convert", "in.exr", "-o", &file, "--layout", map, "--size", size]);
-        let options = ReadOptions { layout: io::LayoutChoice::Picture, ..ReadOptions::default() };
-        let picture = io::read(&folder.join(&file), &options).expect("readable");
-        assert_eq!((picture.width, picture.height), sides, "{map}");
+        assert_eq!(sides_of(&folder.join(&file)), sides, "{map}");
         let back = format!("{map}-back.exr");
         done(folder, &["convert", &file, "--from", map, "-o", &back, "--layout", "equirect", "--size", "32"]);
         let before = io::read(&folder.join("in.exr"), &ReadOptions::default()).expect("readable");
@@ -126,9 +125,16 @@ fn convert_goes_to_another_map_and_back() {
             "2",
         ],
     );
-    let options = ReadOptions { layout: io::LayoutChoice::Picture, ..ReadOptions::default() };
-    let picture = io::read(&folder.join("bordered.hdr"), &options).expect("readable");
-    assert_eq!((picture.width, picture.height), (24, 12), "two discs of 8 texels with borders of 2");
+    assert_eq!(sides_of(&folder.join("bordered.hdr")), (24, 12), "two discs of 8 texels with borders of 2");
+}
+
+/// Columns and rows of the picture in a file.
+fn sides_of(path: &Path) -> (u32, u32) {
+    if path.extension().is_some_and(|extension| extension == "hdr") {
+        return image::image_dimensions(path).expect("readable");
+    }
+    let headers = exr::meta::MetaData::read_from_file(path, false).expect("readable").headers;
+    (headers[0].layer_size.x() as u32, headers[0].layer_size.y() as u32)
 }
 
 #[test]

@@ -11,6 +11,7 @@ pub(super) mod folders;
 pub(super) mod full;
 pub(super) mod layouts;
 pub(super) mod limits;
+mod map_headers;
 pub(super) mod maps;
 pub(super) mod outputs;
 pub(super) mod pictures;

@@ -10,7 +10,7 @@ use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::color::{self, Primaries};
-use crate::io::oem_write::BORDER_KEY;
+use crate::io::map_header::{BORDER_KEY, MapHeader};
 use crate::io::picture::{Content, LevelHeader, Picture, Source, Stored, TEXEL_BYTES};
 use crate::io::provenance::Provenance;
 use crate::sphere::cube::Face;
@@ -41,6 +41,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
             height: 6 * size,
             texels,
             content: Content::Cube,
+            map: None,
             format: parts_format(&metadata),
             warnings: Vec::new(),
             provenance: provenance(source, &metadata.headers[0])?,
@@ -63,26 +64,21 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     }
 
     let mut warnings = Vec::new();
-    warnings.extend(selection.warning());
+    // The other parts of a bake's octahedral map are its rougher levels.
+    let is_first_level = header_text(header, BORDER_KEY).is_some();
+    warnings.extend(selection.warning().filter(|_| !is_first_level));
     warnings.extend(window.warning());
     convert_color(header, selection.channels, &mut texels, &mut warnings);
-    let picture = Picture {
+    Ok(Picture {
         width: window.width,
         height: window.height,
         texels,
         content: Content::Image,
+        map: MapHeader::of_texts(source, &|key| header_text(header, key))?,
         format: describe(header, &selection),
         warnings,
         provenance: provenance(source, header)?,
-    };
-    match header_text(header, BORDER_KEY) {
-        Some(border) => {
-            // The other parts are its rougher levels.
-            let picture = Picture { warnings: Vec::new(), ..picture };
-            picture.without_border(source, &border)
-        }
-        None => Ok(picture),
-    }
+    })
 }
 
 /// Decodes a cube chain with a part for each face of each level, as written by `bake --out-layout parts`.

@@ -4,6 +4,7 @@ mod errors;
 mod exr;
 mod ktx2;
 mod layouts;
+mod map_header;
 mod radiance;
 mod repairs;
 
