@@ -9,12 +9,12 @@ use super::figures_args::FigureArgs;
 use super::outcome::{Outcome, print, usage};
 use super::values::finite;
 use crate::analysis::map_table::{Row, rows};
-use clap::{ArgGroup, Args as ClapArgs};
+use clap::Args as ClapArgs;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 #[derive(Debug, ClapArgs)]
-#[command(group(ArgGroup::new("subject").args(["plot", "lobes"])))]
 pub(super) struct AnalyzeArgs {
     /// Print every map's stretch next to the published values
     ///
@@ -32,12 +32,14 @@ pub(super) struct AnalyzeArgs {
     /// environment: root mean square over the sphere, at the poles, at +-X and +-Z (the octahedral map's cone
     /// points) and at the map's seams; and the worst direction. --map, --size and --panorama select maps,
     /// texels and environment.
-    #[arg(long, conflicts_with_all = ["table", "output", "figure", "border", "force"])]
+    #[arg(long, conflicts_with = "table")]
     pub(super) lobes: bool,
     /// Measure lobes of roughness R, 0.1 to 1; repeat for several [default: 0.2, 0.35, 0.5, 0.75, 1]
-    #[arg(long, value_name = "R", requires = "lobes", allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, value_name = "R", value_parser = finite)]
     pub(super) roughness: Vec<f64>,
     /// Print the table as CSV
+    ///
+    /// Shares and errors are fractions of 1, which the text prints in per cent; so they are with --json.
     #[arg(long, conflicts_with = "json")]
     pub(super) csv: bool,
     /// Print the table as JSON, on one line
@@ -47,15 +49,51 @@ pub(super) struct AnalyzeArgs {
     pub(super) figures: FigureArgs,
 }
 
+impl AnalyzeArgs {
+    /// Rejects options of other analyses than the one chosen.
+    fn check(&self) -> Outcome {
+        let FigureArgs { output, map, figure, panorama, size, border, quiet, force, .. } = &self.figures;
+        let path = |path: &PathBuf| path.display().to_string();
+        let (lobes, plot, both) = (&["--lobes"][..], &["--plot"][..], &["--lobes", "--plot"][..]);
+        let options: [(&str, Option<String>, &[&str]); 9] = [
+            ("--roughness", self.roughness.first().map(f64::to_string), lobes),
+            ("--output", output.as_ref().map(path), plot),
+            ("--figure", figure.first().cloned(), plot),
+            ("--border", border.map(|border| border.to_string()), plot),
+            ("--force", force.then(String::new), plot),
+            ("--map", map.first().cloned(), both),
+            ("--panorama", panorama.as_ref().map(path), both),
+            ("--size", size.map(|size| size.to_string()), both),
+            ("--quiet", quiet.then(String::new), both),
+        ];
+        let chosen = match (self.lobes, self.figures.plot) {
+            (true, _) => "--lobes",
+            (_, true) => "--plot",
+            _ => "--table",
+        };
+        for (option, value, analyses) in options {
+            if let Some(value) = value
+                && !analyses.contains(&chosen)
+            {
+                let given = format!("{option} {value}");
+                let analyses = analyses.join(" and ");
+                return usage(format!("{} is for {analyses}, not for {chosen}; omit it", given.trim_end()));
+            }
+        }
+        Ok(())
+    }
+}
+
 pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
+    if !(args.table || args.csv || args.json || args.lobes || args.figures.plot) {
+        return usage("analyze has nothing to do; add --table, --lobes, --csv, --json or --plot");
+    }
+    args.check()?;
     if args.figures.plot {
         return figures::run(&args.figures);
     }
     if args.lobes {
         return analyze_lobes::run(args);
-    }
-    if !(args.table || args.csv || args.json) {
-        return usage("analyze has nothing to do; add --table, --lobes, --csv, --json or --plot");
     }
     let rows = rows();
     if args.json {
@@ -79,8 +117,8 @@ fn components(row: &Row) -> String {
 
 fn text_table(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:<33}{:>13}{:>15}{:>12}{:>8}{:>14}{:>7}\n\
-         {:<33}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
+        "{:<27}{:>13}{:>15}{:>12}{:>8}{:>14}{:>7}\n\
+         {:<27}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
         "",
         "Y",
         "anisotropy",
@@ -104,17 +142,18 @@ fn text_table(rows: &[Row]) -> String {
     for row in rows {
         let metrics = &row.metrics;
         let paper = row.printed.map_or([""; 3], |p| [p.sampling, p.anisotropy, p.components]);
-        let title = match row.note {
+        let name = row.name.unwrap_or(row.title);
+        let name = match row.note {
             Some(note) => {
                 notes.push(note);
-                format!("{} [{}]", row.title, notes.len())
+                format!("{name} [{}]", notes.len())
             }
-            None => row.title.to_owned(),
+            None => name.to_owned(),
         };
         let [least, greatest] = metrics.relative_solid_angle;
         writeln!(
             text,
-            "{title:<33}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}",
+            "{name:<27}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}",
             paper[0],
             fixed(metrics.sampling, 2),
             paper[1],

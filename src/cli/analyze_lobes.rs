@@ -2,29 +2,30 @@
 
 use super::analyze::AnalyzeArgs;
 use super::console::Console;
-use super::outcome::{Outcome, print, usage};
-use crate::io::{self, ReadOptions};
+use super::outcome::{Failure, Outcome, print, usage};
+use crate::Error;
 use crate::laboratory::measure::{
-    ErrorAt, MOST_SIZE, Region, Row, STACK, Settings, default_environment, measure,
+    ErrorAt, MOST_SIZE, Region, Row, STACK, Settings, check_light, default_environment, measure,
 };
 use crate::laboratory::subject::SUBJECTS;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
+use std::path::Path;
 
 pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
     let settings = settings(args)?;
-    let environment = match &args.figures.panorama {
-        Some(path) => {
-            let loaded = io::read(path, &ReadOptions::default())?;
-            let console = Console::new(args.figures.quiet);
-            for warning in &loaded.warnings {
-                console.warn(&format!("{}: {warning}", path.display()));
-            }
-            loaded.environment
+    let console = Console::new(args.figures.quiet);
+    let environment = match args.figures.environment(&console)? {
+        Some(environment) => {
+            let path = args.figures.panorama.as_deref().unwrap_or(Path::new(""));
+            check_light(&environment).map_err(|error| Error::input(path, error.to_string()))?;
+            environment
         }
         None => default_environment()?,
     };
-    let rows = measure(&settings, &environment)?;
+    let bar = console.bar("lobes");
+    let rows = measure(&settings, &environment, &|done, total| bar.at(done, total))?;
+    drop(bar);
     if args.json {
         let rows: Vec<Value> = rows.iter().map(json_row).collect();
         let head = json!({ "size": settings.size, "stack": STACK, "adaptive_error": settings.error });
@@ -50,9 +51,6 @@ fn settings(args: &AnalyzeArgs) -> Outcome<Settings> {
     if !args.roughness.is_empty() {
         settings.roughnesses.clone_from(&args.roughness);
     }
-    if args.figures.map.is_empty() {
-        return Ok(settings);
-    }
     for name in &args.figures.map {
         if !SUBJECTS.iter().any(|subject| subject.map == name) {
             return usage(format!(
@@ -61,7 +59,9 @@ fn settings(args: &AnalyzeArgs) -> Outcome<Settings> {
             ));
         }
     }
-    settings.subjects.retain(|subject| args.figures.map.iter().any(|name| subject.map == name));
+    let maps = &args.figures.map;
+    settings.subjects.retain(|subject| maps.is_empty() || maps.iter().any(|name| subject.map == name));
+    settings.check().map_err(|error| Failure::Usage(error.to_string()))?;
     Ok(settings)
 }
 
@@ -90,7 +90,8 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
     let mut text = format!(
         "GGX lobes over exact summed-area tables of about {} texels. Errors of luminance in % of its mean.\n\
          stack: {STACK} nested boxes; adaptive: to {} %. cones: 8\u{b0} around +-X and +-Z; seams: on edges \
-         of the map's\ncomponents. reads: table entries a query.\n",
+         of the map's\ncomponents. reads: table entries a query. octahedral-chosen, -blended: two maps 45\u{b0} \
+         apart about y.\ntennis-ball-small: its border counts among its texels.\n",
         settings.size * settings.size,
         settings.error * 100.0
     );
@@ -115,7 +116,7 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
                 let [sphere, poles, cones, seams] = error.rms.map(percent);
                 let line = format!(
                     "{:<24}{:>10}{sphere:>8}{poles:>8}{cones:>8}{seams:>8}{:>8}{:>8.0}  {:<24}{:>8}",
-                    if k == 0 { row.subject.title } else { "" },
+                    if k == 0 { row.subject.name } else { "" },
                     error.roughness,
                     percent(error.worst),
                     error.reads[0],
@@ -135,7 +136,7 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
         }
         named.push(row.subject.name);
         let [resample, scan] = row.seconds.map(|seconds| seconds * 1e3);
-        writeln!(text, "{:<24}{:>8} texels{resample:>10.1}{scan:>8.2}", row.subject.title, row.texels)
+        writeln!(text, "{:<24}{:>8} texels{resample:>10.1}{scan:>8.2}", row.subject.name, row.texels)
             .expect("writing to a string cannot fail");
     }
     text

@@ -5,7 +5,6 @@ use super::figures_args::FigureArgs;
 use super::outcome::{Outcome, usage};
 use super::output::check_folder_name;
 use crate::io::output::{self, Existing, Output};
-use crate::io::{self, ReadOptions};
 use crate::plot::catalogue::{Content, Entry, Kind, MOST_SIZE, entries};
 use crate::plot::figure::Form;
 use rayon::prelude::*;
@@ -15,19 +14,23 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub(super) fn run(args: &FigureArgs) -> Outcome {
     let folder = args.output.as_ref().expect("clap requires it");
     check_folder_name(folder, "")?;
+    let console = Console::new(args.quiet);
     let entries = chosen(args)?;
-    let content = content(args)?;
+    check_options(args, &entries)?;
+    let content = content(args, &console)?;
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     // Check the outputs before drawing.
     output::recover(folder);
     let is_new = !folder.exists();
+    if is_new {
+        output::check_folder(folder, existing)?;
+    }
     let path = |entry: &Entry, form: Form| format!("{}.{}", entry.name(), form.extension());
     for (entry, form) in entries.iter().flat_map(|entry| Form::ALL.map(|form| (entry, form))) {
         if !is_new {
             output::check_file(&folder.join(path(entry, form)), existing)?;
         }
     }
-    let console = Console::new(args.quiet);
     let bar = console.bar("figures");
     let done = AtomicU64::new(0);
     let draw = |entry: &Entry| -> crate::Result<Vec<(String, Vec<u8>)>> {
@@ -83,8 +86,28 @@ fn is_called(entry: &Entry, name: &str) -> bool {
     entry.kind.name() == name || entry.name() == name
 }
 
+/// Rejects options of figures that are not drawn.
+fn check_options(args: &FigureArgs, entries: &[Entry]) -> Outcome {
+    let options = [
+        (Kind::Border, "size", args.size.map(|size| size.to_string())),
+        (Kind::Border, "border", args.border.map(|border| border.to_string())),
+        (Kind::Panorama, "panorama", args.panorama.as_ref().map(|path| path.display().to_string())),
+    ];
+    for (kind, option, value) in options {
+        if let Some(value) = value
+            && !entries.iter().any(|entry| entry.kind == kind)
+        {
+            return usage(format!(
+                "--{option} {value} is for the figure {0}, which is not drawn; omit it or add --figure {0}",
+                kind.name()
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Content of the figures.
-fn content(args: &FigureArgs) -> Outcome<Content> {
+fn content(args: &FigureArgs, console: &Console) -> Outcome<Content> {
     let mut content = Content::new()?;
     content.size = args.size.unwrap_or(content.size);
     if content.size == 0 || content.size > MOST_SIZE {
@@ -97,12 +120,8 @@ fn content(args: &FigureArgs) -> Outcome<Content> {
             content.border, content.size
         ));
     }
-    if let Some(path) = &args.panorama {
-        let loaded = io::read(path, &ReadOptions::default())?;
-        for warning in &loaded.warnings {
-            Console::new(args.quiet).warn(&format!("{}: {warning}", path.display()));
-        }
-        content.panorama = loaded.environment;
+    if let Some((path, environment)) = args.panorama.as_ref().zip(args.environment(console)?) {
+        content.panorama = environment;
         content.panorama_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     }
     Ok(content)

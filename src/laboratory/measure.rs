@@ -14,6 +14,7 @@ use crate::sphere::map::Place;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// How a lobe is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -322,26 +323,31 @@ struct Truth<'a> {
 
 impl Truth<'_> {
     /// Luminance of GGX at every roughness around every site under the environment turned by `turn`.
-    fn luminances(&self, lobes: &[Prepared], sites: &[Site], turn: DMat3) -> Vec<Vec<f64>> {
+    fn luminances(
+        &self,
+        lobes: &[Prepared],
+        sites: &[Site],
+        turn: DMat3,
+        count: &Count<'_>,
+    ) -> Vec<Vec<f64>> {
         let one = |direction: DVec3| -> Vec<f64> {
             let direction = turn.transpose() * direction;
-            lobes
-                .iter()
-                .map(|lobe| exact_luminance(self.oracle.reflect(Lobe::Ggx, lobe.roughness, direction)))
-                .collect()
+            let luminance = |lobe: &Prepared| {
+                let luminance = exact_luminance(self.oracle.reflect(Lobe::Ggx, lobe.roughness, direction));
+                count.one();
+                luminance
+            };
+            lobes.iter().map(luminance).collect()
         };
         sites.par_iter().map(|(direction, _)| one(*direction)).collect()
     }
 }
 
-/// The greatest solid angle of any box.
-fn widest(lobes: &[Prepared], methods: &[Method]) -> f64 {
-    let of = |method: Method, lobe: &Prepared| match method {
-        Method::Box => lobe.single[0].solid_angle,
-        Method::Stack => lobe.stack.iter().map(|one| one.solid_angle).fold(0.0, f64::max),
-        Method::Adaptive => 0.0,
-    };
-    lobes.iter().flat_map(|lobe| methods.iter().map(move |method| of(*method, lobe))).fold(0.0, f64::max)
+/// The greatest solid angle of any box, whatever filters are measured: a row has the same border, and so the
+/// same texels, beside other filters and alone.
+fn widest(lobes: &[Prepared]) -> f64 {
+    let boxes = lobes.iter().flat_map(|lobe| lobe.single.iter().chain(&lobe.stack));
+    boxes.map(|one| one.solid_angle).fold(0.0, f64::max)
 }
 
 impl Settings {
@@ -372,17 +378,71 @@ impl Settings {
         if !(1e-6..1.0).contains(error) {
             return Err(Error::Parameter(format!("`error` {error}; choose from 1e-6 to 1")));
         }
-        Ok(())
+        self.check_grids()
+    }
+
+    /// Checks that every row has texels left beside the border of its widest box.
+    fn check_grids(&self) -> Result<()> {
+        let lobes = self.lobes();
+        let widest = widest(&lobes);
+        let without = |size: u32| {
+            let lacks = |subject: &&Subject| subject.grid(size as usize * size as usize, widest).is_err();
+            self.subjects.iter().find(lacks)
+        };
+        let Some(subject) = without(self.size) else { return Ok(()) };
+        let remedy = match (self.size..=MOST_SIZE).find(|size| without(*size).is_none()) {
+            Some(least) => format!("choose {least} to {MOST_SIZE}, or leave the map out"),
+            None => "leave the map out".to_owned(),
+        };
+        Err(Error::Parameter(format!(
+            "`size` {} leaves no texel to {} (map {}) beside the border of its widest box; {remedy}",
+            self.size, subject.title, subject.map
+        )))
+    }
+
+    fn lobes(&self) -> Vec<Prepared> {
+        self.roughnesses.iter().map(|roughness| Prepared::new(*roughness)).collect()
+    }
+}
+
+/// Checks that `environment` has light: errors are relative to its mean luminance.
+///
+/// # Errors
+/// [`Error::Parameter`] if it is black.
+pub fn check_light(environment: &Environment) -> Result<()> {
+    if environment.texels().iter().all(|texel| exact_luminance(*texel) == 0.0) {
+        return Err(Error::Parameter(
+            "the environment is black, and errors are relative to its mean luminance; give one with light"
+                .to_owned(),
+        ));
+    }
+    Ok(())
+}
+
+/// Called with the number of finished exhaustive integrations and that of all; from any thread, in any order.
+pub type Progress<'a> = &'a (dyn Fn(u64, u64) + Sync);
+
+/// Counts exhaustive integrations.
+struct Count<'a> {
+    done: AtomicU64,
+    total: u64,
+    progress: Progress<'a>,
+}
+
+impl Count<'_> {
+    fn one(&self) {
+        (self.progress)(self.done.fetch_add(1, Ordering::Relaxed) + 1, self.total);
     }
 }
 
 /// Measures every row over `environment`.
 ///
 /// # Errors
-/// As [`Settings::check`] and [`Light::new`].
-pub fn measure(settings: &Settings, environment: &Environment) -> Result<Vec<Row>> {
+/// As [`Settings::check`], [`check_light`] and [`Light::new`].
+pub fn measure(settings: &Settings, environment: &Environment, progress: Progress<'_>) -> Result<Vec<Row>> {
     settings.check()?;
-    let lobes: Vec<Prepared> = settings.roughnesses.iter().map(|r| Prepared::new(*r)).collect();
+    check_light(environment)?;
+    let lobes = settings.lobes();
     let truth = Truth { environment, oracle: Oracle::new(environment) };
     let even: Vec<Site> =
         even_directions(settings.directions).into_iter().map(|d| (d, Region::Sphere)).collect();
@@ -391,6 +451,11 @@ pub fn measure(settings: &Settings, environment: &Environment) -> Result<Vec<Row
     let seams = if settings.regions { SEAMS } else { 0 };
     let own: Vec<Vec<Site>> =
         settings.subjects.iter().map(|subject| seam_sites(subject.charts(), seams)).collect();
+    // Rows of the same map share its seams.
+    let maps: BTreeMap<&str, usize> =
+        settings.subjects.iter().zip(&own).map(|(subject, own)| (subject.map, own.len())).collect();
+    let sites = (common.len() + maps.values().sum::<usize>()) * lobes.len();
+    let count = Count { done: AtomicU64::new(0), total: u64::from(settings.turns) * sites as u64, progress };
     let texels = settings.size as usize * settings.size as usize;
     let mut sums =
         vec![vec![vec![Sums::new(); lobes.len()]; settings.methods.len()]; settings.subjects.len()];
@@ -399,7 +464,7 @@ pub fn measure(settings: &Settings, environment: &Environment) -> Result<Vec<Row
     for k in 0..settings.turns {
         let turn = turn(k);
         let light = Light::new(truth.environment, turn)?;
-        let expected = truth.luminances(&lobes, &common, turn);
+        let expected = truth.luminances(&lobes, &common, turn, &count);
         for luminances in &expected[..settings.directions] {
             for (mean, luminance) in means.iter_mut().zip(luminances) {
                 *mean += luminance / (settings.directions as f64 * f64::from(settings.turns));
@@ -407,13 +472,14 @@ pub fn measure(settings: &Settings, environment: &Environment) -> Result<Vec<Row
         }
         let mut seams_of: BTreeMap<&str, Vec<Vec<f64>>> = BTreeMap::new();
         for (number, subject) in settings.subjects.iter().enumerate() {
-            let carrier = Carrier::new(*subject, texels, widest(&lobes, &settings.methods), &light)?;
+            let carrier = Carrier::new(*subject, texels, widest(&lobes), &light)?;
             let seconds = carrier.times.map(|time| time.as_secs_f64());
             let (texels, bytes) = (carrier.texels(), carrier.bytes());
             let built = built[number].get_or_insert(Built { texels, bytes, seconds });
             built.seconds = std::array::from_fn(|k| built.seconds[k].min(seconds[k]));
-            let seams =
-                seams_of.entry(subject.map).or_insert_with(|| truth.luminances(&lobes, &own[number], turn));
+            let seams = seams_of
+                .entry(subject.map)
+                .or_insert_with(|| truth.luminances(&lobes, &own[number], turn, &count));
             let sites: Vec<(Site, &Vec<f64>)> =
                 common.iter().chain(&own[number]).copied().zip(expected.iter().chain(&*seams)).collect();
             for (of_methods, method) in sums[number].iter_mut().zip(&settings.methods) {
@@ -431,6 +497,13 @@ pub fn measure(settings: &Settings, environment: &Environment) -> Result<Vec<Row
                 }
             }
         }
+    }
+    if let Some((_, roughness)) = means.iter().zip(&settings.roughnesses).find(|(mean, _)| **mean == 0.0) {
+        return Err(Error::Parameter(format!(
+            "the environment is black at roughness {roughness} along all {} directions, and errors are \
+             relative to its mean luminance; give one with more light",
+            settings.directions
+        )));
     }
     let mut rows = Vec::new();
     for (number, subject) in settings.subjects.iter().enumerate() {
@@ -467,20 +540,23 @@ pub struct Field {
 /// As [`measure`].
 pub fn error_field(settings: &Settings, environment: &Environment) -> Result<Vec<Field>> {
     settings.check()?;
+    check_light(environment)?;
     let lobes = [Prepared::new(settings.roughnesses[0])];
     let method = settings.methods[0];
     let truth = Truth { environment, oracle: Oracle::new(environment) };
     let sites: Vec<Site> =
         even_directions(settings.directions).into_iter().map(|d| (d, Region::Sphere)).collect();
     let texels = settings.size as usize * settings.size as usize;
+    let total = u64::from(settings.turns) * sites.len() as u64;
+    let count = Count { done: AtomicU64::new(0), total, progress: &|_, _| {} };
     let mut squares = vec![vec![0.0; sites.len()]; settings.subjects.len()];
     let mut mean = 0.0;
     for k in 0..settings.turns {
         let light = Light::new(environment, turn(k))?;
-        let expected = truth.luminances(&lobes, &sites, turn(k));
+        let expected = truth.luminances(&lobes, &sites, turn(k), &count);
         mean += expected.iter().map(|one| one[0]).sum::<f64>();
         for (subject, squares) in settings.subjects.iter().zip(&mut squares) {
-            let carrier = Carrier::new(*subject, texels, widest(&lobes, &[method]), &light)?;
+            let carrier = Carrier::new(*subject, texels, widest(&lobes), &light)?;
             squares.par_iter_mut().zip(&sites).zip(&expected).for_each(|((square, site), expected)| {
                 let answer = lobes[0].answer(&carrier, method, settings.error, site.0);
                 *square += (exact_luminance(answer.radiance) - expected[0]).powi(2);

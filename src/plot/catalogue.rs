@@ -148,7 +148,8 @@ impl Content {
     /// As [`crate::synth::synth`].
     pub fn new() -> Result<Self> {
         let panorama = crate::synth::synth("sky")?;
-        let lobes = Settings { turns: 2, directions: 250, ..Settings::default() };
+        // Those of the table, so that the figures show its numbers.
+        let lobes = Settings::default();
         Ok(Self { panorama, panorama_name: "hdr/sky.exr".to_owned(), size: 8, border: 2, lobes })
     }
 

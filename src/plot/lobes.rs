@@ -17,7 +17,7 @@ use glam::{DVec2, DVec3};
 /// Root mean square errors of `method` over roughness.
 pub(super) fn over_roughness(name: &str, method: Method, settings: &Settings) -> Result<Figure> {
     let settings = Settings { methods: vec![method], regions: false, ..settings.clone() };
-    let rows = measure(&settings, &default_environment()?)?;
+    let rows = measure(&settings, &default_environment()?, &|_, _| {})?;
     let series: Vec<Series> = rows
         .iter()
         .map(|row| Series {

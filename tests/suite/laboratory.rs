@@ -9,7 +9,7 @@ use octagloss::internals::laboratory::cells::Cells;
 use octagloss::internals::laboratory::charts::{CHARTS, Charts, Piece};
 use octagloss::internals::laboratory::light::{Light, lamps};
 use octagloss::internals::laboratory::measure::{
-    Field, Method, Region, Settings, default_environment, error_field, measure, seam_sites,
+    Field, Method, Region, Row, Settings, default_environment, error_field, measure, seam_sites,
 };
 use octagloss::internals::laboratory::subject::{Carrier, Choice, SUBJECTS};
 use octagloss::internals::laboratory::tables::{Tables, Texels};
@@ -17,6 +17,7 @@ use octagloss::internals::lobe::kernel_integral;
 use octagloss::internals::sphere::cube::{Face, cube_from_direction, cube_point};
 use octagloss::internals::sphere::grid::Grid;
 use octagloss::{Environment, Layout, Lobe};
+use std::sync::Mutex;
 
 /// A grid of `charts` whose texels, border included, are random.
 fn random_texels(charts: &dyn Charts, size: u32, random: &mut Random) -> Texels {
@@ -351,7 +352,7 @@ pub(crate) fn small() -> Settings {
 #[test]
 fn every_map_is_measured_with_every_filter() {
     let environment = default_environment().expect("an environment");
-    let rows = measure(&small(), &environment).expect("rows");
+    let rows = measure(&small(), &environment, &|_, _| {}).expect("rows");
     // Adaptive queries read no border, so that the row for it has none.
     assert_eq!(rows.len(), SUBJECTS.len() * Method::ALL.len() - 1);
     for row in &rows {
@@ -388,11 +389,31 @@ fn every_map_is_measured_with_every_filter() {
     }
 }
 
+/// The figures of one filter show the numbers of the table of all.
+#[test]
+fn filters_are_measured_alike_alone_and_together() {
+    let environment = default_environment().expect("an environment");
+    let of = |methods: &[Method]| {
+        let settings = Settings { methods: methods.to_vec(), directions: 20, ..small() };
+        measure(&settings, &environment, &|_, _| {}).expect("rows")
+    };
+    let together = of(&Method::ALL);
+    for method in Method::ALL {
+        let alone = of(&[method]);
+        let same: Vec<&Row> = together.iter().filter(|row| row.method == method).collect();
+        assert_eq!(alone.len(), same.len());
+        for (alone, row) in alone.iter().zip(same) {
+            assert_eq!((alone.texels, alone.bytes), (row.texels, row.bytes), "{}", row.subject.name);
+            assert_eq!(alone.errors, row.errors, "{} {method:?}", row.subject.name);
+        }
+    }
+}
+
 #[test]
 fn fields_average_to_the_measured_errors() {
     let settings = Settings { roughnesses: vec![0.5], methods: vec![Method::Stack], ..small() };
     let environment = default_environment().expect("an environment");
-    let rows = measure(&settings, &environment).expect("rows");
+    let rows = measure(&settings, &environment, &|_, _| {}).expect("rows");
     let fields = error_field(&settings, &environment).expect("fields");
     for (row, Field { subject, errors }) in rows.iter().zip(&fields) {
         let squares: f64 = errors.iter().map(|(_, error)| error * error).sum();
@@ -406,7 +427,7 @@ fn fields_average_to_the_measured_errors() {
 fn settings_that_cannot_be_measured_are_named() {
     let environment = default_environment().expect("an environment");
     let refused = |settings: Settings, words: &str| {
-        let error = measure(&settings, &environment).expect_err(words).to_string();
+        let error = measure(&settings, &environment, &|_, _| {}).expect_err(words).to_string();
         assert!(error.contains(words), "{error} lacks {words:?}");
         error_field(&settings, &environment).expect_err(words);
     };
@@ -417,9 +438,50 @@ fn settings_that_cannot_be_measured_are_named() {
     refused(Settings { methods: vec![], ..small() }, "no `methods`");
     refused(Settings { turns: 0, ..small() }, "no `turns`");
     refused(Settings { error: f64::NAN, ..small() }, "`error` NaN");
+    // Its border would take more texels than there are; the least size that leaves some is named.
+    let without = Settings { size: 8, ..small() };
+    refused(without.clone(), "`size` 8 leaves no texel to Tennis-ball with border (map tennis-ball)");
+    let error = without.check().expect_err("too small").to_string();
+    let least = error.split("choose ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
+    let least: u32 = least.unwrap_or_else(|| panic!("{error} names no size"));
+    Settings { size: least, ..small() }.check().expect("the least size");
+    Settings { size: least - 1, ..small() }.check().expect_err("less");
     let odd = Environment::new(Layout::Panorama { width: 3, height: 3 }, vec![[1.0; 3]; 9]).expect("sound");
-    let error = measure(&small(), &odd).expect_err("not 2:1").to_string();
+    let error = measure(&small(), &odd, &|_, _| {}).expect_err("not 2:1").to_string();
     assert!(error.contains("a panorama of 3x3"), "{error}");
+}
+
+/// Errors are relative to the mean luminance, which must not be 0.
+#[test]
+fn light_that_has_no_mean_is_named() {
+    let of = |texels: Vec<[f32; 3]>| Environment::new(Layout::Cube { size: 2 }, texels).expect("sound");
+    let black = of(vec![[0.0; 3]; 24]);
+    let error = measure(&small(), &black, &|_, _| {}).expect_err("black").to_string();
+    assert!(error.contains("the environment is black"), "{error}");
+    let error = error_field(&small(), &black).expect_err("black").to_string();
+    assert!(error.contains("the environment is black"), "{error}");
+    // The least light that float32 holds, on one face.
+    let mut faint = vec![[0.0; 3]; 24];
+    faint[0] = [f32::from_bits(1); 3];
+    let measured = measure(&small(), &of(faint), &|_, _| {});
+    let sound = |rows: Vec<Row>| {
+        rows.iter().flat_map(|row| &row.errors).all(|error| error.rms.iter().all(|rms| rms.is_finite()))
+    };
+    assert!(measured.map_or_else(|error| error.to_string().contains("the environment is black"), sound));
+}
+
+#[test]
+fn progress_counts_every_integration_once() {
+    let seen = Mutex::new(Vec::new());
+    let settings = Settings { turns: 2, directions: 20, ..small() };
+    let environment = default_environment().expect("an environment");
+    measure(&settings, &environment, &|done, total| seen.lock().expect("no panic").push((done, total)))
+        .expect("rows");
+    let mut seen = seen.into_inner().expect("no panic");
+    seen.sort_unstable();
+    let total = seen.len() as u64;
+    assert!(total > 2 * 20 * 2, "{total} integrations");
+    assert_eq!(seen, (1..=total).map(|done| (done, total)).collect::<Vec<_>>());
 }
 
 #[test]

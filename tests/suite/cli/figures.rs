@@ -38,6 +38,9 @@ fn what_cannot_be_drawn_is_named_and_nothing_written() {
     plot(&["--map", "globe"], "globe", 2);
     plot(&["--figure", "globe"], "unknown figure \"globe\"; choose one of solid-angle, anisotropy", 2);
     plot(&["--figure", "seam", "--map", "cube"], "--figure seam is not a figure of --map cube", 2);
+    plot(&["--figure", "seam", "--size", "3"], "--size 3 is for the figure border, which is not drawn", 2);
+    plot(&["--figure", "seam", "--border", "3"], "--border 3 is for the figure border", 2);
+    plot(&["--figure", "seam", "--panorama", "a.exr"], "--panorama a.exr is for the figure panorama", 2);
     plot(&["--size", "0"], "--size 0 must be 1 to 12 texels", 2);
     plot(&["--size", "4", "--border", "5"], "--border 5 exceeds the map's side of 4 texels", 2);
     plot(&["--panorama", "none.exr"], "none.exr", 1);
@@ -45,5 +48,15 @@ fn what_cannot_be_drawn_is_named_and_nothing_written() {
     fails(folder, &["analyze", "--plot"], 2, "--output");
     fails(folder, &["analyze", "--map", "cube", "--table"], 2, "--plot");
     fails(folder, &["analyze", "--plot", "-o", "figures.png"], 2, "use -o figures");
+    #[cfg(target_os = "linux")]
+    {
+        fails(
+            folder,
+            &["analyze", "--plot", "-o", "/proc/foo"],
+            1,
+            "/proc/foo: is in /proc, where the system",
+        );
+        fails(folder, &["analyze", "--plot", "-o", "none/foo"], 1, "its folder none");
+    }
     assert_eq!(names(folder), [""; 0]);
 }
