@@ -90,8 +90,8 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
     let mut text = format!(
         "GGX lobes over exact summed-area tables of about {} texels. Errors of luminance in % of its mean.\n\
          stack: {STACK} nested boxes; adaptive: to {} %. cones: 8\u{b0} around +-X and +-Z; seams: on edges \
-         of the map's\ncomponents. reads: table entries a query. octahedral-chosen, -blended: two maps 45\u{b0} \
-         apart about y.\ntennis-ball-small: its border counts among its texels.\n",
+         of the map's\ncomponents. reads: table entries a query. octahedral-chosen, -blended: two maps \
+         45\u{b0} apart about y.\ntennis-ball-small: its border counts among its texels.\n",
         settings.size * settings.size,
         settings.error * 100.0
     );

@@ -13,8 +13,9 @@ pub(super) const MAX_THREADS: i64 = 256;
 pub(super) struct InputArgs {
     /// Layout of the environment [default: auto]
     ///
-    /// auto uses the map that the header names (convert writes it), else the aspect ratio: 2:1 is a panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces
-    /// reads six files as one cube, in the order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...).
+    /// auto uses the map that the header names, as convert writes it, else the aspect ratio: 2:1 is a
+    /// panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces reads six files as one cube, in the
+    /// order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...). Contradicting the header is an error.
     #[arg(long, value_name = "LAYOUT", default_value = "auto", hide_default_value = true)]
     pub(super) layout: LayoutChoice,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]

@@ -21,7 +21,8 @@ use std::path::Path;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum LayoutChoice {
-    /// The map that the header names, else by its shape: 2:1 panorama, 4:3 and 3:4 crosses, 6:1 and 1:6 strips, 1:1 octahedral square.
+    /// The map that the header names, else by its shape: 2:1 panorama, 4:3 and 3:4 crosses, 6:1 and 1:6
+    /// strips, 1:1 octahedral square.
     #[default]
     Auto,
     /// A panorama, 2:1.

@@ -100,8 +100,8 @@ impl Picture {
 }
 
 /// The remedy for a picture that has another shape than the map in its header.
-pub(super) const RESHAPED: &str = "it was cropped or resized; convert it again, or remove octaglossMap from its \
-                                   header";
+pub(super) const RESHAPED: &str =
+    "it was cropped or resized; convert it again, or remove octaglossMap from its header";
 
 impl MapHeader {
     /// Checks that `picture` has the shape of the map.
@@ -127,8 +127,8 @@ pub(super) fn chosen(
         return Err(Error::input(
             path,
             format!(
-                "its header says that its map is {} ({MAP_KEY}), but `from` is {name}; omit `from`, or remove \
-                 the key if it is wrong",
+                "its header says that its map is {} ({MAP_KEY}), but `from` is {name}; omit `from`, or \
+                 remove the key if it is wrong",
                 written.name
             ),
         ));

@@ -48,8 +48,8 @@ fn convert_reads_every_map_that_it_wrote() {
             let pairs = before.iter().zip(after).flat_map(|(a, b)| (0..3).map(move |c| (a[c] - b[c]).abs()));
             pairs.fold(0.0, f32::max)
         };
-        // Means over texels of up to 90 degrees, of slopes up to 1: 45 degrees both ways. A picture of another
-        // map would be off by up to 2.
+        // Means over texels of up to 90 degrees, of slopes up to 1: 45 degrees both ways. A picture of
+        // another map would be off by up to 2.
         let worst = apart(texels("back.exr"));
         assert!(worst < 0.8, "{}: {worst} off", map.name);
         read(&format!("{}.hdr", map.name), &[]);
