@@ -121,7 +121,7 @@ def test_files_of_every_kind_are_read(program, sky, sky_file, tmp_path):
 
 def test_files_are_read_by_the_map_that_their_header_names(program, sky_file, tmp_path):
     maps = {"equirect": (16, 32, 3), "cube": (6, 16, 16, 3), "octahedral": (16, 16, 3)}
-    for name in octagloss.map_names():
+    for name in octagloss.maps.names():
         path = tmp_path / f"{name}.exr"
         program("convert", sky_file, "--layout", name, "--size", "16", "--border", "2", "-o", path)
         if name in maps:

@@ -83,6 +83,10 @@ fn every_command_takes_the_map_from_the_header() {
                 &[&["analyze", "--lobes", "--panorama", &file], &lobes[..]].concat(),
             ];
             for args in commands {
+                // Exhaustive integration over large texels of panoramas takes seconds.
+                if map.name == "equirect" && args[0] == "analyze" {
+                    continue;
+                }
                 if LAYOUTS.contains(&map.name) {
                     done(folder, args);
                 } else {
