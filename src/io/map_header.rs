@@ -57,9 +57,18 @@ impl MapHeader {
     /// The grid of a picture of `width` x `height` texels, and its border.
     fn bordered_grid(&self, width: u32, height: u32) -> Option<(Grid, u32)> {
         let border = self.border.split(',').next()?.trim().parse::<u32>().ok().filter(|b| *b <= MOST_SIZE)?;
-        let cell = Grid::new(self.map.map, 1).ok()?;
-        let inner = width.checked_sub(cell.picture_sides(border)[0] - cell.picture_sides(0)[0])?;
-        let grid = Grid::new(self.map.map, inner / cell.picture_sides(0)[0]).ok()?;
+        let of_size = |size: u32| Grid::new(self.map.map, size).expect("a size");
+        // Sides grow with the size, not evenly: components of different sizes share them.
+        let (mut low, mut high) = (1, MOST_SIZE);
+        while low < high {
+            let middle = low.midpoint(high);
+            if of_size(middle).picture_sides(border)[0] < width {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        let grid = of_size(low);
         (grid.picture_sides(border) == [width, height]).then_some((grid, border))
     }
 }

@@ -6,6 +6,8 @@ use octagloss::Layout;
 use octagloss::internals::format::Pixel;
 use octagloss::internals::io::exr::write::{Attribute, Samples, exr_bytes};
 use octagloss::internals::io::{self, LayoutChoice, MapLight, Pad, ReadOptions};
+use octagloss::internals::sphere::grid::Grid;
+use octagloss::internals::sphere::map::Texel;
 use octagloss::internals::sphere::registry::{MAPS, NamedMap, named};
 use std::fs;
 use std::path::PathBuf;
@@ -55,7 +57,7 @@ fn the_header_names_the_layout_of_environments() {
 #[test]
 fn other_maps_are_no_environments_whatever_their_shape() {
     for row in MAPS.iter().filter(|row| !["equirect", "octahedral", "cube"].contains(&row.name)) {
-        let grid = octagloss::internals::sphere::grid::Grid::new(row.map, 2).expect("a size");
+        let grid = Grid::new(row.map, 2).expect("a size");
         let (bytes, _) = file(grid.picture_sides(0), &[("octaglossMap", row.name)]);
         for choice in LayoutChoice::CHOICES {
             let error = error_of(read_with("a.exr", &bytes, &under(choice)));
@@ -168,6 +170,34 @@ fn any_map_is_read_as_its_components() {
         error.contains("8x4 does not fit healpix, which is 4:3; omit `from` or name another map"),
         "{error}"
     );
+}
+
+/// Borders of any width go from pictures of any size, also where components of different sizes lie side by
+/// side.
+#[test]
+fn every_map_loses_its_border_at_every_size() {
+    let folder = TempDir::new().expect("a temporary folder");
+    for row in &MAPS {
+        for (size, border) in [(1, 1), (2, 2), (3, 1), (16, 2), (9, 9)] {
+            let grid = Grid::new(row.map, size).expect("a size");
+            let sides = grid.picture_sides(border);
+            let text = border.to_string();
+            let (bytes, texels) = file(sides, &[("octaglossMap", row.name), ("octaglossBorder", &text)]);
+            let loaded = io::read_map(&written(&folder, &bytes), None, &ReadOptions::default());
+            let found = match loaded.expect(row.name).light {
+                MapLight::Components(found, texels) => {
+                    assert_eq!(found.size(), size, "{} with {border}", row.name);
+                    texels
+                }
+                MapLight::Environment(environment) => environment.texels().to_vec(),
+            };
+            let at = |texel: Texel| {
+                let [left, top] = grid.picture_origin(texel.component, border);
+                texels[(top + texel.y) as usize * sides[0] as usize + (left + texel.x) as usize]
+            };
+            assert_texels(&found, &grid.texels().map(at).collect::<Vec<Rgb>>());
+        }
+    }
 }
 
 /// Negative values are weighed by the map's own solid angles, and NaN is named by the picture's pixel.
