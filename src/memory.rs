@@ -10,13 +10,18 @@ use crate::bake::solve::solve_bytes;
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::filter::Filter;
+use crate::geometry::conversion::Source;
 use crate::lobe::Lobe;
 use crate::reflector::ReflectorSettings;
+use crate::sphere::grid::Grid;
+use crate::sphere::registry::NamedMap;
 pub(crate) use crate::table_bytes::LIMIT;
 use crate::table_bytes::{SOURCE, Served, Tables, at_most, largest_oem, largest_that};
 
 /// Bytes per texel of a finished level: radiance and bound.
 const TEXEL: u64 = 16;
+/// Bytes per texel of a picture of floats.
+const PIXEL: u64 = 12;
 /// Bytes per texel of the level in progress: answer, radiance and bound.
 const TEXEL_MAKING: u64 = 44;
 
@@ -56,6 +61,32 @@ pub(crate) fn check_square(what: &str, option: &str, size: u32, bytes_a_texel: u
     }
     let remedy = at_most(option, largest_that(1, size, |size| bytes(size) <= LIMIT));
     Err(Error::Limit { what: what.to_owned(), needed: bytes(size), available: LIMIT, remedy })
+}
+
+/// Checks that converting `source` to a picture of `map` of `size` with `border` takes at most [`LIMIT`].
+///
+/// # Errors
+/// [`Error::Limit`], which names the largest size that fits; [`Error::Parameter`] as in [`Grid::new`].
+pub(crate) fn check_conversion(source: &Source, map: &NamedMap, size: u32, border: u32) -> Result<()> {
+    let needed = conversion_bytes(source, map, size, border)?;
+    if needed <= LIMIT {
+        return Ok(());
+    }
+    let fits =
+        |size: u32| conversion_bytes(source, map, size, border.min(size)).is_ok_and(|needed| needed <= LIMIT);
+    let remedy = at_most("`size`", largest_that(1, size, fits));
+    Err(Error::Limit { what: "this conversion".to_owned(), needed, available: LIMIT, remedy })
+}
+
+/// Peak bytes of a conversion.
+fn conversion_bytes(source: &Source, map: &NamedMap, size: u32, border: u32) -> Result<u64> {
+    let grid = Grid::new(map.map, size)?;
+    let picture: u64 = grid.picture_sides(border).map(u64::from).iter().product();
+    let drawing = PIXEL * (grid.texel_count() as u64 + picture);
+    // A file that does not compress is as large as the picture.
+    let encoding = 2 * PIXEL * picture;
+    let light = source.grid().texel_count() as u64 * SOURCE;
+    Ok((light + source.most_bytes(map, &grid).max(drawing)).max(encoding))
 }
 
 fn check_bake_within(
@@ -158,6 +189,7 @@ fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sphere::registry::MAPS;
 
     fn environment() -> Environment {
         Environment::new(Layout::Panorama { width: 8, height: 4 }, vec![[1.0; 3]; 32]).expect("32 texels")
@@ -229,6 +261,21 @@ mod tests {
         check_square("this", "`size`", 4096, 256).expect("4 GiB");
         let words = remedy(check_square("this", "`size`", 4097, 256));
         assert_eq!(words, "`size` 4096 is the largest that fits");
+    }
+
+    #[test]
+    fn conversions_are_refused_with_the_largest_size_that_fits() {
+        let source = Source::of_environment(environment()).expect("2:1");
+        for map in &MAPS {
+            for border in [0, 16] {
+                let check = |size| check_conversion(&source, map, size, border);
+                check(256).expect("a small map");
+                let words = remedy(check(16_384));
+                let size: u32 = words.split(' ').nth(1).and_then(|word| word.parse().ok()).expect("a size");
+                check(size).expect("the size named fits");
+                assert_eq!(remedy(check(size + 64)), words, "and none above");
+            }
+        }
     }
 
     #[test]

@@ -5,19 +5,19 @@ use super::outcome::{Outcome, check_not_input, check_output, on_threads, renamed
 use super::shared_args::MAX_THREADS;
 use super::values::{finite, scale};
 use crate::environment::rotation_y;
+use crate::format::Pixel;
 use crate::geometry::bordered::bordered_picture;
-use crate::geometry::overlap::{Space, Target, mean_radiances, panorama_mean_radiances};
-use crate::geometry::resample::resample;
-use crate::io::environment_write::picture_bytes;
+use crate::geometry::conversion::Source;
+use crate::geometry::resample::Continuation;
+use crate::io::environment_write::{losses, picture_bytes, picture_container};
 use crate::io::map_header::map_pairs;
 use crate::io::output::Existing;
 use crate::io::{self, LoadedMap, MapLight, Pad, ReadOptions};
+use crate::memory;
 use crate::sphere::grid::Grid;
 use crate::sphere::registry::{MAPS, NamedMap, named};
-use crate::{Environment, Layout, Rgb};
 use clap::Args as ClapArgs;
 use clap::builder::PossibleValuesParser;
-use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 
 /// Maximum texels along the shorter side.
@@ -58,6 +58,13 @@ pub(super) struct ConvertArgs {
     /// (octahedral, low-distortion, equirect), else resampled.
     #[arg(long, value_name = "B", default_value_t = 0, hide_default_value = true)]
     pub(super) border: u32,
+    /// f16 or f32, for .exr [default: f32]
+    ///
+    /// f32 keeps the energy within 1e-6. f16 halves the file; it rounds by up to 0.05 %, clamps at 65504 and
+    /// turns 3e-8 and less to 0. .hdr has a pixel format of its own, which rounds by up to 0.4 % of the
+    /// brightest channel. Warnings count texels that are clamped or lose a channel.
+    #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
+    pub(super) pixel: Option<Pixel>,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
     #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) rotate_y: Option<f64>,
@@ -92,10 +99,13 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
     let path = &args.output;
     // Standard output uses EXR.
     let as_named = if path.as_os_str() == "-" { Path::new("-.exr") } else { path };
-    let extension = as_named.extension().map(|extension| extension.to_ascii_lowercase());
-    if !extension.is_some_and(|extension| extension == "exr" || extension == "hdr") {
+    let Ok(container) = picture_container(as_named) else {
         return usage(format!("-o {} must end in .exr or .hdr", path.display()));
-    }
+    };
+    let pixel = match container.pixel(args.pixel, Pixel::F32) {
+        Ok(pixel) => pixel,
+        Err(error) => return usage(error.to_string()),
+    };
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     check_not_input(path, [&args.input])?;
     check_output(path, existing)?;
@@ -116,96 +126,50 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         for warning in &warnings {
             console.warn(&format!("{}: {warning}", args.input.display()));
         }
-        let source = Source::new(light, args.rotate_y.unwrap_or(0.0))?;
-        let size = args.size.unwrap_or_else(|| source.equal_size(map));
+        let source = turned(light, args.rotate_y.unwrap_or(0.0))?;
+        let size = args.size.unwrap_or_else(|| equal_size(source.grid(), map));
         if args.border > size {
             return usage(format!("--border {} exceeds the map's side of {size} texels", args.border));
         }
-        let target = Grid::new(map.map, size)?;
-        let texels = source.converted(map, &target)?;
-        let picture = bordered_picture(&target, &texels, args.border, |direction| source.look(direction));
-        let [width, height] = target.picture_sides(args.border);
+        memory::check_conversion(&source, map, size, args.border)?;
+        let picture = {
+            let (target, light) = (Grid::new(map.map, size)?, source.light());
+            let texels = source.converted(map, size)?;
+            bordered_picture(&target, &texels, args.border, &Continuation::new(&light, &target))
+        };
+        drop(source);
+        let [width, height] = Grid::new(map.map, size)?.picture_sides(args.border);
+        let remedy = if pixel == Pixel::Rgbe { ".exr keeps them" } else { "`pixel` f32 keeps them" };
+        for warning in losses(&picture, pixel, remedy) {
+            console.warn(&format!("{}: {warning}", path.display()));
+        }
         let comment = format!("{} of {size} texels a side, border {}", map.title, args.border);
-        let bytes = picture_bytes(as_named, width, height, &picture, &comment, &map_pairs(map, args.border))?;
+        let bytes = picture_bytes(width, height, &picture, pixel, &comment, &map_pairs(map, args.border))?;
         write_output(path, existing, &bytes)?;
         console.note(&format!(
-            "{}: {}, {width} x {height}, {}",
+            "{}: {}, {width} x {height}, {}, {}",
             path.display(),
             map.title,
+            pixel.name(),
             console::bytes(bytes.len() as u64)
         ));
         Ok(())
     })
 }
 
-/// The input of the conversion.
-struct Source {
-    grid: Grid,
-    texels: SourceTexels,
-    world_from_source: DMat3,
+/// `light`, turned by `degrees` about +Y.
+fn turned(light: MapLight, degrees: f64) -> crate::Result<Source> {
+    match light {
+        MapLight::Environment(environment) => Source::of_environment(environment.rotated_y(degrees)),
+        MapLight::Components(grid, texels) => Ok(Source::of_texels(grid, texels, rotation_y(degrees))),
+    }
 }
 
-enum SourceTexels {
-    /// The input as an environment, whose layout `geometry::overlap` supports exactly.
-    Environment(Environment),
-    /// The components of a picture of another map.
-    Components(Vec<Rgb>),
-}
-
-impl Source {
-    /// `light`, turned by `degrees` about +Y.
-    fn new(light: MapLight, degrees: f64) -> crate::Result<Self> {
-        let environment = match light {
-            MapLight::Environment(environment) => environment.rotated_y(degrees),
-            MapLight::Components(grid, texels) => {
-                let (texels, world_from_source) = (SourceTexels::Components(texels), rotation_y(degrees));
-                return Ok(Self { grid, texels, world_from_source });
-            }
-        };
-        let (map, size) = match environment.layout() {
-            Layout::Panorama { height, .. } => (known("equirect"), height),
-            Layout::Cube { size } => (known("cube"), size),
-            Layout::Octahedral { size } => (known("octahedral"), size),
-        };
-        let world_from_source = environment.source_from_world().transpose();
-        let texels = SourceTexels::Environment(environment);
-        Ok(Self { grid: Grid::new(map.map, size)?, texels, world_from_source })
-    }
-
-    /// Texels of the grid, in order.
-    fn texels(&self) -> &[Rgb] {
-        match &self.texels {
-            SourceTexels::Environment(environment) => environment.texels(),
-            SourceTexels::Components(texels) => texels,
-        }
-    }
-
-    /// The size at which `map` has about as many texels as the input, even if it has several components.
-    fn equal_size(&self, map: &NamedMap) -> u32 {
-        let cells = Grid::new(map.map, 1).map_or(1, |grid| grid.texel_count());
-        let side = (self.grid.texel_count() as f64 / cells as f64).sqrt().ceil() as u32;
-        side.next_multiple_of(2).clamp(1, MAX_SIZE as u32)
-    }
-
-    /// Mean radiance over every texel of `target`, the grid of `map`.
-    fn converted(&self, map: &NamedMap, target: &Grid) -> crate::Result<Vec<Rgb>> {
-        let size = target.size();
-        use SourceTexels::Environment as Exact;
-        match (&self.texels, map.name) {
-            (Exact(environment), "octahedral") => {
-                mean_radiances(environment, Target::Octahedral(size), Space::World)
-            }
-            (Exact(environment), "cube") => mean_radiances(environment, Target::Cube(size), Space::World),
-            (Exact(environment), "equirect") => panorama_mean_radiances(environment, 2 * size, size),
-            _ => Ok(resample(&self.grid, self.texels(), self.world_from_source, target)),
-        }
-    }
-
-    /// Radiance along `direction`.
-    fn look(&self, direction: DVec3) -> Rgb {
-        let local = self.world_from_source.transpose() * direction;
-        self.texels()[self.grid.index(self.grid.texel_from_direction(local))]
-    }
+/// The size at which `map` has about as many texels as `source`, even if it has several components.
+fn equal_size(source: &Grid, map: &NamedMap) -> u32 {
+    let cells = Grid::new(map.map, 1).map_or(1, |grid| grid.texel_count());
+    let side = (source.texel_count() as f64 / cells as f64).sqrt().ceil() as u32;
+    side.next_multiple_of(2).clamp(1, MAX_SIZE as u32)
 }
 
 /// Looks up a map named in this file, or checked by clap.

@@ -156,26 +156,8 @@ impl PlanOptions {
         if images && container.is_single() {
             return wrong(format!("`out_layout` {} is for exr and hdr, not {name}", layout.name()));
         }
-        match (container, self.pixel) {
-            (Container::Hdr, None) => Ok(Pixel::Rgbe),
-            (Container::Hdr, Some(_)) => {
-                wrong("`pixel` cannot be combined with hdr; its pixels are always RGBE")
-            }
-            (Container::Exr, None) if !is_one_exr => Ok(Pixel::Auto),
-            (_, pixel) => {
-                let pixel = pixel.unwrap_or_default();
-                if container.holds(pixel) {
-                    return Ok(pixel);
-                }
-                let pixel = pixel.name();
-                wrong(match container {
-                    Container::Exr => {
-                        format!("`pixel` {pixel} is for ktx2 and dds; exr supports f16 and f32")
-                    }
-                    _ => format!("{name} does not support `pixel` {pixel}; ktx2 and dds do"),
-                })
-            }
-        }
+        let is_auto = container == Container::Exr && !is_one_exr;
+        container.pixel(self.pixel, if is_auto { Pixel::Auto } else { Pixel::default() })
     }
 
     /// The preset of `target` with these options.

@@ -1,5 +1,6 @@
 //! File formats of bakes.
 
+use crate::error::{Error, Result};
 use crate::format::Pixel;
 
 /// A file format of bakes.
@@ -57,6 +58,27 @@ impl Container {
             Self::Exr => matches!(pixel, Pixel::F16 | Pixel::F32),
             Self::Hdr => pixel == Pixel::Rgbe,
         }
+    }
+
+    /// The pixel format of a file: `choice`, or `default`, which the container supports or replaces.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if the container does not support the choice.
+    pub fn pixel(self, choice: Option<Pixel>, default: Pixel) -> Result<Pixel> {
+        let pixel = match (self, choice) {
+            (Self::Hdr, None) => return Ok(Pixel::Rgbe),
+            (Self::Exr, None) => return Ok(default),
+            (_, choice) => choice.unwrap_or(default),
+        };
+        if self != Self::Hdr && self.holds(pixel) {
+            return Ok(pixel);
+        }
+        let name = pixel.name();
+        Err(Error::Parameter(match self {
+            Self::Hdr => "`pixel` cannot be combined with hdr; its pixels are always RGBE".to_owned(),
+            Self::Exr => format!("`pixel` {name} is for ktx2 and dds; exr supports f16 and f32"),
+            _ => format!("{} does not support `pixel` {name}; ktx2 and dds do", self.name()),
+        }))
     }
 }
 

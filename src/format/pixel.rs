@@ -120,6 +120,13 @@ impl Pixel {
     pub fn clamped(self, texels: &[Rgb]) -> u64 {
         texels.iter().filter(|t| t.iter().any(|c| *c > self.max())).count() as u64
     }
+
+    /// Number of `texels` with a channel that becomes 0.
+    #[must_use]
+    pub fn vanishing(self, texels: &[Rgb]) -> u64 {
+        let vanishes = |channel: &f32| *channel > 0.0 && *channel <= self.rounded_to_zero();
+        texels.iter().filter(|texel| texel.iter().any(vanishes)).count() as u64
+    }
 }
 
 /// Appends `values` to `out` as little-endian half floats: rounded to nearest, ties to even, at most

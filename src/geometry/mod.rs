@@ -1,7 +1,10 @@
 //! Geometry that both engines use: overlaps of texels, texels' spread, solid angles.
 
 pub mod bordered;
+pub mod conversion;
+pub(crate) mod energy;
 pub mod footprints;
+pub mod light;
 pub mod overlap;
 pub mod resample;
 pub mod solid_angles;

@@ -101,6 +101,41 @@ pub(crate) fn panorama_mean_radiances(
     Ok(sums.into_iter().map(|[r, g, b, w]| [r, g, b].map(|sum| (sum / w) as f32)).collect())
 }
 
+/// About the most overlaps of the texels of two maps with these numbers of texels: lines of one cut texels of
+/// the other.
+pub(crate) fn most_overlaps(source: usize, target: usize) -> usize {
+    source + target + 3 * (source as f64 * target as f64).sqrt() as usize
+}
+
+/// The most bytes that the mean radiances over the texels of `target` take, themselves included, for a source
+/// of `source` that `turn` leads to the world.
+pub(crate) fn most_bytes(source: Layout, target: Layout, turn: DMat3) -> u64 {
+    let texels = target.texel_count();
+    let means = size_of::<Rgb>() * texels;
+    // Entries before and after they are sorted, and two numbers a row.
+    let matrix = |entries: usize, rows: usize| (12 + 2 * 8) * entries + 2 * 4 * rows;
+    let overlaps = most_overlaps(source.texel_count(), texels);
+    let grid = match target {
+        Layout::Octahedral { size } => Target::Octahedral(size),
+        Layout::Cube { size } => Target::Cube(size),
+        Layout::Panorama { .. } => {
+            let is_panorama = matches!(source, Layout::Panorama { .. });
+            let sums = size_of::<[f64; 4]>() * texels;
+            let reverse = if is_panorama { 0 } else { matrix(overlaps, source.texel_count()) + sums };
+            return (means + reverse) as u64;
+        }
+    };
+    let work = if !is_symmetric(source, turn, grid) {
+        matrix(overlaps, texels)
+    } else if is_swept(source, grid) {
+        // The octants' means; half of an octahedral square of an octant is beyond the fold.
+        2 * means
+    } else {
+        matrix(overlaps / 8, texels / 4)
+    };
+    (means + work) as u64
+}
+
 /// Whether one octant represents all eight.
 fn is_symmetric(source: Layout, turn: DMat3, target: Target) -> bool {
     turn == DMat3::IDENTITY && index::is_symmetric(source, target)

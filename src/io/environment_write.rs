@@ -1,4 +1,5 @@
-//! Writes an environment as one image file: EXR (half, ZIP; float if half overflows) or Radiance .hdr.
+//! Writes an environment as one image file: EXR (ZIP; half, or float if the light exceeds the range of half)
+//! or Radiance .hdr.
 
 use super::exr::write::{Attribute, Samples, exr_bytes};
 use super::hdr::write::hdr_bytes_with;
@@ -7,6 +8,7 @@ use super::output::{self, Existing};
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::format::Pixel;
+use crate::format::container::Container;
 use std::path::Path;
 
 /// Writes `environment` to `path`; the extension, `exr` or `hdr`, selects the format. Cubes are written as a
@@ -30,36 +32,57 @@ pub fn write_environment(
 /// [`Error::Input`] for another extension.
 pub(crate) fn environment_bytes(path: &Path, environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
-    picture_bytes(path, width, height, &texels, comment, &[])
+    let container = picture_container(path)?;
+    picture_bytes(width, height, &texels, container.pixel(None, Pixel::Auto)?, comment, &[])
 }
 
-/// Encodes an image of `width` x `height` row-major texels, with `metadata` in its header. The extension of
-/// `path` selects the format: `exr` (half, or float if half overflows) or `hdr`.
+/// The format of an image at `path`, by its extension: [`Container::Exr`] or [`Container::Hdr`].
 ///
 /// # Errors
 /// [`Error::Input`] for another extension.
+pub(crate) fn picture_container(path: &Path) -> Result<Container> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    extension
+        .and_then(|extension| Container::named(&extension))
+        .filter(|container| matches!(container, Container::Exr | Container::Hdr))
+        .ok_or_else(|| Error::input(path, "an environment is written as .exr or .hdr"))
+}
+
+/// Encodes an image of `width` x `height` row-major texels, with `metadata` in its header: RGBE as Radiance
+/// .hdr, others as EXR.
+///
+/// # Errors
+/// As [`exr_bytes`].
 pub(crate) fn picture_bytes(
-    path: &Path,
     width: u32,
     height: u32,
     texels: &[Rgb],
+    pixel: Pixel,
     comment: &str,
     metadata: &[(String, String)],
 ) -> Result<Vec<u8>> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    match extension.as_deref() {
-        Some("exr") => {
-            let pixel = if Pixel::F16.clamped(texels) == 0 { Pixel::F16 } else { Pixel::F32 };
-            let texts = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
-            let attributes: Vec<(String, Attribute)> = std::iter::once(("comments", comment))
-                .chain(texts)
-                .map(|(key, text)| (key.to_owned(), Attribute::Text(text.to_owned())))
-                .collect();
-            exr_bytes(width, height, Samples::Rgb(texels), pixel, &attributes)
-        }
-        Some("hdr") => hdr_bytes_with(width, height, texels, metadata),
-        _ => Err(Error::input(path, "an environment is written as .exr or .hdr")),
+    if pixel == Pixel::Rgbe {
+        return hdr_bytes_with(width, height, texels, metadata);
     }
+    let texts = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
+    let attributes: Vec<(String, Attribute)> = std::iter::once(("comments", comment))
+        .chain(texts)
+        .map(|(key, text)| (key.to_owned(), Attribute::Text(text.to_owned())))
+        .collect();
+    exr_bytes(width, height, Samples::Rgb(texels), pixel.stored(texels), &attributes)
+}
+
+/// Light that `pixel` cannot hold in an image of `texels`, one line each; `remedy` names what can.
+pub(crate) fn losses(texels: &[Rgb], pixel: Pixel, remedy: &str) -> Vec<String> {
+    let name = pixel.name();
+    let words = |count: u64, loss: String| (count > 0).then(|| format!("{count} texels {loss}; {remedy}"));
+    let clamped = format!("exceed the {name} maximum of {:.2e} and were clamped", pixel.max());
+    let vanished =
+        format!("have a channel of at most {:.1e} that became 0 in {name}", pixel.rounded_to_zero());
+    [words(pixel.clamped(texels), clamped), words(pixel.vanishing(texels), vanished)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Encodes `environment` losslessly as an EXR file of floats, laid out as in [`write_environment`].

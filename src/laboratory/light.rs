@@ -1,59 +1,12 @@
 //! The light that tables are filled from.
 
 use crate::analysis::delivered::even_directions;
-use crate::environment::{Environment, Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::environment::{Environment, Layout};
+use crate::error::Result;
+pub use crate::geometry::light::Light;
 use crate::sphere::cube::{Face, direction_from_cube};
-use crate::sphere::grid::Grid;
-use crate::sphere::registry::named;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
-
-/// Texels of a source and its orientation.
-#[derive(Clone, Copy, Debug)]
-pub struct Light<'a> {
-    /// The source's texels.
-    pub grid: Grid,
-    /// Their radiance.
-    pub texels: &'a [Rgb],
-    /// Turns the source into the space of the tables.
-    pub world_from_source: DMat3,
-}
-
-impl<'a> Light<'a> {
-    /// The light of `environment`, turned by `turn`.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for a panorama that is not 2:1.
-    pub fn new(environment: &'a Environment, turn: DMat3) -> Result<Self> {
-        let (name, size) = match environment.layout() {
-            Layout::Panorama { width, height } if width == 2 * height => ("equirect", height),
-            Layout::Panorama { width, height } => {
-                return Err(Error::Parameter(format!(
-                    "a panorama of {width}x{height}; tables are filled from panoramas of 2:1"
-                )));
-            }
-            Layout::Cube { size } => ("cube", size),
-            Layout::Octahedral { size } => ("octahedral", size),
-        };
-        let grid = Grid::new(named(name).expect("a map of the registry").map, size)?;
-        let world_from_source = turn * environment.source_from_world().transpose();
-        Ok(Self { grid, texels: environment.texels(), world_from_source })
-    }
-
-    /// The same, turned by `turn` as well.
-    #[must_use]
-    pub fn turned(&self, turn: DMat3) -> Self {
-        Self { world_from_source: turn * self.world_from_source, ..*self }
-    }
-
-    /// Radiance along `direction`.
-    #[must_use]
-    pub fn look(&self, direction: DVec3) -> Rgb {
-        let local = self.world_from_source.transpose() * direction;
-        self.texels[self.grid.index(self.grid.texel_from_direction(local))]
-    }
-}
 
 /// Number of lamps of [`lamps`].
 const LAMPS: usize = 400;

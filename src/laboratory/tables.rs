@@ -6,14 +6,16 @@
 use super::charts::{Charts, Piece};
 use super::light::Light;
 use crate::cpu::sat_scan::scan;
-use crate::environment::exact_luminance;
-use crate::geometry::bordered::mean_around;
-use crate::geometry::resample::resample;
+use crate::environment::{Rgb, exact_luminance};
+use crate::geometry::resample::{Continuation, resample};
 use crate::sat::{FixedPoint, Scan, Spans, difference, fractional_sum};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use glam::DVec2;
 use rayon::prelude::*;
+
+/// Rows filled together.
+const BAND: i64 = 8;
 
 /// Texels of a map's bordered components: [L_r w, L_g w, L_b w, w], w the texel's solid angle.
 #[derive(Clone, Debug)]
@@ -29,43 +31,47 @@ pub struct Texels {
 impl Texels {
     /// The texels of `grid` filled from `light`: means over the parts of texels inside their component's
     /// domain, and their solid angles. With a `border`, texels that are not wholly inside have the light and
-    /// the solid angle of the map's continuation, the mean of 4 x 4 directions.
+    /// the solid angle of the map's continuation.
     #[must_use]
     pub fn new(charts: &dyn Charts, grid: Grid, border: u32, light: &Light<'_>) -> Self {
-        let radiance = resample(&light.grid, light.texels, light.world_from_source, &grid);
+        let radiance = resample(light, &grid);
+        let continuation = Continuation::new(light, &grid);
         let wide = i64::from(border);
         let components = (0..grid.map().components())
             .map(|component| {
-                let [columns, rows] = grid.sides(component).map(i64::from);
+                let [width, height] = grid.sides(component).map(i64::from);
                 let (first, cell) = (grid.first_texel(component), grid.map().component(component));
-                let texel = |x: i64, y: i64| {
-                    let is_inside = (0..columns).contains(&x) && (0..rows).contains(&y);
-                    let own = if is_inside {
-                        // Outside the domain rounding may leave it below 0.
-                        grid.solid_angle(Texel { component, x: x as u32, y: y as u32 }).max(0.0)
-                    } else {
-                        0.0
-                    };
-                    let inside = |light: [f32; 3], solid_angle: f64| {
+                let step = grid.step(&cell);
+                let own = |x: i64, y: i64| {
+                    let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
+                    let texel = Texel { component, x: x as u32, y: y as u32 };
+                    // Outside the domain rounding may leave it below 0.
+                    if is_inside { grid.solid_angle(texel).max(0.0) } else { 0.0 }
+                };
+                // The solid angle of the continuation if the texel is not wholly inside.
+                let continued = |x: i64, y: i64| {
+                    let low = cell.low + step * DVec2::new(x as f64, y as f64);
+                    let whole = charts.continued_solid_angle(component, low, low + step);
+                    (border > 0 && own(x, y) < whole * (1.0 - 1e-9)).then_some(whole)
+                };
+                let columns = -wide..width + wide;
+                let band = |top: i64| {
+                    let rows = top..(top + BAND).min(height + wide);
+                    let wanted = |x: i64, y: i64| continued(x, y).is_some();
+                    let outside = continuation.means(component, columns.clone(), rows.clone(), wanted);
+                    let places = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
+                    let texel = |((x, y), mean): ((i64, i64), Rgb)| {
+                        let (light, solid_angle) = match continued(x, y) {
+                            Some(whole) => (mean, whole),
+                            None => (radiance[first + (y * width + x) as usize], own(x, y)),
+                        };
                         let [r, g, b] = light.map(|channel| (f64::from(channel) * solid_angle) as f32);
                         [r, g, b, solid_angle as f32]
                     };
-                    if border > 0 {
-                        let step = grid.step(&cell);
-                        let low = cell.low + step * DVec2::new(x as f64, y as f64);
-                        let whole = charts.continued_solid_angle(component, low, low + step);
-                        if own < whole * (1.0 - 1e-9) {
-                            return inside(mean_around(&grid, component, x, y, |d| light.look(d)), whole);
-                        }
-                    }
-                    let at = first + (y * columns + x) as usize;
-                    inside(radiance[at], own)
+                    places.zip(outside).map(texel).collect::<Vec<_>>()
                 };
-                (-wide..rows + wide)
-                    .into_par_iter()
-                    .flat_map_iter(|y| (-wide..columns + wide).map(move |x| (x, y)))
-                    .map(|(x, y)| texel(x, y))
-                    .collect()
+                let tops: Vec<i64> = (-wide..height + wide).step_by(BAND as usize).collect();
+                tops.into_par_iter().flat_map_iter(band).collect()
             })
             .collect();
         Self { grid, border, components }

@@ -4,14 +4,14 @@ use super::catalogue::Content;
 use super::figure::Figure;
 use super::layout::MOST;
 use super::sheet::Sheet;
-use crate::environment::{Environment, Layout, Rgb};
+use crate::geometry::light::Light;
 use crate::geometry::resample::resample;
 use crate::image::drawing::page::{WIDTH, page};
 use crate::image::exposure;
 use crate::image::tone::display;
-use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
-use crate::sphere::registry::{NamedMap, named};
+use crate::sphere::registry::NamedMap;
+use glam::DMat3;
 
 pub(super) fn panorama(name: String, map: &'static NamedMap, content: &Content) -> Figure {
     let title = format!("{}: {}", map.title, content.panorama_name);
@@ -23,7 +23,8 @@ pub(super) fn panorama(name: String, map: &'static NamedMap, content: &Content) 
     let sheet = Sheet::fitting(map, MOST);
     let (mut scene, body) = page(WIDTH, sheet.extent().y, &title, &caption);
     let sheet = sheet.placed(&body);
-    let texels = resampled(&content.panorama, &sheet.grid);
+    let light = Light::new(&content.panorama, DMat3::IDENTITY).expect("files are 2:1");
+    let texels = resample(&light, &sheet.grid);
     let exposure = exposure::of_environment(&content.panorama).exp2();
     sheet.fill(&mut scene, 1, |component, uv| {
         let rectangle = map.map.component(component);
@@ -34,16 +35,4 @@ pub(super) fn panorama(name: String, map: &'static NamedMap, content: &Content) 
     sheet.frames(&mut scene);
     sheet.axes(&mut scene);
     Figure::new(name, title, caption, scene)
-}
-
-/// Mean radiance of `environment` over every texel of `target`.
-fn resampled(environment: &Environment, target: &Grid) -> Vec<Rgb> {
-    let (map, size) = match environment.layout() {
-        Layout::Panorama { height, .. } => ("equirect", height),
-        Layout::Cube { size } => ("cube", size),
-        Layout::Octahedral { size } => ("octahedral", size),
-    };
-    let map = named(map).expect("one of the maps");
-    let source = Grid::new(map.map, size).expect("an environment's size");
-    resample(&source, environment.texels(), environment.source_from_world().transpose(), target)
 }

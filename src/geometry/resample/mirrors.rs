@@ -38,6 +38,11 @@ impl Mirrors {
         1 << self.axes.len()
     }
 
+    /// Whether one of the planes cuts `texel` of `grid`: then it is its own image.
+    pub(super) fn cut(&self, grid: &Grid, texel: Texel) -> bool {
+        self.axes.iter().any(|axis| grid.mirrored(texel, *axis) == Some(texel))
+    }
+
     /// Whether the unit vector `direction` is behind one of the planes.
     pub(super) fn is_behind(&self, direction: DVec3) -> bool {
         self.axes.iter().any(|axis| direction[*axis] < -ON_PLANE)

@@ -1,9 +1,9 @@
 //! Sums of shares over target texels, and their means.
 
-use super::{Band, Mirrors};
+use super::band::Band;
+use super::mirrors::Mirrors;
 use crate::environment::Rgb;
 use crate::sphere::grid::Grid;
-use crate::sphere::map::Texel;
 use rayon::prelude::*;
 
 /// Places whose sums are converted at once, after which their memory is free.
@@ -11,6 +11,10 @@ const CHUNK: usize = 1 << 13;
 
 /// Place of a target texel without sums.
 const NONE: u32 = u32::MAX;
+
+/// Bytes per target texel without mirrors, which share them: its place, the place's texel and sums, and its
+/// image.
+pub(super) const MOST_BYTES: usize = 4 + 4 + 4 * size_of::<f64>() + 4;
 
 /// Sums over target texels: for every image red, green and blue, then the solid angle of one image.
 pub(super) struct Sums {
@@ -69,14 +73,9 @@ impl Sums {
         });
     }
 
-    /// The mean radiance of every texel of `target`, of which `mirrors` give the images; those of texels
-    /// without sums are `look`'s. `None` if an image of a texel is not a texel.
-    pub(super) fn means(
-        mut self,
-        mirrors: &Mirrors,
-        target: &Grid,
-        look: impl Fn(Texel) -> Rgb + Sync,
-    ) -> Option<Vec<Rgb>> {
+    /// The mean radiance of every texel of `target`, of which `mirrors` give the images; NaN for texels
+    /// without sums. `None` if an image of a texel is not a texel.
+    pub(super) fn means(mut self, mirrors: &Mirrors, target: &Grid) -> Option<Vec<Rgb>> {
         let stride = self.stride();
         // Images of the targets, each channel's energy that arrived, and that the means hold.
         type Part = (Vec<u32>, [[f64; 3]; 2]);
@@ -105,12 +104,12 @@ impl Sums {
         for (sums, (images, _)) in self.chunks.into_iter().zip(parts) {
             for (sums, images) in sums.chunks_exact(stride).zip(images.chunks_exact(self.images)) {
                 for (image, mean) in images.iter().zip(sums.chunks_exact(3)) {
-                    means[*image as usize] = std::array::from_fn(|c| (mean[c] * scale[c]) as f32);
+                    // Keeps NaN.
+                    means[*image as usize] =
+                        std::array::from_fn(|c| ((mean[c] * scale[c]) as f32).clamp(f32::MIN, f32::MAX));
                 }
             }
         }
-        let without = means.par_iter_mut().enumerate().filter(|(_, mean)| mean[0].is_nan());
-        without.for_each(|(index, mean)| *mean = look(target.texel(index)));
         Some(means)
     }
 }

@@ -9,10 +9,14 @@ use super::deflate::Deflater;
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::{Pixel, push_halves};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Rows of a ZIP block.
 pub(in crate::io) const BLOCK_ROWS: usize = 16;
+
+/// Blocks compressed in parallel before they are joined; bounds memory.
+const BLOCKS_AT_ONCE: usize = 64;
 
 /// Program name and version in outputs.
 pub(crate) const SOFTWARE: &str = concat!("octagloss ", env!("CARGO_PKG_VERSION"));
@@ -57,12 +61,21 @@ pub fn exr_bytes(
     let table = out.len();
     out.resize(table + rows.div_ceil(BLOCK_ROWS) * 8, 0);
     out.reserve(columns * rows * image.pixel_bytes());
-    let mut packer = Packer::new();
-    for (block, first_row) in (0..rows).step_by(BLOCK_ROWS).enumerate() {
-        let offset = out.len() as u64;
-        out[table + block * 8..][..8].copy_from_slice(&offset.to_le_bytes());
-        out.extend((first_row as i32).to_le_bytes());
-        packer.push(&image, 0..columns, first_row..(first_row + BLOCK_ROWS).min(rows), &mut out);
+    let pack = |packer: &mut Packer, block: usize| {
+        let first_row = block * BLOCK_ROWS;
+        let mut bytes = (first_row as i32).to_le_bytes().to_vec();
+        packer.push(&image, 0..columns, first_row..(first_row + BLOCK_ROWS).min(rows), &mut bytes);
+        bytes
+    };
+    let blocks = rows.div_ceil(BLOCK_ROWS);
+    for first in (0..blocks).step_by(BLOCKS_AT_ONCE) {
+        let some = first..blocks.min(first + BLOCKS_AT_ONCE);
+        let packed: Vec<Vec<u8>> = some.clone().into_par_iter().map_init(Packer::new, pack).collect();
+        for (block, bytes) in some.zip(packed) {
+            let offset = out.len() as u64;
+            out[table + block * 8..][..8].copy_from_slice(&offset.to_le_bytes());
+            out.extend(bytes);
+        }
     }
     Ok(out)
 }

@@ -189,6 +189,44 @@ fn sides_of(path: &Path) -> (u32, u32) {
 }
 
 #[test]
+fn convert_keeps_light_or_says_how_much_it_loses() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let folder = folder.path();
+    // Dim light, and a lamp too bright for half floats.
+    write_panorama(&folder.join("in.exr"), 32, |d| [3e-9, 1.0, if d.x > 0.95 { 1e5 } else { 0.3 }]);
+    let convert = |file: &str, more: &[&str]| {
+        let args = ["convert", "in.exr", "-o", file, "--layout", "cube", "--size", "8"];
+        done(folder, &[&args[..], more].concat()).err
+    };
+    let read = |file: &str| {
+        let read = io::read(&folder.join(file), &ReadOptions::default()).expect("readable");
+        read.environment.texels().to_vec()
+    };
+    let words = convert("float.exr", &[]);
+    assert!(words.contains("f32") && !words.contains("warning"), "{words}");
+    let kept = read("float.exr");
+    assert!(kept.iter().all(|texel| (texel[0] / 3e-9 - 1.0).abs() < 1e-6), "{:?}", kept[0]);
+    let words = convert("half.exr", &["--pixel", "f16"]);
+    let lamps = kept.iter().filter(|texel| texel[2] > 65504.0).count();
+    assert!(lamps > 0, "a lamp");
+    for warning in [
+        format!("warning: half.exr: {lamps} texels exceed the f16 maximum of 6.55e4 and were clamped"),
+        "warning: half.exr: 384 texels have a channel of at most 3.0e-8 that became 0".to_owned(),
+        "--pixel f32 keeps them".to_owned(),
+    ] {
+        assert!(words.contains(&warning), "{words} lacks {warning}");
+    }
+    let halves = read("half.exr");
+    assert!(halves.iter().all(|texel| texel[0] == 0.0 && texel[2] <= 65504.0));
+    // RGBE holds both, but no subnormal numbers, and not twice 1e38.
+    assert!(!convert("both.hdr", &[]).contains("warning"));
+    let words = convert("bright.hdr", &["--scale", "3e33"]);
+    assert!(words.contains("texels exceed the rgbe maximum of 1.69e38"), "{words}");
+    let words = convert("dim.hdr", &["--scale", "1e-31"]);
+    assert!(words.contains("384 texels have a channel of at most 1.2e-38 that became 0 in rgbe"), "{words}");
+}
+
+#[test]
 fn convert_names_what_it_cannot_do() {
     let folder = TempDir::new().expect("a temporary folder");
     let folder = folder.path();
@@ -200,6 +238,16 @@ fn convert_names_what_it_cannot_do() {
     convert(&["--layout", "cube", "--size", "0"], "--size", 2);
     convert(&["--layout", "cube", "--size", "4", "--border", "5"], "--border 5", 2);
     convert(&["--layout", "cube", "--from", "healpix"], "16x8 does not fit healpix, which is 4:3", 1);
+    convert(&["--layout", "cube", "--pixel", "bc6h"], "--pixel bc6h is for ktx2 and dds", 2);
+    let hdr = ["convert", "in.exr", "-o", "out.hdr", "--layout", "cube", "--pixel", "f16"];
+    fails(folder, &hdr, 2, "--pixel cannot be combined with hdr");
+    // Refused before it is allocated; the size named fits.
+    convert(
+        &["--layout", "rhombic-dodecahedron", "--size", "8192"],
+        "--size 2432 is the largest that fits",
+        1,
+    );
+    convert(&["--layout", "cube", "--size", "8192", "--border", "8192"], "is the largest that fits", 1);
     fails(folder, &["convert", "in.exr", "-o", "out.png", "--layout", "cube"], 2, ".exr or .hdr");
     fails(folder, &["convert", "in.exr", "-o", "in.exr", "--layout", "cube", "--force"], 2, "is an input");
     assert_eq!(names(folder), ["in.exr"]);

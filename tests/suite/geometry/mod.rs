@@ -1,3 +1,5 @@
 //! Geometry that both engines use.
 
+mod borders;
+mod conversion;
 mod resample;

@@ -1,0 +1,62 @@
+//! Energy of radiances over the texels of a layout.
+
+use super::solid_angles::SolidAngles;
+use super::tent::mirrored_in_diagonal;
+use crate::environment::{Layout, Rgb};
+use crate::sphere::{cube, equirect};
+use rayon::prelude::*;
+
+/// Solid angles of a layout's texels.
+enum Weights {
+    /// A panorama's, by row.
+    Rows(Vec<f64>),
+    /// Those of the quadrant s, t >= 0 of a cube's face with this edge.
+    Face(u32, Vec<f64>),
+    Square(SolidAngles),
+}
+
+impl Weights {
+    fn new(layout: Layout) -> Self {
+        match layout {
+            Layout::Panorama { width, height } => {
+                Self::Rows((0..height).map(|row| equirect::texel_solid_angle(width, height, row)).collect())
+            }
+            Layout::Cube { size } => {
+                let half = size.div_ceil(2);
+                let first = size - half;
+                let at = |x, y| cube::texel_solid_angle(size, first + x, first + y);
+                Self::Face(size, mirrored_in_diagonal(half, at, |solid_angle| solid_angle))
+            }
+            Layout::Octahedral { size } => Self::Square(SolidAngles::new(size)),
+        }
+    }
+
+    fn at(&self, x: u32, y: u32) -> f64 {
+        match self {
+            Self::Rows(rows) => rows[y as usize],
+            Self::Face(size, quadrant) => {
+                let half = size.div_ceil(2);
+                let fold = |k: u32| if k >= size - half { k + half - size } else { half - 1 - k };
+                quadrant[fold(y) as usize * half as usize + fold(x) as usize]
+            }
+            Self::Square(solid_angles) => f64::from(solid_angles.at(x, y)),
+        }
+    }
+}
+
+/// Energy of every channel of `texels` over `layout`.
+pub(crate) fn energy(layout: Layout, texels: &[Rgb]) -> [f64; 3] {
+    let weights = Weights::new(layout);
+    let (columns, rows) = layout.sides();
+    let of_row = |(row, texels): (usize, &[Rgb])| {
+        let y = (row % rows as usize) as u32;
+        let mut sums = [0.0; 3];
+        for (texel, x) in texels.iter().zip(0..) {
+            let weight = weights.at(x, y);
+            sums.iter_mut().zip(texel).for_each(|(sum, value)| *sum += weight * f64::from(*value));
+        }
+        sums
+    };
+    let sums: Vec<[f64; 3]> = texels.par_chunks(columns as usize).enumerate().map(of_row).collect();
+    std::array::from_fn(|channel| sums.iter().map(|row| row[channel]).sum())
+}
