@@ -432,7 +432,7 @@ try {
             String(size) === String(points.map((side) => 2 * side)),
             `${size} on ${points}`,
         );
-        await check(page, 'two-pixels-a-point', sky, {}, { size });
+        await check(page, 'two-pixels-a-point', sky, { roughness: 0.3 }, { size });
     }
     await browser.close();
 
@@ -446,10 +446,7 @@ try {
         await page.evaluateOnNewDocument(before);
         await page.goto(origin);
         await page.waitForFunction('window.ready === true', { timeout: 60_000 });
-        const shown = await page.$eval(
-            '#message',
-            (element) => element.checkVisibility() && element.textContent,
-        );
+        const shown = await page.$eval('#text', (text) => text.checkVisibility() && text.textContent);
         report(
             `without ${what} the page says so`,
             shown && shown.startsWith('WebGPU is not available.'),

@@ -11,10 +11,10 @@ use crate::image::exposure::Exposure;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::Existing;
 use crate::view::scene::{
-    MOST_PROBES, Proxy, Scene, SceneLook, SceneRenderer, SceneSettings, SceneStart, run_scene,
-    screenshot_of_scene,
+    MOST_BUDGET, MOST_PROBES, Proxy, Scene, SceneLook, SceneRenderer, SceneSettings, SceneStart, run_scene,
+    scene_boxes, screenshot_of_scene,
 };
-use crate::view::{Camera, FRONT, Mesh, Screenshot, Technique};
+use crate::view::{Camera, Mesh, Screenshot};
 use clap::Args as ClapArgs;
 use std::path::PathBuf;
 
@@ -89,23 +89,22 @@ pub(super) struct SceneArgs {
 }
 
 fn budget(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|ms: &f64| (0.0..=1e4).contains(ms));
-    number.ok_or_else(|| "must be 0 to 10000 milliseconds".to_owned())
+    let number = text.parse().ok().filter(|ms: &f64| (0.0..=MOST_BUDGET).contains(ms));
+    number.ok_or_else(|| format!("must be 0 to {MOST_BUDGET} milliseconds"))
 }
 
 pub(super) fn run(args: ViewArgs) -> Outcome {
-    let boxes = match args.look.filter {
-        None => SceneSettings::default().boxes,
-        Some(Technique::Fitted(count)) => count,
-        Some(other) => return usage(format!("--filter {other} is not for scenes; use fitted:K")),
+    let boxes = match args.look.filter.map(scene_boxes).transpose() {
+        Ok(boxes) => boxes.unwrap_or(SceneSettings::default().boxes),
+        Err(error) => return usage(error.to_string()),
     };
     let file = args.scene.scene.clone().flatten();
-    let look = look(&args, file.is_some());
     let console = Console::new(args.quiet);
     let scene = match &file {
         Some(path) => Scene::of_mesh(&Mesh::read(path)?)?,
         None => Scene::gallery()?,
     };
+    let look = look(&args, scene.first_look());
     let settings = SceneSettings {
         method: args.scene.direct,
         probes: args.scene.probes.map_or(MOST_PROBES, |probes| probes as usize),
@@ -142,12 +141,12 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     write_output(path, existing, &png_bytes(&picture)?)
 }
 
-fn look(args: &ViewArgs, of_file: bool) -> SceneLook {
-    let yaw = args.look.yaw.map(f64::to_radians);
+/// The first look of a scene with the options.
+fn look(args: &ViewArgs, first: SceneLook) -> SceneLook {
     SceneLook {
         camera: Camera {
-            yaw: yaw.unwrap_or(if of_file { FRONT } else { 0.0 }),
-            pitch: args.look.pitch.unwrap_or(7.0).to_radians(),
+            yaw: args.look.yaw.map_or(first.camera.yaw, f64::to_radians),
+            pitch: args.look.pitch.map_or(first.camera.pitch, f64::to_radians),
             distance: args.look.distance,
             angle: args.look.angle.map(f64::to_radians),
         },
@@ -158,6 +157,6 @@ fn look(args: &ViewArgs, of_file: bool) -> SceneLook {
             Exposure::Ev(ev) => ev,
         },
         tone: args.look.tone,
-        proxy: args.scene.proxy.unwrap_or(if of_file { Proxy::None } else { Proxy::Box }),
+        proxy: args.scene.proxy.unwrap_or(first.proxy),
     }
 }

@@ -5,6 +5,7 @@ use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::filter::fitted_count;
 use crate::image::exposure::{self, Exposure};
+use crate::names::named;
 use crate::realtime::tables::COUNTS;
 use glam::{DVec2, DVec3};
 use std::fmt::{self, Display, Formatter};
@@ -26,27 +27,7 @@ pub enum Object {
     Mesh,
 }
 
-impl Object {
-    const NAMES: [(Self, &'static str); 4] =
-        [(Self::Sphere, "sphere"), (Self::Row, "row"), (Self::Knot, "knot"), (Self::Mesh, "mesh")];
-}
-
-impl Display for Object {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let name = Self::NAMES.iter().find(|(object, _)| object == self).map_or("", |(_, name)| name);
-        f.write_str(name)
-    }
-}
-
-/// Parses the output of [`Display`].
-impl FromStr for Object {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let found = Self::NAMES.iter().find(|(_, name)| *name == text);
-        found.map(|(object, _)| *object).ok_or_else(|| "must be sphere, row, knot or mesh".to_owned())
-    }
-}
+named!(Object { Sphere = "sphere", Row = "row", Knot = "knot", Mesh = "mesh" });
 
 /// Technique of the reflections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,6 +135,8 @@ pub enum Tone {
     Linear,
 }
 
+named!(Tone { Neutral = "neutral", Aces = "aces", Reinhard = "reinhard", Linear = "linear" });
+
 /// Material of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Paint {
@@ -164,26 +147,7 @@ pub enum Paint {
     Plain,
 }
 
-impl Paint {
-    const NAMES: [(Self, &'static str); 2] = [(Self::File, "file"), (Self::Plain, "plain")];
-}
-
-impl Display for Paint {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let name = Self::NAMES.iter().find(|(paint, _)| paint == self).map_or("", |(_, name)| name);
-        f.write_str(name)
-    }
-}
-
-/// Parses the output of [`Display`].
-impl FromStr for Paint {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let found = Self::NAMES.iter().find(|(_, name)| *name == text);
-        found.map(|(paint, _)| *paint).ok_or_else(|| "must be file or plain".to_owned())
-    }
-}
+named!(Paint { File = "file", Plain = "plain" });
 
 /// What is below spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -16,6 +16,7 @@
 
 mod camera;
 mod frame;
+mod later;
 pub mod legend;
 mod levels;
 mod light;
@@ -25,7 +26,6 @@ mod panel;
 mod present;
 mod renderer;
 mod roughness_map;
-#[cfg(not(target_arch = "wasm32"))]
 pub mod scene;
 mod screenshot;
 #[doc(hidden)]

@@ -100,18 +100,7 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 None,
             );
             choice(ui, "Show", &mut look.show, &Show::ALL, None);
-            choice(
-                ui,
-                "Tone",
-                &mut look.tone,
-                &[
-                    (Tone::Neutral, "neutral"),
-                    (Tone::Aces, "ACES"),
-                    (Tone::Reinhard, "Reinhard"),
-                    (Tone::Linear, "linear"),
-                ],
-                None,
-            );
+            choice(ui, "Tone", &mut look.tone, Tone::NAMES, None);
             ui.label(if painted { "Tint" } else { "Metal" });
             ui.color_edit_button_rgb(if painted { &mut look.tint } else { &mut look.metal });
             ui.end_row();
@@ -131,7 +120,9 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
         ui.label("Backdrop roughness");
         let mut automatic = look.backdrop.is_none();
         let mut backdrop = look.backdrop.unwrap_or(status.backdrop);
-        if ui.add(Slider::new(&mut backdrop, 0.0..=1.0).max_decimals(3)).changed() {
+        // Other clampings round the automatic value, which counts as a change.
+        let slider = Slider::new(&mut backdrop, 0.0..=1.0).clamping(SliderClamping::Edits).max_decimals(3);
+        if ui.add(slider).changed() {
             look.backdrop = Some(backdrop);
         } else if ui.checkbox(&mut automatic, "hide the environment's texels").changed() {
             look.backdrop = (!automatic).then_some(backdrop);

@@ -1,5 +1,6 @@
 //! The viewer without its window: progressive drawing of the picture, and opening of files.
 
+use super::later::{Later, later};
 use super::legend::{self, INSET};
 use super::levels::Levels;
 use super::light::Light;
@@ -18,11 +19,9 @@ use crate::mesh::Mesh;
 use crate::reflector::ReflectorSettings;
 use glam::DMat3;
 use half::f16;
-use std::cell::RefCell;
 use std::fmt;
 use std::io::Read as _;
 use std::path::Path;
-use std::rc::Rc;
 use std::time::Duration;
 use web_time::Instant;
 
@@ -49,9 +48,6 @@ const TURN: f64 = 24.0;
 
 /// Interval between measurements of the passes' times.
 const TIMES: Duration = Duration::from_millis(500);
-
-/// Slot for the result of a future.
-type Later<T> = Rc<RefCell<Option<Result<T>>>>;
 
 /// Progress of the certified tier on one picture.
 #[derive(Debug)]
@@ -144,26 +140,6 @@ pub struct Viewer {
     times: Vec<(&'static str, f64)>,
     pending_times: Option<Later<Vec<(&'static str, f64)>>>,
     timed: Instant,
-}
-
-/// Runs `future` to completion; in a browser, asynchronously.
-fn later<T: 'static>(context: &Context, future: impl Future<Output = Result<T>> + 'static) -> Later<T> {
-    let slot: Later<T> = Rc::default();
-    #[cfg(not(target_arch = "wasm32"))]
-    {
-        let outcome = crate::gpu::block_on(Some(context), future).and_then(|outcome| outcome);
-        *slot.borrow_mut() = Some(outcome);
-    }
-    #[cfg(target_arch = "wasm32")]
-    {
-        let _ = context;
-        let place = Rc::clone(&slot);
-        wasm_bindgen_futures::spawn_local(async move {
-            let outcome = future.await;
-            *place.borrow_mut() = Some(outcome);
-        });
-    }
-    slot
 }
 
 impl Viewer {

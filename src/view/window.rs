@@ -42,8 +42,8 @@ pub struct Start {
     pub size: (u32, u32),
 }
 
-/// What a window shows: [`Viewer`] or a scene.
-pub(super) trait Content: Sized + 'static {
+/// Content that a window opens with.
+pub(super) trait FromStart: Content + Sized + 'static {
     /// What it is created from.
     type Start: 'static;
 
@@ -52,7 +52,10 @@ pub(super) trait Content: Sized + 'static {
 
     /// Creates the content.
     fn new(context: Context, start: Self::Start) -> Result<Self>;
+}
 
+/// What a window shows: [`Viewer`] or a scene.
+pub(super) trait Content {
     /// The device.
     fn context(&self) -> &Context;
 
@@ -87,7 +90,7 @@ pub(super) trait Content: Sized + 'static {
     fn toggle_panel(&mut self);
 }
 
-impl Content for Viewer {
+impl FromStart for Viewer {
     type Start = Start;
 
     fn adapter(start: &Start) -> Option<&str> {
@@ -105,7 +108,9 @@ impl Content for Viewer {
         }
         Ok(viewer)
     }
+}
 
+impl Content for Viewer {
     fn context(&self) -> &Context {
         self.context()
     }
@@ -168,7 +173,7 @@ pub fn run(start: Start) -> Result<()> {
 /// # Errors
 /// Those of [`run`].
 #[cfg(not(target_arch = "wasm32"))]
-pub(super) fn open<V: Content>(start: V::Start, name: &str, (width, height): (u32, u32)) -> Result<()> {
+pub(super) fn open<V: FromStart>(start: V::Start, name: &str, (width, height): (u32, u32)) -> Result<()> {
     // The system's message follows the location in winit's source.
     let refused = |error: winit::error::EventLoopError| {
         let said = error.to_string();
@@ -200,7 +205,7 @@ pub(super) struct Shown<V = Viewer> {
 }
 
 /// State of the event loop.
-pub(super) struct Application<V: Content = Viewer> {
+pub(super) struct Application<V: FromStart = Viewer> {
     start: Option<(V::Start, WindowAttributes)>,
     messages: EventLoopProxy<Ready<V>>,
     /// `None` until the device is ready.
@@ -209,7 +214,7 @@ pub(super) struct Application<V: Content = Viewer> {
     pub(super) failure: Option<Error>,
 }
 
-impl<V: Content> Application<V> {
+impl<V: FromStart> Application<V> {
     pub(super) const fn new(
         start: V::Start,
         attributes: WindowAttributes,
@@ -224,7 +229,7 @@ impl<V: Content> Application<V> {
     }
 }
 
-impl<V: Content> Shown<V> {
+impl<V: FromStart> Shown<V> {
     /// Opens the device and creates the content of `start` in `window`.
     async fn new(
         start: V::Start,
@@ -457,7 +462,7 @@ async fn adapter(
     })
 }
 
-impl<V: Content> ApplicationHandler<Ready<V>> for Application<V> {
+impl<V: FromStart> ApplicationHandler<Ready<V>> for Application<V> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         event_loop.set_control_flow(ControlFlow::Wait);
         let Some((start, attributes)) = self.start.take() else { return };

@@ -29,6 +29,21 @@ pub async fn read<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) ->
     Ok(bytemuck::pod_collect_to_vec(&view))
 }
 
+/// Waits for everything submitted before the call.
+///
+/// # Errors
+/// [`Error::Gpu`] if the device fails.
+pub(crate) async fn finished(context: &Context) -> Result<()> {
+    let (sender, done) = futures_channel::oneshot::channel();
+    // The receiver is gone if the future was dropped.
+    context.queue().on_submitted_work_done(move || {
+        sender.send(()).ok();
+    });
+    let outcome = done.await;
+    context.check()?;
+    outcome.map_err(|error| Error::Gpu(format!("{}: waiting: {error}", context.describe())))
+}
+
 /// Reads the first level of a two-dimensional `texture` with texels of type `T`, row-major.
 ///
 /// # Errors

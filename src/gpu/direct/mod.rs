@@ -28,6 +28,7 @@ use super::device::timer::Timer;
 use super::device::{readback, shader};
 use crate::direct::{Corner, check_near};
 use crate::error::{Error, Result};
+use crate::names::named;
 use list::{Cut, List, Lists};
 use target::check_format;
 pub(in crate::gpu) use target::{DEPTH, cleared_depth, depth_texture};
@@ -62,6 +63,17 @@ pub enum Method {
     WholeCube,
 }
 
+named!(Method {
+    Octants = "octants",
+    ClipMask = "clip-mask",
+    StrictSplit = "strict-split",
+    XzSplit = "xz-split",
+    EdgeStrip = "edge-strip",
+    PerCorner = "per-corner",
+    Cube = "cube",
+    WholeCube = "whole-cube",
+});
+
 impl Method {
     /// All methods.
     pub const ALL: [Self; 8] = [
@@ -74,6 +86,12 @@ impl Method {
         Self::Cube,
         Self::WholeCube,
     ];
+
+    /// Whether maps are right to the pixel, except for the resampling of cubes.
+    #[must_use]
+    pub const fn is_exact(self) -> bool {
+        !matches!(self, Self::XzSplit | Self::EdgeStrip | Self::PerCorner)
+    }
 
     /// Whether the target is a cube.
     #[must_use]

@@ -1,5 +1,6 @@
 //! Scenes of moving parts.
 
+use super::picture::SceneLook;
 use super::uniforms::{LightUniform, MOST_PROBES, PartUniform, SceneCorner};
 use crate::direct::{Corner, Triangles};
 use crate::error::{Error, Result};
@@ -81,6 +82,7 @@ pub struct Scene {
     pub(super) parts: Vec<Placed>,
     pub(super) light: SceneLight,
     pub(super) bounds: Bounds,
+    pub(super) first_look: SceneLook,
 }
 
 /// A part in the lists of its scene.
@@ -190,7 +192,14 @@ impl Scene {
             return invalid("a scene without triangles; add a part".to_owned());
         }
         let bounds = Bounds::of(&parts);
-        let mut scene = Self { corners: Vec::new(), indices: Vec::new(), parts: Vec::new(), light, bounds };
+        let mut scene = Self {
+            corners: Vec::new(),
+            indices: Vec::new(),
+            parts: Vec::new(),
+            light,
+            bounds,
+            first_look: SceneLook::default(),
+        };
         for (number, part) in parts.into_iter().enumerate() {
             let Part { corners, indices, place, motion, gloss, .. } = part;
             let Motion { axis, across, rate, phase, spin } = motion;
@@ -238,6 +247,12 @@ impl Scene {
             });
         }
         Ok(scene)
+    }
+
+    /// The look that it is first shown with.
+    #[must_use]
+    pub const fn first_look(&self) -> SceneLook {
+        self.first_look
     }
 
     /// Number of glossy parts, each with a place for a probe.

@@ -1,6 +1,8 @@
 //! The built-in scene, and scenes from files.
 
+use super::super::camera::{Camera, FRONT};
 use super::content::{Gloss, Motion, Part, Scene, SceneLight};
+use super::picture::{Proxy, SceneLook};
 use super::uniforms::{MOST_PROBES, SceneCorner};
 use crate::error::Result;
 use crate::mesh::{Image, Material, Mesh, Texture, Vertex, Wrap};
@@ -61,7 +63,7 @@ impl Scene {
             [[0.8, 0.1 + 0.1 * axis.y as f32, 0.08], [0.3, 0.02, 0.02]]
         });
         let bob = Motion { axis: DVec3::new(0.0, 0.3, 0.0), rate: 0.2, phase: 0.25, ..Motion::default() };
-        Self::new(
+        let scene = Self::new(
             vec![
                 room,
                 ball(-1.45, [0.95, 0.93, 0.88], 0.08, Motion::default()),
@@ -72,7 +74,9 @@ impl Scene {
                 circle(Part::ball(0.2, COARSE, [0.1, 0.2, 0.8], [0.04, 0.1, 0.9]), 0.5, 0.77),
             ],
             SceneLight::default(),
-        )
+        )?;
+        // Reflections come from the walls.
+        Ok(Self { first_look: SceneLook { proxy: Proxy::Box, ..SceneLook::default() }, ..scene })
     }
 
     /// The scene of `mesh`, under a sky, with a bright ball that circles it. Connected metal triangles are
@@ -137,7 +141,11 @@ impl Scene {
             ..Part::ball(0.1, COARSE, [0.8, 0.5, 0.2], [3.0, 1.5, 0.4])
         });
         parts.push(sky());
-        Self::new(parts, SceneLight::default())
+        let scene = Self::new(parts, SceneLight::default())?;
+        let look = SceneLook::default();
+        // Models face +Z.
+        let camera = Camera { yaw: FRONT, ..look.camera };
+        Ok(Self { first_look: SceneLook { camera, ..look }, ..scene })
     }
 }
 

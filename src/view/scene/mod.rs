@@ -13,6 +13,7 @@
 
 mod content;
 mod gallery;
+mod panel;
 mod picture;
 mod probe;
 mod renderer;
@@ -21,10 +22,17 @@ mod uniforms;
 mod viewer;
 
 pub use content::{Gloss, Motion, Part, Scene, SceneLight};
+#[cfg(target_arch = "wasm32")]
+pub(in crate::view) use panel::Controls;
+pub use panel::MOST_BUDGET;
 pub use picture::{Proxy, SceneLook};
-pub use renderer::{SceneRenderer, SceneSettings, screenshot_of_scene};
+pub use renderer::{SceneRenderer, SceneSettings, scene_boxes, screenshot_of_scene};
 pub(in crate::view) use uniforms::{
     DrawUniform, FrameUniform, LightUniform, MOST_RADIANCE, POSE_GROUP, PartUniform, PoseUniform,
 };
 pub use uniforms::{MOST_PROBES, SceneCorner};
-pub use viewer::{SceneStart, run_scene};
+pub use viewer::SceneStart;
+#[cfg(target_arch = "wasm32")]
+pub(in crate::view) use viewer::SceneViewer;
+#[cfg(not(target_arch = "wasm32"))]
+pub use viewer::run_scene;

@@ -1,13 +1,15 @@
 //! Pipelines of pictures, and what a picture shows.
 
 use super::super::camera::{Camera, field_of_angle};
-use super::super::look::Tone;
+use super::super::look::{Look, Tone};
 use super::content::{Bounds, Scene};
 use super::probe::{Probe, SceneBuffers};
 use super::uniforms::{DrawUniform, FrameUniform, MOST_PROBES, SceneCorner};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
+use crate::image::exposure::Exposure;
+use crate::names::named;
 use glam::DVec3;
 
 pub(super) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -29,6 +31,8 @@ pub enum Proxy {
     Sphere,
 }
 
+named!(Proxy { None = "none", Box = "box", Sphere = "sphere" });
+
 /// What a picture of a scene shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneLook {
@@ -47,12 +51,25 @@ pub struct SceneLook {
 impl Default for SceneLook {
     fn default() -> Self {
         Self {
-            camera: Camera { pitch: 0.12, ..Camera::default() },
+            camera: Camera { pitch: 7_f64.to_radians(), ..Camera::default() },
             roughness: None,
             exposure: 0.0,
             tone: Tone::default(),
             proxy: Proxy::default(),
         }
+    }
+}
+
+impl SceneLook {
+    /// Checks that every value is in its range.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] naming the value and its range.
+    pub fn check(&self) -> Result<()> {
+        // The ranges of what a scene's look shares with others.
+        let roughness = self.roughness.unwrap_or(0.0);
+        let exposure = Exposure::Ev(self.exposure);
+        Look { camera: self.camera, roughness, exposure, ..Look::default() }.check()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Keeps the probes of a scene up to date and draws pictures.
 
-use super::super::look::{Look, Tone};
+use super::super::look::{Look, Technique, Tone};
 use super::super::model::filled_buffer;
 use super::super::present::{Presenter, Viewport};
 use super::super::screenshot::{Screenshot, presented};
@@ -17,12 +17,13 @@ use crate::gpu::live::{LiveEnvironment, LivePasses};
 use glam::DVec3;
 use half::f16;
 use image::RgbImage;
+use web_time::Instant;
 
 /// Passes of a measured frame, at most: lists, six faces, eight stages, pose, picture.
 const PASSES: u32 = 17;
 
-/// Rounds of updates before a screenshot: reflections of reflections of reflections.
-const ROUNDS: u32 = 3;
+/// Rounds of updates before a picture that does not move: reflections of reflections of reflections.
+pub(super) const ROUNDS: usize = 3;
 
 /// How the probes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +43,20 @@ impl Default for SceneSettings {
         Self { method: Method::Octants, probes: MOST_PROBES, size: 256, boxes: 4 }
     }
 }
+
+/// Boxes of the lobes of `filter`, which must be fitted.
+///
+/// # Errors
+/// [`Error::Parameter`] for other filters.
+pub fn scene_boxes(filter: Technique) -> Result<u32> {
+    match filter {
+        Technique::Fitted(count) => Ok(count),
+        other => Err(Error::Parameter(format!("`filter` {other} is not for scenes; use fitted:K"))),
+    }
+}
+
+/// Passes and their seconds.
+pub(super) type Times = Vec<(&'static str, f64)>;
 
 /// A scene on one device.
 #[derive(Debug)]
@@ -221,10 +236,7 @@ impl SceneRenderer {
         size: (u32, u32),
         writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> Result<()> {
-        // The ranges of what a scene's look shares with others.
-        let roughness = look.roughness.unwrap_or(0.0);
-        let exposure = crate::image::exposure::Exposure::Ev(look.exposure);
-        Look { camera: look.camera, roughness, exposure, ..Look::default() }.check()?;
+        look.check()?;
         if self.targets.as_ref().is_none_or(|targets| targets.size != size) {
             self.targets = Some(Targets::new(&self.context, size)?);
         }
@@ -241,7 +253,11 @@ impl SceneRenderer {
     ///
     /// # Errors
     /// Those of [`SceneRenderer::draw`], and [`Error::Gpu`] if the adapter has no timestamp queries.
-    pub async fn times(&mut self, look: &SceneLook, size: (u32, u32)) -> Result<Vec<(&'static str, f64)>> {
+    pub(super) fn times(
+        &mut self,
+        look: &SceneLook,
+        size: (u32, u32),
+    ) -> Result<impl Future<Output = Result<Times>> + use<>> {
         let timer = Timer::new(&self.context, PASSES)?;
         let mut encoder = self.context.device().create_command_encoder(&Default::default());
         let mut labels = Vec::new();
@@ -252,15 +268,32 @@ impl SceneRenderer {
         self.record_picture(&mut encoder, look, size, Some(timer.render_writes(picture)))?;
         self.context.queue().submit([encoder.finish()]);
         labels.push("picture");
-        let seconds = timer.read(&self.context, labels.len() as u32).await?;
-        let mut sums: Vec<(&'static str, f64)> = Vec::new();
-        for (label, seconds) in labels.into_iter().zip(seconds) {
-            match sums.last_mut().filter(|(last, _)| *last == label) {
-                Some((_, sum)) => *sum += seconds,
-                None => sums.push((label, seconds)),
+        let context = self.context.clone();
+        Ok(async move {
+            let seconds = timer.read(&context, labels.len() as u32).await?;
+            let mut sums = Times::new();
+            for (label, seconds) in labels.into_iter().zip(seconds) {
+                match sums.last_mut().filter(|(last, _)| *last == label) {
+                    Some((_, sum)) => *sum += seconds,
+                    None => sums.push((label, seconds)),
+                }
             }
-        }
-        Ok(sums)
+            Ok(sums)
+        })
+    }
+
+    /// Seconds from the submission of one probe's update, which is done once more, to its completion.
+    ///
+    /// # Errors
+    /// Those of [`SceneRenderer::update`].
+    pub(super) fn update_time(&mut self) -> Result<impl Future<Output = Result<Times>> + use<>> {
+        let start = Instant::now();
+        self.update(&[0])?;
+        let context = self.context.clone();
+        Ok(async move {
+            readback::finished(&context).await?;
+            Ok(vec![("update", start.elapsed().as_secs_f64())])
+        })
     }
 
     /// Whether a picture was drawn.

@@ -1,21 +1,25 @@
-//! A scene in a window: time, the probes' turns, and the panel.
+//! A scene in a window or a page: time, and the probes' turns.
 
 use super::super::camera::Camera;
-use super::super::look::Tone;
-use super::super::panel::{SLIDER, WIDTH, choice};
+use super::super::later::{Later, later};
+use super::super::panel::WIDTH;
 use super::super::present::Viewport;
-use super::super::window::{Content, open};
+#[cfg(not(target_arch = "wasm32"))]
+use super::super::window::open;
+use super::super::window::{Content, FromStart};
 use super::content::Scene;
-use super::picture::{Proxy, SceneLook};
-use super::renderer::{SceneRenderer, SceneSettings};
+use super::panel::{Controls, Status, panel};
+use super::picture::SceneLook;
+use super::renderer::{ROUNDS, SceneRenderer, SceneSettings, Times};
 use super::schedule::Schedule;
-use crate::error::{Error, Result};
-use crate::gpu::direct::Method;
-use crate::gpu::{Context, block_on};
+use crate::error::Result;
+use crate::gpu::Context;
+use crate::gpu::device::readback;
 use crate::mesh::Mesh;
-use egui::{Checkbox, Color32, Grid, RichText, ScrollArea, Slider, Ui};
+use egui::{ScrollArea, Ui};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// Target time of a frame.
 const FRAME: Duration = Duration::from_millis(40);
@@ -26,17 +30,8 @@ const COARSEST: f64 = 10.0;
 /// Interval between measurements of the passes' times.
 const TIMES: Duration = Duration::from_millis(500);
 
-/// Drawing methods and their names.
-const METHODS: [(Method, &str); 8] = [
-    (Method::Octants, "octants"),
-    (Method::ClipMask, "clip mask"),
-    (Method::StrictSplit, "strict split"),
-    (Method::XzSplit, "XZ-split (wrong)"),
-    (Method::EdgeStrip, "edge strip (wrong)"),
-    (Method::PerCorner, "per corner (wrong)"),
-    (Method::Cube, "cube"),
-    (Method::WholeCube, "whole cube"),
-];
+/// Budget of the probes in milliseconds, once it is chosen.
+const BUDGET: f64 = 4.0;
 
 /// Initial content of a window that shows a scene.
 #[derive(Debug)]
@@ -62,186 +57,223 @@ pub struct SceneStart {
 /// Opens a window with a scene and runs its event loop until it is closed.
 ///
 /// # Errors
-/// [`Error::Gpu`] if no window or no device is available, [`Error::Limit`] if the scene does not fit it.
+/// [`crate::Error::Gpu`] if no window or no device is available, [`crate::Error::Limit`] if the scene does
+/// not fit it.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn run_scene(start: SceneStart) -> Result<()> {
     let (name, size) = (start.name.clone(), start.size);
     open::<SceneViewer>(start, &name, size)
 }
 
-/// State of the window's content.
+/// What the maps of the probes depend on: settings, time and roughness.
+type Maps = (SceneSettings, f64, Option<f64>);
+
+/// State of the content.
 #[derive(Debug)]
-struct SceneViewer {
+pub(in crate::view) struct SceneViewer {
     renderer: SceneRenderer,
-    look: SceneLook,
+    /// What the panel selects; the renderer has the settings that worked last.
+    controls: Controls,
     first_camera: Camera,
-    /// What the panel selects; the renderer has the last that worked.
-    settings: SceneSettings,
     name: String,
     adapter: String,
     message: Option<String>,
     panel_hidden: bool,
-    time: f64,
-    playing: bool,
-    /// Milliseconds of a frame for the probes, and whether they are limited.
-    budget: f64,
-    limited: bool,
     schedule: Schedule,
+    /// What the maps show, and the updates until they show reflections of reflections of it.
+    maps: Option<Maps>,
+    due: usize,
     /// Probes updated in the last frame.
     updated: usize,
-    timing: bool,
-    times: Vec<(&'static str, f64)>,
+    times: Times,
+    pending_times: Option<Later<Times>>,
     measured: Option<Instant>,
+    /// In a browser, the GPU's work of the last frame: nothing else keeps frames from piling up.
+    submitted: Option<Later<()>>,
     last_frame: Instant,
     /// Duration of the last frame, if frames follow each other.
     passed: Duration,
     /// Pixels per sample along an edge.
     coarseness: f64,
-    drawn: Option<(SceneLook, SceneSettings, f64, (u32, u32))>,
+    /// What the last frame drew: look, maps, and samples.
+    drawn: Option<(SceneLook, Maps, (u32, u32))>,
+}
+
+/// What the page reads and changes.
+#[cfg(target_arch = "wasm32")]
+impl SceneViewer {
+    /// What the panel selects.
+    pub(in crate::view) const fn controls(&self) -> Controls {
+        self.controls
+    }
+
+    /// Changes what the panel selects.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] naming a value and its range, [`crate::Error::Limit`] for maps that do not
+    /// fit the device; nothing changes then.
+    pub(in crate::view) fn set_controls(&mut self, mut controls: Controls) -> Result<()> {
+        controls.check()?;
+        controls.settings.probes = controls.settings.probes.min(self.renderer.scene().glossy_parts());
+        self.configure(controls.settings)?;
+        self.controls = controls;
+        Ok(())
+    }
+
+    /// Name of the scene.
+    pub(in crate::view) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The message to the user, if any.
+    pub(in crate::view) fn message(&self) -> Option<&str> {
+        self.message.as_deref()
+    }
+
+    /// Sets the message to the user.
+    pub(in crate::view) fn show_message(&mut self, message: String) {
+        self.message = Some(message);
+    }
+
+    /// Triangles of the scene.
+    pub(in crate::view) fn triangles(&self) -> usize {
+        self.renderer.triangles()
+    }
+
+    /// Passes and their times in seconds, as last measured.
+    pub(in crate::view) fn times(&self) -> &[(&'static str, f64)] {
+        &self.times
+    }
+
+    /// Opens the scene in `bytes`, a mesh file named `path`. On failure sets the message and keeps the scene.
+    pub(in crate::view) fn open(&mut self, path: &Path, bytes: &[u8]) {
+        let taken = Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_scene(path, &mesh));
+        self.message = taken.err().map(|error| error.to_string());
+    }
+
+    /// Whether the panel is shown.
+    pub(in crate::view) const fn has_panel(&self) -> bool {
+        !self.panel_hidden
+    }
 }
 
 impl SceneViewer {
+    /// Samples of the current picture, columns and rows.
+    pub(in crate::view) fn picture_size(&self) -> (u32, u32) {
+        self.drawn.map_or((0, 0), |(.., size)| size)
+    }
+
+    fn take_scene(&mut self, path: &Path, mesh: &Mesh) -> Result<()> {
+        let scene = Scene::of_mesh(mesh)?;
+        let (was, first) = (self.renderer.scene().first_look(), scene.first_look());
+        self.renderer = SceneRenderer::new(self.renderer.context().clone(), scene, self.controls.settings)?;
+        self.name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        if first != was {
+            let SceneLook { camera, proxy, .. } = first;
+            self.controls.look = SceneLook { camera, proxy, ..self.controls.look };
+            self.first_camera = camera;
+        }
+        self.schedule = Schedule::default();
+        (self.maps, self.drawn) = (None, None);
+        Ok(())
+    }
+
+    /// Replaces the probes, if `settings` do.
+    fn configure(&mut self, settings: SceneSettings) -> Result<()> {
+        if settings != self.renderer.settings() {
+            self.renderer.configure(settings)?;
+            self.schedule = Schedule::default();
+        }
+        Ok(())
+    }
+
+    const fn shown_maps(&self) -> Maps {
+        (self.controls.settings, self.controls.time, self.controls.look.roughness)
+    }
+
     fn try_draw(&mut self, full: (u32, u32)) -> Result<()> {
+        if let Some(submitted) = &self.submitted {
+            let done = submitted.borrow_mut().take();
+            let Some(done) = done else { return Ok(()) };
+            self.submitted = None;
+            done?;
+        }
+        if !self.is_busy() && self.picture_size() == full {
+            return Ok(());
+        }
         let now = Instant::now();
         self.passed = now - self.last_frame;
         self.last_frame = now;
-        if self.playing {
+        let moving = self.controls.moving;
+        if moving {
             // A window that was hidden does not jump.
-            self.time += self.passed.as_secs_f64().min(0.2);
+            self.controls.time += self.passed.as_secs_f64().min(0.2);
             let pace = self.passed.as_secs_f64() / FRAME.as_secs_f64();
             self.coarseness = (self.coarseness * pace.sqrt().clamp(0.9, 1.5)).clamp(1.0, COARSEST);
         }
-        if self.settings != self.renderer.settings() {
-            self.schedule = Schedule::default();
-            self.renderer.configure(self.settings)?;
+        self.configure(self.controls.settings)?;
+        let maps = self.shown_maps();
+        if self.maps != Some(maps) {
+            self.maps = Some(maps);
+            self.due = ROUNDS * self.renderer.probes();
         }
-        self.renderer.set_time(self.time, self.look.roughness);
+        let Controls { look, time, budget, limited, .. } = self.controls;
+        self.renderer.set_time(time, look.roughness);
         let side = |pixels: u32| ((f64::from(pixels) / self.coarseness).round() as u32).max(1);
-        let size = if self.playing { (side(full.0), side(full.1)) } else { full };
+        let size = if moving { (side(full.0), side(full.1)) } else { full };
         self.measure(now, size)?;
-        let budget = self.limited.then_some(self.budget / 1e3);
-        let turn = self.schedule.turn(self.renderer.probes(), budget);
+        let mut turn = Vec::new();
+        if self.due > 0 {
+            turn = self.schedule.turn(self.renderer.probes(), limited.then_some(budget / 1e3));
+        }
         self.updated = turn.len();
+        self.due = self.due.saturating_sub(turn.len());
         self.renderer.update(&turn)?;
-        self.renderer.draw(&self.look, size)
+        self.renderer.draw(&look, size)?;
+        self.drawn = Some((look, maps, size));
+        if cfg!(target_arch = "wasm32") {
+            let context = self.renderer.context().clone();
+            let done = async move { readback::finished(&context).await };
+            self.submitted = Some(later(self.renderer.context(), done));
+        }
+        Ok(())
     }
 
     /// Measures the passes at intervals, where the panel shows them or a budget needs them.
     fn measure(&mut self, now: Instant, size: (u32, u32)) -> Result<()> {
+        let Controls { look, timing, limited, .. } = self.controls;
+        if let Some(pending) = &self.pending_times {
+            let taken = pending.borrow_mut().take();
+            let Some(times) = taken else { return Ok(()) };
+            self.pending_times = None;
+            self.times = times?;
+            let probe = self.times.iter().filter(|(label, _)| *label != "picture");
+            self.schedule.seconds = Some(probe.map(|(_, seconds)| seconds).sum());
+        }
         let due = self.measured.is_none_or(|measured| now - measured > TIMES);
-        if !due || !(self.timing || self.limited) {
+        if !due || !(timing || limited) {
             return Ok(());
         }
         self.measured = Some(now);
         let context = self.renderer.context().clone();
-        match block_on(Some(&context), self.renderer.times(&self.look, size))? {
-            Ok(times) => {
-                let probe = times.iter().filter(|(label, _)| *label != "picture").map(|(_, seconds)| seconds);
-                self.schedule.seconds = Some(probe.sum());
-                self.times = times;
-            }
-            Err(error) if self.timing => {
-                self.timing = false;
+        let measurable = context.device().features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        if !(timing || measurable) {
+            // Without timestamps, from submission to completion.
+            self.pending_times = Some(later(&context, self.renderer.update_time()?));
+            return Ok(());
+        }
+        match self.renderer.times(&look, size) {
+            Ok(times) => self.pending_times = Some(later(&context, times)),
+            Err(error) => {
+                self.controls.timing = false;
                 return Err(error);
             }
-            // Without timestamps, from submission to completion.
-            Err(_) => {
-                let start = Instant::now();
-                self.renderer.update(&[0])?;
-                context.device().poll(wgpu::PollType::wait_indefinitely()).map_err(|error| {
-                    Error::Gpu(format!("{} stopped responding: {error}", context.describe()))
-                })?;
-                self.schedule.seconds = Some(start.elapsed().as_secs_f64());
-            }
         }
         Ok(())
-    }
-
-    fn take_scene(&mut self, path: &Path) -> Result<()> {
-        let scene = Scene::of_mesh(&Mesh::read(path)?)?;
-        self.renderer = SceneRenderer::new(self.renderer.context().clone(), scene, self.settings)?;
-        self.name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        self.schedule = Schedule::default();
-        Ok(())
-    }
-
-    fn panel(&mut self, ui: &mut Ui) {
-        ui.add_space(6.0);
-        ui.label(RichText::new("octagloss").heading());
-        ui.label(&self.name);
-        if let Some(message) = &self.message {
-            ui.label(RichText::new(message).color(Color32::from_rgb(255, 140, 120)));
-        }
-        ui.separator();
-        ui.spacing_mut().slider_width = SLIDER;
-        ui.label("Roughness");
-        let mut own = self.look.roughness.is_none();
-        let mut roughness = self.look.roughness.unwrap_or(0.3);
-        if ui.add(Slider::new(&mut roughness, 0.0..=1.0).max_decimals(3)).changed() {
-            (own, self.look.roughness) = (false, Some(roughness));
-        }
-        if ui.checkbox(&mut own, "the objects' own").changed() {
-            self.look.roughness = (!own).then_some(roughness);
-        }
-        ui.separator();
-        ui.label("Time");
-        ui.add(Slider::new(&mut self.time, 0.0..=60.0).clamping(egui::SliderClamping::Never).suffix(" s"));
-        ui.checkbox(&mut self.playing, "move");
-        ui.separator();
-        Grid::new("scene").num_columns(2).show(ui, |ui| {
-            choice(ui, "Draw", &mut self.settings.method, &METHODS, None);
-            let proxies = [(Proxy::None, "none"), (Proxy::Box, "box"), (Proxy::Sphere, "sphere")];
-            choice(ui, "Proxy", &mut self.look.proxy, &proxies, None);
-            let boxes = [(1, "fitted:1"), (2, "fitted:2"), (4, "fitted:4"), (8, "fitted:8")];
-            choice(ui, "Filter", &mut self.settings.boxes, &boxes, None);
-            let sizes = [(64, "64"), (128, "128"), (256, "256"), (512, "512"), (1024, "1024")];
-            let own = (self.settings.size, "other");
-            let further = sizes.iter().all(|(size, _)| *size != own.0).then_some(own);
-            choice(ui, "Map", &mut self.settings.size, &sizes, further);
-            let tones = [
-                (Tone::Neutral, "neutral"),
-                (Tone::Aces, "ACES"),
-                (Tone::Reinhard, "Reinhard"),
-                (Tone::Linear, "linear"),
-            ];
-            choice(ui, "Tone", &mut self.look.tone, &tones, None);
-        });
-        ui.label("Exposure");
-        ui.add(Slider::new(&mut self.look.exposure, -8.0..=8.0).step_by(0.01).suffix(" EV"));
-        ui.separator();
-        ui.label("Probes");
-        let most = self.renderer.scene().glossy_parts();
-        self.settings.probes = self.settings.probes.min(most);
-        ui.add_enabled(most > 1, Slider::new(&mut self.settings.probes, most.min(1)..=most));
-        ui.checkbox(&mut self.limited, "limit their time");
-        ui.add_enabled(
-            self.limited,
-            Slider::new(&mut self.budget, 0.1..=50.0).logarithmic(true).suffix(" ms"),
-        );
-        ui.label(
-            RichText::new(format!("{} of {} in this frame", self.updated, self.renderer.probes())).weak(),
-        );
-        ui.separator();
-        ui.add(Checkbox::new(&mut self.timing, "GPU times, of one probe and the picture"));
-        if self.timing {
-            Grid::new("times").num_columns(2).show(ui, |ui| {
-                for (pass, seconds) in &self.times {
-                    ui.label(*pass);
-                    ui.label(format!("{:.3} ms", 1e3 * seconds));
-                    ui.end_row();
-                }
-            });
-        }
-        ui.label(RichText::new(format!("{} triangles", self.renderer.triangles())).weak());
-        let frame = 1e3 * self.passed.as_secs_f64();
-        ui.label(RichText::new(format!("{frame:.1} ms from frame to frame")).weak());
-        ui.label(RichText::new(&self.adapter).weak());
-        ui.label(
-            RichText::new("Drag to turn, scroll or pinch to zoom; drop a scene. H hides the panel.").weak(),
-        );
     }
 }
 
-impl Content for SceneViewer {
+impl FromStart for SceneViewer {
     type Start = SceneStart;
 
     fn adapter(start: &SceneStart) -> Option<&str> {
@@ -254,28 +286,36 @@ impl Content for SceneViewer {
         Ok(Self {
             adapter: context.describe(),
             renderer: SceneRenderer::new(context, scene, settings)?,
-            look,
+            controls: Controls {
+                look,
+                settings,
+                time,
+                moving: true,
+                budget: budget.map_or(BUDGET, |seconds| 1e3 * seconds),
+                limited: budget.is_some(),
+                timing: false,
+            },
             first_camera: look.camera,
-            settings,
             name,
             message: None,
             panel_hidden: false,
-            time,
-            playing: true,
-            budget: budget.map_or(4.0, |seconds| 1e3 * seconds),
-            limited: budget.is_some(),
             schedule: Schedule::default(),
+            maps: None,
+            due: 0,
             updated: 0,
-            timing: false,
-            times: Vec::new(),
+            times: Times::new(),
+            pending_times: None,
             measured: None,
+            submitted: None,
             last_frame: Instant::now(),
             passed: Duration::ZERO,
             coarseness: 1.0,
             drawn: None,
         })
     }
+}
 
+impl Content for SceneViewer {
     fn context(&self) -> &Context {
         self.renderer.context()
     }
@@ -284,26 +324,38 @@ impl Content for SceneViewer {
         if self.panel_hidden {
             return Viewport { x: 0, y: 0, width, height };
         }
+        let status = Status {
+            name: &self.name,
+            adapter: &self.adapter,
+            message: self.message.as_deref(),
+            glossy: self.renderer.scene().glossy_parts(),
+            triangles: self.renderer.triangles(),
+            updated: [self.updated, self.renderer.probes()],
+            frame: self.passed.as_secs_f64(),
+            times: &self.times,
+        };
         let shown = egui::Panel::left("panel")
             .exact_size(WIDTH)
             .resizable(false)
-            .show(ui, |ui| ScrollArea::vertical().show(ui, |ui| self.panel(ui)));
+            .show(ui, |ui| ScrollArea::vertical().show(ui, |ui| panel(ui, &mut self.controls, &status)));
         let edge = (shown.response.rect.right() * ui.ctx().pixels_per_point()).round() as u32;
         let x = edge.min(width.saturating_sub(1));
         Viewport { x, y: 0, width: width - x, height }
     }
 
     fn draw(&mut self, full: (u32, u32)) {
-        let state = (self.look, self.settings, self.time, full);
-        if !self.playing && self.drawn == Some(state) && !self.timing {
+        if !self.is_busy() && self.picture_size() == full {
             return;
         }
         if let Err(error) = self.try_draw(full) {
+            // Do not retry before something changes.
             self.message = Some(error.to_string());
-            self.settings = self.renderer.settings();
-            self.playing = false;
+            self.controls.settings = self.renderer.settings();
+            self.controls.moving = false;
+            let maps = self.shown_maps();
+            (self.maps, self.due) = (Some(maps), 0);
+            self.drawn = Some((self.controls.look, maps, full));
         }
-        self.drawn = Some((self.look, self.settings, self.time, full));
     }
 
     fn present(
@@ -314,32 +366,30 @@ impl Content for SceneViewer {
         viewport: Viewport,
     ) {
         if self.renderer.has_picture() {
-            self.renderer.present(encoder, view, format, viewport, self.look.tone);
+            self.renderer.present(encoder, view, format, viewport, self.controls.look.tone);
         }
     }
 
     fn is_busy(&self) -> bool {
-        let settled = self.drawn.is_some_and(|(look, settings, time, _)| {
-            (look, settings, time) == (self.look, self.settings, self.time)
-        });
-        self.playing || self.timing || !settled
+        let shown = (self.controls.look, self.shown_maps());
+        let settled = self.drawn.is_some_and(|(look, maps, _)| (look, maps) == shown);
+        self.controls.moving || self.controls.timing || self.due > 0 || self.submitted.is_some() || !settled
     }
 
     fn open_file(&mut self, path: &Path) {
-        self.message = self.take_scene(path).err().map(|error| error.to_string());
-        self.drawn = None;
+        let taken = Mesh::read(path).and_then(|mesh| self.take_scene(path, &mesh));
+        self.message = taken.err().map(|error| error.to_string());
     }
 
     fn camera(&mut self) -> &mut Camera {
-        &mut self.look.camera
+        &mut self.controls.look.camera
     }
 
     fn reset_camera(&mut self) {
-        self.look.camera = self.first_camera;
+        self.controls.look.camera = self.first_camera;
     }
 
     fn toggle_panel(&mut self) {
         self.panel_hidden = !self.panel_hidden;
-        self.drawn = None;
     }
 }

@@ -1,15 +1,21 @@
 //! The viewer in a web page: the interface for JavaScript.
 
-use super::look::{Look, Object, Paint, Technique};
-use super::viewer::{Viewer, is_mesh, options};
+mod scene_side;
+mod sides;
+mod view_side;
+
+use super::look::Look;
+use super::scene::Scene;
+use super::viewer::{is_mesh, options};
 use super::window::{Application, Ready, Shown, Start};
+use crate::error::Error;
 use crate::gpu::device::shader;
-use crate::image::exposure::Exposure;
 use crate::io;
 use crate::mesh::Mesh;
 use crate::reflector::ReflectorSettings;
 use js_sys::Function;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use sides::{Side, SideName, Sides};
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
@@ -33,52 +39,16 @@ fn start() {
 #[wasm_bindgen]
 #[derive(Clone)]
 pub struct Page {
-    application: Rc<RefCell<Application>>,
+    application: Rc<RefCell<Application<Sides>>>,
     on_event: Function,
 }
 
-/// Changes of a look; absent fields stay unchanged.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Change {
-    roughness: Option<f64>,
-    roughness_factor: Option<f64>,
-    backdrop: Option<f64>,
-    exposure: Option<ExposureChange>,
-    turn: Option<f64>,
-    filter: Option<String>,
-    object: Option<String>,
-    paint: Option<String>,
-    panel: Option<bool>,
-}
-
-/// `"auto"` or a number.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum ExposureChange {
-    Ev(f64),
-    Text(String),
-}
-
 /// The state reported to the page.
-#[derive(Debug, Serialize)]
-struct State<'a> {
-    environment: &'a str,
-    message: Option<&'a str>,
-    adapter: String,
-    roughness: f64,
-    roughness_factor: f64,
-    exposure: String,
-    filter: String,
-    object: String,
-    paint: String,
-    /// Samples of the picture.
-    size: (u32, u32),
-    /// Whether the picture is final.
-    settled: bool,
-    panel: bool,
-    /// Left, top, right and bottom in CSS pixels.
-    roughness_slider: Option<[f32; 4]>,
+#[derive(Serialize)]
+#[serde(tag = "side", rename_all = "lowercase")]
+enum State<'a> {
+    View(view_side::State<'a>),
+    Scene(scene_side::State<'a>),
 }
 
 #[wasm_bindgen]
@@ -116,15 +86,30 @@ impl Page {
         Ok(page)
     }
 
-    /// Opens an environment or a mesh from `bytes`, the file named `name`. On failure the panel shows the
-    /// error and the picture stays.
+    /// Opens an environment or a mesh from `bytes`, the file named `name`; on the scene side the scene of a
+    /// mesh file. On failure the panel shows the error and the picture stays.
     pub fn open(&self, name: &str, bytes: &[u8]) {
-        self.act(|viewer| viewer.open(Path::new(name), bytes));
+        self.act(|sides| match sides.shown() {
+            Side::View(viewer) => viewer.open(Path::new(name), bytes),
+            Side::Scene(scene) => scene.open(Path::new(name), bytes),
+        });
     }
 
     /// Shows a message in the panel.
     pub fn show_message(&self, message: String) {
-        self.act(|viewer| viewer.show_message(message));
+        self.act(|sides| match sides.shown() {
+            Side::View(viewer) => viewer.show_message(message),
+            Side::Scene(scene) => scene.show_message(message),
+        });
+    }
+
+    /// Shows the side named `side`: `view`, objects under an environment, or `scene`, a moving scene.
+    ///
+    /// # Errors
+    /// If there is no such side, or the device cannot show it; the side stays.
+    pub fn show(&self, side: &str) -> Result<(), JsError> {
+        let side = parsed("side", Some(side.to_owned()))?.unwrap_or(SideName::View);
+        Ok(self.act(|sides| sides.show(side)).unwrap_or(Ok(()))?)
     }
 
     /// The state as JSON; `null` until the device is ready.
@@ -132,77 +117,40 @@ impl Page {
     /// # Errors
     /// None in practice: the state always serialises.
     pub fn state(&self) -> Result<String, JsError> {
-        let application = self.application.borrow();
-        let state = application.shown.as_ref().map(|Shown { viewer, .. }| State {
-            environment: viewer.name(),
-            message: viewer.message(),
-            adapter: viewer.context().describe(),
-            roughness: viewer.look().roughness,
-            roughness_factor: viewer.look().roughness_factor,
-            exposure: viewer.look().exposure.to_string(),
-            filter: viewer.look().filter.to_string(),
-            object: viewer.look().object.to_string(),
-            paint: viewer.look().paint.to_string(),
-            size: viewer.picture_size(),
-            settled: !viewer.is_busy(),
-            panel: viewer.panel(),
-            roughness_slider: viewer.roughness_slider(),
+        let mut application = self.application.borrow_mut();
+        let state = application.shown.as_mut().map(|Shown { viewer, .. }| match viewer.shown() {
+            Side::View(viewer) => State::View(view_side::State::of(viewer)),
+            Side::Scene(scene) => State::Scene(scene_side::State::of(scene)),
         });
         Ok(serde_json::to_string(&state)?)
     }
 
-    /// Applies `change`, a JSON object with any of roughness, roughness_factor, backdrop, exposure (a number
-    /// or "auto"), turn, filter, object and paint (as [`Technique`], [`Object`] and [`Paint`] format them)
-    /// and panel.
+    /// Applies `change`, a JSON object, to the side that is shown. The view side takes any of roughness,
+    /// roughness_factor, backdrop, exposure (a number or "auto"), turn, filter, object and paint, as the
+    /// command line's options. The scene side takes any of roughness (`null` for the objects' own), exposure,
+    /// tone, scene_time, probes, probe_budget (`null` for none), proxy, direct, filter and oem_size, as the
+    /// options, moving and gpu_times. Both take panel.
     ///
     /// # Errors
     /// If a field is unknown or its value out of range; nothing changes then.
     pub fn set(&self, change: &str) -> Result<(), JsError> {
-        let change: Change = serde_json::from_str(change)?;
-        let filter: Option<Technique> = parsed("filter", change.filter)?;
-        let object: Option<Object> = parsed("object", change.object)?;
-        let paint: Option<Paint> = parsed("paint", change.paint)?;
-        let exposure = match change.exposure {
-            Some(ExposureChange::Ev(ev)) => Some(Exposure::Ev(ev)),
-            Some(ExposureChange::Text(text)) => parsed("exposure", Some(text))?,
-            None => None,
-        };
-        let set = self.act(|viewer| {
-            let was = viewer.look().clone();
-            let look = Look {
-                roughness: change.roughness.unwrap_or(was.roughness),
-                backdrop: change.backdrop.or(was.backdrop),
-                exposure: exposure.unwrap_or(was.exposure),
-                roughness_factor: change.roughness_factor.unwrap_or(was.roughness_factor),
-                turn: change.turn.unwrap_or(was.turn),
-                filter: filter.unwrap_or(was.filter),
-                object: object.unwrap_or(was.object),
-                paint: paint.unwrap_or(was.paint),
-                ..was
-            };
-            look.check()?;
-            if look.object == Object::Mesh && !viewer.has_mesh() {
-                return Err(crate::Error::Parameter("no mesh is loaded; open one first".to_owned()));
-            }
-            *viewer.look_mut() = look;
-            if let Some(shown) = change.panel {
-                viewer.set_panel(shown);
-            }
-            Ok::<_, crate::Error>(())
+        let set = self.act(|sides| match sides.shown() {
+            Side::View(viewer) => Ok(serde_json::from_str::<view_side::Change>(change)?.apply(viewer)?),
+            Side::Scene(scene) => Ok(serde_json::from_str::<scene_side::Change>(change)?.apply(scene)?),
         });
-        Ok(set.unwrap_or(Ok(()))?)
+        set.unwrap_or(Ok(()))
     }
 }
 
 /// Parses `text`, if present.
-fn parsed<T: FromStr<Err = String>>(what: &str, text: Option<String>) -> Result<Option<T>, JsError> {
+fn parsed<T: FromStr<Err = String>>(what: &str, text: Option<String>) -> Result<Option<T>, Error> {
     let value = text.map(|text| text.parse()).transpose();
-    value.map_err(|error| JsError::new(&format!("{what} {error}")))
+    value.map_err(|error| Error::Parameter(format!("{what} {error}")))
 }
 
 impl Page {
     /// Calls `act` if the device is ready, and requests a redraw.
-    fn act<T>(&self, act: impl FnOnce(&mut Viewer) -> T) -> Option<T> {
+    fn act<T>(&self, act: impl FnOnce(&mut Sides) -> T) -> Option<T> {
         let mut application = self.application.borrow_mut();
         let Shown { viewer, window, .. } = application.shown.as_mut()?;
         let found = act(viewer);
@@ -211,7 +159,7 @@ impl Page {
     }
 
     /// Forwards an event, and reports a fatal error to the page.
-    fn hand_on(&self, event: impl FnOnce(&mut Application)) {
+    fn hand_on(&self, event: impl FnOnce(&mut Application<Sides>)) {
         let failure = {
             let mut application = self.application.borrow_mut();
             event(&mut application);
@@ -228,12 +176,12 @@ impl Page {
     }
 }
 
-impl ApplicationHandler<Ready> for Page {
+impl ApplicationHandler<Ready<Sides>> for Page {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         self.hand_on(|application| application.resumed(event_loop));
     }
 
-    fn user_event(&mut self, event_loop: &ActiveEventLoop, ready: Ready) {
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, ready: Ready<Sides>) {
         self.hand_on(|application| application.user_event(event_loop, ready));
         if self.application.borrow().shown.is_some() {
             self.call(&JsValue::UNDEFINED);
@@ -245,16 +193,18 @@ impl ApplicationHandler<Ready> for Page {
     }
 }
 
-/// Reads `bytes`, the file named `name`, and discards the result. WebAssembly aborts on a panic and on failed
-/// allocations. A page therefore has a worker, with an instance of its own, read a file before [`Page::open`]
-/// does.
+/// Reads `bytes`, the file named `name`, for the side named `side`, and discards the result. WebAssembly
+/// aborts on a panic and on failed allocations. A page therefore has a worker, with an instance of its own,
+/// read a file before [`Page::open`] does.
 ///
 /// # Errors
-/// If it is neither an environment nor a mesh.
+/// If it is not what the side shows: an environment or a mesh, or a scene.
 #[wasm_bindgen]
-pub fn read(name: &str, bytes: &[u8]) -> Result<(), JsError> {
+pub fn read(side: &str, name: &str, bytes: &[u8]) -> Result<(), JsError> {
     let path = Path::new(name);
-    if is_mesh(path) {
+    if side.parse() == Ok(SideName::Scene) {
+        Scene::of_mesh(&Mesh::read_from_memory(path, bytes)?)?;
+    } else if is_mesh(path) {
         Mesh::read_from_memory(path, bytes)?;
     } else {
         io::read_from_memory(path, bytes, &options())?;

@@ -1,0 +1,126 @@
+//! Settings and state of the scene side as JSON, by the names of the command line's options.
+
+use super::super::look::{Technique, Tone};
+use super::super::scene::{Controls, Proxy, SceneViewer, scene_boxes};
+use super::super::window::Content as _;
+use super::parsed;
+use crate::error::Result;
+use crate::gpu::direct::Method;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::collections::BTreeMap;
+
+/// Changes of the controls; absent fields stay unchanged.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Change {
+    /// `null` for the objects' own.
+    #[serde(default, deserialize_with = "given")]
+    roughness: Option<Option<f64>>,
+    exposure: Option<f64>,
+    tone: Option<String>,
+    scene_time: Option<f64>,
+    moving: Option<bool>,
+    probes: Option<usize>,
+    /// Milliseconds; `null` for none.
+    #[serde(default, deserialize_with = "given")]
+    probe_budget: Option<Option<f64>>,
+    proxy: Option<String>,
+    direct: Option<String>,
+    filter: Option<String>,
+    oem_size: Option<u32>,
+    gpu_times: Option<bool>,
+    panel: Option<bool>,
+}
+
+/// A field that is given, perhaps as `null`.
+fn given<'de, D: Deserializer<'de>, T: Deserialize<'de>>(field: D) -> Result<Option<T>, D::Error> {
+    T::deserialize(field).map(Some)
+}
+
+/// The state reported to the page.
+#[derive(Debug, Serialize)]
+pub(super) struct State<'a> {
+    scene: &'a str,
+    message: Option<&'a str>,
+    adapter: String,
+    roughness: Option<f64>,
+    exposure: f64,
+    tone: String,
+    scene_time: f64,
+    moving: bool,
+    probes: usize,
+    probe_budget: Option<f64>,
+    proxy: String,
+    direct: String,
+    filter: String,
+    oem_size: u32,
+    triangles: usize,
+    /// Seconds of the passes, if they were measured.
+    gpu_times: BTreeMap<&'a str, f64>,
+    /// Samples of the picture.
+    size: (u32, u32),
+    /// Whether the picture is final.
+    settled: bool,
+    panel: bool,
+}
+
+impl<'a> State<'a> {
+    pub(super) fn of(viewer: &'a SceneViewer) -> Self {
+        let Controls { look, settings, time, moving, budget, limited, .. } = viewer.controls();
+        Self {
+            scene: viewer.name(),
+            message: viewer.message(),
+            adapter: viewer.context().describe(),
+            roughness: look.roughness,
+            exposure: look.exposure,
+            tone: look.tone.to_string(),
+            scene_time: time,
+            moving,
+            probes: settings.probes,
+            probe_budget: limited.then_some(budget),
+            proxy: look.proxy.to_string(),
+            direct: settings.method.to_string(),
+            filter: Technique::Fitted(settings.boxes).to_string(),
+            oem_size: settings.size,
+            triangles: viewer.triangles(),
+            gpu_times: viewer.times().iter().copied().collect(),
+            size: viewer.picture_size(),
+            settled: !viewer.is_busy(),
+            panel: viewer.has_panel(),
+        }
+    }
+}
+
+impl Change {
+    /// Applies the change to `viewer`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] naming a value; nothing changes then.
+    pub(super) fn apply(self, viewer: &mut SceneViewer) -> Result<()> {
+        let tone: Option<Tone> = parsed("tone", self.tone)?;
+        let proxy: Option<Proxy> = parsed("proxy", self.proxy)?;
+        let method: Option<Method> = parsed("direct", self.direct)?;
+        let filter: Option<Technique> = parsed("filter", self.filter)?;
+        let mut controls = viewer.controls();
+        let Controls { look, settings, time, moving, budget, limited, timing } = &mut controls;
+        look.roughness = self.roughness.unwrap_or(look.roughness);
+        look.exposure = self.exposure.unwrap_or(look.exposure);
+        look.tone = tone.unwrap_or(look.tone);
+        look.proxy = proxy.unwrap_or(look.proxy);
+        settings.method = method.unwrap_or(settings.method);
+        settings.boxes = filter.map_or(Ok(settings.boxes), scene_boxes)?;
+        settings.probes = self.probes.unwrap_or(settings.probes);
+        settings.size = self.oem_size.unwrap_or(settings.size);
+        *time = self.scene_time.unwrap_or(*time);
+        *moving = self.moving.unwrap_or(*moving);
+        if let Some(given) = self.probe_budget {
+            (*limited, *budget) = (given.is_some(), given.unwrap_or(*budget));
+        }
+        *timing = self.gpu_times.unwrap_or(*timing);
+        viewer.set_controls(controls)?;
+        if self.panel.is_some_and(|shown| shown != viewer.has_panel()) {
+            viewer.toggle_panel();
+        }
+        Ok(())
+    }
+}

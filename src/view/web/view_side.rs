@@ -1,0 +1,110 @@
+//! Settings and state of the view side as JSON.
+
+use super::super::look::{Look, Object, Paint, Technique};
+use super::super::viewer::Viewer;
+use super::parsed;
+use crate::error::{Error, Result};
+use crate::image::exposure::Exposure;
+use serde::{Deserialize, Serialize};
+
+/// Changes of a look; absent fields stay unchanged.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Change {
+    roughness: Option<f64>,
+    roughness_factor: Option<f64>,
+    backdrop: Option<f64>,
+    exposure: Option<ExposureChange>,
+    turn: Option<f64>,
+    filter: Option<String>,
+    object: Option<String>,
+    paint: Option<String>,
+    panel: Option<bool>,
+}
+
+/// `"auto"` or a number.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum ExposureChange {
+    Ev(f64),
+    Text(String),
+}
+
+/// The state reported to the page.
+#[derive(Debug, Serialize)]
+pub(super) struct State<'a> {
+    environment: &'a str,
+    message: Option<&'a str>,
+    adapter: String,
+    roughness: f64,
+    roughness_factor: f64,
+    exposure: String,
+    filter: String,
+    object: String,
+    paint: String,
+    /// Samples of the picture.
+    size: (u32, u32),
+    /// Whether the picture is final.
+    settled: bool,
+    panel: bool,
+    /// Left, top, right and bottom in CSS pixels.
+    roughness_slider: Option<[f32; 4]>,
+}
+
+impl<'a> State<'a> {
+    pub(super) fn of(viewer: &'a Viewer) -> Self {
+        Self {
+            environment: viewer.name(),
+            message: viewer.message(),
+            adapter: viewer.context().describe(),
+            roughness: viewer.look().roughness,
+            roughness_factor: viewer.look().roughness_factor,
+            exposure: viewer.look().exposure.to_string(),
+            filter: viewer.look().filter.to_string(),
+            object: viewer.look().object.to_string(),
+            paint: viewer.look().paint.to_string(),
+            size: viewer.picture_size(),
+            settled: !viewer.is_busy(),
+            panel: viewer.panel(),
+            roughness_slider: viewer.roughness_slider(),
+        }
+    }
+}
+
+impl Change {
+    /// Applies the change to `viewer`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] naming a value; nothing changes then.
+    pub(super) fn apply(self, viewer: &mut Viewer) -> Result<()> {
+        let filter: Option<Technique> = parsed("filter", self.filter)?;
+        let object: Option<Object> = parsed("object", self.object)?;
+        let paint: Option<Paint> = parsed("paint", self.paint)?;
+        let exposure = match self.exposure {
+            Some(ExposureChange::Ev(ev)) => Some(Exposure::Ev(ev)),
+            Some(ExposureChange::Text(text)) => parsed("exposure", Some(text))?,
+            None => None,
+        };
+        let was = viewer.look().clone();
+        let look = Look {
+            roughness: self.roughness.unwrap_or(was.roughness),
+            backdrop: self.backdrop.or(was.backdrop),
+            exposure: exposure.unwrap_or(was.exposure),
+            roughness_factor: self.roughness_factor.unwrap_or(was.roughness_factor),
+            turn: self.turn.unwrap_or(was.turn),
+            filter: filter.unwrap_or(was.filter),
+            object: object.unwrap_or(was.object),
+            paint: paint.unwrap_or(was.paint),
+            ..was
+        };
+        look.check()?;
+        if look.object == Object::Mesh && !viewer.has_mesh() {
+            return Err(Error::Parameter("no mesh is loaded; open one first".to_owned()));
+        }
+        *viewer.look_mut() = look;
+        if let Some(shown) = self.panel {
+            viewer.set_panel(shown);
+        }
+        Ok(())
+    }
+}
