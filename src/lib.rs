@@ -131,6 +131,7 @@ mod lobe;
 mod memory;
 #[cfg(feature = "mesh")]
 mod mesh;
+#[cfg(feature = "gpu")]
 mod names;
 mod oem;
 mod percent;

@@ -1,7 +1,7 @@
 //! Conversion of environments, and of pictures of any map, to the texels of another map.
 //!
 //! Between panoramas, cubes and octahedral squares by the exact overlaps of the bake, else by
-//! [`resample`]. Both correct the total of every channel, which curved texels change by up to 1e-5, by one
+//! [`resample()`]. Both correct the total of every channel, which curved texels change by up to 1e-5, by one
 //! factor.
 
 use super::energy::energy;

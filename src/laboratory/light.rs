@@ -19,7 +19,7 @@ const LAMP_COSINE: f64 = 0.9996;
 /// so that differences between regions are those of the map.
 ///
 /// # Errors
-/// [`Error::Parameter`] for no texels.
+/// [`crate::Error::Parameter`] for no texels.
 pub fn lamps(size: u32) -> Result<Environment> {
     let lamps: Vec<(DVec3, f64)> = (0..)
         .zip(even_directions(LAMPS))
