@@ -131,7 +131,8 @@ export async function checkIdle(page, name) {
     const asked = await page.evaluate('window.frames_asked');
     await new Promise((resolve) => setTimeout(resolve, 1500));
     const idle = (await page.evaluate('window.frames_asked')) - asked;
-    report(`${name}: nothing is drawn while nothing changes`, asked > 0 && idle === 0, `${idle} of ${asked} frames`);
+    const what = `${name}: nothing is drawn while nothing changes`;
+    report(what, asked > 0 && idle === 0, `${idle} of ${asked} frames`);
 }
 
 // Screenshot as PNG, without buttons, of the page as it is.
@@ -154,7 +155,8 @@ export async function shot(page, name) {
 export function programPicture(name, args, size = [width, height]) {
     const path = join(pictures, `${name}-program.png`);
     const common = ['--screenshot', path, '--force', '--quiet', '--samples', '1', '--size', size.join('x')];
-    execFileSync(program, ['view', ...common, ...args.map(String)], { stdio: ['ignore', 'inherit', 'ignore'] });
+    const stdio = ['ignore', 'inherit', 'ignore'];
+    execFileSync(program, ['view', ...common, ...args.map(String)], { stdio });
     return readFileSync(path).toString('base64');
 }
 

@@ -127,7 +127,8 @@ function glb(change = () => {}, edit = () => {}) {
         header.write(kind, 4, 'latin1');
         return Buffer.concat([header, content]);
     };
-    const chunks = [chunk('JSON', padded(Buffer.from(JSON.stringify(json)), 0x20)), chunk('BIN\0', padded(bytes, 0))];
+    const text = Buffer.from(JSON.stringify(json));
+    const chunks = [chunk('JSON', padded(text, 0x20)), chunk('BIN\0', padded(bytes, 0))];
     const header = Buffer.alloc(12);
     header.write('glTF', 0);
     header.writeUInt32LE(2, 4);
@@ -159,7 +160,8 @@ await run(async () => {
     const first = await state(page);
     await page.waitForFunction((was) => window.octagloss.state().scene_time > was, slow, first.scene_time);
     const before = await capture(page, 'scene-panel');
-    await page.waitForFunction((was) => window.octagloss.state().scene_time > was + 1, slow, first.scene_time);
+    const later = (was) => window.octagloss.state().scene_time > was + 1;
+    await page.waitForFunction(later, slow, first.scene_time);
     const moved = await difference(page, await capture(page, 'scene-panel-later'), before);
     report('the scene moves', moved.share > 0.01, `on ${first.adapter}; ${said(moved)}`);
 
@@ -217,7 +219,10 @@ await run(async () => {
         ['range.glb', glb(undefined, (_, numbers) => (numbers[7] = 999))],
         ['empty.glb', glb((json) => (json.scenes[0].nodes = []))],
         ['cycle.glb', glb(node({ children: [0] }))],
-        ['texture.glb', glb((json) => (json.materials[1].pbrMetallicRoughness.baseColorTexture = { index: 7 }))],
+        [
+            'texture.glb',
+            glb((json) => (json.materials[1].pbrMetallicRoughness.baseColorTexture = { index: 7 })),
+        ],
     ])
         await checkBroken(page, name, bytes, programMessage(name, bytes));
     await checkBroken(page, 'sky.hdr', Buffer.from('#?RADIANCE'), 'unknown mesh format');

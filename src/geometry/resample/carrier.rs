@@ -40,8 +40,8 @@ impl Block {
 }
 
 /// Least and greatest number of quarterings of a texel, one of `from` on the sphere, whose outline is not
-/// flat: down to parts of 1/32 of its edge, or of 1/8 of the edge of one of `to`. Parts on a seam are assigned by
-/// their centre.
+/// flat: down to parts of 1/32 of its edge, or of 1/8 of the edge of one of `to`. Parts on a seam are
+/// assigned by their centre.
 pub(super) fn quarterings(from: usize, to: usize) -> Range<u32> {
     let ratio = (to as f64 / from as f64).sqrt();
     least_quarterings(from)..5.max(3 + ratio.log2().ceil().max(0.0) as u32)

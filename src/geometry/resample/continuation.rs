@@ -2,8 +2,8 @@
 //!
 //! Such a texel's outline, by the map's continuation, is mapped to the plane of the light and rasterised
 //! over the light's texels: the reverse of [`super::resample`], since a continuation may cover the sphere
-//! more than once. Where the continuation ends in a single direction, as around the sphere map, texels have the
-//! mean of a square of a texel's solid angle around it.
+//! more than once. Where the continuation ends in a single direction, as around the sphere map, texels have
+//! the mean of a square of a texel's solid angle around it.
 
 use super::carrier::{Block, Carrier, Numbers, quarterings};
 use super::chart::{Around, Chart, Continued, Piece};

@@ -28,9 +28,9 @@
 //! Parameters are linear between nodes: 78 nodes in the triangle of directions to which the map's sixteen
 //! symmetries reduce the sphere ([`triangle`]), times 4 knots in each of six octaves of alpha. Octaves
 //! overlap by a quarter, in which one fades into the next. From roughness 0.65 to 0.75 boxes fade into
-//! harmonics alone. A lobe sharper than the finest blur (octave 7, or the blur four OEM texels wide) mixes the
-//! lobe of that blur with the mirror. The share of that lobe is t (2 - t), with t the square of alpha over
-//! the blur's alpha. The answer is therefore continuous in direction and roughness, down to the mirror.
+//! harmonics alone. A lobe sharper than the finest blur (octave 7, or the blur four OEM texels wide) mixes
+//! the lobe of that blur with the mirror. The share of that lobe is t (2 - t), with t the square of alpha
+//! over the blur's alpha. The answer is therefore continuous in direction and roughness, down to the mirror.
 //!
 //! [`crate::realtime::fit`] finds the parameters.
 
