@@ -72,8 +72,11 @@ pub(crate) fn check_conversion(source: &Source, map: &NamedMap, size: u32, borde
     if needed <= LIMIT {
         return Ok(());
     }
-    let fits =
-        |size: u32| conversion_bytes(source, map, size, border.min(size)).is_ok_and(|needed| needed <= LIMIT);
+    // Maps of odd size have fewer mirrors, and take more.
+    let fits = |size: u32| {
+        let even = (size / 2 * 2).max(1);
+        conversion_bytes(source, map, even, border.min(even)).is_ok_and(|needed| needed <= LIMIT)
+    };
     let remedy = at_most("`size`", largest_that(1, size, fits));
     Err(Error::Limit { what: "this conversion".to_owned(), needed, available: LIMIT, remedy })
 }
