@@ -111,10 +111,18 @@ impl ProbePasses {
             live,
         })
     }
+
+    /// An environment over a map of `size`, without light.
+    ///
+    /// # Errors
+    /// Those of [`LiveEnvironment::new`].
+    pub(super) fn environment(&self, context: &Context, size: u32) -> Result<LiveEnvironment> {
+        LiveEnvironment::with_passes(context, &self.live, size)
+    }
 }
 
 impl Probe {
-    /// A probe at glossy part `part` with tables over a map of `size`, drawn by `method`.
+    /// A probe at glossy part `part` with the tables of `live`, drawn by `method`.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] and [`crate::Error::Parameter`] if the scene or the map does not fit the
@@ -126,12 +134,11 @@ impl Probe {
         buffers: &SceneBuffers,
         part: usize,
         method: Method,
-        size: u32,
+        mut live: LiveEnvironment,
     ) -> Result<Self> {
         check_near(NEAR)?;
         let triangles = scene.triangles(0.0, scene.place(part, 0.0), Some(part))?;
         let mesh = DirectMesh::upload(context, &triangles)?;
-        let mut live = LiveEnvironment::with_passes(context, &passes.live, size)?;
         let map = if method.is_cube() {
             // As many texels.
             DirectMap::Cube { size: ((f64::from(live.size()).powi(2) / 6.0).sqrt().round() as u32).max(2) }

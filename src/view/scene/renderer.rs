@@ -127,11 +127,16 @@ impl SceneRenderer {
         if count == 0 && !glossy.is_empty() {
             return Err(Error::Parameter("no probes; choose 1 to 8".to_owned()));
         }
-        let mut probes = Vec::new();
+        let mut probes: Vec<Probe> = Vec::new();
         for part in glossy.take(count) {
             let SceneSettings { method, size, boxes, .. } = settings;
             let Self { context, passes, scene, buffers, .. } = self;
-            let probe = Probe::new(context, passes, scene, buffers, part, method, size)?;
+            // Probes share what an update only passes through.
+            let live = match probes.first() {
+                Some(Probe { live, .. }) => live.sibling(),
+                None => passes.environment(context, size)?,
+            };
+            let probe = Probe::new(context, passes, scene, buffers, part, method, live)?;
             probe.live.set_boxes(boxes)?;
             probes.push(probe);
         }
