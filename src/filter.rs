@@ -1,11 +1,18 @@
 //! Filters: methods of evaluating a lobe.
 
-use crate::cpu::adaptive::LEAST_ERROR;
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
 use crate::realtime::tables::COUNTS;
 use crate::sat::Scan;
+
+/// The least error that [`Filter::Adaptive`] takes.
+///
+/// Float32 sums set it: a share of the light takes 32 roundings of 2^-24, 1.9e-6 together, whatever the
+/// tolerance. Measured with hdr/studio.hdr at roughness 0.5, the certified bound falls until E = 1e-6 and
+/// rises below, where additional leaves add more rounding than they remove; the answers have an error of 7e-6
+/// at 1e-6 and of 1e-5 at 3e-7.
+const LEAST_ERROR: f64 = 1e-6;
 
 /// Method of evaluating a lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]

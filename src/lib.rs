@@ -128,7 +128,6 @@ mod laboratory;
 mod ladder;
 mod light_scale;
 mod lobe;
-mod memory;
 #[cfg(feature = "mesh")]
 mod mesh;
 #[cfg(feature = "gpu")]

@@ -193,7 +193,7 @@ impl<'a> Reflector<'a> {
     ///
     /// # Errors
     /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if building it takes more than
-    /// `crate::memory::LIMIT`.
+    /// `crate::table_bytes::LIMIT`.
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
         Self::prepared(Cow::Borrowed(environment), settings)
     }
@@ -332,7 +332,7 @@ impl<'a> Reflector<'a> {
     /// [`Error::Parameter`] for a roughness outside [0, 1], an adaptive error outside [1e-6, 1), a filter
     /// that does not support the lobe, an unsupported count of fitted boxes, and fitted lobes over an OEM
     /// whose size is not a power of two of at least 16; [`Error::Limit`] if the lobes' tables take more than
-    /// `crate::memory::LIMIT`.
+    /// `crate::table_bytes::LIMIT`.
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));

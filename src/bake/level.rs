@@ -1,6 +1,5 @@
 //! Bakes one level. Tiles of neighbouring texels share their tree walks.
 
-use super::result::Processor;
 use crate::chain::LevelSpec;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
@@ -11,6 +10,26 @@ use crate::lobe::Lobe;
 use crate::reflector::{Reflector, Workspace};
 use crate::sphere::cube::Face;
 use rayon::prelude::*;
+
+/// Engine that computed a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Processor {
+    /// The CPU, including levels that the GPU engine delegates to it.
+    Cpu,
+    /// The GPU.
+    Gpu,
+}
+
+impl Processor {
+    /// Name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
+        }
+    }
+}
 
 /// A level to bake, possibly shared by several bakes.
 #[derive(Clone, Copy, PartialEq)]

@@ -1,33 +1,12 @@
 //! Results and progress of a bake.
 
-use crate::bake::level::BakedLevel;
-
+use super::level::{BakedLevel, Processor};
 use crate::chain::{Chain, Level};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
 use crate::sh::window::ShWindow;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Engine that computed a level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Processor {
-    /// The CPU, including levels that the GPU engine delegates to it.
-    Cpu,
-    /// The GPU.
-    Gpu,
-}
-
-impl Processor {
-    /// Name in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cpu => "cpu",
-            Self::Gpu => "gpu",
-        }
-    }
-}
 
 /// Statistics of a baked level.
 #[derive(Clone, Debug)]

@@ -9,10 +9,10 @@ use super::values::EngineArg;
 use crate::Environment;
 #[cfg(feature = "gpu")]
 use crate::Error;
+use crate::bake::memory;
 use crate::bake::query::Query;
 use crate::bake::{Bake, BakeSettings, OnProgress, bake_all};
 use crate::filter::Answer;
-use crate::memory;
 use crate::reflector::{Reflector, ReflectorSettings};
 #[cfg(feature = "gpu")]
 use crate::wgpu;

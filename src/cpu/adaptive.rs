@@ -41,14 +41,6 @@ use crate::lobe::radial::{Radial, expected_error};
 use glam::Vec3;
 use std::f64::consts::PI;
 
-/// The least error that [`crate::filter::Filter::Adaptive`] takes.
-///
-/// Float32 sums set it: a share of the light takes 32 roundings of 2^-24, 1.9e-6 together, whatever the
-/// tolerance. Measured with hdr/studio.hdr at roughness 0.5, the certified bound falls until E = 1e-6 and
-/// rises below, where additional leaves add more rounding than they remove; the answers have an error of 7e-6
-/// at 1e-6 and of 1e-5 at 3e-7.
-pub(crate) const LEAST_ERROR: f64 = 1e-6;
-
 /// The answers to a packet.
 #[derive(Clone, Copy, Debug)]
 pub struct Shares {

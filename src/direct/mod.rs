@@ -23,9 +23,6 @@ pub struct Corner {
     pub value: [f32; 4],
 }
 
-#[cfg(feature = "gpu")]
-crate::gpu::device::shader::members!(Corner { position, octant, value });
-
 impl Corner {
     /// A corner of a whole triangle.
     #[must_use]

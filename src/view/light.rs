@@ -96,7 +96,7 @@ impl Light {
     ///
     /// # Errors
     /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables exceed
-    /// [`crate::memory::LIMIT`] or do not fit the device.
+    /// [`crate::bake::memory::LIMIT`] or do not fit the device.
     pub(super) fn new(
         context: &Context,
         passes: &Passes,

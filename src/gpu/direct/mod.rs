@@ -34,6 +34,8 @@ use target::check_format;
 pub(in crate::gpu) use target::{DEPTH, cleared_depth, depth_texture};
 use view::Bounded;
 
+shader::members!(Corner { position, octant, value });
+
 /// How triangles come into a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]

@@ -3,10 +3,10 @@
 //! The figures follow from the types and were checked against the resident size of the program: a level of a
 //! KTX2 file took 20 to 23 bytes per texel.
 
-use crate::bake::job::Job;
-use crate::bake::level::LevelJob;
-use crate::bake::settings::BakeSettings;
-use crate::bake::solve::solve_bytes;
+use super::job::Job;
+use super::level::LevelJob;
+use super::settings::BakeSettings;
+use super::solve::solve_bytes;
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::filter::Filter;
