@@ -1,9 +1,5 @@
 //! Boxes on the charts of a map: their size, and where they continue beyond a chart's edge.
 
-use super::cube::CubeCharts;
-use super::equirect::EquirectCharts;
-use super::octahedral::OctahedralCharts;
-use super::tennis_ball::TennisBallCharts;
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Place;
 use crate::sphere::registry::{NamedMap, named};
@@ -52,15 +48,6 @@ pub trait Charts: Debug + Sync {
     fn named(&self) -> &'static NamedMap {
         named(self.name()).expect("a map of the registry")
     }
-}
-
-/// All maps with box rules; the first is the engines' own.
-pub static CHARTS: [&dyn Charts; 4] = [&OctahedralCharts, &TennisBallCharts, &EquirectCharts, &CubeCharts];
-
-/// The charts of the map called `name`.
-#[must_use]
-pub fn charts_of(name: &str) -> Option<&'static dyn Charts> {
-    CHARTS.into_iter().find(|charts| charts.name() == name)
 }
 
 /// Calls `visit` for every interval between multiples of `period` that `low` to `high` is cut into, with the

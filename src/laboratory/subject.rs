@@ -3,8 +3,9 @@
 use super::adaptive::Adaptive;
 use super::boxes::{Answer, Boxes};
 use super::cells::Cells;
-use super::charts::{CHARTS, Charts, charts_of};
+use super::charts::Charts;
 use super::light::Light;
+use super::registry::{CHARTS, charts_of};
 use super::tables::{Tables, Texels};
 use crate::cpu::box_filter::StackedBox;
 use crate::error::Result;

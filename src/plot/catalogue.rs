@@ -1,10 +1,11 @@
 //! Lists and draws the figures.
 
+pub use super::content::Content;
+pub(crate) use super::content::MOST_SIZE;
 use super::figure::Figure;
 use super::{border, layout, lobes, lookup, panorama, sampling, seam, stretch, unfolding};
-use crate::environment::Environment;
-use crate::error::{Error, Result};
-use crate::laboratory::measure::{Method, Settings};
+use crate::error::Result;
+use crate::laboratory::measure::Method;
 use crate::sphere::registry::{MAPS, NamedMap};
 
 /// Kinds of figures.
@@ -121,54 +122,6 @@ pub fn entries() -> Vec<Entry> {
     });
     let others = Kind::ALL.into_iter().filter(|kind| !kind.is_of_a_map());
     of_maps.chain(others.map(|kind| Entry { kind, map: None })).collect()
-}
-
-/// Content of figures besides the maps.
-#[derive(Clone, Debug)]
-pub struct Content {
-    /// The environment of [`Kind::Panorama`].
-    pub panorama: Environment,
-    /// Its name in captions.
-    pub panorama_name: String,
-    /// Texels along the square of [`Kind::Border`], 1 to `MOST_SIZE`.
-    pub size: u32,
-    /// Width of its border in texels, at most the size.
-    pub border: u32,
-    /// What the figures of lobes measure.
-    pub lobes: Settings,
-}
-
-/// The largest square of [`Kind::Border`] with room for texel names.
-pub(crate) const MOST_SIZE: u32 = 12;
-
-impl Content {
-    /// Returns the synthetic sky, and 8 texels with a border of 2.
-    ///
-    /// # Errors
-    /// As [`crate::synth::synth`].
-    pub fn new() -> Result<Self> {
-        let panorama = crate::synth::synth("sky")?;
-        // Those of the table, so that the figures show its numbers.
-        let lobes = Settings::default();
-        Ok(Self { panorama, panorama_name: "hdr/sky.exr".to_owned(), size: 8, border: 2, lobes })
-    }
-
-    /// Checks that the square and its border can be drawn.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] naming the size or the border.
-    pub fn check(&self) -> Result<()> {
-        let Self { size, border, .. } = *self;
-        if size == 0 || size > MOST_SIZE {
-            return Err(Error::Parameter(format!("`size` is {size}; choose 1 to {MOST_SIZE} texels")));
-        }
-        if border > size {
-            return Err(Error::Parameter(format!(
-                "`border` {border} exceeds the map's side of {size} texels"
-            )));
-        }
-        Ok(())
-    }
 }
 
 impl Entry {

@@ -1,10 +1,9 @@
 //! Figures and their file formats.
 
-use super::svg;
+use super::png::png;
+use super::svg::svg;
 use crate::error::{Error, Result};
 use crate::image::drawing::scene::{Frame, Scene};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder as _, RgbImage};
 use std::path::Path;
 
 /// A file format.
@@ -95,17 +94,7 @@ impl Figure {
     pub fn bytes(&self, form: Form) -> Vec<u8> {
         match form {
             Form::Png => png(&self.scene.picture()),
-            Form::Svg => svg::svg(&self.scene, &self.title, &self.caption).into_bytes(),
+            Form::Svg => svg(&self.scene, &self.title, &self.caption).into_bytes(),
         }
     }
-}
-
-/// Encodes `pixels` as PNG without filters, which halves the size of flat colours.
-pub(super) fn png(pixels: &RgbImage) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::NoFilter);
-    let (width, height) = pixels.dimensions();
-    let written = encoder.write_image(pixels.as_raw(), width, height, ExtendedColorType::Rgb8);
-    written.expect("drawing to memory cannot fail");
-    bytes
 }

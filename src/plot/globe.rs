@@ -1,5 +1,6 @@
 //! Draws the sphere in orthographic projection.
 
+use super::axes::AXES;
 use super::look::THIN;
 use super::sheet::boundary;
 use crate::image::drawing::scene::{Frame, Scene};
@@ -143,13 +144,3 @@ impl Globe {
         }
     }
 }
-
-/// The six axes and their names.
-pub(super) const AXES: [(DVec3, &str); 6] = [
-    (DVec3::X, "+X"),
-    (DVec3::NEG_X, "\u{2212}X"),
-    (DVec3::Y, "+Y"),
-    (DVec3::NEG_Y, "\u{2212}Y"),
-    (DVec3::Z, "+Z"),
-    (DVec3::NEG_Z, "\u{2212}Z"),
-];

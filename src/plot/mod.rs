@@ -4,9 +4,11 @@
 //! axes. Equal inputs give equal files. `image::drawing` has their style and draws them as PNG; SVG names the
 //! same font and falls back to the reader's sans-serif.
 
+mod axes;
 mod border;
 pub mod catalogue;
 pub mod chart;
+mod content;
 pub mod figure;
 mod globe;
 mod layout;
@@ -14,6 +16,7 @@ mod lobes;
 mod look;
 mod lookup;
 mod panorama;
+mod png;
 mod sampling;
 mod seam;
 mod sheet;

@@ -1,6 +1,6 @@
 //! Draws a panorama in a map's layout.
 
-use super::catalogue::Content;
+use super::content::Content;
 use super::figure::Figure;
 use super::layout::MOST;
 use super::sheet::Sheet;

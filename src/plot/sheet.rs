@@ -1,6 +1,6 @@
 //! Draws a map's components side by side, as placed by `convert`, with axes and labels.
 
-use super::globe::AXES;
+use super::axes::AXES;
 use super::look::{LATITUDE, LONGITUDE, OCTANTS, OUTSIDE};
 use super::ticks::rectangle_ticks;
 use crate::image::drawing::font::text_width;

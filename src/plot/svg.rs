@@ -1,6 +1,6 @@
 //! Renders scenes as SVG with plotters, which uses integers: coordinates are quarter pixels.
 
-use super::figure::png;
+use super::png::png;
 use crate::image::drawing::font::FAMILY;
 use crate::image::drawing::scene::{Anchor, Item, Scene, Text};
 use crate::image::drawing::style::Colour;

@@ -6,11 +6,12 @@ use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::laboratory::adaptive::Adaptive;
 use octagloss::internals::laboratory::boxes::{Boxes, single, stack};
 use octagloss::internals::laboratory::cells::Cells;
-use octagloss::internals::laboratory::charts::{CHARTS, Charts, Piece};
+use octagloss::internals::laboratory::charts::{Charts, Piece};
 use octagloss::internals::laboratory::light::{Light, lamps};
 use octagloss::internals::laboratory::measure::{
     Field, Method, Region, Row, Settings, default_environment, error_field, measure, seam_sites,
 };
+use octagloss::internals::laboratory::registry::CHARTS;
 use octagloss::internals::laboratory::subject::{Carrier, Choice, SUBJECTS};
 use octagloss::internals::laboratory::tables::{Tables, Texels};
 use octagloss::internals::lobe::kernel_integral;

@@ -3,7 +3,7 @@
 //!
 //! A character that the font lacks is a box with its number in hexadecimal, so that names stay distinct.
 
-use super::raster::Path;
+use super::path::Path;
 use glam::DVec2;
 use std::collections::HashMap;
 use std::sync::LazyLock;

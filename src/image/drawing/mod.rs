@@ -6,6 +6,7 @@
 
 pub mod font;
 pub(crate) mod page;
+mod path;
 pub(crate) mod raster;
 pub mod scale;
 pub mod scene;

@@ -133,12 +133,6 @@ impl Scene {
         self.texts().map(|text| (text.text.clone(), text.frame())).collect()
     }
 
-    /// The scene as a picture.
-    #[must_use]
-    pub fn picture(&self) -> RgbImage {
-        super::raster::picture(self)
-    }
-
     /// An empty drawing.
     #[must_use]
     pub fn new(width: f64, height: f64) -> Self {
