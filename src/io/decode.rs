@@ -1,15 +1,11 @@
 //! Detects the format of a file by its content and decodes it.
 
 use crate::error::{Error, Result};
-use crate::io::picture::{Picture, Source};
+use crate::io::picture::Picture;
+use crate::io::source::Source;
 use crate::io::target_folder::is_atlas;
-use crate::io::{dds, exr, hdr, ktx1, ktx2, ldr, regular};
+use crate::io::{dds, exr, hdr, ktx1, ktx2, ldr};
 use std::path::Path;
-
-/// Reads the regular file `path`, of at most `memory_limit` bytes.
-pub(super) fn file_bytes(path: &Path, memory_limit: u64) -> Result<Vec<u8>> {
-    regular::read_regular(path, memory_limit)
-}
 
 /// File formats, detected by their first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,41 +4,13 @@
 //! or letterboxed ones are not.
 
 use super::ReadOptions;
-use super::layout::LayoutChoice;
-use super::picture::{Content, Picture, TEXEL_BYTES, limit};
+use super::layout::{Content, LayoutChoice};
+use super::pad::Pad;
+use super::picture::Picture;
+use super::source::{TEXEL_BYTES, limit};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use std::path::Path;
-
-/// Padding of a panorama that is not 2:1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Pad {
-    /// Black, without light.
-    Black,
-    /// Repeats the outermost rows (or columns).
-    Edge,
-}
-
-impl Pad {
-    /// Every padding.
-    pub const ALL: [Self; 2] = [Self::Black, Self::Edge];
-
-    /// Name on the command line and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Black => "black",
-            Self::Edge => "edge",
-        }
-    }
-
-    /// Returns the padding called `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|pad| pad.name() == name)
-    }
-}
 
 /// Maximum black value in a JPEG, 4 of 255; black bars in JPEG are rarely 0.
 const JPEG_BLACK: f32 = 4.0 / 255.0 / 12.92;

@@ -12,10 +12,18 @@
 //!                               -Z turned                                  -Z
 //! ```
 
-use super::picture::Content;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
 use std::path::Path;
+
+/// Content of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Content {
+    /// An image of yet unknown layout.
+    Image,
+    /// Six faces, stacked vertically.
+    Cube,
+}
 
 /// Image layout, as selected by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,14 +5,17 @@
 
 use super::cmgen;
 use super::decode::Format;
+use super::layout::Content;
 use super::layout::{LayoutChoice, arrangement};
-use super::map_header::settled;
 use super::panics::catching_panics;
-use super::picture::{Content, LevelHeader, Picture, Source, Stored, check_finite};
+use super::picture::{LevelHeader, Picture, Stored, check_finite};
+use super::picture_map::settled;
 use super::provenance::Provenance;
 use super::regular::open_regular;
+use super::regular::read_regular;
 use super::side_report::MOST_REPORT_BYTES;
 use super::side_report::{REPORT, ReportLevel, SideReport};
+use super::source::Source;
 use super::{exr, hdr};
 use crate::chain::{Chain, Level};
 use crate::environment::Layout;
@@ -95,7 +98,7 @@ impl Listing {
                 )
             });
         }
-        let bytes = super::decode::file_bytes(&path, memory_limit.min(MOST_REPORT_BYTES))?;
+        let bytes = read_regular(&path, memory_limit.min(MOST_REPORT_BYTES))?;
         let source = Source { path: &path, bytes: &bytes, memory_limit };
         let report: SideReport = serde_json::from_slice(source.bytes)
             .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
@@ -209,7 +212,7 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
     let mut cube: Option<Picture> = None;
     for face in Face::ALL {
         let path = face_file(folder, level.level, face)?;
-        let bytes = super::decode::file_bytes(&path, memory_limit)?;
+        let bytes = read_regular(&path, memory_limit)?;
         let source = Source { path: &path, bytes: &bytes, memory_limit };
         let mut picture = catching_panics(&path, || super::decode::decode(&source))?;
         if (picture.width, picture.height) != (level.size, level.size) {
@@ -242,7 +245,7 @@ fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
 
 /// Reads a level stored as one image; cuts faces out of crosses and strips.
 fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Picture> {
-    let bytes = super::decode::file_bytes(path, memory_limit)?;
+    let bytes = read_regular(path, memory_limit)?;
     let source = Source { path, bytes: &bytes, memory_limit };
     let mut picture = catching_panics(path, || super::decode::decode(&source))?;
     let (width, height) = (picture.width, picture.height);

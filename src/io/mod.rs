@@ -29,21 +29,24 @@ pub(crate) mod map_header;
 pub mod npy;
 pub mod oem_write;
 pub mod output;
+mod pad;
 pub(crate) mod panics;
 mod picture;
+mod picture_map;
 pub mod provenance;
 pub mod regular;
 mod repair;
 pub mod side_report;
+mod source;
 mod target_folder;
 mod temporary;
 
-use decode::{Format, decode, file_bytes, unreadable};
+use decode::{Format, decode, unreadable};
 pub(crate) use decode::{has_readable_name, readable_extensions};
-pub use fit::Pad;
 pub use layout::LayoutChoice;
-pub use picture::DEFAULT_MEMORY_LIMIT;
+pub use pad::Pad;
 pub use repair::Repairs;
+pub use source::DEFAULT_MEMORY_LIMIT;
 
 use crate::chain::Chain;
 use crate::environment::{Environment, Rgb};
@@ -51,10 +54,12 @@ use crate::error::{Error, Result, printable};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
+use layout::Content;
 use panics::catching_panics;
-use picture::Stored;
-use picture::{Content, Picture, Source};
+use picture::{Picture, Stored};
 use provenance::Provenance;
+use regular::read_regular;
+use source::Source;
 use std::cell::OnceCell;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -168,11 +173,11 @@ pub enum MapLight {
 /// As [`read`]; [`Error::Input`] for a `from` that contradicts the header or the picture's shape.
 pub fn read_map(path: &Path, from: Option<&'static NamedMap>, options: &ReadOptions) -> Result<LoadedMap> {
     let (file, picture) = read_picture(path, options.memory_limit)?;
-    let map = map_header::chosen(&file, &picture, from)?;
-    if let Some(map) = map.filter(|map| map_header::layout_of(map).is_none()) {
+    let map = picture_map::chosen(&file, &picture, from)?;
+    if let Some(map) = map.filter(|map| picture_map::layout_of(map).is_none()) {
         return components(&file, picture, map, options);
     }
-    let layout = map.and_then(map_header::layout_of).unwrap_or_default();
+    let layout = map.and_then(picture_map::layout_of).unwrap_or_default();
     let loaded = finish(&file, picture, &ReadOptions { layout, ..options.clone() })?;
     Ok(LoadedMap { light: MapLight::Environment(loaded.environment), warnings: loaded.warnings })
 }
@@ -182,7 +187,7 @@ fn read_picture(path: &Path, memory_limit: u64) -> Result<(PathBuf, Picture)> {
     let Place::File(file) = Place::of(path)? else {
         return Ok((path.to_owned(), level_folder::read_environment(path, memory_limit)?));
     };
-    let bytes = file_bytes(&file, memory_limit)?;
+    let bytes = read_regular(&file, memory_limit)?;
     let source = Source { path: &file, bytes: &bytes, memory_limit };
     let mut picture = catching_panics(&file, || decode(&source))?;
     if picture.provenance.is_partial()
@@ -239,7 +244,7 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
         Place::Levels => return in_world(path, level_folder::read_chain(path, memory_limit)?),
         Place::File(file) => file,
     };
-    let bytes = file_bytes(&file, memory_limit)?;
+    let bytes = read_regular(&file, memory_limit)?;
     let source = Source { path: &file, bytes: &bytes, memory_limit };
     let described = OnceCell::new();
     let report = || described.get_or_init(|| side_report::of_file(&file, || blake3::hash(&bytes))).as_ref();
@@ -354,7 +359,7 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
         if is_directory(path)? {
             return Err(Error::input(path, "a directory where a face image is needed"));
         }
-        let bytes = file_bytes(path, options.memory_limit)?;
+        let bytes = read_regular(path, options.memory_limit)?;
         let source = Source { path, bytes: &bytes, memory_limit: options.memory_limit };
         let mut face = catching_panics(path, || decode(&source))?;
         if face.content == Content::Cube {
@@ -402,7 +407,7 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
 
 /// Converts a picture to an environment: layout, repairs, checks.
 fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Loaded> {
-    let layout = map_header::settled(path, options.layout, picture.map.as_ref())?;
+    let layout = picture_map::settled(path, options.layout, picture.map.as_ref())?;
     let layout = fit::fit(path, &mut picture, layout, options)?;
     if let Some(header) = &picture.map {
         header.check_shape(path, &picture)?;
@@ -525,7 +530,7 @@ fn components(
         return Err(Error::input(path, message));
     }
     let Picture { width, height, provenance, .. } = &picture;
-    let grid = map_header::grid_of(path, map, [*width, *height], map_header::RESHAPED)?;
+    let grid = picture_map::grid_of(path, map, [*width, *height], picture_map::RESHAPED)?;
     provenance.check_unturned().map_err(|message| Error::input(path, message))?;
     let mut repaired = Repairs::default();
     finite(path, &mut picture, options, &mut repaired)?;

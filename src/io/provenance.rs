@@ -14,7 +14,7 @@
 //! the BLAKE3 hash of every file. A report that lists another hash for a file is ignored. The file takes
 //! precedence over its report.
 
-use super::fit::Pad;
+use super::pad::Pad;
 use crate::analysis::sun::Sun;
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::{Layout, Rgb};

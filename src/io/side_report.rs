@@ -3,7 +3,7 @@
 //! A report describes a file if it lists the BLAKE3 hash of the file's bytes. Reports of version 0.1 have no
 //! hashes; they match by name.
 
-use super::fit::Pad;
+use super::pad::Pad;
 use super::provenance::{IRRADIANCE, Provenance, TakenSun};
 
 use crate::chain::ChainKind;
@@ -115,7 +115,7 @@ fn read(path: &Path) -> Option<SideReport> {
     if !path.is_file() {
         return None;
     }
-    serde_json::from_slice(&super::decode::file_bytes(path, LONGEST).ok()?).ok()
+    serde_json::from_slice(&super::regular::read_regular(path, LONGEST).ok()?).ok()
 }
 
 impl SideReport {

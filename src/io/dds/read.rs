@@ -7,8 +7,10 @@ use crate::error::Result;
 use crate::format::bc6h;
 use crate::format::r11g11b10::rgb_from_r11g11b10;
 use crate::format::rgb_from_rgb9e5;
-use crate::io::picture::{Content, Picture, Source, Stored, TEXEL_BYTES};
+use crate::io::layout::Content;
+use crate::io::picture::{Picture, Stored};
 use crate::io::provenance::Provenance;
+use crate::io::source::{Source, TEXEL_BYTES};
 use ddsfile::{Dds, DxgiFormat, MiscFlag};
 use half::f16;
 

@@ -10,8 +10,10 @@ use crate::error::Result;
 use crate::io::cmgen;
 use crate::io::ktx2::read::{Pixel, parse_roughness, texels_from};
 use crate::io::ktx2::write::ROUGHNESS_KEY;
-use crate::io::picture::{Content, Picture, Source, Stored, TEXEL_BYTES, check_finite};
+use crate::io::layout::Content;
+use crate::io::picture::{Picture, Stored, check_finite};
 use crate::io::provenance::Provenance;
+use crate::io::source::{Source, TEXEL_BYTES};
 
 /// Key of the harmonics that cmgen writes.
 const CMGEN_KEY: &str = "sh";

@@ -2,8 +2,10 @@
 
 use crate::environment::Rgb;
 use crate::error::Result;
-use crate::io::picture::{Content, Picture, Source, TEXEL_BYTES};
+use crate::io::layout::Content;
+use crate::io::picture::Picture;
 use crate::io::provenance::Provenance;
+use crate::io::source::{Source, TEXEL_BYTES};
 use image::codecs::jpeg::JpegDecoder;
 use image::{DynamicImage, ImageDecoder as _};
 use std::io::Cursor;

@@ -5,7 +5,7 @@ use super::window::{Window, exr_error};
 use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::panics::catching_panics;
-use crate::io::picture::{self, Source, TEXEL_BYTES};
+use crate::io::source::{Source, TEXEL_BYTES, limit};
 use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{Chunk, CompressedBlock};
 use ::exr::block::reader::{ChunksReader as _, Reader};
@@ -49,7 +49,7 @@ pub(super) fn check_blocks(source: &Source<'_>, header: &Header, window: &Window
     let needed = texels.saturating_add(blocks).saturating_add(source.bytes.len() as u64);
     if needed > source.memory_limit {
         let what = format!("blocks for {}x{} pixels", window.data_width, window.data_height);
-        return Err(picture::limit(source.path, &what, needed, source.memory_limit));
+        return Err(limit(source.path, &what, needed, source.memory_limit));
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Selects the layer of an OpenEXR file to read.
 
 use crate::error::{Result, quoted};
-use crate::io::picture::Source;
+use crate::io::source::Source;
 use ::exr::meta::header::Header;
 
 /// Channels to read, by index in the header's list.

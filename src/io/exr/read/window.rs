@@ -1,7 +1,7 @@
 //! Data and display windows of an EXR file.
 
 use crate::error::Result;
-use crate::io::picture::Source;
+use crate::io::source::Source;
 use ::exr::error::Error as ExrError;
 use ::exr::meta::header::Header;
 

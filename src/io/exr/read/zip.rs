@@ -8,7 +8,7 @@ use super::blocks::PARALLEL_BYTES;
 use super::select::Selection;
 use super::window::Window;
 use crate::environment::Rgb;
-use crate::io::picture::Source;
+use crate::io::source::Source;
 use ::exr::meta::attribute::{Compression, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
