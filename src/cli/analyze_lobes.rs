@@ -1,6 +1,6 @@
 //! `octagloss analyze --lobes`: compares maps as carriers of summed-area tables.
 
-use super::analyze::AnalyzeArgs;
+use super::analyze_args::AnalyzeArgs;
 use super::console::Console;
 use super::outcome::{Failure, Outcome, print, usage};
 use crate::Error;

@@ -69,12 +69,12 @@ pub(super) enum Command {
     /// Write the split-sum DFG (BRDF integration) lookup table
     Dfg(DfgArgs),
     /// Measure maps of the sphere
-    Analyze(super::analyze::AnalyzeArgs),
+    Analyze(super::analyze_args::AnalyzeArgs),
     /// Convert an environment to another map of the sphere
     Convert(super::convert::ConvertArgs),
     /// Render glossy objects in a window or to a picture
     #[cfg(feature = "view")]
-    View(Box<super::view::ViewArgs>),
+    View(Box<super::view_args::ViewArgs>),
     /// Render glossy objects in a window or to a picture (not part of this build)
     ///
     /// Prints the command that compiles the viewer and runs it.

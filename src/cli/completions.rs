@@ -1,8 +1,7 @@
 //! `octagloss completions`: prints completion scripts for shells.
 
-use super::args::Args;
 use super::outcome::{Outcome, print_bytes};
-use clap::{Args as ClapArgs, CommandFactory as _};
+use clap::{Args as ClapArgs, Command};
 use clap_complete::Shell;
 
 #[derive(Debug, ClapArgs)]
@@ -15,8 +14,8 @@ pub(super) struct CompletionsArgs {
     shell: Shell,
 }
 
-pub(super) fn run(args: &CompletionsArgs) -> Outcome {
+pub(super) fn run(args: &CompletionsArgs, mut program: Command) -> Outcome {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Args::command(), "octagloss", &mut script);
+    clap_complete::generate(args.shell, &mut program, "octagloss", &mut script);
     print_bytes(&script)
 }

@@ -1,11 +1,10 @@
 //! `octagloss man`: writes manual pages.
 
-use super::args::Args;
 use super::console::Console;
 use super::outcome::{Outcome, print_bytes};
 use crate::Error;
 use crate::io::output::{self, Existing, Output};
-use clap::{Args as ClapArgs, Command, CommandFactory as _};
+use clap::{Args as ClapArgs, Command};
 use clap_mangen::Man;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,12 +24,11 @@ pub(super) struct ManArgs {
     force: bool,
 }
 
-pub(super) fn run(args: &ManArgs) -> Outcome {
-    let mut command = Args::command();
+pub(super) fn run(args: &ManArgs, mut program: Command) -> Outcome {
     // Set the subcommands' full names.
-    command.build();
-    let Some(folder) = &args.output else { return print_bytes(&page(&command)?) };
-    let commands = std::iter::once(&command).chain(command.get_subcommands());
+    program.build();
+    let Some(folder) = &args.output else { return print_bytes(&page(&program)?) };
+    let commands = std::iter::once(&program).chain(program.get_subcommands());
     let pages = commands
         .map(|command| {
             let name = command.get_display_name().unwrap_or(command.get_name());

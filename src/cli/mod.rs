@@ -4,6 +4,7 @@
 //! error.
 
 mod analyze;
+mod analyze_args;
 mod analyze_lobes;
 mod args;
 mod bake;
@@ -47,6 +48,8 @@ mod values;
 mod view;
 #[cfg(not(feature = "view"))]
 mod view_absent;
+#[cfg(feature = "view")]
+mod view_args;
 #[cfg(feature = "view")]
 mod view_scene;
 
@@ -112,8 +115,8 @@ fn run(command: Command, licenses: Option<&str>) -> Outcome {
         Command::Dfg(args) => dfg::run(args),
         Command::Analyze(args) => analyze::run(&args),
         Command::Convert(args) => convert::run(&args),
-        Command::Completions(args) => completions::run(&args),
-        Command::Man(args) => man::run(&args),
+        Command::Completions(args) => completions::run(&args, Args::command()),
+        Command::Man(args) => man::run(&args, Args::command()),
         Command::Licenses => licenses::run(licenses),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(*args),
