@@ -1,6 +1,6 @@
 //! Scenes of moving parts.
 
-use super::picture::SceneLook;
+use super::look::SceneLook;
 use super::uniforms::{LightUniform, MOST_PROBES, PartUniform, SceneCorner};
 use crate::direct::{Corner, Triangles};
 use crate::error::{Error, Result};

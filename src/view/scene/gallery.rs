@@ -2,7 +2,7 @@
 
 use super::super::camera::{Camera, FRONT};
 use super::content::{Gloss, Motion, Part, Scene, SceneLight};
-use super::picture::{Proxy, SceneLook};
+use super::look::{Proxy, SceneLook};
 use super::uniforms::{MOST_PROBES, SceneCorner};
 use crate::error::Result;
 use crate::mesh::{Image, Material, Mesh, Texture, Vertex, Wrap};

@@ -13,6 +13,7 @@
 
 mod content;
 mod gallery;
+mod look;
 mod panel;
 mod picture;
 mod probe;
@@ -22,10 +23,10 @@ mod uniforms;
 mod viewer;
 
 pub use content::{Gloss, Motion, Part, Scene, SceneLight};
+pub use look::{Proxy, SceneLook};
 #[cfg(target_arch = "wasm32")]
 pub(in crate::view) use panel::Controls;
 pub use panel::MOST_BUDGET;
-pub use picture::{Proxy, SceneLook};
 pub use renderer::{SceneRenderer, SceneSettings, scene_boxes, screenshot_of_scene};
 pub(in crate::view) use uniforms::{
     DrawUniform, FrameUniform, LightUniform, MOST_RADIANCE, POSE_GROUP, PartUniform, PoseUniform,

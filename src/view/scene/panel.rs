@@ -2,7 +2,7 @@
 
 use super::super::look::Tone;
 use super::super::panel::{SLIDER, choice};
-use super::picture::{Proxy, SceneLook};
+use super::look::{Proxy, SceneLook};
 use super::renderer::SceneSettings;
 #[cfg(target_arch = "wasm32")]
 use crate::error::{Error, Result};

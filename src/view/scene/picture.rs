@@ -1,15 +1,13 @@
 //! Pipelines of pictures, and what a picture shows.
 
-use super::super::camera::{Camera, field_of_angle};
-use super::super::look::{Look, Tone};
+use super::super::camera::field_of_angle;
 use super::content::{Bounds, Scene};
+use super::look::SceneLook;
 use super::probe::{Probe, SceneBuffers};
 use super::uniforms::{DrawUniform, FrameUniform, MOST_PROBES, SceneCorner};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
-use crate::image::exposure::Exposure;
-use crate::names::named;
 use glam::DVec3;
 
 pub(super) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -17,61 +15,6 @@ const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Vertical angle of view in radians.
 const ANGLE: f64 = 0.6;
-
-/// Shape of the surroundings that reflections are corrected for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Proxy {
-    /// Infinitely far away.
-    #[default]
-    None,
-    /// The box around the parts that do not move.
-    Box,
-    /// The sphere around that box's centre.
-    Sphere,
-}
-
-named!(Proxy { None = "none", Box = "box", Sphere = "sphere" });
-
-/// What a picture of a scene shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SceneLook {
-    /// The camera.
-    pub camera: Camera,
-    /// Roughness of all glossy parts; `None` for their own.
-    pub roughness: Option<f64>,
-    /// Exposure in powers of two.
-    pub exposure: f64,
-    /// Tone mapping.
-    pub tone: Tone,
-    /// Correction of parallax.
-    pub proxy: Proxy,
-}
-
-impl Default for SceneLook {
-    fn default() -> Self {
-        Self {
-            camera: Camera { pitch: 7_f64.to_radians(), ..Camera::default() },
-            roughness: None,
-            exposure: 0.0,
-            tone: Tone::default(),
-            proxy: Proxy::default(),
-        }
-    }
-}
-
-impl SceneLook {
-    /// Checks that every value is in its range.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] naming the value and its range.
-    pub fn check(&self) -> Result<()> {
-        // The ranges of what a scene's look shares with others.
-        let roughness = self.roughness.unwrap_or(0.0);
-        let exposure = Exposure::Ev(self.exposure);
-        Look { camera: self.camera, roughness, exposure, ..Look::default() }.check()
-    }
-}
 
 /// A draw of a glossy part that adds the reflections of one probe.
 #[derive(Debug)]
