@@ -12,6 +12,7 @@ mod image;
 mod io;
 mod laboratory;
 mod ladder;
+mod layers;
 #[cfg(feature = "mesh")]
 mod mesh;
 mod oem;
