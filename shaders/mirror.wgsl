@@ -1,4 +1,5 @@
-// Copies the square of an OEM to one texture, as read by `radiance` of src/cpu/mirror.rs.
+// Copies the square of an OEM to one texture, as read by `radiance` of src/cpu/mirror.rs. Planes hold
+// energies (radiance times solid angle, float32) and solid angles in steradians.
 #include "common/table.wgsl"
 
 const EDGE = 16u;

@@ -1,4 +1,5 @@
-// Triangles that are drawn straight into octahedral maps: src/direct/mod.rs.
+// Triangles that are drawn straight into octahedral maps: src/direct/mod.rs. Positions
+// are in units of the scene; values are what triangles interpolate, such as radiance.
 #include "common/octants.wgsl"
 
 struct Corner {

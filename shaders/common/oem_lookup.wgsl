@@ -47,15 +47,15 @@ fn nearer(to: vec2<f32>, a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return select(b, a, dot(a - to, a - to) <= dot(b - to, b - to));
 }
 
-// The place of `direction` beside `own`: where the other layer continues that of `own`.
+// The coordinates of `direction` that continue the layer of `own`, nearest to `own`.
 fn rectangular_corner(own: vec3<f32>, direction: vec3<f32>) -> vec2<f32> {
     let at = rectangular_place(direction);
     if at.z == own.z {
         return at.xy;
     }
-    let beside = nearer(own.xy, at.xy + vec2<f32>(2.0, 0.0), at.xy - vec2<f32>(2.0, 0.0));
+    let shifted = nearer(own.xy, at.xy + vec2<f32>(2.0, 0.0), at.xy - vec2<f32>(2.0, 0.0));
     let turned = nearer(own.xy, vec2<f32>(-at.x, 2.0 - at.y), vec2<f32>(-at.x, -2.0 - at.y));
-    return nearer(own.xy, beside, turned);
+    return nearer(own.xy, shifted, turned);
 }
 
 fn rectangular_level(own: vec3<f32>, right: vec3<f32>, below: vec3<f32>, inner: f32) -> f32 {

@@ -1,4 +1,5 @@
-// The planes of an exact table, one per channel.
+// The planes of an exact table, one per channel. Entries are 64-bit fixed point, low word first, as in
+// src/sat.rs.
 #include "common/table.wgsl"
 #include "common/u64.wgsl"
 

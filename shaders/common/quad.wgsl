@@ -1,4 +1,6 @@
-// Four sibling cells, field by field: `Quad` of src/cpu/cells.rs as QUAD_FIELDS vectors.
+// Four sibling cells, field by field: `Quad` of src/cpu/cells.rs as QUAD_FIELDS vectors. Lengths are in radii
+// of the sphere; luminance and colours are of energies (radiance times solid angle).
+#include "common/luminance.wgsl"
 
 const QUAD_FIELDS = 15u;
 const FIELD_X = 0u;
@@ -13,5 +15,3 @@ const FIELD_GREEN = 12u;
 const FIELD_BLUE = 13u;
 // Unused; pads a quad to 240 bytes.
 const FIELD_SPARE = 14u;
-
-const LUMINANCE = vec3<f32>(0.2126, 0.7152, 0.0722);

@@ -51,7 +51,7 @@ fn point_of_cube(face: u32, st: vec2<f32>) -> vec3<f32> {
 }
 
 // The place `at` of a piece, in texels from its texel's corner. `lower` selects the side of the fold for
-// places on it.
+// points on it.
 fn source_direction(piece: SourcePiece, at: vec2<f32>, lower: bool) -> Direction {
     let sides = vec2<f32>(f32(lobe.columns), f32(lobe.rows));
     if lobe.source == PANORAMA {

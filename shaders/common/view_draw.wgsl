@@ -1,6 +1,7 @@
 // Draws the viewer's pictures: linear and exposed, or the samples themselves. The including file declares
 // radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>, with `direction` in the
 // source's space.
+#include "common/luminance.wgsl"
 #include "common/view_scene.wgsl"
 
 // Greatest half float.
@@ -93,9 +94,8 @@ fn error_colour(error: f32) -> vec3<f32> {
 
 // The colour of the error, and the error.
 fn off(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
-    let weights = vec3<f32>(0.2126, 0.7152, 0.0722);
-    let given = dot(weights, radiance(frame.source_from_world * found.direction, found.roughness, pixel));
-    let expected = dot(weights, textureLoad(truth, vec2<i32>(pixel), 0).rgb);
+    let given = dot(LUMINANCE, radiance(frame.source_from_world * found.direction, found.roughness, pixel));
+    let expected = dot(LUMINANCE, textureLoad(truth, vec2<i32>(pixel), 0).rgb);
     let error = abs(given - expected) / max(expected, 1e-30);
     return vec4<f32>(error_colour(error), min(error, GREATEST));
 }

@@ -1,5 +1,6 @@
 // Lists the triangles that each view may show, in their order: counts them by chunks, then, once
 // direct/offsets.wgsl has summed the counts, writes their indices.
+// Counts are of triangles, indices of corners.
 #include "common/direct.wgsl"
 
 const GROUP_SIZE = 256u;

@@ -1,5 +1,5 @@
 // Turns the counts of each list's chunks into the counts before each chunk, and writes the arguments of the
-// indirect draw of the list. A workgroup serves a list.
+// indirect draw of the list. A workgroup serves a list. Counts are of triangles.
 
 const GROUP_SIZE = 256u;
 

@@ -1,7 +1,7 @@
 // Cuts triangles into pieces, by a method of Engelhardt and Dachsbacher 2008, in two compute passes around
 // direct/offsets.wgsl: "strict split" (section 4.1) at the planes x = 0, y = 0 and z = 0, so that each piece
 // lies in one octant; "XZ-split" (section 5.2) at y = 0; "edge strip" at y = 0 with the edges of both parts
-// cut at x = 0 and z = 0.
+// cut at x = 0 and z = 0. Counts are of triangles.
 #include "common/direct.wgsl"
 
 const GROUP_SIZE = 256u;

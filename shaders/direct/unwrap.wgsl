@@ -1,4 +1,5 @@
 // Draws triangles into a panel of the tennis-ball map by unwrapping their corners: src/gpu/direct/unwrap.rs.
+// Angles are in radians.
 #include "common/direct.wgsl"
 
 // Values of `Panel.remedy`.

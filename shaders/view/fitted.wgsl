@@ -1,4 +1,5 @@
-// Viewer pipeline for the real-time tier.
+// Viewer pipeline for the real-time tier. Entries are 64-bit fixed point, as in src/sat.rs; the texture holds
+// energies (radiance times solid angle).
 @group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
 @group(1) @binding(1) var<uniform> octagloss_light: OctaglossLight;
 @group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;

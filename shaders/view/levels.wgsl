@@ -1,5 +1,5 @@
 // Viewer pipeline for a prefiltered cube chain as engines use it: trilinear between levels of ascending
-// roughness.
+// roughness. Levels hold radiance.
 @group(1) @binding(0) var levels: texture_cube<f32>;
 @group(1) @binding(1) var trilinear: sampler;
 #include "common/view_draw.wgsl"

@@ -1,4 +1,5 @@
-// Tone-maps the linear picture for the display: `Present` of src/view/present.rs.
+// Tone-maps the linear picture for the display: `Present` of src/view/present.rs. The picture holds
+// exposed radiance.
 
 struct Present {
     // Upper left corner and size of the picture in the target, and size of the linear picture, in pixels.

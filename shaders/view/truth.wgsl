@@ -1,4 +1,4 @@
-// Viewer pipeline for precomputed answers, one per pixel.
+// Viewer pipeline for precomputed radiance, one answer per pixel.
 #include "common/view_draw.wgsl"
 
 fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32> {

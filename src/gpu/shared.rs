@@ -59,7 +59,7 @@ pub fn constants() -> Vec<Constant> {
         one("common/kernel.wgsl", "SHAPE_CONE", shape::CONE),
         one("common/kernel.wgsl", "SHAPE_COSINE", shape::COSINE),
         one("common/light.wgsl", "EMITTERS", COUNT as u32),
-        ("common/quad.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
+        ("common/luminance.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
         one("common/quad.wgsl", "QUAD_FIELDS", cells::QUAD_FIELDS as u32),
         one("common/reduction.wgsl", "GROUPS", fixed_point::GROUPS),
         one("common/reduction.wgsl", "GROUP_SIZE", fixed_point::GROUP_SIZE),

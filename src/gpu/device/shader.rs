@@ -36,6 +36,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/kernel.wgsl",
     "common/light.wgsl",
     "common/live.wgsl",
+    "common/luminance.wgsl",
     "common/octahedral.wgsl",
     "common/octants.wgsl",
     "common/octaves.wgsl",
