@@ -17,7 +17,7 @@ pub struct LevelLookup {
     size: usize,
     /// Per face, a row-major square with `size + 2` entries per side: texel indices in the level. The four
     /// corners are unset.
-    places: Vec<u32>,
+    indices: Vec<u32>,
 }
 
 /// Maximum texels per look-up.
@@ -39,7 +39,7 @@ impl LevelLookup {
     #[must_use]
     pub fn new(size: u32) -> Self {
         let (n, side) = (size as usize, size as usize + 2);
-        let mut places = vec![0; 6 * side * side];
+        let mut indices = vec![0; 6 * side * side];
         // The border entry is the neighbour's outermost texel.
         let across = 1.0 + 1e-9;
         let centre = |k: usize| {
@@ -51,14 +51,14 @@ impl LevelLookup {
                 (2 * k - 1) as f64 / n as f64 - 1.0
             }
         };
-        for (place, texel) in places.iter_mut().enumerate() {
+        for (place, texel) in indices.iter_mut().enumerate() {
             let (face, row, column) = (place / (side * side), place / side % side, place % side);
             let point = cube_point(Face::ALL[face], centre(column), centre(row));
             let (face, s, t) = cube_from_direction(point);
             let line = |x: f64| (((x + 1.0) / 2.0 * n as f64) as usize).min(n - 1);
             *texel = ((face.index() * n + line(t)) * n + line(s)) as u32;
         }
-        Self { size: n, places }
+        Self { size: n, indices }
     }
 
     /// Texels read by a look-up along `direction` (any nonzero length).
@@ -88,7 +88,7 @@ impl LevelLookup {
             square.iter().filter(|(i, j, _)| corner(*i, *j)).map(|(_, _, weight)| weight).sum();
         let mut taps = Taps { texels: [0; MOST_TAPS], weights: [0.0; MOST_TAPS], count: 0 };
         for (i, j, weight) in square.into_iter().filter(|(i, j, _)| !corner(*i, *j)) {
-            taps.texels[taps.count] = self.places[(face.index() * side + j) * side + i];
+            taps.texels[taps.count] = self.indices[(face.index() * side + j) * side + i];
             taps.weights[taps.count] = weight + missing / 3.0;
             taps.count += 1;
         }

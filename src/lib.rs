@@ -9,14 +9,15 @@
 //!       |                                              +--> bake: a cube chain
 //!       +----> OEM, bordered: L*w and w per texel (w = solid angle)
 //!       |        +----> exact 64-bit SAT ---> boxes, fitted lobes
-//!       +----> oracle: exhaustive integration, to check all of it by
+//!       +----> oracle: exhaustive integration, the reference of the tests
 //! ```
 //!
 //! A quadtree over the environment's texels with the first three moments of their energy serves adaptive
 //! lobes with bounds. The octahedral environment map (OEM) is resampled by exact overlap areas: no energy is
-//! lost, and a constant stays constant; its summed-area table (SAT) in 64-bit fixed point serves boxes and
-//! fitted lobes. The GPU engine runs the same stages as compute passes, and the tests hold it to the CPU's
-//! results. `docs/architecture.md` draws the modules, `docs/algorithm.md` explains the mathematics.
+//! lost, and a constant stays constant. Its summed-area table (SAT) in 64-bit fixed point serves boxes and
+//! fitted lobes. The GPU engine runs the same stages as compute passes, and the tests compare its
+//! results with the CPU's. `docs/architecture.md` draws the modules, `docs/algorithm.md` explains the
+//! mathematics.
 //!
 //! # Conventions
 //!
@@ -172,7 +173,7 @@ pub mod files {
     pub use crate::io::output::Existing;
 }
 
-/// What the program, its tests, fuzz targets and examples use besides; it may change in any version.
+/// Further items for the program, its tests, fuzz targets and examples. They may change in any version.
 #[doc(hidden)]
 pub mod internals {
     macro_rules! modules {

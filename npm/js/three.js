@@ -73,10 +73,10 @@ export async function loadEnvironment(source, { renderer, sh, signal, ...options
     }
     let [harmonics, result] = [null, null];
     if (target === 'three') {
-        // The name that a bake gives the file beside it.
-        const beside =
+        // The name that a bake gives the harmonics.
+        const shUrl =
             sh === undefined && url?.includes('_pmrem.ktx2') ? url.replace('_pmrem.ktx2', '_sh.json') : sh;
-        if (beside) harmonics = await fetched(beside, signal).then((response) => response.json());
+        if (shUrl) harmonics = await fetched(shUrl, signal).then((response) => response.json());
     } else {
         const { bake } = await import('./browser.js');
         const input = file.name ?? url?.split(/[?#]/)[0].split('/').pop() ?? 'environment';

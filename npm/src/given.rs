@@ -26,7 +26,7 @@ pub(crate) fn with_options(text: &str) -> String {
 /// Options that have not been read yet.
 pub(crate) struct Given {
     left: Map<String, Value>,
-    /// Names that were asked for, for the error about others.
+    /// Names of all options, for the error about others.
     known: Vec<&'static str>,
 }
 
@@ -137,7 +137,7 @@ impl Given {
         }
     }
 
-    /// Fails if an option is left that nothing has asked for.
+    /// Fails for an option that has not been read.
     pub(crate) fn finish(self) -> Result<()> {
         let Some(name) = self.left.keys().next() else { return Ok(()) };
         wrong(format!("there is no option `{name}`; there are {}", self.known.join(", ")))

@@ -45,7 +45,7 @@ pub(crate) fn output(
     let environment = request.name.clone().or(stem).unwrap_or_else(|| "environment".to_owned());
     let several = plans.len() > 1;
     let mut sheets = Vec::new();
-    let mut beside = String::new();
+    let mut prefix = String::new();
     for (plan, mut bake) in plans.iter().zip(bakes) {
         let files = &plan.plan;
         let is_file = !files.is_targeted() && files.is_single();
@@ -55,7 +55,7 @@ pub(crate) fn output(
         };
         let folder = if several { format!("{}/", files.target.name) } else { String::new() };
         if is_file {
-            beside = format!("{name}.");
+            prefix = format!("{name}.");
         }
         bake.warnings.dedup();
         let compressed = request.overflow.apply_all(&mut bake, files.pixel)?;
@@ -75,15 +75,15 @@ pub(crate) fn output(
         let report = report(request, plan, (&bake, &made), (&environment, compressed), stored, baked);
         let report = json(&report)?;
         output.files.extend(made.into_iter().map(|made| (format!("{folder}{}", made.path), made.bytes)));
-        output.files.push((format!("{folder}{beside}report.json"), report.clone().into_bytes()));
+        output.files.push((format!("{folder}{prefix}report.json"), report.clone().into_bytes()));
         output.reports.push(report);
     }
     if baked.reading.extract_sun {
-        output.files.push((format!("{beside}sun.json"), json(&baked.opened.sun)?.into_bytes()));
+        output.files.push((format!("{prefix}sun.json"), json(&baked.opened.sun)?.into_bytes()));
     }
     if request.sunless {
         let bytes = exact_exr_bytes(&baked.opened.environment, "an environment without its sun")?;
-        output.files.push((format!("{beside}sunless.exr"), bytes));
+        output.files.push((format!("{prefix}sunless.exr"), bytes));
     }
     output.preview = match &sheets[..] {
         [] => None,

@@ -8,7 +8,7 @@ use octagloss::internals::lobe::LOBES;
 use octagloss::internals::reflector::sharpest;
 use octagloss::{Environment, Filter, Lobe, Reflector, ReflectorSettings, Result};
 
-/// Options of a query besides directions and roughness.
+/// Options of a query other than directions and roughness.
 pub(crate) struct Query {
     lobe: Lobe,
     filter: Filter,

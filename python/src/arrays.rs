@@ -62,13 +62,13 @@ impl<'py> Reals<'py> {
 /// `name[i, j]` for the element `index` of an array of `shape`, which is a flat index.
 pub(crate) fn element(name: &str, shape: &[usize], index: usize) -> String {
     let mut rest = index;
-    let mut places = Vec::with_capacity(shape.len());
+    let mut indices = Vec::with_capacity(shape.len());
     for extent in shape.iter().rev() {
-        places.push((rest % extent).to_string());
+        indices.push((rest % extent).to_string());
         rest /= extent;
     }
-    places.reverse();
-    if places.is_empty() { name.to_owned() } else { format!("{name}[{}]", places.join(", ")) }
+    indices.reverse();
+    if indices.is_empty() { name.to_owned() } else { format!("{name}[{}]", indices.join(", ")) }
 }
 
 /// A shape as Python writes it.

@@ -93,7 +93,7 @@ impl Level {
     }
 
     /// Certified bound on the luminance error of each texel, float32, shaped as the texels without channels;
-    /// None unless bake was asked for bounds, and for mirrors. A read-only array, not a copy.
+    /// None for mirrors, and for bakes without bounds. A read-only array, not a copy.
     #[getter]
     fn bounds<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         if slf.get().core().bounds.is_none() {
@@ -145,14 +145,14 @@ impl Bake {
         (0..count).map(part).collect()
     }
 
-    /// The irradiance cube, over pi; None unless asked for.
+    /// The irradiance cube, over pi; None if not requested.
     #[getter]
     fn irradiance(&self) -> Option<Level> {
         self.core.irradiance.as_ref()?;
         Some(Level { bake: Arc::clone(&self.core), part: Part::Irradiance })
     }
 
-    /// The unfiltered environment; None unless asked for.
+    /// The unfiltered environment; None if not requested.
     #[getter]
     fn skybox(&self) -> Option<Level> {
         self.core.skybox.as_ref()?;

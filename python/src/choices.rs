@@ -93,17 +93,9 @@ pub(crate) fn container(text: &str) -> PyResult<Container> {
 }
 
 pub(crate) fn pixel(text: &str) -> PyResult<Pixel> {
-    let all = [
-        Pixel::F16,
-        Pixel::F32,
-        Pixel::Rgb9e5,
-        Pixel::R11g11b10,
-        Pixel::Bc6h,
-        Pixel::Rgbd,
-        Pixel::Rgbp,
-        Pixel::Rgbe,
-    ];
-    choice("pixel", text, &all.map(|pixel| (pixel.name(), pixel)))
+    let all = [&Pixel::CHOICES[..], &[Pixel::Rgbd, Pixel::Rgbp, Pixel::Rgbe]].concat();
+    let all: Vec<_> = all.into_iter().map(|pixel| (pixel.name(), pixel)).collect();
+    choice("pixel", text, &all)
 }
 
 pub(crate) fn overflow(text: &str) -> PyResult<Overflow> {

@@ -100,7 +100,7 @@ impl Format {
         plan.container = self.container.unwrap_or(plan.container);
         plan.pixel = self.pixel.unwrap_or(plan.pixel);
         plan.skybox |= bake.is_some_and(|bake| bake.skybox.is_some());
-        // A cube that was asked for besides.
+        // An additional cube.
         plan.diffuse = match plan.diffuse {
             diffuse if bake.is_none_or(|bake| bake.irradiance.is_none()) => diffuse,
             Diffuse::Sh => Diffuse::Both,

@@ -45,7 +45,7 @@ impl Roughness {
     }
 }
 
-/// The reflector of `tables`, made anew if it was made for other settings.
+/// The reflector of `tables`; replaced if it was made for other settings.
 fn prepared<'t>(
     tables: &'t mut Option<Tables>,
     light: &Light,

@@ -81,7 +81,7 @@ def test_other_threads_go_on_meanwhile(sky, directions):
     thread = threading.Thread(target=tick)
     thread.start()
     try:
-        # One call that takes long enough to tell.
+        # One call that is long enough to measure.
         start, stop, count = 0.0, 0.0, 50
         while stop - start < 0.3:
             start = time.monotonic()

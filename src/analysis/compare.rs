@@ -1,7 +1,7 @@
 //! Measures a bake against its exhaustively integrated source, or against another bake.
 
 use crate::analysis::oracle::Oracle;
-use crate::analysis::sun::{beside, texel_width};
+use crate::analysis::sun::{neighbour, texel_width};
 use crate::chain::{Chain, Level};
 use crate::environment::{Environment, Layout, exact_luminance};
 use crate::error::{Error, Result};
@@ -300,17 +300,17 @@ fn level_errors(
     let (mut squares, mut distances, mut whole, mut count) = (0.0, 0.0, 0.0, 0.0);
     let mut worst = (0, -1.0);
     let is_cube = matches!(level.layout, Layout::Cube { .. });
-    for (pick, (at, wanted)) in picks.iter().zip(&references).enumerate() {
-        let wanted = exact_luminance(*wanted);
-        let error = exact_luminance(level.texels[*at]) - wanted;
+    for (pick, (at, expected)) in picks.iter().zip(&references).enumerate() {
+        let expected = exact_luminance(*expected);
+        let error = exact_luminance(level.texels[*at]) - expected;
         // A cube's texels are nearly alike; a panorama's shrink to nothing.
         let (_, i, j) = place(level.layout, *at);
         let weight = if is_cube { 1.0 } else { level.layout.texel_solid_angle(i, j) };
         squares += weight * error * error;
         distances += weight * error.abs();
-        whole += weight * wanted;
+        whole += weight * expected;
         count += weight;
-        let relative = relative(error, wanted);
+        let relative = relative(error, expected);
         if relative > worst.1 {
             worst = (pick, relative);
         }
@@ -320,7 +320,7 @@ fn level_errors(
     let bake = |at: usize| exact_luminance(level.texels[at]);
     // Reuse the integrals if all texels are compared.
     let all = picks.len() == level.texels.len();
-    let wanted = |at: usize| exact_luminance(if all { references[at] } else { reference(at) });
+    let expected = |at: usize| exact_luminance(if all { references[at] } else { reference(at) });
     LevelErrors {
         level: index,
         size: level.size(),
@@ -338,7 +338,7 @@ fn level_errors(
             relative: worst.1,
         },
         seam: if is_cube { seam(level.size(), texels, &bake) } else { None },
-        reference_seam: if is_cube { seam(level.size(), texels, &wanted) } else { None },
+        reference_seam: if is_cube { seam(level.size(), texels, &expected) } else { None },
         reference: sampling.grid(level.layout).map(|size| {
             let texels = references.iter().map(|rgb| rgb.map(|c| c as f32)).collect();
             Level::cube(size, level.roughness, texels)
@@ -346,10 +346,10 @@ fn level_errors(
     }
 }
 
-/// |error| over `wanted`; if that is 0, 0 for no error and 1 for any.
-fn relative(error: f64, wanted: f64) -> f64 {
-    if wanted > 0.0 {
-        error.abs() / wanted
+/// |error| over `expected`; if that is 0, 0 for no error and 1 for any.
+fn relative(error: f64, expected: f64) -> f64 {
+    if expected > 0.0 {
+        error.abs() / expected
     } else if error == 0.0 {
         0.0
     } else {
@@ -424,18 +424,18 @@ fn step_across(size: u32, k: usize) -> (usize, usize) {
         2 => ((along, last), (along, last + 1)),
         _ => ((along, 0), (along, -1)),
     };
-    (beside(size, face, inside.0, inside.1), beside(size, face, outside.0, outside.1))
+    (neighbour(size, face, inside.0, inside.1), neighbour(size, face, outside.0, outside.1))
 }
 
-/// `wanted` of the numbers below `count`, or all, in order; deterministic.
-fn sample(count: usize, wanted: Option<usize>) -> Vec<usize> {
-    match wanted.filter(|wanted| *wanted < count) {
+/// `amount` of the numbers below `count`, or all, in order; deterministic.
+fn sample(count: usize, amount: Option<usize>) -> Vec<usize> {
+    match amount.filter(|amount| *amount < count) {
         None => (0..count).collect(),
-        Some(wanted) => {
+        Some(amount) => {
             // Floyd's algorithm: every subset is equally likely.
             let mut random = SplitMix(1);
             let mut picks = BTreeSet::new();
-            for top in count - wanted..count {
+            for top in count - amount..count {
                 let pick = (random.next() % (top as u64 + 1)) as usize;
                 if !picks.insert(pick) {
                     picks.insert(top);
@@ -481,9 +481,9 @@ mod tests {
         let errors = &errors_against_bake(&bad, &good).expect("equal shapes")[0];
         assert_eq!((errors.worst.face, errors.worst.i, errors.worst.j), (Some("pz"), 6, 3));
         assert_eq!(errors.worst.value, [8.0; 3]);
-        let wanted = f64::from(good.levels[0].texels[at][0]);
-        assert!((errors.worst.relative - (8.0 - wanted) / wanted).abs() < 1e-6, "{errors:?}");
-        let rel_rmse = (8.0 - wanted) / (384_f64).sqrt() / 2.0;
+        let expected = f64::from(good.levels[0].texels[at][0]);
+        assert!((errors.worst.relative - (8.0 - expected) / expected).abs() < 1e-6, "{errors:?}");
+        let rel_rmse = (8.0 - expected) / (384_f64).sqrt() / 2.0;
         assert!((errors.rel_rmse / rel_rmse - 1.0).abs() < 1e-5, "{errors:?}");
     }
 

@@ -70,19 +70,19 @@ pub fn delivered_errors(
     let lookup = ChainLookup::new(&chain.levels);
     let directions = even_directions(DIRECTIONS);
     let error_at = |roughness: &f64| {
-        let wanted = truth(*roughness, &directions)?;
+        let expected = truth(*roughness, &directions)?;
         let lod = ladder.lod(*roughness, levels, size);
         let pairs: Vec<(f64, f64)> = directions
             .par_iter()
-            .zip(&wanted)
-            .map(|(direction, wanted)| {
-                (exact_luminance(lookup.read(*direction, lod)), exact_luminance(*wanted))
+            .zip(&expected)
+            .map(|(direction, expected)| {
+                (exact_luminance(lookup.read(*direction, lod)), exact_luminance(*expected))
             })
             .collect();
         let count = pairs.len() as f64;
-        let mean = pairs.iter().map(|(_, wanted)| wanted).sum::<f64>() / count;
-        let squares = pairs.iter().map(|(got, wanted)| (got - wanted).powi(2)).sum::<f64>();
-        let most = pairs.iter().map(|(got, wanted)| (got - wanted).abs()).fold(0.0, f64::max);
+        let mean = pairs.iter().map(|(_, expected)| expected).sum::<f64>() / count;
+        let squares = pairs.iter().map(|(got, expected)| (got - expected).powi(2)).sum::<f64>();
+        let most = pairs.iter().map(|(got, expected)| (got - expected).abs()).fold(0.0, f64::max);
         let over_mean = |error: f64| match (error > 0.0, mean > 0.0) {
             (false, _) => 0.0,
             (true, true) => error / mean,

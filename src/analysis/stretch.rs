@@ -150,15 +150,15 @@ fn extremes(map: &dyn SphereMap, component: u32, inset: f64) -> Extremes {
     // Different offsets avoid the diagonals. The last two approach a corner along a line of the grid: where
     // stretch depends on the direction of approach, it may be greatest along a fold.
     let (a, b) = (inset, 2.0 * inset);
-    let (along, beside) = (100.0 * inset, inset / 5.0);
+    let (along, across) = (100.0 * inset, inset / 5.0);
     let offsets = [
         (a, b, step),
         (1.0 - b, a, step),
         (b, 1.0 - a, step),
         (1.0 - a, 1.0 - b, step),
         (0.5 + a, 0.5 + b, step),
-        (along, beside, step / 5.0),
-        (beside, along, step / 5.0),
+        (along, across, step / 5.0),
+        (across, along, step / 5.0),
     ];
     let row = |y: u32| {
         let mut row = Extremes { greatest: 0.0, spacing: 0.0, anisotropy: 1.0, area: [f64::INFINITY, 0.0] };

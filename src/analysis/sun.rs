@@ -336,7 +336,7 @@ impl Grid {
                 let column = (x + if over { width / 2 } else { 0 }).rem_euclid(width);
                 (y.clamp(0, height - 1) * width + column) as usize
             }
-            Layout::Cube { size } => beside(size, cube::Face::ALL[face], x, y),
+            Layout::Cube { size } => neighbour(size, cube::Face::ALL[face], x, y),
             Layout::Octahedral { size } => {
                 let (x, y) = octahedral::wrap_texel(size, x, y);
                 y as usize * size as usize + x as usize
@@ -352,8 +352,8 @@ impl Grid {
 
     /// The texels around `region`, which is sorted, in order.
     fn rim(self, region: &[usize]) -> Vec<usize> {
-        let beside = region.iter().flat_map(|&at| self.around(at));
-        let mut rim: Vec<usize> = beside.filter(|at| region.binary_search(at).is_err()).collect();
+        let around = region.iter().flat_map(|&at| self.around(at));
+        let mut rim: Vec<usize> = around.filter(|at| region.binary_search(at).is_err()).collect();
         rim.sort_unstable();
         rim.dedup();
         rim
@@ -379,7 +379,7 @@ impl Grid {
 }
 
 /// Index of the cube texel at (`x`, `y`) of `face`, which may be one texel outside the face.
-pub(crate) fn beside(size: u32, face: cube::Face, x: i64, y: i64) -> usize {
+pub(crate) fn neighbour(size: u32, face: cube::Face, x: i64, y: i64) -> usize {
     let n = f64::from(size);
     let coordinate = |k: i64| (k as f64 + 0.5) / n * 2.0 - 1.0;
     let (face, s, t) = cube::cube_from_direction(cube::cube_point(face, coordinate(x), coordinate(y)));

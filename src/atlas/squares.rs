@@ -22,10 +22,10 @@ impl Squares {
     /// Takes a square of `side` texels, a power of two, and returns its corner. Splits the smallest free
     /// square that is large enough; `None` if there is none.
     pub(super) fn take(&mut self, side: u32) -> Option<[u32; 2]> {
-        let wanted = side.ilog2() as usize;
-        let found = (wanted..self.free.len()).find(|level| !self.free[*level].is_empty())?;
+        let needed = side.ilog2() as usize;
+        let found = (needed..self.free.len()).find(|level| !self.free[*level].is_empty())?;
         let [x, y] = self.free[found].pop_first()?;
-        for level in wanted..found {
+        for level in needed..found {
             let half = 1 << level;
             self.free[level].extend([[x + half, y], [x, y + half], [x + half, y + half]]);
         }

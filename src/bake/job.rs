@@ -60,15 +60,15 @@ impl<'a> Job<'a> {
                     return Err(Error::Parameter(format!("`{name}` must be at least 1")));
                 }
             }
-            let (specs, beside) = (settings.level_specs()?, settings.filter.for_other_lobes());
+            let (specs, other_filter) = (settings.level_specs()?, settings.filter.for_other_lobes());
             let mut chain = |lobe: Lobe, filter: Filter| -> Vec<usize> {
                 specs.iter().map(|spec| index_of(LevelJob { spec: *spec, lobe, filter })).collect()
             };
             let levels = chain(settings.lobe, settings.filter);
-            let sheen = settings.sheen.then(|| chain(Lobe::Charlie, beside));
+            let sheen = settings.sheen.then(|| chain(Lobe::Charlie, other_filter));
             let irradiance = settings.irradiance.map(|size| {
                 let spec = LevelSpec { layout: Layout::Cube { size }, roughness: 1.0 };
-                index_of(LevelJob { spec, lobe: Lobe::Cosine, filter: beside })
+                index_of(LevelJob { spec, lobe: Lobe::Cosine, filter: other_filter })
             });
             let skybox = settings.skybox.map(|size| {
                 let layout = match settings.map {

@@ -52,8 +52,8 @@ fn level_clamped_share(level: &Level, pixel: Pixel) -> f64 {
     let (mut lost, mut whole) = (0.0, 0.0);
     let images = texels.len() / (layout.sides().0 as usize * layout.sides().1 as usize);
     let (columns, rows) = layout.sides();
-    let places = (0..images).flat_map(|_| (0..rows).flat_map(move |j| (0..columns).map(move |i| (i, j))));
-    for (texel, (i, j)) in texels.iter().zip(places) {
+    let positions = (0..images).flat_map(|_| (0..rows).flat_map(move |j| (0..columns).map(move |i| (i, j))));
+    for (texel, (i, j)) in texels.iter().zip(positions) {
         let solid_angle = layout.texel_solid_angle(i, j);
         for (value, weight) in texel.iter().zip(LUMINANCE) {
             let energy = solid_angle * f64::from(weight);

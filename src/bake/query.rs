@@ -25,7 +25,7 @@ pub struct Query<'a> {
 struct Alike {
     roughness: f64,
     /// Their indices in the query.
-    places: Vec<usize>,
+    indices: Vec<usize>,
     directions: Vec<DVec3>,
 }
 
@@ -35,9 +35,9 @@ impl Query<'_> {
         // Bits of nonnegative floats sort like the numbers.
         let mut by_roughness: BTreeMap<u64, Alike> = BTreeMap::new();
         for (place, (direction, roughness)) in self.directions.iter().zip(self.roughness).enumerate() {
-            let none = || Alike { roughness: *roughness, places: Vec::new(), directions: Vec::new() };
+            let none = || Alike { roughness: *roughness, indices: Vec::new(), directions: Vec::new() };
             let alike = by_roughness.entry(roughness.to_bits()).or_insert_with(none);
-            alike.places.push(place);
+            alike.indices.push(place);
             alike.directions.push(*direction);
         }
         by_roughness.into_values().collect()
@@ -52,9 +52,9 @@ impl Query<'_> {
     /// The answers of `engine`, in the order of the directions.
     pub(crate) async fn answers(&self, engine: &impl Engine) -> Result<Vec<Answer>> {
         let mut ordered = vec![Answer { radiance: [0.0; 3], bound: None }; self.directions.len()];
-        for Alike { roughness, places, directions } in self.alike() {
+        for Alike { roughness, indices, directions } in self.alike() {
             let answers = engine.query_each(&directions, self.lobe, roughness, self.filter).await?;
-            places.into_iter().zip(answers).for_each(|(place, answer)| ordered[place] = answer);
+            indices.into_iter().zip(answers).for_each(|(place, answer)| ordered[place] = answer);
         }
         Ok(ordered)
     }

@@ -64,8 +64,8 @@ impl Bake {
     /// Mutable [`Bake::levels`].
     pub fn levels_mut(&mut self) -> impl Iterator<Item = &mut Level> {
         let sheen = self.sheen.iter_mut().flat_map(|sheen| &mut sheen.levels);
-        let beside = self.irradiance.iter_mut().chain(self.skybox.as_mut());
-        self.chain.levels.iter_mut().chain(beside).chain(sheen)
+        let cubes = self.irradiance.iter_mut().chain(self.skybox.as_mut());
+        self.chain.levels.iter_mut().chain(cubes).chain(sheen)
     }
 }
 

@@ -125,7 +125,7 @@ pub(crate) fn solve(kind: ChainKind, levels: &mut [Level], nodes: &[Node], lobes
         nodes.iter().zip(lobes).map(|(node, texels)| of(node.edge(), texels)).collect();
     for index in held.first_solved..=last {
         let window = Window::new(index, held, last, nodes);
-        let wanted = |place| window.wanted(place, &sampled[window.first - held.level..], &between);
+        let target = |place| window.target(place, &sampled[window.first - held.level..], &between);
         let level = &mut levels[index];
         let fit = if resolves(level.size(), level.roughness) {
             // Cubic interpolation between texel centres.
@@ -133,11 +133,11 @@ pub(crate) fn solve(kind: ChainKind, levels: &mut [Level], nodes: &[Node], lobes
             let centre = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
             let place = |k: usize| (Face::ALL[k / (n * n)], centre(k % n), centre(k / n % n));
             let centres: Vec<[f64; 3]> =
-                (0..6 * n * n).into_par_iter().with_min_len(256).map(|k| wanted(place(k))).collect();
+                (0..6 * n * n).into_par_iter().with_min_len(256).map(|k| target(place(k))).collect();
             let smooth = Smooth::new(level.size(), &|texel| centres[texel]);
             Fit::new(level.size(), &|place| smooth.read(place))
         } else {
-            Fit::new(level.size(), &wanted)
+            Fit::new(level.size(), &target)
         };
         level.texels = fit.ordered(fit.texels(&level.texels), &level.texels);
     }
@@ -191,7 +191,7 @@ struct Window {
     aims: Vec<Aim>,
     /// Normal equations: the diagonal and the off-diagonal.
     diagonal: Vec<f64>,
-    beside: Vec<f64>,
+    off_diagonal: Vec<f64>,
     /// Solution per level: weights of the aims.
     shares: Vec<Vec<f64>>,
 }
@@ -213,16 +213,16 @@ impl Window {
             aims.push(Aim { origin: Origin::Level(first), weight: held.weight * step, low: 0, share: 0.0 });
         }
         let count = end - first + 1;
-        let (mut diagonal, mut beside) = (vec![0.0; count], vec![0.0; count]);
+        let (mut diagonal, mut off_diagonal) = (vec![0.0; count], vec![0.0; count]);
         for aim in &aims {
             let low = aim.low;
             diagonal[low] += aim.weight * (1.0 - aim.share).powi(2);
             if aim.share > 0.0 {
                 diagonal[low + 1] += aim.weight * aim.share.powi(2);
-                beside[low] += aim.weight * aim.share * (1.0 - aim.share);
+                off_diagonal[low] += aim.weight * aim.share * (1.0 - aim.share);
             }
         }
-        let mut window = Self { first, own: index - first, aims, diagonal, beside, shares: Vec::new() };
+        let mut window = Self { first, own: index - first, aims, diagonal, off_diagonal, shares: Vec::new() };
         let columns: Vec<Vec<f64>> = window.aims.iter().map(|aim| window.exact(aim)).collect();
         window.shares =
             (0..count).map(|level| columns.iter().map(|column| column[level]).collect()).collect();
@@ -239,19 +239,19 @@ impl Window {
         }
         let mut pivot = self.diagonal.clone();
         for k in 1..count {
-            let factor = self.beside[k - 1] / pivot[k - 1];
-            pivot[k] -= factor * self.beside[k - 1];
+            let factor = self.off_diagonal[k - 1] / pivot[k - 1];
+            pivot[k] -= factor * self.off_diagonal[k - 1];
             right[k] -= factor * right[k - 1];
         }
         for k in (0..count).rev() {
-            let above = if k + 1 < count { self.beside[k] * right[k + 1] } else { 0.0 };
+            let above = if k + 1 < count { self.off_diagonal[k] * right[k + 1] } else { 0.0 };
             right[k] = (right[k] - above) / pivot[k];
         }
         right
     }
 
     /// Value of the solved level at `place`, from the window's `sampled` levels.
-    fn wanted(&self, place: Place, sampled: &[Smooth], between: &[Smooth]) -> [f64; 3] {
+    fn target(&self, place: Place, sampled: &[Smooth], between: &[Smooth]) -> [f64; 3] {
         let count = self.diagonal.len();
         let mut own = [[0.0; 3]; MOST_LEVELS];
         for (k, own) in own.iter_mut().enumerate().take(count) {
@@ -293,10 +293,10 @@ impl Window {
             for k in 0..count {
                 let mut rest = right[k];
                 if k > 0 {
-                    rest -= self.beside[k - 1] * levels[k - 1][c];
+                    rest -= self.off_diagonal[k - 1] * levels[k - 1][c];
                 }
                 if k + 1 < count {
-                    rest -= self.beside[k] * levels[k + 1][c];
+                    rest -= self.off_diagonal[k] * levels[k + 1][c];
                 }
                 levels[k][c] = (rest / self.diagonal[k]).max(least[k][c]);
             }
@@ -430,9 +430,9 @@ const STEPS: usize = 12;
 const BLOCK: u32 = 1 << 14;
 
 impl Fit {
-    /// Equations of a level of `size` texels for the look-up values `wanted`, at four points per texel, or
+    /// Equations of a level of `size` texels for the look-up values `target`, at four points per texel, or
     /// more for small levels.
-    fn new(size: u32, wanted: &(dyn Fn(Place) -> [f64; 3] + Sync)) -> Self {
+    fn new(size: u32, target: &(dyn Fn(Place) -> [f64; 3] + Sync)) -> Self {
         let edge = size * LEAST_EDGE.div_ceil(size).max(2);
         let lookup = LevelLookup::new(size);
         let (texel, scale) = (f64::from(size) / f64::from(edge), 2.0 / f64::from(edge));
@@ -442,7 +442,7 @@ impl Fit {
             let squared = 1.0 + place.1 * place.1 + place.2 * place.2;
             // Solid angle of a point, relative to a texel at a face's centre.
             let weight = texel * texel / (squared * squared.sqrt());
-            (lookup.taps_at(place), wanted(place), weight)
+            (lookup.taps_at(place), target(place), weight)
         };
         let texels = 6 * size as usize * size as usize;
         let mut fit = Self {
@@ -454,18 +454,18 @@ impl Fit {
         for first in (0..count).step_by(BLOCK as usize) {
             let points: Vec<_> =
                 (first..count.min(first + BLOCK)).into_par_iter().with_min_len(256).map(point).collect();
-            for (taps, wanted, weight) in &points {
-                fit.add(taps, wanted, *weight);
+            for (taps, target, weight) in &points {
+                fit.add(taps, target, *weight);
             }
         }
         fit
     }
 
-    fn add(&mut self, taps: &Taps, wanted: &[f64; 3], weight: f64) {
+    fn add(&mut self, taps: &Taps, target: &[f64; 3], weight: f64) {
         let used = || taps.texels.into_iter().zip(taps.weights).take(taps.count);
         for (texel, share) in used() {
             let share = weight * share;
-            for (sum, value) in self.right[texel as usize].iter_mut().zip(wanted) {
+            for (sum, value) in self.right[texel as usize].iter_mut().zip(target) {
                 *sum += share * value;
             }
             let own = &mut self.partners[texel as usize];

@@ -54,7 +54,7 @@ struct Work {
     engine: EngineArgs,
     exposure: Exposure,
     skip_unchanged: bool,
-    /// Everything besides the inputs that affects the outputs.
+    /// Everything except the inputs that affects the outputs.
     options: String,
 }
 

@@ -83,7 +83,7 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
              a folder with -o",
         );
     }
-    let beside = [
+    let others = [
         (args.json, "--json"),
         (args.skip_unchanged, "--skip-unchanged"),
         (args.preview.is_some(), "--preview"),
@@ -92,7 +92,7 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
         (args.bounds, "--bounds"),
         (args.input.extract_sun, "--extract-sun"),
     ];
-    match beside.into_iter().find(|(asked, _)| *asked) {
+    match others.into_iter().find(|(asked, _)| *asked) {
         Some((_, option)) => usage(format!(
             "-o - writes only one file, to standard output; omit {option} or name a file with -o"
         )),

@@ -117,7 +117,7 @@ impl Outputs {
     }
 
     /// The path of a file next to the levels.
-    fn beside(&self, file: &str) -> String {
+    fn sibling(&self, file: &str) -> String {
         if self.place == Place::Folder { file.to_owned() } else { format!("{}.{file}", self.name) }
     }
 
@@ -127,7 +127,7 @@ impl Outputs {
     }
 
     fn report_path(&self, common: &Common, plan: &BakePlan) -> String {
-        Self::within(common, plan, &self.beside(REPORT))
+        Self::within(common, plan, &self.sibling(REPORT))
     }
 
     /// All files to write, for a source of `layout` if known.
@@ -158,7 +158,7 @@ impl Outputs {
             }
         }
         let sun = common.sun.iter();
-        planned.extend(sun.map(|sun| file(self.beside(sun.name()), sun.content().to_owned())));
+        planned.extend(sun.map(|sun| file(self.sibling(sun.name()), sun.content().to_owned())));
         let preview = self.preview.iter().cloned();
         planned.extend(preview.map(|path| Planned { path, content: "picture".to_owned(), is_report: false }));
         planned.extend(reports);
@@ -286,17 +286,17 @@ impl Outputs {
             print_bytes(&main.bytes)?;
             return Ok(main.bytes.len() as u64);
         }
-        let mut beside: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+        let mut sibling: Vec<(PathBuf, Vec<u8>)> = Vec::new();
         for sun in &common.sun {
-            beside.push((self.beside(sun.name()).into(), sun.bytes(opened)?));
+            sibling.push((self.sibling(sun.name()).into(), sun.bytes(opened)?));
         }
-        beside.extend(self.preview.iter().cloned().zip(picture.map(<[u8]>::to_vec)));
+        sibling.extend(self.preview.iter().cloned().zip(picture.map(<[u8]>::to_vec)));
         let mut report_files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
         let mut files: Files<'_> = Vec::new();
         for (plan, made) in common.plans.iter().zip(made) {
             files.extend(made.iter().map(|m| (Self::within(common, plan, &m.path).into(), &m.bytes[..])));
         }
-        files.extend(beside.iter().map(|(path, bytes)| (path.clone(), &bytes[..])));
+        files.extend(sibling.iter().map(|(path, bytes)| (path.clone(), &bytes[..])));
         let places = self.in_places(files);
         let hash = |(place, files): &(OutputPlace, Files<'_>)| match files[..] {
             [(_, bytes)] if !place.is_folder => blake3::hash(bytes),
@@ -377,7 +377,7 @@ impl Outputs {
         if self.place != Place::File || common.existing != Existing::Replace {
             return Ok(());
         }
-        let path = self.base().join(self.beside(REPORT));
+        let path = self.base().join(self.sibling(REPORT));
         let text = read_regular(&path, MOST_REPORT_BYTES).unwrap_or_default();
         let old = serde_json::from_slice::<Report>(&text).ok();
         let believed = old.is_some_and(|old| old.fingerprint.is_none_or(|hashes| hashes.files.is_empty()));

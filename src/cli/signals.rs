@@ -13,15 +13,15 @@ pub(super) fn watch() {
     // The flag is unused: a handled signal does not end the process, so the write fails.
     drop(flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false))));
     let ignored = ignored_signals();
-    let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| match ignored {
+    let handled = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| match ignored {
         Some(mask) => mask >> (signal - 1) & 1 == 0,
         // The mask of ignored signals is unavailable.
         None => *signal != SIGHUP,
     });
-    let wanted: Vec<_> = wanted.collect();
+    let handled: Vec<_> = handled.collect();
     // The handling thread installs the handlers; without it, signals keep their default action.
     let wait = move || {
-        let signal = Signals::new(wanted).ok().and_then(|mut signals| signals.forever().next());
+        let signal = Signals::new(handled).ok().and_then(|mut signals| signals.forever().next());
         if let Some(signal) = signal {
             remove_temporaries();
             // Skip destructors: other threads are still running.

@@ -159,16 +159,16 @@ impl<'a> Adaptive<'a> {
         scratch.stack.push((u8::try_from(cells.levels.len() - 1).expect("few levels"), 0, 0));
         while !scratch.stack.is_empty() {
             let rest = scratch.stack.len().saturating_sub(QUADS);
-            let mut places = [(0, 0, 0); QUADS];
+            let mut nodes = [(0, 0, 0); QUADS];
             let count = scratch.stack.len() - rest;
-            places[..count].copy_from_slice(&scratch.stack[rest..]);
+            nodes[..count].copy_from_slice(&scratch.stack[rest..]);
             scratch.stack.truncate(rest);
-            let quads = places.map(|(level, i, j)| {
+            let quads = nodes.map(|(level, i, j)| {
                 let place = cells.levels[usize::from(level)];
                 &cells.quads[(place.first + j * place.width + i) as usize]
             });
             let errors = expected_errors(kernel, packet, &quads);
-            for ((quad, errors), (level, i, j)) in quads.iter().zip(&errors).zip(places).take(count) {
+            for ((quad, errors), (level, i, j)) in quads.iter().zip(&errors).zip(nodes).take(count) {
                 for k in 0..4 {
                     // Cells without luminance contribute nothing.
                     if quad.luminance[k] == 0.0 {

@@ -62,16 +62,16 @@ impl Bake {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let made = files(&plan, &name, self, &options.metadata)?;
         let outputs = if plan.is_single() {
-            let (inside, beside): (Vec<_>, Vec<_>) = made.iter().partition(|file| file.path.contains('/'));
+            let (inside, outside): (Vec<_>, Vec<_>) = made.iter().partition(|file| file.path.contains('/'));
             let file = |path: &str| path.split_once('/').map_or(path, |(_, file)| file).to_owned();
             let bounds: Vec<_> = inside.iter().map(|made| (file(&made.path), &made.bytes[..])).collect();
             let folder = (!bounds.is_empty())
                 .then(|| (path.with_file_name(format!("{name}.bounds")), Output::Folder(bounds)));
-            let beside = beside.into_iter().map(|made| {
+            let outside = outside.into_iter().map(|made| {
                 let place = if made.path == name { path.to_owned() } else { path.with_file_name(&made.path) };
                 (place, Output::File(&made.bytes))
             });
-            beside.chain(folder).collect()
+            outside.chain(folder).collect()
         } else {
             let files = made.iter().map(|made| (made.path.clone(), &made.bytes[..])).collect();
             vec![(path.to_owned(), Output::Folder(files))]

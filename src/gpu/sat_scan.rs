@@ -74,10 +74,10 @@ impl SatScan {
             let carries = [scan.clone(), rows_left, above.clone()];
             let sums = [&carries[..], &input].concat();
             let tables = [&sums[..], &output].concat();
-            let places = (tiles * TILE).div_ceil(GROUP_SIZE);
+            let groups = (tiles * TILE).div_ceil(GROUP_SIZE);
             dispatches.extend([
                 Dispatch::new(context, &self.tile_sums, &sums, [tiles, tiles, 2]),
-                Dispatch::new(context, &self.carries, &carries, [places, 1, 2]),
+                Dispatch::new(context, &self.carries, &carries, [groups, 1, 2]),
                 Dispatch::new(context, &self.carry_rows, &[scan, above], [tiles, 1, 2]),
                 Dispatch::new(context, &self.tables, &tables, [tiles, tiles, 2]),
             ]);

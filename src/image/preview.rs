@@ -36,7 +36,7 @@ const HALF_VIEW: f64 = 0.385;
 /// Roughness of the backdrop level; the nearest level is used.
 const BACKDROP_ROUGHNESS: f64 = 0.35;
 
-/// What a contact sheet tells of its chain.
+/// Description of the chain on a contact sheet.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Origin<'a> {
     /// Name of the environment or its file.

@@ -163,14 +163,14 @@ fn filled(path: &Path, picture: &mut Picture, pad: Pad, memory_limit: u64) -> Re
         return Err(limit(path, &what, bytes, memory_limit));
     };
     let around = |all: u32, own: u32| Bars { first: (all - own) / 2, last: all - own - (all - own) / 2 };
-    let (above, beside) = (around(rows, picture.height), around(columns, picture.width));
+    let (above, at_sides) = (around(rows, picture.height), around(columns, picture.width));
     let width = picture.width as usize;
     let wide = |line: &[Rgb]| -> Vec<Rgb> {
         let ends = match pad {
             Pad::Black => [[0.0; 3]; 2],
             Pad::Edge => [line[0], line[width - 1]],
         };
-        let mut wide = vec![ends[0]; beside.first as usize];
+        let mut wide = vec![ends[0]; at_sides.first as usize];
         wide.extend_from_slice(line);
         wide.resize(columns as usize, ends[1]);
         wide
@@ -192,7 +192,7 @@ fn filled(path: &Path, picture: &mut Picture, pad: Pad, memory_limit: u64) -> Re
     let with = if pad == Pad::Black { "black" } else { "edge" };
     let said = [
         above.words(&format!("{with} rows"), ["above", "below"]),
-        beside.words(&format!("{with} columns"), ["left", "right"]),
+        at_sides.words(&format!("{with} columns"), ["left", "right"]),
     ];
     let said: Vec<String> = said.into_iter().flatten().collect();
     picture.warnings.push(format!("padded with {}", said.join(", ")));

@@ -91,7 +91,7 @@ pub(super) fn of_file(path: &Path, hash: impl Fn() -> blake3::Hash) -> Option<De
     });
     let known = OnceCell::new();
     let hash = || known.get_or_init(|| hash().to_hex().to_string()).clone();
-    let own = beside(path).into_iter().map(|report| (report, name.clone()));
+    let own = reports_of(path).into_iter().map(|report| (report, name.clone()));
     own.chain(shared).find_map(|(report, name)| {
         let is_own = report.file_name().is_some_and(|name| name != REPORT);
         let report = read(&report)?;
@@ -101,7 +101,7 @@ pub(super) fn of_file(path: &Path, hash: impl Fn() -> blake3::Hash) -> Option<De
 }
 
 /// Candidate reports in the folder of the single file `path`.
-fn beside(path: &Path) -> Vec<PathBuf> {
+fn reports_of(path: &Path) -> Vec<PathBuf> {
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return Vec::new() };
     let of = |name: &str| path.with_file_name(format!("{name}.{REPORT}"));
     let kinds = [".irradiance.", ".skybox."].into_iter().filter(|kind| name.contains(kind));

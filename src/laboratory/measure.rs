@@ -344,7 +344,7 @@ impl Truth<'_> {
 }
 
 /// The greatest solid angle of any box, whatever filters are measured: a row has the same border, and so the
-/// same texels, beside other filters and alone.
+/// same texels, with other filters and alone.
 fn widest(lobes: &[Prepared]) -> f64 {
     let boxes = lobes.iter().flat_map(|lobe| lobe.single.iter().chain(&lobe.stack));
     boxes.map(|one| one.solid_angle).fold(0.0, f64::max)
@@ -381,7 +381,7 @@ impl Settings {
         self.check_grids()
     }
 
-    /// Checks that every row has texels left beside the border of its widest box.
+    /// Checks that every row has texels left inside the border of its widest box.
     fn check_grids(&self) -> Result<()> {
         let lobes = self.lobes();
         let widest = widest(&lobes);
@@ -395,7 +395,7 @@ impl Settings {
             None => "leave the map out".to_owned(),
         };
         Err(Error::Parameter(format!(
-            "`size` {} leaves no texel to {} (map {}) beside the border of its widest box; {remedy}",
+            "`size` {} leaves no texel to {} (map {}) inside the border of its widest box; {remedy}",
             self.size, subject.title, subject.map
         )))
     }

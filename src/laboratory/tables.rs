@@ -57,8 +57,8 @@ impl Texels {
                 let columns = -wide..width + wide;
                 let band = |top: i64| {
                     let rows = top..(top + BAND).min(height + wide);
-                    let wanted = |x: i64, y: i64| continued(x, y).is_some();
-                    let outside = continuation.means(component, columns.clone(), rows.clone(), wanted);
+                    let is_needed = |x: i64, y: i64| continued(x, y).is_some();
+                    let outside = continuation.means(component, columns.clone(), rows.clone(), is_needed);
                     let places = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
                     let texel = |((x, y), mean): ((i64, i64), Rgb)| {
                         let (light, solid_angle) = match continued(x, y) {

@@ -30,7 +30,7 @@ pub(crate) trait Radial: Copy {
     /// k at `s`.
     fn value(self, s: f32) -> f32;
 
-    /// k at several places, with one division for all.
+    /// k at several values of s, with one division for all.
     #[inline(always)]
     fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
         s.map(|s| self.value(s))

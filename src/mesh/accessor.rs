@@ -110,12 +110,12 @@ impl Buffers<'_> {
             }
             let component = valid(&sparse.indices.component_type).map_err(wrong)?.0;
             let (view, offset) = (sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0);
-            let places = self.elements(view, offset, amount, component.size()).map_err(wrong)?;
+            let targets = self.elements(view, offset, amount, component.size()).map_err(wrong)?;
             let (view, offset) = (sparse.values.buffer_view.value(), sparse.values.byte_offset.0);
             let values = self.elements(view, offset, amount, size).map_err(wrong)?;
             let mut all: Vec<(u64, &[u8])> = Vec::with_capacity(amount as usize);
             for k in 0..amount as usize {
-                let place = u64::from(unsigned(component, places.get(k)).map_err(wrong)?);
+                let place = u64::from(unsigned(component, targets.get(k)).map_err(wrong)?);
                 if place >= count || all.last().is_some_and(|(last, _)| *last >= place) {
                     return Err(wrong(format!("sparse index {place} is not ascending below {count}")));
                 }

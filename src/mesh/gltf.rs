@@ -137,8 +137,8 @@ impl Scene<'_> {
             _ => return Ok(()),
         };
         let (most, most_indices) = self.builder.room();
-        let attribute = |wanted: Semantic| {
-            primitive.attributes.get(&Checked::Valid(wanted)).map(|accessor| accessor.value())
+        let attribute = |semantic: Semantic| {
+            primitive.attributes.get(&Checked::Valid(semantic)).map(|accessor| accessor.value())
         };
         let positions = attribute(Semantic::Positions).ok_or_else(|| "no POSITION".to_owned())?;
         let buffers = &self.buffers;

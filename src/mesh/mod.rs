@@ -278,16 +278,16 @@ impl Builder {
             axes.z_axis.cross(axes.x_axis),
             axes.x_axis.cross(axes.y_axis),
         ) * if mirrored { -1.0 } else { 1.0 };
-        let mut places = Vec::with_capacity(count);
+        let mut points = Vec::with_capacity(count);
         for position in corners.positions {
             let place = world.transform_point3(DVec3::from_array(position.map(f64::from)));
             if !place.as_vec3().is_finite() {
                 return Err(format!("vertex position {place} is out of range"));
             }
-            places.push(place);
+            points.push(place);
         }
         let vertex = |k: usize, normal: DVec3| Vertex {
-            position: places[k].as_vec3().to_array(),
+            position: points[k].as_vec3().to_array(),
             normal: unit(normal).as_vec3().to_array(),
             colour: corners.colours.map_or([1.0; 4], |colours| colours[k]),
             uv: corners.uv.map_or([0.0; 2], |uv| uv[k]),
@@ -306,7 +306,7 @@ impl Builder {
                 list.extend([first + a, first + b, first + c]);
                 continue;
             }
-            let [p, q, r] = [a, b, c].map(|k| places[k as usize]);
+            let [p, q, r] = [a, b, c].map(|k| points[k as usize]);
             let normal = (q - p).cross(r - p);
             for k in [a, b, c] {
                 list.push(vertices.len() as u32);

@@ -1,4 +1,4 @@
-//! Content of figures besides the maps.
+//! Content of figures other than the maps.
 
 use crate::environment::Environment;
 use crate::error::{Error, Result};

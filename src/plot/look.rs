@@ -1,4 +1,4 @@
-//! Colours that figures of the maps and charts use besides the common style.
+//! Colours of figures and charts, in addition to the common style.
 
 use crate::image::drawing::style::Colour;
 

@@ -85,18 +85,19 @@ pub fn extracted(oem: &Oem) -> (Vec<Emitter>, Oem) {
 /// Makes an emitter from the share `given` of the energy of some texels of an OEM of size `inner`.
 fn emitter(inner: u32, texels: impl Iterator<Item = (u32, u32, [f32; 4])> + Clone, given: f64) -> Emitter {
     let width = 2.0 / f64::from(inner);
-    let places = texels.clone().map(|(x, y, _)| (DVec2::new(f64::from(x), f64::from(y)) + 0.5) * width - 1.0);
+    let centres =
+        texels.clone().map(|(x, y, _)| (DVec2::new(f64::from(x), f64::from(y)) + 0.5) * width - 1.0);
     let energies = texels.map(|(_, _, [r, g, b, _])| [r, g, b].map(|energy| given * f64::from(energy)));
     let mut energy = [0.0; 3];
     let mut mean = DVec3::ZERO;
-    for (uv, own) in places.clone().zip(energies.clone()) {
+    for (uv, own) in centres.clone().zip(energies.clone()) {
         for (sum, own) in energy.iter_mut().zip(own) {
             *sum += own;
         }
         mean += own.iter().sum::<f64>() * direction_from_oct(uv);
     }
     let direction = mean.normalize();
-    let apart: f64 = places
+    let apart: f64 = centres
         .zip(energies)
         .map(|(uv, own)| {
             own.iter().sum::<f64>()

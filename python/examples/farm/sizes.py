@@ -10,7 +10,7 @@ SUFFIXES = (".hdr", ".exr", ".png", ".jpg", ".jpeg")
 
 
 def pixels(header: bytes, file_bytes: int) -> int:
-    """Pixels of an image by the beginning of its file; about two bytes a pixel where that says nothing."""
+    """Pixels of an image by the beginning of its file; estimated at two bytes a pixel if unknown."""
     found = radiance(header) or exr(header) or png(header)
     return found or max(file_bytes // 2, 1)
 

@@ -141,7 +141,7 @@ impl<'a> Oracle<'a> {
         if total == 0.0 && edge.iter().all(|texel| texel.radiance == [0.0; 3]) {
             return [0.0; 3];
         }
-        // Estimates that find no light say nothing of the mean: refine all, as if it were the greatest.
+        // Without light, estimates do not bound the mean: refine all, as if it were the greatest.
         let mean = if total > 0.0 {
             total / (edge.iter().map(|e| e.estimate).sum::<f64>() + sum.kernel)
         } else {

@@ -174,7 +174,7 @@ impl<'a> TriangleOracle<'a> {
         if corners.iter().any(is_close) { Cover::Doubtful } else { Cover::Outside }
     }
 
-    /// Every triangle that pixel (`x`, `y`) shows for certain, and how many it may show besides.
+    /// Every triangle that pixel (`x`, `y`) certainly shows, and the number of others that it may show.
     #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> (Vec<Hit>, usize) {
         let mut hits = Vec::new();

@@ -49,8 +49,8 @@ impl<'a> Continuation<'a> {
                     let top = k as i64 * i64::from(BLOCK);
                     let rows = top..top + (means.len() / width) as i64;
                     let at = |x: i64, y: i64| (y - top) as usize * width + x as usize;
-                    let wanted = |x, y| means[at(x, y)][0].is_nan();
-                    let found = self.means(component, 0..width as i64, rows, wanted);
+                    let is_needed = |x, y| means[at(x, y)][0].is_nan();
+                    let found = self.means(component, 0..width as i64, rows, is_needed);
                     let without = means.iter_mut().zip(found).filter(|(mean, _)| mean[0].is_nan());
                     without.for_each(|(mean, found)| *mean = found);
                 }
@@ -59,13 +59,13 @@ impl<'a> Continuation<'a> {
     }
 
     /// Mean radiances over the texels of `columns` and `rows`, which may lie outside the image of
-    /// `component`, row by row; black for texels that are not `wanted`.
+    /// `component`, row by row; black for texels that are not `is_needed`.
     pub fn means(
         &self,
         component: u32,
         columns: Range<i64>,
         rows: Range<i64>,
-        wanted: impl Fn(i64, i64) -> bool,
+        is_needed: impl Fn(i64, i64) -> bool,
     ) -> Vec<Rgb> {
         let width = (columns.end - columns.start).max(0) as usize;
         let mut means = vec![[0.0; 3]; width * (rows.end - rows.start).max(0) as usize];
@@ -78,7 +78,7 @@ impl<'a> Continuation<'a> {
                 let (right, bottom) = (columns.end.min(left + step), rows.end.min(top + step));
                 let (mut numbers, mut places) = (Numbers::default(), Vec::new());
                 for (y, row) in (top..bottom).zip(&mut numbers) {
-                    for (x, number) in (left..right).zip(row).filter(|(x, _)| wanted(*x, y)) {
+                    for (x, number) in (left..right).zip(row).filter(|(x, _)| is_needed(*x, y)) {
                         *number = Some(places.len() as u32);
                         places.push((y - rows.start) as usize * width + (x - columns.start) as usize);
                     }

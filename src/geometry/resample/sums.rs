@@ -21,7 +21,7 @@ pub(super) struct Sums {
     /// Number of images.
     images: usize,
     /// Place of each target texel in `targets`, or [`NONE`].
-    places: Vec<u32>,
+    slots: Vec<u32>,
     /// Target texels with sums, in the order in which shares met them.
     targets: Vec<u32>,
     /// The sums by place.
@@ -30,7 +30,7 @@ pub(super) struct Sums {
 
 impl Sums {
     pub(super) fn new(images: usize, targets: usize) -> Self {
-        Self { images, places: vec![NONE; targets], targets: Vec::new(), chunks: Vec::new() }
+        Self { images, slots: vec![NONE; targets], targets: Vec::new(), chunks: Vec::new() }
     }
 
     /// Numbers of a place.
@@ -41,7 +41,7 @@ impl Sums {
     /// Adds the shares of `bands` of the radiances `texels`.
     pub(super) fn add(&mut self, bands: &[Band], texels: &[Rgb]) {
         for share in bands.iter().flat_map(|band| &band.shares) {
-            let place = &mut self.places[share.target as usize];
+            let place = &mut self.slots[share.target as usize];
             if *place == NONE {
                 *place = u32::try_from(self.targets.len()).expect("texels fit");
                 self.targets.push(share.target);
@@ -49,14 +49,14 @@ impl Sums {
         }
         let (images, stride) = (self.images, self.stride());
         self.chunks.resize_with(self.targets.len().div_ceil(CHUNK), || vec![0.0; CHUNK * stride]);
-        // Every thread sums its own range of places, in the order of the sources.
+        // Every thread sums its own range of slots, in the order of the sources.
         let per_thread = self.chunks.len().div_ceil(rayon::current_num_threads()).max(1);
-        let places = &self.places;
+        let slots = &self.slots;
         self.chunks.par_chunks_mut(per_thread).enumerate().for_each(|(thread, chunks)| {
             let first = thread * per_thread * CHUNK;
             for band in bands {
                 for share in &band.shares {
-                    let place = places[share.target as usize] as usize;
+                    let place = slots[share.target as usize] as usize;
                     let Some(place) = place.checked_sub(first) else { continue };
                     let Some(chunk) = chunks.get_mut(place / CHUNK) else { continue };
                     let sums = &mut chunk[place % CHUNK * stride..][..stride];
@@ -100,7 +100,7 @@ impl Sums {
             std::array::from_fn(|k| std::array::from_fn(|c| sum[k][c] + term[k][c]))
         });
         let scale: [f64; 3] = std::array::from_fn(|c| if held[c] > 0.0 { arrived[c] / held[c] } else { 1.0 });
-        let mut means = vec![[f32::NAN; 3]; self.places.len()];
+        let mut means = vec![[f32::NAN; 3]; self.slots.len()];
         for (sums, (images, _)) in self.chunks.into_iter().zip(parts) {
             for (sums, images) in sums.chunks_exact(stride).zip(images.chunks_exact(self.images)) {
                 for (image, mean) in images.iter().zip(sums.chunks_exact(3)) {

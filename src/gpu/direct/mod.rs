@@ -7,8 +7,8 @@
 //! ```
 //!
 //! [`Direct`] holds the pipelines for one kind of output. Bound to a mesh and a target by [`Direct::frame`],
-//! a method is a [`DirectFrame`], which records into the caller's encoder. The frame reads the mesh's buffers
-//! anew whenever it is submitted.
+//! a method is a [`DirectFrame`], which records into the caller's encoder. Every submission reads the mesh's
+//! buffers again.
 
 pub mod list;
 mod mesh;
@@ -417,7 +417,7 @@ impl DirectFrame {
         self.passes.len() as u32 + u32::from(self.list.is_some())
     }
 
-    /// The same as [`DirectFrame::record`], with the times of passes written to the first places of `timer`.
+    /// The same as [`DirectFrame::record`], with the times of passes written to the first slots of `timer`.
     pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
         if let Some(List { stage, .. }) = &self.list {
             stage.record_timed(encoder, timer.map(|timer| timer.compute_writes(0)));

@@ -263,10 +263,11 @@ fn samples_around(
             samples.extend(close.map(|(to_a, to_b)| among(&[(to_a, a), (to_b, b)])));
         }
     }
-    samples.extend(triangle::neighbours(i, j).map(|beside| among(&[(0.5, beside)])));
-    for beside in [knot.wrapping_sub(1), knot + 1].into_iter().filter(|beside| *beside < KNOTS.len()) {
-        let other = &layers[index(octave)][beside][node(i, j)];
-        samples.push(sample((here + KNOTS[beside]) / 2.0, own, &[(0.5, other)]));
+    samples.extend(triangle::neighbours(i, j).map(|neighbour| among(&[(0.5, neighbour)])));
+    for neighbour in [knot.wrapping_sub(1), knot + 1].into_iter().filter(|neighbour| *neighbour < KNOTS.len())
+    {
+        let other = &layers[index(octave)][neighbour][node(i, j)];
+        samples.push(sample((here + KNOTS[neighbour]) / 2.0, own, &[(0.5, other)]));
     }
     samples
 }

@@ -331,7 +331,7 @@ impl Bounds {
             0 => parts.iter().filter(|part| !part.distant).collect(),
             _ => parts.iter().filter(still).collect(),
         };
-        let places = || {
+        let points = || {
             chosen.iter().flat_map(|part| {
                 let place =
                     |corner: &SceneCorner| part.place + DVec3::from_array(corner.position.map(f64::from));
@@ -339,9 +339,9 @@ impl Bounds {
             })
         };
         let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = places().fold(empty, |(low, high), at| (low.min(at), high.max(at)));
+        let (low, high) = points().fold(empty, |(low, high), at| (low.min(at), high.max(at)));
         let centre = 0.5 * (low + high);
-        let radius = places().map(|at| at.distance(centre)).fold(0.0, f64::max);
+        let radius = points().map(|at| at.distance(centre)).fold(0.0, f64::max);
         Self { low, high, radius }
     }
 }

@@ -154,8 +154,8 @@ impl Pictures {
         let three = |v: DVec3| v.as_vec3().to_array();
         let frame = look.camera.frame(aspect, field_of_angle(ANGLE));
         let Bounds { low, high, radius } = *bounds;
-        let mut places = [[0.0; 4]; MOST_PROBES];
-        for (place, centre) in places.iter_mut().zip(centres) {
+        let mut positions = [[0.0; 4]; MOST_PROBES];
+        for (place, centre) in positions.iter_mut().zip(centres) {
             *place = centre.as_vec3().extend(0.0).to_array();
         }
         let uniform = FrameUniform {
@@ -167,7 +167,7 @@ impl Pictures {
             high: three(high),
             probes: centres.len() as u32,
             sphere: (0.5 * (low + high)).as_vec3().extend(radius as f32).to_array(),
-            centres: places,
+            centres: positions,
         };
         context.queue().write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
     }

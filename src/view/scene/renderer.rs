@@ -200,7 +200,7 @@ impl SceneRenderer {
         self.context.check()
     }
 
-    /// Records the update of one probe; returns the labels of its passes in a timer's places.
+    /// Records the update of one probe; returns the labels of its passes in a timer's slots.
     fn record_update(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,

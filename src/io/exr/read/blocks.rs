@@ -100,7 +100,7 @@ pub(super) fn decode_into(
         })
     };
     // Offset tables may reference a block twice: the expected number of distinct positions covers the image.
-    let mut places = HashSet::with_capacity(expected.min(source.bytes.len() / 8));
+    let mut positions = HashSet::with_capacity(expected.min(source.bytes.len() / 8));
     let mut row = RowBuffer::default();
     let serial = header.layer_size.area() * header.channels.bytes_per_pixel < PARALLEL_BYTES;
     let batch_size = usize::try_from(batch_size(header)).unwrap_or(1);
@@ -120,7 +120,7 @@ pub(super) fn decode_into(
             let is_selected =
                 block.index.layer == selection.header && block.index.level.x() + block.index.level.y() == 0;
             let position = block.index.pixel_position;
-            if !is_selected || !places.insert((position.x(), position.y())) {
+            if !is_selected || !positions.insert((position.x(), position.y())) {
                 return Err(
                     source.error("corrupt: its offset table references wrong blocks; re-export the file")
                 );

@@ -115,10 +115,10 @@ fn candidates_of(index: usize, header: &Header) -> Vec<Candidate> {
     prefixes.dedup();
     let part = header.own_attributes.layer_name.as_ref().map(ToString::to_string).unwrap_or_default();
     let candidate = |prefix: &String| {
-        let find = |wanted: &[&str]| {
+        let find = |channels: &[&str]| {
             names.iter().position(|name| {
                 let (own_prefix, channel) = split(name);
-                own_prefix == *prefix && wanted.contains(&channel.as_str())
+                own_prefix == *prefix && channels.contains(&channel.as_str())
             })
         };
         let triple = |a: &[&str], b: &[&str], c: &[&str]| Some([find(a)?, find(b)?, find(c)?]);
