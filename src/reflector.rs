@@ -344,20 +344,28 @@ impl<'a> Reflector<'a> {
         let alpha = roughness * roughness;
         let mirror = lobe.has_mirror() && alpha < MIRROR_ALPHA;
         let method = match filter {
-            Filter::Reference => Method::Reference(Oracle::new(&self.environment), lobe, roughness),
-            Filter::Box => Method::Box(BoxFilter::new(self.sat(), lobe, alpha)),
+            Filter::Reference => Evaluation::Reference(Oracle::new(&self.environment), lobe, roughness),
+            Filter::Box => Evaluation::Box(BoxFilter::new(self.sat(), lobe, alpha)),
             Filter::Fitted(count) => {
                 let table = Table::of(count).expect("checked");
                 let SoftTables { emitters, sat, blurred, harmonics, least } = self.soft();
                 let blurred = |octave| blurred[octave as usize].get_or_init(|| blur::blurred(sat, octave));
-                Method::Fitted(Fitted::new(table, alpha, self.oem(), emitters, *least, &blurred, harmonics))
+                Evaluation::Fitted(Fitted::new(
+                    table,
+                    alpha,
+                    self.oem(),
+                    emitters,
+                    *least,
+                    &blurred,
+                    harmonics,
+                ))
             }
-            Filter::Adaptive(_) if mirror => Method::Mirror(self.oem(), self.oem().least_radiance()),
+            Filter::Adaptive(_) if mirror => Evaluation::Mirror(self.oem(), self.oem().least_radiance()),
             Filter::Adaptive(error) => {
                 let share = bilinear_share(lobe, alpha, self.size.inner);
                 let kernel = Kernel::new(lobe, alpha);
                 let over = |cells| Adaptive::new(cells, kernel, error);
-                Method::Adaptive {
+                Evaluation::Adaptive {
                     source: (share < 1.0)
                         .then(|| over(self.source_cells()).lit_by(self.light()).scaled(1.0 - share)),
                     bilinear: (share > 0.0).then(|| over(self.bilinear_cells()).scaled(share)),
@@ -447,7 +455,7 @@ struct SoftTables {
 }
 
 #[derive(Debug)]
-enum Method<'r> {
+enum Evaluation<'r> {
     Adaptive {
         source: Option<Adaptive<'r>>,
         bilinear: Option<Adaptive<'r>>,
@@ -469,7 +477,7 @@ pub struct Lobes<'r> {
     source_from_world: DMat3,
     /// Scale of the light that `method` reads.
     scale: LightScale,
-    method: Method<'r>,
+    method: Evaluation<'r>,
 }
 
 /// Buffers of evaluations, one per thread.
@@ -490,7 +498,7 @@ impl Lobes<'_> {
         let first_answer = answers.len();
         let unbounded = |radiance: Rgb| Answer { radiance, bound: None };
         match &self.method {
-            Method::Adaptive { source, bilinear, widest } => {
+            Evaluation::Adaptive { source, bilinear, widest } => {
                 let mut turned = [DVec3::ZERO; LANES];
                 // Directions many lobes apart share no leaves: a common cut would resolve the whole area
                 // between them.
@@ -516,16 +524,16 @@ impl Lobes<'_> {
                     workspace.packets += 1;
                 }
             }
-            Method::Box(filter) => {
+            Evaluation::Box(filter) => {
                 answers.extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d))))
             }
-            Method::Fitted(fitted) => {
+            Evaluation::Fitted(fitted) => {
                 answers.extend(directions.iter().map(|d| unbounded(fitted.radiance(source_from_world * *d))))
             }
-            Method::Mirror(oem, least) => answers.extend(
+            Evaluation::Mirror(oem, least) => answers.extend(
                 directions.iter().map(|d| unbounded(mirror::radiance(oem, *least, source_from_world * *d))),
             ),
-            Method::Reference(oracle, lobe, roughness) => answers.extend(
+            Evaluation::Reference(oracle, lobe, roughness) => answers.extend(
                 directions.iter().map(|d| unbounded(oracle.reflect(*lobe, *roughness, *d).map(|c| c as f32))),
             ),
         }

@@ -103,7 +103,7 @@ struct Peak {
 
 impl Peak {
     /// Finds the peak of `environment`, if it stands out.
-    fn find(environment: &Environment, grid: Grid) -> Option<Self> {
+    fn find(environment: &Environment, grid: LayoutTexels) -> Option<Self> {
         let (mut peak_at, mut peak) = (0, 0.0);
         for (at, texel) in environment.texels().iter().enumerate() {
             let l = exact_luminance(*texel);
@@ -129,7 +129,7 @@ impl Sun {
     /// Finds the brightest region of `environment`; `None` if none stands out.
     #[must_use]
     pub fn find(environment: &Environment) -> Option<Self> {
-        let grid = Grid(environment.layout());
+        let grid = LayoutTexels(environment.layout());
         let peak = Peak::find(environment, grid)?;
         let texels = environment.texels();
         let region = grid.region(peak.at, |at| exact_luminance(texels[at]) >= peak.edge());
@@ -164,7 +164,7 @@ impl Sun {
         if Self::find(environment)?.kind != Brightest::Sun {
             return None;
         }
-        let grid = Grid(environment.layout());
+        let grid = LayoutTexels(environment.layout());
         let peak = Peak::find(environment, grid)?;
         let texels = environment.texels();
         let (edge, glow) = (peak.edge(), CONTRAST * peak.surroundings);
@@ -214,7 +214,7 @@ impl Sun {
     /// Integrates `radiance` over the texels of `region`.
     fn over(
         environment: &Environment,
-        grid: Grid,
+        grid: LayoutTexels,
         peak: &Peak,
         region: &[usize],
         radiance: impl Fn(usize) -> [f64; 3],
@@ -290,9 +290,9 @@ pub(crate) fn texel_width(layout: Layout) -> f64 {
 
 /// The texels of a layout by index, in the source's space.
 #[derive(Clone, Copy)]
-struct Grid(Layout);
+struct LayoutTexels(Layout);
 
-impl Grid {
+impl LayoutTexels {
     /// (column, row, face) of texel `at`.
     fn place(self, at: usize) -> (u32, u32, usize) {
         let (width, area) = match self.0 {
@@ -404,7 +404,7 @@ mod tests {
 
     /// Sky of 1 with a sun of 1000 where `direction` is within `degrees` of `centre`.
     fn sky(layout: Layout, centre: DVec3, degrees: f64) -> Environment {
-        let grid = Grid(layout);
+        let grid = LayoutTexels(layout);
         let lit = |at| grid.direction(at).dot(centre) > degrees.to_radians().cos();
         let texels = (0..layout.texel_count()).map(|at| if lit(at) { [1000.0; 3] } else { [1.0; 3] });
         Environment::new(layout, texels.collect()).expect("valid")
@@ -437,7 +437,7 @@ mod tests {
         for layout in LAYOUTS {
             for place in PLACES.map(DVec3::normalize) {
                 // A sun with a glow over a sky with a gradient, different in each channel.
-                let grid = Grid(layout);
+                let grid = LayoutTexels(layout);
                 let texels: Vec<Rgb> = (0..layout.texel_count())
                     .map(|at| {
                         let d = grid.direction(at);

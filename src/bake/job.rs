@@ -168,7 +168,7 @@ impl<'a> Job<'a> {
             all.for_each(|index| uses[*index] += 1);
         }
         let Self { settings, levels: jobs, bakes, .. } = self;
-        let mut taken = |index: usize, bounds: Bounds| {
+        let mut taken = |index: usize, bounds: BoundsUse| {
             let level = &mut baked[index].0;
             uses[index] -= 1;
             let (texels, found) = if uses[index] == 0 {
@@ -177,22 +177,22 @@ impl<'a> Job<'a> {
                 (level.texels.clone(), level.bounds.clone())
             };
             let LevelSpec { layout, roughness } = jobs[index].spec;
-            Level { layout, roughness, texels, bounds: found.filter(|_| bounds == Bounds::Keep) }
+            Level { layout, roughness, texels, bounds: found.filter(|_| bounds == BoundsUse::Keep) }
         };
         let assemble = |(settings, parts): (&BakeSettings, BakeParts)| {
             let sh = &sh[..sh::count(settings.sh_order)];
             let sh_window = settings.sh_window.settled(sh);
-            let bounds = if settings.bounds { Bounds::Keep } else { Bounds::Drop };
+            let bounds = if settings.bounds { BoundsUse::Keep } else { BoundsUse::Drop };
             let stats_of = |indices: &[usize]| -> Vec<LevelStats> {
                 indices.iter().map(|index| stats[*index].clone()).collect()
             };
             let sheen_stats = stats_of(parts.sheen.as_deref().unwrap_or_default());
-            let mut chain = |indices: &[usize], bounds: Bounds| Chain {
+            let mut chain = |indices: &[usize], bounds: BoundsUse| Chain {
                 levels: indices.iter().map(|index| taken(*index, bounds)).collect(),
             };
             let (mut own, mut stats) = (chain(&parts.levels, bounds), stats_of(&parts.levels));
             let nodes = settings.nodes(own.levels.len());
-            let lobes = chain(&parts.nodes, Bounds::Drop);
+            let lobes = chain(&parts.nodes, BoundsUse::Drop);
             let lobes: Vec<&[Rgb]> = lobes.levels.iter().map(|lobe| &lobe.texels[..]).collect();
             for index in solve(settings.chain(), &mut own.levels, &nodes, &lobes) {
                 stats[index].drop_bounds();
@@ -200,10 +200,10 @@ impl<'a> Job<'a> {
             Bake {
                 chain: own,
                 stats,
-                sheen: parts.sheen.map(|sheen| chain(&sheen, Bounds::Drop)),
+                sheen: parts.sheen.map(|sheen| chain(&sheen, BoundsUse::Drop)),
                 sheen_stats,
-                irradiance: parts.irradiance.map(|index| taken(index, Bounds::Drop)),
-                skybox: parts.skybox.map(|index| taken(index, Bounds::Drop)),
+                irradiance: parts.irradiance.map(|index| taken(index, BoundsUse::Drop)),
+                skybox: parts.skybox.map(|index| taken(index, BoundsUse::Drop)),
                 sh: sh_window.apply(sh),
                 sh_window,
                 oem,
@@ -233,7 +233,7 @@ fn shared_scan(settings: &[BakeSettings]) -> Result<Scan> {
 
 /// Handling of a level's bounds.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Bounds {
+enum BoundsUse {
     Keep,
     Drop,
 }

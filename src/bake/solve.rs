@@ -251,7 +251,7 @@ impl Window {
     }
 
     /// Value of the solved level at `place`, from the window's `sampled` levels.
-    fn target(&self, place: Place, sampled: &[Smooth], between: &[Smooth]) -> [f64; 3] {
+    fn target(&self, place: FacePoint, sampled: &[Smooth], between: &[Smooth]) -> [f64; 3] {
         let count = self.diagonal.len();
         let mut own = [[0.0; 3]; MOST_LEVELS];
         for (k, own) in own.iter_mut().enumerate().take(count) {
@@ -315,7 +315,7 @@ const FIXED: f64 = 1e6;
 const SWEEPS: usize = 12;
 
 /// A face with s and t.
-type Place = (Face, f64, f64);
+type FacePoint = (Face, f64, f64);
 
 /// Cubic interpolation of a level's texels, continued across face edges.
 struct Smooth {
@@ -377,7 +377,7 @@ impl Smooth {
     }
 
     /// Value at a position on the cube.
-    fn read(&self, (face, s, t): Place) -> [f64; 3] {
+    fn read(&self, (face, s, t): FacePoint) -> [f64; 3] {
         self.interpolated(face, s, t, (1, self.size + 1)).map(|value| value.max(0.0))
     }
 
@@ -432,7 +432,7 @@ const BLOCK: u32 = 1 << 14;
 impl Fit {
     /// Equations of a level of `size` texels for the look-up values `target`, at four points per texel, or
     /// more for small levels.
-    fn new(size: u32, target: &(dyn Fn(Place) -> [f64; 3] + Sync)) -> Self {
+    fn new(size: u32, target: &(dyn Fn(FacePoint) -> [f64; 3] + Sync)) -> Self {
         let edge = size * LEAST_EDGE.div_ceil(size).max(2);
         let lookup = LevelLookup::new(size);
         let (texel, scale) = (f64::from(size) / f64::from(edge), 2.0 / f64::from(edge));

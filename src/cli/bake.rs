@@ -6,9 +6,9 @@ use super::console::{self, Console, Files};
 use super::engine::{Baker, Engine};
 use super::expand::{Expansion, Found, expand};
 use super::fingerprint;
-use super::input::{self, Opened, Source};
+use super::input::{self, InputFiles, Opened};
 use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
-use super::output::{Common, Outputs, Place, SunFile, names_folder};
+use super::output::{Common, Destination, Outputs, SunFile, names_folder};
 use super::shared_args::{EngineArgs, InputArgs};
 use crate::analysis::oracle::Oracle;
 use crate::bake::memory;
@@ -42,7 +42,7 @@ use std::time::Instant;
 /// The checked job list.
 struct Work {
     common: Common,
-    jobs: Vec<Job>,
+    jobs: Vec<InputJob>,
     /// The folder for several outputs.
     folder: Option<PathBuf>,
     /// Whether several inputs are possible; messages then show a count.
@@ -59,8 +59,8 @@ struct Work {
 }
 
 /// One environment and where its files go.
-struct Job {
-    source: Source,
+struct InputJob {
+    source: InputFiles,
     outputs: Outputs,
     /// The folder of its outputs; created if missing.
     folder: Option<PathBuf>,
@@ -100,7 +100,7 @@ impl Work {
         let (paths, withins): (Vec<_>, Vec<_>) =
             found.into_iter().map(|Found { path, within }| (path, within)).unzip();
         let sources = input::sources(paths, &args.input)?;
-        let sources: Vec<(Source, PathBuf)> = sources.into_iter().zip(withins).collect();
+        let sources: Vec<(InputFiles, PathBuf)> = sources.into_iter().zip(withins).collect();
         if let Some(path) = &args.preview {
             if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
                 return usage(format!("--preview {} must end in .png", path.display()));
@@ -127,15 +127,15 @@ impl Work {
         let place = match &args.output {
             Some(path) if is_stdout(path)? => {
                 bake_plan::check_stdout(&args, first, several)?;
-                Place::Stdout
+                Destination::Stdout
             }
-            _ if is_file => Place::File,
-            _ => Place::Folder,
+            _ if is_file => Destination::File,
+            _ => Destination::Folder,
         };
         let within = several || (is_file && args.output.as_deref().is_some_and(names_folder));
         let folder = args.output.clone().filter(|_| within);
         let total = sources.len();
-        let job = |(number, (source, mirrored)): (usize, (Source, PathBuf))| {
+        let job = |(number, (source, mirrored)): (usize, (InputFiles, PathBuf))| {
             let name = mirrored.join(source.stem() + &suffix);
             let main = match &args.output {
                 Some(folder) if within => folder.join(name),
@@ -147,9 +147,9 @@ impl Work {
             let folder = folder.map(Path::to_owned);
             let label = if several { format!("[{number}/{total}] ") } else { String::new() };
             let outputs = Outputs::new(main, place, environment, args.preview.clone());
-            Job { source, outputs, folder, label }
+            InputJob { source, outputs, folder, label }
         };
-        let jobs: Vec<Job> = (1..).zip(sources).map(job).collect();
+        let jobs: Vec<InputJob> = (1..).zip(sources).map(job).collect();
         let common = Common {
             sun: bake_plan::sun_files(&args),
             existing: if args.force { Existing::Replace } else { Existing::Keep },
@@ -249,7 +249,7 @@ impl Work {
     }
 
     /// Whether to skip `job`.
-    fn is_up_to_date(&self, job: &Job) -> bool {
+    fn is_up_to_date(&self, job: &InputJob) -> bool {
         let request = || fingerprint::request(&job.source, &self.options).ok();
         self.skip_unchanged && request().is_some_and(|request| job.outputs.holds(&self.common, request))
     }
@@ -293,7 +293,13 @@ impl Work {
         if failed > 0 { Err(Failure::Reported) } else { Ok(()) }
     }
 
-    fn bake(&self, job: &Job, files: Option<Files>, engine: &OnceCell<Engine>, console: &Console) -> Outcome {
+    fn bake(
+        &self,
+        job: &InputJob,
+        files: Option<Files>,
+        engine: &OnceCell<Engine>,
+        console: &Console,
+    ) -> Outcome {
         let start = Instant::now();
         // Hash before reading, so a change in between is detected.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
@@ -413,7 +419,7 @@ impl Work {
     }
 
     /// Prefix of messages about one plan's files.
-    fn place_name(&self, job: &Job, plan: &BakePlan) -> String {
+    fn place_name(&self, job: &InputJob, plan: &BakePlan) -> String {
         let main = job.outputs.main.display();
         if plan.plan.is_targeted() {
             format!("{main}, target {}", plan.plan.target.name)
@@ -463,7 +469,7 @@ impl Work {
     }
 }
 
-impl Job {
+impl InputJob {
     /// Reports an input's error and counts the input as failed. Other failures end the program.
     fn report_failure(&self, failure: Failure) -> Outcome<usize> {
         match failure {
@@ -478,7 +484,7 @@ impl Job {
 
 /// A bake and its inputs.
 struct Baked<'a> {
-    job: &'a Job,
+    job: &'a InputJob,
     input_files: Vec<InputFileReport>,
     opened: &'a Opened,
     baker: &'a Baker,

@@ -43,7 +43,7 @@ struct Walk<'a> {
 
 /// A pattern component between slashes.
 #[derive(Debug)]
-enum Part {
+enum PatternPart {
     /// `**`: any number of folders.
     Folders,
     /// A name without wildcards.
@@ -112,10 +112,10 @@ impl Walk<'_> {
     }
 
     /// Adds the files below `folder` that match `parts`.
-    fn pattern(&mut self, folder: &Path, within: &Path, parts: &[Part]) {
+    fn pattern(&mut self, folder: &Path, within: &Path, parts: &[PatternPart]) {
         let Some((first, rest)) = parts.split_first() else { return };
         match first {
-            Part::Folders => {
+            PatternPart::Folders => {
                 self.pattern(folder, within, rest);
                 for name in self.names(folder) {
                     let path = folder.join(&name);
@@ -124,7 +124,7 @@ impl Walk<'_> {
                     }
                 }
             }
-            Part::Literal(name) => {
+            PatternPart::Literal(name) => {
                 let path = folder.join(name);
                 if !rest.is_empty() {
                     // Outputs must stay in their folder.
@@ -137,7 +137,7 @@ impl Walk<'_> {
                     self.take(path, within);
                 }
             }
-            Part::Wild(pattern) => {
+            PatternPart::Wild(pattern) => {
                 let options = MatchOptions { require_literal_leading_dot: true, ..MatchOptions::new() };
                 for name in self.names(folder) {
                     if !pattern.matches_with(&name.to_string_lossy(), options) {
@@ -239,7 +239,7 @@ fn is_real_folder(path: &Path) -> bool {
 
 /// Splits `path` at the first wildcard into folder and pattern parts; `None` without wildcards and for an
 /// existing path.
-fn pattern(path: &Path) -> Option<(&Path, Vec<Part>)> {
+fn pattern(path: &Path) -> Option<(&Path, Vec<PatternPart>)> {
     const WILD: [char; 3] = ['*', '?', '['];
     let text = path.to_str().filter(|text| text.contains(WILD))?;
     if path.symlink_metadata().is_ok() {
@@ -247,17 +247,17 @@ fn pattern(path: &Path) -> Option<(&Path, Vec<Part>)> {
     }
     let wild = text.find(WILD)?;
     let start = text[..wild].rfind(std::path::is_separator).map_or(0, |slash| slash + 1);
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<PatternPart> = Vec::new();
     for part in text[start..].split(std::path::is_separator).filter(|part| !["", "."].contains(part)) {
         match part {
-            "**" if matches!(parts.last(), Some(Part::Folders)) => {}
-            "**" => parts.push(Part::Folders),
-            _ if part.contains(WILD) => parts.push(Part::Wild(Pattern::new(part).ok()?)),
-            _ => parts.push(Part::Literal(part.to_owned())),
+            "**" if matches!(parts.last(), Some(PatternPart::Folders)) => {}
+            "**" => parts.push(PatternPart::Folders),
+            _ if part.contains(WILD) => parts.push(PatternPart::Wild(Pattern::new(part).ok()?)),
+            _ => parts.push(PatternPart::Literal(part.to_owned())),
         }
     }
-    if matches!(parts.last(), Some(Part::Folders)) {
-        parts.push(Part::Wild(Pattern::new("*").ok()?));
+    if matches!(parts.last(), Some(PatternPart::Folders)) {
+        parts.push(PatternPart::Wild(Pattern::new("*").ok()?));
     }
     Some((Path::new(&text[..start]), parts))
 }

@@ -1,7 +1,7 @@
 //! Detects up-to-date outputs by the request and output hashes in the report.
 
 use super::args::BakeArgs;
-use super::input::Source;
+use super::input::InputFiles;
 use super::outcome::Outcome;
 use super::shared_args::InputArgs;
 use crate::bake::BakeSettings;
@@ -77,12 +77,12 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
 }
 
 /// Hashes the content of `source`, `options` and the program's version.
-pub(super) fn request(source: &Source, options: &str) -> Result<Hash> {
+pub(super) fn request(source: &InputFiles, options: &str) -> Result<Hash> {
     requested(source, options).map(|(hash, _)| hash)
 }
 
 /// [`request`], with the hashes of the files of `source`.
-pub(super) fn requested(source: &Source, options: &str) -> Result<(Hash, Vec<InputFileReport>)> {
+pub(super) fn requested(source: &InputFiles, options: &str) -> Result<(Hash, Vec<InputFileReport>)> {
     let mut files = Vec::new();
     let mut hasher = Hasher::new();
     let mut add = |part: &[u8]| {

@@ -3,7 +3,7 @@
 use super::args::InfoArgs;
 use super::console::{self, Console};
 use super::engine::list_adapters;
-use super::input::{self, Opened, Source, layout_name, read_bake};
+use super::input::{self, InputFiles, Opened, layout_name, read_bake};
 use super::outcome::{Failure, Outcome, print};
 use super::shared_args::InputArgs;
 use crate::analysis::statistics::Statistics;
@@ -122,7 +122,7 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
     if failed { Err(Failure::Reported) } else { Ok(()) }
 }
 
-fn describe(source: &Source, args: &InputArgs, json: bool, console: &Console) -> crate::Result<String> {
+fn describe(source: &InputFiles, args: &InputArgs, json: bool, console: &Console) -> crate::Result<String> {
     let input = source.path().display().to_string();
     let bytes = source.files().iter().map(|file| bytes_in(file)).sum();
     if let Some(bake) = read_bake(source.path())? {

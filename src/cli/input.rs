@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// Files of one environment: one file, or the six faces of a cube.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Source(Vec<PathBuf>);
+pub(super) struct InputFiles(Vec<PathBuf>);
 
 /// An opened environment with its provenance.
 pub(super) struct Opened {
@@ -35,24 +35,24 @@ pub(super) struct Opened {
 }
 
 /// Converts `paths` to environments: one each, or six files as one with `--layout faces`.
-pub(super) fn sources(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Vec<Source>> {
+pub(super) fn sources(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Vec<InputFiles>> {
     let fits = args.crop || args.pad.is_some();
     if fits && !matches!(args.layout, LayoutChoice::Auto | LayoutChoice::Equirect) {
         return usage("--pad and --crop are for panoramas; omit --layout");
     }
     match (args.layout, paths.len()) {
         // A single KTX2 cube or level folder already holds its faces.
-        (LayoutChoice::Faces, 6 | 1) => Ok(vec![Source(paths)]),
+        (LayoutChoice::Faces, 6 | 1) => Ok(vec![InputFiles(paths)]),
         (LayoutChoice::Faces, count) => usage(format!(
             "--layout faces takes the six files of one cube, or one file that holds a cube; {count} were \
              given"
         )),
-        _ => Ok(paths.into_iter().map(|path| Source(vec![path])).collect()),
+        _ => Ok(paths.into_iter().map(|path| InputFiles(vec![path])).collect()),
     }
 }
 
 /// [`sources`] for subcommands that take one environment.
-pub(super) fn single_source(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Source> {
+pub(super) fn single_source(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<InputFiles> {
     let mut sources = sources(paths, args)?;
     match (sources.pop(), sources.len()) {
         (Some(source), 0) => Ok(source),
@@ -63,7 +63,7 @@ pub(super) fn single_source(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<So
     }
 }
 
-impl Source {
+impl InputFiles {
     /// The file, or the first of the six.
     pub(super) fn path(&self) -> &Path {
         &self.0[0]

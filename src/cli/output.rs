@@ -2,7 +2,7 @@
 
 use super::console::{Console, escaped};
 use super::fingerprint::{self, fingerprint};
-use super::input::{Opened, Source};
+use super::input::{InputFiles, Opened};
 use super::outcome::{Outcome, print_bytes, usage};
 use crate::bake::report::{OutputFileReport, Report};
 use crate::export::files::Made;
@@ -36,14 +36,14 @@ pub(super) struct Common {
 pub(super) struct Outputs {
     /// The file or folder; `-` for standard output, according to `place`.
     pub(super) main: PathBuf,
-    place: Place,
+    place: Destination,
     /// Base name of the files: the environment's, or `main` if that is a file.
     pub(super) name: String,
     pub(super) preview: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum Destination {
     /// A file, and further files with its name plus suffixes.
     File,
     /// A folder with all files.
@@ -102,23 +102,28 @@ impl SunFile {
 }
 
 impl Outputs {
-    pub(super) fn new(main: PathBuf, place: Place, environment: String, preview: Option<PathBuf>) -> Self {
+    pub(super) fn new(
+        main: PathBuf,
+        place: Destination,
+        environment: String,
+        preview: Option<PathBuf>,
+    ) -> Self {
         let file_name = || main.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let name = if place == Place::Folder { environment } else { file_name() };
+        let name = if place == Destination::Folder { environment } else { file_name() };
         Self { main, place, name, preview }
     }
 
     /// Base folder of the files' paths.
     fn base(&self) -> &Path {
         match self.place {
-            Place::Folder => &self.main,
-            Place::File | Place::Stdout => self.main.parent().unwrap_or(Path::new("")),
+            Destination::Folder => &self.main,
+            Destination::File | Destination::Stdout => self.main.parent().unwrap_or(Path::new("")),
         }
     }
 
     /// The path of a file next to the levels.
     fn sibling(&self, file: &str) -> String {
-        if self.place == Place::Folder { file.to_owned() } else { format!("{}.{file}", self.name) }
+        if self.place == Destination::Folder { file.to_owned() } else { format!("{}.{file}", self.name) }
     }
 
     /// The path of the file `path` of `plan`; within the target's folder for several targets.
@@ -152,7 +157,7 @@ impl Outputs {
             for (path, content) in files.files(&shape) {
                 planned.push(file(Self::within(common, plan, &path), description(plan, content)?));
             }
-            if !common.json && self.place != Place::Stdout {
+            if !common.json && self.place != Destination::Stdout {
                 let path = self.report_path(common, plan).into();
                 reports.push(Planned { path, content: "report".to_owned(), is_report: true });
             }
@@ -170,7 +175,7 @@ impl Outputs {
         if self.preview.as_deref() == Some(path) {
             return OutputPlace { path: path.to_owned(), is_folder: false };
         }
-        if self.place == Place::Folder {
+        if self.place == Destination::Folder {
             return OutputPlace { path: self.main.clone(), is_folder: true };
         }
         let mut components = path.components();
@@ -188,7 +193,7 @@ impl Outputs {
     /// The units of the files for which `counts` is true.
     fn places_where(&self, common: &Common, counts: impl Fn(&Planned) -> bool) -> Result<Vec<OutputPlace>> {
         let mut places = Vec::new();
-        if self.place == Place::Stdout {
+        if self.place == Destination::Stdout {
             return Ok(places);
         }
         for file in self.planned(common, None)?.iter().filter(|file| counts(file)) {
@@ -251,12 +256,12 @@ impl Outputs {
     }
 
     /// Lists the outputs for `source`: one line per file, or with `--json` one line of JSON.
-    pub(super) fn foretold(&self, common: &Common, source: &Source, layout: Layout) -> Result<String> {
+    pub(super) fn foretold(&self, common: &Common, source: &InputFiles, layout: Layout) -> Result<String> {
         let full = |file: &Planned| {
             if self.preview.as_deref() == Some(&file.path) {
                 return file.path.display().to_string();
             }
-            if file.path.as_os_str() == self.name.as_str() && self.place != Place::Folder {
+            if file.path.as_os_str() == self.name.as_str() && self.place != Destination::Folder {
                 return self.main.display().to_string();
             }
             self.base().join(&file.path).display().to_string()
@@ -281,7 +286,7 @@ impl Outputs {
         request: Hash,
         opened: &Opened,
     ) -> Outcome<u64> {
-        if self.place == Place::Stdout {
+        if self.place == Destination::Stdout {
             let main = &made[0][0];
             print_bytes(&main.bytes)?;
             return Ok(main.bytes.len() as u64);
@@ -313,7 +318,7 @@ impl Outputs {
             .map(|(path, bytes)| OutputFileReport { path: slashed(path), bytes })
             .collect();
         let own_hashes: Vec<(String, Hash)> = match self.place {
-            Place::Folder => Vec::new(),
+            Destination::Folder => Vec::new(),
             _ => places.iter().zip(&hashes).map(|((place, _), hash)| (by_name(place), *hash)).collect(),
         };
         let mut bytes: u64 = own_files.iter().map(|file| file.bytes).sum();
@@ -366,7 +371,7 @@ impl Outputs {
 
     /// `files` of a folder that is replaced as a whole, by relative path.
     fn inside<'a>(&self, files: &Files<'a>) -> Vec<(String, &'a [u8])> {
-        let outer = usize::from(self.place != Place::Folder);
+        let outer = usize::from(self.place != Destination::Folder);
         let within = |path: &Path| path.components().skip(outer).collect::<PathBuf>();
         files.iter().map(|(path, bytes)| (slashed(&within(path)), *bytes)).collect()
     }
@@ -374,7 +379,7 @@ impl Outputs {
     /// Removes an old report without a hash of its file, as in version 0.1; it could be mistaken for the new
     /// file's.
     fn remove_report_without_hashes(&self, common: &Common) -> Result<()> {
-        if self.place != Place::File || common.existing != Existing::Replace {
+        if self.place != Destination::File || common.existing != Existing::Replace {
             return Ok(());
         }
         let path = self.base().join(self.sibling(REPORT));

@@ -34,7 +34,7 @@
 
 use super::cells::{Cells, Finest, Quad, SourceLight};
 use super::leaves::{LANES, Leaf, Packet, Scratch};
-use super::subtexel::{self, Source, Spread};
+use super::subtexel::{self, LitTexels, Spread};
 use crate::environment::{LUMINANCE, Rgb};
 use crate::lobe::kernel::{Kernel, with_radial};
 use crate::lobe::radial::{Radial, expected_error};
@@ -187,7 +187,7 @@ impl<'a> Adaptive<'a> {
                                 continue;
                             }
                             (Finest::Source(members), Some(light)) => {
-                                let source = Source { members, light, least: Vec3::from(cells.least) };
+                                let source = LitTexels { members, light, least: Vec3::from(cells.least) };
                                 subtexel::refine_members(
                                     (&source, self.tolerance),
                                     kernel,

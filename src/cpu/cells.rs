@@ -166,7 +166,7 @@ impl Members {
 
 /// Tables with which `shaders/adaptive.wgsl` subdivides cells of a source.
 #[cfg(feature = "gpu")]
-pub(crate) struct Source {
+pub(crate) struct SubdivisionTables {
     /// Cells along an edge.
     pub(crate) width: u32,
     pub(crate) grid: SourceGrid,
@@ -390,10 +390,10 @@ impl Cells {
 
     /// The tables with which shaders subdivide cells of a source; `None` for those of an OEM.
     #[cfg(feature = "gpu")]
-    pub(crate) fn source_tables(&self) -> Option<Source> {
+    pub(crate) fn source_tables(&self) -> Option<SubdivisionTables> {
         let Finest::Source(Members { texels, width, starts, runs }) = &self.finest else { return None };
         let runs = runs.iter().flat_map(|run| [run.column, run.row, run.count]);
-        Some(Source {
+        Some(SubdivisionTables {
             width: *width,
             grid: texels.grid(),
             members: starts.iter().copied().chain(runs).collect(),

@@ -17,7 +17,7 @@ pub(super) struct Spread<'a> {
 }
 
 /// Texels of the source, with the least radiance of each channel.
-pub(super) struct Source<'a> {
+pub(super) struct LitTexels<'a> {
     pub(super) members: &'a Members,
     pub(super) light: &'a SourceLight<'a>,
     pub(super) least: Vec3,
@@ -149,7 +149,7 @@ fn leaf(moments: &Moments, offset: DVec3, energy: Rgb) -> Leaf {
 /// Adds the texels of the source in cell (`i`, `j`) to the leaves, in pieces where their intervals exceed the
 /// tolerance. Light is constant over a texel's solid angle, and so are the pieces' moments exact.
 pub(super) fn refine_members<R: Radial>(
-    (source, tolerance): (&Source<'_>, f64),
+    (source, tolerance): (&LitTexels<'_>, f64),
     kernel: R,
     (i, j): (u32, u32),
     packet: &Packet,

@@ -53,7 +53,7 @@ const SHINY: u32 = 6;
 pub(crate) fn atlas_bytes(chain: &Chain, irradiance: &Level) -> Result<CubeFile> {
     let size = chain.levels.first().map_or(0, Level::size);
     check_atlas(size, chain.levels.len() as u32)?;
-    let mut atlas = Atlas { edge: 2 * size, texels: vec![[0.0; 3]; (4 * size * size) as usize] };
+    let mut atlas = AtlasImage { edge: 2 * size, texels: vec![[0.0; 3]; (4 * size * size) as usize] };
     for (level, number) in chain.levels.iter().zip(0..).skip(1) {
         atlas.draw(Rect::rough(number), level, 1);
     }
@@ -67,13 +67,13 @@ pub(crate) fn atlas_bytes(chain: &Chain, irradiance: &Level) -> Result<CubeFile>
     Ok(CubeFile { bytes: png_bytes(atlas.edge, &codes)?, clamped })
 }
 
-struct Atlas {
+struct AtlasImage {
     /// Texels along an edge.
     edge: u32,
     texels: Vec<Rgb>,
 }
 
-impl Atlas {
+impl AtlasImage {
     /// Draws the panorama of `level` into `rect`, with `samples` x `samples` look-ups a texel. The seam
     /// around it continues around the sphere and over the poles.
     fn draw(&mut self, rect: Rect, level: &Level, samples: u32) {

@@ -3,7 +3,7 @@
 use super::device::stage::Dispatch;
 use super::device::{readback, shader};
 use super::fitted::FittedTables;
-use super::octaves::{BORDER, Layout, Octave};
+use super::octaves::{BORDER, Octave, OctaveLayout};
 use super::{Context, SatPlanes, Stage, oem};
 use crate::error::Result;
 
@@ -35,7 +35,7 @@ impl Blur {
 
     /// The blurred texels of all octaves of a map of `inner` texels along an edge, before they are summed.
     pub(super) fn texels(context: &Context, inner: u32) -> wgpu::Buffer {
-        context.storage("blurred texels", 32 * u64::from(Layout::new(inner).texels))
+        context.storage("blurred texels", 32 * u64::from(OctaveLayout::new(inner).texels))
     }
 
     /// Stage that writes the blurred tables of `sat` to `tables`, by way of [`Self::texels`].
@@ -50,7 +50,7 @@ impl Blur {
         tables: &FittedTables,
     ) -> Stage {
         assert_eq!(sat.size().inner, tables.inner(), "tables for this size");
-        let layout = Layout::new(tables.inner());
+        let layout = OctaveLayout::new(tables.inner());
         let table = context.uniform("table", &oem::Table::new(sat.size()));
         let octaves = (5, tables.octaves().as_entire_binding());
         let entries = (8, tables.entries().as_entire_binding());
@@ -78,7 +78,7 @@ impl FittedTables {
     /// # Panics
     /// If the octave does not exist.
     pub async fn read_blurred(&self, context: &Context, octave: u32) -> Result<(Vec<[u64; 4]>, [u32; 2])> {
-        let layout = Layout::new(self.inner());
+        let layout = OctaveLayout::new(self.inner());
         assert!((1..=layout.finest).contains(&octave), "octaves 1 to {}", layout.finest);
         let Octave { coarse, side, first_entry, .. } = layout.octaves[octave as usize - 1];
         let words: Vec<[[u32; 4]; 2]> = readback::read(context, self.entries()).await?;

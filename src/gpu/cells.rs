@@ -5,7 +5,7 @@ use super::device::stage::Dispatch;
 use super::least::Least;
 use super::oem::Table;
 use super::{Context, OemPlanes, Stage};
-use crate::cpu::cells::{Cells, Source, omitted_radiance};
+use crate::cpu::cells::{Cells, SubdivisionTables, omitted_radiance};
 use crate::environment::Layout;
 use crate::error::Result;
 use crate::geometry::source_texels::{SourceGrid, most_runs};
@@ -193,7 +193,8 @@ impl CellTree {
     /// # Panics
     /// If `cells` are those of an OEM.
     pub(super) fn of_source(context: &Context, cells: &Cells, texture: &wgpu::Texture) -> Result<Self> {
-        let Source { width, grid, members, angles } = cells.source_tables().expect("cells of a source");
+        let SubdivisionTables { width, grid, members, angles } =
+            cells.source_tables().expect("cells of a source");
         let (levels, count) = levels_over(width);
         context.fits("the cells of the source", QUAD * u64::from(count), |_| {
             "choose a smaller `oem_size`, or the CPU engine".to_owned()

@@ -182,7 +182,7 @@ impl FittedTables {
     }
 
     fn with_parameters(context: &Context, inner: u32, count: u32, parameters: wgpu::Buffer) -> Self {
-        let layout = super::octaves::Layout::new(inner);
+        let layout = super::octaves::OctaveLayout::new(inner);
         let [boxes, first_parameters, first_wider] = lobes(count);
         let octaves = Octaves {
             inner,
@@ -235,7 +235,7 @@ impl FittedTables {
                 remedy: format!("choose `oem_size` of at most {most}"),
             });
         }
-        let bytes = |inner| 32 * u64::from(super::octaves::Layout::new(inner).entries);
+        let bytes = |inner| 32 * u64::from(super::octaves::OctaveLayout::new(inner).entries);
         context.fits("tables of blurred octaves", bytes(inner), |available| {
             let sizes = (4..u32::BITS).map(|log2| 1 << log2).take_while(|smaller| *smaller < inner);
             let fitting = sizes.filter(|smaller| bytes(*smaller) <= available).last();

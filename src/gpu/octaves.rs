@@ -32,7 +32,7 @@ shader::members!(Octave { fine, box_side, coarse, side, first_texel, first_entry
 
 /// The tables of all octaves over one size of OEM.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Layout {
+pub(super) struct OctaveLayout {
     pub(super) octaves: [Octave; OCTAVES],
     pub(super) finest: u32,
     pub(super) texels: u32,
@@ -41,7 +41,7 @@ pub(super) struct Layout {
     pub(super) rows: u32,
 }
 
-impl Layout {
+impl OctaveLayout {
     /// The layout over an OEM of `inner` texels, a power of two and at least 16.
     pub(super) fn new(inner: u32) -> Self {
         let finest = finest_octave(inner);

@@ -33,7 +33,7 @@ pub enum Addressing {
 
 /// Arrangement of the octahedron's faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Arrangement {
+enum OemLayout {
     /// Both hemispheres in one square.
     Quadratic,
     /// One array layer per hemisphere.
@@ -52,7 +52,7 @@ pub struct MipLevel {
 /// An octahedral map and its mip levels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OemMips {
-    arrangement: Arrangement,
+    arrangement: OemLayout,
     inner: u32,
     border: u32,
     levels: Vec<MipLevel>,
@@ -64,7 +64,7 @@ impl OemMips {
     pub fn quadratic(oem: &Oem, weights: Weights) -> Self {
         let (inner, border) = (oem.size().inner, oem.size().border);
         let texels = oem.texels().iter().map(|texel| texel.map(f64::from)).collect();
-        Self::of(Arrangement::Quadratic, (inner, border), texels, weights)
+        Self::of(OemLayout::Quadratic, (inner, border), texels, weights)
     }
 
     /// The rectangular layout with one layer of `inner` texels along an edge per hemisphere, upper one first,
@@ -91,12 +91,12 @@ impl OemMips {
                 texels.push(own[(at.y * 2 * inner + at.x) as usize]);
             }
         }
-        Self::of(Arrangement::Rectangular, (inner, border), texels, weights)
+        Self::of(OemLayout::Rectangular, (inner, border), texels, weights)
     }
 
     /// The levels of `texels` (energy and solid angle), halved as long as their side is even.
     fn of(
-        arrangement: Arrangement,
+        arrangement: OemLayout,
         (inner, border): (u32, u32),
         mut texels: Vec<[f64; 4]>,
         weights: Weights,
@@ -158,8 +158,8 @@ impl OemMips {
     #[must_use]
     pub fn place(&self, direction: DVec3) -> (u32, DVec2) {
         match self.arrangement {
-            Arrangement::Quadratic => (0, oct_from_direction(direction)),
-            Arrangement::Rectangular => rectangular_place(direction),
+            OemLayout::Quadratic => (0, oct_from_direction(direction)),
+            OemLayout::Rectangular => rectangular_place(direction),
         }
     }
 

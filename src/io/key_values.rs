@@ -1,6 +1,12 @@
-//! Key/value data of KTX 1 and KTX 2: a length, the key and a text value, both NUL-terminated.
+//! Key/value pairs of headers, and their encoding in KTX 1 and KTX 2: a length, the key and a text value, both
+//! NUL-terminated.
 
 use crate::error::{Error, Result};
+
+/// The value of `key`.
+pub(super) fn value_of(pairs: &[(String, String)], key: &str) -> Option<String> {
+    pairs.iter().find(|(own, _)| own == key).map(|(_, value)| value.clone())
+}
 
 /// Encodes `pairs` in the given order, each padded to four bytes; `format` names the file format in messages.
 ///

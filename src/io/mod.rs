@@ -184,7 +184,7 @@ pub fn read_map(path: &Path, from: Option<&'static NamedMap>, options: &ReadOpti
 
 /// Reads level 0 of `path` as a picture, with the file or folder that holds it.
 fn read_picture(path: &Path, memory_limit: u64) -> Result<(PathBuf, Picture)> {
-    let Place::File(file) = Place::of(path)? else {
+    let InputPath::File(file) = InputPath::of(path)? else {
         return Ok((path.to_owned(), level_folder::read_environment(path, memory_limit)?));
     };
     let bytes = read_regular(&file, memory_limit)?;
@@ -240,9 +240,9 @@ pub fn read_chain(path: &Path) -> Result<Chain> {
 /// As [`read_chain`].
 pub fn load_chain(path: &Path) -> Result<LoadedChain> {
     let memory_limit = DEFAULT_MEMORY_LIMIT;
-    let file = match Place::of(path)? {
-        Place::Levels => return in_world(path, level_folder::read_chain(path, memory_limit)?),
-        Place::File(file) => file,
+    let file = match InputPath::of(path)? {
+        InputPath::Levels => return in_world(path, level_folder::read_chain(path, memory_limit)?),
+        InputPath::File(file) => file,
     };
     let bytes = read_regular(&file, memory_limit)?;
     let source = Source { path: &file, bytes: &bytes, memory_limit };
@@ -304,9 +304,9 @@ fn in_world(path: &Path, stored: Stored) -> Result<LoadedChain> {
 /// # Errors
 /// As [`read`] if there is no such file.
 pub(crate) fn levels_path(path: &Path) -> Result<PathBuf> {
-    Ok(match Place::of(path)? {
-        Place::File(file) => file,
-        Place::Levels => path.to_owned(),
+    Ok(match InputPath::of(path)? {
+        InputPath::File(file) => file,
+        InputPath::Levels => path.to_owned(),
     })
 }
 
@@ -327,14 +327,14 @@ pub(crate) fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, St
 }
 
 /// Kind of an input path.
-enum Place {
+enum InputPath {
     /// A file; for a target's folder, the file with its levels.
     File(PathBuf),
     /// A folder of levels.
     Levels,
 }
 
-impl Place {
+impl InputPath {
     fn of(path: &Path) -> Result<Self> {
         if !is_directory(path)? {
             return Ok(Self::File(path.to_owned()));

@@ -318,6 +318,7 @@ fn taken_sun(text: &str) -> Option<TakenSun> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::key_values::value_of;
     use glam::DVec3;
 
     fn full() -> Provenance {
@@ -345,7 +346,7 @@ mod tests {
     }
 
     fn read(pairs: &[(String, String)]) -> Result<Provenance, String> {
-        Provenance::of_texts(&|key| pairs.iter().find(|(own, _)| own == key).map(|(_, value)| value.clone()))
+        Provenance::of_texts(&|key| value_of(pairs, key))
     }
 
     #[test]

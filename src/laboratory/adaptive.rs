@@ -7,7 +7,7 @@
 //! a texel at the end averages k over 4 x 4 of its points. The answer is c + sum of kmean (E - c w) / W with
 //! c the least radiance and W the kernel's integral, so that a constant environment stays constant.
 
-use super::boxes::Answer;
+use super::boxes::LobeAnswer;
 use super::cells::{Cell, Cells};
 use super::tables::Tables;
 use crate::environment::exact_luminance;
@@ -50,7 +50,7 @@ impl<'a> Adaptive<'a> {
     /// The lobe around `direction`, a unit vector, and a bound of its luminance's error against exhaustive
     /// integration over the map's own texels, but for float64 rounding.
     #[must_use]
-    pub fn radiance(&self, direction: DVec3) -> (Answer, f64) {
+    pub fn radiance(&self, direction: DVec3) -> (LobeAnswer, f64) {
         let least = self.tables.least();
         let (mut sum, mut bound, mut reads) = ([0.0; 3], 0.0, 0);
         let mut stack = self.cells.roots.clone();
@@ -83,7 +83,7 @@ impl<'a> Adaptive<'a> {
             sum.iter_mut().zip(above).for_each(|(sum, above)| *sum += mean * above);
         }
         let radiance = std::array::from_fn(|c| least[c] + sum[c] / self.integral);
-        (Answer { radiance, reads }, bound / self.integral)
+        (LobeAnswer { radiance, reads }, bound / self.integral)
     }
 
     fn at(&self, s: f64) -> f64 {

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 /// A lobe's radiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
+pub struct LobeAnswer {
     /// Red, green, blue.
     pub radiance: [f64; 3],
     /// Table entries read.
@@ -33,7 +33,7 @@ impl<'a> Boxes<'a> {
     /// The boxes' weighted energy over their weighted solid angle around `direction`. A one-texel box is
     /// added in quadrature, as in the engines.
     #[must_use]
-    pub fn radiance(&self, direction: DVec3) -> Answer {
+    pub fn radiance(&self, direction: DVec3) -> LobeAnswer {
         let (grid, charts) = (self.tables.grid(), self.tables.charts());
         let place = grid.map().locate(direction);
         let component = grid.map().component(place.component);
@@ -49,7 +49,7 @@ impl<'a> Boxes<'a> {
             reads += read;
         }
         let [r, g, b, solid_angle] = sum;
-        Answer { radiance: [r, g, b].map(|energy| energy / solid_angle), reads }
+        LobeAnswer { radiance: [r, g, b].map(|energy| energy / solid_angle), reads }
     }
 }
 

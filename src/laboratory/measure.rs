@@ -1,6 +1,6 @@
 //! Compares maps as carriers of tables: errors of lobes against exhaustive integration over the source.
 
-use super::boxes::{Answer, single, stack};
+use super::boxes::{LobeAnswer, single, stack};
 use super::charts::Charts;
 use super::light::{Light, lamps};
 use super::subject::{Carrier, SUBJECTS, Subject};
@@ -304,7 +304,7 @@ impl Prepared {
         Self { roughness, single: single(Lobe::Ggx, alpha), stack: stack(Lobe::Ggx, alpha, STACK) }
     }
 
-    fn answer(&self, carrier: &Carrier, method: Method, error: f64, direction: DVec3) -> Answer {
+    fn answer(&self, carrier: &Carrier, method: Method, error: f64, direction: DVec3) -> LobeAnswer {
         match method {
             Method::Box => carrier.boxes(&self.single, direction),
             Method::Stack => carrier.boxes(&self.stack, direction),
@@ -487,7 +487,7 @@ pub fn measure(settings: &Settings, environment: &Environment, progress: Progres
                     continue;
                 }
                 for (index, (sum, lobe)) in of_methods.iter_mut().zip(&lobes).enumerate() {
-                    let answers: Vec<Answer> = sites
+                    let answers: Vec<LobeAnswer> = sites
                         .par_iter()
                         .map(|((direction, _), _)| lobe.answer(&carrier, *method, settings.error, *direction))
                         .collect();

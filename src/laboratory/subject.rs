@@ -1,7 +1,7 @@
 //! What is compared: a map with its tables, or two octahedral maps of half the texels each.
 
 use super::adaptive::Adaptive;
-use super::boxes::{Answer, Boxes};
+use super::boxes::{Boxes, LobeAnswer};
 use super::cells::Cells;
 use super::charts::Charts;
 use super::light::Light;
@@ -127,7 +127,7 @@ impl Subject {
 
 /// One map of a [`Carrier`].
 #[derive(Debug)]
-struct Part {
+struct CarriedMap {
     map_from_world: DMat3,
     /// With the border of the widest box.
     bordered: Tables,
@@ -139,7 +139,7 @@ struct Part {
 #[derive(Debug)]
 pub struct Carrier {
     subject: Subject,
-    parts: Vec<Part>,
+    parts: Vec<CarriedMap>,
     cells: Cells,
     /// Time to resample the light and to scan it.
     pub times: [Duration; 2],
@@ -170,7 +170,7 @@ impl Carrier {
                 let light = light.turned(turn);
                 let bordered = filled(border, &light);
                 let inner = (border > 0).then(|| filled(0, &light));
-                Part { map_from_world: turn, bordered, inner }
+                CarriedMap { map_from_world: turn, bordered, inner }
             })
             .collect();
         Ok(Self { subject, parts, cells: Cells::new(grid), times })
@@ -185,26 +185,26 @@ impl Carrier {
     /// Bytes of the tables that boxes read, and that adaptive queries read.
     #[must_use]
     pub fn bytes(&self) -> [usize; 2] {
-        let inner = |part: &Part| part.inner.as_ref().unwrap_or(&part.bordered).bytes();
+        let inner = |part: &CarriedMap| part.inner.as_ref().unwrap_or(&part.bordered).bytes();
         [self.parts.iter().map(|part| part.bordered.bytes()).sum(), self.parts.iter().map(inner).sum()]
     }
 
     /// The boxes of `stack` around `direction`.
     #[must_use]
-    pub fn boxes(&self, stack: &[StackedBox], direction: DVec3) -> Answer {
+    pub fn boxes(&self, stack: &[StackedBox], direction: DVec3) -> LobeAnswer {
         self.combined(direction, |part, direction| Boxes::new(&part.bordered, stack).radiance(direction))
     }
 
     /// `lobe` at `alpha` around `direction`, adaptively, to about `error` of the mean.
     #[must_use]
-    pub fn adaptive(&self, lobe: Lobe, alpha: f64, error: f64, direction: DVec3) -> Answer {
+    pub fn adaptive(&self, lobe: Lobe, alpha: f64, error: f64, direction: DVec3) -> LobeAnswer {
         self.combined(direction, |part, direction| {
             let tables = part.inner.as_ref().unwrap_or(&part.bordered);
             Adaptive::new(tables, &self.cells, lobe, alpha, error).radiance(direction).0
         })
     }
 
-    fn combined(&self, direction: DVec3, answer: impl Fn(&Part, DVec3) -> Answer) -> Answer {
+    fn combined(&self, direction: DVec3, answer: impl Fn(&CarriedMap, DVec3) -> LobeAnswer) -> LobeAnswer {
         let locals = self.parts.iter().map(|part| (part, part.map_from_world * direction));
         // 1 - cos of the angle to the nearest cone point.
         let distance = |local: DVec3| 1.0 - local.x.abs().max(local.z.abs());
@@ -223,7 +223,7 @@ impl Carrier {
                     reads += own.reads;
                     total += weight;
                 }
-                Answer { radiance: radiance.map(|channel| channel / total), reads }
+                LobeAnswer { radiance: radiance.map(|channel| channel / total), reads }
             }
         }
     }

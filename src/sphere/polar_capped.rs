@@ -14,20 +14,20 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 /// A polar-capped map by its projections and the latitude of its caps.
 #[derive(Clone, Copy, Debug)]
 pub struct PolarCapped {
-    kind: Kind,
+    kind: Projection,
     /// Latitude where band and caps meet, in radians.
     latitude: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum Projection {
     StretchInvariant,
     Conformal,
 }
 
 /// Stretch-invariant: the plane chart, v the latitude, and equidistant caps; they meet at 45 degrees.
 pub(crate) const STRETCH_INVARIANT: PolarCapped =
-    PolarCapped { kind: Kind::StretchInvariant, latitude: FRAC_PI_4 };
+    PolarCapped { kind: Projection::StretchInvariant, latitude: FRAC_PI_4 };
 
 /// Conformal: Mercator's projection and stereographic caps; they meet at 42.2 degrees.
 pub const CONFORMAL: PolarCapped = PolarCapped::conformal(42.2 / 180.0 * PI);
@@ -36,17 +36,17 @@ impl PolarCapped {
     /// The conformal map with caps from `latitude`, in (0, pi/2) radians.
     #[must_use]
     pub const fn conformal(latitude: f64) -> Self {
-        Self { kind: Kind::Conformal, latitude }
+        Self { kind: Projection::Conformal, latitude }
     }
 
     fn cap(self, component: u32) -> Disc {
         let profile = match self.kind {
-            Kind::StretchInvariant => Profile::Equidistant { rate: 1.0 },
-            Kind::Conformal => Profile::Stereographic { scale: 2.0 },
+            Projection::StretchInvariant => Profile::Equidistant { rate: 1.0 },
+            Projection::Conformal => Profile::Stereographic { scale: 2.0 },
         };
         let radius = match self.kind {
-            Kind::StretchInvariant => FRAC_PI_2 - self.latitude,
-            Kind::Conformal => 2.0 * ((FRAC_PI_2 - self.latitude) / 2.0).tan(),
+            Projection::StretchInvariant => FRAC_PI_2 - self.latitude,
+            Projection::Conformal => 2.0 * ((FRAC_PI_2 - self.latitude) / 2.0).tan(),
         };
         let sign = if component == 1 { 1.0 } else { -1.0 };
         Disc { profile, radius, frame: [DVec3::X, DVec3::Z * sign, DVec3::Y * sign] }
@@ -55,16 +55,16 @@ impl PolarCapped {
     /// Sine and cosine of the latitude at height `h` of the band.
     fn latitude_at(self, h: f64) -> (f64, f64) {
         match self.kind {
-            Kind::StretchInvariant => h.sin_cos(),
-            Kind::Conformal => (h.tanh(), 1.0 / h.cosh()),
+            Projection::StretchInvariant => h.sin_cos(),
+            Projection::Conformal => (h.tanh(), 1.0 / h.cosh()),
         }
     }
 
     /// Height in the band of the latitude that rises by `up` over `along`.
     fn height(self, up: f64, along: f64) -> f64 {
         match self.kind {
-            Kind::StretchInvariant => up.atan2(along),
-            Kind::Conformal => (up / along).asinh(),
+            Projection::StretchInvariant => up.atan2(along),
+            Projection::Conformal => (up / along).asinh(),
         }
     }
 }
@@ -110,7 +110,7 @@ impl SphereMap for PolarCapped {
             return self.cap(component).density(uv);
         }
         let (_, cos) = self.latitude_at(uv.y);
-        if self.kind == Kind::Conformal { cos * cos } else { cos }
+        if self.kind == Projection::Conformal { cos * cos } else { cos }
     }
 
     fn solid_angle(&self, component: u32, low: DVec2, high: DVec2) -> f64 {
@@ -120,8 +120,8 @@ impl SphereMap for PolarCapped {
         // The difference of the latitudes' sines as a product: no cancellation in thin rows.
         let (a, b) = (low.y, high.y);
         let sines = match self.kind {
-            Kind::StretchInvariant => 2.0 * ((a + b) / 2.0).cos() * ((b - a) / 2.0).sin(),
-            Kind::Conformal => (b - a).sinh() / (a.cosh() * b.cosh()),
+            Projection::StretchInvariant => 2.0 * ((a + b) / 2.0).cos() * ((b - a) / 2.0).sin(),
+            Projection::Conformal => (b - a).sinh() / (a.cosh() * b.cosh()),
         };
         sines * (high.x - low.x)
     }

@@ -75,7 +75,7 @@ shader::members!(ViewFrame {
 
 /// Parameters of the prefiltered cube.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ladder {
+pub(super) struct LadderUniform {
     /// Number of levels.
     pub(super) count: u32,
     /// Roughness of each level.
@@ -86,7 +86,7 @@ pub(super) struct Ladder {
     pub(super) levels_from_source: DMat3,
 }
 
-impl Default for Ladder {
+impl Default for LadderUniform {
     fn default() -> Self {
         let roughness = [0.0; MOST_LEVELS];
         Self { count: 1, roughness, scale: 1.0, levels_from_source: DMat3::IDENTITY }
@@ -114,7 +114,7 @@ impl ViewFrame {
         texel: f64,
         source_from_world: DMat3,
         size: [u32; 2],
-        ladder: &Ladder,
+        ladder: &LadderUniform,
     ) -> Self {
         let mut ball = [BallUniform::default(); ROW as usize];
         for (uniform, Ball { centre, radius, roughness }) in ball.iter_mut().zip(look.balls()) {

@@ -1,6 +1,6 @@
 //! Prefiltered cubes on the GPU: a bake's own levels, or those of an environment.
 
-use super::frame::{Ladder, MOST_LEVELS};
+use super::frame::{LadderUniform, MOST_LEVELS};
 use crate::chain::Chain;
 use crate::environment::Layout;
 use crate::error::{Error, Result};
@@ -63,7 +63,7 @@ pub(super) struct Cube {
     pub(super) view: wgpu::TextureView,
     /// log2 of the ladder's scale: radiance is a texel times 2^`exponent`.
     exponent: i32,
-    pub(super) ladder: Ladder,
+    pub(super) ladder: LadderUniform,
 }
 
 impl Cube {
@@ -129,7 +129,7 @@ pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3
     }
     let count = chain.levels.len() as u32;
     let scale = (exponent as f32).exp2();
-    Ok(Cube { view, exponent, ladder: Ladder { count, roughness, scale, levels_from_source } })
+    Ok(Cube { view, exponent, ladder: LadderUniform { count, roughness, scale, levels_from_source } })
 }
 
 /// log2 of the divisor for light of at most `brightest`: 0 if it suits half floats.

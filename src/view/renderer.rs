@@ -1,14 +1,14 @@
 //! Draws a [`Look`] under a [`Light`]: first a linear picture, then, by [`super::present`], its tone-mapped
 //! form.
 
-use super::frame::{Ladder, ViewFrame};
+use super::frame::{LadderUniform, ViewFrame};
 use super::light::{Light, Passes};
 use super::look::{Look, Object, Show, Technique};
 use super::model::{Model, Surface};
 use super::present::{Presenter, Viewport};
 use super::roughness_map::RoughnessMap;
 use super::textures::{roughness_texture, target, texture_of};
-use super::truth::Asked;
+use super::truth::PixelQuery;
 use crate::bake::dfg::{DfgBlue, DfgForm, dfg_table};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
@@ -32,14 +32,14 @@ const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Source of a pixel's radiance: a shader file and its resources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Source {
+enum RadianceSource {
     Box,
     Fitted,
     Levels,
     Truth,
 }
 
-impl Source {
+impl RadianceSource {
     const fn file(self) -> &'static str {
         match self {
             Self::Box => "view/box.wgsl",
@@ -52,14 +52,14 @@ impl Source {
 
 /// Output of a pass per pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Output {
+enum PassOutput {
     /// The content of a picture.
     Shown(Show),
     /// World direction and roughness.
     Samples,
 }
 
-impl Output {
+impl PassOutput {
     const fn format(self) -> wgpu::TextureFormat {
         match self {
             Self::Samples => SAMPLES,
@@ -95,7 +95,7 @@ pub struct Renderer {
     levels_layout: wgpu::BindGroupLayout,
     boxes_layout: wgpu::BindGroupLayout,
     fitted_layout: wgpu::BindGroupLayout,
-    pipelines: HashMap<(Source, Output, bool), wgpu::RenderPipeline>,
+    pipelines: HashMap<(RadianceSource, PassOutput, bool), wgpu::RenderPipeline>,
     split_sum: wgpu::TextureView,
     roughness: wgpu::TextureView,
     /// An even roughness map.
@@ -254,13 +254,13 @@ impl Renderer {
     ) -> Result<()> {
         look.check()?;
         self.make_next(size)?;
-        let source = if look.show.is_of_scene() { source_of(look.filter) } else { Source::Box };
+        let source = if look.show.is_of_scene() { source_of(look.filter) } else { RadianceSource::Box };
         if let Technique::Fitted(count) = look.filter {
             light.fitted().set_count(&self.context, count)?;
         }
         let picture = self.next.as_ref().expect("made").picture.clone();
         let done = rows.end >= size.1;
-        self.draw_into(&picture, source, Output::Shown(look.show), look, light, rows)?;
+        self.draw_into(&picture, source, PassOutput::Shown(look.show), look, light, rows)?;
         if done {
             std::mem::swap(&mut self.shown, &mut self.next);
         }
@@ -277,12 +277,12 @@ impl Renderer {
         light: &Light,
         width: u32,
         height: u32,
-    ) -> Result<impl Future<Output = Result<Vec<Asked>>> + use<>> {
+    ) -> Result<impl Future<Output = Result<Vec<PixelQuery>>> + use<>> {
         look.check()?;
         self.make_next((width, height))?;
-        let texture = target(&self.context, "samples", Output::Samples.format(), [width, height]);
+        let texture = target(&self.context, "samples", PassOutput::Samples.format(), [width, height]);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        self.draw_into(&view, Source::Truth, Output::Samples, look, light, 0..height)?;
+        self.draw_into(&view, RadianceSource::Truth, PassOutput::Samples, look, light, 0..height)?;
         let context = self.context.clone();
         Ok(async move { readback::read_texture(&context, &texture).await })
     }
@@ -345,8 +345,8 @@ impl Renderer {
     fn draw_into(
         &mut self,
         view: &wgpu::TextureView,
-        source: Source,
-        output: Output,
+        source: RadianceSource,
+        output: PassOutput,
         look: &Look,
         light: &Light,
         rows: Range<u32>,
@@ -357,7 +357,7 @@ impl Renderer {
         if has_mesh {
             self.pipeline(source, output, true);
         }
-        let cube = if source == Source::Levels { Some(light.levels(&self.context)?) } else { None };
+        let cube = if source == RadianceSource::Levels { Some(light.levels(&self.context)?) } else { None };
         let Targets { width, height, depth, .. } = self.next.as_ref().expect("made before");
         let frame = look.camera.frame(f64::from(*width) / f64::from(*height), look.field());
         let uniform = ViewFrame::new(
@@ -367,7 +367,7 @@ impl Renderer {
             light.texel_angle(),
             light.source_from_world(look.turn),
             [*width, *height],
-            &cube.map_or_else(Ladder::default, |cube| cube.ladder),
+            &cube.map_or_else(LadderUniform::default, |cube| cube.ladder),
         );
         self.context.queue().write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
 
@@ -392,23 +392,25 @@ impl Renderer {
             .collect();
         let device = self.context.device();
         let answers = match (source, cube) {
-            (Source::Box, _) => Some(light.boxes().bind_group(device, &self.boxes_layout)),
-            (Source::Fitted, _) => Some(light.fitted().bind_group(device, &self.fitted_layout)),
-            (Source::Levels, Some(cube)) => Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("prefiltered cube"),
-                layout: &self.levels_layout,
-                entries: &[
-                    wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(&cube.view),
-                    },
-                    wgpu::BindGroupEntry {
-                        binding: 1,
-                        resource: wgpu::BindingResource::Sampler(&self.trilinear),
-                    },
-                ],
-            })),
-            (Source::Levels, None) | (Source::Truth, _) => None,
+            (RadianceSource::Box, _) => Some(light.boxes().bind_group(device, &self.boxes_layout)),
+            (RadianceSource::Fitted, _) => Some(light.fitted().bind_group(device, &self.fitted_layout)),
+            (RadianceSource::Levels, Some(cube)) => {
+                Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("prefiltered cube"),
+                    layout: &self.levels_layout,
+                    entries: &[
+                        wgpu::BindGroupEntry {
+                            binding: 0,
+                            resource: wgpu::BindingResource::TextureView(&cube.view),
+                        },
+                        wgpu::BindGroupEntry {
+                            binding: 1,
+                            resource: wgpu::BindingResource::Sampler(&self.trilinear),
+                        },
+                    ],
+                }))
+            }
+            (RadianceSource::Levels, None) | (RadianceSource::Truth, _) => None,
         };
         let (first, last) = (rows.start == 0, rows.end >= *height);
         self.context.submit(|encoder| {
@@ -478,17 +480,17 @@ impl Renderer {
     }
 
     /// Compiles the pipeline for `output`: for meshes, or for the triangle that covers the picture.
-    fn pipeline(&mut self, source: Source, output: Output, of_mesh: bool) {
+    fn pipeline(&mut self, source: RadianceSource, output: PassOutput, of_mesh: bool) {
         if self.pipelines.contains_key(&(source, output, of_mesh)) {
             return;
         }
         let device = self.context.device();
         let module = shader::module(&self.context, source.file());
         let group = match source {
-            Source::Box => Some(&self.boxes_layout),
-            Source::Fitted => Some(&self.fitted_layout),
-            Source::Levels => Some(&self.levels_layout),
-            Source::Truth => None,
+            RadianceSource::Box => Some(&self.boxes_layout),
+            RadianceSource::Fitted => Some(&self.fitted_layout),
+            RadianceSource::Levels => Some(&self.levels_layout),
+            RadianceSource::Truth => None,
         };
         let groups: Vec<_> = std::iter::once(&self.frame_layout).chain(group).map(Some).collect();
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -567,11 +569,11 @@ impl Renderer {
 }
 
 /// The source for `filter`.
-const fn source_of(filter: Technique) -> Source {
+const fn source_of(filter: Technique) -> RadianceSource {
     match filter {
-        Technique::Box => Source::Box,
-        Technique::Fitted(_) => Source::Fitted,
-        Technique::Levels => Source::Levels,
-        Technique::Adaptive => Source::Truth,
+        Technique::Box => RadianceSource::Box,
+        Technique::Fitted(_) => RadianceSource::Fitted,
+        Technique::Levels => RadianceSource::Levels,
+        Technique::Adaptive => RadianceSource::Truth,
     }
 }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Query of a pixel: world direction and roughness.
-pub(super) type Asked = [f32; 4];
+pub(super) type PixelQuery = [f32; 4];
 
 /// Edge of the pixel tiles that share traversals of the cells.
 const TILE: usize = 4;
@@ -48,7 +48,7 @@ impl Truth {
     /// Those of [`Reflector::lobes`].
     pub(super) fn answers(
         &self,
-        asked: &[Asked],
+        asked: &[PixelQuery],
         width: usize,
         source_from_world: DMat3,
         error: f64,

@@ -8,7 +8,7 @@ use super::look::{Look, Object, Show, Technique};
 use super::panel::{Motion, Status, panel};
 use super::present::Viewport;
 use super::renderer::Renderer;
-use super::truth::{Asked, Truth};
+use super::truth::{PixelQuery, Truth};
 use crate::chain::Chain;
 use crate::environment::Environment;
 use crate::error::Result;
@@ -58,7 +58,7 @@ struct Work {
     step: usize,
     /// Samples of this step.
     size: (u32, u32),
-    asked: Later<Vec<Asked>>,
+    asked: Later<Vec<PixelQuery>>,
     answers: Vec<[f32; 4]>,
 }
 
@@ -238,13 +238,11 @@ impl Viewer {
         !self.panel_hidden
     }
 
-    /// Shows or hides the panel.
-    pub fn set_panel(&mut self, shown: bool) {
-        if shown == self.panel_hidden {
-            self.panel_hidden = !shown;
-            // The picture's size changes.
-            self.drawn = None;
-        }
+    /// Hides the panel, or shows it if it is hidden.
+    pub fn toggle_panel(&mut self) {
+        self.panel_hidden = !self.panel_hidden;
+        // The picture's size changes.
+        self.drawn = None;
     }
 
     /// Position of the roughness slider in the panel: left, top, right and bottom in points.

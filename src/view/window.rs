@@ -151,12 +151,12 @@ impl Content for Viewer {
     }
 
     fn toggle_panel(&mut self) {
-        self.set_panel(!self.panel());
+        self.toggle_panel();
     }
 }
 
 /// Message to the event loop: the device, or why there is none.
-pub(super) struct Ready<V = Viewer>(Box<Result<Shown<V>>>);
+pub(super) struct Ready<V = Viewer>(Box<Result<OpenWindow<V>>>);
 
 /// Opens a window and runs its event loop until it is closed.
 ///
@@ -190,7 +190,7 @@ pub(super) fn open<V: FromStart>(start: V::Start, name: &str, (width, height): (
 }
 
 /// A window with its device.
-pub(super) struct Shown<V = Viewer> {
+pub(super) struct OpenWindow<V = Viewer> {
     pub(super) window: Arc<Window>,
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
@@ -209,7 +209,7 @@ pub(super) struct Application<V: FromStart = Viewer> {
     start: Option<(V::Start, WindowAttributes)>,
     messages: EventLoopProxy<Ready<V>>,
     /// `None` until the device is ready.
-    pub(super) shown: Option<Shown<V>>,
+    pub(super) shown: Option<OpenWindow<V>>,
     /// The error that ended the loop.
     pub(super) failure: Option<Error>,
 }
@@ -229,7 +229,7 @@ impl<V: FromStart> Application<V> {
     }
 }
 
-impl<V: FromStart> Shown<V> {
+impl<V: FromStart> OpenWindow<V> {
     /// Opens the device and creates the content of `start` in `window`.
     async fn new(
         start: V::Start,
@@ -473,7 +473,7 @@ impl<V: FromStart> ApplicationHandler<Ready<V>> for Application<V> {
             }
         };
         let display = Box::new(event_loop.owned_display_handle());
-        let shown = Shown::<V>::new(start, window, display);
+        let shown = OpenWindow::<V>::new(start, window, display);
         let messages = self.messages.clone();
         #[cfg(not(target_arch = "wasm32"))]
         {

@@ -194,13 +194,13 @@ impl OctantClipper {
 
 /// Overlap of a polygon with a grid cell.
 #[derive(Clone, Copy)]
-pub(in crate::geometry) struct Overlap {
+pub(in crate::geometry) struct CellOverlap {
     pub(in crate::geometry) area: f64,
     /// First moments about the cell's own corner.
     pub(super) moment: DVec2,
 }
 
-impl Overlap {
+impl CellOverlap {
     /// The centroid, in cell (`x`, `y`).
     #[inline]
     pub(in crate::geometry) fn centroid(self, x: u32, y: u32) -> DVec2 {
@@ -213,7 +213,7 @@ impl Overlap {
 pub(in crate::geometry) fn walk_outline(
     outline: &[DVec2],
     window: &mut Vec<Accumulator>,
-    mut emit: impl FnMut(u32, u32, Overlap),
+    mut emit: impl FnMut(u32, u32, CellOverlap),
 ) {
     let (mut low, mut high) = (outline[0], outline[0]);
     for &p in outline {
@@ -253,14 +253,14 @@ pub(in crate::geometry) fn walk_outline(
             let area = sign * (cell.area + cover);
             if area > smallest {
                 let moment = (cell.moment + DVec2::new(cover / 2.0, cover_moment)) * sign;
-                emit((left + x) as u32, (top + y) as u32, Overlap { area, moment });
+                emit((left + x) as u32, (top + y) as u32, CellOverlap { area, moment });
             }
         }
     }
 }
 
 /// A polygon inside the cell at `origin`, from triangles around that.
-fn whole(outline: &[DVec2], origin: DVec2) -> Overlap {
+fn whole(outline: &[DVec2], origin: DVec2) -> CellOverlap {
     let (mut area_twice, mut moment) = (0.0, DVec2::ZERO);
     let mut from = outline[outline.len() - 1] - origin;
     for &to in outline {
@@ -270,7 +270,7 @@ fn whole(outline: &[DVec2], origin: DVec2) -> Overlap {
         moment += (from + to) * cross;
         from = to;
     }
-    Overlap { area: area_twice.abs() / 2.0, moment: moment * (area_twice.signum() / 6.0) }
+    CellOverlap { area: area_twice.abs() / 2.0, moment: moment * (area_twice.signum() / 6.0) }
 }
 
 /// Adds one edge: cut at the grid lines, every piece counts the area between it and its cell's right side,

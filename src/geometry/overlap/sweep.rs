@@ -5,7 +5,7 @@
 //! texels it is much cheaper to rasterise one octant's outlines and apply the weights to all eight octants
 //! than to map every source texel to the target.
 
-use super::grid::{Overlap, walk_outline};
+use super::grid::{CellOverlap, walk_outline};
 use super::index::{self, SourceMap, Target, pack};
 use crate::environment::{Environment, Layout, Rgb};
 use glam::{DVec2, DVec3, Vec4};
@@ -90,7 +90,7 @@ struct Sweep<'a> {
 type Share = (u32, f32);
 
 /// A target texel of a tile.
-struct Place {
+struct TargetTexel {
     /// Among the means.
     at: usize,
     shares: Range<usize>,
@@ -103,7 +103,7 @@ struct Means<'a> {
     texels: &'a [Rgb],
     source_maps: &'a [SourceMap; 8],
     shares: &'a [Share],
-    places: &'a [Place],
+    places: &'a [TargetTexel],
     means: &'a mut [[Rgb; 8]],
 }
 
@@ -194,14 +194,16 @@ impl<'a> Sweep<'a> {
                 walk_outline(&outline, &mut window, |column, row, overlap| {
                     shares.push(self.share(column, row, overlap));
                 });
-                places.push(Place {
+                places.push(TargetTexel {
                     at: row * half as usize + i as usize,
                     shares: first..shares.len(),
                     total: shares[first..].iter().map(|(_, weight)| f64::from(*weight)).sum(),
                 });
             }
             if i + 1 == half || (i + 1) % TILE == 0 {
-                places.sort_unstable_by_key(|place: &Place| strip_and_column(shares[place.shares.start].0));
+                places.sort_unstable_by_key(|place: &TargetTexel| {
+                    strip_and_column(shares[place.shares.start].0)
+                });
                 self.arch.dispatch(Means {
                     texels: self.texels,
                     source_maps: &self.source_maps,
@@ -290,7 +292,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// The weight of an overlap: its area on the grid times the sine of its centroid's polar angle.
-    fn share(&self, column: u32, row: u32, overlap: Overlap) -> Share {
+    fn share(&self, column: u32, row: u32, overlap: CellOverlap) -> Share {
         let row = row.min(self.middles.len() as u32 - 1);
         let (sine, cosine) = self.middles[row as usize];
         // The centroid's distance from the middle of the row, times the area.

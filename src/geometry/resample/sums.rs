@@ -78,8 +78,8 @@ impl Sums {
     pub(super) fn means(mut self, mirrors: &Mirrors, target: &Grid) -> Option<Vec<Rgb>> {
         let stride = self.stride();
         // Images of the targets, each channel's energy that arrived, and that the means hold.
-        type Part = (Vec<u32>, [[f64; 3]; 2]);
-        let parts: Vec<Part> = self
+        type ChunkMeans = (Vec<u32>, [[f64; 3]; 2]);
+        let parts: Vec<ChunkMeans> = self
             .chunks
             .par_iter_mut()
             .zip(self.targets.par_chunks(CHUNK))

@@ -30,8 +30,8 @@ use crate::direct::{Corner, check_near};
 use crate::error::{Error, Result};
 use crate::names::named;
 use list::{Cut, List, Lists};
-use target::check_format;
 pub(in crate::gpu) use target::{DEPTH, cleared_depth, depth_texture};
+use target::{check_format, nearest_surface};
 use view::Bounded;
 
 shader::members!(Corner { position, octant, value });
@@ -240,11 +240,11 @@ impl Direct {
         };
         let offset = List::draw_offset(index);
         let (corners, source) = match (method.cut(), list) {
-            (Some(_), Some(list)) => (&list.content, Source::Pieces(list.draws.clone())),
+            (Some(_), Some(list)) => (&list.content, DrawnIndices::Pieces(list.draws.clone())),
             (_, Some(list)) => {
-                (&mesh.corners, Source::Listed(list.content.clone(), list.draws.clone(), offset))
+                (&mesh.corners, DrawnIndices::Listed(list.content.clone(), list.draws.clone(), offset))
             }
-            (_, None) => (&mesh.corners, Source::All(mesh.indices.clone(), 3 * mesh.triangles)),
+            (_, None) => (&mesh.corners, DrawnIndices::All(mesh.indices.clone(), 3 * mesh.triangles)),
         };
         let (pipeline, corners) = (pipeline.clone(), corners.clone());
         Draw { pipeline, group, corners, source, scissor: bounded.scissor }
@@ -301,16 +301,7 @@ fn pipeline(
     };
     let (blend, depth_stencil) = match overlap {
         Overlap::Sum => (Some(wgpu::BlendState { color: add, alpha: add }), None),
-        Overlap::Nearest => {
-            let depth = wgpu::DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            };
-            (None, Some(depth))
-        }
+        Overlap::Nearest => (None, Some(nearest_surface())),
     };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
@@ -356,13 +347,13 @@ struct Draw {
     pipeline: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
     corners: wgpu::Buffer,
-    source: Source,
+    source: DrawnIndices,
     scissor: [u32; 4],
 }
 
 /// Triangles of a draw.
 #[derive(Clone, Debug)]
-enum Source {
+enum DrawnIndices {
     /// So many indices of a buffer.
     All(wgpu::Buffer, u32),
     /// Listed indices, and the arguments of the draw with their byte offset.
@@ -371,7 +362,7 @@ enum Source {
     Pieces(wgpu::Buffer),
 }
 
-impl Source {
+impl DrawnIndices {
     /// Triangles, if not counted on the GPU.
     const fn whole(&self) -> Option<u32> {
         match self {
@@ -465,15 +456,15 @@ impl Pass {
             pass.set_scissor_rect(*left, *top, *width, *height);
             pass.set_vertex_buffer(0, corners.slice(..));
             match source {
-                Source::All(indices, count) => {
+                DrawnIndices::All(indices, count) => {
                     pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
                     pass.draw_indexed(0..*count, 0, 0..1);
                 }
-                Source::Listed(indices, draws, offset) => {
+                DrawnIndices::Listed(indices, draws, offset) => {
                     pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
                     pass.draw_indexed_indirect(draws, *offset);
                 }
-                Source::Pieces(draws) => pass.draw_indirect(draws, 0),
+                DrawnIndices::Pieces(draws) => pass.draw_indirect(draws, 0),
             }
         }
     }

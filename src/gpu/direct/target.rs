@@ -7,6 +7,17 @@ use crate::gpu::Context;
 /// Format of depth, which is `near` over the distance: 0 where nothing is drawn, 1 at the near surface.
 pub(in crate::gpu) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
+/// The depth test of draws that keep the nearest surface.
+pub(in crate::gpu) fn nearest_surface() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
 /// A colour texture and its depth.
 #[derive(Clone, Debug)]
 pub struct DirectTarget {

@@ -5,7 +5,7 @@
 //! approximation for finely cut triangles, whose error falls with the square of their size. In C_1 the
 //! equation misprints atan2(a, -c), where C_1 is around +Z, and in both its sines are those of unit vectors.
 
-use super::target::{DEPTH, check_format};
+use super::target::{check_format, nearest_surface};
 use super::{DirectMesh, DirectTarget, cleared};
 use crate::direct::{DirectMap, check_near};
 use crate::error::{Error, Result};
@@ -82,13 +82,7 @@ impl Unwrap {
                 buffers: &[],
             },
             primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
+            depth_stencil: Some(nearest_surface()),
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module,

@@ -4,6 +4,7 @@
 use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::color::{self, Primaries};
+use crate::io::key_values::value_of;
 use crate::io::ktx2::write::ROUGHNESS_KEY;
 use crate::io::layout::Content;
 use crate::io::map_header::MapHeader;
@@ -22,14 +23,14 @@ struct Header<'a> {
     primaries: Option<Primaries>,
     /// A bake's key/value pairs.
     pairs: Vec<(String, String)>,
-    scan: Scan,
+    scan: PixelOrder,
     /// Scanlines.
     data: &'a [u8],
 }
 
 impl Header<'_> {
     fn text(&self, key: &str) -> Option<String> {
-        self.pairs.iter().find(|(own, _)| own == key).map(|(_, value)| value.clone())
+        value_of(&self.pairs, key)
     }
 }
 
@@ -47,7 +48,7 @@ pub(in crate::io) fn level_header(source: &Source<'_>) -> Result<LevelHeader> {
 
 /// Pixel order: `lines` scanlines of `length` pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Scan {
+struct PixelOrder {
     lines: u32,
     length: u32,
     /// Scanlines are columns.
@@ -108,7 +109,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     Ok(Picture { width, height, texels, content: Content::Image, map, format, warnings, provenance })
 }
 
-impl Scan {
+impl PixelOrder {
     const fn is_plain(self) -> bool {
         !(self.by_columns || self.from_right || self.from_bottom)
     }
@@ -211,7 +212,7 @@ fn not_positive(source: &Source<'_>, line: &str) -> crate::Error {
 }
 
 /// Parses `-Y 256 +X 512` and the seven other orientations; the first axis runs from scanline to scanline.
-fn parse_resolution(line: &str) -> Option<Scan> {
+fn parse_resolution(line: &str) -> Option<PixelOrder> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [first, lines, second, length] = words[..] else { return None };
     let (by_columns, x, y) = match (first, second) {
@@ -219,7 +220,7 @@ fn parse_resolution(line: &str) -> Option<Scan> {
         ("-X" | "+X", "-Y" | "+Y") => (true, first, second),
         _ => return None,
     };
-    Some(Scan {
+    Some(PixelOrder {
         lines: lines.parse().ok()?,
         length: length.parse().ok()?,
         by_columns,

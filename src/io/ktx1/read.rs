@@ -8,6 +8,7 @@ use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::cmgen;
+use crate::io::key_values::value_of;
 use crate::io::ktx2::read::{Pixel, parse_roughness, texels_from};
 use crate::io::ktx2::write::ROUGHNESS_KEY;
 use crate::io::layout::Content;
@@ -126,7 +127,7 @@ impl<'a> Texture<'a> {
     }
 
     fn text(&self, key: &str) -> Option<String> {
-        self.pairs.iter().find(|(own, _)| own == key).map(|(_, value)| value.clone())
+        value_of(&self.pairs, key)
     }
 
     fn provenance(&self) -> Result<Provenance> {

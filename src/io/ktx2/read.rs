@@ -19,7 +19,7 @@ use ktx2::{Format, SupercompressionScheme};
 use std::borrow::Cow;
 
 /// A parsed file with a valid header.
-struct Container<'a> {
+struct KtxFile<'a> {
     source: Source<'a>,
     reader: ktx2::Reader<&'a [u8]>,
     width: u32,
@@ -62,7 +62,7 @@ impl Pixel {
 
 /// Decodes level 0.
 pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
-    let container = Container::open(source)?;
+    let container = KtxFile::open(source)?;
     let map = if container.is_cube { None } else { MapHeader::of_texts(source, &|key| container.text(key))? };
     Ok(Picture {
         width: container.width,
@@ -81,7 +81,7 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     if !source.bytes.starts_with(&ktx2::MAGIC) {
         return Err(source.error("not a KTX2 file; a chain is a KTX2 cube or a level folder"));
     }
-    let container = Container::open(source)?;
+    let container = KtxFile::open(source)?;
     if !container.is_cube {
         return Err(source.error("it holds a 2D image; a chain is a cube"));
     }
@@ -99,7 +99,7 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     Ok(Stored { chain: Chain { levels }, provenance, format, warnings: Vec::new() })
 }
 
-impl<'a> Container<'a> {
+impl<'a> KtxFile<'a> {
     /// Such as `KTX2 cube, RGBA16F, 9 levels`.
     fn format(&self) -> String {
         let kind = if self.is_cube { "cube" } else { "2D" };

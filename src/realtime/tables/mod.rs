@@ -38,7 +38,7 @@ pub mod triangle;
 
 use glam::DVec2;
 use std::sync::LazyLock;
-use triangle::{NODES, Place, place};
+use triangle::{GridPoint, NODES, place};
 
 /// Supported numbers of boxes.
 pub const COUNTS: [u32; 4] = [1, 2, 4, 8];
@@ -227,7 +227,7 @@ impl Table {
     }
 
     /// Parameters at `place` and `position` in `octave`; positions beyond the last knot have its parameters.
-    fn parameters(&self, octave: u32, position: f64, place: &Place) -> Vec<f64> {
+    fn parameters(&self, octave: u32, position: f64, place: &GridPoint) -> Vec<f64> {
         let count = self.shape.parameters();
         let along = ((position - KNOTS[0]) / (KNOTS[1] - KNOTS[0])).clamp(0.0, (KNOTS.len() - 1) as f64);
         let knot = (along as usize).min(KNOTS.len() - 2);

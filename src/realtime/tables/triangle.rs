@@ -50,7 +50,7 @@ impl Fold {
 
 /// Interpolation weights of a point: three nodes of the grid and their shares.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct GridPoint {
     /// Nodes.
     pub nodes: [usize; 3],
     /// Their shares, which sum to 1.
@@ -77,7 +77,7 @@ pub fn node_point(i: usize, j: usize) -> DVec2 {
 
 /// The nodes around `point` of the triangle; each cell is split along the direction of v = 0.
 #[must_use]
-pub fn place(point: DVec2) -> Place {
+pub fn place(point: DVec2) -> GridPoint {
     let at = |value: f64| (value * INTERVALS as f64).clamp(0.0, INTERVALS as f64);
     let (p, q) = (at(point.x + point.y), at(point.x - point.y));
     let cell = |value: f64| (value as usize).min(INTERVALS - 1);
@@ -86,9 +86,9 @@ pub fn place(point: DVec2) -> Place {
     let (p, q) = (p - i as f64, q - j as f64);
     if q <= p || i == j {
         let q = q.min(p);
-        Place { nodes: [node(i, j), node(i + 1, j), node(i + 1, j + 1)], shares: [1.0 - p, p - q, q] }
+        GridPoint { nodes: [node(i, j), node(i + 1, j), node(i + 1, j + 1)], shares: [1.0 - p, p - q, q] }
     } else {
-        Place { nodes: [node(i, j), node(i, j + 1), node(i + 1, j + 1)], shares: [1.0 - q, q - p, p] }
+        GridPoint { nodes: [node(i, j), node(i, j + 1), node(i + 1, j + 1)], shares: [1.0 - q, q - p, p] }
     }
 }
 

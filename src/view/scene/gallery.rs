@@ -29,7 +29,7 @@ impl Scene {
     /// # Errors
     /// None; the scene is valid.
     pub fn gallery() -> Result<Self> {
-        let room = Part::cuboid(ROOM, 10, true, |axis, middle| {
+        let room = Part::room(ROOM, 10, |axis, middle| {
             let squares = (middle.x.floor() + middle.z.floor()).rem_euclid(2.0);
             let panel = middle.x.abs().max(middle.z.abs()) < 2.0;
             match axis {
@@ -59,7 +59,7 @@ impl Scene {
             },
             ..part
         };
-        let cube = Part::cuboid(DVec3::splat(0.28), 1, false, |axis, _| {
+        let cube = Part::cuboid(DVec3::splat(0.28), 1, |axis, _| {
             [[0.8, 0.1 + 0.1 * axis.y as f32, 0.08], [0.3, 0.02, 0.02]]
         });
         let bob = Motion { axis: DVec3::new(0.0, 0.3, 0.0), rate: 0.2, phase: 0.25, ..Motion::default() };

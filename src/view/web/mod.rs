@@ -7,7 +7,7 @@ mod view_side;
 use super::look::Look;
 use super::scene::Scene;
 use super::viewer::{is_mesh, options};
-use super::window::{Application, Ready, Shown, Start};
+use super::window::{Application, OpenWindow, Ready, Start};
 use crate::error::Error;
 use crate::gpu::device::shader;
 use crate::io;
@@ -118,7 +118,7 @@ impl Page {
     /// None in practice: the state always serialises.
     pub fn state(&self) -> Result<String, JsError> {
         let mut application = self.application.borrow_mut();
-        let state = application.shown.as_mut().map(|Shown { viewer, .. }| match viewer.shown() {
+        let state = application.shown.as_mut().map(|OpenWindow { viewer, .. }| match viewer.shown() {
             Side::View(viewer) => State::View(view_side::State::of(viewer)),
             Side::Scene(scene) => State::Scene(scene_side::State::of(scene)),
         });
@@ -152,7 +152,7 @@ impl Page {
     /// Calls `act` if the device is ready, and requests a redraw.
     fn act<T>(&self, act: impl FnOnce(&mut Sides) -> T) -> Option<T> {
         let mut application = self.application.borrow_mut();
-        let Shown { viewer, window, .. } = application.shown.as_mut()?;
+        let OpenWindow { viewer, window, .. } = application.shown.as_mut()?;
         let found = act(viewer);
         window.request_redraw();
         Some(found)

@@ -102,8 +102,8 @@ impl Change {
             return Err(Error::Parameter("no mesh is loaded; open one first".to_owned()));
         }
         *viewer.look_mut() = look;
-        if let Some(shown) = self.panel {
-            viewer.set_panel(shown);
+        if self.panel.is_some_and(|shown| shown != viewer.panel()) {
+            viewer.toggle_panel();
         }
         Ok(())
     }

@@ -38,7 +38,7 @@ fn glossy(roughness: f64) -> Part {
 
 /// A room of grey walls with half edges of [`ROOM`].
 fn room() -> Part {
-    Part::cuboid(DVec3::splat(ROOM), 1, true, |axis, _| [[0.4; 3], [0.1 + 0.1 * axis.x.abs() as f32; 3]])
+    Part::room(DVec3::splat(ROOM), 1, |axis, _| [[0.4; 3], [0.1 + 0.1 * axis.x.abs() as f32; 3]])
 }
 
 /// Places and emission of two balls: a red one to the left of the default camera, which is at -X, and a blue
