@@ -34,8 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         cache: None,
     });
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-    let size = 4 * 512 * 512;
-    let descriptor = wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+    let descriptor = wgpu::BufferDescriptor { label: None, size: 4 << 18, usage, mapped_at_creation: false };
     let pixels = device.create_buffer(&descriptor);
     let image = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
