@@ -1,8 +1,8 @@
 //! Conversion of environments, and of pictures of any map, to the texels of another map.
 //!
 //! Between panoramas, cubes and octahedral squares by the exact overlaps of the bake, else by
-//! [`resample()`]. Both correct the total of every channel, which curved texels change by up to 1e-5, by one
-//! factor.
+//! [`resample()`]. Both correct the total of every channel; for the former, curved texels change it by up to
+//! 1e-5, and one factor is enough.
 
 use super::energy::energy;
 use super::footprints::footprints_over;

@@ -5,8 +5,8 @@
 //! solid angles. Where the mapping is smooth the corners of a block of texels are interpolated from a few of
 //! its points. At kinks, seams and poles a texel is quartered until the mapping is flat or its parts are
 //! negligible. Shares are scaled to the source texel's exact solid angle, which conserves energy; a target
-//! texel is the mean over its shares, which reproduces constants. The remaining energy error, a few parts in
-//! a million, is corrected by one factor a channel.
+//! texel is the mean over its shares, which reproduces constants. The remaining energy error of a channel, a
+//! few parts in a million for even light, is corrected where the light is.
 //!
 //! Where coordinate planes are mirrors of both maps and cut no texel of the source, only the part of the
 //! sphere on their positive sides is computed, an eighth at best: a share stands for as many shares as
@@ -30,7 +30,7 @@ use glam::DMat3;
 use mirrors::Mirrors;
 use rayon::prelude::*;
 use std::ops::Range;
-use sums::Sums;
+use sums::{Sums, Totals};
 
 /// Texels along the edge of a block whose corners are interpolated.
 const BLOCK: u32 = 8;
@@ -65,16 +65,17 @@ pub fn resample(light: &Light<'_>, target: &Grid) -> Vec<Rgb> {
     } else {
         Mirrors::default()
     };
-    let mut means = resample_by(&mirrors, light, target)
+    let (mut texels, totals) = resample_by(&mirrors, light, target)
         .or_else(|| resample_by(&Mirrors::default(), light, target))
         .expect("without mirrors nothing is cut by them");
-    Continuation::new(light, target).fill(&mut means);
-    means
+    let filled = Continuation::new(light, target).fill(&mut texels);
+    totals.plus(&filled).correct(&mut texels);
+    texels
 }
 
-/// [`resample`] by `mirrors` of both grids, NaN outside the domain. `None` if a mirror cuts texels of the
-/// source.
-fn resample_by(mirrors: &Mirrors, light: &Light<'_>, target: &Grid) -> Option<Vec<Rgb>> {
+/// [`resample`] by `mirrors` of both grids, NaN where nothing of the source arrives. `None` if a mirror cuts
+/// texels of the source.
+fn resample_by(mirrors: &Mirrors, light: &Light<'_>, target: &Grid) -> Option<(Vec<Rgb>, Totals)> {
     let mut sums = Sums::new(mirrors.images(), target.texel_count());
     let grid = &light.grid;
     let rows: u32 = (0..grid.map().components()).map(|component| grid.sides(component)[1]).sum();
@@ -93,7 +94,7 @@ fn resample_by(mirrors: &Mirrors, light: &Light<'_>, target: &Grid) -> Option<Ve
             .par_iter()
             .map(|(component, rows)| Band::new(light, target, *component, rows.clone(), mirrors))
             .collect::<Option<_>>()?;
-        sums.add(&bands, light.texels);
+        sums.add(&bands, light.texels, mirrors, target)?;
     }
     sums.means(mirrors, target)
 }

@@ -96,6 +96,13 @@ impl<'a, C: Chart> Carrier<'a, C> {
                 let corners = [above[k], above[k + 1], below[k + 1], below[k]];
                 let start = shares.len();
                 self.carry(Piece::texel(corner), corners, 0, number, shares);
+                if shares.len() == start
+                    && let Some(place) = corners.into_iter().flatten().next()
+                {
+                    // The chart has less than the smallest parts of the texel.
+                    let target = self.plane.index(place.component, self.plane.in_texels(place));
+                    shares.push(Share { target, source: number, solid_angle: weight as f32 });
+                }
                 let sum: f64 = shares[start..].iter().map(|share| f64::from(share.solid_angle)).sum();
                 let scale = (weight / sum) as f32;
                 shares[start..].iter_mut().for_each(|share| share.solid_angle *= scale);

@@ -7,10 +7,12 @@
 
 use super::carrier::{Block, Carrier, Numbers, quarterings};
 use super::chart::{Around, Chart, Continued, Piece};
+use super::sums::Totals;
 use super::{BLOCK, Share};
 use crate::environment::Rgb;
 use crate::geometry::light::Light;
 use crate::sphere::grid::Grid;
+use crate::sphere::map::Texel;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -37,25 +39,49 @@ impl<'a> Continuation<'a> {
         Self { light, target, texel, quarterings: quarterings(count, light.grid.texel_count()) }
     }
 
-    /// Replaces the `means` over the target's texels that are NaN.
-    pub(super) fn fill(&self, means: &mut [Rgb]) {
+    /// Replaces the `means` over the target's texels that are NaN. Returns the totals of their parts inside
+    /// the domain: rims may leave slivers that no outline reaches.
+    pub(super) fn fill(&self, means: &mut [Rgb]) -> Totals {
+        let mut totals = Totals::default();
         let mut rest = means;
         for component in 0..self.target.map().components() {
             let [width, height] = self.target.sides(component).map(|side| side as usize);
             let (own, others) = rest.split_at_mut(width * height);
             rest = others;
-            own.par_chunks_mut(width * BLOCK as usize).enumerate().for_each(|(k, means)| {
+            let of_rows = |(k, means): (usize, &mut [Rgb])| {
+                let mut totals = Totals::default();
                 if means.iter().any(|mean| mean[0].is_nan()) {
                     let top = k as i64 * i64::from(BLOCK);
                     let rows = top..top + (means.len() / width) as i64;
                     let at = |x: i64, y: i64| (y - top) as usize * width + x as usize;
                     let is_needed = |x, y| means[at(x, y)][0].is_nan();
                     let found = self.means(component, 0..width as i64, rows, is_needed);
-                    let without = means.iter_mut().zip(found).filter(|(mean, _)| mean[0].is_nan());
-                    without.for_each(|(mean, found)| *mean = found);
+                    for (i, (mean, found)) in means.iter_mut().zip(found).enumerate() {
+                        if mean[0].is_nan() {
+                            let (x, y) = ((i % width) as u32, k as u32 * BLOCK + (i / width) as u32);
+                            let solid_angle = self.inside(Texel { component, x, y });
+                            totals = totals.plus(&Totals::of(found.map(f64::from), solid_angle));
+                            *mean = found;
+                        }
+                    }
                 }
-            });
+                totals
+            };
+            let parts: Vec<Totals> =
+                own.par_chunks_mut(width * BLOCK as usize).enumerate().map(of_rows).collect();
+            totals = parts.iter().fold(totals, |sum, part| sum.plus(part));
         }
+        totals
+    }
+
+    /// Solid angle of the part of `texel` of the target in the domain; 0 if that has none of its corners.
+    fn inside(&self, texel: Texel) -> f64 {
+        let piece = Piece::texel(DVec2::new(f64::from(texel.x), f64::from(texel.y)));
+        let map = self.target.map();
+        let contains = |corner: DVec2| {
+            map.contains(texel.component, self.target.uv(texel.component, corner.x, corner.y))
+        };
+        if piece.corners().into_iter().any(contains) { self.target.solid_angle(texel) } else { 0.0 }
     }
 
     /// Mean radiances over the texels of `columns` and `rows`, which may lie outside the image of

@@ -1,8 +1,9 @@
 //! Coordinate planes that are mirrors of two maps at once.
 
+use super::chart::{Chart as _, Domain, Piece};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
-use glam::DVec3;
+use glam::{DMat3, DVec2, DVec3};
 
 /// Directions so little behind a plane count as on it.
 const ON_PLANE: f64 = 1e-9;
@@ -46,6 +47,29 @@ impl Mirrors {
     /// Whether the unit vector `direction` is behind one of the planes.
     pub(super) fn is_behind(&self, direction: DVec3) -> bool {
         self.axes.iter().any(|axis| direction[*axis] < -ON_PLANE)
+    }
+
+    /// The image of `texel` of `grid` that is behind none of the planes. `None` if one is not a texel.
+    pub(super) fn ahead(&self, grid: &Grid, texel: Texel) -> Option<Texel> {
+        let domain = Domain::new(grid, texel.component, DMat3::IDENTITY);
+        let piece = Piece::texel(DVec2::new(f64::from(texel.x), f64::from(texel.y)));
+        let middle = domain.direction(piece.middle());
+        let mut image = texel;
+        for axis in &self.axes {
+            let is_behind = match middle {
+                Some(direction) if direction[*axis].abs() > ON_PLANE => direction[*axis] < 0.0,
+                // Cut by the plane.
+                _ if grid.mirrored(texel, *axis)? == texel => false,
+                _ => {
+                    let mut corners = piece.corners().into_iter().filter_map(|at| domain.direction(at));
+                    corners.any(|direction| direction[*axis] < -ON_PLANE)
+                }
+            };
+            if is_behind {
+                image = grid.mirrored(image, *axis)?;
+            }
+        }
+        Some(image)
     }
 
     /// The side of `directions` if they are farther than `margin` from the planes that matter.

@@ -38,13 +38,18 @@ impl Sums {
         3 * self.images + 1
     }
 
-    /// Adds the shares of `bands` of the radiances `texels`.
-    pub(super) fn add(&mut self, bands: &[Band], texels: &[Rgb]) {
+    /// Adds the shares of `bands` of the radiances `texels`. Shares that rounding carried behind one of the
+    /// `mirrors` count where that reflects them. `None` if an image of a texel of `target` is not a texel.
+    pub(super) fn add(
+        &mut self,
+        bands: &[Band],
+        texels: &[Rgb],
+        mirrors: &Mirrors,
+        target: &Grid,
+    ) -> Option<()> {
         for share in bands.iter().flat_map(|band| &band.shares) {
-            let place = &mut self.slots[share.target as usize];
-            if *place == NONE {
-                *place = u32::try_from(self.targets.len()).expect("texels fit");
-                self.targets.push(share.target);
+            if self.slots[share.target as usize] == NONE {
+                self.slots[share.target as usize] = self.slot_of(share.target, mirrors, target)?;
             }
         }
         let (images, stride) = (self.images, self.stride());
@@ -71,52 +76,105 @@ impl Sums {
                 }
             }
         });
+        Some(())
     }
 
-    /// The mean radiance of every texel of `target`, of which `mirrors` give the images; NaN for texels
-    /// without sums. `None` if an image of a texel is not a texel.
-    pub(super) fn means(mut self, mirrors: &Mirrors, target: &Grid) -> Option<Vec<Rgb>> {
+    /// The slot of the target texel `index`, or a new one: that of its image that is not behind a mirror.
+    fn slot_of(&mut self, index: u32, mirrors: &Mirrors, target: &Grid) -> Option<u32> {
+        let mut owner = index;
+        if self.images > 1 {
+            let ahead = mirrors.ahead(target, target.texel(index as usize))?;
+            owner = u32::try_from(target.index(ahead)).expect("texels fit");
+        }
+        if self.slots[owner as usize] == NONE {
+            self.slots[owner as usize] = u32::try_from(self.targets.len()).expect("texels fit");
+            self.targets.push(owner);
+        }
+        Some(self.slots[owner as usize])
+    }
+
+    /// The mean radiance of every texel of `target`, of which `mirrors` give the images, and their totals; NaN
+    /// for texels without sums. `None` if an image of a texel is not a texel.
+    pub(super) fn means(mut self, mirrors: &Mirrors, target: &Grid) -> Option<(Vec<Rgb>, Totals)> {
         let stride = self.stride();
-        // Images of the targets, each channel's energy that arrived, and that the means hold.
-        type ChunkMeans = (Vec<u32>, [[f64; 3]; 2]);
-        let parts: Vec<ChunkMeans> = self
+        let parts: Vec<(Vec<u32>, Totals)> = self
             .chunks
             .par_iter_mut()
             .zip(self.targets.par_chunks(CHUNK))
             .map(|(sums, targets)| {
-                let mut energies = [[0.0; 3]; 2];
+                let mut totals = Totals::default();
                 let mut images = Vec::with_capacity(self.images * targets.len());
                 for (sums, index) in sums.chunks_exact_mut(stride).zip(targets) {
                     let texel = target.texel(*index as usize);
                     let first = images.len();
                     mirrors.append(target, texel, &mut images)?;
-                    to_means(sums, &images[first..], target.solid_angle(texel), &mut energies);
+                    to_means(sums, &images[first..], target.solid_angle(texel), &mut totals);
                 }
-                Some((images, energies))
+                Some((images, totals))
             })
             .collect::<Option<_>>()?;
-        // Correct the energy error of each channel from rounding and curvature by one factor.
-        let [arrived, held] = parts.iter().fold([[0.0; 3]; 2], |sum: [[f64; 3]; 2], (_, term)| {
-            std::array::from_fn(|k| std::array::from_fn(|c| sum[k][c] + term[k][c]))
-        });
-        let scale: [f64; 3] = std::array::from_fn(|c| if held[c] > 0.0 { arrived[c] / held[c] } else { 1.0 });
-        let mut means = vec![[f32::NAN; 3]; self.slots.len()];
+        let totals = parts.iter().fold(Totals::default(), |sum, (_, term)| sum.plus(term));
+        let mut texels = vec![[f32::NAN; 3]; self.slots.len()];
         for (sums, (images, _)) in self.chunks.into_iter().zip(parts) {
             for (sums, images) in sums.chunks_exact(stride).zip(images.chunks_exact(self.images)) {
                 for (image, mean) in images.iter().zip(sums.chunks_exact(3)) {
                     // Keeps NaN.
-                    means[*image as usize] =
-                        std::array::from_fn(|c| ((mean[c] * scale[c]) as f32).clamp(f32::MIN, f32::MAX));
+                    texels[*image as usize] =
+                        std::array::from_fn(|c| (mean[c] as f32).clamp(f32::MIN, f32::MAX));
                 }
             }
         }
-        Some(means)
+        Some((texels, totals))
     }
 }
 
-/// Turns the sums of one place into the means of the texels `images`, each of `solid_angle`; adds the energy
-/// that arrived there, and that the means hold, to `energies`. Texels without shares get NaN.
-fn to_means(sums: &mut [f64], images: &[u32], solid_angle: f64, energies: &mut [[f64; 3]; 2]) {
+/// Totals of each channel.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Totals {
+    /// Energy that arrived from the source.
+    arrived: [f64; 3],
+    /// Energy that the texels hold.
+    held: [f64; 3],
+    /// Integral of the texels' squared radiance.
+    squares: [f64; 3],
+}
+
+impl Totals {
+    /// Those of `radiance` over `solid_angle`, of which nothing arrived.
+    pub(super) fn of(radiance: [f64; 3], solid_angle: f64) -> Self {
+        let held = radiance.map(|value| value * solid_angle);
+        let squares = radiance.map(|value| value * value * solid_angle);
+        Self { arrived: [0.0; 3], held, squares }
+    }
+
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        let sum = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|c| a[c] + b[c]);
+        Self {
+            arrived: sum(self.arrived, other.arrived),
+            held: sum(self.held, other.held),
+            squares: sum(self.squares, other.squares),
+        }
+    }
+
+    /// Corrects `texels`, which have these totals, to the energy that arrived: each by its radiance squared,
+    /// which is the least change relative to the radiance. One bright texel on a rim is the likely error; a
+    /// common factor would tint the whole picture.
+    pub(super) fn correct(&self, texels: &mut [Rgb]) {
+        let rates: [f64; 3] = std::array::from_fn(|c| {
+            if self.squares[c] > 0.0 { (self.arrived[c] - self.held[c]) / self.squares[c] } else { 0.0 }
+        });
+        texels.par_iter_mut().for_each(|texel| {
+            for (value, rate) in texel.iter_mut().zip(rates) {
+                let exact = f64::from(*value);
+                *value = ((exact * (1.0 + rate * exact).max(0.0)) as f32).clamp(f32::MIN, f32::MAX);
+            }
+        });
+    }
+}
+
+/// Turns the sums of one place into the means of the texels `images`, each of `solid_angle`; adds theirs to
+/// `totals`. Texels without shares get NaN.
+fn to_means(sums: &mut [f64], images: &[u32], solid_angle: f64, totals: &mut Totals) {
     let (sums, weight) = sums.split_at_mut(3 * images.len());
     for (first, image) in images.iter().enumerate() {
         if images[..first].contains(image) {
@@ -125,14 +183,13 @@ fn to_means(sums: &mut [f64], images: &[u32], solid_angle: f64, energies: &mut [
         // A texel that a mirror cuts is its own image: its sums are in two or more parts.
         let parts = || (first..images.len()).filter(|part| images[*part] == *image);
         let total = weight[0] * parts().count() as f64;
-        for channel in 0..3 {
-            let sum: f64 = parts().map(|part| sums[3 * part + channel]).sum();
-            let mean = sum / total;
-            if total > 0.0 {
-                energies[0][channel] += sum;
-                energies[1][channel] += mean * solid_angle;
-            }
-            parts().for_each(|part| sums[3 * part + channel] = mean);
+        let arrived: [f64; 3] = std::array::from_fn(|c| parts().map(|part| sums[3 * part + c]).sum());
+        let means = arrived.map(|sum| sum / total);
+        if total > 0.0 {
+            *totals = totals.plus(&Totals { arrived, ..Totals::of(means, solid_angle) });
+        }
+        for part in parts() {
+            sums[3 * part..3 * part + 3].copy_from_slice(&means);
         }
     }
 }
