@@ -46,7 +46,7 @@ impl Picture {
 
 /// The remedy for a picture that has another shape than the map in its header.
 pub(super) const RESHAPED: &str =
-    "it was cropped or resized; convert it again, or remove octaglossMap from its header";
+    "it was cropped or resized; convert it again, or remove octaglossMap and octaglossBorder from its header";
 
 impl MapHeader {
     /// Checks that `picture` has the shape of the map.
