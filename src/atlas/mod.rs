@@ -17,6 +17,7 @@ use crate::sphere::oem_lookup::rectangular_place;
 use glam::{DVec2, DVec3};
 use squares::Squares;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The directions of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +58,7 @@ pub struct Tile {
     side: u32,
     border: u32,
     domain: Domain,
-    /// Distinguishes it from later tiles at the same place.
+    /// Distinguishes it from later tiles at the same place, and from tiles of other atlases.
     number: u64,
 }
 
@@ -98,8 +99,10 @@ pub struct Atlas {
     free: Squares,
     /// Numbers of the tiles, by corner.
     tiles: BTreeMap<[u32; 2], u64>,
-    allocated: u64,
 }
+
+/// Number of tiles allocated so far, in any atlas.
+static ALLOCATED: AtomicU64 = AtomicU64::new(0);
 
 impl Atlas {
     /// An empty atlas of `side` x `side` texels whose tiles have `border` texels around their maps.
@@ -124,7 +127,6 @@ impl Atlas {
             border,
             free: Squares::new(side),
             tiles: BTreeMap::new(),
-            allocated: 0,
         })
     }
 
@@ -143,8 +145,7 @@ impl Atlas {
             )));
         }
         let Some([x, y]) = self.free.take(side) else { return Ok(None) };
-        let number = self.allocated;
-        self.allocated += 1;
+        let number = ALLOCATED.fetch_add(1, Ordering::Relaxed);
         self.tiles.insert([x, y], number);
         Ok(Some(Tile { x, y, side, border, domain, number }))
     }
@@ -194,7 +195,7 @@ impl Atlas {
     }
 
     fn check(&self, tile: Tile) -> Result<()> {
-        if self.tiles.get(&tile.corner()) == Some(&tile.number) && tile.border == self.border {
+        if self.tiles.get(&tile.corner()) == Some(&tile.number) {
             return Ok(());
         }
         Err(Error::Parameter(format!(

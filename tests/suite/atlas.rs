@@ -224,6 +224,12 @@ fn what_an_atlas_cannot_hold_is_refused() {
     let mut other = Atlas::new(64, 4).expect("an atlas");
     assert!(matches!(other.radiance(tile, DVec3::X), Err(Error::Parameter(_))), "of another atlas");
     assert!(matches!(other.write(tile, &square(tile, 1)), Err(Error::Parameter(_))), "of another atlas");
+    // Also if both have a tile at that place.
+    let small = other.allocate(16, Domain::Sphere).expect("a valid size").expect("room");
+    assert_eq!(small.corner(), tile.corner());
+    assert!(matches!(other.release(tile), Err(Error::Parameter(_))), "of another atlas");
+    assert!(matches!(atlas.release(small), Err(Error::Parameter(_))), "of another atlas");
+    assert_eq!([atlas.free_texels(), other.free_texels()], [0, 64 * 64 - 16 * 16]);
     // A tile released and allocated anew at the same place is another one.
     atlas.release(tile).expect("an allocated tile");
     let again = atlas.allocate(64, Domain::Sphere).expect("a valid size").expect("room");
