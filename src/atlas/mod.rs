@@ -108,17 +108,17 @@ impl Atlas {
     /// An empty atlas of `side` x `side` texels whose tiles have `border` texels around their maps.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if `side` is not a power of two up to 16384, or `border` is 0 or leaves no map.
+    /// [`Error::Parameter`] if `side` is not a power of two from 4 to 16384, or `border` is 0 or leaves no map.
     pub fn new(side: u32, border: u32) -> Result<Self> {
-        if !side.is_power_of_two() || side > MOST {
+        if !side.is_power_of_two() || !(LEAST..=MOST).contains(&side) {
             return Err(Error::Parameter(format!(
-                "an atlas of {side} texels; choose a power of two up to {MOST}"
+                "an atlas of {side} texels; choose a power of two from {LEAST} to {MOST}"
             )));
         }
         if border == 0 || u64::from(side) <= 2 * u64::from(border) {
             return Err(Error::Parameter(format!(
                 "tiles with a border of {border} in an atlas of {side} texels; choose 1 to {}",
-                (side / 2).saturating_sub(1)
+                side / 2 - 1
             )));
         }
         let texels = vec![[0.0; 4]; side as usize * side as usize];
@@ -242,6 +242,9 @@ impl Atlas {
 
 /// Largest edge of an atlas in texels.
 const MOST: u32 = 16_384;
+
+/// Fewest texels along an edge of an atlas: two by two, and a border of one.
+const LEAST: u32 = 4;
 
 fn mixed(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
     std::array::from_fn(|c| a[c] * (1.0 - share) + b[c] * share)

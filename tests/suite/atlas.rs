@@ -211,8 +211,12 @@ fn one_scan_sums_the_tables_of_all_tiles() {
 
 #[test]
 fn what_an_atlas_cannot_hold_is_refused() {
-    for (side, border) in [(0, 1), (100, 1), (32_768, 1), (64, 0), (64, 32), (4, u32::MAX)] {
-        assert!(matches!(Atlas::new(side, border), Err(Error::Parameter(_))), "{side}, {border}");
+    for (side, border) in [(0, 1), (1, 1), (2, 1), (100, 1), (32_768, 1), (64, 0), (64, 32), (4, u32::MAX)] {
+        let message = match Atlas::new(side, border) {
+            Err(Error::Parameter(message)) => message,
+            other => panic!("{side}, {border}: {other:?}"),
+        };
+        assert!(!message.contains("1 to 0"), "no remedy: {message}");
     }
     let mut atlas = Atlas::new(64, 4).expect("an atlas");
     for side in [0, 4, 8, 48, 128] {
