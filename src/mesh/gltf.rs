@@ -220,12 +220,18 @@ impl Scene<'_> {
             }
             _ => None,
         };
+        let radiance = |what: &str, value: f32| {
+            if value.is_finite() && value >= 0.0 {
+                Ok(value)
+            } else {
+                Err(format!("{what} {value} is negative or not finite"))
+            }
+        };
+        let strength = radiance("emissiveStrength", emissive_strength(material))?;
         let mut emission = [0.0; 3];
         for (value, given) in emission.iter_mut().zip(material.emissive_factor.0) {
-            if !(given.is_finite() && given >= 0.0) {
-                return Err(format!("emissiveFactor {given} is negative or not finite"));
-            }
-            *value = given;
+            let factor = radiance("emissiveFactor", given)?;
+            *value = radiance("emissiveFactor times emissiveStrength", factor * strength)?;
         }
         // Vertices have one set of coordinates for both.
         let emission_texture = emissive_texture(material).filter(|info| {
@@ -311,6 +317,12 @@ impl Scene<'_> {
         }
         Ok(images)
     }
+}
+
+/// The factor of a material's emission beyond 1: KHR_materials_emissive_strength.
+fn emissive_strength(material: &json::Material) -> f32 {
+    let extension = material.extensions.as_ref().and_then(|all| all.emissive_strength.as_ref());
+    extension.map_or(1.0, |extension| extension.emissive_strength.0)
 }
 
 /// The texture of a material's emission, unless that is black.

@@ -23,7 +23,7 @@ pub struct Material {
     pub roughness: f32,
     /// Opacity below which the surface is discarded.
     pub cutoff: Option<f32>,
-    /// Radiance that the surface emits, linear.
+    /// Radiance that the surface emits, linear, with its strength.
     pub emission: [f32; 3],
     /// Factors of the base colour, in sRGB.
     pub base_texture: Option<Texture>,

@@ -156,6 +156,30 @@ fn materials_are_read_from_the_file() {
     json["materials"][0]["emissiveFactor"] = json!([0.5, -0.25, 0.0]);
     let error = read("m.gltf", json.to_string().as_bytes()).expect_err("dark").to_string();
     assert!(error.contains("emissiveFactor -0.25"), "{error}");
+    json["materials"][0]["emissiveFactor"] = json!([0.5, 0.25, 0.0]);
+    let strength = |json: &Value, strength: Value| {
+        let mut json = json.clone();
+        json["extensionsRequired"] = json!(["KHR_materials_emissive_strength"]);
+        json["extensionsUsed"] = json["extensionsRequired"].clone();
+        json["materials"][0]["extensions"] = json!({"KHR_materials_emissive_strength": strength});
+        read("m.gltf", json.to_string().as_bytes()).map(|mesh| mesh.materials[0].emission)
+    };
+    for (given, emission) in [
+        (json!({"emissiveStrength": 6}), [3.0, 1.5, 0.0]),
+        (json!({"emissiveStrength": 0}), [0.0; 3]),
+        (json!({}), [0.5, 0.25, 0.0]),
+    ] {
+        assert_eq!(strength(&json, given).expect("a mesh"), emission);
+    }
+    for (given, words) in
+        [(-2.0, "emissiveStrength -2 is negative or not finite"), (1e39, "number out of range")]
+    {
+        let error = strength(&json, json!({"emissiveStrength": given})).expect_err("strength").to_string();
+        assert!(error.contains(words) && error.starts_with("m.gltf"), "{error}");
+    }
+    json["materials"][0]["emissiveFactor"] = json!([1e30, 0, 0]);
+    let error = strength(&json, json!({"emissiveStrength": 1e30})).expect_err("both").to_string();
+    assert!(error.contains("emissiveFactor times emissiveStrength inf"), "{error}");
     json["materials"][0].as_object_mut().expect("a material").remove("emissiveFactor");
     // A material out of range, a texture without coordinates.
     json["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = json!(1.5);
