@@ -6,16 +6,22 @@
 @group(1) @binding(4) var octagloss_oem: texture_2d<f32>;
 @group(1) @binding(5) var<uniform> octagloss_source_from_world: mat3x3<f32>;
 #include "common/live.wgsl"
+#include "common/view_texture.wgsl"
 
 struct SceneCorner {
     // In the space of the part.
     position: vec3<f32>,
     part: u32,
     normal: vec3<f32>,
+    // Coordinates of textures: u here, v below.
+    u: f32,
     // Albedo of matte parts.
     albedo: vec3<f32>,
+    v: f32,
     // Radiance that the surface emits.
     emission: vec3<f32>,
+    // Distance to the farthest neighbouring corner along u or v.
+    spread: f32,
 }
 
 struct ScenePart {
@@ -24,6 +30,9 @@ struct ScenePart {
     // Reflectance of glossy parts.
     reflectance: vec3<f32>,
     roughness: f32,
+    // Factors of albedo and emission.
+    base: SceneTexture,
+    glow: SceneTexture,
 }
 
 // A distant lamp and the light from above and from below.
@@ -44,8 +53,8 @@ fn world_normal(part: ScenePart, normal: vec3<f32>) -> vec3<f32> {
     return normalize((part.world_from_part * vec4<f32>(normal, 0.0)).xyz);
 }
 
-// Radiance of a matte surface.
-fn matte_radiance(light: SceneLight, normal: vec3<f32>, albedo: vec3<f32>, emission: vec3<f32>) -> vec3<f32> {
+// Radiance of a white matte surface.
+fn matte_light(light: SceneLight, normal: vec3<f32>) -> vec3<f32> {
     let ambient = mix(light.below, light.above, 0.5 + 0.5 * normal.y);
-    return albedo * (ambient + light.lamp * max(dot(normal, light.towards), 0.0)) + emission;
+    return ambient + light.lamp * max(dot(normal, light.towards), 0.0);
 }

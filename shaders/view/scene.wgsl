@@ -35,11 +35,16 @@ struct SceneDraw {
 @group(0) @binding(0) var<uniform> frame: SceneFrame;
 @group(0) @binding(1) var<uniform> light: SceneLight;
 @group(0) @binding(2) var<storage, read> parts: array<ScenePart>;
+@group(0) @binding(3) var<storage, read> scene_texels: array<u32>;
 @group(2) @binding(0) var<uniform> drawn: SceneDraw;
 
 struct Matte {
     @builtin(position) clip: vec4<f32>,
-    @location(0) radiance: vec3<f32>,
+    // Radiance, to be multiplied by the textures.
+    @location(0) reflected: vec3<f32>,
+    @location(1) emission: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    @location(3) @interpolate(flat) part: u32,
 }
 
 @vertex
@@ -49,15 +54,26 @@ fn matte_corner(
     @location(2) normal: vec3<f32>,
     @location(3) albedo: vec3<f32>,
     @location(4) emission: vec3<f32>,
+    @location(5) u: f32,
+    @location(6) v: f32,
 ) -> Matte {
     let part = parts[index];
     let clip = frame.clip_from_world * vec4<f32>(world_position(part, position), 1.0);
-    return Matte(clip, matte_radiance(light, world_normal(part, normal), albedo, emission));
+    let reflected = albedo * matte_light(light, world_normal(part, normal));
+    return Matte(clip, reflected, emission, vec2<f32>(u, v), index);
+}
+
+fn exposed(radiance: vec3<f32>) -> vec4<f32> {
+    return vec4<f32>(min(frame.exposure * radiance, vec3<f32>(MOST_RADIANCE)), 1.0);
 }
 
 @fragment
 fn matte(fragment: Matte) -> @location(0) vec4<f32> {
-    return vec4<f32>(min(frame.exposure * fragment.radiance, vec3<f32>(MOST_RADIANCE)), 1.0);
+    let across = dpdx(fragment.uv);
+    let down = dpdy(fragment.uv);
+    let base = texture_of_pixel(parts[fragment.part].base, fragment.uv, across, down);
+    let glow = texture_of_pixel(parts[fragment.part].glow, fragment.uv, across, down);
+    return exposed(fragment.reflected * base + fragment.emission * glow);
 }
 
 struct Glossy {
@@ -66,6 +82,8 @@ struct Glossy {
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) @interpolate(flat) part: u32,
+    @location(3) emission: vec3<f32>,
+    @location(4) uv: vec2<f32>,
 }
 
 @vertex
@@ -73,16 +91,23 @@ fn glossy_corner(
     @location(0) position: vec3<f32>,
     @location(1) index: u32,
     @location(2) normal: vec3<f32>,
+    @location(4) emission: vec3<f32>,
+    @location(5) u: f32,
+    @location(6) v: f32,
 ) -> Glossy {
     let part = parts[index];
     let place = world_position(part, position);
-    return Glossy(frame.clip_from_world * vec4<f32>(place, 1.0), place, world_normal(part, normal), index);
+    let clip = frame.clip_from_world * vec4<f32>(place, 1.0);
+    return Glossy(clip, place, world_normal(part, normal), index, emission, vec2<f32>(u, v));
 }
 
-// The depth of a glossy part, to which its probes add radiance.
+// The depth of a glossy part and what it emits, to which its probes add radiance.
 @fragment
-fn cover_glossy() -> @location(0) vec4<f32> {
-    return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+fn cover_glossy(fragment: Glossy) -> @location(0) vec4<f32> {
+    let across = dpdx(fragment.uv);
+    let down = dpdy(fragment.uv);
+    let glow = texture_of_pixel(parts[fragment.part].glow, fragment.uv, across, down);
+    return exposed(fragment.emission * glow);
 }
 
 // Distance along the unit `direction` from `position` to the inside of the box; negative from outside.
@@ -132,5 +157,5 @@ fn glossy(fragment: Glossy) -> @location(0) vec4<f32> {
     let towards = direction_from(centre, fragment.position, direction);
     let radiance = part.reflectance * octagloss_radiance(towards, part.roughness);
     let share = share_of_probe(fragment.position);
-    return vec4<f32>(min(frame.exposure * share * radiance, vec3<f32>(MOST_RADIANCE)), 0.0);
+    return vec4<f32>(exposed(share * radiance).rgb, 0.0);
 }

@@ -21,6 +21,7 @@ pub mod legend;
 mod levels;
 mod light;
 mod look;
+mod mip_levels;
 mod model;
 mod panel;
 mod present;

@@ -1,11 +1,11 @@
 //! A mesh on the GPU: triangles, materials and textures.
 
+use super::mip_levels::{Space, halved};
 use super::textures::texture_of;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
 use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Wrap};
-use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Uniform of a material.
@@ -33,13 +33,6 @@ pub(super) struct Surface {
     uniform: wgpu::Buffer,
     base: (wgpu::TextureView, wgpu::Sampler),
     surface: (wgpu::TextureView, wgpu::Sampler),
-}
-
-/// Encoding of texels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Space {
-    Srgb,
-    Linear,
 }
 
 impl Surface {
@@ -221,57 +214,4 @@ fn upload(context: &Context, image: &Image, space: Space) -> Result<wgpu::Textur
         context.queue().write_texture(place, bytemuck::cast_slice(&level.texels), layout, size);
     }
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
-}
-
-/// Halves the sides of `image`: averages linear light, not its encoding.
-fn halved(image: &Image, space: Space) -> Image {
-    let (width, height) = ((image.width / 2).max(1), (image.height / 2).max(1));
-    let light: Vec<f32> = (0..=255_u8)
-        .map(|value| {
-            let x = f32::from(value) / 255.0;
-            match space {
-                Space::Linear => x,
-                Space::Srgb if x <= 0.040_45 => x / 12.92,
-                Space::Srgb => ((x + 0.055) / 1.055).powf(2.4),
-            }
-        })
-        .collect();
-    let encoded = |x: f32| match space {
-        Space::Linear => x,
-        Space::Srgb if x <= 0.003_130_8 => 12.92 * x,
-        Space::Srgb => 1.055 * x.powf(1.0 / 2.4) - 0.055,
-    };
-    let span = |k: u32, of: u32, from: u32| k * from / of..((k + 1) * from).div_ceil(of);
-    let texel = |index: u32| {
-        let mut sum = [0.0; 4];
-        let mut count = 0.0;
-        for y in span(index / width, height, image.height) {
-            for x in span(index % width, width, image.width) {
-                let [red, green, blue, opacity] = image.texels[(y * image.width + x) as usize];
-                let colour = [red, green, blue].map(|value| light[usize::from(value)]);
-                (0..3).for_each(|c| sum[c] += colour[c]);
-                sum[3] += f32::from(opacity) / 255.0;
-                count += 1.0;
-            }
-        }
-        let byte = |x: f32| (x * 255.0).round() as u8;
-        let [red, green, blue, opacity] = sum.map(|sum| sum / count);
-        [byte(encoded(red)), byte(encoded(green)), byte(encoded(blue)), byte(opacity)]
-    };
-    Image { width, height, texels: (0..width * height).into_par_iter().map(texel).collect() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Space, halved};
-    use crate::mesh::Image;
-
-    #[test]
-    fn levels_are_means_of_light() {
-        let texels = vec![[0, 255, 64, 0], [255, 255, 64, 255], [0, 255, 64, 0]];
-        let image = Image { width: 3, height: 1, texels };
-        // A third of the light is 0.333, which sRGB writes as 156.
-        assert_eq!(halved(&image, Space::Srgb).texels, [[156, 255, 64, 85]]);
-        assert_eq!(halved(&image, Space::Linear).texels, [[85, 255, 64, 85]]);
-    }
 }

@@ -11,6 +11,9 @@ use crate::gpu::shared::{Constant, Struct};
 #[must_use]
 pub fn constants() -> Vec<Constant> {
     vec![
+        ("common/view_texture.wgsl", "MIRROR", vec![f64::from(scene::MIRROR)]),
+        ("common/view_texture.wgsl", "CLAMP", vec![f64::from(scene::CLAMP)]),
+        ("common/view_texture.wgsl", "NEAREST", vec![f64::from(scene::NEAREST)]),
         ("common/view_scene.wgsl", "BALLS", vec![f64::from(ROW)]),
         ("common/view_scene.wgsl", "MOST_LEVELS", vec![MOST_LEVELS as f64]),
         ("view/scene.wgsl", "MOST_PROBES", vec![scene::MOST_PROBES as f64]),
@@ -24,10 +27,12 @@ pub fn constants() -> Vec<Constant> {
 pub fn structs() -> Vec<Struct> {
     let file = "common/view_scene.wgsl";
     let parts = "common/view_parts.wgsl";
+    let textures = "common/view_texture.wgsl";
     vec![
         (parts, "SceneCorner", scene::SceneCorner::MEMBERS, size_of::<scene::SceneCorner>()),
         (parts, "SceneLight", scene::LightUniform::MEMBERS, size_of::<scene::LightUniform>()),
         (parts, "ScenePart", scene::PartUniform::MEMBERS, size_of::<scene::PartUniform>()),
+        (textures, "SceneTexture", scene::TextureUniform::MEMBERS, size_of::<scene::TextureUniform>()),
         ("view/scene.wgsl", "SceneDraw", scene::DrawUniform::MEMBERS, size_of::<scene::DrawUniform>()),
         ("view/scene.wgsl", "SceneFrame", scene::FrameUniform::MEMBERS, size_of::<scene::FrameUniform>()),
         ("view/scene_pose.wgsl", "ScenePose", scene::PoseUniform::MEMBERS, size_of::<scene::PoseUniform>()),

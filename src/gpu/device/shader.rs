@@ -57,6 +57,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/view_draw.wgsl",
     "common/view_parts.wgsl",
     "common/view_scene.wgsl",
+    "common/view_texture.wgsl",
     "adaptive.wgsl",
     "blur.wgsl",
     "box_filter.wgsl",

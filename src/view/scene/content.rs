@@ -1,54 +1,16 @@
 //! Scenes of moving parts.
 
 use super::look::SceneLook;
-use super::uniforms::{LightUniform, MOST_PROBES, PartUniform, SceneCorner};
+use super::part::{Gloss, Motion, Part};
+use super::split::split;
+use super::texture::Texels;
+use super::uniforms::{LightUniform, MOST_PROBES, PartUniform, SceneCorner, TextureUniform};
 use crate::direct::{Corner, Triangles};
 use crate::error::{Error, Result};
-use crate::mesh::{MOST_INDICES, MOST_VERTICES};
+use crate::mesh::{Image, MOST_INDICES, MOST_VERTICES};
 use glam::{DMat3, DMat4, DVec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::ops::Range;
-
-/// A metal that reflects its surroundings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gloss {
-    /// Reflectance, linear, the same at every angle.
-    pub reflectance: [f32; 3],
-    /// Perceptual roughness in \[0, 1\].
-    pub roughness: f64,
-}
-
-/// How a part moves: on an ellipse around its place, turning about +Y.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
-    /// Offset at phase 0.
-    pub axis: DVec3,
-    /// Offset at a quarter of the round.
-    pub across: DVec3,
-    /// Rounds per second.
-    pub rate: f64,
-    /// Start in rounds.
-    pub phase: f64,
-    /// Turns about +Y per second.
-    pub spin: f64,
-}
-
-/// Triangles that move as one.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Part {
-    /// Corners in the part's space.
-    pub corners: Vec<SceneCorner>,
-    /// Three indices per triangle.
-    pub indices: Vec<u32>,
-    /// Place of the part's origin in the world. The probe of a glossy part is there.
-    pub place: DVec3,
-    /// Motion around the place.
-    pub motion: Motion,
-    /// Its reflections; `None` for matte parts.
-    pub gloss: Option<Gloss>,
-    /// Whether it is far away, as a sky: proxies do not enclose it.
-    pub distant: bool,
-}
 
 /// Light of the matte parts: a distant lamp, and light from above and below.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +42,7 @@ pub struct Scene {
     pub(super) corners: Vec<SceneCorner>,
     pub(super) indices: Vec<u32>,
     pub(super) parts: Vec<Placed>,
+    pub(super) texels: Texels,
     pub(super) light: SceneLight,
     pub(super) bounds: Bounds,
     pub(super) first_look: SceneLook,
@@ -93,6 +56,8 @@ pub(super) struct Placed {
     place: DVec3,
     motion: Motion,
     pub(super) gloss: Option<Gloss>,
+    base: TextureUniform,
+    glow: TextureUniform,
 }
 
 /// A box and a sphere around the parts that are not distant.
@@ -103,86 +68,23 @@ pub(super) struct Bounds {
     pub(super) radius: f64,
 }
 
-impl Part {
-    /// A ball around its origin, with `along` edges from pole to pole.
-    #[must_use]
-    pub fn ball(radius: f64, along: u32, albedo: [f32; 3], emission: [f32; 3]) -> Self {
-        let (along, around) = (along.max(3), 2 * along.max(3));
-        let mut part = Self::default();
-        for j in 0..=along {
-            let (ring, y) = (f64::from(j) / f64::from(along) * PI).sin_cos();
-            for i in 0..=around {
-                let (sin, cos) = (f64::from(i % around) / f64::from(around) * TAU).sin_cos();
-                let normal = DVec3::new(ring * cos, y, ring * sin);
-                let [position, normal] = [radius * normal, normal].map(|v| v.as_vec3().to_array());
-                part.corners.push(SceneCorner::new(position, normal, albedo, emission));
-            }
-        }
-        for (j, i) in (0..along).flat_map(|j| (0..around).map(move |i| (j, i))) {
-            let at = j * (around + 1) + i;
-            let below = at + around + 1;
-            part.indices.extend([at, at + 1, below, at + 1, below + 1, below]);
-        }
-        part
-    }
-
-    /// A box with half edges `half` around its origin, whose faces have `parts` squares along an edge.
-    /// `colour` gives albedo and emission by outward axis and position.
-    #[must_use]
-    pub fn cuboid(half: DVec3, parts: u32, colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2]) -> Self {
-        Self::faces(half, parts, 1.0, colour)
-    }
-
-    /// The box of [`Self::cuboid`] from inside.
-    #[must_use]
-    pub fn room(half: DVec3, parts: u32, colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2]) -> Self {
-        Self::faces(half, parts, -1.0, colour)
-    }
-
-    /// The faces of a box, with normals along the outward axes times `side_of_normals`.
-    fn faces(
-        half: DVec3,
-        parts: u32,
-        side_of_normals: f64,
-        colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2],
-    ) -> Self {
-        let mut part = Self::default();
-        for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
-            let right = DVec3::new(axis.y, axis.z, axis.x);
-            let up = axis.cross(right);
-            let normal = (side_of_normals * axis).as_vec3().to_array();
-            let side = |k: u32| 2.0 * f64::from(k) / f64::from(parts) - 1.0;
-            for (j, i) in (0..parts).flat_map(|j| (0..parts).map(move |i| (j, i))) {
-                // Squares have corners of their own, so that colours may change from one to the next.
-                let place = |i: u32, j: u32| half * (axis + side(i) * right + side(j) * up);
-                let middle = 0.5 * (place(i, j) + place(i + 1, j + 1));
-                let [albedo, emission] = colour(axis, middle);
-                let first = part.corners.len() as u32;
-                for at in [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)] {
-                    let position = at.as_vec3().to_array();
-                    part.corners.push(SceneCorner::new(position, normal, albedo, emission));
-                }
-                part.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
-            }
-        }
-        part
-    }
-}
-
-impl Motion {
-    fn offset(&self, time: f64) -> DVec3 {
-        let (sin, cos) = ((self.rate * time + self.phase).fract() * TAU).sin_cos();
-        cos * self.axis + sin * self.across
-    }
-}
-
 impl Scene {
-    /// A scene of `parts`.
+    /// A scene of `parts` without textures.
+    ///
+    /// # Errors
+    /// Those of [`Scene::textured`].
+    pub fn new(parts: Vec<Part>, light: SceneLight) -> Result<Self> {
+        Self::textured(parts, &[], light)
+    }
+
+    /// A scene of `parts` with textures of `images`. Triangles with textures are split, so that maps of
+    /// probes, which see colours at corners, show them.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a scene without triangles, indices out of range, numbers that are not finite,
-    /// and more than [`MOST_PROBES`] glossy parts; [`Error::Limit`] for too many corners.
-    pub fn new(mut parts: Vec<Part>, light: SceneLight) -> Result<Self> {
+    /// images whose texels do not match their sides, and more than [`MOST_PROBES`] glossy parts;
+    /// [`Error::Limit`] for too many corners.
+    pub fn textured(mut parts: Vec<Part>, images: &[Image], light: SceneLight) -> Result<Self> {
         let invalid = |message: String| Err(Error::Parameter(message));
         parts.sort_by_key(|part| part.gloss.is_some());
         let glossy = parts.iter().filter(|part| part.gloss.is_some()).count();
@@ -202,52 +104,26 @@ impl Scene {
         if indices == 0 {
             return invalid("a scene without triangles; add a part".to_owned());
         }
+        for (number, part) in parts.iter().enumerate() {
+            part.check(number, images)?;
+        }
         let bounds = Bounds::of(&parts);
+        let texels = Texels::new(images, parts.iter().flat_map(Part::textures))?;
+        split(&mut parts, &texels, bounds.radius);
         let mut scene = Self {
             corners: Vec::new(),
             indices: Vec::new(),
             parts: Vec::new(),
+            texels,
             light,
             bounds,
             first_look: SceneLook::default(),
         };
-        for (number, part) in parts.into_iter().enumerate() {
+        for (number, part) in (0..).zip(parts) {
+            let [base, glow] = [part.base_texture, part.emission_texture].map(|t| scene.texels.uniform(t));
             let Part { corners, indices, place, motion, gloss, .. } = part;
-            let Motion { axis, across, rate, phase, spin } = motion;
-            let numbers = [rate, phase, spin, gloss.map_or(0.0, |gloss| gloss.roughness)];
-            let vectors = [place, axis, across];
-            if !(numbers.iter().all(|x| x.is_finite()) && vectors.iter().all(|v| v.is_finite())) {
-                return invalid(format!("part {number} has a place or motion that is not finite"));
-            }
-            if let Some(gloss) = gloss.filter(|gloss| !(0.0..=1.0).contains(&gloss.roughness)) {
-                return invalid(format!("part {number} has roughness {}; use 0 to 1", gloss.roughness));
-            }
-            let finite = |corner: &SceneCorner| {
-                let SceneCorner { position, normal, albedo, emission, .. } = corner;
-                [position, normal, albedo, emission].into_iter().flatten().all(|x| x.is_finite())
-            };
-            if let Some(at) = corners.iter().position(|corner| !finite(corner)) {
-                let SceneCorner { position: [x, y, z], .. } = corners[at];
-                return invalid(format!(
-                    "corner {at} of part {number}, at ({x}, {y}, {z}), is not finite; use finite numbers"
-                ));
-            }
-            if let Some(at) = indices.iter().position(|index| *index as usize >= corners.len()) {
-                return invalid(format!(
-                    "index {} at position {at} of part {number} is out of range for {} corners",
-                    indices[at],
-                    corners.len()
-                ));
-            }
-            if !indices.len().is_multiple_of(3) {
-                return invalid(format!(
-                    "{} indices of part {number} are not whole triangles",
-                    indices.len()
-                ));
-            }
             let first = [scene.corners.len() as u32, scene.indices.len() as u32];
-            let part = scene.parts.len() as u32;
-            scene.corners.extend(corners.into_iter().map(|corner| SceneCorner { part, ..corner }));
+            scene.corners.extend(corners.into_iter().map(|corner| SceneCorner { part: number, ..corner }));
             scene.indices.extend(indices.into_iter().map(|index| first[0] + index));
             scene.parts.push(Placed {
                 corners: first[0]..scene.corners.len() as u32,
@@ -255,6 +131,8 @@ impl Scene {
                 place,
                 motion,
                 gloss,
+                base,
+                glow,
             });
         }
         Ok(scene)
@@ -297,6 +175,8 @@ impl Scene {
                 world_from_part: self.world_from_part(index, time).as_mat4().to_cols_array_2d(),
                 reflectance: gloss.reflectance,
                 roughness: roughness.unwrap_or(gloss.roughness) as f32,
+                base: part.base,
+                glow: part.glow,
             }
         };
         self.parts.iter().enumerate().map(uniform).collect()
@@ -308,7 +188,7 @@ impl Scene {
         LightUniform { towards, pad_0: 0.0, lamp, pad_1: 0.0, above, pad_2: 0.0, below, pad_3: 0.0 }
     }
 
-    /// The triangles around `centre` at `time`, with the radiance of matte parts; glossy parts are black, and
+    /// The triangles around `centre` at `time`, with the radiance of matte parts; glossy parts only emit, and
     /// part `hidden` is a point at the centre, as in the map of a probe.
     ///
     /// # Errors
@@ -325,8 +205,11 @@ impl Scene {
             let share = 0.5 + 0.5 * normal.y;
             let facing = normal.dot(towards).max(0.0);
             let light = vector(below).lerp(vector(above), share) + facing * vector(lamp);
-            let radiance = vector(corner.albedo) * light + vector(corner.emission);
-            let radiance = if self.parts[part].gloss.is_some() { DVec3::ZERO } else { radiance };
+            let Placed { gloss, base, glow, .. } = &self.parts[part];
+            let colour = |texture| self.texels.colour_of_corner(texture, corner);
+            let reflected = if gloss.is_some() { DVec3::ZERO } else { light };
+            let radiance =
+                vector(corner.albedo) * colour(base) * reflected + vector(corner.emission) * colour(glow);
             let position = if hidden == Some(part) { DVec3::ZERO } else { position };
             Corner::new(position.as_vec3().to_array(), radiance.as_vec3().extend(1.0).to_array())
         };
@@ -361,6 +244,7 @@ impl Bounds {
 mod tests {
     use super::{Gloss, Part, Scene, SceneLight};
     use crate::error::Error;
+    use crate::mesh::{Image, Texture, Wrap};
     use crate::view::scene::uniforms::MOST_PROBES;
     use glam::DVec3;
 
@@ -392,6 +276,15 @@ mod tests {
         for (parts, expected) in cases {
             let message = message(parts);
             assert!(expected.iter().all(|part| message.contains(part)), "{message}");
+        }
+        let texture = |image| Some(Texture { image, wrap: [Wrap::Repeat; 2], nearest: false });
+        let image = Image { width: 2, height: 2, texels: vec![[0; 4]; 3] };
+        for (number, words) in [(1, "part 0 has image 1 for a texture"), (0, "image 0 of 2 x 2 texels has 3")]
+        {
+            let part = Part { emission_texture: texture(number), ..ball() };
+            let scene = Scene::textured(vec![part], std::slice::from_ref(&image), SceneLight::default());
+            let message = scene.expect_err("a bad texture").to_string();
+            assert!(message.contains(words), "{message}");
         }
         let gloss = Some(Gloss { reflectance: [1.0; 3], roughness: 0.5 });
         let many = vec![Part { gloss, ..ball() }; MOST_PROBES + 1];

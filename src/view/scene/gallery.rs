@@ -1,8 +1,10 @@
 //! The built-in scene, and scenes from files.
 
 use super::super::camera::{Camera, FRONT};
-use super::content::{Gloss, Motion, Part, Scene, SceneLight};
+use super::super::mip_levels::Space;
+use super::content::{Scene, SceneLight};
 use super::look::{Proxy, SceneLook};
+use super::part::{Gloss, Motion, Part};
 use super::uniforms::{MOST_PROBES, SceneCorner};
 use crate::error::Result;
 use crate::mesh::{Image, Material, Mesh, Texture, Vertex, Wrap};
@@ -80,43 +82,45 @@ impl Scene {
     }
 
     /// The scene of `mesh`, under a sky, with a bright ball that circles it. Connected metal triangles are
-    /// glossy parts, the largest first; a mesh without metals gets a glossy ball above it. Textures are
-    /// sampled at corners.
+    /// glossy parts, the largest first, with the mean of their base colour; a mesh without metals gets a
+    /// glossy ball above it.
     ///
     /// # Errors
-    /// Those of [`Scene::new`].
+    /// Those of [`Scene::textured`].
     pub fn of_mesh(mesh: &Mesh) -> Result<Self> {
-        let mut matte = Part::default();
+        // By material, after those without one.
+        let mut matte = vec![Part::default(); mesh.materials.len() + 1];
         let mut metals = Vec::new();
         for submesh in &mesh.parts {
             let indices = &mesh.indices[submesh.indices.start as usize..submesh.indices.end as usize];
-            let Some(material) = submesh.material.map(|index| &mesh.materials[index]) else {
-                append(&mut matte, mesh, indices, None);
+            let Some(number) = submesh.material else {
+                append(&mut matte[0], mesh, indices, None);
                 continue;
             };
+            let material = &mesh.materials[number];
             let (metallic, roughness) = mean_surface(mesh, material, indices);
             if metallic < METALLIC {
-                append(&mut matte, mesh, indices, Some(material));
+                append(&mut matte[number + 1], mesh, indices, Some(material));
                 continue;
             }
             for indices in connected(mesh, indices) {
-                metals.push((indices, material, roughness));
+                metals.push((indices, number, roughness));
             }
         }
         metals.sort_by_key(|(indices, ..)| std::cmp::Reverse(indices.len()));
         let few = metals.split_off(metals.len().min(MOST_PROBES));
-        few.iter().for_each(|(indices, material, _)| append(&mut matte, mesh, indices, Some(material)));
+        for (indices, number, _) in &few {
+            append(&mut matte[number + 1], mesh, indices, Some(&mesh.materials[*number]));
+        }
         let mut parts: Vec<Part> = metals
             .iter()
-            .map(|(indices, material, roughness)| {
+            .map(|(indices, number, roughness)| {
+                let material = &mesh.materials[*number];
                 let mut part = Part::default();
                 append(&mut part, mesh, indices, Some(material));
-                let count = part.corners.len() as f32;
-                let mut reflectance = [0.0; 3];
-                for corner in &part.corners {
-                    (0..3).for_each(|c| reflectance[c] += corner.albedo[c] / count);
-                }
-                centred(Part { gloss: Some(Gloss { reflectance, roughness: *roughness }), ..part })
+                let reflectance = mean_base(mesh, material, &part);
+                let gloss = Some(Gloss { reflectance, roughness: *roughness });
+                centred(Part { gloss, base_texture: None, ..part })
             })
             .collect();
         let top = mesh.vertices.iter().map(|vertex| f64::from(vertex.position[1])).fold(-1.0, f64::max);
@@ -127,9 +131,7 @@ impl Scene {
                 ..Part::ball(0.25, FINE, [0.0; 3], [0.0; 3])
             });
         }
-        if !matte.indices.is_empty() {
-            parts.push(matte);
-        }
+        parts.extend(matte.into_iter().filter(|part| !part.indices.is_empty()));
         parts.push(Part {
             motion: Motion {
                 axis: DVec3::new(1.3, 0.0, 0.0),
@@ -141,7 +143,7 @@ impl Scene {
             ..Part::ball(0.1, COARSE, [0.8, 0.5, 0.2], [3.0, 1.5, 0.4])
         });
         parts.push(sky());
-        let scene = Self::new(parts, SceneLight::default())?;
+        let scene = Self::textured(parts, &mesh.images, SceneLight::default())?;
         let look = SceneLook::default();
         // Models face +Z.
         let camera = Camera { yaw: FRONT, ..look.camera };
@@ -169,13 +171,16 @@ fn sky() -> Part {
 
 /// Adds the triangles of `indices` to `part`.
 fn append(part: &mut Part, mesh: &Mesh, indices: &[u32], material: Option<&Material>) {
+    part.base_texture = material.and_then(|material| material.base_texture);
+    part.emission_texture = material.and_then(|material| material.emission_texture);
+    let emission = material.map_or([0.0; 3], |material| material.emission);
     let mut numbers = HashMap::new();
     for index in indices {
         let number = *numbers.entry(*index).or_insert_with(|| {
-            let vertex = &mesh.vertices[*index as usize];
-            let albedo = material.map_or(GREY, |material| albedo(mesh, material, vertex));
-            let emission = material.map_or([0.0; 3], |material| emission(mesh, material, vertex));
-            part.corners.push(SceneCorner::new(vertex.position, vertex.normal, albedo, emission));
+            let Vertex { position, normal, colour, uv, .. } = mesh.vertices[*index as usize];
+            let factors = |material: &Material| std::array::from_fn(|c| material.base[c] * colour[c]);
+            let albedo = material.map_or(GREY, factors);
+            part.corners.push(SceneCorner::new(position, normal, albedo, emission).at(uv));
             part.corners.len() as u32 - 1
         });
         part.indices.push(number);
@@ -195,14 +200,15 @@ fn centred(mut part: Part) -> Part {
     part
 }
 
-fn albedo(mesh: &Mesh, material: &Material, vertex: &Vertex) -> [f32; 3] {
-    let texture = sampled(mesh, material.base_texture, vertex.uv, true);
-    std::array::from_fn(|c| material.base[c] * vertex.colour[c] * texture[c])
-}
-
-fn emission(mesh: &Mesh, material: &Material, vertex: &Vertex) -> [f32; 3] {
-    let texture = sampled(mesh, material.emission_texture, vertex.uv, true);
-    std::array::from_fn(|c| material.emission[c] * texture[c])
+/// Mean base colour of the corners of `part`.
+fn mean_base(mesh: &Mesh, material: &Material, part: &Part) -> [f32; 3] {
+    let count = part.corners.len() as f32;
+    let mut mean = [0.0; 3];
+    for SceneCorner { albedo, u, v, .. } in &part.corners {
+        let texture = sampled(mesh, material.base_texture, [*u, *v], Space::Srgb);
+        (0..3).for_each(|c| mean[c] += albedo[c] * texture[c] / count);
+    }
+    mean
 }
 
 /// Mean metalness and roughness of `material` over the corners of `indices`.
@@ -210,7 +216,8 @@ fn mean_surface(mesh: &Mesh, material: &Material, indices: &[u32]) -> (f64, f64)
     let mut sums = [0.0; 2];
     for index in indices {
         let vertex = &mesh.vertices[*index as usize];
-        let [_, roughness, metallic] = sampled(mesh, material.surface_texture, vertex.surface_uv, false);
+        let [_, roughness, metallic] =
+            sampled(mesh, material.surface_texture, vertex.surface_uv, Space::Linear);
         sums[0] += f64::from(material.metallic * metallic);
         sums[1] += f64::from(material.roughness * roughness);
     }
@@ -219,7 +226,7 @@ fn mean_surface(mesh: &Mesh, material: &Material, indices: &[u32]) -> (f64, f64)
 }
 
 /// The texel of `texture` at `uv`, linear; 1 without a texture.
-fn sampled(mesh: &Mesh, texture: Option<Texture>, uv: [f32; 2], srgb: bool) -> [f32; 3] {
+fn sampled(mesh: &Mesh, texture: Option<Texture>, uv: [f32; 2], space: Space) -> [f32; 3] {
     let Some(Texture { image, wrap, .. }) = texture else { return [1.0; 3] };
     let Image { width, height, texels } = &mesh.images[image];
     let place = |x: f32, wrap: Wrap, side: u32| {
@@ -233,14 +240,7 @@ fn sampled(mesh: &Mesh, texture: Option<Texture>, uv: [f32; 2], srgb: bool) -> [
     };
     let (x, y) = (place(uv[0], wrap[0], *width), place(uv[1], wrap[1], *height));
     let [red, green, blue, _] = texels[(y * width + x) as usize];
-    [red, green, blue].map(|byte| {
-        let x = f32::from(byte) / 255.0;
-        match srgb {
-            false => x,
-            true if x <= 0.040_45 => x / 12.92,
-            true => ((x + 0.055) / 1.055).powf(2.4),
-        }
-    })
+    [red, green, blue].map(|byte| space.light(byte))
 }
 
 /// The triangles of `indices` by connected surfaces: corners at one position are one.

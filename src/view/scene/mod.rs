@@ -15,21 +15,27 @@ mod content;
 mod gallery;
 mod look;
 mod panel;
+mod part;
 mod picture;
 mod probe;
 mod renderer;
 mod schedule;
+mod split;
+mod texture;
 mod uniforms;
 mod viewer;
 
-pub use content::{Gloss, Motion, Part, Scene, SceneLight};
+pub use content::{Scene, SceneLight};
 pub use look::{Proxy, SceneLook};
 #[cfg(target_arch = "wasm32")]
 pub(in crate::view) use panel::Controls;
 pub use panel::MOST_BUDGET;
+pub use part::{Gloss, Motion, Part};
 pub use renderer::{SceneRenderer, SceneSettings, scene_boxes, screenshot_of_scene};
+pub(in crate::view) use texture::{CLAMP, MIRROR, NEAREST};
 pub(in crate::view) use uniforms::{
     DrawUniform, FrameUniform, LightUniform, MOST_RADIANCE, POSE_GROUP, PartUniform, PoseUniform,
+    TextureUniform,
 };
 pub use uniforms::{MOST_PROBES, SceneCorner};
 pub use viewer::SceneStart;

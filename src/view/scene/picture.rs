@@ -89,7 +89,10 @@ impl Pictures {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
-        let frame_layout = layout("scene frame", &[entry(0, uniform), entry(1, uniform), entry(2, storage)]);
+        let frame_layout = layout(
+            "scene frame",
+            &[entry(0, uniform), entry(1, uniform), entry(2, storage), entry(3, storage)],
+        );
         let draw_layout = layout("scene draw", &[entry(0, uniform)]);
         let frame = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("scene frame"),
@@ -97,11 +100,11 @@ impl Pictures {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let resources = [&frame, &buffers.light, &buffers.parts];
+        let resources = [&frame, &buffers.light, &buffers.parts, &buffers.texels];
         let frame_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("scene frame"),
             layout: &frame_layout,
-            entries: &[0, 1, 2].map(|k| wgpu::BindGroupEntry {
+            entries: &[0, 1, 2, 3].map(|k| wgpu::BindGroupEntry {
                 binding: k as u32,
                 resource: resources[k].as_entire_binding(),
             }),
@@ -252,6 +255,8 @@ fn pipeline(
         attribute(2, 16, three),
         attribute(3, 32, three),
         attribute(4, 48, three),
+        attribute(5, 28, wgpu::VertexFormat::Float32),
+        attribute(6, 44, wgpu::VertexFormat::Float32),
     ];
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),

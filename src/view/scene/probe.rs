@@ -33,6 +33,7 @@ pub(super) struct SceneBuffers {
     pub(super) corners: wgpu::Buffer,
     pub(super) indices: wgpu::Buffer,
     pub(super) parts: wgpu::Buffer,
+    pub(super) texels: wgpu::Buffer,
     pub(super) light: wgpu::Buffer,
 }
 
@@ -81,7 +82,7 @@ impl ProbePasses {
         };
         let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
         let uniform = wgpu::BufferBindingType::Uniform;
-        let kinds = [uniform, uniform, storage(true), storage(true), storage(false)];
+        let kinds = [uniform, uniform, storage(true), storage(true), storage(true), storage(false)];
         let entries: Vec<_> = (0..).zip(kinds).map(|(binding, ty)| buffer(binding, ty)).collect();
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("scene pose"),
@@ -157,7 +158,8 @@ impl Probe {
                 let (first, count) = (range.start, range.len() as u32);
                 let empty = PoseUniform { centre: [0.0; 3], hidden: 0, first, count, pad: [0; 2] };
                 let uniform = context.uniform("scene pose", &empty);
-                let resources = [&uniform, &buffers.light, &buffers.parts, &buffers.corners, mesh.corners()];
+                let SceneBuffers { light, parts, corners, texels, .. } = buffers;
+                let resources = [&uniform, light, parts, corners, texels, mesh.corners()];
                 let entries: Vec<_> = (0..)
                     .zip(resources)
                     .map(|(binding, buffer)| wgpu::BindGroupEntry {
@@ -233,6 +235,11 @@ impl Probe {
             labels.push(stage.label());
         }
         Ok(labels)
+    }
+
+    /// The map: a layer per face of a cube.
+    pub(super) const fn map(&self) -> &wgpu::Texture {
+        self.target.colour()
     }
 
     /// Triangles of the scene.

@@ -92,6 +92,7 @@ impl SceneRenderer {
             corners: buffer(&context, "corners", wgpu::BufferUsages::VERTEX | storage, corner_bytes)?,
             indices: buffer(&context, "triangles", wgpu::BufferUsages::INDEX, index_bytes)?,
             parts: buffer(&context, "parts", storage, bytemuck::cast_slice(&parts))?,
+            texels: buffer(&context, "texels of textures", storage, scene.texels.bytes())?,
             light: context.uniform("scene light", &scene.light_uniform()),
         };
         let live = LivePasses::new(&context);
@@ -322,6 +323,18 @@ impl SceneRenderer {
         let picture = &self.targets.as_ref().expect("a picture was drawn").picture;
         let look = Look { tone, ..Look::default() };
         self.presenter.present(picture, encoder, view, format, viewport, &look);
+    }
+
+    /// Reads the map of a probe: linear radiance, 1 where it shows a triangle, row by row, face by face.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device fails.
+    ///
+    /// # Panics
+    /// If there are fewer probes.
+    pub async fn map(&self, probe: usize) -> Result<Vec<[f32; 4]>> {
+        let texels: Vec<[u16; 4]> = readback::read_texture(&self.context, self.probes[probe].map()).await?;
+        Ok(texels.into_iter().map(|texel| texel.map(|bits| f16::from_bits(bits).to_f32())).collect())
     }
 
     /// Reads the last picture: linear radiance times exposure, row by row.

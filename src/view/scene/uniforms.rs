@@ -21,15 +21,18 @@ pub struct SceneCorner {
     pub(super) part: u32,
     /// Unit normal.
     pub normal: [f32; 3],
-    pub(super) pad_0: f32,
+    /// Coordinate along the rows of textures.
+    pub u: f32,
     /// Albedo of matte parts, linear.
     pub albedo: [f32; 3],
-    pub(super) pad_1: f32,
+    /// Coordinate down the columns of textures.
+    pub v: f32,
     /// Radiance that the surface emits.
     pub emission: [f32; 3],
-    pub(super) pad_2: f32,
+    /// Distance to the farthest neighbouring corner along u or v, for the colour at the corner.
+    pub(super) spread: f32,
 }
-shader::members!(SceneCorner { position, part, normal, pad_0, albedo, pad_1, emission, pad_2 });
+shader::members!(SceneCorner { position, part, normal, u, albedo, v, emission, spread });
 
 impl SceneCorner {
     /// A corner at `position`.
@@ -37,7 +40,24 @@ impl SceneCorner {
     pub fn new(position: [f32; 3], normal: [f32; 3], albedo: [f32; 3], emission: [f32; 3]) -> Self {
         Self { position, normal, albedo, emission, ..Self::default() }
     }
+
+    /// The corner at (`u`, `v`) of textures.
+    #[must_use]
+    pub const fn at(self, [u, v]: [f32; 2]) -> Self {
+        Self { u, v, ..self }
+    }
 }
+
+/// A texture in [`super::texture::Texels`]; all 0 for none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(in crate::view) struct TextureUniform {
+    pub(super) first: u32,
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) modes: u32,
+}
+shader::members!(TextureUniform { first, width, height, modes });
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -45,8 +65,10 @@ pub(in crate::view) struct PartUniform {
     pub(super) world_from_part: [[f32; 4]; 4],
     pub(super) reflectance: [f32; 3],
     pub(super) roughness: f32,
+    pub(super) base: TextureUniform,
+    pub(super) glow: TextureUniform,
 }
-shader::members!(PartUniform { world_from_part, reflectance, roughness });
+shader::members!(PartUniform { world_from_part, reflectance, roughness, base, glow });
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]

@@ -53,6 +53,62 @@ fn files_are_drawn_with_their_emission() {
     assert!(dark == 0 && lit > 50, "{dark} and {lit} green pixels");
 }
 
+/// A PNG of `width` x `height` texels.
+fn png(width: u32, height: u32, colour: impl Fn(u32, u32) -> [u8; 3]) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_fn(width, height, |x, y| image::Rgb(colour(x, y)))
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .expect("a picture");
+    bytes.into_inner()
+}
+
+/// A triangle whose corners, but not the middle, have the texture at `uri` in black.
+fn painted(uri: &str) -> serde_json::Value {
+    let mut json = triangle(&bytes([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]));
+    json["meshes"][0]["primitives"][0]["material"] = 0.into();
+    // The corners' positions.
+    json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 2.into();
+    let uv = json!({"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC2"});
+    json["accessors"].as_array_mut().expect("accessors").push(uv);
+    let view = json!({"buffer": 0, "byteLength": 36, "byteStride": 12});
+    json["bufferViews"].as_array_mut().expect("views").push(view);
+    json["materials"] = json!([{
+        "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0, 0, 0, 1]},
+        "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0}
+    }]);
+    json["textures"] = json!([{"source": 0}]);
+    json["images"] = json!([{"uri": uri}]);
+    json
+}
+
+#[test]
+fn files_are_drawn_with_their_textures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let inside = |x: u32, y: u32| (8..24).contains(&x) && (8..24).contains(&y);
+    let lit = png(64, 64, |x, y| if inside(x, y) { [0, 255, 0] } else { [0; 3] });
+    fs::write(folder.join("lit.png"), lit).expect("writable");
+    fs::write(folder.join("painted.gltf"), painted("lit.png").to_string()).expect("writable");
+    let picture = picture(folder, "painted.png", &["painted.gltf"], &[]);
+    let green = picture.pixels().filter(|pixel| pixel[1] > 150 && pixel[0] < 50 && pixel[2] < 50).count();
+    // The square is an eighth of the triangle, of which files_are_drawn_with_their_emission sees 50 pixels.
+    assert!(green > 6, "{green} green pixels");
+}
+
+#[test]
+fn bad_textures_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("wide.png"), png(9000, 1, |_, _| [255; 3])).expect("writable");
+    for (uri, words) in
+        [("wide.png", "9000 x 1 texels; use a texture of at most 8192 per side"), ("none.png", "none.png")]
+    {
+        fs::write(folder.join("bad.gltf"), painted(uri).to_string()).expect("writable");
+        fails(folder, &["view", "--screenshot", "x.png", "--scene", "bad.gltf"], 1, words);
+    }
+    assert!(!names(folder).contains(&"x.png".to_owned()));
+}
+
 #[test]
 fn bad_scenes_and_options_are_named() {
     let folder = tempfile::tempdir().expect("a folder");

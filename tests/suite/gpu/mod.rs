@@ -35,6 +35,8 @@ mod view;
 mod view_meshes;
 #[cfg(feature = "view")]
 mod view_scenes;
+#[cfg(feature = "view")]
+mod view_textures;
 
 use octagloss::internals::gpu::engine::Engine;
 use octagloss::internals::gpu::{Context, adapters, block_on};
