@@ -108,7 +108,8 @@ impl Atlas {
     /// An empty atlas of `side` x `side` texels whose tiles have `border` texels around their maps.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if `side` is not a power of two from 4 to 16384, or `border` is 0 or leaves no map.
+    /// [`Error::Parameter`] if `side` is not a power of two from 4 to 16384, or `border` is 0 or leaves no
+    /// map.
     pub fn new(side: u32, border: u32) -> Result<Self> {
         if !side.is_power_of_two() || !(LEAST..=MOST).contains(&side) {
             return Err(Error::Parameter(format!(

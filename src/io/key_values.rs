@@ -1,5 +1,5 @@
-//! Key/value pairs of headers, and their encoding in KTX 1 and KTX 2: a length, the key and a text value, both
-//! NUL-terminated.
+//! Key/value pairs of headers, and their encoding in KTX 1 and KTX 2: a length, the key and a text value,
+//! both NUL-terminated.
 
 use crate::error::{Error, Result};
 

@@ -93,8 +93,8 @@ impl Sums {
         Some(self.slots[owner as usize])
     }
 
-    /// The mean radiance of every texel of `target`, of which `mirrors` give the images, and their totals; NaN
-    /// for texels without sums. `None` if an image of a texel is not a texel.
+    /// The mean radiance of every texel of `target`, of which `mirrors` give the images, and their totals;
+    /// NaN for texels without sums. `None` if an image of a texel is not a texel.
     pub(super) fn means(mut self, mirrors: &Mirrors, target: &Grid) -> Option<(Vec<Rgb>, Totals)> {
         let stride = self.stride();
         let parts: Vec<(Vec<u32>, Totals)> = self
