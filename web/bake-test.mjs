@@ -6,40 +6,25 @@
 // PICTURES=DIRECTORY keeps screenshots there. SMOKE=1 runs the first checks only. Exit status 0 when
 // everything agrees, 1 otherwise.
 import { execFileSync } from 'node:child_process';
-import {
-    existsSync,
-    mkdirSync,
-    mkdtempSync,
-    readFileSync,
-    readdirSync,
-    rmSync,
-    writeFileSync,
-} from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
-import { tmpdir } from 'node:os';
 import { extname, join, normalize } from 'node:path';
-import { fileURLToPath } from 'node:url';
-import puppeteer from 'puppeteer-core';
 import { drawn, reflected, relativeError, spherePixels, EYES } from '../tests/consumers/pictures.mjs';
+import {
+    dropFile,
+    here,
+    launch,
+    newPage,
+    pictures,
+    program,
+    report,
+    root,
+    runChecks,
+    work,
+} from './harness.mjs';
 
-const here = fileURLToPath(new URL('.', import.meta.url));
-const root = join(here, '..');
-const [program, chromium = '/usr/bin/chromium'] = process.argv.slice(2);
-if (!program) {
-    console.error('usage: node bake-test.mjs PROGRAM [CHROMIUM]');
-    process.exit(2);
-}
-
-let failures = 0;
-function report(what, ok, detail) {
-    console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}: ${detail}`);
-    failures += ok ? 0 : 1;
-}
-
-const work = mkdtempSync(join(tmpdir(), 'octagloss-bake-'));
-const pictures = process.env.PICTURES ?? join(work, 'pictures');
 const downloads = join(work, 'downloads');
-for (const folder of [pictures, downloads]) mkdirSync(folder, { recursive: true });
+mkdirSync(downloads);
 const octagloss = (args, input) =>
     execFileSync(program, args.map(String), {
         input,
@@ -91,17 +76,10 @@ const server = createServer((request, response) => {
 await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
 const origin = `http://127.0.0.1:${server.address().port}`;
 
-let browser;
+// The browser's own words about its GPU, and about files that are missing on purpose.
+const expected = ['GPU stall', 'WebGPU Context Provider', '404'];
 async function open(name, path, ready) {
-    const page = await browser.newPage();
-    page.on('pageerror', (error) => report(name, false, error.message));
-    page.on('console', (message) => {
-        // The browser's own words about its GPU, and about files that are missing on purpose.
-        const expected = ['GPU stall', 'WebGPU Context Provider', '404'].some((words) =>
-            message.text().includes(words),
-        );
-        if (['error', 'warn'].includes(message.type()) && !expected) report(name, false, message.text());
-    });
+    const page = await newPage(name, expected);
     await page.goto(`${origin}${path}`);
     await page.waitForFunction(ready, { timeout: 120_000 });
     return page;
@@ -117,15 +95,7 @@ async function choose(page, ...files) {
 }
 
 async function drop(page, name, bytes) {
-    await page.evaluate(
-        (name, bytes) => {
-            const files = new DataTransfer();
-            files.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
-            dispatchEvent(new DragEvent('drop', { dataTransfer: files, cancelable: true }));
-        },
-        name,
-        bytes.toString('base64'),
-    );
+    await dropFile(page, name, bytes);
     await page.waitForSelector(job(name));
 }
 
@@ -172,25 +142,16 @@ const MOST = 1e-5;
 const error = (a, b) =>
     Math.max(...JSON.parse(octagloss(['compare', a, b, '--json'])).levels.map((level) => level.rel_rmse));
 
-try {
-    browser = await puppeteer.launch({
-        executablePath: chromium,
-        headless: true,
-        protocolTimeout: 600_000,
-        defaultViewport: { width: 1100, height: 800 },
-        args: [
-            '--no-sandbox',
-            '--no-first-run',
-            '--disable-quic',
-            '--disable-background-networking',
-            '--disable-component-update',
-            '--disable-sync',
+async function checks() {
+    const browser = await launch(
+        [
             '--use-angle=swiftshader',
             '--enable-unsafe-swiftshader',
             '--ignore-gpu-blocklist',
             '--disable-features=WebGPU,WebGPUService',
         ],
-    });
+        { width: 1100, height: 800 },
+    );
     const client = await browser.target().createCDPSession();
     await client.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: downloads });
 
@@ -435,12 +396,6 @@ try {
         const before = await colours();
         report('the example draws', before > 500, `${before} colours`);
     }
-} catch (error) {
-    report('run', false, error.stack);
-} finally {
-    await browser?.close();
-    server.close();
-    rmSync(work, { recursive: true, force: true });
 }
-console.log(failures === 0 ? 'the Bake side agrees' : `${failures} checks failed`);
-process.exit(failures === 0 ? 0 : 1);
+
+await runChecks(checks, 'the Bake side', () => server.close());

@@ -2,35 +2,17 @@
 //
 // A test's arguments are PROGRAM [CHROMIUM]. PICTURES=DIRECTORY keeps the pictures there.
 import { execFileSync, spawn } from 'node:child_process';
-import { mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { readFileSync } from 'node:fs';
 import { basename, join } from 'node:path';
 import { createInterface } from 'node:readline';
-import { fileURLToPath } from 'node:url';
-import puppeteer from 'puppeteer-core';
+import * as harness from './harness.mjs';
 
-const here = fileURLToPath(new URL('.', import.meta.url));
-export const root = join(here, '..');
-export const [program, chromium = '/usr/bin/chromium'] = process.argv.slice(2);
-if (!program) {
-    console.error(`usage: node ${basename(process.argv[1])} PROGRAM [CHROMIUM]`);
-    process.exit(2);
-}
+export { program, report, root, work, pictures } from './harness.mjs';
+const { dropFile, here, newPage, pictures, program, report } = harness;
 
 // Small, because the CPU draws every pixel.
 export const width = 320;
 export const height = 240;
-
-let failures = 0;
-// Prints a check's outcome; `ok` false fails the run.
-export function report(what, ok, detail) {
-    console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}: ${detail}`);
-    failures += ok ? 0 : 1;
-}
-
-export const work = mkdtempSync(join(tmpdir(), 'octagloss-web-'));
-export const pictures = process.env.PICTURES ?? work;
-mkdirSync(pictures, { recursive: true });
 
 const server = spawn(join(here, 'serve'), ['0'], { stdio: ['ignore', 'pipe', 'ignore'] });
 export const origin = await new Promise((resolve, reject) => {
@@ -38,15 +20,6 @@ export const origin = await new Promise((resolve, reject) => {
     server.once('exit', (status) => reject(new Error(`web/serve ended with status ${status}`)));
 });
 
-const common = [
-    '--no-sandbox',
-    '--no-first-run',
-    '--disable-quic',
-    '--disable-background-networking',
-    '--disable-component-update',
-    '--disable-sync',
-    '--force-color-profile=srgb',
-];
 export const webgpu = [
     '--enable-unsafe-webgpu',
     '--use-webgpu-adapter=swiftshader',
@@ -56,42 +29,16 @@ export const webgpu = [
     '--use-angle=vulkan',
 ];
 
-let browser;
 // Starts the browser, instead of the one before.
-export async function launch(args, defaultViewport = { width, height, deviceScaleFactor: 1 }) {
-    await browser?.close();
-    browser = await puppeteer.launch({
-        executablePath: chromium,
-        headless: true,
-        protocolTimeout: 600_000,
-        defaultViewport,
-        args: [...common, ...args],
-    });
-    return browser;
-}
+export const launch = (args, viewport = { width, height, deviceScaleFactor: 1 }) =>
+    harness.launch(['--force-color-profile=srgb', ...args], viewport);
 
-// Runs `checks` and ends the process: with status 0 when everything agrees, else 1.
-export async function run(checks) {
-    try {
-        await checks();
-    } catch (error) {
-        report('run', false, error.stack);
-    } finally {
-        await browser?.close();
-        server.kill();
-        rmSync(work, { recursive: true, force: true });
-    }
-    console.log(failures === 0 ? 'the page agrees' : `${failures} checks failed`);
-    process.exit(failures === 0 ? 0 : 1);
-}
+// Runs `checks` and ends the process.
+export const run = (checks) => harness.runChecks(checks, 'the page', () => server.kill());
 
 // Opens the page; any error or warning in it is a failure.
 export async function open(name) {
-    const page = await browser.newPage();
-    page.on('pageerror', (error) => report(name, false, error.message));
-    page.on('console', (message) => {
-        if (['error', 'warn'].includes(message.type())) report(name, false, message.text());
-    });
+    const page = await newPage(name);
     await page.evaluateOnNewDocument(() => {
         window.frames_asked = 0;
         const ask = window.requestAnimationFrame.bind(window);
@@ -218,17 +165,9 @@ export async function choose(page, path, then) {
     await settled(page);
 }
 
-// Drops a file onto the page.
+// Drops a file onto the page, and waits for `then` of its state.
 export async function drop(page, name, bytes, then) {
-    await page.evaluate(
-        (name, bytes) => {
-            const files = new DataTransfer();
-            files.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
-            dispatchEvent(new DragEvent('drop', { dataTransfer: files, cancelable: true }));
-        },
-        name,
-        bytes.toString('base64'),
-    );
+    await dropFile(page, name, bytes);
     await page.waitForFunction(then, { timeout: 120_000, polling: 200 }, name);
     await settled(page);
 }
