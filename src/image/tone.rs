@@ -12,13 +12,14 @@ pub(crate) fn tone_mapped(radiance: Rgb, exposure: f64) -> Rgb {
     })
 }
 
-/// Converts linear display values in [0, 1] to 8-bit sRGB (IEC 61966-2-1).
+/// Converts linear display values in [0, 1] to 8-bit sRGB.
 pub(crate) fn srgb(linear: Rgb) -> Pixel<u8> {
-    Pixel(linear.map(|c| {
-        let c = c.clamp(0.0, 1.0);
-        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-        (encoded * 255.0).round() as u8
-    }))
+    Pixel(linear.map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0).round() as u8))
+}
+
+/// The sRGB transfer function (IEC 61966-2-1): encodes a linear value in [0, 1].
+pub(crate) fn srgb_from_linear(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// Radiance to 8-bit sRGB as every picture shows it; `exposure` is a factor.

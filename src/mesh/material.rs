@@ -72,6 +72,17 @@ pub enum Wrap {
     Clamp,
 }
 
+impl Wrap {
+    /// The coordinate in \[0, 1\] that an image shows at `x`.
+    pub(crate) fn within(self, x: f64) -> f64 {
+        match self {
+            Self::Repeat => x.rem_euclid(1.0),
+            Self::Mirror => 1.0 - (x.rem_euclid(2.0) - 1.0).abs(),
+            Self::Clamp => x.clamp(0.0, 1.0),
+        }
+    }
+}
+
 /// A decoded texture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {

@@ -1,5 +1,6 @@
 //! Mip levels of images.
 
+use crate::image::tone::srgb_from_linear;
 use crate::mesh::Image;
 use rayon::prelude::*;
 
@@ -24,8 +25,7 @@ impl Space {
     fn encoded(self, light: f32) -> f32 {
         match self {
             Self::Linear => light,
-            Self::Srgb if light <= 0.003_130_8 => 12.92 * light,
-            Self::Srgb => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+            Self::Srgb => srgb_from_linear(light),
         }
     }
 }

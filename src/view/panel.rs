@@ -148,16 +148,7 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
             });
         });
         ui.separator();
-        ui.checkbox(&mut motion.timing, "GPU times");
-        if motion.timing {
-            Grid::new("times").num_columns(2).show(ui, |ui| {
-                for (pass, seconds) in status.times {
-                    ui.label(*pass);
-                    ui.label(format!("{:.3} ms", 1e3 * seconds));
-                    ui.end_row();
-                }
-            });
-        }
+        show_times(ui, &mut motion.timing, "GPU times", status.times);
         let (width, height) = status.size;
         ui.label(RichText::new(format!("{width} x {height} samples")).weak());
         if let Some(progress) = status.progress {
@@ -175,6 +166,20 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
         roughness.with_max_x(roughness.left() + SLIDER)
     });
     scrolled.inner
+}
+
+/// A box that switches measuring on, and below it the passes with their times in seconds.
+pub(super) fn show_times(ui: &mut Ui, timing: &mut bool, label: &str, times: &[(&'static str, f64)]) {
+    ui.checkbox(timing, label);
+    if *timing {
+        Grid::new("times").num_columns(2).show(ui, |ui| {
+            for (pass, seconds) in times {
+                ui.label(*pass);
+                ui.label(format!("{:.3} ms", 1e3 * seconds));
+                ui.end_row();
+            }
+        });
+    }
 }
 
 pub(super) fn choice<T: Copy + PartialEq>(

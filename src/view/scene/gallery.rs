@@ -229,15 +229,8 @@ fn mean_surface(mesh: &Mesh, material: &Material, indices: &[u32]) -> (f64, f64)
 fn sampled(mesh: &Mesh, texture: Option<Texture>, uv: [f32; 2], space: Space) -> [f32; 3] {
     let Some(Texture { image, wrap, .. }) = texture else { return [1.0; 3] };
     let Image { width, height, texels } = &mesh.images[image];
-    let place = |x: f32, wrap: Wrap, side: u32| {
-        let x = f64::from(x);
-        let unit = match wrap {
-            Wrap::Repeat => x.rem_euclid(1.0),
-            Wrap::Mirror => 1.0 - (x.rem_euclid(2.0) - 1.0).abs(),
-            Wrap::Clamp => x.clamp(0.0, 1.0),
-        };
-        ((unit * f64::from(side)) as u32).min(side - 1)
-    };
+    let place =
+        |x: f32, wrap: Wrap, side: u32| ((wrap.within(f64::from(x)) * f64::from(side)) as u32).min(side - 1);
     let (x, y) = (place(uv[0], wrap[0], *width), place(uv[1], wrap[1], *height));
     let [red, green, blue, _] = texels[(y * width + x) as usize];
     [red, green, blue].map(|byte| space.light(byte))

@@ -1,13 +1,13 @@
 //! The panel of a moving scene.
 
 use super::super::look::Tone;
-use super::super::panel::{SLIDER, choice};
+use super::super::panel::{SLIDER, choice, show_times};
 use super::look::{Proxy, SceneLook};
 use super::renderer::SceneSettings;
 #[cfg(target_arch = "wasm32")]
 use crate::error::{Error, Result};
 use crate::gpu::direct::Method;
-use egui::{Checkbox, Color32, Grid, RichText, Slider, SliderClamping, Ui};
+use egui::{Color32, Grid, RichText, Slider, SliderClamping, Ui};
 #[cfg(target_arch = "wasm32")]
 use std::ops::RangeInclusive;
 
@@ -124,16 +124,7 @@ pub(super) fn panel(ui: &mut Ui, controls: &mut Controls, status: &Status<'_>) {
     let [updated, probes] = status.updated;
     ui.label(RichText::new(format!("{updated} of {probes} in this frame")).weak());
     ui.separator();
-    ui.add(Checkbox::new(timing, "GPU times, of one probe and the picture"));
-    if *timing {
-        Grid::new("times").num_columns(2).show(ui, |ui| {
-            for (pass, seconds) in status.times {
-                ui.label(*pass);
-                ui.label(format!("{:.3} ms", 1e3 * seconds));
-                ui.end_row();
-            }
-        });
-    }
+    show_times(ui, timing, "GPU times, of one probe and the picture", status.times);
     ui.label(RichText::new(format!("{} triangles", status.triangles)).weak());
     ui.label(RichText::new(format!("{:.1} ms from frame to frame", 1e3 * status.frame)).weak());
     ui.label(RichText::new(status.adapter).weak());

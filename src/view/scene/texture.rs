@@ -126,17 +126,16 @@ impl Texels {
             (width, height) = ((width / 2).max(1), (height / 2).max(1));
         }
         let axis = |x: f32, side: u32, mode: u32| {
-            let x = f64::from(x);
-            let unit = match mode {
-                MIRROR => 1.0 - (x.rem_euclid(2.0) - 1.0).abs(),
-                CLAMP => x.clamp(0.0, 1.0),
-                _ => x.rem_euclid(1.0),
+            let wrap = match mode {
+                MIRROR => Wrap::Mirror,
+                CLAMP => Wrap::Clamp,
+                _ => Wrap::Repeat,
             };
-            let at = unit * f64::from(side) - if nearest { 0.0 } else { 0.5 };
+            let at = wrap.within(f64::from(x)) * f64::from(side) - if nearest { 0.0 } else { 0.5 };
             let side = i64::from(side);
-            let index = |at: i64| match mode {
-                MIRROR | CLAMP => at.clamp(0, side - 1) as u32,
-                _ => at.rem_euclid(side) as u32,
+            let index = |at: i64| match wrap {
+                Wrap::Mirror | Wrap::Clamp => at.clamp(0, side - 1) as u32,
+                Wrap::Repeat => at.rem_euclid(side) as u32,
             };
             let low = at.floor();
             (index(low as i64), index(low as i64 + 1), if nearest { 0.0 } else { at - low })
