@@ -4,9 +4,9 @@
 //! 0 to 1 and not down to one texel, every image flipped vertically, nine coefficients of irradiance. Where
 //! it leaves a choice, this follows Babylon.js's loader
 //! (packages/dev/loaders/src/glTF/2.0/Extensions/EXT_lights_image_based.ts): images are vertically flipped
-//! and the cube is looked up with x negated, as in an `.env`. The loader deviates from the text in two
-//! points: it selects levels by the logarithm of alpha, and it interprets the coefficients' signs and bands
-//! differently.
+//! and the cube is looked up with x negated, as in an `.env`. The loader (version 9.28) deviates from the
+//! text in three points, which `docs/engines.md` mends: it takes the decoded light for sRGB, selects levels
+//! by the logarithm of alpha, and gives the coefficients the signs of the Condon-Shortley phase.
 
 use super::babylon::{clamped, png_faces};
 use crate::chain::Chain;

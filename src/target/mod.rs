@@ -335,7 +335,7 @@ pub const TARGETS: [Target; 13] = [
             FileSpec { path: "{name}_ibl.glb", content: Glb },
             FileSpec { path: "{name}_skybox.ktx2", content: Skybox },
         ],
-        verified: None,
+        verified: Some("babylonjs 9.34 and a reader of its text"),
         ..ENGINE
     },
     // Six steps of r (1.7 - 0.7 r) (ImageBasedLighting.hlsl, PerceptualRoughnessToMipmapLevel); left-handed,

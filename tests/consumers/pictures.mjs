@@ -119,6 +119,17 @@ export const EYES = [
     unit([1, 0.7, -0.5]),
 ];
 
+// `count` directions of equal solid angles.
+export const lattice = (count) =>
+    Array.from({ length: count }, (_, k) => {
+        const [y, phi] = [1 - (2 * k + 1) / count, k * Math.PI * (3 - Math.sqrt(5))];
+        const s = Math.sqrt(1 - y * y);
+        return [s * Math.cos(phi), y, s * Math.sin(phi)];
+    });
+
+// Share of bands above the second in the irradiance of hdr/labelled.exr.
+export const BANDS = 0.03;
+
 // Pixels of a square view of 90 degrees `looking` along a unit vector, rows upwards: index and direction.
 export function skyPixels(size, looking, step) {
     const right = unit(cross(looking, Math.abs(looking[1]) > 0.9 ? [0, 0, 1] : [0, 1, 0]));

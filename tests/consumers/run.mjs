@@ -3,8 +3,8 @@
 //
 //   node tests/consumers/run.mjs PROGRAM [ENGINE...]
 //
-// ENGINE: three, filament, babylon, playcanvas or khronos; all by default. CHROMIUM in the environment names
-// the browser. Exit status 0 when every picture agrees, 1 otherwise.
+// ENGINE: three, filament, babylon, playcanvas, khronos or gltf; all by default. CHROMIUM in the environment
+// names the browser. Exit status 0 when every picture agrees, 1 otherwise.
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { tmpdir } from 'node:os';
@@ -13,6 +13,7 @@ import { fileURLToPath } from 'node:url';
 import puppeteer from 'puppeteer-core';
 import { checkBabylon } from './babylon.mjs';
 import { checkFilament } from './filament.mjs';
+import { checkGltf } from './gltf.mjs';
 import { checkKhronos } from './khronos.mjs';
 import { checkPlayCanvas } from './playcanvas.mjs';
 import { finish, programAt, check, recipe } from './program.mjs';
@@ -25,6 +26,7 @@ const checks = {
     babylon: checkBabylon,
     playcanvas: checkPlayCanvas,
     khronos: checkKhronos,
+    gltf: checkGltf,
 };
 const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium';
 const [program, ...named] = process.argv.slice(2);

@@ -1,8 +1,13 @@
 // A unit sphere as GLB, for the pages of engines that read glTF.
 
-// White metal.
-const metal = (roughness) => ({
-    pbrMetallicRoughness: { baseColorFactor: [1, 1, 1, 1], metallicFactor: 1, roughnessFactor: roughness },
+// A white surface; one that is no metal has no reflection of its own.
+const white = (metallic, roughness) => ({
+    pbrMetallicRoughness: {
+        baseColorFactor: [1, 1, 1, 1],
+        metallicFactor: metallic,
+        roughnessFactor: roughness,
+    },
+    extensions: { KHR_materials_specular: { specularFactor: metallic } },
 });
 
 // `more` is additional JSON of the file; the sphere is node 0 of scene 0.

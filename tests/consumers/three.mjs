@@ -1,5 +1,5 @@
-// three.js: KTX2 (half floats) and DDS (BC6H), as scene.environment.
-import { EYES, drawn, reflected, relativeError, spherePixels } from './pictures.mjs';
+// three.js: KTX2 (half floats) and DDS (BC6H) as scene.environment, harmonics as LightProbe.
+import { BANDS, EYES, drawn, reflected, relativeError, spherePixels } from './pictures.mjs';
 
 // Roughness of the six levels, so that no two levels are mixed: 1 - sqrt(1 - level/5).
 const LADDER = [2, 3, 4, 5].map((level) => 1 - Math.sqrt(1 - level / 5));
@@ -12,8 +12,8 @@ export async function checkThree({ open, bake, query, diffuse, check }) {
     bake('three-dds', ['--target', 'three', '--pixel', 'bc6h', '--format', 'dds']);
     bake('three-unflipped', ['--target', 'three', '--flip', 'none']);
     const page = await open('three.html');
-    const render = async (url, roughness, eye) =>
-        page.evaluate((options) => window.sphere(options), { url, roughness, eye });
+    const render = async (url, roughness, eye, metalness = 1) =>
+        page.evaluate((options) => window.sphere(options), { url, metalness, roughness, eye });
 
     // Expected sphere: single reflection by the lobe, the rest as diffuse.
     const expectedOf = (pixels, roughness) => {
@@ -62,5 +62,13 @@ export async function checkThree({ open, bake, query, diffuse, check }) {
         error > 10 * TOLERANCE,
         `relative error ${error.toFixed(4)}`,
     );
+    let worst = 0;
+    for (const eye of EYES) {
+        const picture = await render('/bake/three/world_sh.json', 1, eye, 0);
+        const pixels = spherePixels(picture.size, eye, 16);
+        const expected = diffuse(pixels.map((p) => p.normal));
+        worst = Math.max(worst, relativeError(shownAt(picture, pixels), expected));
+    }
+    check('three LightProbe, 7 views', worst < BANDS, `relative error ${worst.toFixed(4)}`);
     await page.close();
 }
