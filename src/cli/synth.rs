@@ -12,8 +12,9 @@ use std::path::{Path, PathBuf};
 pub(super) fn run(args: SynthArgs) -> Outcome {
     if args.list {
         let mut text = String::new();
+        let width = RECIPES.iter().map(|recipe| recipe.name.len()).max().unwrap_or(0);
         for recipe in RECIPES {
-            writeln!(text, "{:<12} {}", recipe.name, recipe.purpose)
+            writeln!(text, "{:<width$} {}", recipe.name, recipe.purpose)
                 .expect("writing to a string cannot fail");
         }
         return print(&text);
