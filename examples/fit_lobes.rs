@@ -1,6 +1,6 @@
 //! Fits the parameters of the real-time tier: `cargo run --release --example fit_lobes K [FILE]` for K = 1,
-//! 2, 4 or 8 boxes. Writes FILE, by default the file of the library in `src/realtime/tables`. Takes two to
-//! fifteen minutes on two cores.
+//! 2, 4 or 8 boxes, or `cone` for the boxes around cone points. Writes FILE, by default the file of the
+//! library in `src/realtime/tables`. Takes two to fifteen minutes on two cores.
 
 use octagloss::internals::realtime::fit::fit;
 use octagloss::internals::realtime::tables::Shape;
@@ -14,13 +14,17 @@ fn main() -> ExitCode {
         Some("2") => "two",
         Some("4") => "four",
         Some("8") => "eight",
+        Some("cone") => "cone",
         _ => {
-            eprintln!("usage: fit_lobes K [FILE], with K = 1, 2, 4 or 8 boxes");
+            eprintln!("usage: fit_lobes K [FILE], with K = 1, 2, 4 or 8 boxes, or cone");
             return ExitCode::from(2);
         }
     };
     let path = arguments.get(1).cloned().unwrap_or_else(|| format!("src/realtime/tables/{name}.bin"));
-    let shape = arguments[0].parse().ok().and_then(Shape::of).expect("one of them");
+    let shape = match arguments[0].parse() {
+        Ok(count) => Shape::of(count).expect("one of them"),
+        Err(_) => Shape::around_cone_points(),
+    };
     let start = Instant::now();
     let progress = |done: &str| println!("{done} after {:.0} s", start.elapsed().as_secs_f64());
     let table = fit(shape, &progress);

@@ -8,9 +8,14 @@
 #include "common/octaves.wgsl"
 #include "common/plane.wgsl"
 
-// Intervals along a side of the triangle's grid, and its nodes.
-const INTERVALS = 11u;
-const NODES = 78u;
+// e = 1 - u + v at the outer side of the grid around the cone point.
+const CONE_REACH = 0.475f;
+// Squared sines of the angle from a cone point between which the parameters around it fade out.
+const CONE_FROM = 0.039f;
+const CONE_UNTIL = 0.087f;
+// Alphas between which they fade in.
+const CONE_SHARP = 0.01f;
+const CONE_ROUGH = 0.0125f;
 // Knots of an octave, the first of them and their distance, in octaves of alpha over the blur.
 const KNOTS = 4u;
 const FIRST_KNOT = 0.25f;
@@ -102,14 +107,25 @@ fn triangle_node(i: u32, j: u32) -> u32 {
     return i * (i + 1u) / 2u + j;
 }
 
-fn parameters_around(octave: u32, log_alpha: f32, point: vec2<f32>) -> Place {
-    let most = f32(INTERVALS);
-    let p = clamp((point.x + point.y) * most, 0.0, most);
-    let q = clamp((point.x - point.y) * most, 0.0, most);
-    let i = min(u32(p), INTERVALS - 1u);
-    let j = min(min(u32(q), INTERVALS - 1u), i);
-    let dp = p - f32(i);
-    var dq = q - f32(j);
+// Column and row of a point of the triangle on the grid of `model`: `Grid::coordinates` of
+// src/realtime/tables/triangle.rs.
+fn grid_from_triangle(model: u32, point: vec2<f32>) -> vec2<f32> {
+    let most = f32(octagloss_octaves.models[model].intervals);
+    var at = vec2<f32>(point.x + point.y, point.x - point.y) * most;
+    if model == 1u {
+        let square = vec2<f32>(1.0 - point.x + point.y, 1.0 - point.x - point.y) * (most * most / CONE_REACH);
+        at = square / sqrt(max(square.x, 1.0));
+    }
+    return clamp(at, vec2<f32>(0.0), vec2<f32>(most));
+}
+
+fn parameters_around(model: u32, octave: u32, log_alpha: f32, point: vec2<f32>) -> Place {
+    let own = octagloss_octaves.models[model];
+    let at = grid_from_triangle(model, point);
+    let i = min(u32(at.x), own.intervals - 1u);
+    let j = min(min(u32(at.y), own.intervals - 1u), i);
+    let dp = at.x - f32(i);
+    var dq = at.y - f32(j);
     var nodes = vec3<u32>(triangle_node(i, j), triangle_node(i, j + 1u), triangle_node(i + 1u, j + 1u));
     var shares = vec3<f32>(1.0 - dq, dq - dp, dp);
     if dq <= dp || i == j {
@@ -119,11 +135,12 @@ fn parameters_around(octave: u32, log_alpha: f32, point: vec2<f32>) -> Place {
     }
     let knots = clamp((log_alpha + f32(octave) - FIRST_KNOT) / KNOT_STEP, 0.0, f32(KNOTS - 1u));
     let knot = min(u32(knots), KNOTS - 2u);
-    let rows = octagloss_octaves.boxes + 1u;
-    let lower = ((octave - FIRST_OCTAVE) * KNOTS + knot) * NODES;
+    let rows = own.boxes + 1u;
+    let layer = triangle_node(own.intervals + 1u, 0u);
+    let lower = ((octave - FIRST_OCTAVE) * KNOTS + knot) * layer;
     return Place(
-        (nodes + lower) * rows + octagloss_octaves.first_parameters,
-        (nodes + lower + NODES) * rows + octagloss_octaves.first_parameters,
+        (nodes + lower) * rows + own.first_parameters,
+        (nodes + lower + layer) * rows + own.first_parameters,
         shares, knots - f32(knot));
 }
 
@@ -235,15 +252,26 @@ fn soft_box(octave: OctaglossOctave, low: vec2<f32>, high: vec2<f32>) -> vec4<f3
     return sum;
 }
 
-// Energies and solid angle of the lobe around `uv`, with the parameters of `octave`.
-fn soft_boxes(octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders) -> vec4<f32> {
+// The share of the model around cone points in a lobe of `alpha` around the unit vector `direction`.
+fn cone_share(direction: vec3<f32>, alpha: f32) -> f32 {
+    if octagloss_octaves.models[1].boxes == 0u {
+        return 0.0;
+    }
+    let square = direction * direction;
+    let far = smoothstep(CONE_FROM, CONE_UNTIL, square.y + min(square.x, square.z));
+    return (1.0 - far) * smoothstep(CONE_SHARP, CONE_ROUGH, alpha);
+}
+
+// Energies and solid angle of the lobe around `uv`, with the parameters of `model` and `octave`.
+fn soft_boxes(model: u32, octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders) -> vec4<f32> {
     let folded = triangle_from_oct(uv);
     let density = solid_angle_density(uv);
-    let place = parameters_around(octave, log2(alpha), folded.point);
+    let place = parameters_around(model, octave, log2(alpha), folded.point);
+    let boxes = octagloss_octaves.models[model].boxes;
     var sum = vec4<f32>();
-    for (var b = 0u; b < octagloss_octaves.boxes; b++) {
+    for (var b = 0u; b < boxes; b++) {
         let own = parameters_of(place, b);
-        let wider = select(0u, 1u, b >= octagloss_octaves.first_wider);
+        let wider = select(0u, 1u, b >= octagloss_octaves.models[model].first_wider);
         let table = octagloss_octaves.octaves[octave - wider - 1u];
         let scale = 0.5 * f32(table.coarse);
         // Square root of the mass; centre in half-widths; log2 of half-widths in units of alpha.
@@ -254,7 +282,7 @@ fn soft_boxes(octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders) -> vec4<f3
         let height = own.first.x * own.first.x / (4.0 * extent.x * extent.y * density);
         sum += height * UNIT * energy;
     }
-    let weights = parameters_of(place, octagloss_octaves.boxes);
+    let weights = parameters_of(place, boxes);
     let others = vec4<f32>(weights.first.yzw, weights.last);
     return sum + weights.first.x * orders.first + orders.others * others;
 }
@@ -337,10 +365,14 @@ fn octagloss_fitted(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
             // In the first quarter of an octave, blend out the next finer one.
             let position = log_alpha + f32(own) - FIRST_KNOT;
             let finer = select(0.0, 1.0 - smoothstep(0.0, OVERLAP, position), own < finest);
-            for (var part = 0u; part < 2u; part++) {
-                let weight = select(1.0 - finer, finer, part == 1u);
+            let cone = cone_share(towards, alpha);
+            for (var part = 0u; part < 4u; part++) {
+                let model = part >> 1u;
+                let step = part & 1u;
+                let weight = select(1.0 - finer, finer, step == 1u) * select(1.0 - cone, cone, model == 1u);
                 if weight > 0.0 {
-                    radiance += weight * radiance_of(soft_boxes(own + part, alpha, uv, orders));
+                    let energy = soft_boxes(model, own + step, alpha, uv, orders);
+                    radiance += weight * radiance_of(energy);
                 }
             }
             radiance *= 1.0 - alone;

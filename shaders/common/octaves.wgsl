@@ -15,6 +15,15 @@ struct OctaglossOctave {
     first_row: u32,
 }
 
+struct OctaglossModel {
+    // Boxes per lobe, the first row of their parameters, and the first box that reads the next wider blur.
+    boxes: u32,
+    first_parameters: u32,
+    first_wider: u32,
+    // Intervals of the grid of nodes along a side.
+    intervals: u32,
+}
+
 struct OctaglossOctaves {
     // Texels along an edge of the OEM's square.
     inner: u32,
@@ -22,13 +31,10 @@ struct OctaglossOctaves {
     finest: u32,
     // Border of every blurred square, in texels.
     border: u32,
-    // Boxes per lobe, the first row of their parameters, and the first box that reads the next wider blur.
-    boxes: u32,
-    first_parameters: u32,
-    first_wider: u32,
     // The least alpha that the tables resolve.
     sharpest: f32,
-    pad_0: u32,
+    // The boxes of most directions, and those around cone points: none if there are no others.
+    models: array<OctaglossModel, 2>,
     // 1 over pi times the lobe's integral as a polynomial over roughness 0.09 to 1, lowest power first, four
     // coefficients per vector.
     peak: array<vec4<f32>, 3>,

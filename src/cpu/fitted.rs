@@ -53,6 +53,20 @@ fn smooth(t: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
+/// Squared sines of the angle from a cone point between which the table around cone points fades out: those
+/// of 0.2 and 0.3 radians.
+pub(crate) const CONE: [f64; 2] = [0.039, 0.087];
+
+/// Alphas between which that table fades in: the other one fits sharper lobes better.
+pub(crate) const CONE_ALPHA: [f64; 2] = [0.01, 0.0125];
+
+/// The share of the parameters around cone points in a lobe of `alpha` around the unit vector `direction`.
+pub(crate) fn cone_share(direction: DVec3, alpha: f64) -> f64 {
+    let square = direction * direction;
+    let far = smooth((square.y + square.x.min(square.z) - CONE[0]) / (CONE[1] - CONE[0]));
+    (1.0 - far) * smooth((alpha - CONE_ALPHA[0]) / (CONE_ALPHA[1] - CONE_ALPHA[0]))
+}
+
 /// GGX lobes of one alpha by one table of parameters.
 #[derive(Debug)]
 pub(crate) struct Fitted<'a> {
@@ -62,6 +76,8 @@ pub(crate) struct Fitted<'a> {
     /// The share of the mirror.
     mirror: f64,
     table: &'static Table,
+    /// The table for directions around cone points.
+    cone: Option<&'static Table>,
     /// The sharpest alpha that the tables resolve, or the lobe's own.
     alpha: f64,
     /// The lobe's integral over the sphere.
@@ -116,6 +132,7 @@ impl<'a> Fitted<'a> {
             least,
             mirror: 1.0 - share,
             table,
+            cone: table.beside_cone_points(),
             alpha,
             integral: lobe::kernel_integral(Lobe::Ggx, alpha),
             parts,
@@ -144,8 +161,14 @@ impl<'a> Fitted<'a> {
                 }
             }
             let uv = oct_from_direction(direction);
-            for (octave, share) in &self.parts {
-                add((1.0 - self.mirror) * share, self.boxes(*octave, uv, &orders));
+            let cone = self.cone.map_or(0.0, |_| cone_share(direction, self.alpha));
+            let tables = [(Some(self.table), 1.0 - cone), (self.cone, cone)];
+            for (table, share_of_table) in tables.into_iter().filter(|(_, share)| *share > 0.0) {
+                let table = table.expect("a share of it");
+                for (octave, share) in &self.parts {
+                    let energy = self.boxes(table, *octave, uv, &orders);
+                    add((1.0 - self.mirror) * share * share_of_table, energy);
+                }
             }
             // The first weight is the share.
             if self.alone[0] > 0.0 {
@@ -166,12 +189,12 @@ impl<'a> Fitted<'a> {
         sum.map(|value| value as f32)
     }
 
-    /// Energies and solid angle of the kernel of `octave` around `uv`.
-    fn boxes(&self, octave: u32, uv: DVec2, orders: &[[f64; 4]; HARMONICS]) -> [f64; 4] {
+    /// Energies and solid angle of the kernel of `table` and `octave` around `uv`.
+    fn boxes(&self, table: &Table, octave: u32, uv: DVec2, orders: &[[f64; 4]; HARMONICS]) -> [f64; 4] {
         let (point, fold) = triangle_from_oct(uv);
         let density = solid_angle_density(uv);
         let mut sum = [0.0; 4];
-        let weights = self.table.kernel(octave, self.alpha, point, |soft| {
+        let weights = table.kernel(octave, self.alpha, point, |soft| {
             let table = self.blurred[soft.octave as usize].expect("made with the lobe");
             let scale = f64::from(table.size().inner) / 2.0;
             let centre = uv + fold.oct_from_triangle(soft.offset);

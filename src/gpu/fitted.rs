@@ -45,53 +45,59 @@ pub struct Octaves {
     inner: u32,
     finest: u32,
     border: u32,
-    boxes: u32,
-    first_parameters: u32,
-    first_wider: u32,
     sharpest: f32,
-    pad_0: u32,
+    models: [Model; 2],
     peak: [[f32; 4]; PEAK / 4],
     zonal: [[f32; 4]; ZONAL],
     octaves: [Octave; super::octaves::OCTAVES],
 }
 
-shader::members!(Octaves {
-    inner,
-    finest,
-    border,
-    boxes,
-    first_parameters,
-    first_wider,
-    sharpest,
-    pad_0,
-    peak,
-    zonal,
-    octaves,
-});
+shader::members!(Octaves { inner, finest, border, sharpest, models, peak, zonal, octaves });
 
-/// The current lobes: three words of [`Octaves`].
-fn lobes(count: u32) -> [u32; 3] {
-    let shape = Table::of(count).expect("a count that there is").shape();
-    let first_wider = shape.wider.iter().position(|wider| *wider > 0).unwrap_or(shape.boxes());
-    assert!(shape.wider[first_wider..].iter().all(|wider| *wider == 1), "an octave wider from one box on");
-    let before = COUNTS.iter().take_while(|other| **other != count);
-    let first_parameters: usize =
-        before.map(|count| rows(Table::of(*count).expect("a count that there is"))).sum();
-    [count, first_parameters as u32, first_wider as u32]
+/// One table of parameters, in the shader's layout.
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Model {
+    boxes: u32,
+    first_parameters: u32,
+    first_wider: u32,
+    intervals: u32,
 }
 
-/// Rows of a table's parameters: one per box and one for the harmonics, at every node of every knot of every
-/// octave.
-fn rows(table: &Table) -> usize {
-    table.values().len() / BOX_PARAMETERS
+shader::members!(Model { boxes, first_parameters, first_wider, intervals });
+
+/// All tables, in the order of their parameters in the buffer.
+fn tables() -> impl Iterator<Item = &'static Table> {
+    let counts = COUNTS.iter().map(|count| Table::of(*count).expect("a count that there is"));
+    counts.chain([Table::around_cone_points()])
 }
 
-/// The parameters of all counts, as half floats: rows of five padded to eight.
+/// The table of `count` boxes, and the one around cone points.
+fn models(count: u32) -> [Model; 2] {
+    let table = Table::of(count).expect("a count that there is");
+    [Some(table), table.beside_cone_points()].map(|table| table.map_or(Model::default(), model))
+}
+
+fn model(table: &Table) -> Model {
+    let wider = table.shape().wider;
+    let first_wider = wider.iter().position(|wider| *wider > 0).unwrap_or(wider.len());
+    assert!(wider[first_wider..].iter().all(|wider| *wider == 1), "an octave wider from one box on");
+    let before = tables().take_while(|other| !std::ptr::eq(*other, table));
+    // A row per box and one for the harmonics, at every node of every knot of every octave.
+    let first_parameters: usize = before.map(|other| other.values().len() / BOX_PARAMETERS).sum();
+    Model {
+        boxes: wider.len() as u32,
+        first_parameters: first_parameters as u32,
+        first_wider: first_wider as u32,
+        intervals: table.shape().grid.intervals() as u32,
+    }
+}
+
+/// The parameters of all tables, as half floats: rows of five padded to eight.
 fn parameters() -> Vec<[u16; 8]> {
-    let tables = COUNTS.iter().map(|count| Table::of(*count).expect("a count that there is"));
     let row =
         |five: &[f32]| std::array::from_fn(|k| f16::from_f32(five.get(k).copied().unwrap_or(0.0)).to_bits());
-    tables.flat_map(|table| table.values().chunks_exact(BOX_PARAMETERS).map(row)).collect()
+    tables().flat_map(|table| table.values().chunks_exact(BOX_PARAMETERS).map(row)).collect()
 }
 
 /// Weights of orders 1 to 4 as polynomials over the roughness from [`HARMONICS_FROM`] to 1. The weights are
@@ -183,16 +189,12 @@ impl FittedTables {
 
     fn with_parameters(context: &Context, inner: u32, count: u32, parameters: wgpu::Buffer) -> Self {
         let layout = super::octaves::OctaveLayout::new(inner);
-        let [boxes, first_parameters, first_wider] = lobes(count);
         let octaves = Octaves {
             inner,
             finest: layout.finest,
             border: BORDER,
-            boxes,
-            first_parameters,
-            first_wider,
             sharpest: (KNOTS[0] - f64::from(layout.finest)).exp2() as f32,
-            pad_0: 0,
+            models: models(count),
             peak: peak(),
             zonal: zonal(),
             octaves: layout.octaves,
@@ -249,8 +251,8 @@ impl FittedTables {
     /// [`Error::Parameter`] for an unsupported count.
     pub fn set_count(&self, context: &Context, count: u32) -> Result<()> {
         crate::filter::Filter::Fitted(count).check(Lobe::Ggx, None)?;
-        let at = std::mem::offset_of!(Octaves, boxes) as u64;
-        context.queue().write_buffer(&self.octaves, at, bytemuck::bytes_of(&lobes(count)));
+        let at = std::mem::offset_of!(Octaves, models) as u64;
+        context.queue().write_buffer(&self.octaves, at, bytemuck::bytes_of(&models(count)));
         Ok(())
     }
 

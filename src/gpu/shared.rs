@@ -6,7 +6,7 @@ use super::{
     lamp, mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shadow,
 };
 use crate::cpu::cells::{FAINT, FIELDS, RESIDUE};
-use crate::cpu::fitted::{HARMONICS_ALONE, HARMONICS_FROM};
+use crate::cpu::fitted::{CONE, CONE_ALPHA, HARMONICS_ALONE, HARMONICS_FROM};
 use crate::cpu::leaves::LANES;
 use crate::cpu::subtexel::SMOOTH_SIDE;
 use crate::environment::LUMINANCE;
@@ -49,9 +49,12 @@ pub fn constants() -> Vec<Constant> {
         float("common/fitted.wgsl", "OVERLAP", KNOTS[3] - KNOTS[0] - 1.0),
         float("common/fitted.wgsl", "HARMONICS_ALONE", HARMONICS_ALONE),
         float("common/fitted.wgsl", "HARMONICS_FROM", HARMONICS_FROM),
-        one("common/fitted.wgsl", "INTERVALS", triangle::INTERVALS as u32),
+        float("common/fitted.wgsl", "CONE_REACH", triangle::CONE_REACH),
+        float("common/fitted.wgsl", "CONE_FROM", CONE[0]),
+        float("common/fitted.wgsl", "CONE_UNTIL", CONE[1]),
+        float("common/fitted.wgsl", "CONE_SHARP", CONE_ALPHA[0]),
+        float("common/fitted.wgsl", "CONE_ROUGH", CONE_ALPHA[1]),
         one("common/fitted.wgsl", "KNOTS", KNOTS.len() as u32),
-        one("common/fitted.wgsl", "NODES", triangle::NODES as u32),
         float("common/fitted.wgsl", "PEAK_FROM", fitted::PEAK_FROM),
         one("common/kernel.wgsl", "SHAPE_GGX", shape::GGX),
         one("common/kernel.wgsl", "SHAPE_PHONG", shape::PHONG),
@@ -125,6 +128,7 @@ pub fn structs() -> Vec<Struct> {
             &[("least", 0), ("scale", 16), ("harmonics", 48), ("emitters", 448)],
             fitted::LIGHT as usize,
         ),
+        layout!("common/octaves.wgsl", "OctaglossModel", fitted::Model),
         layout!("common/octaves.wgsl", "OctaglossOctave", octaves::Octave),
         layout!("common/octaves.wgsl", "OctaglossOctaves", fitted::Octaves),
         // Four exponents, then the sizes, in a header of 32 bytes.

@@ -18,10 +18,10 @@
 //! fifteen lobes: its own, those at the centres of the six cells and six edges around it, and those half-way
 //! to the next knots of roughness; the other nodes keep their parameters. Interpolation then adds at most a
 //! tenth to the error; nodes fitted separately interpolate to three times the error and more. Cone points
-//! have only one cell and two edges, and their boxes differ from those of adjacent nodes: without the
-//! midpoints of edges, the error of four boxes is three times as large around them, so the cell at a cone
-//! point has more samples. Nodes on the triangle's sides are tied: there mirrors exchange boxes or keep them,
-//! so that the kernel is the same from both sides of a fold.
+//! have only one cell and two edges, and their boxes differ from those of adjacent nodes, so the cell at a
+//! cone point has more samples. They have a table of their own besides ([`Shape::around_cone_points`]).
+//! Nodes on the triangle's sides are tied: there mirrors exchange boxes or keep them, so that the kernel is
+//! the same from both sides of a fold.
 //!
 //! **Result.** Relative RMS errors of luminance on eight panoramas that the fit never used, median / worst,
 //! by number of boxes:
@@ -42,14 +42,15 @@
 //! bytes do not depend on the number of threads.
 //!
 //! ```console
-//! for k in 1 2 4 8; do cargo run --release --example fit_lobes $k; done
+//! for k in 1 2 4 8 cone; do cargo run --release --example fit_lobes $k; done
 //! ```
 
 mod model;
 mod solve;
 
-use crate::realtime::tables::triangle::{self, INTERVALS, NODES, node, node_point};
+use crate::realtime::tables::triangle::{Grid, node};
 use crate::realtime::tables::{BOX_PARAMETERS, HARMONICS, KNOTS, OCTAVES, Shape, Table};
+use glam::DVec2;
 use model::Problem;
 use rayon::prelude::*;
 use solve::{Sample, Ties, minimise, total};
@@ -87,7 +88,7 @@ pub fn fit(shape: &'static Shape, progress: &dyn Fn(&str)) -> Table {
     progress("first layer");
     for (octave, knot, from_octave, from_knot) in order() {
         let from = &layers[index(from_octave)][from_knot];
-        let nodes: Vec<_> = triangle::nodes().zip(from).collect();
+        let nodes: Vec<_> = shape.grid.nodes().zip(from).collect();
         let layer = nodes
             .par_iter()
             .map(|(place, start)| fit_node(shape, octave, knot, *place, start, LAYER_ITERATIONS).0)
@@ -122,7 +123,8 @@ fn layers_from_table(table: &Table) -> Layers {
     let values: Vec<f64> = table.values().iter().map(|value| f64::from(*value)).collect();
     let nodes: Vec<Parameters> =
         values.chunks_exact(table.shape().parameters()).map(<[f64]>::to_vec).collect();
-    let layers: Vec<Layer> = nodes.chunks_exact(NODES).map(<[Parameters]>::to_vec).collect();
+    let layers: Vec<Layer> =
+        nodes.chunks_exact(table.shape().grid.node_count()).map(<[Parameters]>::to_vec).collect();
     layers.chunks_exact(KNOTS.len()).map(<[Layer]>::to_vec).collect()
 }
 
@@ -150,19 +152,21 @@ fn order() -> Vec<(u32, usize, u32, usize)> {
 /// Fits the first layer: many starts at a node in the middle of the triangle, then ring by ring around it.
 fn first_layer(shape: &'static Shape) -> Layer {
     let (octave, knot) = FIRST;
-    let root = (2 * INTERVALS / 3, INTERVALS / 3);
+    let root = (2 * shape.grid.intervals() / 3, shape.grid.intervals() / 3);
     let starts: Vec<Parameters> = (0..STARTS).map(|number| start(shape, number)).collect();
     let fits: Vec<(Parameters, f64)> =
         starts.par_iter().map(|start| fit_node(shape, octave, knot, root, start, START_ITERATIONS)).collect();
     let best = fits.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are starts").0;
-    let mut layer: Vec<Option<Parameters>> = vec![None; NODES];
+    let mut layer: Vec<Option<Parameters>> = vec![None; shape.grid.node_count()];
     layer[node(root.0, root.1)] = Some(best);
     while layer.iter().any(Option::is_none) {
-        let ring: Vec<((usize, usize), Parameters)> = triangle::nodes()
+        let ring: Vec<((usize, usize), Parameters)> = shape
+            .grid
+            .nodes()
             .filter(|(i, j)| layer[node(*i, *j)].is_none())
             .filter_map(|(i, j)| {
                 let near: Vec<&Parameters> =
-                    triangle::neighbours(i, j).filter_map(|(i, j)| layer[node(i, j)].as_ref()).collect();
+                    shape.grid.neighbours(i, j).filter_map(|(i, j)| layer[node(i, j)].as_ref()).collect();
                 (!near.is_empty()).then(|| ((i, j), mean(&near)))
             })
             .collect();
@@ -208,7 +212,7 @@ fn sweep(shape: &'static Shape, layers: &mut Layers) {
     for colour in 0..6 {
         let nodes: Vec<(u32, usize, (usize, usize))> = OCTAVES
             .flat_map(|octave| (0..KNOTS.len()).map(move |knot| (octave, knot)))
-            .flat_map(|(octave, knot)| triangle::nodes().map(move |place| (octave, knot, place)))
+            .flat_map(|(octave, knot)| shape.grid.nodes().map(move |place| (octave, knot, place)))
             .filter(|(_, knot, (i, j))| (i + j) % 3 + 3 * (knot % 2) == colour)
             .collect();
         let fits: Vec<Parameters> = nodes
@@ -226,7 +230,12 @@ fn sweep(shape: &'static Shape, layers: &mut Layers) {
 }
 
 /// The node at +X. Kernels change fastest there, so its cell has more samples.
-const CONE_POINT: (usize, usize) = (INTERVALS, INTERVALS);
+const fn cone_point(grid: Grid) -> (usize, usize) {
+    match grid {
+        Grid::Triangle => (grid.intervals(), grid.intervals()),
+        Grid::Cone => (0, 0),
+    }
+}
 
 /// The lobes that depend on a node's parameters: its own, those at the centres of the cells and edges around
 /// it, and those half-way to the adjacent knots.
@@ -238,32 +247,33 @@ fn samples_around(
     (i, j): (usize, usize),
 ) -> Vec<Sample> {
     let layer = &layers[index(octave)][knot];
-    let (here, own) = (KNOTS[knot], node_point(i, j));
+    let (here, own) = (KNOTS[knot], DVec2::new(i as f64, j as f64));
     // The contributions of the other nodes; this node has the remaining share.
-    let sample = |position: f64, point, others: &[(f64, &Parameters)]| Sample {
-        problem: Problem::new(shape, octave, alpha(octave, position), point),
+    let sample = |position: f64, place: DVec2, others: &[(f64, &Parameters)]| Sample {
+        problem: Problem::new(shape, octave, alpha(octave, position), shape.grid.point(place.to_array())),
         share: 1.0 - others.iter().map(|(share, _)| share).sum::<f64>(),
         rest: (0..shape.parameters())
             .map(|k| others.iter().map(|(share, other)| share * other[k]).sum())
             .collect(),
     };
     let among = |others: &[(f64, (usize, usize))]| {
-        let point =
-            others.iter().fold(own, |point, (share, (a, b))| point + *share * (node_point(*a, *b) - own));
+        let place = others
+            .iter()
+            .fold(own, |place, (share, (a, b))| place + *share * (DVec2::new(*a as f64, *b as f64) - own));
         let parameters: Vec<_> =
             others.iter().map(|(share, (a, b))| (*share, &layer[node(*a, *b)])).collect();
-        sample(here, point, &parameters)
+        sample(here, place, &parameters)
     };
     let mut samples = vec![among(&[])];
-    for (a, b) in triangle::cells_around(i, j) {
+    for (a, b) in shape.grid.cells_around(i, j) {
         samples.push(among(&[(1.0 / 3.0, a), (1.0 / 3.0, b)]));
-        if [(i, j), a, b].contains(&CONE_POINT) {
+        if [(i, j), a, b].contains(&cone_point(shape.grid)) {
             let close =
                 [(0.25, 0.0), (0.0, 0.25), (0.75, 0.0), (0.0, 0.75), (0.5, 0.25), (0.25, 0.5), (0.25, 0.25)];
             samples.extend(close.map(|(to_a, to_b)| among(&[(to_a, a), (to_b, b)])));
         }
     }
-    samples.extend(triangle::neighbours(i, j).map(|neighbour| among(&[(0.5, neighbour)])));
+    samples.extend(shape.grid.neighbours(i, j).map(|neighbour| among(&[(0.5, neighbour)])));
     for neighbour in [knot.wrapping_sub(1), knot + 1].into_iter().filter(|neighbour| *neighbour < KNOTS.len())
     {
         let other = &layers[index(octave)][neighbour][node(i, j)];
@@ -282,7 +292,8 @@ fn fit_node(
     iterations: u32,
 ) -> (Parameters, f64) {
     let alpha = alpha(octave, KNOTS[knot]);
-    let problem = Problem::new(shape, octave, alpha, node_point(place.0, place.1));
+    let point = shape.grid.point([place.0 as f64, place.1 as f64]);
+    let problem = Problem::new(shape, octave, alpha, point);
     let sample = Sample { problem, share: 1.0, rest: vec![0.0; shape.parameters()] };
     fit_samples(shape, alpha, place, &[sample], start, iterations)
 }
@@ -295,7 +306,7 @@ fn fit_samples(
     start: &[f64],
     iterations: u32,
 ) -> (Parameters, f64) {
-    let on_sides = triangle::sides(i, j).into_iter().zip(mirrors(shape));
+    let on_sides = shape.grid.sides(i, j).into_iter().zip(mirrors(shape));
     let mirrors: Vec<_> = on_sides.filter(|(on, _)| *on).map(|(_, mirror)| mirror).collect();
     let ties = Ties::new(shape.parameters(), &mirrors);
     minimise(samples, &ties, &|x| clamp(shape, alpha, x), start, iterations)

@@ -25,6 +25,9 @@
 //! quotient, so a constant stays constant. Harmonics ring opposite bright light, so answers are clamped to at
 //! least the least radiance.
 //!
+//! Around the cone points ±X and ±Z, from roughness 0.1 up, twelve boxes of another table replace four or
+//! eight.
+//!
 //! Parameters are linear between nodes: 78 nodes in the triangle of directions to which the map's sixteen
 //! symmetries reduce the sphere ([`triangle`]), times 4 knots in each of six octaves of alpha. Octaves
 //! overlap by a quarter, in which one fades into the next. From roughness 0.65 to 0.75 boxes fade into
@@ -38,7 +41,7 @@ pub mod triangle;
 
 use glam::DVec2;
 use std::sync::LazyLock;
-use triangle::{GridPoint, NODES, place};
+use triangle::{Grid, GridPoint, node};
 
 /// Supported numbers of boxes.
 pub const COUNTS: [u32; 4] = [1, 2, 4, 8];
@@ -60,6 +63,8 @@ pub const KNOTS: [f64; 4] = [0.25, 2.0 / 3.0, 3.25 / 3.0, 1.5];
 /// The fitted model for one number of boxes.
 #[derive(Debug)]
 pub struct Shape {
+    /// The nodes of its parameters.
+    pub grid: Grid,
     /// For each box, by how many octaves its blur is wider than that of its octave.
     pub wider: &'static [u32],
     /// The image of each box in the mirrors v = 0, u = v and u + v = 1. Lobes are longest across u = v, so
@@ -68,15 +73,40 @@ pub struct Shape {
     pub mirrors: [&'static [usize]; 3],
 }
 
-static ONE: Shape = Shape { wider: &[0], mirrors: [&[0], &[0], &[0]] };
-static TWO: Shape = Shape { wider: &[0, 0], mirrors: [&[0, 1], &[1, 0], &[0, 1]] };
-static FOUR: Shape = Shape { wider: &[0, 0, 1, 1], mirrors: [&[0, 1, 2, 3], &[1, 0, 3, 2], &[0, 1, 2, 3]] };
+static ONE: Shape = Shape { grid: Grid::Triangle, wider: &[0], mirrors: [&[0], &[0], &[0]] };
+static TWO: Shape = Shape { grid: Grid::Triangle, wider: &[0, 0], mirrors: [&[0, 1], &[1, 0], &[0, 1]] };
+static FOUR: Shape = Shape {
+    grid: Grid::Triangle,
+    wider: &[0, 0, 1, 1],
+    mirrors: [&[0, 1, 2, 3], &[1, 0, 3, 2], &[0, 1, 2, 3]],
+};
 static EIGHT: Shape = Shape {
+    grid: Grid::Triangle,
     wider: &[0, 0, 0, 0, 1, 1, 1, 1],
     mirrors: [&[0, 1, 2, 3, 4, 5, 6, 7], &[1, 0, 3, 2, 5, 4, 7, 6], &[0, 1, 2, 3, 4, 5, 6, 7]],
 };
 
+/// The boxes around cone points: in both mirrors there, three groups of four are images of each other, one
+/// towards the diagonals and one along the axes with narrow blurs, and one towards the diagonals with wide
+/// ones. There a small step asks for a quadrupole, which such groups yield linearly, by masses and
+/// half-widths.
+static CONE: Shape = Shape {
+    grid: Grid::Cone,
+    wider: &[0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1],
+    mirrors: [
+        &[2, 3, 0, 1, 4, 5, 7, 6, 10, 11, 8, 9],
+        &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11],
+        &[1, 0, 2, 3, 7, 6, 5, 4, 9, 8, 10, 11],
+    ],
+};
+
 impl Shape {
+    /// The shape of boxes around cone points.
+    #[must_use]
+    pub const fn around_cone_points() -> &'static Self {
+        &CONE
+    }
+
     /// The shape of `count` boxes; `None` if `count` is not supported.
     #[must_use]
     pub fn of(count: u32) -> Option<&'static Self> {
@@ -118,14 +148,25 @@ pub struct SoftBox {
     pub octave: u32,
 }
 
-/// Step of `parameter` of `shape` in files. The rounding leaves the model's error over panoramas as it is, to
-/// three digits; harmonics count everywhere, and have finer steps.
+/// Step of `parameter` of `shape` in files. The rounding changes the model's error over panoramas by at most
+/// 4 %; harmonics count everywhere, and have finer steps.
 fn step(shape: &Shape, parameter: usize) -> f32 {
     match (parameter < BOX_PARAMETERS * shape.boxes(), parameter % BOX_PARAMETERS) {
-        (true, 0) => 1.0 / 256.0,
-        (true, _) => 1.0 / 128.0,
+        (true, 0) => 1.0 / 128.0,
+        (true, _) => 1.0 / 64.0,
         (false, _) => 1.0 / 2048.0,
     }
+}
+
+/// What files expect at node (`i`, `j`) after `steps` of the nodes before: the mean of the nodes before it in
+/// its column and in its row.
+fn expected(steps: &[i32], (i, j): (usize, usize)) -> i32 {
+    if i == 0 {
+        return 0;
+    }
+    let beside = steps[node(i - 1, j.min(i - 1))];
+    let below = if j == 0 || j == i { beside } else { steps[node(i, j - 1)] };
+    (beside + below) >> 1
 }
 
 impl Table {
@@ -142,48 +183,68 @@ impl Table {
         Some(&TABLES[place])
     }
 
+    /// The table around cone points.
+    #[must_use]
+    pub fn around_cone_points() -> &'static Self {
+        static TABLE: LazyLock<Table> = LazyLock::new(|| Table::read(&CONE, include_bytes!("cone.bin")));
+        &TABLE
+    }
+
+    /// The table that replaces this one around cone points, if one does: one and two boxes are for those who
+    /// have no time for more.
+    #[must_use]
+    pub fn beside_cone_points(&self) -> Option<&'static Self> {
+        (self.shape.boxes() >= 4).then(Self::around_cone_points)
+    }
+
     /// A table of `values` by octave, knot, node and parameter.
     ///
     /// # Panics
     /// If their number is not that of `shape`.
     #[must_use]
     pub fn new(shape: &'static Shape, values: Vec<f32>) -> Self {
-        assert_eq!(values.len(), OCTAVES.count() * KNOTS.len() * NODES * shape.parameters(), "parameters");
+        assert_eq!(
+            values.len(),
+            OCTAVES.count() * KNOTS.len() * shape.grid.node_count() * shape.parameters(),
+            "parameters"
+        );
         Self { shape, values }
     }
 
     fn read(shape: &'static Shape, bytes: &[u8]) -> Self {
         let (low, high) = bytes.split_at(bytes.len() / 2);
-        let (parameters, nodes) = (shape.parameters(), low.len() / shape.parameters());
+        let mut folded = low.iter().zip(high).map(|(low, high)| i32::from(u16::from_le_bytes([*low, *high])));
+        let parameters = shape.parameters();
         let mut values = vec![0.0; low.len()];
         for parameter in 0..parameters {
-            let mut steps = 0;
-            for node in 0..nodes {
-                let at = parameter * nodes + node;
-                let folded = i32::from(u16::from_le_bytes([low[at], high[at]]));
-                let change = (folded >> 1) ^ -(folded & 1);
-                steps = if node.is_multiple_of(NODES) { change } else { steps + change };
-                values[node * parameters + parameter] = steps as f32 * step(shape, parameter);
+            for layer in values.chunks_exact_mut(shape.grid.node_count() * parameters) {
+                let mut steps = Vec::with_capacity(shape.grid.node_count());
+                for (node, value) in shape.grid.nodes().zip(layer.chunks_exact_mut(parameters)) {
+                    let folded = folded.next().expect("a value of each node");
+                    steps.push(expected(&steps, node) + ((folded >> 1) ^ -(folded & 1)));
+                    value[parameter] = steps[steps.len() - 1] as f32 * step(shape, parameter);
+                }
             }
         }
         Self::new(shape, values)
     }
 
     /// The bytes of its file, which pages download compressed. By parameter, octave, knot and node: the value
-    /// in steps less that of the node before, signs folded as 0, -1, 1, -2, ..., in 16 bits; the lower bytes
-    /// of all before the upper ones.
+    /// in steps less the mean of two nodes before, signs folded as 0, -1, 1, -2, ..., in 16 bits; the lower
+    /// bytes of all before the upper ones.
     #[must_use]
     pub fn bytes(&self) -> Vec<u8> {
-        let count = self.shape.parameters();
+        let (parameters, grid) = (self.shape.parameters(), self.shape.grid);
         let mut folded: Vec<[u8; 2]> = Vec::with_capacity(self.values.len());
-        for parameter in 0..count {
+        for parameter in 0..parameters {
             let step = step(self.shape, parameter);
-            let mut before = 0;
-            for (node, value) in self.values.iter().skip(parameter).step_by(count).enumerate() {
-                let steps = (value / step).round() as i32;
-                let change = if node.is_multiple_of(NODES) { steps } else { steps - before };
-                folded.push((((change << 1) ^ (change >> 31)) as u16).to_le_bytes());
-                before = steps;
+            for layer in self.values.chunks_exact(grid.node_count() * parameters) {
+                let values = layer.iter().skip(parameter).step_by(parameters);
+                let steps: Vec<i32> = values.map(|value| (value / step).round() as i32).collect();
+                for (node, value) in grid.nodes().zip(&steps) {
+                    let change = value - expected(&steps, node);
+                    folded.push((((change << 1) ^ (change >> 31)) as u16).to_le_bytes());
+                }
             }
         }
         [0, 1].into_iter().flat_map(|byte| folded.iter().map(move |half| half[byte])).collect()
@@ -215,7 +276,7 @@ impl Table {
     ) -> [f64; HARMONICS] {
         assert!(OCTAVES.contains(&octave), "octave {octave} was fitted");
         let position = alpha.log2() + f64::from(octave);
-        let parameters = self.parameters(octave, position, &place(point));
+        let parameters = self.parameters(octave, position, &self.shape.grid.place(point));
         let (boxes, harmonics) = parameters.split_at(BOX_PARAMETERS * self.shape.boxes());
         for (parameters, wider) in boxes.chunks_exact(BOX_PARAMETERS).zip(self.shape.wider) {
             let [root, cu, cv, lu, lv] = *parameters else { unreachable!("five to a box") };
@@ -236,7 +297,7 @@ impl Table {
         let mut sums = vec![0.0; count];
         for (knot, share) in [(knot, 1.0 - along), (knot + 1, along)] {
             for (node, share_of_node) in place.nodes.iter().zip(place.shares) {
-                let at = ((first + knot) * NODES + node) * count;
+                let at = ((first + knot) * self.shape.grid.node_count() + node) * count;
                 for (sum, value) in sums.iter_mut().zip(&self.values[at..at + count]) {
                     *sum += share * share_of_node * f64::from(*value);
                 }
@@ -248,23 +309,25 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use super::{COUNTS, Shape, Table};
+    use super::{COUNTS, Table};
 
     #[test]
     fn files_are_what_the_fit_would_write() {
-        let files: [&[u8]; 4] = [
+        let files: [&[u8]; 5] = [
             include_bytes!("one.bin"),
             include_bytes!("two.bin"),
             include_bytes!("four.bin"),
             include_bytes!("eight.bin"),
+            include_bytes!("cone.bin"),
         ];
-        for (count, file) in COUNTS.into_iter().zip(files) {
-            let table = Table::of(count).expect("a table");
-            assert!(table.bytes() == file, "{count} boxes");
+        let tables = COUNTS.map(|count| Table::of(count).expect("a table"));
+        for (table, file) in tables.into_iter().chain([Table::around_cone_points()]).zip(files) {
+            let boxes = table.shape().boxes();
+            assert!(table.bytes() == file, "{boxes} boxes");
             // Values between steps are rounded to the nearer one.
-            let shape = Shape::of(count).expect("a shape");
-            let off = |by: f32| Table::new(shape, table.values().iter().map(|x| x + by).collect()).bytes();
-            assert!(off(0.4 / 2048.0) == file && off(0.6 / 2048.0) != file, "{count} boxes");
+            let off =
+                |by: f32| Table::new(table.shape(), table.values().iter().map(|x| x + by).collect()).bytes();
+            assert!(off(0.4 / 2048.0) == file && off(0.6 / 2048.0) != file, "{boxes} boxes");
         }
     }
 }

@@ -1,13 +1,7 @@
 //! The triangle of directions u >= v >= 0, u + v <= 1, to which the octahedral map's sixteen symmetries
-//! reduce the sphere, and its grid.
+//! reduce the sphere, and grids of nodes over it.
 
 use glam::DVec2;
-
-/// Intervals of the grid along a side.
-pub(crate) const INTERVALS: usize = 11;
-
-/// Nodes of the grid.
-pub const NODES: usize = (INTERVALS + 1) * (INTERVALS + 2) / 2;
 
 /// The symmetry of the unfolded plane that maps a point into the triangle.
 #[derive(Clone, Copy, Debug)]
@@ -57,62 +51,128 @@ pub struct GridPoint {
     pub shares: [f64; 3],
 }
 
-/// Index of the node in column `i`, row `j` <= `i` of the grid: u + v = i/INTERVALS, u - v = j/INTERVALS.
+/// A triangular grid: column i from 0 to the number of intervals, row j from 0 to i.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grid {
+    /// The whole triangle: u + v and u - v are linear in column and row.
+    Triangle,
+    /// Its corner at the cone point (1, 0), in column 0. There the plane is a cone of 180 degrees, so that
+    /// offsets of boxes grow with the root of the distance. Therefore e = 1 - u + v is quadratic in the
+    /// column, and a = 1 - u - v linear in column and in row. In the cell at the cone point both are linear,
+    /// so that radiance has no cusp there.
+    Cone,
+}
+
+/// Intervals of [`Grid::Triangle`] and [`Grid::Cone`] along a side.
+pub(crate) const INTERVALS: [usize; 2] = [11, 6];
+
+/// e at the outer side of [`Grid::Cone`]: the least that contains all directions within 0.3 of the cone
+/// point, rounded up.
+pub(crate) const CONE_REACH: f64 = 0.475;
+
+/// Index of the node in column `i`, row `j` <= `i` of a grid.
 #[must_use]
 pub const fn node(i: usize, j: usize) -> usize {
     i * (i + 1) / 2 + j
 }
 
-/// Columns and rows of all nodes, by index.
-pub fn nodes() -> impl Iterator<Item = (usize, usize)> {
-    (0..=INTERVALS).flat_map(|i| (0..=i).map(move |j| (i, j)))
-}
-
-/// The point of node (`i`, `j`).
-#[must_use]
-pub fn node_point(i: usize, j: usize) -> DVec2 {
-    let (i, j) = (i as f64 / INTERVALS as f64, j as f64 / INTERVALS as f64);
-    DVec2::new(i + j, i - j) / 2.0
-}
-
-/// The nodes around `point` of the triangle; each cell is split along the direction of v = 0.
-#[must_use]
-pub fn place(point: DVec2) -> GridPoint {
-    let at = |value: f64| (value * INTERVALS as f64).clamp(0.0, INTERVALS as f64);
-    let (p, q) = (at(point.x + point.y), at(point.x - point.y));
-    let cell = |value: f64| (value as usize).min(INTERVALS - 1);
-    let i = cell(p);
-    let j = cell(q).min(i);
-    let (p, q) = (p - i as f64, q - j as f64);
-    if q <= p || i == j {
-        let q = q.min(p);
-        GridPoint { nodes: [node(i, j), node(i + 1, j), node(i + 1, j + 1)], shares: [1.0 - p, p - q, q] }
-    } else {
-        GridPoint { nodes: [node(i, j), node(i, j + 1), node(i + 1, j + 1)], shares: [1.0 - q, q - p, p] }
+impl Grid {
+    /// Intervals along a side.
+    #[must_use]
+    pub const fn intervals(self) -> usize {
+        INTERVALS[self as usize]
     }
-}
 
-/// Which of the sides v = 0, u = v and u + v = 1 node (`i`, `j`) lies on.
-#[must_use]
-pub const fn sides(i: usize, j: usize) -> [bool; 3] {
-    [i == j, j == 0, i == INTERVALS]
-}
+    /// Number of nodes.
+    #[must_use]
+    pub const fn node_count(self) -> usize {
+        node(self.intervals() + 1, 0)
+    }
 
-/// The up to six nodes next to node (`i`, `j`).
-pub fn neighbours(i: usize, j: usize) -> impl Iterator<Item = (usize, usize)> {
-    [(-1, -1), (-1, 0), (0, -1), (0, 1), (1, 0), (1, 1)].into_iter().filter_map(move |(di, dj)| {
-        let (i, j) = (i.checked_add_signed(di)?, j.checked_add_signed(dj)?);
-        (i <= INTERVALS && j <= i).then_some((i, j))
-    })
-}
+    /// Columns and rows of all nodes, by index.
+    pub fn nodes(self) -> impl Iterator<Item = (usize, usize)> {
+        (0..=self.intervals()).flat_map(|i| (0..=i).map(move |j| (i, j)))
+    }
 
-/// The up to six cells around node (`i`, `j`), each by its other two nodes.
-pub(crate) fn cells_around(i: usize, j: usize) -> impl Iterator<Item = ((usize, usize), (usize, usize))> {
-    let around = [(1_isize, 0_isize), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1)];
-    let at = move |k: usize| {
-        let (di, dj) = around[k % 6];
-        let (i, j) = (i.checked_add_signed(di)?, j.checked_add_signed(dj)?);
-        (i <= INTERVALS && j <= i).then_some((i, j))
-    };
-    (0..6).filter_map(move |k| at(k).zip(at(k + 1)))
+    /// The point of the triangle at column `i`, row `j`, between nodes too.
+    #[must_use]
+    pub fn point(self, [i, j]: [f64; 2]) -> DVec2 {
+        let most = self.intervals() as f64;
+        match self {
+            Self::Triangle => DVec2::new(i + j, i - j) / (2.0 * most),
+            Self::Cone => {
+                let (e, a) = (i * i.max(1.0), j * i.max(1.0));
+                let scale = CONE_REACH / (most * most);
+                DVec2::X + scale * DVec2::new(-e - a, e - a) / 2.0
+            }
+        }
+    }
+
+    /// Column and row of a point of the triangle.
+    fn coordinates(self, point: DVec2) -> [f64; 2] {
+        let most = self.intervals() as f64;
+        let at = match self {
+            Self::Triangle => [point.x + point.y, point.x - point.y].map(|value| value * most),
+            Self::Cone => {
+                let scale = CONE_REACH / (most * most);
+                let [e, a] = [1.0 - point.x + point.y, 1.0 - point.x - point.y].map(|value| value / scale);
+                let stretch = e.max(1.0).sqrt();
+                [e / stretch, a / stretch]
+            }
+        };
+        at.map(|value| value.clamp(0.0, most))
+    }
+
+    /// The nodes around `point` of the triangle. Cells are split from the node of least column and row.
+    #[must_use]
+    pub fn place(self, point: DVec2) -> GridPoint {
+        let [p, q] = self.coordinates(point);
+        let cell = |value: f64| (value as usize).min(self.intervals() - 1);
+        let i = cell(p);
+        let j = cell(q).min(i);
+        let (p, q) = (p - i as f64, q - j as f64);
+        if q <= p || i == j {
+            let q = q.min(p);
+            GridPoint { nodes: [node(i, j), node(i + 1, j), node(i + 1, j + 1)], shares: [1.0 - p, p - q, q] }
+        } else {
+            GridPoint { nodes: [node(i, j), node(i, j + 1), node(i + 1, j + 1)], shares: [1.0 - q, q - p, p] }
+        }
+    }
+
+    /// Which of the sides v = 0, u = v and u + v = 1 node (`i`, `j`) lies on.
+    #[must_use]
+    pub const fn sides(self, i: usize, j: usize) -> [bool; 3] {
+        match self {
+            Self::Triangle => [i == j, j == 0, i == self.intervals()],
+            Self::Cone => [i == j, false, j == 0],
+        }
+    }
+
+    /// Node (`i`, `j`), or `None` beyond the grid.
+    fn node_at(self, i: Option<usize>, j: Option<usize>) -> Option<(usize, usize)> {
+        let (i, j) = (i?, j?);
+        (i <= self.intervals() && j <= i).then_some((i, j))
+    }
+
+    /// The up to six nodes next to node (`i`, `j`).
+    pub fn neighbours(self, i: usize, j: usize) -> impl Iterator<Item = (usize, usize)> {
+        let around = [(-1, -1), (-1, 0), (0, -1), (0, 1), (1, 0), (1, 1)];
+        around
+            .into_iter()
+            .filter_map(move |(di, dj)| self.node_at(i.checked_add_signed(di), j.checked_add_signed(dj)))
+    }
+
+    /// The up to six cells around node (`i`, `j`), each by its other two nodes.
+    pub(crate) fn cells_around(
+        self,
+        i: usize,
+        j: usize,
+    ) -> impl Iterator<Item = ((usize, usize), (usize, usize))> {
+        let around = [(1_isize, 0_isize), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1)];
+        let at = move |k: usize| {
+            let (di, dj) = around[k % 6];
+            self.node_at(i.checked_add_signed(di), j.checked_add_signed(dj))
+        };
+        (0..6).filter_map(move |k| at(k).zip(at(k + 1)))
+    }
 }

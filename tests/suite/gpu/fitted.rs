@@ -16,7 +16,7 @@ use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::internals::lobe::{self, Lobe};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::realtime::emitters::{Emitter, extracted};
-use octagloss::internals::realtime::tables::triangle::triangle_from_oct;
+use octagloss::internals::realtime::tables::triangle::{Grid, triangle_from_oct};
 use octagloss::internals::realtime::tables::{COUNTS, KNOTS, SoftBox, Table};
 use octagloss::internals::reflector::{Reflector as CpuReflector, ReflectorSettings};
 use octagloss::internals::sat::{Sat, Scan};
@@ -151,6 +151,16 @@ fn boxes(table: &Table, octave: u32, alpha: f64, uv: DVec2) -> (Vec<SoftBox>, [f
     (boxes, weights)
 }
 
+/// Whether `table` has a share of the lobes around `direction`.
+fn serves(table: &Table, direction: DVec3) -> bool {
+    let square = direction * direction;
+    let angle = (square.y + square.x.min(square.z)).sqrt().asin();
+    match table.shape().grid {
+        Grid::Triangle => true,
+        Grid::Cone => angle < 0.31,
+    }
+}
+
 /// An OEM, the CPU's answers over it, and the inputs of the error bounds.
 struct Judge {
     name: String,
@@ -191,12 +201,13 @@ impl Judge {
     ///
     /// In float32, coordinates (u, v) take 6 roundings of values up to 1, and each end of a box 6 more of
     /// values up to 2 or 3: 24 units. Node weights change by eleven times that, and the position among knots
-    /// by less. Neighbouring nodes differ by about 1 in their parameters (logarithms, roots, half-widths), so
-    /// half-widths, offsets and heights have a relative error of 300 units. Moving an edge by e exchanges e
-    /// over the half-width of the box's mass for texels as bright as the blurred table's brightest, whose
-    /// density is up to 5.2 times that at the lobe, in energy and in solid angle. Harmonics of order n are
-    /// off by 284 units of (2n + 1) means (derived in their test), again in both. For mirrors, positions move
-    /// by 2^-22 n of a texel, which exchanges that share of four texels. Emitters have a separate bound.
+    /// by less; around cone points, columns and rows change by 6^2 / 0.475 = 76 times that. Neighbouring
+    /// nodes differ by about 1 in their parameters (logarithms, roots, half-widths), so half-widths, offsets
+    /// and heights have a relative error of 300 units, or 2000. Moving an edge by e exchanges e over the
+    /// half-width of the box's mass for texels as bright as the blurred table's brightest, whose density is
+    /// up to 5.2 times that at the lobe, in energy and in solid angle. Harmonics of order n are off by 284
+    /// units of (2n + 1) means (derived in their test), again in both. For mirrors, positions move by 2^-22 n
+    /// of a texel, which exchanges that share of four texels. Emitters have a separate bound.
     fn bound(&self, table: &Table, direction: DVec3, roughness: f64, oem: &Oem, value: [f64; 3]) -> [f64; 3] {
         let uv = oct_from_direction(direction);
         let (octaves, alpha) = served(self.inner, roughness * roughness);
@@ -211,12 +222,16 @@ impl Judge {
             2.0 * 284.0 * UNIT * weights.iter().enumerate().map(order).sum::<f64>()
         };
         add(self.mean, of_orders(lobe::zonal_weights(Lobe::Ggx, alpha)));
-        for octave in octaves {
+        // The share of the table around cone points changes by less than 200 units, less than its nodes do.
+        let tables = [Some(table), table.beside_cone_points()];
+        for (octave, table) in octaves.flat_map(|octave| tables.map(|table| (octave, table))) {
+            let Some(table) = table.filter(|table| serves(table, direction)) else { continue };
             let (boxes, weights) = boxes(table, octave, alpha, uv);
             add(self.mean, of_orders(weights));
             for SoftBox { mass, offset, half, octave } in boxes {
-                let edge = UNIT * (24.0 + 300.0 * (offset.length() + half.length()));
-                let moved = edge / half.x + edge / half.y + 600.0 * UNIT;
+                let nodes = if table.shape().grid == Grid::Cone { 2000.0 } else { 300.0 };
+                let edge = UNIT * (24.0 + nodes * (offset.length() + half.length()));
+                let moved = edge / half.x + edge / half.y + 2.0 * nodes * UNIT;
                 add(self.peaks[octave as usize], 2.0 * 5.2 * mass * moved);
             }
         }
