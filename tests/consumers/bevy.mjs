@@ -5,7 +5,7 @@
 //
 // Exit status 0 when every picture agrees, 1 otherwise.
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, rmSync } from 'node:fs';
+import { copyFileSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { EYES, relativeError, skyPixels, spherePixels } from './pictures.mjs';
@@ -77,6 +77,7 @@ const expectedOf = {
         const once = 1 - 0.55 * roughness;
         return pixels.map((_, k) => lobes[k].map((v, c) => once * v + (1 - once) * rest[k][c]));
     },
+    recipe: (pixels, roughness) => expectedOf.metal(pixels, roughness),
     diffuse: (pixels) => diffuse(pixels.map((p) => p.normal)),
     sky: (pixels) =>
         query(
@@ -88,6 +89,9 @@ const expectedOf = {
 try {
     bake('bevy', ['--target', 'bevy']);
     bake('bevy-unflipped', ['--target', 'bevy', '--flip', 'none']);
+    for (const kind of ['specular', 'diffuse']) {
+        copyFileSync(join(work, `bevy/world_${kind}.ktx2`), join(work, `sky_${kind}.ktx2`));
+    }
     const checks = [
         // Letters have hard edges, on which two bilinear filters differ.
         { what: 'skybox', subject: 'sky', roughness: 0, eyes: EYES, most: 0.12 },
@@ -102,6 +106,13 @@ try {
             what: 'EnvironmentMapLight on a diffuse surface',
             subject: 'diffuse',
             roughness: 1,
+            eyes: EYES,
+            most: TOLERANCE,
+        },
+        {
+            what: 'metal in the light of docs/engines.md',
+            subject: 'recipe',
+            roughness: LADDER[2],
             eyes: EYES,
             most: TOLERANCE,
         },

@@ -3,8 +3,9 @@
 //!
 //! `octagloss-consumers-bevy FOLDER <JOBS >PICTURES`: a job is a line of words, its files beneath FOLDER;
 //! `metal ROUGHNESS SPECULAR DIFFUSE X Y Z` and `diffuse ROUGHNESS SPECULAR DIFFUSE X Y Z` show a unit sphere
-//! seen from (X, Y, Z), `sky ROUGHNESS SPECULAR DIFFUSE X Y Z` the skybox towards there, 90 degrees wide. A
-//! picture is SIZE x SIZE pixels of four floats, rows upwards, of the radiance at the camera.
+//! seen from (X, Y, Z), `sky ROUGHNESS SPECULAR DIFFUSE X Y Z` the skybox towards there, 90 degrees wide.
+//! `recipe ROUGHNESS SPECULAR DIFFUSE X Y Z` is `metal` in the light of docs/engines.md, whose files are in
+//! FOLDER. A picture is SIZE x SIZE pixels of four floats, rows upwards, of the radiance at the camera.
 
 use std::error::Error;
 use std::io::{BufRead, Write};
@@ -19,6 +20,10 @@ use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::window::ExitCondition;
 
+mod recipe {
+    include!(concat!(env!("OUT_DIR"), "/recipe.rs"));
+}
+
 const SIZE: u32 = 256;
 /// Frames until a change is in the picture; the first compiles pipelines.
 const SETTLED: usize = 3;
@@ -30,6 +35,7 @@ enum Subject {
     Metal,
     Diffuse,
     Sky,
+    Recipe,
 }
 
 struct Job {
@@ -50,6 +56,7 @@ impl Job {
             "metal" => Subject::Metal,
             "diffuse" => Subject::Diffuse,
             "sky" => Subject::Sky,
+            "recipe" => Subject::Recipe,
             _ => return Err(format!("no such subject: {subject}").into()),
         };
         let eye = Vec3::new(x.parse()?, y.parse()?, z.parse()?);
@@ -105,10 +112,11 @@ fn set_up(
 /// Puts the job's maps, material and view in the scene; returns the maps.
 fn arrange(world: &mut World, job: &Job) -> [Handle<Image>; 2] {
     let assets = world.resource::<AssetServer>();
-    let maps = [assets.load(&job.specular), assets.load(&job.diffuse)];
+    let [specular_map, diffuse_map] = [assets.load(&job.specular), assets.load(&job.diffuse)];
+    let light = recipe::sky_light(assets);
     let &Scene { camera, sphere, .. } = world.resource();
     let material = world.resource::<Scene>().material.clone();
-    let metallic = if job.subject == Subject::Metal { 1.0 } else { 0.0 };
+    let metallic = if job.subject == Subject::Diffuse { 0.0 } else { 1.0 };
     world
         .resource_mut::<Assets<StandardMaterial>>()
         .insert(
@@ -124,27 +132,30 @@ fn arrange(world: &mut World, job: &Job) -> [Handle<Image>; 2] {
         )
         .expect("the material is the scene's own");
     let up = if job.eye.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
-    let [specular_map, diffuse_map] = maps.clone();
     let visible = if job.subject == Subject::Sky { Visibility::Hidden } else { Visibility::Visible };
     world.entity_mut(sphere).insert(visible);
     let mut camera = world.entity_mut(camera);
     if job.subject == Subject::Sky {
         camera.remove::<EnvironmentMapLight>().insert((
-            Skybox { image: Some(specular_map), brightness: 1.0, ..default() },
+            Skybox { image: Some(specular_map.clone()), brightness: 1.0, ..default() },
             Transform::default().looking_to(job.eye, up),
             Projection::from(PerspectiveProjection { fov: std::f32::consts::FRAC_PI_2, ..default() }),
         ));
-    } else {
-        camera.remove::<Skybox>().insert((
-            EnvironmentMapLight { diffuse_map, specular_map, intensity: 1.0, ..default() },
-            Transform::from_translation(3.0 * job.eye).looking_at(Vec3::ZERO, up),
-            Projection::from(OrthographicProjection {
-                scaling_mode: ScalingMode::Fixed { width: 2.0, height: 2.0 },
-                ..OrthographicProjection::default_3d()
-            }),
-        ));
+        return [specular_map, diffuse_map];
     }
-    maps
+    camera.remove::<Skybox>().insert((
+        EnvironmentMapLight { diffuse_map, specular_map, intensity: 1.0, ..default() },
+        Transform::from_translation(3.0 * job.eye).looking_at(Vec3::ZERO, up),
+        Projection::from(OrthographicProjection {
+            scaling_mode: ScalingMode::Fixed { width: 2.0, height: 2.0 },
+            ..OrthographicProjection::default_3d()
+        }),
+    ));
+    if job.subject == Subject::Recipe {
+        camera.insert(light);
+    }
+    let light = camera.get::<EnvironmentMapLight>().expect("inserted");
+    [light.specular_map.clone(), light.diffuse_map.clone()]
 }
 
 /// Updates until `done`.
