@@ -61,7 +61,7 @@ pub(crate) const CONE: [f64; 2] = [0.039, 0.087];
 pub(crate) const CONE_ALPHA: [f64; 2] = [0.01, 0.0125];
 
 /// The share of the parameters around cone points in a lobe of `alpha` around the unit vector `direction`.
-pub(crate) fn cone_share(direction: DVec3, alpha: f64) -> f64 {
+fn cone_share(direction: DVec3, alpha: f64) -> f64 {
     let square = direction * direction;
     let far = smooth((square.y + square.x.min(square.z) - CONE[0]) / (CONE[1] - CONE[0]));
     (1.0 - far) * smooth((alpha - CONE_ALPHA[0]) / (CONE_ALPHA[1] - CONE_ALPHA[0]))
@@ -161,10 +161,10 @@ impl<'a> Fitted<'a> {
                 }
             }
             let uv = oct_from_direction(direction);
-            let cone = self.cone.map_or(0.0, |_| cone_share(direction, self.alpha));
-            let tables = [(Some(self.table), 1.0 - cone), (self.cone, cone)];
-            for (table, share_of_table) in tables.into_iter().filter(|(_, share)| *share > 0.0) {
-                let table = table.expect("a share of it");
+            let cone = self.cone.map(|table| (table, cone_share(direction, self.alpha)));
+            let rest = 1.0 - cone.map_or(0.0, |(_, share)| share);
+            let tables = std::iter::once((self.table, rest)).chain(cone);
+            for (table, share_of_table) in tables.filter(|(_, share)| *share > 0.0) {
                 for (octave, share) in &self.parts {
                     let energy = self.boxes(table, *octave, uv, &orders);
                     add((1.0 - self.mirror) * share * share_of_table, energy);

@@ -63,9 +63,6 @@ pub enum Grid {
     Cone,
 }
 
-/// Intervals of [`Grid::Triangle`] and [`Grid::Cone`] along a side.
-pub(crate) const INTERVALS: [usize; 2] = [11, 6];
-
 /// e at the outer side of [`Grid::Cone`]: the least that contains all directions within 0.3 of the cone
 /// point, rounded up.
 pub(crate) const CONE_REACH: f64 = 0.475;
@@ -80,7 +77,10 @@ impl Grid {
     /// Intervals along a side.
     #[must_use]
     pub const fn intervals(self) -> usize {
-        INTERVALS[self as usize]
+        match self {
+            Self::Triangle => 11,
+            Self::Cone => 6,
+        }
     }
 
     /// Number of nodes.
