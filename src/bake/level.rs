@@ -57,6 +57,13 @@ pub(crate) struct BakedLevel {
     pub(crate) leaves_per_texel: Option<f64>,
 }
 
+/// What a level took: leaves of all packets, packets and directions.
+pub(crate) struct Work {
+    pub(crate) leaves: u64,
+    pub(crate) packets: u64,
+    pub(crate) directions: usize,
+}
+
 /// Bakes `level`; calls `advance` with the number of texels done, from any thread.
 pub(crate) fn bake_level(
     reflector: &Reflector<'_>,
@@ -78,21 +85,24 @@ pub(crate) fn bake_level(
             || (Tile::default(), Vec::new()),
             |(tile, answers), row| {
                 let mut line = tiling.line(row);
-                let mut workspace = Workspace::default();
+                let (mut workspace, mut directions) = (Workspace::default(), 0);
                 tiling.for_each_tile(row, tile, |tile| {
                     answers.clear();
                     lobes.evaluate(&tile.directions, &mut workspace, answers);
+                    directions += tile.directions.len();
                     tile.resolve(answers, &mut line);
                 });
                 advance(line.len() as u64)?;
-                Ok((line, workspace))
+                Ok((line, workspace, directions))
             },
         )
-        .collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()?;
-    let leaves = rows.iter().map(|(_, workspace)| workspace.leaves).sum();
-    let packets = rows.iter().map(|(_, workspace)| workspace.packets).sum();
-    let answers = rows.into_iter().flat_map(|(line, _)| line);
-    Ok(BakedLevel::new(Processor::Cpu, answers, leaves, packets, tiling.samples()))
+        .collect::<Result<Vec<(Vec<Answer>, Workspace, usize)>>>()?;
+    let work = Work {
+        leaves: rows.iter().map(|(_, workspace, _)| workspace.leaves).sum(),
+        packets: rows.iter().map(|(_, workspace, _)| workspace.packets).sum(),
+        directions: rows.iter().map(|(.., directions)| directions).sum(),
+    };
+    Ok(BakedLevel::new(Processor::Cpu, rows.into_iter().flat_map(|(line, ..)| line), work))
 }
 
 impl BakedLevel {
@@ -133,19 +143,13 @@ impl BakedLevel {
         }
     }
 
-    /// Creates a level from `answers`, one a texel. `packets` packets of directions, `samples` a texel, took
-    /// `leaves` leaves in total.
-    pub(crate) fn new(
-        processor: Processor,
-        answers: impl Iterator<Item = Answer>,
-        leaves: u64,
-        packets: u64,
-        samples: usize,
-    ) -> Self {
+    /// Creates a level from `answers`, one a texel.
+    pub(crate) fn new(processor: Processor, answers: impl Iterator<Item = Answer>, work: Work) -> Self {
         let (texels, bounds): (Vec<Rgb>, Vec<Option<f32>>) =
             answers.map(|answer| (answer.radiance, answer.bound)).unzip();
         // Every direction of a packet sums all leaves of the packet.
-        let per_texel = leaves as f64 / packets as f64 * samples as f64;
+        let Work { leaves, packets, directions } = work;
+        let per_texel = leaves as f64 / packets as f64 * directions as f64 / texels.len() as f64;
         Self {
             processor,
             texels,

@@ -11,7 +11,7 @@ use super::reparameterise::{self, Reparameterise};
 use super::table_scan::TableScan;
 use super::{Context, OemPlanes, SatPlanes, Stage};
 use crate::bake::job::Job;
-use crate::bake::level::{Advance, BakedLevel, LevelJob};
+use crate::bake::level::{Advance, BakedLevel, LevelJob, Work};
 use crate::bake::{self, Bake, BakeSettings, OnProgress, Processor};
 use crate::cpu::box_filter::single_box;
 use crate::cpu::cells::{Cells, SourceLight};
@@ -452,7 +452,8 @@ impl bake::Engine for GpuReflector<'_> {
             texels.extend(line);
         }
         advance(texels.len() as u64)?;
-        Ok(BakedLevel::new(processor, texels.into_iter(), answers.leaves, packets, tiling.samples()))
+        let work = Work { leaves: answers.leaves, packets, directions: answers.lanes.len() };
+        Ok(BakedLevel::new(processor, texels.into_iter(), work))
     }
 
     async fn oem(&self) -> Result<(OemSize, [f64; 3])> {
