@@ -118,9 +118,9 @@ const MEMBERS = 14u;
 var<workgroup> stack: array<Node, STACK>;
 var<workgroup> stack_size: u32;
 
-// Leaves: offset from the packet's axis, covariance, radius, energy, and certified width for pieces without
-// an exact centroid.
-const LEAF_FIELDS = 14u;
+// Leaves: offset from the packet's axis, covariance, energy, radius, certified width for pieces without an
+// exact centroid, and the cell.
+const LEAF_FIELDS = 15u;
 var<workgroup> leaves: array<f32, LEAF_FIELDS * LEAVES>;
 var<workgroup> leaf_size: u32;
 // Bit masks of the invocations that push a node, and of those that add a leaf.
@@ -134,6 +134,8 @@ struct Leaf {
     radius: f32,
     energy: vec3<f32>,
     slack: f32,
+    // The cell, quad times four plus sibling plus one, whose dipoles apply; 0 for a piece of one texel.
+    cell: u32,
 }
 
 fn put_leaf(at: u32, leaf: Leaf) {
@@ -145,6 +147,8 @@ fn put_leaf(at: u32, leaf: Leaf) {
     }
     leaves[12u * LEAVES + at] = leaf.radius;
     leaves[13u * LEAVES + at] = leaf.slack;
+    // Drivers flush the patterns of subnormal numbers; this one is normal.
+    leaves[14u * LEAVES + at] = bitcast<f32>(leaf.cell | 0x40000000u);
 }
 
 fn get_leaf(at: u32) -> Leaf {
@@ -157,6 +161,7 @@ fn get_leaf(at: u32) -> Leaf {
     }
     leaf.radius = leaves[12u * LEAVES + at];
     leaf.slack = leaves[13u * LEAVES + at];
+    leaf.cell = bitcast<u32>(leaves[14u * LEAVES + at]) & 0x3fffffffu;
     return leaf;
 }
 
@@ -193,6 +198,7 @@ fn visit_cell(quad: u32, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> 
         visit.leaf.energy[c] = field(quad, FIELD_RED + c, k);
     }
     visit.leaf.radius = field(quad, FIELD_RADIUS, k);
+    visit.leaf.cell = 4u * quad + k + 1u;
     let trace = visit.leaf.diagonal.x + visit.leaf.diagonal.y + visit.leaf.diagonal.z;
     visit.error = visit.luminance
         * expected_error(kernel(), length(visit.leaf.offset), visit.leaf.radius, packet_radius, trace);
@@ -380,6 +386,30 @@ struct Sums {
     count: u32,
 }
 
+// Dipoles below this share of a cell's luminance times its radius do not matter.
+const NEGLIGIBLE_DIPOLE = 0.015625f;
+
+fn dipole(cell: u32, name: u32) -> vec3<f32> {
+    let quad = (cell - 1u) >> 2u;
+    let k = (cell - 1u) & 3u;
+    return vec3<f32>(field(quad, name, k), field(quad, name + 1u, k), field(quad, name + 2u, k));
+}
+
+// What the dipoles of `leaf` add to the radiance, where k changes by `slope` per unit of the cell's direction.
+fn dipole_radiance(leaf: Leaf, slope: vec3<f32>) -> vec3<f32> {
+    let red = dipole(leaf.cell, FIELD_RED_DIPOLE);
+    let blue = dipole(leaf.cell, FIELD_BLUE_DIPOLE);
+    let greatest = max(abs(red), abs(blue));
+    let negligible = NEGLIGIBLE_DIPOLE * dot(leaf.energy, LUMINANCE) * leaf.radius;
+    if max(max(greatest.x, greatest.y), greatest.z) <= negligible {
+        return vec3<f32>();
+    }
+    let of_red = dot(red, slope);
+    let of_blue = dot(blue, slope);
+    // The dipoles of the luminance sum to zero.
+    return vec3<f32>(of_red, -(of_red * LUMINANCE.r + of_blue * LUMINANCE.b) / LUMINANCE.g, of_blue);
+}
+
 fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {
     let apart = leaf.offset - direction;
     let squared = dot(apart, apart);
@@ -393,6 +423,14 @@ fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {
     let distance = sqrt(squared);
     if distance + leaf.radius > 0.999 && distance - leaf.radius < 1.415 {
         (*sums).grazing += luminance;
+    }
+    let s = 0.25 * (squared + trace);
+    if leaf.cell != 0u && s < 0.5 {
+        let slope = 0.5 * slope(kernel(), s) * apart;
+        // A colour's centroid lies within the cell's reach, so that no colour becomes negative.
+        if length(slope) * leaf.radius <= mean.estimate {
+            (*sums).radiance += dipole_radiance(leaf, slope);
+        }
     }
     (*sums).count += 1u;
 }
@@ -487,7 +525,7 @@ fn leave_sums(lane: u32, sums: Sums) {
 
 // Radiance and the certified bound of its luminance, from the sums over `count` leaves.
 fn answer(sums: Sums, count: u32) -> vec4<f32> {
-    let radiance = sums.radiance * lobe.per_integral;
+    let radiance = max(sums.radiance, vec3<f32>()) * lobe.per_integral;
     let rounding = lobe.rounding + lobe.rounding_per_leaf * f32(count);
     // Where k is near 0, an absolute error in s counts more than a relative error in k. On the CPU s is in
     // error by 8 2^-24; here directions are in error by 2^-22, and distances by the same again.

@@ -45,6 +45,8 @@ struct Cell {
     luminance: f32,
     mixed: vec3<f32>,
     energy: vec3<f32>,
+    red_dipole: vec3<f32>,
+    blue_dipole: vec3<f32>,
 }
 
 // Sums over the members before division by the luminance; see `absorb`.
@@ -74,7 +76,7 @@ fn centre(all: ptr<function, Union>) {
     }
 }
 
-// Second pass: covariance and radius around the centroid.
+// Second pass: covariance, radius and dipoles around the centroid.
 fn absorb(all: ptr<function, Union>, member: Cell) {
     if member.luminance <= 0.0 {
         return;
@@ -83,6 +85,8 @@ fn absorb(all: ptr<function, Union>, member: Cell) {
     let share = member.luminance / (*all).cell.luminance;
     (*all).cell.diagonal += (member.diagonal + apart * apart) * share;
     (*all).cell.mixed += (member.mixed + apart.yzx * apart.zxy) * share;
+    (*all).cell.red_dipole += member.red_dipole + apart * member.energy.r;
+    (*all).cell.blue_dipole += member.blue_dipole + apart * member.energy.b;
     (*all).cell.radius = max((*all).cell.radius, (length(apart) + member.radius) * (1.0 + 2e-6));
 }
 
@@ -108,7 +112,7 @@ fn texel_cell(x: u32, y: u32) -> Cell {
     return Cell(
         tent.centroid * signs, tent.radius, tent.diagonal, dot(energy, LUMINANCE),
         tent.mixed * signs.yzx * signs.zxy,
-        energy);
+        energy, vec3<f32>(), vec3<f32>());
 }
 
 fn store(quad: u32, k: u32, cell: Cell) {
@@ -119,6 +123,8 @@ fn store(quad: u32, k: u32, cell: Cell) {
     for (var c = 0u; c < 3u; c++) {
         quads[at + 4u * (FIELD_COVARIANCE + c)] = cell.diagonal[c];
         quads[at + 4u * (FIELD_COVARIANCE + 3u + c)] = cell.mixed[c];
+        quads[at + 4u * (FIELD_RED_DIPOLE + c)] = cell.red_dipole[c];
+        quads[at + 4u * (FIELD_BLUE_DIPOLE + c)] = cell.blue_dipole[c];
     }
     quads[at + 4u * FIELD_RADIUS] = cell.radius;
     quads[at + 4u * FIELD_LUMINANCE] = cell.luminance;
@@ -134,6 +140,8 @@ fn fetch(quad: u32, k: u32) -> Cell {
     for (var c = 0u; c < 3u; c++) {
         cell.diagonal[c] = quads[at + 4u * (FIELD_COVARIANCE + c)];
         cell.mixed[c] = quads[at + 4u * (FIELD_COVARIANCE + 3u + c)];
+        cell.red_dipole[c] = quads[at + 4u * (FIELD_RED_DIPOLE + c)];
+        cell.blue_dipole[c] = quads[at + 4u * (FIELD_BLUE_DIPOLE + c)];
     }
     cell.radius = quads[at + 4u * FIELD_RADIUS];
     cell.luminance = quads[at + 4u * FIELD_LUMINANCE];

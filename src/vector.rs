@@ -1,4 +1,4 @@
-//! The widest vector unit of the machine, for inner loops, and extremes that it computes.
+//! The widest vector unit of the machine, for inner loops, and operations that it computes.
 
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use pulp::Arch;
@@ -28,7 +28,7 @@ pub(crate) trait Extremes {
     fn at_most(self, most: Self) -> Self;
 }
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(target_arch = "aarch64")]
 impl Extremes for f32 {
     #[inline(always)]
     fn at_least(self, least: Self) -> Self {
@@ -41,8 +41,9 @@ impl Extremes for f32 {
     }
 }
 
-/// By comparisons: `f32::max` calls a function in WebAssembly, so that no loop with it is vectorised.
-#[cfg(target_arch = "wasm32")]
+/// By comparisons, which are single instructions on x86. There `f32::max` takes three, as it has to return
+/// the number if either is NaN; in WebAssembly it calls a function, so that no loop with it is vectorised.
+#[cfg(not(target_arch = "aarch64"))]
 impl Extremes for f32 {
     #[inline(always)]
     fn at_least(self, least: Self) -> Self {
@@ -52,5 +53,28 @@ impl Extremes for f32 {
     #[inline(always)]
     fn at_most(self, most: Self) -> Self {
         if self < most { self } else { most }
+    }
+}
+
+/// `self` * `factor` + `addend`.
+pub(crate) trait Fused {
+    fn times_plus(self, factor: Self, addend: Self) -> Self;
+}
+
+/// Rounded once, in one instruction of the vector units that [`Arch`] finds.
+#[cfg(not(target_arch = "wasm32"))]
+impl Fused for f32 {
+    #[inline(always)]
+    fn times_plus(self, factor: Self, addend: Self) -> Self {
+        self.mul_add(factor, addend)
+    }
+}
+
+/// WebAssembly has no such instruction.
+#[cfg(target_arch = "wasm32")]
+impl Fused for f32 {
+    #[inline(always)]
+    fn times_plus(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
     }
 }

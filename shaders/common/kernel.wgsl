@@ -55,6 +55,25 @@ fn value(kernel: Kernel, s: f32) -> f32 {
     }
 }
 
+// k' in front of the horizon; 0 for lobes that are not smooth.
+fn slope(kernel: Kernel, s: f32) -> f32 {
+    switch kernel.shape {
+        case SHAPE_GGX: {
+            let w = 1.0 / (1.0 + kernel.second * s);
+            return -2.0 * kernel.first * w * w * (1.0 + kernel.second * w * (1.0 - 2.0 * s));
+        }
+        case SHAPE_PHONG: {
+            return -2.0 * kernel.first * value(kernel, s) / max(1.0 - 2.0 * s, 1e-3);
+        }
+        case SHAPE_COSINE: {
+            return -2.0;
+        }
+        default: {
+            return 0.0;
+        }
+    }
+}
+
 // k'' in front of the horizon.
 fn curvature(kernel: Kernel, s: f32) -> f32 {
     switch kernel.shape {

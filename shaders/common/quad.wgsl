@@ -2,7 +2,7 @@
 // of the sphere; luminance and colours are of energies (radiance times solid angle).
 #include "common/luminance.wgsl"
 
-const QUAD_FIELDS = 15u;
+const QUAD_FIELDS = 20u;
 const FIELD_X = 0u;
 const FIELD_Y = 1u;
 const FIELD_Z = 2u;
@@ -13,5 +13,6 @@ const FIELD_LUMINANCE = 10u;
 const FIELD_RED = 11u;
 const FIELD_GREEN = 12u;
 const FIELD_BLUE = 13u;
-// Unused; pads a quad to 240 bytes.
-const FIELD_SPARE = 14u;
+// Dipoles of red and blue around the luminance's centroid: x, y, z.
+const FIELD_RED_DIPOLE = 14u;
+const FIELD_BLUE_DIPOLE = 17u;

@@ -21,6 +21,9 @@
 //! sums of what lies above and what lies below. Lobes that are not smooth (cones, wide Phong) take k(a) and
 //! k(b). Charlie, which rises before it falls, has bounds of its own (`kernel`).
 //!
+//! The three colours of a cell have centroids of their own: k' (D.(m - R))/2 is added to each colour's estimate,
+//! with D its dipole. The dipoles of the luminance sum to zero, so that its estimate and bound are those above.
+//!
 //! V is used as ((R - m).C.(R - m)), which keeps its precision near the peak; what that leaves out is the
 //! radial part (l - m).m, whose deviation is at most sqrt(tr C) rho/2 (Bhatia and Davis 2000 on [1 - rho^2/2,
 //! 1]), so V lies within (sqrt((R - m).C.(R - m)) +- sqrt(tr C) rho/2)^2/4.
@@ -38,6 +41,7 @@ use super::subtexel::{self, LitTexels, Spread};
 use crate::environment::{LUMINANCE, Rgb};
 use crate::lobe::kernel::{Kernel, with_radial};
 use crate::lobe::radial::{Radial, expected_error};
+use crate::vector::{Extremes as _, Fused as _};
 use glam::Vec3;
 use std::f64::consts::PI;
 
@@ -76,7 +80,7 @@ fn expected_errors<R: Radial>(kernel: R, packet: &Packet, quads: &[&Quad; QUADS]
     let mut errors = [[0.0; 4]; QUADS];
     for (k, error) in errors.as_flattened_mut().iter_mut().enumerate() {
         let (x, y, z) = (flat(&x, k) - axis.x, flat(&y, k) - axis.y, flat(&z, k) - axis.z);
-        let distance = (x * x + y * y + z * z).sqrt();
+        let distance = x.times_plus(x, y.times_plus(y, z * z)).sqrt();
         let trace = flat(&xx, k) + flat(&yy, k) + flat(&zz, k);
         *error =
             flat(&luminance, k) * expected_error(kernel, distance, flat(&radius, k), packet.radius, trace);
@@ -226,21 +230,42 @@ impl<'a> Adaptive<'a> {
             }
             // Whether s reaches the horizon for any lane.
             let across = 0.25 * (distance + reach) * (distance + reach) > 0.499;
+            let (mut estimates, mut slopes) = ([0.0_f32; LANES], [0.0_f32; LANES]);
             for k in 0..LANES {
                 let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
-                let squared = x * x + y * y + z * z;
-                let along =
-                    xx * x * x + yy * y * y + zz * z * z + 2.0 * (yz * y * z + zx * z * x + xy * x * y);
+                let squared = x.times_plus(x, y.times_plus(y, z * z));
+                // The covariance applied to (x, y, z) on both sides, row by row.
+                let along = x.times_plus(
+                    xx.times_plus(x, 2.0 * xy.times_plus(y, zx * z)),
+                    y.times_plus(yy.times_plus(y, 2.0 * yz * z), zz * z * z),
+                );
                 let share = if across {
                     kernel.interval::<true>(squared, trace, along, leaf.radius)
                 } else {
                     kernel.interval::<false>(squared, trace, along, leaf.radius)
                 };
-                sums[0][k] += share.estimate * red;
-                sums[1][k] += share.estimate * green;
-                sums[2][k] += share.estimate * blue;
-                above[k] += (share.greatest - share.estimate) * luminance;
-                below[k] += (share.estimate - share.least) * luminance;
+                sums[0][k] = red.times_plus(share.estimate, sums[0][k]);
+                sums[1][k] = green.times_plus(share.estimate, sums[1][k]);
+                sums[2][k] = blue.times_plus(share.estimate, sums[2][k]);
+                above[k] = luminance.times_plus(share.greatest - share.estimate, above[k]);
+                below[k] = luminance.times_plus(share.estimate - share.least, below[k]);
+                (estimates[k], slopes[k]) = (share.estimate, share.slope);
+            }
+            let Some(dipoles) = leaf.dipoles else { continue };
+            let [red, blue] = dipoles.map(|dipole| dipole.to_array());
+            for k in 0..LANES {
+                let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
+                // ds/dl = (l - R)/2. A colour's centroid lies within the cell's reach, so that no colour becomes
+                // negative.
+                let slope = 0.5 * slopes[k];
+                let most = slope * leaf.radius;
+                let first_order = most * most * (x * x + y * y + z * z) <= estimates[k] * estimates[k];
+                let slope = if first_order { slope } else { 0.0 };
+                let red = slope * (red[0] * x + red[1] * y + red[2] * z);
+                let blue = slope * (blue[0] * x + blue[1] * y + blue[2] * z);
+                sums[0][k] += red;
+                sums[1][k] -= red * (LUMINANCE[0] / LUMINANCE[1]) + blue * (LUMINANCE[2] / LUMINANCE[1]);
+                sums[2][k] += blue;
             }
         }
         let least = self.cells.least.map(|least| self.scale * f64::from(least));
@@ -257,7 +282,7 @@ impl<'a> Adaptive<'a> {
         let mut shares =
             Shares { radiance: [[0.0; 3]; LANES], bound: [0.0; LANES], leaves: scratch.leaves.len() };
         for k in 0..LANES {
-            let lobe: [f64; 3] = std::array::from_fn(|c| f64::from(sums[c][k]) * per_integral);
+            let lobe: [f64; 3] = std::array::from_fn(|c| f64::from(sums[c][k].at_least(0.0)) * per_integral);
             shares.radiance[k] = std::array::from_fn(|c| (least[c] + lobe[c]) as f32);
             let width = (f64::from(above[k].max(below[k])) + scratch.slack) * per_integral;
             // The least radiance and every E - c w are float32 differences, in error by 2^-22 of the whole;

@@ -6,6 +6,9 @@
 //! Barnes and Hut 1986, the clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least
 //! radiance c of each channel, E - c*w, so that a constant environment is black and dark cells stay coarse.
 //!
+//! The centroid is that of the luminance. Red, green and blue have their own, which a dipole holds: the sum of
+//! their energy times the offset from the luminance's centroid, to first order in the cell's size.
+//!
 //! The finest cells hold texels of the OEM, or of the source. Texels of the source belong to the cell that
 //! contains their centroid, whole: their moments are exact, so nothing is spread over an OEM texel. A cell's
 //! reach encloses its texels, whatever their size.
@@ -36,11 +39,15 @@ pub(super) struct Quad {
     pub(super) red: [f32; 4],
     pub(super) green: [f32; 4],
     pub(super) blue: [f32; 4],
+    /// Dipole of the red energy around the centroid, which is that of the luminance.
+    pub(super) red_dipole: [[f32; 4]; 3],
+    /// The same of blue. Green's follows: the dipole of the luminance is zero.
+    pub(super) blue_dipole: [[f32; 4]; 3],
 }
 
 /// Positions of the fields of [`Quad`] in `shaders/common/quad.wgsl`, in vectors of four floats.
 #[cfg(feature = "gpu")]
-pub(crate) const FIELDS: [(&str, usize); 9] = {
+pub(crate) const FIELDS: [(&str, usize); 11] = {
     use std::mem::offset_of;
     [
         ("FIELD_X", offset_of!(Quad, x) / 16),
@@ -52,6 +59,8 @@ pub(crate) const FIELDS: [(&str, usize); 9] = {
         ("FIELD_RED", offset_of!(Quad, red) / 16),
         ("FIELD_GREEN", offset_of!(Quad, green) / 16),
         ("FIELD_BLUE", offset_of!(Quad, blue) / 16),
+        ("FIELD_RED_DIPOLE", offset_of!(Quad, red_dipole) / 16),
+        ("FIELD_BLUE_DIPOLE", offset_of!(Quad, blue_dipole) / 16),
     ]
 };
 
@@ -80,6 +89,20 @@ struct Cell {
     patch: Patch,
     energy: Vec3,
     luminance: f32,
+    /// Dipoles of red and blue.
+    dipoles: [Vec3; 2],
+}
+
+impl Cell {
+    /// Light of one colour.
+    fn of(patch: Patch, energy: Vec3) -> Self {
+        Self { patch, energy, luminance: energy.dot(Vec3::from(LUMINANCE)), dipoles: [Vec3::ZERO; 2] }
+    }
+
+    /// The dipoles of red and blue around a point that the centroid is `apart` from.
+    fn dipoles_around(&self, apart: Vec3) -> [Vec3; 2] {
+        [self.dipoles[0] + apart * self.energy.x, self.dipoles[1] + apart * self.energy.z]
+    }
 }
 
 /// One level of quads: the quad of cell (i, j) of the level above is at `first` + j * `width` + i.
@@ -249,21 +272,21 @@ impl Lit<'_> {
                     let own = energy(x, row.solid_angle());
                     let luminance = own.dot(weights);
                     sum += own;
-                    row.add(&mut sums, first, x, luminance);
+                    row.add(&mut sums, first, x, own, luminance);
                     if luminance > 0.0 {
                         (from, to) = (from.min(x), x);
                     }
                 }
                 if from <= to {
                     let patch = row.patch(&sums, first, [from, to]);
-                    cells.push(Cell { patch, energy: sum, luminance: sum.dot(weights) });
+                    cells.push(Cell { dipoles: row.dipoles(&sums, sum), ..Cell::of(patch, sum) });
                 }
             }
             None => {
                 for x in first..first + count {
                     let Texel { patch, solid_angle } = self.texels.at(x, y);
                     let energy = energy(x, solid_angle);
-                    cells.push(Cell { patch, energy, luminance: energy.dot(weights) });
+                    cells.push(Cell::of(patch, energy));
                 }
             }
         }
@@ -307,7 +330,7 @@ impl Cells {
             let above = all - Vec3::from(least) * w;
             let energy =
                 Vec3::select(above.cmpgt((all * RESIDUE).max(Vec3::splat(FAINT))), above, Vec3::ZERO);
-            Cell { patch: tents.at(x, y), energy, luminance: energy.dot(Vec3::from(LUMINANCE)) }
+            Cell::of(tents.at(x, y), energy)
         };
 
         let width = n.div_ceil(block);
@@ -401,15 +424,20 @@ impl Cells {
         })
     }
 
-    /// Sibling cells in the layout of `shaders/common/quad.wgsl`: fourteen fields of four, and one of
-    /// padding.
+    /// Sibling cells in the layout of `shaders/common/quad.wgsl`: twenty fields of four.
     #[cfg(feature = "gpu")]
     #[must_use]
-    pub fn quad_fields(&self) -> Vec<[[f32; 4]; 15]> {
+    pub fn quad_fields(&self) -> Vec<[[f32; 4]; 20]> {
         let fields = |quad: &Quad| {
-            let Quad { x, y, z, covariance: [xx, yy, zz, yz, zx, xy], radius, luminance, red, green, blue } =
+            let Quad { x, y, z, covariance, radius, luminance, red, green, blue, red_dipole, blue_dipole } =
                 *quad;
-            [x, y, z, xx, yy, zz, yz, zx, xy, radius, luminance, red, green, blue, [0.0; 4]]
+            let mut fields = [[0.0; 4]; 20];
+            fields[..3].copy_from_slice(&[x, y, z]);
+            fields[3..9].copy_from_slice(&covariance);
+            fields[9..14].copy_from_slice(&[radius, luminance, red, green, blue]);
+            fields[14..17].copy_from_slice(&red_dipole);
+            fields[17..].copy_from_slice(&blue_dipole);
+            fields
         };
         self.quads.iter().map(fields).collect()
     }
@@ -467,11 +495,13 @@ fn merge_many(members: &[Cell]) -> Cell {
         mixed: (mixed / luminance - offset.yzx() * offset.zxy()).as_vec3(),
         radius: 0.0,
     };
+    let mut dipoles = [Vec3::ZERO; 2];
     for member in members() {
-        let apart = member.patch.centroid.distance(patch.centroid);
-        patch.radius = patch.radius.max((apart + member.patch.radius) * (1.0 + 1e-6));
+        let apart = member.patch.centroid - patch.centroid;
+        patch.radius = patch.radius.max((apart.length() + member.patch.radius) * (1.0 + 1e-6));
+        dipoles.iter_mut().zip(member.dipoles_around(apart)).for_each(|(sum, dipole)| *sum += dipole);
     }
-    Cell { patch, energy: energy.as_vec3(), luminance: luminance as f32 }
+    Cell { patch, energy: energy.as_vec3(), luminance: luminance as f32, dipoles }
 }
 
 /// Merges cells, centred by luminance; cells without energy contribute nothing.
@@ -502,6 +532,7 @@ fn merge(members: &[Cell]) -> Cell {
         union.patch.diagonal += (member.patch.diagonal + apart * apart) * share;
         union.patch.mixed += (member.patch.mixed + apart.yzx() * apart.zxy()) * share;
         union.patch.radius = union.patch.radius.max((apart.length() + member.patch.radius) * (1.0 + 1e-6));
+        union.dipoles.iter_mut().zip(member.dipoles_around(apart)).for_each(|(sum, dipole)| *sum += dipole);
     }
     union
 }
@@ -526,6 +557,16 @@ impl Quad {
             red: field(|cell| cell.energy.x),
             green: field(|cell| cell.energy.y),
             blue: field(|cell| cell.energy.z),
+            red_dipole: [
+                field(|cell| cell.dipoles[0].x),
+                field(|cell| cell.dipoles[0].y),
+                field(|cell| cell.dipoles[0].z),
+            ],
+            blue_dipole: [
+                field(|cell| cell.dipoles[1].x),
+                field(|cell| cell.dipoles[1].y),
+                field(|cell| cell.dipoles[1].z),
+            ],
         }
     }
 }

@@ -4,7 +4,8 @@ use crate::cpu::cells::Quad;
 #[cfg(feature = "gpu")]
 use crate::environment::LUMINANCE;
 use crate::environment::Rgb;
-use glam::DVec3;
+use crate::geometry::tent::Patch;
+use glam::{DVec3, Vec3};
 
 /// Directions evaluated together.
 pub const LANES: usize = 16;
@@ -53,7 +54,12 @@ pub(super) struct Leaf {
     pub(super) covariance: [f32; 6],
     pub(super) radius: f32,
     pub(super) energy: Rgb,
+    /// Dipoles of red and blue around the centroid; `None` where they do not matter.
+    pub(super) dipoles: Option<[Vec3; 2]>,
 }
+
+/// Dipoles below this share of a cell's luminance times its radius do not matter.
+pub(crate) const NEGLIGIBLE_DIPOLE: f32 = 1.0 / 64.0;
 
 impl Leaf {
     /// Cell `k` of `quad`.
@@ -68,8 +74,31 @@ impl Leaf {
             covariance: std::array::from_fn(|c| quad.covariance[c][k]),
             radius: quad.radius[k],
             energy: [quad.red[k], quad.green[k], quad.blue[k]],
+            dipoles: dipoles(quad, k),
         }
     }
+
+    /// Energy with the moments `patch`, whose centroid is at `offset` from the packet's axis.
+    pub(super) fn of_patch(patch: &Patch, offset: DVec3, energy: Rgb) -> Self {
+        let Patch { diagonal, mixed, radius, .. } = *patch;
+        Self {
+            offset: offset.as_vec3().to_array(),
+            covariance: [diagonal.x, diagonal.y, diagonal.z, mixed.x, mixed.y, mixed.z],
+            radius,
+            energy,
+            dipoles: None,
+        }
+    }
+}
+
+/// The dipoles of cell `k` of `quad` if they matter.
+#[inline(always)]
+fn dipoles(quad: &Quad, k: usize) -> Option<[Vec3; 2]> {
+    let dipole = |field: &[[f32; 4]; 3]| Vec3::from(field.map(|lanes| lanes[k]));
+    let dipoles = [dipole(&quad.red_dipole), dipole(&quad.blue_dipole)];
+    let least = NEGLIGIBLE_DIPOLE * quad.luminance[k] * quad.radius[k];
+    let matter = dipoles.iter().any(|dipole| dipole.abs().max_element() > least);
+    matter.then_some(dipoles)
 }
 
 /// Buffers of an evaluation, kept between packets.
@@ -86,13 +115,19 @@ impl Scratch {
     /// The leaves of the last evaluation, of `packet`, as fields of `shaders/common/quad.wgsl`, to replay the
     /// cut.
     #[must_use]
-    pub fn leaf_fields(&self, packet: &Packet) -> Vec<[f32; 14]> {
+    pub fn leaf_fields(&self, packet: &Packet) -> Vec<[f32; 20]> {
         let fields = |leaf: &Leaf| {
-            let [x, y, z] = (packet.axis + glam::Vec3::from(leaf.offset).as_dvec3()).as_vec3().to_array();
-            let [xx, yy, zz, yz, zx, xy] = leaf.covariance;
-            let [red, green, blue] = leaf.energy;
-            let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
-            [x, y, z, xx, yy, zz, yz, zx, xy, leaf.radius, luminance, red, green, blue]
+            let mut fields = [0.0; 20];
+            let centroid = (packet.axis + Vec3::from(leaf.offset).as_dvec3()).as_vec3();
+            let luminance = Vec3::from(leaf.energy).dot(Vec3::from(LUMINANCE));
+            fields[..3].copy_from_slice(&centroid.to_array());
+            fields[3..9].copy_from_slice(&leaf.covariance);
+            fields[9..11].copy_from_slice(&[leaf.radius, luminance]);
+            fields[11..14].copy_from_slice(&leaf.energy);
+            let [red, blue] = leaf.dipoles.unwrap_or_default();
+            fields[14..17].copy_from_slice(&red.to_array());
+            fields[17..].copy_from_slice(&blue.to_array());
+            fields
         };
         self.leaves.iter().map(fields).collect()
     }

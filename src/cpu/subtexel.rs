@@ -4,6 +4,7 @@
 use super::cells::{Members, SourceLight};
 use super::leaves::{Leaf, Packet, Scratch};
 use crate::environment::{LUMINANCE, Rgb};
+use crate::geometry::source_texels::Texel;
 use crate::geometry::tent::{Moments, Reconstruction};
 use crate::lobe::radial::{Radial, expected_error, first_order_width};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
@@ -32,6 +33,20 @@ struct Piece {
     low: DVec2,
     high: DVec2,
     depth: u8,
+}
+
+impl Piece {
+    fn quarters(self) -> [Self; 4] {
+        let Self { low, high, depth } = self;
+        let (middle, depth) = ((low + high) / 2.0, depth + 1);
+        let quarter = |low, high| Self { low, high, depth };
+        [
+            quarter(low, middle),
+            quarter(DVec2::new(middle.x, low.y), DVec2::new(high.x, middle.y)),
+            quarter(DVec2::new(low.x, middle.y), DVec2::new(middle.x, high.y)),
+            quarter(middle, high),
+        ]
+    }
 }
 
 /// Pieces with longer sides in (u, v) have no exact centroid. The error of two nodes per axis, |d^4 l/du^4|
@@ -66,6 +81,7 @@ fn slice(reconstruction: Reconstruction, a: f64, b: f64) -> (f64, [(f64, f64); 2
 }
 
 /// Adds texel (`x`, `y`) to the leaves in pieces, each with an interval within the tolerance.
+#[inline(always)]
 pub(super) fn refine<R: Radial>(
     (spread, tolerance): (&Spread<'_>, f64),
     kernel: R,
@@ -84,7 +100,8 @@ pub(super) fn refine<R: Radial>(
     {
         let direction = |p: DVec2| direction_from_oct(wrap_oct(centre + signs * p * h));
         stack.push(Piece { low: DVec2::ZERO, high: DVec2::splat(reach), depth: 0 });
-        while let Some(Piece { low, high, depth }) = stack.pop() {
+        while let Some(piece) = stack.pop() {
+            let Piece { low, high, depth } = piece;
             let (mass_x, nodes_x) = slice(spread.reconstruction, low.x, high.x);
             let (mass_y, nodes_y) = slice(spread.reconstruction, low.y, high.y);
             let share = mass_x * mass_y;
@@ -112,42 +129,21 @@ pub(super) fn refine<R: Radial>(
             };
             let error = f64::from(error) * luminance * share;
             if error > tolerance && depth < DEPTH {
-                let (middle, depth) = ((low + high) / 2.0, depth + 1);
-                stack.push(Piece { low, high: middle, depth });
-                stack.push(Piece {
-                    low: DVec2::new(middle.x, low.y),
-                    high: DVec2::new(high.x, middle.y),
-                    depth,
-                });
-                stack.push(Piece {
-                    low: DVec2::new(low.x, middle.y),
-                    high: DVec2::new(middle.x, high.y),
-                    depth,
-                });
-                stack.push(Piece { low: middle, high, depth });
+                stack.extend(piece.quarters());
                 continue;
             }
             if inexact {
                 scratch.slack += error;
             }
-            scratch.leaves.push(leaf(&moments, offset, energy.map(|e| (f64::from(e) * share) as f32)));
+            let energy = energy.map(|e| (f64::from(e) * share) as f32);
+            scratch.leaves.push(Leaf::of_patch(&moments.into(), offset, energy));
         }
-    }
-}
-
-/// The leaf with `moments`, at `offset` from the packet's axis.
-fn leaf(moments: &Moments, offset: DVec3, energy: Rgb) -> Leaf {
-    let (diagonal, mixed) = (moments.diagonal.as_vec3(), moments.mixed.as_vec3());
-    Leaf {
-        offset: offset.as_vec3().to_array(),
-        covariance: [diagonal.x, diagonal.y, diagonal.z, mixed.x, mixed.y, mixed.z],
-        radius: (moments.radius * (1.0 + 1e-6)) as f32,
-        energy,
     }
 }
 
 /// Adds the texels of the source in cell (`i`, `j`) to the leaves, in pieces where their intervals exceed the
 /// tolerance. Light is constant over a texel's solid angle, and so are the pieces' moments exact.
+#[inline(always)]
 pub(super) fn refine_members<R: Radial>(
     (source, tolerance): (&LitTexels<'_>, f64),
     kernel: R,
@@ -164,26 +160,28 @@ pub(super) fn refine_members<R: Radial>(
         if luminance <= 0.0 {
             continue;
         }
-        stack.push(Piece { low: DVec2::ZERO, high: DVec2::ONE, depth: 0 });
-        while let Some(Piece { low, high, depth }) = stack.pop() {
-            let (moments, solid_angle) = texels.piece(x, y, [low, high]);
+        let Texel { patch, solid_angle } = texels.at(x, y);
+        let offset = patch.centroid.as_dvec3() - packet.axis;
+        let trace = patch.diagonal.element_sum();
+        let error = expected_error(kernel, offset.length() as f32, patch.radius, packet.radius, trace);
+        if f64::from(error * solid_angle) * luminance <= tolerance {
+            let energy = (above * solid_angle).to_array();
+            scratch.leaves.push(Leaf::of_patch(&patch, offset, energy));
+            continue;
+        }
+        stack.extend(Piece { low: DVec2::ZERO, high: DVec2::ONE, depth: 0 }.quarters());
+        while let Some(piece) = stack.pop() {
+            let (moments, solid_angle) = texels.piece(x, y, [piece.low, piece.high]);
             let offset = moments.centroid - packet.axis;
             let trace = moments.diagonal.element_sum() as f32;
             let error =
                 expected_error(kernel, offset.length() as f32, moments.radius as f32, packet.radius, trace);
-            if f64::from(error) * luminance * solid_angle > tolerance && depth < DEPTH {
-                let (middle, depth) = ((low + high) / 2.0, depth + 1);
-                let quarter = |low, high| Piece { low, high, depth };
-                stack.extend([
-                    quarter(low, middle),
-                    quarter(DVec2::new(middle.x, low.y), DVec2::new(high.x, middle.y)),
-                    quarter(DVec2::new(low.x, middle.y), DVec2::new(middle.x, high.y)),
-                    quarter(middle, high),
-                ]);
+            if f64::from(error) * luminance * solid_angle > tolerance && piece.depth < DEPTH {
+                stack.extend(piece.quarters());
                 continue;
             }
             let energy = above.to_array().map(|c| (f64::from(c) * solid_angle) as f32);
-            scratch.leaves.push(leaf(&moments, offset, energy));
+            scratch.leaves.push(Leaf::of_patch(&moments.into(), offset, energy));
         }
     }
 }

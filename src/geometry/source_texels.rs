@@ -7,7 +7,7 @@
 use crate::environment::Layout;
 use crate::geometry::tent::{Moments, Patch, mirrored_in_diagonal};
 use crate::sphere::cube::{Face, cube_point};
-use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
+use glam::{DMat3, DVec2, DVec3, Mat3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
 /// A texel's moments and its solid angle.
@@ -303,6 +303,9 @@ pub(crate) struct RunSums {
     cos_squared: f32,
     sin_squared: f32,
     product: f32,
+    /// Sums of red and blue times the cosine, and times the sine.
+    red: Vec2,
+    blue: Vec2,
 }
 
 impl PanoramaRow<'_> {
@@ -311,9 +314,9 @@ impl PanoramaRow<'_> {
         self.texel.solid_angle
     }
 
-    /// Adds the texel in column `x` of a run from column `first` on, with light `weight`.
+    /// Adds the texel in column `x` of a run from column `first` on, with light `energy` of luminance `weight`.
     #[inline(always)]
-    pub(crate) fn add(&self, sums: &mut RunSums, first: u32, x: u32, weight: f32) {
+    pub(crate) fn add(&self, sums: &mut RunSums, first: u32, x: u32, energy: Vec3, weight: f32) {
         // Differences of rounded values are exact, and in error by what centroids are.
         let ((cos_first, sin_first), (cos, sin)) = (self.rounded[first as usize], self.rounded[x as usize]);
         let (cos, sin) = (cos - cos_first, sin - sin_first);
@@ -324,6 +327,18 @@ impl PanoramaRow<'_> {
         sums.cos_squared += weighted_cos * cos;
         sums.sin_squared += weighted_sin * sin;
         sums.product += weighted_cos * sin;
+        sums.red += Vec2::new(cos, sin) * energy.x;
+        sums.blue += Vec2::new(cos, sin) * energy.z;
+    }
+
+    /// The dipoles of red and blue around the centroid of the luminance, of a run whose whole light is `energy`.
+    pub(crate) fn dipoles(&self, sums: &RunSums, energy: Vec3) -> [Vec3; 2] {
+        let centre = Vec2::new(sums.cos, sums.sin) / sums.weight;
+        let dipole = |sum: Vec2, energy: f32| {
+            let [x, z] = ((sum - centre * energy) * self.centroid.x as f32).to_array();
+            Vec3::new(x, 0.0, z)
+        };
+        [dipole(sums.red, energy.x), dipole(sums.blue, energy.z)]
     }
 
     /// Moments of the light summed from column `first` on; columns `lit` are the first and last with light.
@@ -594,8 +609,13 @@ mod tests {
             let row = texels.panorama_row(y).expect("a panorama");
             let lights = [0.0, 3.0, 1.0, 100.0, 2.0, 0.0_f32];
             let mut sums = RunSums::default();
+            // Red decreases along the run, blue increases.
+            let energy =
+                |x: u32, light: f32| Vec3::new((first + 8 - x) as f32, 1.0, (x - first) as f32) * light;
+            let mut all = Vec3::ZERO;
             for (x, light) in (first..).zip(lights) {
-                row.add(&mut sums, first, x, light);
+                row.add(&mut sums, first, x, energy(x, light), light);
+                all += energy(x, light);
             }
             let patch = row.patch(&sums, first, [first + 1, first + 4]);
             let own: Vec<_> =
@@ -606,6 +626,15 @@ mod tests {
             };
             let centroid = mean(&|patch| patch.centroid.as_dvec3());
             assert!(patch.centroid.as_dvec3().distance(centroid) < 2e-7, "row {y}: centroid");
+            for (c, found) in [0, 2].into_iter().zip(row.dipoles(&sums, all)) {
+                let dipole = (first..).zip(lights).map(|(x, light)| {
+                    let apart = texels.at(x, y).patch.centroid.as_dvec3() - centroid;
+                    apart * f64::from(energy(x, light)[c])
+                });
+                // Directions are in error by 2^-23, and sums of six as much again.
+                let off = found.as_dvec3().distance(dipole.sum());
+                assert!(off < 8e-7 * f64::from(all[c]), "row {y}: dipole {c} is off by {off}");
+            }
             let apart = |patch: &Patch| patch.centroid.as_dvec3() - centroid;
             let diagonal = mean(&|patch| patch.diagonal.as_dvec3() + apart(patch).powf(2.0));
             let scale = diagonal.element_sum();

@@ -18,7 +18,7 @@ pub const EDGE: u32 = 8;
 const QUAD: u64 = 16 * QUAD_FIELDS as u64;
 
 /// Vectors of four floats in a quad: the fields of the CPU's, and one of padding.
-pub(super) const QUAD_FIELDS: usize = 15;
+pub(super) const QUAD_FIELDS: usize = 20;
 
 /// Bytes of a texel's moments.
 const TENT: u64 = 48;
@@ -154,7 +154,7 @@ impl CellTree {
     /// A tree that a tolerance of zero cuts into exactly `leaves`
     /// ([`crate::cpu::leaves::Scratch::leaf_fields`]) over the `least` radiance. Used to replay cuts.
     #[must_use]
-    pub fn of_leaves(context: &Context, leaves: &[[f32; 14]], least: [f32; 3]) -> Self {
+    pub fn of_leaves(context: &Context, leaves: &[[f32; QUAD_FIELDS]], least: [f32; 3]) -> Self {
         let cells = (leaves.len().max(1) as f64).sqrt().ceil() as u32;
         let (levels, count) = levels_over(cells);
         let mut quads = vec![[[0.0; 4]; QUAD_FIELDS]; count as usize];

@@ -8,6 +8,7 @@ use super::{
 use crate::cpu::cells::{FAINT, FIELDS, RESIDUE};
 use crate::cpu::fitted::{CONE, CONE_ALPHA, HARMONICS_ALONE, HARMONICS_FROM};
 use crate::cpu::leaves::LANES;
+use crate::cpu::leaves::NEGLIGIBLE_DIPOLE;
 use crate::cpu::subtexel::SMOOTH_SIDE;
 use crate::environment::LUMINANCE;
 use crate::geometry::source_texels::{CUBE, PANORAMA};
@@ -37,6 +38,7 @@ pub fn constants() -> Vec<Constant> {
         one("common/source_pieces.wgsl", "CUBE", CUBE),
         one("blur.wgsl", "EDGE", octaves::EDGE),
         one("blur.wgsl", "GROUP_SIZE", blur::GROUP_SIZE),
+        float("adaptive.wgsl", "NEGLIGIBLE_DIPOLE", f64::from(NEGLIGIBLE_DIPOLE)),
         one("blur.wgsl", "LINE_SIZE", blur::LINE_SIZE),
         one("blur.wgsl", "REACH", blur::REACH),
         one("box_filter.wgsl", "GROUP_SIZE", box_filter::GROUP_SIZE),

@@ -1,7 +1,7 @@
 //! The radial kernel of each lobe.
 
-use super::radial::{Interval, Radial, reciprocals};
-use crate::vector::Extremes as _;
+use super::radial::{Expansion, Interval, Radial, reciprocals};
+use crate::vector::{Extremes as _, Fused as _};
 
 /// peak (1 - 2 s) w^2, w = 1/(1 + steep s), peak = 1/(pi alpha^2), steep = (1 - alpha^2)/alpha^2.
 #[derive(Clone, Copy, Debug)]
@@ -15,26 +15,22 @@ impl Radial for Ggx {
 
     #[inline(always)]
     fn value(self, s: f32) -> f32 {
-        let [value] = self.values([s]);
+        let [value] = self.expansion([s]).values;
         value
     }
 
     #[inline(always)]
-    fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
-        self.values_and_curvature(s).0
-    }
-
-    #[inline(always)]
-    fn values_and_curvature<const N: usize>(self, s: [f32; N]) -> ([f32; N], f32) {
+    fn expansion<const N: usize>(self, s: [f32; N]) -> Expansion<N> {
         // At most 1/alpha^2 each: the product of three stays within the range of float32.
-        let w = reciprocals(s.map(|s| 1.0 + self.steep * s));
+        let w = reciprocals(s.map(|s| self.steep.times_plus(s, 1.0)));
         let scaled = w.map(|w| self.peak * w * w);
-        let lambert = s.map(|s| 1.0 - 2.0 * s);
+        let lambert = s.map(|s| s.times_plus(-2.0, 1.0));
         let steep_w = self.steep * w[N - 1];
-        (
-            std::array::from_fn(|k| scaled[k] * lambert[k].at_least(0.0)),
-            scaled[N - 1] * steep_w * (8.0 + 6.0 * steep_w * lambert[N - 1]),
-        )
+        Expansion {
+            values: std::array::from_fn(|k| scaled[k] * lambert[k].at_least(0.0)),
+            slope: -2.0 * scaled[N - 1] * steep_w.times_plus(lambert[N - 1], 1.0),
+            curvature: scaled[N - 1] * steep_w * (6.0 * steep_w).times_plus(lambert[N - 1], 8.0),
+        }
     }
 
     #[inline(always)]
@@ -70,6 +66,11 @@ impl Radial for Phong {
     fn value(self, s: f32) -> f32 {
         // By the logarithm: 1 - 2 s would round away a sharp lobe.
         if s < 0.5 { (self.exponent * (-2.0 * s).ln_1p()).exp() } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn slope(self, s: f32) -> f32 {
+        -2.0 * self.exponent * self.value(s) / (1.0 - 2.0 * s).at_least(1e-3)
     }
 
     #[inline(always)]
@@ -140,6 +141,10 @@ impl Radial for Cosine {
         (1.0 - 2.0 * s).at_least(0.0)
     }
 
+    fn slope(self, _: f32) -> f32 {
+        -2.0
+    }
+
     fn scale(self, _: f32) -> f32 {
         f32::INFINITY
     }
@@ -185,7 +190,7 @@ impl Charlie {
     #[inline(always)]
     fn bend(self, x: f32, rise: f32) -> f32 {
         let p = self.power;
-        p * rise * ((p - 1.0) - (p + 1.0) * x) / (x * x)
+        p * rise * (p + 1.0).times_plus(-x, p - 1.0) / (x * x)
     }
 }
 
@@ -263,7 +268,8 @@ impl Radial for Charlie {
         let gain = 2.0 * across * across / (4.0 * half_width).at_least(1e-6);
         let second_order = if s < 0.5 { 0.5 * self.bend(t, rise_t) * along } else { 0.0 };
         let estimate = (at_mean.at_least(0.0) + second_order + gain).at_least(least).at_most(greatest);
-        Interval { least, greatest, estimate }
+        let slope = if s < 0.5 { 2.0 * rise_t * (p - (p + 1.0) * t) / t.at_least(1e-6) } else { 0.0 };
+        Interval { least, greatest, estimate, slope }
     }
 
     #[inline(always)]
@@ -284,17 +290,21 @@ fn power(x: f32, p: f32) -> f32 {
     let m = f32::from_bits(bits.wrapping_sub((whole as u32) << 23));
     let t = (m - 1.0) / (m + 1.0);
     let u = t * t;
-    let series = t * (2.0 + u * (2.0 / 3.0 + u * (0.4 + u * (2.0 / 7.0 + u * (2.0 / 9.0)))));
-    let log2 = whole as f32 + series * std::f32::consts::LOG2_E;
+    let series = u.times_plus(2.0 / 9.0, 2.0 / 7.0);
+    let series = u.times_plus(u.times_plus(series, 0.4), 2.0 / 3.0);
+    let series = u.times_plus(series, 2.0);
+    let log2 = (t * series).times_plus(std::f32::consts::LOG2_E, whole as f32);
     // 2^y, with the fraction of y by the exponential series.
     let y = (p * log2).at_least(-120.0);
     // Adding and subtracting 1.5 * 2^23 rounds to a whole number.
     let rounded = (y + 12_582_912.0) - 12_582_912.0;
     let z = (y - rounded) * std::f32::consts::LN_2;
-    let fraction = 1.0
-        + z * (1.0
-            + z * (0.5
-                + z * (1.0 / 6.0 + z * (1.0 / 24.0 + z * (1.0 / 120.0 + z * (1.0 / 720.0 + z / 5040.0))))));
+    let fraction = z.times_plus(1.0 / 5040.0, 1.0 / 720.0);
+    let fraction = z.times_plus(fraction, 1.0 / 120.0);
+    let fraction = z.times_plus(fraction, 1.0 / 24.0);
+    let fraction = z.times_plus(fraction, 1.0 / 6.0);
+    let fraction = z.times_plus(fraction, 0.5);
+    let fraction = z.times_plus(z.times_plus(fraction, 1.0), 1.0);
     fraction * f32::from_bits(((rounded as i32 + 127) as u32) << 23)
 }
 

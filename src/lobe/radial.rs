@@ -1,6 +1,6 @@
 //! Radial kernels, and intervals of their means over cells of energy.
 
-use crate::vector::Extremes as _;
+use crate::vector::{Extremes as _, Fused as _};
 
 /// The reciprocals of `x` by one division (Montgomery's trick); the last is the most accurate.
 #[inline(always)]
@@ -30,16 +30,18 @@ pub(crate) trait Radial: Copy {
     /// k at `s`.
     fn value(self, s: f32) -> f32;
 
-    /// k at several values of s, with one division for all.
+    /// k at several values of s, and its derivatives at the last, with one division for all where k takes one.
     #[inline(always)]
-    fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
-        s.map(|s| self.value(s))
+    fn expansion<const N: usize>(self, s: [f32; N]) -> Expansion<N> {
+        let last = s[N - 1];
+        let (slope, curvature) = (self.slope(last), self.curvature(last));
+        Expansion { values: s.map(|s| self.value(s)), slope, curvature }
     }
 
-    /// The same, and k'' at the last.
-    #[inline(always)]
-    fn values_and_curvature<const N: usize>(self, s: [f32; N]) -> ([f32; N], f32) {
-        (self.values(s), self.curvature(s[N - 1]))
+    /// k' at `s` in front of the horizon; 0 where k is not smooth.
+    fn slope(self, s: f32) -> f32 {
+        let _ = s;
+        0.0
     }
 
     /// k'' at `s` in front of the horizon.
@@ -94,6 +96,13 @@ pub(crate) trait Radial: Copy {
     }
 }
 
+/// Values of k, and its derivatives at the last place.
+pub(crate) struct Expansion<const N: usize> {
+    pub(super) values: [f32; N],
+    pub(super) slope: f32,
+    pub(super) curvature: f32,
+}
+
 /// Bounds and estimate of the mean of k over a cell of unit energy.
 #[derive(Clone, Copy)]
 pub(crate) struct Interval {
@@ -103,6 +112,8 @@ pub(crate) struct Interval {
     pub(crate) greatest: f32,
     /// Most likely value.
     pub(crate) estimate: f32,
+    /// k' at the mean of s in front of the horizon, 0 beyond.
+    pub(crate) slope: f32,
 }
 
 /// Interval of the mean of k over a cell of unit energy. `squared` is the squared distance of its centroid
@@ -122,29 +133,35 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     let far = distance + radius;
     let (low, high) = (0.25 * near * near, (0.25 * far * far).at_most(1.0));
     let s = 0.25 * (squared + trace);
-    let ([nearest, farthest, value], curvature) = kernel.values_and_curvature([low, high, s]);
+    let Expansion { values: [nearest, farthest, value], slope, curvature } = kernel.expansion([low, high, s]);
     if !R::SMOOTH {
-        return Interval { least: farthest, greatest: nearest, estimate: value };
+        return Interval { least: farthest, greatest: nearest, estimate: value, slope: 0.0 };
     }
     // s - low and high - s, computed without cancellation.
-    let down = if distance > radius { 0.25 * (radius * (2.0 * distance - radius) + trace) } else { s };
-    let up = (0.25 * (radius * (2.0 * distance + radius) - trace)).at_least(1e-6 * down);
+    let down = if distance > radius {
+        0.25 * radius.times_plus(distance.times_plus(2.0, -radius), trace)
+    } else {
+        s
+    };
+    let up = (0.25 * radius.times_plus(distance.times_plus(2.0, radius), -trace)).at_least(1e-6 * down);
     let (tangential, radial) = (along.at_least(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
     let most = 0.25 * (tangential + radial) * (tangential + radial);
     let least = 0.25 * (tangential - radial).at_least(0.0) * (tangential - radial).at_least(0.0);
     let [per_down, per_up] = reciprocals([down, up]);
     let (step_up, step_down) = ((most * per_down).at_most(up), (least * per_up).at_most(down));
-    let [inner, outer] = kernel.values([s + step_up, s - step_down]);
+    let [inner, outer] = kernel.expansion([s + step_up, s - step_down]).values;
     let lengths = [down + step_up, up + step_down];
     let [per_above, per_below] = reciprocals(lengths);
     // Reciprocals of vanishing products overflow; there k is constant to float32.
     let sharp = (down * up).at_most(lengths[0] * lengths[1]) > 1e-36;
+    let slope = if s < 0.5 { slope } else { 0.0 };
     let (share_above, share_below) = (step_up * per_above, step_down * per_below);
     if !ACROSS {
-        let greatest = if sharp { inner + share_above * (nearest - inner) } else { nearest };
-        let least = if sharp { outer + share_below * (farthest - outer) } else { farthest }.at_most(greatest);
-        let estimate = (value + 0.125 * curvature * along).at_least(least).at_most(greatest);
-        return Interval { least, greatest, estimate };
+        let greatest = if sharp { share_above.times_plus(nearest - inner, inner) } else { nearest };
+        let least =
+            if sharp { share_below.times_plus(farthest - outer, outer) } else { farthest }.at_most(greatest);
+        let estimate = (0.125 * curvature).times_plus(along, value).at_least(least).at_most(greatest);
+        return Interval { least, greatest, estimate, slope };
     }
     // Split k into a hinge at the horizon and a smooth rest; a cell in front of the horizon needs no hinge.
     let kink = if high < 0.5 { 0.0 } else { kernel.kink() };
@@ -168,7 +185,7 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     let across = (half_width - before.abs()).at_least(0.0);
     let gain = kink * across * across / (4.0 * half_width).at_least(1e-6);
     let estimate = (value + second_order + gain).at_least(least).at_most(greatest);
-    Interval { least, greatest, estimate }
+    Interval { least, greatest, estimate, slope }
 }
 
 /// Expected error of the estimate for a cell of unit energy and the worst direction among those within

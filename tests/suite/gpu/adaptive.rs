@@ -140,7 +140,7 @@ const LOBES: [(Lobe, f64); 8] = [
 struct Cut {
     radiance: [[f32; 3]; LANES],
     leaves: usize,
-    fields: Vec<[f32; 14]>,
+    fields: Vec<[f32; 20]>,
 }
 
 fn cut(cells: &Cells, kernel: Kernel, error: f64, directions: &[DVec3]) -> Cut {
@@ -180,7 +180,7 @@ fn cuts_of_the_cpu_replayed_agree() {
                 for directions in tiles.iter().skip(k % 3).step_by(3) {
                     let cut = cut(&cells, kernel, 0.005, directions);
                     let packets = [Packet::new(directions)];
-                    let replay = |leaves: &[[f32; 14]]| {
+                    let replay = |leaves: &[[f32; 20]]| {
                         let tree = CellTree::of_leaves(context, leaves, cells.least());
                         evaluate(context, passes, &tree, kernel, 0.0, &packets)
                     };

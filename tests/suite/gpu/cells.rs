@@ -13,7 +13,7 @@ use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::oem::{Oem, OemSize};
 
 /// Fields of four siblings, as `shaders/common/quad.wgsl` orders them.
-type Quad = [[f32; 4]; 15];
+type Quad = [[f32; 4]; 20];
 
 const RADIUS: usize = 9;
 const LUMINANCE_FIELD: usize = 10;
@@ -117,8 +117,8 @@ impl Case<'_> {
 }
 
 /// Returns a member that reaches farther than its cell's radius.
-fn beyond_reach(cell: &[f64; 15], members: &Quad) -> Option<String> {
-    let centroid = |fields: &[f64; 15]| DVec3::new(fields[0], fields[1], fields[2]);
+fn beyond_reach(cell: &[f64; 20], members: &Quad) -> Option<String> {
+    let centroid = |fields: &[f64; 20]| DVec3::new(fields[0], fields[1], fields[2]);
     (0..4).find_map(|k| {
         let member = members.map(|field| f64::from(field[k]));
         let reached = centroid(&member).distance(centroid(cell)) + member[RADIUS];
@@ -147,7 +147,7 @@ impl Bound {
         }
     }
 
-    fn difference(&self, raw: Raw, expected: &[f64; 15], found: &[f64; 15]) -> Option<String> {
+    fn difference(&self, raw: Raw, expected: &[f64; 20], found: &[f64; 20]) -> Option<String> {
         let Self { merges, extent, .. } = *self;
         let far = |fields: std::ops::Range<usize>, bound: f64| {
             fields.clone().any(|field| exceeds((expected[field] - found[field]).abs(), bound))
@@ -175,6 +175,13 @@ impl Bound {
         let radius = merges * (2.0 * centroid + 1.5e-6 * expected[RADIUS]);
         if far(0..3, centroid) {
             return Some(format!("centroid beyond {centroid:e}"));
+        }
+        // A dipole is the sum of texels' energies, each at most 14 times its luminance, times their offsets from
+        // the cell's centroid: off by the energies' errors, by the centroid's, and by roundings of each merge.
+        let dipole = 14.0
+            * (2.0 * noise * extent + raw.luminance * (centroid + 16.0 * UNIT * (merges + 1.0) * extent));
+        if far(14..20, dipole) {
+            return Some(format!("dipole beyond {dipole:e}"));
         }
         if far(3..9, covariance) {
             return Some(format!("covariance beyond {covariance:e}"));
@@ -238,13 +245,23 @@ fn faults_in_cells_are_detected() {
             assert!(seen(&Oem::from_bordered(size, shifted)), "{look:?}: a border off by one");
 
             let right = built(context, passes, &oem, 1, spread);
-            for (field, what) in [(0, "centroid"), (4, "covariance"), (RADIUS, "radius"), (12, "energy")] {
+            let faults = [
+                (0, "centroid"),
+                (4, "covariance"),
+                (RADIUS, "radius"),
+                (12, "energy"),
+                (14, "red"),
+                (19, "blue"),
+            ];
+            for (field, what) in faults {
                 let mut wrong = right.clone();
                 let root = wrong.len() - 1;
                 let sibling = (0..4)
                     .max_by(|a, b| right[root][10][*a].total_cmp(&right[root][10][*b]))
                     .expect("siblings");
-                wrong[root][field][sibling] = wrong[root][field][sibling] * 0.999 - 1e-3;
+                // Dipoles are energies times distances.
+                let far = if field < 14 { 1e-3 } else { 0.02 * right[root][LUMINANCE_FIELD][sibling] };
+                wrong[root][field][sibling] = wrong[root][field][sibling] * 0.999 - far;
                 assert!(case.difference(&wrong).is_some(), "{look:?}: a wrong {what}");
             }
         }

@@ -203,7 +203,6 @@ const OWN_CONSTANTS: &[(&str, &[&str])] = &[
     ),
     ("blur.wgsl", &["SCAN_SIZE"]),
     ("common/fitted.wgsl", &["UNIT"]),
-    ("common/quad.wgsl", &["FIELD_SPARE"]),
     ("common/view_draw.wgsl", &["GREATEST"]),
     ("direct/cull.wgsl", &["SCAN_SIZE"]),
     ("direct/offsets.wgsl", &["SCAN_SIZE"]),
