@@ -395,7 +395,7 @@ fn dipole(cell: u32, name: u32) -> vec3<f32> {
     return vec3<f32>(field(quad, name, k), field(quad, name + 1u, k), field(quad, name + 2u, k));
 }
 
-// What the dipoles of `leaf` add to the radiance, where k changes by `slope` per unit of the cell's direction.
+// What the dipoles of `leaf` add to the radiance, where k changes by `slope` per unit of direction.
 fn dipole_radiance(leaf: Leaf, slope: vec3<f32>) -> vec3<f32> {
     let red = dipole(leaf.cell, FIELD_RED_DIPOLE);
     let blue = dipole(leaf.cell, FIELD_BLUE_DIPOLE);

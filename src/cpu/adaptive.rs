@@ -21,8 +21,9 @@
 //! sums of what lies above and what lies below. Lobes that are not smooth (cones, wide Phong) take k(a) and
 //! k(b). Charlie, which rises before it falls, has bounds of its own (`kernel`).
 //!
-//! The three colours of a cell have centroids of their own: k' (D.(m - R))/2 is added to each colour's estimate,
-//! with D its dipole. The dipoles of the luminance sum to zero, so that its estimate and bound are those above.
+//! The three colours of a cell have centroids of their own: k' (D.(m - R))/2 is added to each colour's
+//! estimate, with D its dipole. The dipoles of the luminance sum to zero, so that its estimate and bound are
+//! those above.
 //!
 //! V is used as ((R - m).C.(R - m)), which keeps its precision near the peak; what that leaves out is the
 //! radial part (l - m).m, whose deviation is at most sqrt(tr C) rho/2 (Bhatia and Davis 2000 on [1 - rho^2/2,
@@ -255,8 +256,8 @@ impl<'a> Adaptive<'a> {
             let [red, blue] = dipoles.map(|dipole| dipole.to_array());
             for k in 0..LANES {
                 let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
-                // ds/dl = (l - R)/2. A colour's centroid lies within the cell's reach, so that no colour becomes
-                // negative.
+                // ds/dl = (l - R)/2. A colour's centroid lies within the cell's reach, so that no colour
+                // becomes negative.
                 let slope = 0.5 * slopes[k];
                 let most = slope * leaf.radius;
                 let first_order = most * most * (x * x + y * y + z * z) <= estimates[k] * estimates[k];

@@ -6,8 +6,8 @@
 //! Barnes and Hut 1986, the clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least
 //! radiance c of each channel, E - c*w, so that a constant environment is black and dark cells stay coarse.
 //!
-//! The centroid is that of the luminance. Red, green and blue have their own, which a dipole holds: the sum of
-//! their energy times the offset from the luminance's centroid, to first order in the cell's size.
+//! The centroid is that of the luminance. Red, green and blue have their own, which a dipole holds: the sum
+//! of their energy times the offset from the luminance's centroid.
 //!
 //! The finest cells hold texels of the OEM, or of the source. Texels of the source belong to the cell that
 //! contains their centroid, whole: their moments are exact, so nothing is spread over an OEM texel. A cell's

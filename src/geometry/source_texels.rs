@@ -314,7 +314,7 @@ impl PanoramaRow<'_> {
         self.texel.solid_angle
     }
 
-    /// Adds the texel in column `x` of a run from column `first` on, with light `energy` of luminance `weight`.
+    /// Adds the texel in column `x` of a run from column `first` on: `energy`, whose luminance is `weight`.
     #[inline(always)]
     pub(crate) fn add(&self, sums: &mut RunSums, first: u32, x: u32, energy: Vec3, weight: f32) {
         // Differences of rounded values are exact, and in error by what centroids are.
@@ -331,7 +331,7 @@ impl PanoramaRow<'_> {
         sums.blue += Vec2::new(cos, sin) * energy.z;
     }
 
-    /// The dipoles of red and blue around the centroid of the luminance, of a run whose whole light is `energy`.
+    /// The dipoles of red and blue around the luminance's centroid, of a run whose whole light is `energy`.
     pub(crate) fn dipoles(&self, sums: &RunSums, energy: Vec3) -> [Vec3; 2] {
         let centre = Vec2::new(sums.cos, sums.sin) / sums.weight;
         let dipole = |sum: Vec2, energy: f32| {

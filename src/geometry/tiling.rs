@@ -102,8 +102,8 @@ fn span(tile: u32, side: u32) -> (u32, u32) {
     (tile * TILE, ((tile + 1) * TILE).min(side))
 }
 
-/// Every other bit of `k`: columns, and from the next bit rows, in Morton's order, so that packets stay compact
-/// where a texel has several directions.
+/// Every other bit of `k`: columns, and from the next bit rows, in Morton's order, so that packets stay
+/// compact where a texel has several directions.
 const fn interleaved(k: u32) -> u32 {
     (k & 1) | ((k >> 1) & 2)
 }
@@ -243,9 +243,9 @@ impl Footprint {
 
 /// Directions along an edge of a texel `share` lobes wide.
 ///
-/// The mean of GGX, near its axis (1 + q x^2)^-2 with half maxima 1.287/sqrt(q) apart, over a length of h by n
-/// Gauss-Legendre nodes is off by (n!)^4 h^(2n) / ((2n + 1) ((2n)!)^3) times its derivative of order 2n, which
-/// is (n + 1) q^n (2n)! at the peak. Both axes together are within 0.0023 of the peak up to h = 0.4, 0.75,
+/// The mean of GGX, near its axis (1 + q x^2)^-2 with half maxima 1.287/sqrt(q) apart, over a length of h by
+/// n Gauss-Legendre nodes is off by (n!)^4 h^(2n) / ((2n + 1) ((2n)!)^3) times its derivative of order 2n,
+/// which is (n + 1) q^n (2n)! at the peak. Both axes together are within 0.0023 of the peak up to h = 0.4, 0.75,
 /// 1.04 and 1.27 lobes for 2, 3, 4 and 5 nodes; the poles of GGX demand fewer for each further lobe.
 fn nodes(share: f64) -> u32 {
     let extent = extent(share);

@@ -30,7 +30,7 @@ pub(crate) trait Radial: Copy {
     /// k at `s`.
     fn value(self, s: f32) -> f32;
 
-    /// k at several values of s, and its derivatives at the last, with one division for all where k takes one.
+    /// k at several values of s, and its derivatives at the last; GGX takes one division for all.
     #[inline(always)]
     fn expansion<const N: usize>(self, s: [f32; N]) -> Expansion<N> {
         let last = s[N - 1];

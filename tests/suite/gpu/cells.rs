@@ -176,8 +176,9 @@ impl Bound {
         if far(0..3, centroid) {
             return Some(format!("centroid beyond {centroid:e}"));
         }
-        // A dipole is the sum of texels' energies, each at most 14 times its luminance, times their offsets from
-        // the cell's centroid: off by the energies' errors, by the centroid's, and by roundings of each merge.
+        // A dipole is the sum of texels' energies, each at most 14 times its luminance, times their offsets
+        // from the cell's centroid: off by the energies' errors, by the centroid's, and by each merge's
+        // roundings.
         let dipole = 14.0
             * (2.0 * noise * extent + raw.luminance * (centroid + 16.0 * UNIT * (merges + 1.0) * extent));
         if far(14..20, dipole) {
