@@ -67,7 +67,8 @@ const STEEP: f64 = 8.0;
 pub(crate) fn nodes(kind: ChainKind, size: u32, levels: u32, ladder: Ladder) -> Vec<Node> {
     let mut nodes = Vec::new();
     let roughness = |level| ladder.roughness(level, levels, size);
-    let Held { level: held, .. } = Held::of(kind, (0..levels as usize).map(|level| roughness(level as u32)));
+    let Held { level: held, .. } =
+        Held::of(kind, size, (0..levels as usize).map(|level| roughness(level as u32)));
     for low in held as u32..levels.saturating_sub(1) {
         let (from, to) = (roughness(low), roughness(low + 1));
         let quadrature = QUADRATURES[usize::from((to / from).powi(4) > STEEP)];
@@ -97,19 +98,22 @@ struct Held {
     level: usize,
     /// The first level to be solved: this level or the next.
     first_solved: usize,
-    /// Weight of its sampled value relative to the step to the next level.
+    /// Weight of its sampled value, as a range of roughness.
     weight: f64,
+    /// Lower bound of its solved value, relative to the sampled one.
+    least: f64,
 }
 
 impl Held {
-    fn of(kind: ChainKind, roughness: impl ExactSizeIterator<Item = f64>) -> Self {
-        let first_solved = kind.first_solved(roughness);
-        match kind {
-            ChainKind::Mixed => Self { level: first_solved - 1, first_solved, weight: FIXED },
-            ChainKind::Sampled | ChainKind::Solved => {
-                Self { level: first_solved, first_solved, weight: HELD_FIRST }
-            }
+    /// The held level of a chain from edge `size` whose levels have `roughness`.
+    fn of(kind: ChainKind, size: u32, mut roughness: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
+        let first_solved = kind.first_solved(roughness.clone());
+        if kind == ChainKind::Mixed {
+            return Self { level: first_solved - 1, first_solved, weight: FIXED, least: LEAST_SHARE };
         }
+        let is_coarse = roughness.nth(first_solved).is_some_and(|own| !resolves(size >> first_solved, own));
+        let (weight, least) = if is_coarse { (HELD_COARSE, LEAST_COARSE) } else { (HELD_FINE, LEAST_SHARE) };
+        Self { level: first_solved, first_solved, weight, least }
     }
 }
 
@@ -117,7 +121,7 @@ impl Held {
 /// sharp levels of a mixed chain and levels that no look-up reads. Returns the indices of the solved levels.
 pub(crate) fn solve(kind: ChainKind, levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> Range<usize> {
     let Some(last) = nodes.iter().map(|node| node.low + 1).max() else { return 0..0 };
-    let held = Held::of(kind, levels.iter().map(|level| level.roughness));
+    let held = Held::of(kind, levels[0].size(), levels.iter().map(|level| level.roughness));
     let of = |size: u32, texels: &[Rgb]| Smooth::new(size, &|texel| texels[texel].map(f64::from));
     let smooth = |level: &Level| of(level.size(), &level.texels);
     let sampled: Vec<Smooth> = levels[held.level..=last].iter().map(smooth).collect();
@@ -188,6 +192,8 @@ struct Window {
     first: usize,
     /// Index of the solved level in the window.
     own: usize,
+    /// Lower bounds of the levels' values, relative to the sampled ones.
+    least: [f64; MOST_LEVELS],
     aims: Vec<Aim>,
     /// Normal equations: the diagonal and the off-diagonal.
     diagonal: Vec<f64>,
@@ -209,9 +215,9 @@ impl Window {
             })
             .collect();
         if first == held.level {
-            let step: f64 = nodes.iter().filter(|node| node.low == first).map(|node| node.weight).sum();
-            aims.push(Aim { origin: Origin::Level(first), weight: held.weight * step, low: 0, share: 0.0 });
+            aims.push(Aim { origin: Origin::Level(first), weight: held.weight, low: 0, share: 0.0 });
         }
+        let least = std::array::from_fn(|k| if first + k == held.level { held.least } else { LEAST_SHARE });
         let count = end - first + 1;
         let (mut diagonal, mut off_diagonal) = (vec![0.0; count], vec![0.0; count]);
         for aim in &aims {
@@ -222,7 +228,8 @@ impl Window {
                 off_diagonal[low] += aim.weight * aim.share * (1.0 - aim.share);
             }
         }
-        let mut window = Self { first, own: index - first, aims, diagonal, off_diagonal, shares: Vec::new() };
+        let own = index - first;
+        let mut window = Self { first, own, least, aims, diagonal, off_diagonal, shares: Vec::new() };
         let columns: Vec<Vec<f64>> = window.aims.iter().map(|aim| window.exact(aim)).collect();
         window.shares =
             (0..count).map(|level| columns.iter().map(|column| column[level]).collect()).collect();
@@ -272,7 +279,8 @@ impl Window {
                 }
             }
         }
-        let least = own.map(|value| value.map(|value| LEAST_SHARE * value));
+        let least: [[f64; 3]; MOST_LEVELS] =
+            std::array::from_fn(|k| own[k].map(|value| self.least[k] * value));
         for c in 0..3 {
             if (0..count).any(|k| levels[k][c] < least[k][c]) {
                 self.bounded(c, &lobes, &mut levels, &least);
@@ -304,9 +312,17 @@ impl Window {
     }
 }
 
-/// Weight that pulls the first level to its sampled value, relative to the step to the next level. Only the
-/// mirror is below it.
-const HELD_FIRST: f64 = 0.08;
+/// Weight that pulls the first level, below which is only the mirror, to its sampled value, where the level
+/// resolves its lobe. Less weight lowers the error between the levels and raises the one below them, which
+/// then exceeds 1.2 times that of sampled chains.
+const HELD_FINE: f64 = 0.055;
+
+/// The weight for a level of fewer texels.
+const HELD_COARSE: f64 = 0.018;
+
+/// Lower bound of such a level's values, relative to the sampled ones. Its sampled peaks are already too low
+/// between texels: below 0.9, the error of a sun at that level's roughness would be the greatest of all.
+const LEAST_COARSE: f64 = 0.9;
 
 /// Weight that fixes a level.
 const FIXED: f64 = 1e6;
@@ -423,6 +439,9 @@ const TETHER: f64 = 0.02;
 /// a second maximum of more than 1 %.
 const SMALL_TETHER: f64 = 0.2;
 
+/// Difference of two neighbours, relative to the brighter, from which their order is kept entirely.
+const TIE: f64 = 0.01;
+
 /// Conjugate gradient steps.
 const STEPS: usize = 12;
 
@@ -521,22 +540,28 @@ impl Fit {
     }
 
     /// Restores the order of `sampled` in `texels`: the brighter of two neighbours stays no darker than the
-    /// other. This adds no second maximum.
+    /// other. This adds no second maximum. Neighbours nearer than [`TIE`] are ordered in part, the less the
+    /// nearer they are: otherwise rounding, which differs between engines, would decide about whole steps.
     fn ordered(&self, mut texels: Vec<Rgb>, sampled: &[Rgb]) -> Vec<Rgb> {
         let mut order: Vec<u32> = (0..sampled.len() as u32).collect();
         for c in 0..3 {
             let of = |texel: u32| sampled[texel as usize][c];
+            let share = |brighter: u32, darker: u32| {
+                (f64::from(of(brighter) - of(darker)) / (TIE * f64::from(of(brighter)))).min(1.0) as f32
+            };
             order.sort_unstable_by(|a, b| of(*a).total_cmp(&of(*b)).then(a.cmp(b)));
             let mut raised: Vec<f32> = texels.iter().map(|texel| texel[c]).collect();
             let mut lowered = raised.clone();
             for texel in &order {
                 for other in self.partners_of(*texel).filter(|other| of(*other) < of(*texel)) {
-                    raised[*texel as usize] = raised[*texel as usize].max(raised[other as usize]);
+                    let step = (raised[other as usize] - raised[*texel as usize]).max(0.0);
+                    raised[*texel as usize] += share(*texel, other) * step;
                 }
             }
             for texel in order.iter().rev() {
                 for other in self.partners_of(*texel).filter(|other| of(*other) > of(*texel)) {
-                    lowered[*texel as usize] = lowered[*texel as usize].min(lowered[other as usize]);
+                    let step = (lowered[*texel as usize] - lowered[other as usize]).max(0.0);
+                    lowered[*texel as usize] -= share(other, *texel) * step;
                 }
             }
             for ((texel, raised), lowered) in texels.iter_mut().zip(raised).zip(lowered) {
