@@ -245,8 +245,8 @@ impl Footprint {
 ///
 /// The mean of GGX, near its axis (1 + q x^2)^-2 with half maxima 1.287/sqrt(q) apart, over a length of h by
 /// n Gauss-Legendre nodes is off by (n!)^4 h^(2n) / ((2n + 1) ((2n)!)^3) times its derivative of order 2n,
-/// which is (n + 1) q^n (2n)! at the peak. Both axes together are within 0.0023 of the peak up to h = 0.4, 0.75,
-/// 1.04 and 1.27 lobes for 2, 3, 4 and 5 nodes; the poles of GGX demand fewer for each further lobe.
+/// which is (n + 1) q^n (2n)! at the peak. Both axes together are within 0.0023 of the peak up to h = 0.4,
+/// 0.75, 1.04 and 1.27 lobes for 2, 3, 4 and 5 nodes; GGX demands fewer for each further lobe.
 fn nodes(share: f64) -> u32 {
     let extent = extent(share);
     if extent < NEGLIGIBLE_EXTENT {
