@@ -11,6 +11,7 @@ use crate::direct::scene::{NEAREST, scene};
 use crate::gpu::device::context::is_hardware;
 use crate::gpu::device::readback;
 use crate::gpu::device::timer::Timer;
+use crate::gpu::direct::unwrap::{Remedy, Unwrap, UnwrapFrame};
 use crate::gpu::direct::{Direct, DirectFrame, DirectMesh, DirectTarget, Method, Overlap};
 use crate::gpu::reparameterise::Reparameterise;
 use crate::gpu::{Context, OemPlanes, Stage, block_on};
@@ -23,6 +24,9 @@ use std::time::Instant;
 const QUADRATIC: DirectMap = DirectMap::Octahedral { size: 512 };
 const RECTANGULAR: DirectMap = DirectMap::Rectangular { size: 362 };
 const CUBE: DirectMap = DirectMap::Cube { size: 209 };
+
+/// The same number for tennis-ball maps.
+const TENNIS_BALL: DirectMap = DirectMap::TennisBall { size: 209 };
 
 /// Frames per second of the paper's cube.
 const PAPER_CUBE: f64 = 250.0;
@@ -45,7 +49,7 @@ struct Bench {
 #[derive(Serialize)]
 struct Row {
     method: &'static str,
-    /// Of the octahedral map: `quadratic` or `rectangular`; or `cube`.
+    /// Of the octahedral map: `quadratic` or `rectangular`; or `cube` or `tennis ball`.
     layout: &'static str,
     pixels: u32,
     /// Triangles of all draws, or pieces of triangles.
@@ -56,7 +60,7 @@ struct Row {
     /// Time relative to the cube's, drawn with lists of triangles and without.
     over_cube: f64,
     over_whole_cube: f64,
-    /// Share of pixels that differ from those of `octants` in the same layout by more than a 64th.
+    /// Share of pixels that differ by more than a 64th from those of the first method in the same layout.
     differing: Option<f64>,
     /// The row of Table 1, its frames per second, and its time relative to the paper's cube.
     paper: Option<&'static str>,
@@ -71,12 +75,18 @@ type Picture = Vec<[u16; 4]>;
 struct Way {
     name: &'static str,
     map: DirectMap,
-    frame: DirectFrame,
+    frame: Frame,
     /// Cube to octahedral map.
     then: Option<Stage>,
     paper: Option<(&'static str, f64)>,
     seconds: Vec<f64>,
     list_seconds: Vec<f64>,
+}
+
+/// Draws into a map: projected triangles, or unwrapped ones.
+enum Frame {
+    Direct(DirectFrame),
+    Unwrap(UnwrapFrame),
 }
 
 /// Timestamps if the adapter has them.
@@ -93,17 +103,23 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     // Half floats, as renderers have them.
     let format = wgpu::TextureFormat::Rgba16Float;
     let direct = Direct::new(context, format, Overlap::Nearest)?;
-    let [square, rectangle, cube] =
-        [QUADRATIC, RECTANGULAR, CUBE].map(|map| DirectTarget::new(context, map, format));
-    let (square, rectangle, cube) = (&square?, &rectangle?, &cube?);
+    let unwrap = Unwrap::new(context, format)?;
+    let [square, rectangle, cube, ball] =
+        [QUADRATIC, RECTANGULAR, CUBE, TENNIS_BALL].map(|map| DirectTarget::new(context, map, format));
+    let (square, rectangle, cube, ball) = (&square?, &rectangle?, &cube?, &ball?);
     let planes = OemPlanes::new(context, OemSize { inner: QUADRATIC.size(), border: 0 })?;
     let layout = Layout::Cube { size: CUBE.size() };
     let reparameterise = Reparameterise::new(context).stage(context, layout, cube.colour(), &planes)?;
 
     let way = |name, target: &DirectTarget, method, then, paper| -> Outcome<Way> {
-        let frame = direct.frame(method, &mesh, target, NEAREST)?;
+        let frame = Frame::Direct(direct.frame(method, &mesh, target, NEAREST)?);
         let (map, seconds, list_seconds) = (target.map(), Vec::new(), Vec::new());
         Ok(Way { name, map, frame, then, paper, seconds, list_seconds })
+    };
+    let unwrapped = |name, remedy| -> Outcome<Way> {
+        let frame = Frame::Unwrap(unwrap.frame(remedy, &mesh, ball, NEAREST)?);
+        let (seconds, list_seconds) = (Vec::new(), Vec::new());
+        Ok(Way { name, map: TENNIS_BALL, frame, then: None, paper: None, seconds, list_seconds })
     };
     let mut ways = vec![
         way("octants", square, Method::Octants, None, None)?,
@@ -116,6 +132,10 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         way("cube", cube, Method::Cube, None, None)?,
         way("whole cube", cube, Method::WholeCube, None, Some(("Cube Map", PAPER_CUBE)))?,
         way("cube, reparameterised", cube, Method::Cube, Some(reparameterise), None)?,
+        unwrapped("unwrapped, dropped", Remedy::Drop)?,
+        unwrapped("unwrapped, one side", Remedy::OneSide)?,
+        unwrapped("unwrapped, alpha", Remedy::Alpha)?,
+        unwrapped("unwrapped, kept", Remedy::Keep)?,
     ];
     let clock = Timer::new(context, PASSES).map_or(Clock::Wall, Clock::Timestamps);
     // In turn, so that other load on the machine meets all ways; the first turn warms up.
@@ -137,9 +157,10 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         let target = match way.map {
             QUADRATIC => square,
             RECTANGULAR => rectangle,
+            TENNIS_BALL => ball,
             _ => return Ok(None),
         };
-        context.submit(|encoder| way.frame.record(encoder));
+        context.submit(|encoder| way.frame.record_timed(encoder, None));
         Ok(Some(block_on(Some(context), readback::read_texture(context, target.colour()))??))
     };
     // The first method of each layout.
@@ -150,17 +171,18 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
             exact = Some((way.map, own.clone()));
         }
         let differing = own.as_ref().zip(exact.as_ref()).map(|(own, (_, exact))| differing(exact, own));
-        let drawn = block_on(Some(context), way.frame.triangles(context))??;
+        let drawn = way.frame.triangles(context)?;
         let time = timing(way.seconds.clone());
         Ok(Row {
             method: way.name,
             layout: match way.map {
                 QUADRATIC => "quadratic",
                 RECTANGULAR => "rectangular",
+                TENNIS_BALL => "tennis ball",
                 _ => "cube",
             },
             pixels: way.map.pixels(),
-            drawn: drawn.into_iter().map(u64::from).sum(),
+            drawn,
             time,
             list: (!way.list_seconds.is_empty()).then(|| timing(way.list_seconds.clone())),
             over_cube: time.median_seconds / over_cube,
@@ -195,6 +217,39 @@ fn differing(exact: &[[u16; 4]], other: &[[u16; 4]]) -> f64 {
         a.iter().zip(*b).any(|(a, b)| (number(*a) - number(*b)).abs() > 1.0 / 64.0)
     };
     exact.iter().zip(other).filter(differs).count() as f64 / exact.len() as f64
+}
+
+impl Frame {
+    const fn has_list(&self) -> bool {
+        match self {
+            Self::Direct(frame) => frame.has_list(),
+            Self::Unwrap(_) => false,
+        }
+    }
+
+    fn passes(&self) -> u32 {
+        match self {
+            Self::Direct(frame) => frame.passes(),
+            Self::Unwrap(_) => 1,
+        }
+    }
+
+    fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+        match self {
+            Self::Direct(frame) => frame.record_timed(encoder, timer),
+            Self::Unwrap(frame) => frame.record_timed(encoder, timer),
+        }
+    }
+
+    /// Triangles of all draws.
+    fn triangles(&self, context: &Context) -> Outcome<u64> {
+        Ok(match self {
+            Self::Direct(frame) => {
+                block_on(Some(context), frame.triangles(context))??.into_iter().map(u64::from).sum()
+            }
+            Self::Unwrap(frame) => u64::from(frame.triangles()),
+        })
+    }
 }
 
 impl Clock {

@@ -11,6 +11,7 @@ use crate::direct::{DirectMap, check_near};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
+use crate::gpu::device::timer::Timer;
 
 /// What becomes of triangles across the half circle phi = pi, where unwrapping tears them: section 3.2. It
 /// lies in the other panel; corners are at least pi / 4 away from a panel's rectangle if triangles span less
@@ -137,7 +138,18 @@ impl Unwrap {
 impl UnwrapFrame {
     /// Records the pass into `encoder`. The target is cleared to 0.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = cleared(encoder, &self.colour, Some(&self.depth), None);
+        self.record_timed(encoder, None);
+    }
+
+    /// Triangles of both draws.
+    pub(crate) const fn triangles(&self) -> u32 {
+        2 * (self.corners / 3)
+    }
+
+    /// The same as [`UnwrapFrame::record`], with the times of the pass written to the first slot of `timer`.
+    pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+        let writes = timer.map(|timer| timer.render_writes(0));
+        let mut pass = cleared(encoder, &self.colour, Some(&self.depth), writes);
         pass.set_pipeline(&self.pipeline);
         for (panel, group) in (0..).zip(&self.groups) {
             // Primitives are clipped to the viewport.

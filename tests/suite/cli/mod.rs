@@ -661,6 +661,13 @@ fn bench_of_drawing_prints_json() {
         assert!((104_993..115_000).contains(&drawn(name)), "{name}: {}", drawn(name));
     }
     assert_eq!((drawn("clip mask"), drawn("whole cube")), (8 * 104_992, 6 * 104_992));
+    // All remedies give one picture, which is torn without them.
+    for name in ["unwrapped, dropped", "unwrapped, one side", "unwrapped, alpha"] {
+        assert_eq!((row(name)["layout"].as_str(), drawn(name)), (Some("tennis ball"), 2 * 104_992));
+        assert_eq!((&row(name)["differing"], &row(name)["pixels"]), (&0.0.into(), &262_086.into()));
+    }
+    let kept = row("unwrapped, kept")["differing"].as_f64().expect("a number");
+    assert!(kept > 0.1, "{kept}");
 }
 
 #[test]
