@@ -33,6 +33,8 @@ struct Lobe {
     shape: u32,
     first: f32,
     second: f32,
+    third: f32,
+    fourth: f32,
     // Greatest expected error of a leaf, divided by the mean luminance.
     tolerance_per_mean: f32,
     // Share of this part in the whole lobe; the same divided by the kernel's integral.
@@ -65,8 +67,6 @@ struct Lobe {
     shift_y: u32,
     // Finest cells along an edge.
     cells: u32,
-    pad_0: u32,
-    pad_1: u32,
     // Per level: first quad, and quads along an edge.
     levels: array<vec4<u32>, LEVELS>,
 }
@@ -166,7 +166,7 @@ fn get_leaf(at: u32) -> Leaf {
 }
 
 fn kernel() -> Kernel {
-    return Kernel(lobe.shape, lobe.first, lobe.second);
+    return Kernel(lobe.shape, lobe.first, lobe.second, lobe.third, lobe.fourth);
 }
 
 // One cell as a leaf, with the expected error of not splitting it.
@@ -418,8 +418,8 @@ fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {
     let mean = interval(kernel(), squared, trace, along, leaf.radius);
     let luminance = dot(leaf.energy, LUMINANCE);
     (*sums).radiance += mean.estimate * leaf.energy;
-    (*sums).above += (mean.greatest - mean.estimate) * luminance + leaf.slack;
-    (*sums).below += (mean.estimate - mean.least) * luminance + leaf.slack;
+    (*sums).above += (mean.greatest - mean.estimate + mean.rounding) * luminance + leaf.slack;
+    (*sums).below += (mean.estimate - mean.least + mean.rounding) * luminance + leaf.slack;
     let distance = sqrt(squared);
     if distance + leaf.radius > 0.999 && distance - leaf.radius < 1.415 {
         (*sums).grazing += luminance;

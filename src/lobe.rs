@@ -2,7 +2,7 @@
 //! s = sin^2(theta/2) = |l - R|^2 / 4, which float32 resolves near the peak where cos(theta) does not.
 
 pub mod kernel;
-mod profiles;
+pub(crate) mod profiles;
 pub(crate) mod radial;
 
 use std::f64::consts::PI;

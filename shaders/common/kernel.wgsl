@@ -1,5 +1,6 @@
 // Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy. Derived in src/lobe/radial.rs and
 // src/cpu/adaptive.rs.
+#include "common/charlie.wgsl"
 
 const SHAPE_GGX = 0u;
 const SHAPE_PHONG = 1u;
@@ -9,14 +10,17 @@ const SHAPE_COSINE = 4u;
 
 struct Kernel {
     shape: u32,
-    // Peak of GGX, exponent of Phong, edge of the cone.
+    // Peak of GGX, exponent of Phong, edge of the cone, power of Charlie.
     first: f32,
-    // Steepness of GGX.
+    // Steepness of GGX, greatest value of Charlie.
     second: f32,
+    // Where the slope of Charlie's bend vanishes, and the bend there.
+    third: f32,
+    fourth: f32,
 }
 
 fn is_smooth(kernel: Kernel) -> bool {
-    return kernel.shape == SHAPE_GGX || kernel.shape == SHAPE_PHONG || kernel.shape == SHAPE_COSINE;
+    return SHEEN || kernel.shape == SHAPE_GGX || kernel.shape == SHAPE_PHONG || kernel.shape == SHAPE_COSINE;
 }
 
 // ln(1 + x) for -1 < x <= 0. WGSL's log is in error by 2^-21 near 1.
@@ -57,6 +61,9 @@ fn value(kernel: Kernel, s: f32) -> f32 {
 
 // k' in front of the horizon; 0 for lobes that are not smooth.
 fn slope(kernel: Kernel, s: f32) -> f32 {
+    if SHEEN {
+        return charlie_slope(kernel, s);
+    }
     switch kernel.shape {
         case SHAPE_GGX: {
             let w = 1.0 / (1.0 + kernel.second * s);
@@ -92,7 +99,8 @@ fn curvature(kernel: Kernel, s: f32) -> f32 {
     }
 }
 
-// Greatest |dk/ds| from s = 1/4 to the horizon, for lobes that are smooth there.
+// Greatest |dk/ds| from s = 1/4 to the horizon, for lobes that are smooth there; Charlie's intervals state
+// their own rounding.
 fn grazing_slope(kernel: Kernel) -> f32 {
     switch kernel.shape {
         case SHAPE_GGX: {
@@ -129,6 +137,9 @@ fn kink(kernel: Kernel) -> f32 {
 
 // Length scale of k around s; 0 where k is not smooth.
 fn scale(kernel: Kernel, s: f32) -> f32 {
+    if SHEEN {
+        return 2.88 * s / (1.0 + kernel.first);
+    }
     switch kernel.shape {
         case SHAPE_GGX: {
             return s + 1.0 / max(kernel.second, 1e-6);
@@ -145,9 +156,21 @@ fn scale(kernel: Kernel, s: f32) -> f32 {
     }
 }
 
+// |k'''|/24 around `s`, where k is `value`, times the third moment `variance` times `reach`.
+fn third_order(kernel: Kernel, s: f32, value: f32, variance: f32, reach: f32) -> f32 {
+    if SHEEN {
+        return charlie_third(kernel, s) * variance * reach;
+    }
+    let length_scale = scale(kernel, s);
+    return value * variance * (reach / length_scale) / (length_scale * length_scale);
+}
+
 fn worst_distance(kernel: Kernel, near: f32, far: f32) -> f32 {
     if kernel.shape == SHAPE_GGX {
         return clamp(1.2 / sqrt(kernel.second + 1.0), near, far);
+    }
+    if SHEEN {
+        return charlie_worst_distance(kernel, near, far);
     }
     return near;
 }
@@ -156,9 +179,14 @@ struct Interval {
     least: f32,
     greatest: f32,
     estimate: f32,
+    // Effect of an error of s, where `grazing_slope` does not count it.
+    rounding: f32,
 }
 
 fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -> Interval {
+    if SHEEN {
+        return charlie_interval(kernel, squared, trace, along, radius);
+    }
     let distance = sqrt(squared);
     let near = max(distance - radius, 0.0);
     let far = distance + radius;
@@ -167,7 +195,7 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let s = 0.25 * (squared + trace);
     let at_mean = value(kernel, s);
     if !is_smooth(kernel) {
-        return Interval(value(kernel, high), value(kernel, low), at_mean);
+        return Interval(value(kernel, high), value(kernel, low), at_mean, 0.0);
     }
     // s - low and high - s, computed without cancellation.
     let down = select(s, 0.25 * (radius * (2.0 * distance - radius) + trace), distance > radius);
@@ -205,7 +233,7 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let half_width = 0.866 * tangential;
     let across = max(half_width - abs(before), 0.0);
     let gain = bend * across * across / max(4.0 * half_width, 1e-6);
-    return Interval(least, greatest, min(max(at_mean + second_order + gain, least), greatest));
+    return Interval(least, greatest, min(max(at_mean + second_order + gain, least), greatest), 0.0);
 }
 
 // Hinge at the horizon: slope -`bend` in front of it, 0 beyond.
@@ -215,9 +243,14 @@ fn hinge(bend: f32, s: f32) -> f32 {
 
 // Variation of k from `distance` - `radius` to `distance` + `radius`.
 fn spread_around(kernel: Kernel, distance: f32, radius: f32) -> f32 {
-    let low = max(distance - radius, 0.0);
-    let high = distance + radius;
-    return value(kernel, 0.25 * low * low) - value(kernel, min(0.25 * high * high, 1.0));
+    let near = max(distance - radius, 0.0);
+    let far = distance + radius;
+    let low = 0.25 * near * near;
+    let high = min(0.25 * far * far, 1.0);
+    if SHEEN {
+        return charlie_spread(kernel, low, high);
+    }
+    return value(kernel, low) - value(kernel, high);
 }
 
 // The greatest such variation of a lobe that is not smooth, at distances from `near` to `far`. A cone has one
@@ -244,17 +277,16 @@ fn expected_error(kernel: Kernel, distance: f32, radius: f32, packet: f32, trace
     let along = 0.6 * trace * worst * worst;
     let here = interval(kernel, worst * worst, trace, along, radius);
     let s = 0.25 * (worst * worst + trace);
-    let length_scale = scale(kernel, s);
     let reach = 0.25 * radius * (2.0 * worst + radius);
-    if reach >= 0.5 * length_scale {
-        return 0.25 * (here.greatest - here.least);
-    }
-    let relative = reach / length_scale;
-    let third = here.estimate * 0.25 * (along + 0.25 * trace * radius * radius) * relative
-        / (length_scale * length_scale);
     let near = max(distance - packet - radius, 0.0);
     let far = distance + packet + radius;
     let over = max(min(0.25 * far * far - 0.5, 0.5 - 0.25 * near * near), 0.0);
+    // Charlie's error from the kink is not estimated separately.
+    if reach >= 0.5 * scale(kernel, s) || (SHEEN && over > 0.0) {
+        return 0.25 * (here.greatest - here.least);
+    }
+    let squares = 0.25 * (along + 0.25 * trace * radius * radius);
+    let third = third_order(kernel, s, here.estimate, squares, reach);
     let variance = 0.25 * trace * distance * distance;
     let apart = max(abs(0.5 - 0.25 * (distance * distance + trace)) - 0.5 * distance * packet, 0.0);
     let bent = kink(kernel) * min(0.5 * variance / max(sqrt(variance + apart * apart) + apart, 1e-12), over);
@@ -263,7 +295,5 @@ fn expected_error(kernel: Kernel, distance: f32, radius: f32, packet: f32, trace
 
 // Width of the interval for cells whose centroid is not known exactly.
 fn first_order_width(kernel: Kernel, distance: f32, radius: f32, packet: f32) -> f32 {
-    let near = max(distance - radius - packet, 0.0);
-    let far = distance + radius + packet;
-    return value(kernel, 0.25 * near * near) - value(kernel, min(0.25 * far * far, 1.0));
+    return spread_around(kernel, distance, radius + packet);
 }

@@ -187,7 +187,7 @@ pub(super) struct BakeArgs {
     /// ggx, phong, cone, cosine or charlie
     ///
     /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
-    /// towards the horizon; it has no mirror, clamps roughness to at least 0.125, and runs on the CPU only.
+    /// towards the horizon; it has no mirror and clamps roughness to at least 0.125.
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: Lobe,
     /// adaptive:E, fitted:K, box or reference

@@ -8,7 +8,7 @@ use crate::cpu::leaves::LANES;
 use crate::error::{Error, Result};
 use crate::filter::Answer;
 use crate::geometry::source_texels::SourceGrid;
-use crate::lobe::kernel::Kernel;
+use crate::lobe::kernel::{Kernel, shape};
 use glam::DVec3;
 
 /// Invocations of a workgroup.
@@ -30,6 +30,8 @@ pub struct Lobe {
     shape: u32,
     first: f32,
     second: f32,
+    third: f32,
+    fourth: f32,
     tolerance_per_mean: f32,
     share: f32,
     per_integral: f32,
@@ -49,8 +51,6 @@ pub struct Lobe {
     shift_x: u32,
     shift_y: u32,
     cells: u32,
-    pad_0: u32,
-    pad_1: u32,
     levels: [[u32; 4]; LEVELS],
 }
 
@@ -69,6 +69,8 @@ shader::members!(Lobe {
     shape,
     first,
     second,
+    third,
+    fourth,
     tolerance_per_mean,
     share,
     per_integral,
@@ -88,8 +90,6 @@ shader::members!(Lobe {
     shift_x,
     shift_y,
     cells,
-    pad_0,
-    pad_1,
     levels,
 });
 shader::members!(Packet { axis, radius, x, y, z });
@@ -134,7 +134,7 @@ pub struct LobePart<'a> {
 impl LobePart<'_> {
     fn uniform(&self, count: u32, add: bool) -> Lobe {
         let Self { cells, kernel, error, share } = *self;
-        let (shape, first, second) = kernel.parameters();
+        let (shape, [first, second, third, fourth]) = kernel.parameters();
         let mut levels = [[0; 4]; LEVELS];
         for (level, [first, width]) in levels.iter_mut().zip(&cells.levels) {
             *level = [*first, *width, 0, 0];
@@ -146,6 +146,8 @@ impl LobePart<'_> {
             shape,
             first,
             second,
+            third,
+            fourth,
             tolerance_per_mean: kernel.tolerance_per_mean(error) as f32,
             share: share as f32,
             per_integral: per_integral as f32,
@@ -169,17 +171,18 @@ impl LobePart<'_> {
             shift_x,
             shift_y,
             cells: cells.inner.div_ceil(cells.block),
-            pad_0: 0,
-            pad_1: 0,
             levels,
         }
     }
 }
 
-/// The pipeline of the stage.
+/// The pipelines of the stage.
 #[derive(Clone, Debug)]
 pub struct Adaptive {
+    /// For every lobe but Charlie.
     pipeline: wgpu::ComputePipeline,
+    /// For Charlie.
+    sheen: wgpu::ComputePipeline,
 }
 
 /// Packets on the GPU and the buffers for their answers.
@@ -231,7 +234,8 @@ impl Adaptive {
     #[must_use]
     pub fn new(context: &Context) -> Self {
         let module = shader::module(context, "adaptive.wgsl");
-        Self { pipeline: shader::pipeline(context, &module, "adaptive", &[]) }
+        let pipeline = |sheen| shader::pipeline(context, &module, "adaptive", &[("SHEEN", sheen)]);
+        Self { pipeline: pipeline(0.0), sheen: pipeline(1.0) }
     }
 
     /// Stage that evaluates the lobe made of `parts` (one or two) around the directions of `packets`.
@@ -243,10 +247,11 @@ impl Adaptive {
         assert!((1..=2).contains(&parts.len()), "one or two parts");
         let Packets { count, packets, results, leaves } = packets;
         let dispatches = parts.iter().zip(leaves).enumerate().map(|(index, (part, leaves))| {
-            let uniform = context.uniform("lobe", &part.uniform(*count, index > 0));
+            let lobe = part.uniform(*count, index > 0);
+            let uniform = context.uniform("lobe", &lobe);
             Dispatch::new(
                 context,
-                &self.pipeline,
+                if lobe.shape == shape::CHARLIE { &self.sheen } else { &self.pipeline },
                 &[
                     (0, uniform.as_entire_binding()),
                     (1, part.cells.least.as_entire_binding()),

@@ -90,8 +90,8 @@ impl Engine {
     /// Bakes `environment` as [`crate::bake::bake`] does.
     ///
     /// # Errors
-    /// Those of the CPU engine, [`Error::Unsupported`] for lobes and filters that the shaders do not support,
-    /// and [`Error::Gpu`].
+    /// Those of the CPU engine, [`Error::Unsupported`] for filters that run on the CPU only, and
+    /// [`Error::Gpu`].
     pub async fn bake(&self, environment: &Environment, settings: &BakeSettings) -> Result<Bake> {
         let mut bakes = self.bake_all(environment, std::slice::from_ref(settings), &bake::unwatched).await?;
         Ok(bakes.pop().expect("one bake for one settings"))
@@ -110,7 +110,6 @@ impl Engine {
         let job = Job::new(environment, settings)?;
         let reflector_settings = job.reflector_settings();
         for level in job.levels() {
-            check_lobe(level.lobe)?;
             self.check_fits(environment, &reflector_settings, level.filter)?;
         }
         let reflector = GpuReflector::new(self, environment, &reflector_settings)?;
@@ -308,8 +307,8 @@ impl<'a> GpuReflector<'a> {
     /// Answers to `directions` (unit vectors in world space), evaluated one by one.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for invalid parameters, [`Error::Unsupported`] for lobes and filters that run on
-    /// the CPU only, [`Error::Limit`] if a table does not fit, and [`Error::Gpu`].
+    /// [`Error::Parameter`] for invalid parameters, [`Error::Unsupported`] for filters that run on the CPU
+    /// only, [`Error::Limit`] if a table does not fit, and [`Error::Gpu`].
     pub async fn query(
         &self,
         directions: &[DVec3],
@@ -350,7 +349,6 @@ impl<'a> GpuReflector<'a> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
-        check_lobe(lobe)?;
         filter.check(lobe, Some(self.planes.size().inner))?;
         let Engine { context, box_filter, fitted, adaptive, .. } = self.engine;
         let source_from_world = self.environment.source_from_world();
@@ -476,14 +474,6 @@ impl bake::Engine for GpuReflector<'_> {
 /// Whether `lobe` is too sharp for float32 directions; the CPU then evaluates it.
 fn is_near_mirror(lobe: Lobe, alpha: f64) -> bool {
     lobe.has_mirror() && alpha < SHARPEST_ALPHA
-}
-
-/// Checks that the shaders support `lobe`.
-fn check_lobe(lobe: Lobe) -> Result<()> {
-    match lobe {
-        Lobe::Charlie => Err(unsupported("the Charlie lobe")),
-        Lobe::Ggx | Lobe::Phong | Lobe::Cone | Lobe::Cosine => Ok(()),
-    }
 }
 
 fn unsupported(what: &str) -> Error {

@@ -13,6 +13,7 @@ use crate::cpu::subtexel::SMOOTH_SIDE;
 use crate::environment::LUMINANCE;
 use crate::geometry::source_texels::{CUBE, PANORAMA};
 use crate::lobe::kernel::shape;
+use crate::lobe::profiles::NOTHING;
 use crate::realtime::emitters::{COUNT, GRID};
 use crate::realtime::tables::{KNOTS, OCTAVES, triangle};
 
@@ -45,6 +46,7 @@ pub fn constants() -> Vec<Constant> {
         one("cells.wgsl", "EDGE", cells::EDGE),
         float("cells.wgsl", "FAINT", f64::from(FAINT)),
         float("cells.wgsl", "RESIDUE", f64::from(RESIDUE)),
+        float("common/charlie.wgsl", "NOTHING", f64::from(NOTHING)),
         one("common/fitted.wgsl", "FIRST_OCTAVE", *OCTAVES.start()),
         float("common/fitted.wgsl", "FIRST_KNOT", KNOTS[0]),
         float("common/fitted.wgsl", "KNOT_STEP", KNOTS[1] - KNOTS[0]),

@@ -35,6 +35,8 @@ pub(crate) mod shape {
     pub(crate) const WIDE_PHONG: u32 = 2;
     pub(crate) const CONE: u32 = 3;
     pub(crate) const COSINE: u32 = 4;
+    /// Not a number there: Charlie has a pipeline of its own.
+    pub(crate) const CHARLIE: u32 = 5;
 }
 
 /// Evaluates `$body` with `$radial` bound to the kernel that `$shape` holds.
@@ -110,14 +112,16 @@ impl Kernel {
 
     /// Number and parameters of the shape in `shaders/common/kernel.wgsl`.
     #[cfg(feature = "gpu")]
-    pub(crate) fn parameters(&self) -> (u32, f32, f32) {
+    pub(crate) fn parameters(&self) -> (u32, [f32; 4]) {
         match self.shape {
-            KernelShape::Ggx(Ggx { peak, steep }) => (shape::GGX, peak, steep),
-            KernelShape::Phong(Phong { exponent }) => (shape::PHONG, exponent, 0.0),
-            KernelShape::WidePhong(WidePhong { exponent }) => (shape::WIDE_PHONG, exponent, 0.0),
-            KernelShape::Cone(Cone { edge }) => (shape::CONE, edge, 0.0),
-            KernelShape::Cosine(Cosine) => (shape::COSINE, 0.0, 0.0),
-            KernelShape::Charlie(_) => unreachable!("the engine refuses it"),
+            KernelShape::Ggx(Ggx { peak, steep }) => (shape::GGX, [peak, steep, 0.0, 0.0]),
+            KernelShape::Phong(Phong { exponent }) => (shape::PHONG, [exponent, 0.0, 0.0, 0.0]),
+            KernelShape::WidePhong(WidePhong { exponent }) => (shape::WIDE_PHONG, [exponent, 0.0, 0.0, 0.0]),
+            KernelShape::Cone(Cone { edge }) => (shape::CONE, [edge, 0.0, 0.0, 0.0]),
+            KernelShape::Cosine(Cosine) => (shape::COSINE, [0.0; 4]),
+            KernelShape::Charlie(Charlie { power, crest, turn, turning }) => {
+                (shape::CHARLIE, [power, crest, turn, turning])
+            }
         }
     }
 

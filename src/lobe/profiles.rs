@@ -157,16 +157,16 @@ impl Radial for Cosine {
 /// (2 s)^p (1 - 2 s), p at least 1/2: rises to s = p/(2 p + 2) and falls to the horizon.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Charlie {
-    power: f32,
+    pub(super) power: f32,
     /// k at its peak.
-    crest: f32,
+    pub(super) crest: f32,
     /// x = 2 s where the slope of the bend vanishes, below 0 if it does nowhere, and the bend there.
-    turn: f32,
-    turning: f32,
+    pub(super) turn: f32,
+    pub(super) turning: f32,
 }
 
 /// Value lost where x^p is below the range of [`power`].
-const NOTHING: f32 = 1e-30;
+pub(crate) const NOTHING: f32 = 1e-30;
 
 impl Charlie {
     /// With exponent `power`.

@@ -28,6 +28,7 @@ pub(crate) use members;
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
     "common/atlas.wgsl",
+    "common/charlie.wgsl",
     "common/direct.wgsl",
     "common/direct_view.wgsl",
     "common/fitted.wgsl",

@@ -115,20 +115,27 @@ impl Examination {
         Self { scene, spread, questions }
     }
 
-    /// Returns questions about one texel, and an OEM to serve in which it is brighter by ten times the mean.
-    pub(crate) fn with_wrong_texel(random: &mut Random) -> (Self, Oem) {
+    /// Returns questions about `lobe` with its peak at one texel, and an OEM to serve in which this texel is
+    /// brighter by `times` the mean.
+    pub(crate) fn with_wrong_texel(random: &mut Random, lobe: Lobe, times: f64) -> (Self, Oem) {
         let scene = Scene::new(random, 32);
         let mut square = scene.oem.texels().to_vec();
         let k = random.below(32 * 32);
         let [r, g, b, w] = square[k as usize];
-        let more = w * (10.0 * scene.oem.totals()[1] / (4.0 * std::f64::consts::PI)) as f32;
+        let more = w * (times * scene.oem.totals()[1] / (4.0 * std::f64::consts::PI)) as f32;
         square[k as usize] = [r + more, g + more, b + more, w];
         let wrong = Oem::from_square(scene.oem.size(), square);
-        let direction = octahedral::direction_from_oct(octahedral::texel_centre(32, k % 32, k / 32));
+        let texel = octahedral::direction_from_oct(octahedral::texel_centre(32, k % 32, k / 32));
         let oracle = OemOracle::new(&scene.oem);
-        let questions = [0.1, 0.3].map(|roughness| {
-            let question =
-                Question { directions: vec![direction], lane: 0, lobe: Lobe::Ggx, roughness, error: 0.001 };
+        let questions = [0.1, 0.3].map(|roughness: f64| {
+            // Charlie's greatest value lies where 1 - cos(theta) = p/(p + 1), with p = 1/(2 alpha).
+            let direction = if lobe == Lobe::Charlie {
+                let cosine = 1.0 - 1.0 / (1.0 + 2.0 * roughness.max(0.125).powi(2));
+                cosine * texel + (1.0 - cosine * cosine).sqrt() * texel.any_orthonormal_vector()
+            } else {
+                texel
+            };
+            let question = Question { directions: vec![direction], lane: 0, lobe, roughness, error: 0.001 };
             let truth = truth(&oracle, &question, 1.0);
             (question, truth)
         });
@@ -265,7 +272,7 @@ fn one_wrong_texel_breaks_a_bound() {
     let mut random = Random::new(31);
     let (mut broken, mut compared) = (0, 0);
     for _ in 0..20 {
-        let (examination, wrong) = Examination::with_wrong_texel(&mut random);
+        let (examination, wrong) = Examination::with_wrong_texel(&mut random, Lobe::Ggx, 10.0);
         let cells = Cells::new(&wrong, 1, examination.spread);
         for (question, truth) in &examination.questions {
             broken += usize::from(!outcome(&examination.scene, &cells, question, *truth).holds());

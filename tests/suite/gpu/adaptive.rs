@@ -3,7 +3,7 @@
 
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::{Examination, FURNACE, Outcome, Question, judge, luminance};
-use crate::support::common::{Random, environment, landmarks, oem};
+use crate::support::common::{Random, environment, landmarks, oem, sweep};
 use glam::DVec3;
 use octagloss::Layout;
 use octagloss::internals::cpu::adaptive::Adaptive;
@@ -44,8 +44,15 @@ fn evaluate(
     wait(context, passes.adaptive.evaluate(context, &parts, packets))
 }
 
-fn examinations(seed: u64, scenes: u64, questions: usize, size: fn(&mut Random) -> u32) -> Vec<Examination> {
-    (0..scenes).into_par_iter().map(|index| Examination::new(None, seed, index, questions, size)).collect()
+/// Draws the examinations of `seed`, with `lobe` or any lobe.
+fn examinations(
+    lobe: Option<Lobe>,
+    seed: u64,
+    scenes: u64,
+    questions: usize,
+    size: fn(&mut Random) -> u32,
+) -> Vec<Examination> {
+    (0..scenes).into_par_iter().map(|index| Examination::new(lobe, seed, index, questions, size)).collect()
 }
 
 /// Runs the questions of `examination` on the GPU, over the OEM `served`.
@@ -73,23 +80,41 @@ fn judge_bounds(name: &str, examinations: &[Examination]) {
 
 #[test]
 fn certified_bounds_hold() {
-    judge_bounds("bounds", &examinations(1000, 40, 20, |random| 32 + random.below(65)));
+    judge_bounds("bounds", &examinations(None, 1000, 40, 20, |random| 32 + random.below(65)));
 }
 
 #[test]
 fn certified_bounds_hold_for_tiny_oems() {
-    judge_bounds("bounds of tiny OEMs", &examinations(3000, 40, 8, |random| 1 + random.below(9)));
+    judge_bounds("bounds of tiny OEMs", &examinations(None, 3000, 40, 8, |random| 1 + random.below(9)));
+}
+
+#[test]
+fn certified_bounds_of_sheen_hold() {
+    let scenes = sweep(20, 60);
+    let sizes = |random: &mut Random| 16 + random.below(33);
+    judge_bounds("bounds of sheen", &examinations(Some(Lobe::Charlie), 5000, scenes, 6, sizes));
+}
+
+#[test]
+fn certified_bounds_of_sheen_hold_for_tiny_oems() {
+    let scenes = sweep(20, 60);
+    let sizes = |random: &mut Random| 1 + random.below(9);
+    judge_bounds("bounds of sheen, tiny OEMs", &examinations(Some(Lobe::Charlie), 4000, scenes, 6, sizes));
 }
 
 #[test]
 fn one_wrong_texel_breaks_a_bound() {
     let mut random = Random::new(71);
-    let cases: Vec<_> = (0..10).map(|_| Examination::with_wrong_texel(&mut random)).collect();
-    with_passes("one wrong texel", |context, passes| {
-        let outcomes = cases.iter().flat_map(|(case, wrong)| outcomes(context, passes, case, wrong));
-        let broken = outcomes.filter(|outcome| !outcome.holds()).count();
-        assert!(broken >= 18, "only {broken} of 20 comparisons failed");
-    });
+    // Charlie's band takes many more leaves, and their bounds add.
+    for (lobe, times) in [(Lobe::Ggx, 10.0), (Lobe::Charlie, 300.0)] {
+        let cases: Vec<_> =
+            (0..10).map(|_| Examination::with_wrong_texel(&mut random, lobe, times)).collect();
+        with_passes("one wrong texel", |context, passes| {
+            let outcomes = cases.iter().flat_map(|(case, wrong)| outcomes(context, passes, case, wrong));
+            let broken = outcomes.filter(|outcome| !outcome.holds()).count();
+            assert!(broken >= 18, "{lobe:?}: only {broken} of 20 comparisons failed");
+        });
+    }
 }
 
 /// Largest difference between the engines' sums over the same `leaves`, relative to the sum: the rounding
@@ -97,6 +122,15 @@ fn one_wrong_texel_breaks_a_bound() {
 /// the kernel changes.
 fn rounding(width: f64, leaves: usize) -> f64 {
     (10.0 / width + 160.0 + 2.0 * leaves as f64) * UNIT
+}
+
+/// The width of a lobe for [`rounding`]; Charlie's is 1/12 of the reciprocal of its power 1/(2 alpha).
+fn width(lobe: Lobe, roughness: f64) -> f64 {
+    match lobe {
+        Lobe::Cosine => 1.0,
+        Lobe::Charlie => roughness * roughness / 6.0,
+        _ => roughness * roughness,
+    }
 }
 
 /// Returns the texel directions of one cube level in tiles of sixteen.
@@ -125,7 +159,7 @@ fn synthetic(inner: u32) -> Vec<(&'static str, Oem)> {
 /// The lobes of a bake, and sharper and other ones. Discontinuous lobes (cones, the widest Phong lobes) are
 /// left to the certified bounds: they may differ by a whole leaf where a step lies within rounding of its
 /// centroid.
-const LOBES: [(Lobe, f64); 8] = [
+const LOBES: [(Lobe, f64); 11] = [
     (Lobe::Ggx, 0.1),
     (Lobe::Ggx, 0.25),
     (Lobe::Ggx, 0.5),
@@ -134,6 +168,9 @@ const LOBES: [(Lobe, f64); 8] = [
     (Lobe::Phong, 0.4),
     (Lobe::Phong, 0.8),
     (Lobe::Cosine, 1.0),
+    (Lobe::Charlie, 0.3),
+    (Lobe::Charlie, 0.5),
+    (Lobe::Charlie, 1.0),
 ];
 
 /// One packet's cut and radiance on the CPU.
@@ -170,13 +207,12 @@ fn cuts_of_the_cpu_replayed_agree() {
     let oems = synthetic(64);
     let tiles = tiles(8);
     with_passes("replayed cuts", |context, passes| {
-        let (mut replayed, mut seen) = (0, 0);
+        // Of Charlie and of other lobes.
+        let (mut replayed, mut seen) = (0, [0; 2]);
         for (name, oem) in &oems {
             let cells = Cells::new(oem, 1, Reconstruction::Constant);
             for (k, (lobe, roughness)) in LOBES.into_iter().enumerate() {
-                let alpha = roughness * roughness;
-                let kernel = Kernel::new(lobe, alpha);
-                let width = if lobe == Lobe::Cosine { 1.0 } else { alpha };
+                let kernel = Kernel::new(lobe, roughness * roughness);
                 for directions in tiles.iter().skip(k % 3).step_by(3) {
                     let cut = cut(&cells, kernel, 0.005, directions);
                     let packets = [Packet::new(directions)];
@@ -187,7 +223,7 @@ fn cuts_of_the_cpu_replayed_agree() {
                     let found = replay(&cut.fields);
                     let case = format!("{name} {lobe:?} {roughness} on {}", context.describe());
                     assert_eq!(found.leaves as usize, cut.leaves, "leaves: {case}");
-                    let allowed = rounding(width, cut.leaves);
+                    let allowed = rounding(width(lobe, roughness), cut.leaves);
                     assert_eq!(beyond(&cut.radiance, &found, allowed, [0.0; 3]), None, "{case}");
                     if roughness >= 0.25 {
                         // The tolerance of a bake's levels.
@@ -204,15 +240,15 @@ fn cuts_of_the_cpu_replayed_agree() {
                             (0..cut.leaves).max_by(|a, b| cut.fields[*a][10].total_cmp(&cut.fields[*b][10]));
                         let mut fewer = cut.fields.clone();
                         fewer[heaviest.expect("leaves")][12] *= 1.01;
-                        seen +=
+                        seen[usize::from(lobe != Lobe::Charlie)] +=
                             u32::from(beyond(&cut.radiance, &replay(&fewer), allowed, [0.0; 3]).is_some());
                     }
                 }
             }
         }
-        assert_eq!(replayed, 4 * 8 * 8);
-        println!("replayed cuts: detected a leaf made 1 % brighter in {seen} cuts");
-        assert!(seen > 20, "a leaf made 1 % brighter was detected in only {seen} cuts");
+        assert_eq!(replayed, 4 * 8 * LOBES.len());
+        println!("replayed cuts: detected a leaf made 1 % brighter in {seen:?} cuts");
+        assert!(seen[0] > 5 && seen[1] > 20, "a leaf made 1 % brighter was detected in only {seen:?} cuts");
     });
 }
 
@@ -236,17 +272,16 @@ fn own_cuts_agree_but_for_decisions_within_rounding() {
             let totals = oem.totals();
             let mean = luminance([totals[0], totals[1], totals[2]]) / (4.0 * std::f64::consts::PI);
             for (lobe, roughness) in LOBES.into_iter().filter(|(_, roughness)| *roughness >= 0.25) {
-                let alpha = roughness * roughness;
-                let kernel = Kernel::new(lobe, alpha);
-                let width = if lobe == Lobe::Cosine { 1.0 } else { alpha };
+                let kernel = Kernel::new(lobe, roughness * roughness);
+                let margin = margin(width(lobe, roughness));
                 let error = 0.005;
                 let packets: Vec<Packet> = tiles.iter().map(|tile| Packet::new(tile)).collect();
                 for tree in [&tree, &uploaded] {
                     let found = evaluate(context, passes, tree, kernel, error, &packets);
                     for (k, directions) in tiles.iter().enumerate() {
                         let own = cut(&cells, kernel, error, directions);
-                        let finer = cut(&cells, kernel, error * (1.0 - margin(width)), directions);
-                        let coarser = cut(&cells, kernel, error * (1.0 + margin(width)), directions);
+                        let finer = cut(&cells, kernel, error * (1.0 - margin), directions);
+                        let coarser = cut(&cells, kernel, error * (1.0 + margin), directions);
                         let lanes = found.lanes[k * LANES..(k + 1) * LANES].to_vec();
                         let found = Answers { lanes, leaves: 0 };
                         let same = finer.radiance == coarser.radiance;
@@ -317,7 +352,8 @@ fn a_furnace_is_white() {
                 let reflector = made_ready(&furnace, inner);
                 let lobes = LOBES.into_iter().chain([(Lobe::Ggx, 0.01), (Lobe::Cone, 0.3)]);
                 for (lobe, roughness) in lobes.skip((k + row) % 3).step_by(3) {
-                    for filter in [Filter::Adaptive(0.005), Filter::Box] {
+                    let filters = [Filter::Adaptive(0.005), Filter::Box];
+                    for filter in filters.into_iter().filter(|filter| filter.check(lobe, None).is_ok()) {
                         let off = worst(&reflector, lobe, roughness, filter);
                         let case = format!("{layout:?} {inner} {lobe:?} {roughness} {filter:?}");
                         assert!(off <= FURNACE, "{case}: off by {off:e} on {}", context.describe());
@@ -362,12 +398,23 @@ fn texels_of_the_source_are_subdivided_as_on_the_cpu() {
                 let settings = ReflectorSettings { oem_size: Some(256), ..ReflectorSettings::default() };
                 let on_gpu = GpuReflector::new(passes, &source, &settings).expect("a small OEM");
                 let on_cpu = Reflector::new(&source, &settings).expect("a small OEM");
-                let mut directions = vec![lit];
-                directions.extend((0..6).map(|_| (lit + random.direction() * 0.1).normalize()));
-                for (lobe, roughness) in [(Lobe::Ggx, 0.2), (Lobe::Ggx, 0.5), (Lobe::Phong, 0.4)] {
+                let mut around = |centre: DVec3| {
+                    let mut directions = vec![centre];
+                    directions.extend((0..6).map(|_| (centre + random.direction() * 0.1).normalize()));
+                    directions
+                };
+                let (peak, band) = (around(lit), around(lit.any_orthonormal_vector()));
+                for (lobe, roughness, directions) in [
+                    (Lobe::Ggx, 0.2, &peak),
+                    (Lobe::Ggx, 0.5, &peak),
+                    (Lobe::Phong, 0.4, &peak),
+                    (Lobe::Charlie, 0.2, &band),
+                    (Lobe::Charlie, 0.7, &band),
+                    (Lobe::Charlie, 1.0, &peak),
+                ] {
                     let filter = Filter::Adaptive(0.002);
-                    let found = wait(context, on_gpu.query(&directions, lobe, roughness, filter));
-                    for (answer, direction) in found.iter().zip(&directions) {
+                    let found = wait(context, on_gpu.query(directions, lobe, roughness, filter));
+                    for (answer, direction) in found.iter().zip(directions) {
                         let expected =
                             on_cpu.query(*direction, roughness, lobe, filter).expect("a finite answer");
                         let [a, b] = [answer, &expected].map(|a| luminance(a.radiance.map(f64::from)));
@@ -380,7 +427,7 @@ fn texels_of_the_source_are_subdivided_as_on_the_cpu() {
                 }
             }
         }
-        assert_eq!(compared, 21 * 21);
+        assert_eq!(compared, 21 * 7 * 6);
     });
 }
 

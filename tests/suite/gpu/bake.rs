@@ -3,7 +3,7 @@
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::luminance;
 use crate::support::common::{Look, Random, environment, sweep, texels};
-use octagloss::internals::bake::{Bake, BakeSettings, bake};
+use octagloss::internals::bake::{Bake, BakeSettings, Processor, bake};
 use octagloss::internals::chain::{ChainKind, Level};
 use octagloss::internals::filter::Filter;
 use octagloss::internals::lobe::Lobe;
@@ -207,10 +207,12 @@ fn bakes_by_boxes_match_the_cpu() {
 fn every_lobe_bakes_within_its_bounds() {
     let (_, environment) = environments().swap_remove(1);
     with_passes("bakes of every lobe", |context, passes| {
-        for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cone] {
+        for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Charlie] {
             let settings = BakeSettings { lobe, ..settings(Filter::Adaptive(0.02)) };
             let expected = bake(&environment, &settings).expect("a small bake");
             let found = wait(context, passes.bake(&environment, &settings));
+            let on_gpu = found.stats.iter().all(|level| level.processor == Processor::Gpu);
+            assert!(on_gpu, "{lobe:?}: {:?}", found.stats);
             for (e, f) in expected.chain.levels.iter().zip(&found.chain.levels) {
                 let (Some(own), Some(other)) = (&e.bounds, &f.bounds) else { continue };
                 for k in 0..e.texels.len() {
@@ -222,6 +224,48 @@ fn every_lobe_bakes_within_its_bounds() {
                     assert!(off <= allowed, "{lobe:?} texel {k}: {f}, not {e}, on {}", context.describe());
                 }
             }
+        }
+    });
+}
+
+/// The root mean square of the difference of two levels, relative to `expected`.
+fn relative_difference(found: &Level, expected: &Level) -> f64 {
+    assert_eq!(found.layout, expected.layout);
+    let pairs = || found.texels.as_flattened().iter().zip(expected.texels.as_flattened());
+    let squares: f64 = pairs().map(|(found, expected)| f64::from(found - expected).powi(2)).sum();
+    let power: f64 = pairs().map(|(_, expected)| f64::from(*expected).powi(2)).sum();
+    (squares / power).sqrt()
+}
+
+/// Greatest relative difference of levels of a bake to 0.005: the engines decide alike except at thresholds.
+const LEVELS_ALIKE: f64 = 0.002;
+
+#[test]
+fn levels_one_half_percent_brighter_differ() {
+    let (_, environment) = environments().swap_remove(1);
+    let expected = on_the_cpu(&environment, Filter::Adaptive(ERROR));
+    for level in &expected.chain.levels {
+        let mut brighter = level.clone();
+        brighter.texels.as_flattened_mut().iter_mut().for_each(|value| *value *= 1.005);
+        assert_eq!(relative_difference(level, level), 0.0);
+        assert!(exceeds(relative_difference(&brighter, level), LEVELS_ALIKE));
+    }
+}
+
+#[test]
+fn sheen_matches_the_cpu() {
+    let (_, environment) = environments().swap_remove(0);
+    let settings = BakeSettings { sheen: true, ..settings(Filter::Adaptive(ERROR)) };
+    let cpu = bake(&environment, &settings).expect("a small bake").sheen.expect("sheen");
+    with_passes("sheen", |context, passes| {
+        let bake = wait(context, passes.bake(&environment, &settings));
+        let on_gpu = bake.sheen_stats.iter().filter(|level| level.processor == Processor::Gpu).count();
+        let gpu = bake.sheen.expect("sheen");
+        assert_eq!((gpu.levels.len(), on_gpu), (4, 4), "levels, and those on the GPU");
+        for (level, (gpu, cpu)) in gpu.levels.iter().zip(&cpu.levels).enumerate() {
+            let error = relative_difference(gpu, cpu);
+            println!("sheen level {level}: {error:e}");
+            assert!(!exceeds(error, LEVELS_ALIKE), "level {level}: {error} on {}", context.describe());
         }
     });
 }
@@ -239,16 +283,9 @@ fn bakes_of_other_maps_match_the_cpu() {
             for (level, (gpu, cpu)) in
                 on_gpu.chain.levels.iter().zip(&on_cpu.chain.levels).enumerate().skip(1)
             {
-                assert_eq!(gpu.layout, cpu.layout);
-                let pairs = gpu.texels.as_flattened().iter().zip(cpu.texels.as_flattened());
-                let (mut off, mut power) = (0.0, 0.0);
-                for (gpu, cpu) in pairs {
-                    off += f64::from(gpu - cpu).powi(2);
-                    power += f64::from(*cpu).powi(2);
-                }
-                // Both aim at 0.005 and decide alike except at thresholds.
-                let error = (off / power).sqrt();
-                assert!(!exceeds(error, 0.002), "{map:?} level {level}: {error} on {}", context.describe());
+                let error = relative_difference(gpu, cpu);
+                let alike = !exceeds(error, LEVELS_ALIKE);
+                assert!(alike, "{map:?} level {level}: {error} on {}", context.describe());
             }
         }
     });
@@ -256,13 +293,8 @@ fn bakes_of_other_maps_match_the_cpu() {
 
 /// RMS difference of each level's values, relative to their RMS.
 fn relative_rmse(found: &Bake, expected: &Bake) -> Vec<f64> {
-    let of = |(found, expected): (&Level, &Level)| {
-        let pairs = || found.texels.as_flattened().iter().zip(expected.texels.as_flattened());
-        let squares: f64 = pairs().map(|(a, b)| f64::from(a - b).powi(2)).sum();
-        let power: f64 = pairs().map(|(_, b)| f64::from(*b).powi(2)).sum();
-        (squares / power).sqrt()
-    };
-    found.chain.levels.iter().zip(&expected.chain.levels).map(of).collect()
+    let pairs = found.chain.levels.iter().zip(&expected.chain.levels);
+    pairs.map(|(found, expected)| relative_difference(found, expected)).collect()
 }
 
 #[test]

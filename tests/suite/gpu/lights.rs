@@ -7,7 +7,7 @@ use crate::support::common::{Random, environment};
 use octagloss::internals::bake::BakeSettings;
 use octagloss::internals::filter::{Answer, Filter};
 use octagloss::internals::gpu::engine::GpuReflector;
-use octagloss::internals::lobe::Lobe;
+use octagloss::internals::lobe::{LOBES, Lobe};
 use octagloss::internals::reflector::Reflector as CpuReflector;
 use octagloss::{Environment, Layout, Rgb};
 
@@ -34,7 +34,7 @@ fn answers_over_all_light_match_the_cpu() {
             assert_eq!(on_cpu.light_exponent(), on_gpu.light_exponent());
             let greatest = f64::from(light.greatest());
             let directions: Vec<_> = (0..4).map(|_| random.direction()).collect();
-            let lobe = [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine][random.below(4) as usize];
+            let lobe = LOBES[random.below(5) as usize];
             let roughness = random.between(0.05, 1.0);
             for filter in [Filter::Adaptive(0.01), Filter::Box, Filter::Fitted(4)] {
                 let lobe = if filter.check(lobe, Some(16)).is_ok() { lobe } else { Lobe::Ggx };
