@@ -89,6 +89,32 @@ fn expected_errors<R: Radial>(kernel: R, packet: &Packet, quads: &[&Quad; QUADS]
     errors
 }
 
+/// Adds the red and blue `dipoles` of `leaf` to `sums`, lane by lane, where k has the `estimates` and `slopes`.
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+fn add_dipoles(
+    (leaf, dipoles): (&Leaf, &[Vec3; 2]),
+    packet: &Packet,
+    (estimates, slopes): (&[f32; LANES], &[f32; LANES]),
+    sums: &mut [[f32; LANES]; 3],
+) {
+    let [lx, ly, lz] = leaf.offset;
+    let [red, blue] = dipoles.map(|dipole| dipole.to_array());
+    for k in 0..LANES {
+        let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
+        // ds/dl = (l - R)/2. A colour's centroid lies within the cell's reach, so that no colour becomes
+        // negative.
+        let slope = 0.5 * slopes[k];
+        let most = slope * leaf.radius;
+        let first_order = most * most * (x * x + y * y + z * z) <= estimates[k] * estimates[k];
+        let slope = if first_order { slope } else { 0.0 };
+        let red = slope * (red[0] * x + red[1] * y + red[2] * z);
+        let blue = slope * (blue[0] * x + blue[1] * y + blue[2] * z);
+        sums[0][k] += red;
+        sums[1][k] -= red * (LUMINANCE[0] / LUMINANCE[1]) + blue * (LUMINANCE[2] / LUMINANCE[1]);
+        sums[2][k] += blue;
+    }
+}
+
 /// Evaluates lobes of one kernel over one environment's cells to one tolerance.
 #[derive(Debug)]
 pub struct Adaptive<'a> {
@@ -252,21 +278,8 @@ impl<'a> Adaptive<'a> {
                 below[k] = luminance.times_plus(share.estimate - share.least, below[k]);
                 (estimates[k], slopes[k]) = (share.estimate, share.slope);
             }
-            let Some(dipoles) = leaf.dipoles else { continue };
-            let [red, blue] = dipoles.map(|dipole| dipole.to_array());
-            for k in 0..LANES {
-                let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
-                // ds/dl = (l - R)/2. A colour's centroid lies within the cell's reach, so that no colour
-                // becomes negative.
-                let slope = 0.5 * slopes[k];
-                let most = slope * leaf.radius;
-                let first_order = most * most * (x * x + y * y + z * z) <= estimates[k] * estimates[k];
-                let slope = if first_order { slope } else { 0.0 };
-                let red = slope * (red[0] * x + red[1] * y + red[2] * z);
-                let blue = slope * (blue[0] * x + blue[1] * y + blue[2] * z);
-                sums[0][k] += red;
-                sums[1][k] -= red * (LUMINANCE[0] / LUMINANCE[1]) + blue * (LUMINANCE[2] / LUMINANCE[1]);
-                sums[2][k] += blue;
+            if let Some(dipoles) = &leaf.dipoles {
+                add_dipoles((leaf, dipoles), packet, (&estimates, &slopes), &mut sums);
             }
         }
         let least = self.cells.least.map(|least| self.scale * f64::from(least));

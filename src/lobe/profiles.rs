@@ -69,14 +69,14 @@ impl Radial for Phong {
     }
 
     #[inline(always)]
-    fn slope(self, s: f32) -> f32 {
-        -2.0 * self.exponent * self.value(s) / (1.0 - 2.0 * s).at_least(1e-3)
+    fn slope(self, s: f32, value: f32) -> f32 {
+        -2.0 * self.exponent * value / (1.0 - 2.0 * s).at_least(1e-3)
     }
 
     #[inline(always)]
-    fn curvature(self, s: f32) -> f32 {
+    fn curvature(self, s: f32, value: f32) -> f32 {
         let cosine = (1.0 - 2.0 * s).at_least(1e-3);
-        4.0 * self.exponent * (self.exponent - 1.0) * self.value(s) / (cosine * cosine)
+        4.0 * self.exponent * (self.exponent - 1.0) * value / (cosine * cosine)
     }
 
     #[inline(always)]
@@ -141,7 +141,7 @@ impl Radial for Cosine {
         (1.0 - 2.0 * s).at_least(0.0)
     }
 
-    fn slope(self, _: f32) -> f32 {
+    fn slope(self, _: f32, _: f32) -> f32 {
         -2.0
     }
 

@@ -33,20 +33,20 @@ pub(crate) trait Radial: Copy {
     /// k at several values of s, and its derivatives at the last; GGX takes one division for all.
     #[inline(always)]
     fn expansion<const N: usize>(self, s: [f32; N]) -> Expansion<N> {
-        let last = s[N - 1];
-        let (slope, curvature) = (self.slope(last), self.curvature(last));
-        Expansion { values: s.map(|s| self.value(s)), slope, curvature }
+        let values = s.map(|s| self.value(s));
+        let (s, value) = (s[N - 1], values[N - 1]);
+        Expansion { values, slope: self.slope(s, value), curvature: self.curvature(s, value) }
     }
 
-    /// k' at `s` in front of the horizon; 0 where k is not smooth.
-    fn slope(self, s: f32) -> f32 {
-        let _ = s;
+    /// k' at `s` in front of the horizon, where k is `value`; 0 where k is not smooth.
+    fn slope(self, s: f32, value: f32) -> f32 {
+        let _ = (s, value);
         0.0
     }
 
-    /// k'' at `s` in front of the horizon.
-    fn curvature(self, s: f32) -> f32 {
-        let _ = s;
+    /// k'' there.
+    fn curvature(self, s: f32, value: f32) -> f32 {
+        let _ = (s, value);
         0.0
     }
 
