@@ -4,7 +4,7 @@
 
 use octagloss::internals::gpu::{Context, adapters, block_on, device::readback};
 use octagloss::wgpu::util::DeviceExt as _;
-use octagloss::{LiveEnvironment, wgpu};
+use octagloss::{LiveProbes, wgpu};
 
 /// Texels along an edge of the cube map, and pixels of the picture.
 const FACE: u32 = 128;
@@ -56,7 +56,7 @@ struct Fragment { @builtin(position) position: vec4<f32>, @location(0) @interpol
 
 /// Five glossy spheres between the probes.
 const SPHERES: &str = "
-@group(2) @binding(0) var<uniform> view: vec4<f32>; // centre and seconds
+@group(1) @binding(0) var<uniform> view: vec4<f32>; // centre and seconds
 @vertex fn corner(@builtin(vertex_index) k: u32) -> @builtin(position) vec4<f32> {
     return vec4<f32>(CORNERS[k], 0.0, 1.0);
 }
@@ -74,9 +74,13 @@ const SPHERES: &str = "
         let normal = (view.xyz + nearest * ray - centre) / 0.45;
         let towards = reflect(ray, normal);
         // The probes stand at x = -2 and 2.
-        let share = smoothstep(-2.0, 2.0, centre.x);
-        radiance = 0.9 * mix(left_radiance(towards, ROUGHNESS), right_radiance(towards, ROUGHNESS), share)
-            + 0.1 * mix(left_irradiance(normal), right_irradiance(normal), share);
+        let right = smoothstep(-2.0, 2.0, centre.x);
+        radiance = vec3<f32>();
+        for (var probe = 0u; probe < 2u; probe++) {
+            let share = select(1.0 - right, right, probe == 1u);
+            radiance += share * (0.9 * octagloss_radiance_of(probe, towards, ROUGHNESS)
+                + 0.1 * octagloss_irradiance_of(probe, normal));
+        }
     }
     return vec4<f32>(pow(radiance / (1.0 + radiance), vec3<f32>(1.0 / 2.2)), 1.0);
 }";
@@ -86,8 +90,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (roughness, seconds) = (numbers.next().unwrap_or(Ok(0.2))?, numbers.next().unwrap_or(Ok(0.0))?);
     let adapter = block_on(None, adapters())?.into_iter().next().ok_or("no adapter")?;
     let (device, queue) = block_on(None, adapter.request_device(&wgpu::DeviceDescriptor::default()))??;
-    let mut left = LiveEnvironment::new(&device, &queue, 256)?;
-    let mut right = left.sibling();
+    let mut probes = LiveProbes::new(&device, &queue, 256, 2)?;
 
     let pipeline = |source: String, format: wgpu::TextureFormat| {
         let source = wgpu::ShaderSource::Wgsl(source.into());
@@ -118,8 +121,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let cube_pipeline = pipeline(format!("const FACE = {FACE}.0;{ROOM}{CUBE}"), radiance);
     let [width, height] = PICTURE;
     let constants = format!("const SIZE = vec2<f32>({width}.0, {height}.0);const ROUGHNESS = {roughness:?};");
-    let look_ups = LiveEnvironment::wgsl_named("left", 0)? + &LiveEnvironment::wgsl_named("right", 1)?;
-    let picture_pipeline = pipeline(look_ups + &constants + ROOM + SPHERES, display);
+    let picture_pipeline = pipeline(LiveProbes::wgsl(0) + &constants + ROOM + SPHERES, display);
 
     let texture = |[width, height, depth_or_array_layers]: [u32; 3], format, usage| {
         let size = wgpu::Extent3d { width, height, depth_or_array_layers };
@@ -162,7 +164,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Every frame: the cube map around each probe, its tables, then the picture.
     let mut encoder = device.create_command_encoder(&Default::default());
-    for (probe, x) in [(&mut left, -2.0), (&mut right, 2.0)] {
+    for (probe, x) in probes.iter_mut().zip([-2.0, 2.0]) {
         let view = view_from([x, 0.0, 0.0], &cube_pipeline.get_bind_group_layout(0));
         for face in 0..6 {
             let mut pass = pass(&mut encoder, &cube, face);
@@ -174,9 +176,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let mut last = pass(&mut encoder, &picture, 0);
     last.set_pipeline(&picture_pipeline);
-    last.set_bind_group(0, &left.bind_group_of(&picture_pipeline.get_bind_group_layout(0)), &[]);
-    last.set_bind_group(1, &right.bind_group_of(&picture_pipeline.get_bind_group_layout(1)), &[]);
-    last.set_bind_group(2, &view_from([0.0, 0.3, 2.9], &picture_pipeline.get_bind_group_layout(2)), &[]);
+    last.set_bind_group(0, &probes.bind_group_of(&picture_pipeline.get_bind_group_layout(0)), &[]);
+    last.set_bind_group(1, &view_from([0.0, 0.3, 2.9], &picture_pipeline.get_bind_group_layout(1)), &[]);
     last.draw(0..3, 0..1);
     drop(last);
     let (size, usage) = (4 * u64::from(width * height), wgpu::BufferUsages::COPY_DST);

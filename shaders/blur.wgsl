@@ -121,7 +121,7 @@ fn texel_before(octave: OctaglossOctave, x: u32, y: u32) -> Sum {
     if x == 0u || y == 0u {
         return Sum();
     }
-    let at = wrap_texel(octave.coarse, vec2<i32>(vec2<u32>(x, y)) - 1 - i32(octaves.border));
+    let at = wrap_texel(octave.coarse, vec2<i32>(vec2<u32>(x, y)) - 1 - i32(OCTAVE_BORDER));
     return texels[octave.first_texel + at.y * octave.coarse + at.x];
 }
 

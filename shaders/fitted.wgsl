@@ -1,10 +1,10 @@
 // Evaluates fitted lobes for lists of directions. Queries are unit vectors in the OEM's space with perceptual
 // roughness in w; answers are radiance.
 @group(0) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
-@group(0) @binding(1) var<uniform> octagloss_light: OctaglossLight;
+@group(0) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, 1>;
 @group(0) @binding(2) var<storage, read> octagloss_entries: array<Sum>;
 @group(0) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
-@group(0) @binding(4) var octagloss_oem: texture_2d<f32>;
+@group(0) @binding(4) var octagloss_oems: texture_2d_array<f32>;
 #include "common/rows.wgsl"
 #include "common/fitted.wgsl"
 

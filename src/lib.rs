@@ -158,6 +158,8 @@ pub use filter::{Answer, Filter};
 #[cfg(feature = "gpu")]
 pub use gpu::live::LiveEnvironment;
 #[cfg(feature = "gpu")]
+pub use gpu::live_probes::LiveProbes;
+#[cfg(feature = "gpu")]
 pub use gpu::shadow::ShadowMap;
 pub use ladder::Ladder;
 pub use lobe::Lobe;

@@ -1,7 +1,8 @@
 // The real-time tier: lobes as soft boxes and harmonics, `Fitted` of src/cpu/fitted.rs; src/realtime/tables
 // documents the parameters. The including file declares, in any group, octagloss_octaves: OctaglossOctaves,
-// octagloss_light: OctaglossLight (uniform), octagloss_entries: array<Sum>, octagloss_parameters:
-// array<vec4<u32>> (storage, read), octagloss_oem: texture_2d<f32>.
+// octagloss_lights: array<OctaglossLight, N> (uniform), octagloss_entries: array<Sum>, octagloss_parameters:
+// array<vec4<u32>> (storage, read), octagloss_oems: texture_2d_array<f32>. N environments share them, each a
+// `probe`: its light, as many entries as each other's, its layer.
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 #include "common/octahedral.wgsl"
@@ -38,34 +39,34 @@ struct Orders {
     others: mat4x4<f32>,
 }
 
-fn orders_around(direction: vec3<f32>) -> Orders {
+fn orders_around(probe: u32, direction: vec3<f32>) -> Orders {
     var b = harmonic_basis(direction);
     var orders: Orders;
-    orders.first = b[0] * octagloss_light.harmonics[0];
-    orders.others[0] = b[1] * octagloss_light.harmonics[1]
-        + b[2] * octagloss_light.harmonics[2]
-        + b[3] * octagloss_light.harmonics[3];
-    orders.others[1] = b[4] * octagloss_light.harmonics[4]
-        + b[5] * octagloss_light.harmonics[5]
-        + b[6] * octagloss_light.harmonics[6]
-        + b[7] * octagloss_light.harmonics[7]
-        + b[8] * octagloss_light.harmonics[8];
-    orders.others[2] = b[9] * octagloss_light.harmonics[9]
-        + b[10] * octagloss_light.harmonics[10]
-        + b[11] * octagloss_light.harmonics[11]
-        + b[12] * octagloss_light.harmonics[12]
-        + b[13] * octagloss_light.harmonics[13]
-        + b[14] * octagloss_light.harmonics[14]
-        + b[15] * octagloss_light.harmonics[15];
-    orders.others[3] = b[16] * octagloss_light.harmonics[16]
-        + b[17] * octagloss_light.harmonics[17]
-        + b[18] * octagloss_light.harmonics[18]
-        + b[19] * octagloss_light.harmonics[19]
-        + b[20] * octagloss_light.harmonics[20]
-        + b[21] * octagloss_light.harmonics[21]
-        + b[22] * octagloss_light.harmonics[22]
-        + b[23] * octagloss_light.harmonics[23]
-        + b[24] * octagloss_light.harmonics[24];
+    orders.first = b[0] * octagloss_lights[probe].harmonics[0];
+    orders.others[0] = b[1] * octagloss_lights[probe].harmonics[1]
+        + b[2] * octagloss_lights[probe].harmonics[2]
+        + b[3] * octagloss_lights[probe].harmonics[3];
+    orders.others[1] = b[4] * octagloss_lights[probe].harmonics[4]
+        + b[5] * octagloss_lights[probe].harmonics[5]
+        + b[6] * octagloss_lights[probe].harmonics[6]
+        + b[7] * octagloss_lights[probe].harmonics[7]
+        + b[8] * octagloss_lights[probe].harmonics[8];
+    orders.others[2] = b[9] * octagloss_lights[probe].harmonics[9]
+        + b[10] * octagloss_lights[probe].harmonics[10]
+        + b[11] * octagloss_lights[probe].harmonics[11]
+        + b[12] * octagloss_lights[probe].harmonics[12]
+        + b[13] * octagloss_lights[probe].harmonics[13]
+        + b[14] * octagloss_lights[probe].harmonics[14]
+        + b[15] * octagloss_lights[probe].harmonics[15];
+    orders.others[3] = b[16] * octagloss_lights[probe].harmonics[16]
+        + b[17] * octagloss_lights[probe].harmonics[17]
+        + b[18] * octagloss_lights[probe].harmonics[18]
+        + b[19] * octagloss_lights[probe].harmonics[19]
+        + b[20] * octagloss_lights[probe].harmonics[20]
+        + b[21] * octagloss_lights[probe].harmonics[21]
+        + b[22] * octagloss_lights[probe].harmonics[22]
+        + b[23] * octagloss_lights[probe].harmonics[23]
+        + b[24] * octagloss_lights[probe].harmonics[24];
     return orders;
 }
 
@@ -194,8 +195,7 @@ fn between(upper: Strip, lower: Strip, shares: vec3<f32>) -> vec4<f32> {
 
 // Sum of the texels of the blurred square below (x, y).
 fn blurred_prefix(octave: OctaglossOctave, x: i32, y: i32) -> Sum {
-    let border = octagloss_octaves.border;
-    let corner = octave.first_entry + border * (octave.side + 1u);
+    let corner = octave.first_entry + OCTAVE_BORDER * (octave.side + 1u);
     let right = corner + u32(x);
     let down = u32(y) * octave.side;
     return corners(
@@ -228,7 +228,7 @@ fn unfolded_strip(octave: OctaglossOctave, y: i32, edges: vec4<i32>) -> Strip {
 fn soft_box(octave: OctaglossOctave, low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
     let columns = fractional_spans(low.x, high.x);
     var rows = fractional_spans(low.y, high.y);
-    let border = i32(octagloss_octaves.border);
+    let border = i32(OCTAVE_BORDER);
     let most = i32(octave.coarse) + border;
     let inside = min(columns.edges.x, rows.edges.x) >= -border && max(columns.edges.w, rows.edges.w) <= most;
     if inside {
@@ -263,7 +263,8 @@ fn cone_share(direction: vec3<f32>, alpha: f32) -> f32 {
 }
 
 // Energies and solid angle of the lobe around `uv`, with the parameters of `model` and `octave`.
-fn soft_boxes(model: u32, octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders) -> vec4<f32> {
+fn soft_boxes(
+    probe: u32, model: u32, octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders) -> vec4<f32> {
     let folded = triangle_from_oct(uv);
     let density = solid_angle_density(uv);
     let place = parameters_around(model, octave, log2(alpha), folded.point);
@@ -272,7 +273,8 @@ fn soft_boxes(model: u32, octave: u32, alpha: f32, uv: vec2<f32>, orders: Orders
     for (var b = 0u; b < boxes; b++) {
         let own = parameters_of(place, b);
         let wider = select(0u, 1u, b >= octagloss_octaves.models[model].first_wider);
-        let table = octagloss_octaves.octaves[octave - wider - 1u];
+        var table = octagloss_octaves.octaves[octave - wider - 1u];
+        table.first_entry += probe * octagloss_octaves.entries;
         let scale = 0.5 * f32(table.coarse);
         // Square root of the mass; centre in half-widths; log2 of half-widths in units of alpha.
         let half = exp2(vec2<f32>(own.first.w, own.last)) * alpha;
@@ -299,10 +301,10 @@ fn zonal_weights(roughness: f32) -> vec4<f32> {
 
 // Radiance of the emitters through a lobe around the unit vector `direction`: `radiance` of
 // src/realtime/emitters.rs.
-fn emitters_radiance(direction: vec3<f32>, alpha: f32, roughness: f32) -> vec3<f32> {
+fn emitters_radiance(probe: u32, direction: vec3<f32>, alpha: f32, roughness: f32) -> vec3<f32> {
     var sum = vec3<f32>();
     for (var k = 0u; k < EMITTERS; k++) {
-        let emitter = octagloss_light.emitters[k];
+        let emitter = octagloss_lights[probe].emitters[k];
         let apart = direction - emitter.direction;
         let s = 0.25 * dot(apart, apart);
         let widened = min(alpha * alpha + 0.5 * emitter.spread, 1.0);
@@ -319,18 +321,18 @@ fn emitters_radiance(direction: vec3<f32>, alpha: f32, roughness: f32) -> vec3<f
 }
 
 // Radiance of the OEM, bilinear between texel centres.
-fn mirror_radiance(uv: vec2<f32>) -> vec3<f32> {
+fn mirror_radiance(probe: u32, uv: vec2<f32>) -> vec3<f32> {
     let n = octagloss_octaves.inner;
     let scale = 0.5 * f32(n);
     let at = (uv + 1.0) * scale - 0.5;
     let low = floor(at);
     let share = at - low;
     let texel = vec2<i32>(low);
-    let least = octagloss_light.least.rgb;
+    let least = octagloss_lights[probe].least.rgb;
     var above = vec3<f32>();
     for (var k = 0; k < 4; k++) {
         let corner = vec2<i32>(k & 1, k >> 1u);
-        let energy = textureLoad(octagloss_oem, wrap_texel(n, texel + corner), 0);
+        let energy = textureLoad(octagloss_oems, wrap_texel(n, texel + corner), probe, 0);
         let shares = select(1.0 - share, share, corner == vec2<i32>(1));
         above += shares.x * shares.y * (energy.rgb - least * energy.a);
     }
@@ -339,13 +341,19 @@ fn mirror_radiance(uv: vec2<f32>) -> vec3<f32> {
 
 // Clamps to the least radiance: no lobe is darker than the darkest texel, but harmonics ring and turn
 // negative opposite a sun.
-fn radiance_of(energy: vec4<f32>) -> vec3<f32> {
-    let radiance = energy.rgb / energy.a * octagloss_light.scale[0].rgb * octagloss_light.scale[1].rgb;
-    return max(radiance, octagloss_light.least.rgb);
+fn radiance_from_energy(probe: u32, energy: vec4<f32>) -> vec3<f32> {
+    let quotient = energy.rgb / energy.a;
+    let radiance = quotient * octagloss_lights[probe].scale[0].rgb * octagloss_lights[probe].scale[1].rgb;
+    return max(radiance, octagloss_lights[probe].least.rgb);
 }
 
 // Radiance of a GGX reflection around `direction` (any length but zero) at `roughness` in [0, 1].
 fn octagloss_fitted(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
+    return fitted_of(0u, direction, roughness);
+}
+
+// The same in the environment `probe`.
+fn fitted_of(probe: u32, direction: vec3<f32>, roughness: f32) -> vec3<f32> {
     let uv = oct_from_direction(direction);
     let finest = octagloss_octaves.finest;
     let sharpest = octagloss_octaves.sharpest;
@@ -358,7 +366,7 @@ fn octagloss_fitted(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
     var radiance = vec3<f32>();
     if share > 0.0 {
         let towards = normalize(direction);
-        let orders = orders_around(towards);
+        let orders = orders_around(probe, towards);
         if alone < 1.0 {
             let log_alpha = log2(alpha);
             let own = u32(clamp(i32(ceil(FIRST_KNOT - log_alpha)), i32(FIRST_OCTAVE), i32(finest)));
@@ -371,21 +379,21 @@ fn octagloss_fitted(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
                 let step = part & 1u;
                 let weight = select(1.0 - finer, finer, step == 1u) * select(1.0 - cone, cone, model == 1u);
                 if weight > 0.0 {
-                    let energy = soft_boxes(model, own + step, alpha, uv, orders);
-                    radiance += weight * radiance_of(energy);
+                    let energy = soft_boxes(probe, model, own + step, alpha, uv, orders);
+                    radiance += weight * radiance_from_energy(probe, energy);
                 }
             }
             radiance *= 1.0 - alone;
         }
         if alone > 0.0 {
             let energy = orders.first + orders.others * zonal_weights(rough);
-            radiance += alone * radiance_of(energy);
+            radiance += alone * radiance_from_energy(probe, energy);
         }
-        radiance += emitters_radiance(towards, alpha, rough);
+        radiance += emitters_radiance(probe, towards, alpha, rough);
         radiance *= share;
     }
     if share < 1.0 {
-        radiance += (1.0 - share) * mirror_radiance(uv);
+        radiance += (1.0 - share) * mirror_radiance(probe, uv);
     }
     return radiance;
 }

@@ -1,5 +1,8 @@
 // Positions of the blurred tables: `Octaves` of src/gpu/fitted.rs.
 
+// Border of every blurred square, in texels.
+const OCTAVE_BORDER = 40u;
+
 struct OctaglossOctave {
     // Texels along an edge of the grid to blur, and of the box that blurs it when applied twice.
     fine: u32,
@@ -29,8 +32,8 @@ struct OctaglossOctaves {
     inner: u32,
     // The finest octave; the coarsest is 1.
     finest: u32,
-    // Border of every blurred square, in texels.
-    border: u32,
+    // Entries of all octaves: those of the next environment in the same buffer follow.
+    entries: u32,
     // The least alpha that the tables resolve.
     sharpest: f32,
     // The boxes of most directions, and those around cone points: none if there are no others.

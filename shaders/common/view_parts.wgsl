@@ -1,10 +1,9 @@
-// Parts of moving scenes: src/view/scene/uniforms.rs. Group 1 has the tables of a probe.
+// Parts of moving scenes: src/view/scene/uniforms.rs. Group 1 has the tables of all probes.
 @group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
-@group(1) @binding(1) var<uniform> octagloss_light: OctaglossLight;
+@group(1) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, MOST_LIGHTS>;
 @group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;
 @group(1) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
-@group(1) @binding(4) var octagloss_oem: texture_2d<f32>;
-@group(1) @binding(5) var<uniform> octagloss_source_from_world: mat3x3<f32>;
+@group(1) @binding(4) var octagloss_oems: texture_2d_array<f32>;
 #include "common/live.wgsl"
 #include "common/view_texture.wgsl"
 
@@ -33,6 +32,10 @@ struct ScenePart {
     // Factors of albedo and emission.
     base: SceneTexture,
     glow: SceneTexture,
+    // The probe of a glossy part or, where it has none, the nearest.
+    probe: u32,
+    // 1 if that probe is at the part's centre and serves it alone.
+    own: u32,
 }
 
 // A distant lamp and the light from above and from below.

@@ -24,19 +24,10 @@ struct SceneFrame {
     centres: array<vec4<f32>, MOST_PROBES>,
 }
 
-// What a draw of a glossy part reads.
-struct SceneDraw {
-    // The probe of group 1.
-    probe: u32,
-    // 1 if the probe is at the part's centre and serves it alone.
-    own: u32,
-}
-
 @group(0) @binding(0) var<uniform> frame: SceneFrame;
 @group(0) @binding(1) var<uniform> light: SceneLight;
 @group(0) @binding(2) var<storage, read> parts: array<ScenePart>;
 @group(0) @binding(3) var<storage, read> scene_texels: array<u32>;
-@group(2) @binding(0) var<uniform> drawn: SceneDraw;
 
 struct Matte {
     @builtin(position) clip: vec4<f32>,
@@ -77,7 +68,7 @@ fn matte(fragment: Matte) -> @location(0) vec4<f32> {
 }
 
 struct Glossy {
-    // Passes over one part meet the same depth.
+    // Both passes over a part meet the same depth.
     @builtin(position) @invariant clip: vec4<f32>,
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
@@ -135,27 +126,30 @@ fn direction_from(centre: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) 
     return select(direction, corrected, frame.proxy != 0u && distance > 0.0);
 }
 
-// Share of the probe among all: inverse squared distances.
-fn share_of_probe(position: vec3<f32>) -> f32 {
-    var sum = 0.0;
-    var own = 0.0;
-    for (var k = 0u; k < MOST_PROBES; k++) {
-        let away = position - frame.centres[k].xyz;
-        let weight = select(0.0, 1.0 / (dot(away, away) + 1e-4), k < frame.probes);
-        sum += weight;
-        own += select(0.0, weight, k == drawn.probe);
-    }
-    return select(own / sum, 1.0, drawn.own == 1u);
+// Weight of a probe at `position`: inverse squared distances, 0 beyond the last probe.
+fn weight_of_probe(position: vec3<f32>, probe: u32) -> f32 {
+    let away = position - frame.centres[probe].xyz;
+    return select(0.0, 1.0 / (dot(away, away) + 1e-4), probe < frame.probes);
 }
 
+// What the probes of a part reflect: its own, or all by their weights.
 @fragment
 fn glossy(fragment: Glossy) -> @location(0) vec4<f32> {
     let part = parts[fragment.part];
-    let seen = normalize(fragment.position - frame.eye);
-    let direction = reflect(seen, normalize(fragment.normal));
-    let centre = frame.centres[drawn.probe].xyz;
-    let towards = direction_from(centre, fragment.position, direction);
-    let radiance = part.reflectance * octagloss_radiance(towards, part.roughness);
-    let share = share_of_probe(fragment.position);
-    return vec4<f32>(exposed(share * radiance).rgb, 0.0);
+    let position = fragment.position;
+    let direction = reflect(normalize(position - frame.eye), normalize(fragment.normal));
+    var sum = 0.0;
+    for (var k = 0u; k < MOST_PROBES; k++) {
+        sum += weight_of_probe(position, k);
+    }
+    var radiance = vec3<f32>();
+    for (var k = 0u; k < MOST_PROBES; k++) {
+        let blended = weight_of_probe(position, k) / sum;
+        let share = select(blended, select(0.0, 1.0, k == part.probe), part.own == 1u);
+        if share > 0.0 {
+            let towards = direction_from(frame.centres[k].xyz, position, direction);
+            radiance += share * octagloss_radiance_of(k, towards, part.roughness);
+        }
+    }
+    return vec4<f32>(exposed(part.reflectance * radiance).rgb, 0.0);
 }

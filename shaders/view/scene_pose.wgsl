@@ -48,7 +48,7 @@ fn pose_matte(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     place(pose.first + index, corner, world_position(part, corner.position), radiance);
 }
 
-// Glossy parts reflect the surroundings of the probe of group 1.
+// Glossy parts reflect the surroundings of their probes.
 @compute @workgroup_size(POSE_GROUP)
 fn pose_glossy(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let index = index_in_rows(group) * POSE_GROUP + lane;
@@ -61,7 +61,7 @@ fn pose_glossy(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     let mirrored = reflect(position - pose.centre, world_normal(part, corner.normal));
     // A corner at the centre, of a hidden part, has no direction.
     let direction = select(vec3<f32>(0.0, 1.0, 0.0), mirrored, dot(mirrored, mirrored) > 1e-12);
-    let reflected = part.reflectance * octagloss_radiance(direction, part.roughness);
+    let reflected = part.reflectance * octagloss_radiance_of(part.probe, direction, part.roughness);
     let radiance = reflected + corner.emission * colour(part.glow, corner);
     place(pose.first + index, corner, position, radiance);
 }

@@ -57,6 +57,16 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     let (width, height) = args.size;
     let shot = Screenshot { width, height, samples: args.samples };
     let mut renderer = SceneRenderer::new(context.clone(), scene, settings)?;
+    let wanted = settings.probes.min(renderer.scene().glossy_parts());
+    if renderer.probes() < wanted {
+        console.warn(&format!(
+            "{} probes: one binding of the adapter holds no more tables of --oem-size {}; the other {} glossy \
+             objects blend them",
+            renderer.probes(),
+            settings.size,
+            wanted - renderer.probes()
+        ));
+    }
     let time = args.scene.scene_time;
     let picture = block_on(Some(&context), screenshot_of_scene(&mut renderer, &look, time, shot))??;
     write_output(path, existing, &png_bytes(&picture)?)

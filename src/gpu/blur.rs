@@ -1,7 +1,7 @@
 //! Blurred tables for soft boxes: SATs of an OEM blurred by a tent, one for each octave of alpha.
 
+use super::device::shader;
 use super::device::stage::Dispatch;
-use super::device::{readback, shader};
 use super::fitted::FittedTables;
 use super::octaves::{BORDER, Octave, OctaveLayout};
 use super::{Context, SatPlanes, Stage, oem};
@@ -53,7 +53,7 @@ impl Blur {
         let layout = OctaveLayout::new(tables.inner());
         let table = context.uniform("table", &oem::Table::new(sat.size()));
         let octaves = (5, tables.octaves().as_entire_binding());
-        let entries = (8, tables.entries().as_entire_binding());
+        let entries = (8, wgpu::BindingResource::Buffer(tables.entries()));
         let mut blur = vec![(0, table.as_entire_binding()), octaves.clone(), (6, texels.as_entire_binding())];
         blur.extend((1..).zip(sat.planes().iter().map(wgpu::Buffer::as_entire_binding)));
         let rows = [octaves.clone(), (7, texels.as_entire_binding()), entries.clone()];
@@ -81,7 +81,7 @@ impl FittedTables {
         let layout = OctaveLayout::new(self.inner());
         assert!((1..=layout.finest).contains(&octave), "octaves 1 to {}", layout.finest);
         let Octave { coarse, side, first_entry, .. } = layout.octaves[octave as usize - 1];
-        let words: Vec<[[u32; 4]; 2]> = readback::read(context, self.entries()).await?;
+        let words = self.read_entries(context).await?;
         let own = &words[first_entry as usize..][..(side * side) as usize];
         let join = |[low, high]: &[[u32; 4]; 2]| {
             std::array::from_fn(|c| u64::from(high[c]) << 32 | u64::from(low[c]))

@@ -1,8 +1,8 @@
 //! Extracts the brightest cells of an OEM as point emitters, like [`crate::realtime::emitters`].
 
+use super::device::shader;
 use super::device::stage::Dispatch;
-use super::device::{readback, shader};
-use super::fitted::{EMITTERS_OFFSET, EmitterWords, FittedTables};
+use super::fitted::{EMITTERS_OFFSET, EmitterWords, FittedTables, ROTATION_OFFSET};
 use super::{Context, OemPlanes, Stage};
 use crate::error::Result;
 use crate::realtime::emitters::{COUNT, Emitter, GRID, block};
@@ -88,7 +88,7 @@ impl Emitters {
         let groups = oem.table().side.div_ceil(EDGE);
         dispatches.push(Dispatch::new(context, &self.rest, &kept, [groups, groups, 1]));
         let mut given = energies.clone();
-        given.extend([listed, (11, tables.light().as_entire_binding())]);
+        given.extend([listed, (11, wgpu::BindingResource::Buffer(tables.light()))]);
         dispatches.push(Dispatch::new(context, &self.emitters, &given, [1, 1, 1]));
         Stage::new("emitters", dispatches)
     }
@@ -100,8 +100,9 @@ impl FittedTables {
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
     pub async fn read_emitters(&self, context: &Context) -> Result<Vec<Emitter>> {
-        let light: Vec<[f32; 4]> = readback::read(context, self.light()).await?;
-        let words: &[EmitterWords] = bytemuck::cast_slice(&light[EMITTERS_OFFSET as usize / 16..]);
+        let light = self.read_light(context).await?;
+        let words = &light[EMITTERS_OFFSET as usize / 16..ROTATION_OFFSET as usize / 16];
+        let words: &[EmitterWords] = bytemuck::cast_slice(words);
         let lit = words.iter().filter(|words| words.energy != [0.0; 3]);
         let emitter = |words: &EmitterWords| Emitter {
             direction: DVec3::from(Vec3::from_array(words.direction)),

@@ -140,7 +140,7 @@ impl Engine {
             }
             Filter::Box => SatPlanes::check_fits(&self.context, size),
             Filter::Fitted(_) => SatPlanes::check_fits(&self.context, size)
-                .and_then(|()| FittedTables::check_fits(&self.context, size.inner)),
+                .and_then(|()| FittedTables::check_fits(&self.context, size.inner, 1)),
             Filter::Reference => Err(unsupported("the reference filter")),
         }
     }

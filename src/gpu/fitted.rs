@@ -9,7 +9,7 @@
 use super::device::readback;
 use super::device::shader::{self, Queries};
 use super::device::stage::{Dispatch, in_rows};
-use super::octaves::{BORDER, Octave};
+use super::octaves::{Octave, OctaveLayout};
 use super::{Context, Stage};
 use crate::cpu::fitted::HARMONICS_FROM;
 use crate::error::{Error, Result};
@@ -35,8 +35,15 @@ pub(super) const PEAK_FROM: f64 = 0.09;
 /// Byte offset of the emitter array in `OctaglossLight`: it follows least radiance, units and harmonics.
 pub(super) const EMITTERS_OFFSET: u64 = 16 * (1 + 2 + 25);
 
-/// Bytes of `OctaglossLight`.
-pub(crate) const LIGHT: u64 = EMITTERS_OFFSET + (size_of::<EmitterWords>() * emitters::COUNT) as u64;
+/// Byte offset of its rotation.
+pub(super) const ROTATION_OFFSET: u64 =
+    EMITTERS_OFFSET + (size_of::<EmitterWords>() * emitters::COUNT) as u64;
+
+/// Bytes of `OctaglossLight`: a multiple of 256, at which bindings may begin.
+pub(crate) const LIGHT: u64 = (ROTATION_OFFSET + 48).next_multiple_of(256);
+
+/// Most tables that share buffers: their lights are one uniform.
+pub(super) const MOST_LIGHTS: u32 = 14;
 
 /// Uniform with the positions of the tables and the current lobes.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -44,7 +51,7 @@ pub(crate) const LIGHT: u64 = EMITTERS_OFFSET + (size_of::<EmitterWords>() * emi
 pub struct Octaves {
     inner: u32,
     finest: u32,
-    border: u32,
+    entries: u32,
     sharpest: f32,
     models: [Model; 2],
     peak: [[f32; 4]; PEAK / 4],
@@ -52,7 +59,7 @@ pub struct Octaves {
     octaves: [Octave; super::octaves::OCTAVES],
 }
 
-shader::members!(Octaves { inner, finest, border, sharpest, models, peak, zonal, octaves });
+shader::members!(Octaves { inner, finest, entries, sharpest, models, peak, zonal, octaves });
 
 /// One table of parameters, in the shader's layout.
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
@@ -147,6 +154,11 @@ fn polynomials<const POWERS: usize, const COUNT: usize>(
     sums
 }
 
+/// Bytes of the entries of one map of `inner` texels along an edge.
+fn bytes(inner: u32) -> u64 {
+    32 * u64::from(OctaveLayout::new(inner).entries)
+}
+
 /// Tables for fitted lobes, in the form that shaders query.
 ///
 /// The stages of [`super::build_fitted::BuildFitted`] fill them; record these whenever the light has changed.
@@ -155,11 +167,13 @@ fn polynomials<const POWERS: usize, const COUNT: usize>(
 #[derive(Clone, Debug)]
 pub struct FittedTables {
     inner: u32,
+    /// Place among the tables that share the buffers.
+    probe: u32,
     octaves: wgpu::Buffer,
-    light: wgpu::Buffer,
+    lights: wgpu::Buffer,
     entries: wgpu::Buffer,
     parameters: wgpu::Buffer,
-    oem: wgpu::TextureView,
+    oems: wgpu::Texture,
 }
 
 /// Source of the query function, with its resources at bindings 0 to 4 of group `group`. To combine it with
@@ -176,23 +190,39 @@ impl FittedTables {
     /// [`Error::Parameter`] for an unsupported count, and for an `inner` that is not a power of two of at
     /// least 16; [`Error::Limit`] if the tables exceed the device's buffers or textures.
     pub fn new(context: &Context, inner: u32, count: u32) -> Result<Self> {
+        Ok(Self::sharing(context, inner, count, 1)?.remove(0))
+    }
+
+    /// `probes` such tables in shared buffers, at most [`MOST_LIGHTS`]. They share the count of boxes, too.
+    ///
+    /// # Errors
+    /// Those of [`FittedTables::new`].
+    pub(super) fn sharing(context: &Context, inner: u32, count: u32, probes: u32) -> Result<Vec<Self>> {
         crate::filter::Filter::Fitted(count).check(Lobe::Ggx, Some(inner))?;
-        Self::check_fits(context, inner)?;
+        Self::check_fits(context, inner, probes)?;
         let parameters = context.storage_of("parameters of fitted lobes", &parameters());
-        Ok(Self::with_parameters(context, inner, count, parameters))
+        let first = Self::with_parameters(context, inner, count, probes, parameters);
+        Ok((0..probes).map(|probe| Self { probe, ..first.clone() }).collect())
     }
 
     /// Other tables of this size, for lobes of `count` boxes (1, 2, 4 or 8); they share the parameters.
     pub(super) fn sibling(&self, context: &Context, count: u32) -> Self {
-        Self::with_parameters(context, self.inner, count, self.parameters.clone())
+        Self::with_parameters(context, self.inner, count, 1, self.parameters.clone())
     }
 
-    fn with_parameters(context: &Context, inner: u32, count: u32, parameters: wgpu::Buffer) -> Self {
-        let layout = super::octaves::OctaveLayout::new(inner);
+    /// The first of `probes` tables.
+    fn with_parameters(
+        context: &Context,
+        inner: u32,
+        count: u32,
+        probes: u32,
+        parameters: wgpu::Buffer,
+    ) -> Self {
+        let layout = OctaveLayout::new(inner);
         let octaves = Octaves {
             inner,
             finest: layout.finest,
-            border: BORDER,
+            entries: layout.entries,
             sharpest: (KNOTS[0] - f64::from(layout.finest)).exp2() as f32,
             models: models(count),
             peak: peak(),
@@ -200,15 +230,19 @@ impl FittedTables {
             octaves: layout.octaves,
         };
         let device = context.device();
-        let light = device.create_buffer(&wgpu::BufferDescriptor {
+        let lights = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("light of fitted lobes"),
-            size: LIGHT,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            // Shaders of several declare the most.
+            size: LIGHT * u64::from(MOST_LIGHTS),
+            usage: wgpu::BufferUsages::UNIFORM
+                | wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::COPY_SRC
+                | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let oem = device.create_texture(&wgpu::TextureDescriptor {
+        let oems = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("OEM"),
-            size: wgpu::Extent3d { width: inner, height: inner, depth_or_array_layers: 1 },
+            size: wgpu::Extent3d { width: inner, height: inner, depth_or_array_layers: probes },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -218,16 +252,17 @@ impl FittedTables {
         });
         Self {
             inner,
+            probe: 0,
             octaves: context.uniform("octaves", &octaves),
-            light,
-            entries: context.storage("blurred tables", 32 * u64::from(layout.entries)),
+            lights,
+            entries: context.storage("blurred tables", u64::from(probes) * bytes(inner)),
             parameters,
-            oem: oem.create_view(&wgpu::TextureViewDescriptor::default()),
+            oems,
         }
     }
 
-    /// Checks that the tables over an OEM of `inner` texels fit the device.
-    pub(super) fn check_fits(context: &Context, inner: u32) -> Result<()> {
+    /// Checks that `probes` tables over OEMs of `inner` texels fit the device.
+    pub(super) fn check_fits(context: &Context, inner: u32, probes: u32) -> Result<()> {
         let most = context.device().limits().max_texture_dimension_2d;
         if inner > most {
             return Err(Error::Limit {
@@ -237,12 +272,23 @@ impl FittedTables {
                 remedy: format!("choose `oem_size` of at most {most}"),
             });
         }
-        let bytes = |inner| 32 * u64::from(super::octaves::OctaveLayout::new(inner).entries);
-        context.fits("tables of blurred octaves", bytes(inner), |available| {
+        let all = u64::from(probes);
+        context.fits("tables of blurred octaves", all * bytes(inner), |available| {
             let sizes = (4..u32::BITS).map(|log2| 1 << log2).take_while(|smaller| *smaller < inner);
-            let fitting = sizes.filter(|smaller| bytes(*smaller) <= available).last();
-            format!("choose `oem_size` of at most {}, or the CPU engine", fitting.unwrap_or(0))
+            let fitting = sizes.filter(|smaller| all * bytes(*smaller) <= available).last();
+            let size = format!("choose `oem_size` of at most {}", fitting.unwrap_or(0));
+            match Self::most_probes(context, inner) {
+                most @ 1.. => format!("use at most {most} probes in one binding, or {size}"),
+                0 => format!("{size}, or the CPU engine"),
+            }
         })
+    }
+
+    /// Most tables over OEMs of `inner` texels that share buffers on the device.
+    pub(super) fn most_probes(context: &Context, inner: u32) -> u32 {
+        let limits = context.device().limits();
+        let available = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+        (available / bytes(inner)).min(u64::from(MOST_LIGHTS)) as u32
     }
 
     /// Selects lobes of `count` boxes (1, 2, 4 or 8) from the next submission on. The tables stay unchanged.
@@ -266,16 +312,63 @@ impl FittedTables {
         &self.octaves
     }
 
-    pub(super) const fn light(&self) -> &wgpu::Buffer {
-        &self.light
+    /// Sets the rotation for shaders that turn the environment, from the next submission on: columns.
+    pub(super) fn set_rotation(&self, context: &Context, world_from_source: [[f32; 4]; 3]) {
+        let at = LIGHT * u64::from(self.probe) + ROTATION_OFFSET;
+        context.queue().write_buffer(&self.lights, at, bytemuck::bytes_of(&world_from_source));
     }
 
-    pub(super) const fn entries(&self) -> &wgpu::Buffer {
-        &self.entries
+    /// The light of these tables.
+    pub(super) fn light(&self) -> wgpu::BufferBinding<'_> {
+        self.part(&self.lights, LIGHT)
     }
 
-    pub(super) const fn oem(&self) -> &wgpu::TextureView {
-        &self.oem
+    /// The entries of these tables.
+    pub(super) fn entries(&self) -> wgpu::BufferBinding<'_> {
+        self.part(&self.entries, bytes(self.inner))
+    }
+
+    /// The bytes of these tables in a shared buffer that has `bytes` of each.
+    fn part<'a>(&self, buffer: &'a wgpu::Buffer, bytes: u64) -> wgpu::BufferBinding<'a> {
+        let offset = bytes * u64::from(self.probe);
+        wgpu::BufferBinding { buffer, offset, size: std::num::NonZero::new(bytes) }
+    }
+
+    pub(super) async fn read_light(&self, context: &Context) -> Result<Vec<[f32; 4]>> {
+        self.read_part(context, self.light()).await
+    }
+
+    pub(super) async fn read_entries(&self, context: &Context) -> Result<Vec<[[u32; 4]; 2]>> {
+        self.read_part(context, self.entries()).await
+    }
+
+    async fn read_part<T: bytemuck::Pod>(
+        &self,
+        context: &Context,
+        part: wgpu::BufferBinding<'_>,
+    ) -> Result<Vec<T>> {
+        let all = readback::read(context, part.buffer).await?;
+        let (first, count) = (part.offset as usize, part.size.map_or(0, |size| size.get() as usize));
+        Ok(all[first / size_of::<T>()..][..count / size_of::<T>()].to_vec())
+    }
+
+    /// The map of these tables, as a texture of one layer.
+    pub(super) fn oem(&self) -> wgpu::TextureView {
+        self.layers(wgpu::TextureViewDimension::D2, self.probe, Some(1))
+    }
+
+    fn layers(
+        &self,
+        dimension: wgpu::TextureViewDimension,
+        first: u32,
+        count: Option<u32>,
+    ) -> wgpu::TextureView {
+        self.oems.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(dimension),
+            base_array_layer: first,
+            array_layer_count: count,
+            ..Default::default()
+        })
     }
 
     /// Layout of a bind group with the resources of [`wgsl`], for the shader stages `visibility`.
@@ -288,60 +381,63 @@ impl FittedTables {
     }
 
     /// The entries of that layout.
-    pub(super) fn layout_entries(visibility: wgpu::ShaderStages) -> [wgpu::BindGroupLayoutEntry; 5] {
-        let uniform = |binding| Self::uniform_entry(binding, visibility);
-        let storage = |binding| wgpu::BindGroupLayoutEntry {
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only: true },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            ..uniform(binding)
+    fn layout_entries(visibility: wgpu::ShaderStages) -> [wgpu::BindGroupLayoutEntry; 5] {
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let buffer = |binding, ty| {
+            entry(
+                binding,
+                wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            )
         };
-        let texture = wgpu::BindGroupLayoutEntry {
-            ty: wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled: false,
-            },
-            ..uniform(4)
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let texture = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
         };
-        [uniform(0), uniform(1), storage(2), storage(3), texture]
-    }
-
-    /// The layout's entry of a uniform buffer.
-    pub(super) const fn uniform_entry(
-        binding: u32,
-        visibility: wgpu::ShaderStages,
-    ) -> wgpu::BindGroupLayoutEntry {
-        let ty = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
+        [buffer(0, uniform), buffer(1, uniform), buffer(2, storage), buffer(3, storage), entry(4, texture)]
     }
 
     /// Bind group of the tables' resources, with `layout`.
     #[must_use]
     pub fn bind_group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("octagloss fitted lobes"),
-            layout,
-            entries: &self.bind_group_entries(),
-        })
+        let oem = self.layers(wgpu::TextureViewDimension::D2Array, self.probe, Some(1));
+        self.bind_group_over(device, layout, self.light(), self.entries(), &oem)
     }
 
-    /// The entries of that group.
-    pub(super) fn bind_group_entries(&self) -> Vec<wgpu::BindGroupEntry<'_>> {
+    /// Bind group of these and all tables that share their buffers.
+    pub(super) fn bind_group_of_all(
+        &self,
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+    ) -> wgpu::BindGroup {
+        let oems = self.layers(wgpu::TextureViewDimension::D2Array, 0, None);
+        let [lights, entries] = [&self.lights, &self.entries].map(wgpu::Buffer::as_entire_buffer_binding);
+        self.bind_group_over(device, layout, lights, entries, &oems)
+    }
+
+    fn bind_group_over(
+        &self,
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        lights: wgpu::BufferBinding<'_>,
+        entries: wgpu::BufferBinding<'_>,
+        oems: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
         let resources = [
             self.octaves.as_entire_binding(),
-            self.light.as_entire_binding(),
-            self.entries.as_entire_binding(),
+            wgpu::BindingResource::Buffer(lights),
+            wgpu::BindingResource::Buffer(entries),
             self.parameters.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&self.oem),
+            wgpu::BindingResource::TextureView(oems),
         ];
-        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect()
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        let label = Some("octagloss fitted lobes");
+        device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Computes harmonics of an OEM to order 4 from its exact table.
 
+use super::device::shader;
 use super::device::stage::Dispatch;
-use super::device::{readback, shader};
 use super::fitted::FittedTables;
 use super::{Context, SatPlanes, Stage, oem};
 use crate::error::Result;
@@ -45,7 +45,7 @@ impl Harmonics {
         let mut sums = vec![table.clone(), partials.clone()];
         sums.extend((1..).zip(sat.planes().iter().map(wgpu::Buffer::as_entire_binding)));
         let exponents = (5, sat.exponents().as_entire_binding());
-        let all = [table, exponents, partials, (7, tables.light().as_entire_binding())];
+        let all = [table, exponents, partials, (7, wgpu::BindingResource::Buffer(tables.light()))];
         Stage::new(
             "harmonics",
             vec![
@@ -66,7 +66,7 @@ impl FittedTables {
         context: &Context,
         fixed: FixedPoint,
     ) -> Result<[[f64; 4]; sh::MAX_COUNT]> {
-        let light: Vec<[f32; 4]> = readback::read(context, self.light()).await?;
+        let light = self.read_light(context).await?;
         let units = fixed.exponents.map(|exponent| f64::from(60 - exponent).exp2());
         Ok(std::array::from_fn(|k| std::array::from_fn(|c| f64::from(light[3 + k][c]) * units[c])))
     }

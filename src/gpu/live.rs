@@ -20,7 +20,7 @@ use crate::oem::OemSize;
 use glam::{DMat3, DVec3};
 
 /// Boxes of a fitted lobe at first.
-const BOXES: u32 = 4;
+pub(super) const BOXES: u32 = 4;
 
 /// Glossy reflections of any roughness out of a texture that changes, for the caller's own shaders.
 ///
@@ -44,7 +44,6 @@ pub struct LiveEnvironment {
     /// The map of the first draw, and the stage that reads it.
     drawn: Option<(Surroundings, Stage)>,
     draw_layout: wgpu::BindGroupLayout,
-    source_from_world: wgpu::Buffer,
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
 }
@@ -94,12 +93,22 @@ impl LiveEnvironment {
 
     /// [`Self::new`] with passes compiled before.
     pub(crate) fn with_passes(context: &Context, passes: &LivePasses, size: u32) -> Result<Self> {
-        let inner = size.max(16).checked_next_power_of_two().unwrap_or(1 << 31);
         // Before any plane is allocated.
-        let tables = FittedTables::new(context, inner, BOXES)?;
+        let tables = FittedTables::new(context, inner_of(size), BOXES)?;
+        Ok(Self::several(context, passes, vec![tables])?.remove(0))
+    }
+
+    /// Environments of these tables of one size.
+    pub(super) fn several(
+        context: &Context,
+        passes: &LivePasses,
+        tables: Vec<FittedTables>,
+    ) -> Result<Vec<Self>> {
+        let inner = tables.first().map_or(0, FittedTables::inner);
         let planes = OemPlanes::new(context, OemSize { inner, border: 0 })?;
         let scratch = Scratch::new(context, &planes)?;
-        Ok(Self::over(context, passes, &planes, &scratch, tables))
+        let over = |tables| Self::over(context, passes, &planes, &scratch, tables);
+        Ok(tables.into_iter().map(over).collect())
     }
 
     /// An environment of these tables, planes and buffers between passes.
@@ -112,15 +121,9 @@ impl LiveEnvironment {
     ) -> Self {
         let device = context.device();
         let build = passes.build.stages_through(context, planes, scratch, &tables);
-        let source_from_world = context.uniform("source from world", &columns(DMat3::IDENTITY));
-        let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
-        let mut entries = FittedTables::layout_entries(visibility).to_vec();
-        entries.push(FittedTables::uniform_entry(5, visibility));
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("octagloss"),
-            entries: &entries,
-        });
-        let bind_group = bind_group(device, &layout, &tables, &source_from_world);
+        tables.set_rotation(context, columns(DMat3::IDENTITY));
+        let layout = layout(device);
+        let bind_group = tables.bind_group(device, &layout);
         let draw_layout = view_layout(device);
         Self {
             context: context.clone(),
@@ -132,7 +135,6 @@ impl LiveEnvironment {
             source: None,
             drawn: None,
             draw_layout,
-            source_from_world,
             layout,
             bind_group,
         }
@@ -245,12 +247,11 @@ impl LiveEnvironment {
     /// Turns the environment from the next submission on: `source_from_world` is the rotation that takes a
     /// direction of the renderer's world to one of the texture's. No table changes.
     pub fn set_rotation(&self, source_from_world: DMat3) {
-        let words = columns(source_from_world);
-        self.context.queue().write_buffer(&self.source_from_world, 0, bytemuck::bytes_of(&words));
+        self.tables.set_rotation(&self.context, columns(source_from_world.transpose()));
     }
 
     /// Selects lobes of `count` boxes (1, 2, 4 or 8; 4 at first) from the next submission on: more are slower
-    /// and more accurate.
+    /// and more accurate. Environments of one [`LiveProbes`](super::live_probes::LiveProbes) have one count.
     ///
     /// # Errors
     /// [`Error::Parameter`] for any other count.
@@ -292,20 +293,23 @@ impl LiveEnvironment {
     /// Such a group of `layout`, which a pipeline has derived from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        bind_group(self.context.device(), layout, &self.tables, &self.source_from_world)
+        self.tables.bind_group(self.context.device(), layout)
+    }
+
+    pub(super) const fn tables(&self) -> &FittedTables {
+        &self.tables
     }
 }
 
-fn bind_group(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    tables: &FittedTables,
-    source_from_world: &wgpu::Buffer,
-) -> wgpu::BindGroup {
-    let mut entries = tables.bind_group_entries();
-    entries.push(wgpu::BindGroupEntry { binding: 5, resource: source_from_world.as_entire_binding() });
-    let label = Some("octagloss");
-    device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
+/// The layout of a group for shaders that look environments up.
+pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
+    FittedTables::bind_group_layout(device, visibility)
+}
+
+/// Edge of the octahedral map for `size` texels.
+pub(super) fn inner_of(size: u32) -> u32 {
+    size.max(16).checked_next_power_of_two().unwrap_or(1 << 31)
 }
 
 /// The layout of an environment in a texture of `size`.

@@ -37,14 +37,12 @@ impl Mirror {
         tables: &FittedTables,
     ) -> Stage {
         assert_eq!(oem.size().inner, tables.inner(), "tables for this size");
-        let mut resources = vec![
-            (0, oem.table_buffer().as_entire_binding()),
-            (5, wgpu::BindingResource::TextureView(tables.oem())),
-        ];
+        let own = tables.oem();
+        let mut resources =
+            vec![(0, oem.table_buffer().as_entire_binding()), (5, wgpu::BindingResource::TextureView(&own))];
         resources.extend((1..).zip(oem.planes().iter().map(wgpu::Buffer::as_entire_binding)));
         let groups = tables.inner().div_ceil(EDGE);
-        let least =
-            wgpu::BufferBinding { buffer: tables.light(), offset: 0, size: std::num::NonZero::new(16) };
+        let least = wgpu::BufferBinding { size: std::num::NonZero::new(16), ..tables.light() };
         let mut dispatches = vec![Dispatch::new(context, &self.mirror, &resources, [groups, groups, 1])];
         dispatches.extend(self.least.dispatches(context, rest, wgpu::BindingResource::Buffer(least)));
         Stage::new("mirror", dispatches)

@@ -39,6 +39,7 @@ pub mod harmonics;
 pub mod lamp;
 mod least;
 pub mod live;
+pub mod live_probes;
 pub mod mirror;
 pub mod octaves;
 pub mod oem;

@@ -36,6 +36,7 @@ pub(super) struct OctaveLayout {
     pub(super) octaves: [Octave; OCTAVES],
     pub(super) finest: u32,
     pub(super) texels: u32,
+    /// Rounded up so that what follows begins at a multiple of 256 bytes, as bindings do.
     pub(super) entries: u32,
     pub(super) tiles: u32,
     pub(super) rows: u32,
@@ -65,6 +66,7 @@ impl OctaveLayout {
             all.tiles += (fine / EDGE).pow(2);
             all.rows += side;
         }
+        all.entries = all.entries.next_multiple_of(8);
         all
     }
 }

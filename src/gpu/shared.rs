@@ -66,7 +66,9 @@ pub fn constants() -> Vec<Constant> {
         one("common/kernel.wgsl", "SHAPE_CONE", shape::CONE),
         one("common/kernel.wgsl", "SHAPE_COSINE", shape::COSINE),
         one("common/light.wgsl", "EMITTERS", COUNT as u32),
+        one("common/light.wgsl", "MOST_LIGHTS", fitted::MOST_LIGHTS),
         ("common/luminance.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
+        one("common/octaves.wgsl", "OCTAVE_BORDER", octaves::BORDER),
         one("common/quad.wgsl", "QUAD_FIELDS", cells::QUAD_FIELDS as u32),
         one("common/reduction.wgsl", "GROUPS", fixed_point::GROUPS),
         one("common/reduction.wgsl", "GROUP_SIZE", fixed_point::GROUP_SIZE),
@@ -125,11 +127,17 @@ pub fn structs() -> Vec<Struct> {
         layout!("common/direct.wgsl", "Corner", crate::direct::Corner),
         layout!("common/direct_view.wgsl", "OctaglossView", direct::view::View),
         layout!("common/light.wgsl", "OctaglossEmitter", fitted::EmitterWords),
-        // Least radiance, two vectors of units, 25 harmonics, emitters.
+        // Least radiance, two vectors of units, 25 harmonics, emitters, a rotation.
         (
             "common/light.wgsl",
             "OctaglossLight",
-            &[("least", 0), ("scale", 16), ("harmonics", 48), ("emitters", 448)],
+            &[
+                ("least", 0),
+                ("scale", 16),
+                ("harmonics", 48),
+                ("emitters", 448),
+                ("world_from_source", fitted::ROTATION_OFFSET as usize),
+            ],
             fitted::LIGHT as usize,
         ),
         layout!("common/octaves.wgsl", "OctaglossModel", fitted::Model),

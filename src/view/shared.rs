@@ -33,7 +33,6 @@ pub fn structs() -> Vec<Struct> {
         (parts, "SceneLight", scene::LightUniform::MEMBERS, size_of::<scene::LightUniform>()),
         (parts, "ScenePart", scene::PartUniform::MEMBERS, size_of::<scene::PartUniform>()),
         (textures, "SceneTexture", scene::TextureUniform::MEMBERS, size_of::<scene::TextureUniform>()),
-        ("view/scene.wgsl", "SceneDraw", scene::DrawUniform::MEMBERS, size_of::<scene::DrawUniform>()),
         ("view/scene.wgsl", "SceneFrame", scene::FrameUniform::MEMBERS, size_of::<scene::FrameUniform>()),
         ("view/scene_pose.wgsl", "ScenePose", scene::PoseUniform::MEMBERS, size_of::<scene::PoseUniform>()),
         (file, "Ball", BallUniform::MEMBERS, size_of::<BallUniform>()),

@@ -129,6 +129,9 @@ pub enum Queries {
     /// The same under a rotation, and irradiance, over a [`crate::gpu::live::LiveEnvironment`]:
     /// `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`.
     Live(u32),
+    /// The same over all of [`crate::gpu::live_probes::LiveProbes`]: `octagloss_radiance_of(probe, direction,
+    /// roughness)` and `octagloss_irradiance_of(probe, normal)`.
+    Probes(u32),
     /// Clip coordinates and ownership of pixels for draws into a [`crate::gpu::live::LiveEnvironment`]:
     /// `octagloss_direct_position(position)` and `octagloss_direct_owns(position)`.
     Draw(u32),
@@ -136,17 +139,19 @@ pub enum Queries {
     Shadow(u32),
 }
 
-/// The resources of fitted lobes, by their bindings.
-const FITTED: [&str; 5] = [
-    "var<uniform> octagloss_octaves: OctaglossOctaves",
-    "var<uniform> octagloss_light: OctaglossLight",
-    "var<storage, read> octagloss_entries: array<Sum>",
-    "var<storage, read> octagloss_parameters: array<vec4<u32>>",
-    "var octagloss_oem: texture_2d<f32>",
-];
+/// The resources of fitted lobes, by their bindings, with those of `lights`.
+const fn fitted(lights: &'static str) -> [&'static str; 5] {
+    [
+        "var<uniform> octagloss_octaves: OctaglossOctaves",
+        lights,
+        "var<storage, read> octagloss_entries: array<Sum>",
+        "var<storage, read> octagloss_parameters: array<vec4<u32>>",
+        "var octagloss_oems: texture_2d_array<f32>",
+    ]
+}
 
-/// The rotation of a live environment, at the binding that follows.
-const LIVE: &str = "var<uniform> octagloss_source_from_world: mat3x3<f32>";
+const FITTED: [&str; 5] = fitted("var<uniform> octagloss_lights: array<OctaglossLight, 1>");
+const PROBES: [&str; 5] = fitted("var<uniform> octagloss_lights: array<OctaglossLight, MOST_LIGHTS>");
 
 /// The functions and resources of `queries`, for one shader; shared functions appear once.
 #[must_use]
@@ -165,7 +170,8 @@ pub fn queries(queries: &[Queries]) -> String {
                 "common/sat.wgsl",
             ),
             Queries::Fitted(group) => (group, FITTED.to_vec(), "common/fitted.wgsl"),
-            Queries::Live(group) => (group, [&FITTED[..], &[LIVE]].concat(), "common/live.wgsl"),
+            Queries::Live(group) => (group, FITTED.to_vec(), "common/live.wgsl"),
+            Queries::Probes(group) => (group, PROBES.to_vec(), "common/live.wgsl"),
             Queries::Draw(group) => {
                 (group, vec!["var<uniform> octagloss_view: OctaglossView"], "common/direct_view.wgsl")
             }

@@ -167,9 +167,15 @@ impl Scene {
         DMat4::from_translation(self.place(index, time)) * DMat4::from_rotation_y(turn)
     }
 
-    /// The parts at `time`; glossy ones have `roughness`, or their own.
-    pub(super) fn part_uniforms(&self, time: f64, roughness: Option<f64>) -> Vec<PartUniform> {
+    /// The parts at `time`; glossy ones have `roughness`, or their own. The first `probes` of these have
+    /// probes.
+    pub(super) fn part_uniforms(&self, time: f64, roughness: Option<f64>, probes: usize) -> Vec<PartUniform> {
+        let with_probes = || self.glossy().take(probes);
         let uniform = |(index, part): (usize, &Placed)| {
+            let away = |other: &usize| self.place(*other, time).distance_squared(self.place(index, time));
+            let own = with_probes().position(|other| other == index);
+            let nearest = || with_probes().min_by(|a, b| away(a).total_cmp(&away(b)));
+            let probe = own.or_else(|| nearest().map(|part| part - self.glossy().start));
             let gloss = part.gloss.unwrap_or(Gloss { reflectance: [0.0; 3], roughness: 0.0 });
             PartUniform {
                 world_from_part: self.world_from_part(index, time).as_mat4().to_cols_array_2d(),
@@ -177,6 +183,9 @@ impl Scene {
                 roughness: roughness.unwrap_or(gloss.roughness) as f32,
                 base: part.base,
                 glow: part.glow,
+                probe: probe.unwrap_or(0) as u32,
+                own: u32::from(own.is_some()),
+                pad: [0; 2],
             }
         };
         self.parts.iter().enumerate().map(uniform).collect()

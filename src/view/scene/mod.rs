@@ -34,8 +34,7 @@ pub use part::{Gloss, Motion, Part};
 pub use renderer::{SceneRenderer, SceneSettings, scene_boxes, screenshot_of_scene};
 pub(in crate::view) use texture::{CLAMP, MIRROR, NEAREST};
 pub(in crate::view) use uniforms::{
-    DrawUniform, FrameUniform, LightUniform, MOST_RADIANCE, POSE_GROUP, PartUniform, PoseUniform,
-    TextureUniform,
+    FrameUniform, LightUniform, MOST_RADIANCE, POSE_GROUP, PartUniform, PoseUniform, TextureUniform,
 };
 pub use uniforms::{MOST_PROBES, SceneCorner};
 pub use viewer::SceneStart;

@@ -3,8 +3,8 @@
 use super::super::camera::field_of_angle;
 use super::content::{Bounds, Scene};
 use super::look::SceneLook;
-use super::probe::{Probe, SceneBuffers};
-use super::uniforms::{DrawUniform, FrameUniform, MOST_PROBES, SceneCorner};
+use super::probe::SceneBuffers;
+use super::uniforms::{FrameUniform, MOST_PROBES, SceneCorner};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
@@ -16,21 +16,13 @@ const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Vertical angle of view in radians.
 const ANGLE: f64 = 0.6;
 
-/// A draw of a glossy part that adds the reflections of one probe.
-#[derive(Debug)]
-pub(super) struct GlossyDraw {
-    part: usize,
-    probe: usize,
-    group: wgpu::BindGroup,
-}
-
 /// What a picture is drawn from.
 #[derive(Debug)]
 pub(super) struct Drawn<'a> {
     pub(super) scene: &'a Scene,
     pub(super) buffers: &'a SceneBuffers,
-    pub(super) probes: &'a [Probe],
-    pub(super) draws: &'a [GlossyDraw],
+    /// The group of all probes, if there are glossy parts.
+    pub(super) lives: Option<&'a wgpu::BindGroup>,
 }
 
 /// Textures of one size.
@@ -47,7 +39,6 @@ pub(super) struct Targets {
 pub(super) struct Pictures {
     frame: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
-    draw_layout: wgpu::BindGroupLayout,
     matte: wgpu::RenderPipeline,
     cover: wgpu::RenderPipeline,
     glossy: wgpu::RenderPipeline,
@@ -85,15 +76,11 @@ impl Pictures {
             count: None,
         };
         let uniform = wgpu::BufferBindingType::Uniform;
-        let layout = |label, entries: &[_]| {
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
-        };
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
-        let frame_layout = layout(
-            "scene frame",
-            &[entry(0, uniform), entry(1, uniform), entry(2, storage), entry(3, storage)],
-        );
-        let draw_layout = layout("scene draw", &[entry(0, uniform)]);
+        let frame_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("scene frame"),
+            entries: &[entry(0, uniform), entry(1, uniform), entry(2, storage), entry(3, storage)],
+        });
         let frame = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("scene frame"),
             size: size_of::<FrameUniform>() as u64,
@@ -110,7 +97,7 @@ impl Pictures {
             }),
         });
         let module = shader::module(context, "view/scene.wgsl");
-        let groups = [Some(&frame_layout), Some(live_layout), Some(&draw_layout)];
+        let groups = [Some(&frame_layout), Some(live_layout)];
         let build = |vertex, fragment, groups: &[Option<&wgpu::BindGroupLayout>], depth, blend| {
             pipeline(device, &module, [vertex, fragment], groups, depth, blend)
         };
@@ -121,28 +108,7 @@ impl Pictures {
             glossy: build("glossy_corner", "glossy", &groups, equal, Some(added())),
             frame,
             frame_group,
-            draw_layout,
         }
-    }
-
-    /// The draws of the glossy parts of `scene` by `probes`: the own probe of a part alone, else all.
-    pub(super) fn draws(&self, context: &Context, scene: &Scene, probes: &[Probe]) -> Vec<GlossyDraw> {
-        let mut draws = Vec::new();
-        for part in scene.glossy() {
-            let own = probes.iter().position(|probe| probe.part == part);
-            let chosen = own.map_or(0..probes.len(), |own| own..own + 1);
-            for probe in chosen {
-                let uniform = DrawUniform { probe: probe as u32, own: u32::from(own.is_some()) };
-                let uniform = context.uniform("scene draw", &uniform);
-                let group = context.device().create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("scene draw"),
-                    layout: &self.draw_layout,
-                    entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-                });
-                draws.push(GlossyDraw { part, probe, group });
-            }
-        }
-        draws
     }
 
     /// Writes the uniform of a picture `aspect` times as wide as high, of probes at `centres`.
@@ -180,7 +146,7 @@ impl Pictures {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         targets: &Targets,
-        Drawn { scene, buffers, probes, draws }: &Drawn<'_>,
+        Drawn { scene, buffers, lives }: &Drawn<'_>,
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -214,11 +180,10 @@ impl Pictures {
         pass.draw_indexed(0..matte, 0, 0..1);
         pass.set_pipeline(&self.cover);
         pass.draw_indexed(matte..all, 0, 0..1);
-        pass.set_pipeline(&self.glossy);
-        for GlossyDraw { part, probe, group } in *draws {
-            pass.set_bind_group(1, probes[*probe].live.bind_group(), &[]);
-            pass.set_bind_group(2, group, &[]);
-            pass.draw_indexed(scene.parts[*part].indices.clone(), 0, 0..1);
+        if let Some(lives) = lives {
+            pass.set_pipeline(&self.glossy);
+            pass.set_bind_group(1, *lives, &[]);
+            pass.draw_indexed(matte..all, 0, 0..1);
         }
     }
 }

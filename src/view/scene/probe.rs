@@ -9,6 +9,7 @@ use crate::gpu::device::shader;
 use crate::gpu::device::timer::Timer;
 use crate::gpu::direct::{Direct, DirectFrame, DirectMesh, DirectTarget, Method, Overlap};
 use crate::gpu::live::{LiveEnvironment, LivePasses};
+use crate::gpu::live_probes::LiveProbes;
 use glam::DVec3;
 
 /// Distance of the near surface of a probe.
@@ -45,8 +46,7 @@ pub(super) struct Probe {
     mesh: DirectMesh,
     target: DirectTarget,
     frame: DirectFrame,
-    pub(super) live: LiveEnvironment,
-    /// Matte corners, then those of each other glossy part.
+    /// Matte corners, then glossy ones.
     poses: Vec<Pose>,
     /// Passes of [`Probe::fill`].
     passes: u32,
@@ -59,8 +59,7 @@ struct Pose {
     group: wgpu::BindGroup,
     first: u32,
     count: u32,
-    /// The glossy part.
-    part: Option<usize>,
+    pipeline: wgpu::ComputePipeline,
 }
 
 impl ProbePasses {
@@ -113,17 +112,17 @@ impl ProbePasses {
         })
     }
 
-    /// An environment over a map of `size`, without light.
+    /// `count` environments over maps of `size`, without light.
     ///
     /// # Errors
-    /// Those of [`LiveEnvironment::new`].
-    pub(super) fn environment(&self, context: &Context, size: u32) -> Result<LiveEnvironment> {
-        LiveEnvironment::with_passes(context, &self.live, size)
+    /// Those of [`LiveProbes::new`].
+    pub(super) fn environments(&self, context: &Context, size: u32, count: usize) -> Result<LiveProbes> {
+        LiveProbes::with_passes(context, &self.live, size, count as u32)
     }
 }
 
 impl Probe {
-    /// A probe at glossy part `part` with the tables of `live`, drawn by `method`.
+    /// A probe at glossy part `part` for the tables of `live`, drawn by `method`.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] and [`crate::Error::Parameter`] if the scene or the map does not fit the
@@ -135,7 +134,7 @@ impl Probe {
         buffers: &SceneBuffers,
         part: usize,
         method: Method,
-        mut live: LiveEnvironment,
+        live: &mut LiveEnvironment,
     ) -> Result<Self> {
         check_near(NEAR)?;
         let triangles = scene.triangles(0.0, scene.place(part, 0.0), Some(part))?;
@@ -148,13 +147,13 @@ impl Probe {
         };
         let target = DirectTarget::new(context, map, FORMAT)?;
         let frame = passes.direct.frame(method, &mesh, &target, NEAR)?;
-        let glossy = scene.glossy();
-        let matte = 0..scene.parts.get(glossy.start).map_or(0, |part| part.corners.start);
-        let ranges = std::iter::once((matte, None))
-            .chain(glossy.map(|part| (scene.parts[part].corners.clone(), Some(part))));
+        let all = scene.corners.len() as u32;
+        let matte = scene.parts.get(scene.glossy().start).map_or(all, |part| part.corners.start);
+        let ranges = [(0..matte, &passes.matte), (matte..all, &passes.glossy)];
         let poses = ranges
+            .into_iter()
             .filter(|(range, _)| !range.is_empty())
-            .map(|(range, part)| {
+            .map(|(range, pipeline)| {
                 let (first, count) = (range.start, range.len() as u32);
                 let empty = PoseUniform { centre: [0.0; 3], hidden: 0, first, count, pad: [0; 2] };
                 let uniform = context.uniform("scene pose", &empty);
@@ -172,11 +171,11 @@ impl Probe {
                     layout: &passes.layout,
                     entries: &entries,
                 });
-                Pose { uniform, group, first, count, part }
+                Pose { uniform, group, first, count, pipeline: pipeline.clone() }
             })
             .collect();
         let passes = frame.passes() + live.stages(target.colour())?.count() as u32;
-        Ok(Self { part, mesh, target, frame, live, poses, passes })
+        Ok(Self { part, mesh, target, frame, poses, passes })
     }
 
     /// Number of passes of [`Probe::fill`].
@@ -184,15 +183,14 @@ impl Probe {
         self.passes
     }
 
-    /// Records the pass that places the corners around `centre`. `lives` gives the tables that a glossy part
-    /// reflects.
-    pub(super) fn pose<'a>(
+    /// Records the pass that places the corners around `centre`. Glossy parts reflect `lives`, the group of
+    /// all probes.
+    pub(super) fn pose(
         &self,
         context: &Context,
-        passes: &ProbePasses,
         encoder: &mut wgpu::CommandEncoder,
         centre: DVec3,
-        lives: impl Fn(usize) -> &'a LiveEnvironment,
+        lives: &wgpu::BindGroup,
         timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
         for Pose { uniform, first, count, .. } in &self.poses {
@@ -203,24 +201,23 @@ impl Probe {
         }
         let descriptor = wgpu::ComputePassDescriptor { label: Some("pose"), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
-        for Pose { group, count, part, .. } in &self.poses {
-            pass.set_pipeline(if part.is_some() { &passes.glossy } else { &passes.matte });
+        pass.set_bind_group(1, lives, &[]);
+        for Pose { group, count, pipeline, .. } in &self.poses {
+            pass.set_pipeline(pipeline);
             pass.set_bind_group(0, group, &[]);
-            if let Some(part) = part {
-                pass.set_bind_group(1, lives(*part).bind_group(), &[]);
-            }
             let [x, y, z] = crate::gpu::device::stage::in_rows(count.div_ceil(POSE_GROUP));
             pass.dispatch_workgroups(x, y, z);
         }
     }
 
-    /// Records the draws into the map and the passes of its tables. With a timer, passes write their times
-    /// from place 0 on; returns their labels.
+    /// Records the draws into the map and the passes of the tables of `live`. With a timer, passes write
+    /// their times from place 0 on; returns their labels.
     ///
     /// # Errors
     /// Those of [`LiveEnvironment::update`].
     pub(super) fn fill(
-        &mut self,
+        &self,
+        live: &mut LiveEnvironment,
         encoder: &mut wgpu::CommandEncoder,
         timer: Option<&Timer>,
     ) -> Result<Vec<&'static str>> {
@@ -229,7 +226,7 @@ impl Probe {
         if self.frame.has_list() {
             labels[0] = "lists";
         }
-        for stage in self.live.stages(self.target.colour())? {
+        for stage in live.stages(self.target.colour())? {
             let writes = timer.map(|timer| timer.compute_writes(labels.len() as u32));
             stage.record_timed(encoder, writes);
             labels.push(stage.label());

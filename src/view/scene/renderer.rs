@@ -6,7 +6,7 @@ use super::super::present::{Presenter, Viewport};
 use super::super::screenshot::{Screenshot, presented};
 use super::content::Scene;
 use super::look::SceneLook;
-use super::picture::{Drawn, GlossyDraw, Pictures, Targets};
+use super::picture::{Drawn, Pictures, Targets};
 use super::probe::{Probe, ProbePasses, SceneBuffers};
 use super::uniforms::MOST_PROBES;
 use crate::error::{Error, Result};
@@ -14,7 +14,8 @@ use crate::gpu::Context;
 use crate::gpu::device::readback;
 use crate::gpu::device::timer::Timer;
 use crate::gpu::direct::Method;
-use crate::gpu::live::{LiveEnvironment, LivePasses};
+use crate::gpu::live::{LivePasses, layout};
+use crate::gpu::live_probes::LiveProbes;
 use glam::DVec3;
 use half::f16;
 use image::RgbImage;
@@ -31,7 +32,8 @@ pub(super) const ROUNDS: usize = 3;
 pub struct SceneSettings {
     /// How the scene comes into their maps.
     pub method: Method,
-    /// Number of probes, at most that of glossy parts. Parts without a probe blend all by distance.
+    /// Number of probes, at most that of glossy parts and of those whose tables fit one binding of the device.
+    /// Parts without a probe blend all by distance.
     pub probes: usize,
     /// Edge of their octahedral maps; a cube has as many texels.
     pub size: u32,
@@ -68,13 +70,15 @@ pub struct SceneRenderer {
     passes: ProbePasses,
     buffers: SceneBuffers,
     probes: Vec<Probe>,
+    /// Their tables; `None` without glossy parts.
+    lives: Option<LiveProbes>,
     /// Where each probe was at its last update.
     centres: Vec<DVec3>,
     pictures: Pictures,
-    draws: Vec<GlossyDraw>,
     targets: Option<Targets>,
     presenter: Presenter,
     time: f64,
+    roughness: Option<f64>,
 }
 
 impl SceneRenderer {
@@ -87,7 +91,7 @@ impl SceneRenderer {
         let corner_bytes: &[u8] = bytemuck::cast_slice(&scene.corners);
         let index_bytes: &[u8] = bytemuck::cast_slice(&scene.indices);
         let storage = wgpu::BufferUsages::STORAGE;
-        let parts = scene.part_uniforms(0.0, None);
+        let parts = scene.part_uniforms(0.0, None, 0);
         let buffers = SceneBuffers {
             corners: buffer(&context, "corners", wgpu::BufferUsages::VERTEX | storage, corner_bytes)?,
             indices: buffer(&context, "triangles", wgpu::BufferUsages::INDEX, index_bytes)?,
@@ -96,11 +100,9 @@ impl SceneRenderer {
             light: context.uniform("scene light", &scene.light_uniform()),
         };
         let live = LivePasses::new(&context);
-        // All environments have layouts of one content.
-        let least = LiveEnvironment::with_passes(&context, &live, 16)?;
-        let layout = least.bind_group_layout();
-        let passes = ProbePasses::new(&context, layout, live)?;
-        let pictures = Pictures::new(&context, layout, &buffers);
+        let layout = layout(context.device());
+        let passes = ProbePasses::new(&context, &layout, live)?;
+        let pictures = Pictures::new(&context, &layout, &buffers);
         let mut renderer = Self {
             presenter: Presenter::new(&context),
             context,
@@ -109,11 +111,12 @@ impl SceneRenderer {
             passes,
             buffers,
             probes: Vec::new(),
+            lives: None,
             centres: Vec::new(),
             pictures,
-            draws: Vec::new(),
             targets: None,
             time: 0.0,
+            roughness: None,
         };
         renderer.configure(settings)?;
         Ok(renderer)
@@ -129,22 +132,20 @@ impl SceneRenderer {
         if count == 0 && !glossy.is_empty() {
             return Err(Error::Parameter("no probes; choose 1 to 8".to_owned()));
         }
-        let mut probes: Vec<Probe> = Vec::new();
-        for part in glossy.take(count) {
-            let SceneSettings { method, size, boxes, .. } = settings;
-            let Self { context, passes, scene, buffers, .. } = self;
-            // Probes share what an update only passes through.
-            let live = match probes.first() {
-                Some(Probe { live, .. }) => live.sibling(),
-                None => passes.environment(context, size)?,
-            };
-            let probe = Probe::new(context, passes, scene, buffers, part, method, live)?;
-            probe.live.set_boxes(boxes)?;
-            probes.push(probe);
-        }
+        let SceneSettings { method, size, boxes, .. } = settings;
+        let Self { context, passes, scene, buffers, .. } = self;
+        let count = count.min(LiveProbes::most(context, size).max(1) as usize);
+        let mut lives = (count > 0).then(|| passes.environments(context, size, count)).transpose()?;
+        let pairs = glossy.zip(lives.iter_mut().flat_map(|lives| lives.iter_mut()));
+        let probes: Vec<Probe> = pairs
+            .map(|(part, live)| {
+                live.set_boxes(boxes)?;
+                Probe::new(context, passes, scene, buffers, part, method, live)
+            })
+            .collect::<Result<_>>()?;
         self.centres = probes.iter().map(|probe| self.scene.place(probe.part, self.time)).collect();
-        self.draws = self.pictures.draws(&self.context, &self.scene, &probes);
-        (self.probes, self.settings) = (probes, settings);
+        (self.lives, self.probes, self.settings) = (lives, probes, settings);
+        self.write_parts();
         self.context.check()
     }
 
@@ -180,8 +181,12 @@ impl SceneRenderer {
 
     /// Moves the parts to `time` in seconds. Glossy parts have `roughness`, or their own.
     pub fn set_time(&mut self, time: f64, roughness: Option<f64>) {
-        self.time = time;
-        let parts = self.scene.part_uniforms(time, roughness);
+        (self.time, self.roughness) = (time, roughness);
+        self.write_parts();
+    }
+
+    fn write_parts(&self) {
+        let parts = self.scene.part_uniforms(self.time, self.roughness, self.probes.len());
         self.context.queue().write_buffer(&self.buffers.parts, 0, bytemuck::cast_slice(&parts));
     }
 
@@ -208,19 +213,13 @@ impl SceneRenderer {
         index: usize,
         timer: Option<&Timer>,
     ) -> Result<Vec<&'static str>> {
-        let centre = self.scene.place(self.probes[index].part, self.time);
-        self.centres[index] = centre;
-        let lives = |part: usize| {
-            let place = self.scene.place(part, self.time);
-            let own = self.probes.iter().find(|probe| probe.part == part);
-            let away = |probe: &&Probe| self.scene.place(probe.part, self.time).distance_squared(place);
-            let nearest = || self.probes.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
-            &own.or_else(nearest).expect("a probe is updated").live
-        };
-        let place = self.probes[index].passes();
-        let writes = timer.map(|timer| timer.compute_writes(place));
-        self.probes[index].pose(&self.context, &self.passes, encoder, centre, lives, writes);
-        let mut labels = self.probes[index].fill(encoder, timer)?;
+        let Self { context, probes, centres, .. } = self;
+        let (probe, lives) = (&probes[index], self.lives.as_mut().expect("tables of the probes"));
+        let centre = self.scene.place(probe.part, self.time);
+        centres[index] = centre;
+        let writes = timer.map(|timer| timer.compute_writes(probe.passes()));
+        probe.pose(context, encoder, centre, lives.bind_group(), writes);
+        let mut labels = probe.fill(&mut lives[index], encoder, timer)?;
         labels.push("pose");
         Ok(labels)
     }
@@ -250,8 +249,9 @@ impl SceneRenderer {
         let targets = self.targets.as_ref().expect("made");
         let aspect = f64::from(size.0) / f64::from(size.1);
         self.pictures.set_frame(&self.context, look, aspect, &self.scene.bounds, &self.centres);
-        let Self { scene, buffers, probes, draws, .. } = self;
-        self.pictures.record(encoder, targets, &Drawn { scene, buffers, probes, draws }, writes);
+        let Self { scene, buffers, lives, .. } = self;
+        let lives = lives.as_ref().map(LiveProbes::bind_group);
+        self.pictures.record(encoder, targets, &Drawn { scene, buffers, lives }, writes);
         Ok(())
     }
 

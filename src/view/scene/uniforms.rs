@@ -67,8 +67,11 @@ pub(in crate::view) struct PartUniform {
     pub(super) roughness: f32,
     pub(super) base: TextureUniform,
     pub(super) glow: TextureUniform,
+    pub(super) probe: u32,
+    pub(super) own: u32,
+    pub(super) pad: [u32; 2],
 }
-shader::members!(PartUniform { world_from_part, reflectance, roughness, base, glow });
+shader::members!(PartUniform { world_from_part, reflectance, roughness, base, glow, probe, own, pad });
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -109,11 +112,3 @@ pub(in crate::view) struct FrameUniform {
     pub(super) centres: [[f32; 4]; MOST_PROBES],
 }
 shader::members!(FrameUniform { clip_from_world, eye, exposure, low, proxy, high, probes, sphere, centres });
-
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub(in crate::view) struct DrawUniform {
-    pub(super) probe: u32,
-    pub(super) own: u32,
-}
-shader::members!(DrawUniform { probe, own });

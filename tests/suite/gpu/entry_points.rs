@@ -168,10 +168,10 @@ pub(super) const ENTRY_POINTS: &[(&str, &str, [u32; 3], Bindings)] = &[
         [fitted::GROUP_SIZE, 1, 1],
         &[
             (0, "uniform octagloss_octaves"),
-            (1, "uniform octagloss_light"),
+            (1, "uniform octagloss_lights"),
             (2, "read octagloss_entries"),
             (3, "read octagloss_parameters"),
-            (4, "texture octagloss_oem"),
+            (4, "texture octagloss_oems"),
             (100, "read queries"),
             (101, "write answers"),
         ],

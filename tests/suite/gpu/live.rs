@@ -16,18 +16,20 @@ use octagloss::{Environment, Error, Layout, LiveEnvironment, wgpu};
 /// Roughness of the glossy look-ups.
 const ROUGHNESS: f64 = 0.4;
 
-/// A shader that looks `names` up, each in the group of its place, by lists in the group that follows.
+/// A shader that looks `names` up, each in the group of its place.
 fn shader(names: &[&str]) -> String {
-    let group = names.len();
-    let look_ups: String = (0..)
-        .zip(names)
-        .map(|(k, name)| {
-            format!(
-                "answers[at.x * {group}u + {k}u][0] = vec4<f32>({name}_radiance(direction, 0.4), 1.0);\n\
-                 answers[at.x * {group}u + {k}u][1] = vec4<f32>({name}_irradiance(direction), 1.0);\n"
-            )
-        })
-        .collect();
+    let count = names.len();
+    let look_up = |(k, name): (usize, &&str)| {
+        format!(
+            "answers[at.x * {count}u + {k}u][0] = vec4<f32>({name}_radiance(direction, 0.4), 1.0);\n\
+             answers[at.x * {count}u + {k}u][1] = vec4<f32>({name}_irradiance(direction), 1.0);\n"
+        )
+    };
+    shader_of(count, &names.iter().enumerate().map(look_up).collect::<String>())
+}
+
+/// A shader that writes answers by `look_ups`, with lists in `group`.
+pub(super) fn shader_of(group: usize, look_ups: &str) -> String {
     format!(
         "@group({group}) @binding(0) var<storage, read> directions: array<vec4<f32>>;
 @group({group}) @binding(1) var<storage, read_write> answers: array<array<vec4<f32>, 2>>;
@@ -35,28 +37,38 @@ fn shader(names: &[&str]) -> String {
 @compute @workgroup_size(1)
 fn look_up(@builtin(workgroup_id) at: vec3<u32>) {{
     let direction = directions[at.x].xyz;
+    let roughness = directions[at.x].w;
 {look_ups}}}
 "
     )
 }
 
 /// Radiance and irradiance around a direction.
-type Answer = [[f32; 4]; 2];
+pub(super) type Answer = [[f32; 4]; 2];
 
 /// Answers of `live` around `directions`, in the caller's own pipeline with an explicit layout.
 pub(super) fn answers(context: &Context, live: &LiveEnvironment, directions: &[DVec3]) -> Vec<Answer> {
     let source = LiveEnvironment::wgsl(0) + &shader(&["octagloss"]);
-    answers_of(context, &look_ups(context, source, &[live]), &[live], directions)
+    let look_ups = look_ups(context, source, &[live.bind_group_layout()], 1);
+    look_ups.answers(context, &[live.bind_group()], directions, ROUGHNESS)
 }
 
-/// A pipeline of the caller's own that looks environments up, and the layout of its lists.
-struct LookUps {
+/// A pipeline of the caller's own that looks environments up, the layout of its lists, and its answers for a
+/// direction.
+pub(super) struct LookUps {
     pipeline: wgpu::ComputePipeline,
     lists: wgpu::BindGroupLayout,
+    count: u64,
 }
 
-/// Look-ups by the shader `source`, whose groups are those of `lives` in turn and the lists.
-fn look_ups(context: &Context, source: String, lives: &[&LiveEnvironment]) -> LookUps {
+/// Look-ups by the shader `source`, whose groups have `layouts` in turn and the lists, with `count` answers for
+/// a direction.
+pub(super) fn look_ups(
+    context: &Context,
+    source: String,
+    layouts: &[&wgpu::BindGroupLayout],
+    count: u64,
+) -> LookUps {
     let device = context.device();
     let source = wgpu::ShaderSource::Wgsl(source.into());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
@@ -74,8 +86,7 @@ fn look_ups(context: &Context, source: String, lives: &[&LiveEnvironment]) -> Lo
         label: None,
         entries: &[entry(0, true), entry(1, false)],
     });
-    let groups: Vec<_> =
-        lives.iter().map(|live| live.bind_group_layout()).chain([&lists]).map(Some).collect();
+    let groups: Vec<_> = layouts.iter().copied().chain([&lists]).map(Some).collect();
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
         bind_group_layouts: &groups,
@@ -89,44 +100,54 @@ fn look_ups(context: &Context, source: String, lives: &[&LiveEnvironment]) -> Lo
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
     });
-    LookUps { pipeline, lists }
+    LookUps { pipeline, lists, count }
 }
 
-/// For each direction in turn, the answers of all of `lives`.
-fn answers_of(
-    context: &Context,
-    LookUps { pipeline, lists }: &LookUps,
-    lives: &[&LiveEnvironment],
-    directions: &[DVec3],
-) -> Vec<Answer> {
-    let device = context.device();
-    let buffer = |size, usage| {
-        device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
-    };
-    let count = directions.len() as u64;
-    let asked = buffer(16 * count, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
-    let words: Vec<f32> =
-        directions.iter().flat_map(|direction| direction.as_vec3().extend(0.0).to_array()).collect();
-    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
-    context.queue().write_buffer(&asked, 0, &bytes);
-    let found =
-        buffer(32 * lives.len() as u64 * count, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: lists,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: asked.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: found.as_entire_binding() },
-        ],
-    });
-    context.submit(|encoder| {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(pipeline);
-        let bound = lives.iter().map(|live| live.bind_group()).chain([&group]);
-        (0..).zip(bound).for_each(|(place, bound)| pass.set_bind_group(place, bound, &[]));
-        pass.dispatch_workgroups(directions.len() as u32, 1, 1);
-    });
-    wait(context, readback::read(context, &found))
+impl LookUps {
+    /// For each direction in turn, all answers at `roughness`, with the resources of `groups`.
+    pub(super) fn answers(
+        &self,
+        context: &Context,
+        groups: &[&wgpu::BindGroup],
+        directions: &[DVec3],
+        roughness: f64,
+    ) -> Vec<Answer> {
+        let Self { pipeline, lists, count } = self;
+        let device = context.device();
+        let buffer = |size, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let places = directions.len() as u64;
+        let asked = buffer(16 * places, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
+        let words: Vec<f32> = directions
+            .iter()
+            .flat_map(|direction| direction.as_vec3().extend(roughness as f32).to_array())
+            .collect();
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
+        context.queue().write_buffer(&asked, 0, &bytes);
+        let found = buffer(32 * count * places, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: lists,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: asked.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: found.as_entire_binding() },
+            ],
+        });
+        context.submit(|encoder| {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(pipeline);
+            let bound = groups.iter().copied().chain([&group]);
+            (0..).zip(bound).for_each(|(place, bound)| pass.set_bind_group(place, bound, &[]));
+            pass.dispatch_workgroups(directions.len() as u32, 1, 1);
+        });
+        wait(context, readback::read(context, &found))
+    }
 }
 
 /// The first answer out of tolerance. Glossy: two engines, whose own tests have the derived bound; `allowed`
@@ -253,11 +274,13 @@ fn siblings_share_buffers_but_not_light() {
             .zip(names)
             .map(|(group, name)| LiveEnvironment::wgsl_named(name, group).expect("a name"))
             .collect();
-        let both = look_ups(context, source + &shader(&names), &[&left, &right]);
+        let layouts = [left.bind_group_layout(), right.bind_group_layout()];
+        let both = look_ups(context, source + &shader(&names), &layouts, 2);
         for [own, other] in [[1, 0], [0, 0], [0, 1]] {
             update(&mut right, &textures[other]);
             update(&mut left, &textures[own]);
-            let found = answers_of(context, &both, &[&left, &right], directions);
+            let groups = [left.bind_group(), right.bind_group()];
+            let found = both.answers(context, &groups, directions, ROUGHNESS);
             // The same code over the same words.
             for (k, light) in [own, other].into_iter().enumerate() {
                 let found: Vec<Answer> = found.iter().skip(k).step_by(2).copied().collect();

@@ -19,6 +19,7 @@ mod lamp;
 mod lights;
 mod live;
 mod live_draw;
+mod live_probes;
 mod look;
 mod oem;
 mod oem_lookup;

@@ -521,10 +521,10 @@ fn boxes_and_fitted_lobes_go_into_one_shader() {
             (2, "texture octagloss_high"),
             (100, "write out"),
             (300, "uniform octagloss_octaves"),
-            (301, "uniform octagloss_light"),
+            (301, "uniform octagloss_lights"),
             (302, "read octagloss_entries"),
             (303, "read octagloss_parameters"),
-            (304, "texture octagloss_oem"),
+            (304, "texture octagloss_oems"),
         ];
         assert_eq!(found, expected);
     }

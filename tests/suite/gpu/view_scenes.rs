@@ -306,6 +306,72 @@ fn probes_blend_and_reflect_each_other() {
     });
 }
 
+/// Describes the first pixel of the ball at the origin that differs by more than the tolerance from what the
+/// probes at `centres` see in their maps, blended by `weight` of the squared distance.
+fn blend_difference(
+    pixels: &[[f32; 3]],
+    look: &SceneLook,
+    centres: &[DVec3],
+    maps: &[Reflector<'_>],
+    weight: impl Fn(f64) -> f64,
+) -> Option<String> {
+    let mut compared = 0;
+    for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
+        let Some([at, direction]) = seen(look, x, y) else { continue };
+        compared += 1;
+        let towards = direction.reflect(at.normalize());
+        let weights: Vec<f64> = centres.iter().map(|centre| weight(at.distance_squared(*centre))).collect();
+        let sum: f64 = weights.iter().sum();
+        let mut expected = DVec3::ZERO;
+        for (map, weight) in maps.iter().zip(weights) {
+            let answer = map.query(towards, 0.3, Lobe::Ggx, Filter::Fitted(4)).expect("fitted");
+            expected += weight / sum * DVec3::from_array(answer.radiance.map(f64::from));
+        }
+        let expected = expected * DVec3::new(0.9, 0.8, 0.7);
+        let found = DVec3::from_array(pixels[(y * WIDTH + x) as usize].map(f64::from));
+        // Normals between corners.
+        if (found - expected).abs().cmpgt(0.01 + 0.04 * expected).any() {
+            return Some(format!("pixel ({x}, {y}): {found}, not {expected}"));
+        }
+    }
+    assert!(compared > 100, "{compared} pixels of the ball");
+    None
+}
+
+#[test]
+fn parts_without_a_probe_blend_all_in_one_draw() {
+    let places = [DVec3::new(0.4, -0.3, -2.0), DVec3::new(-0.3, 0.5, 1.8), DVec3::new(1.2, 2.0, 0.2)];
+    let others = places.map(|place| Part { place, ..glossy(0.3) });
+    let lit = LIT.map(|(place, emission)| Part {
+        place: 1.6 * DVec3::from_array(place),
+        ..Part::ball(RADIUS, 24, [0.1; 3], emission)
+    });
+    // The ball at the origin comes last.
+    let parts = [vec![room()], others.to_vec(), vec![glossy(0.3)], lit.to_vec()].concat();
+    let scene = Scene::new(parts, SceneLight::default()).expect("a scene");
+    in_full("blended probes", |context| {
+        let look = SceneLook::default();
+        let mut renderer = renderer(context, scene.clone(), SceneSettings { probes: 3, ..settings() });
+        let pixels = picture(&mut renderer, &look, 0.0);
+        let maps = [0, 1, 2].map(|probe| {
+            let texels = wait(context, renderer.map(probe)).into_iter().map(|[r, g, b, _]| [r, g, b]);
+            let layout = Layout::Octahedral { size: SIZE };
+            Environment::new(layout, texels.collect()).expect("an environment")
+        });
+        let settings =
+            ReflectorSettings { oem_size: Some(SIZE), fitted: true, ..ReflectorSettings::default() };
+        let maps = maps.each_ref().map(|map| Reflector::new(map, &settings).expect("a small map"));
+        let judge = |centres: &[DVec3], weight: fn(f64) -> f64| {
+            blend_difference(&pixels, &look, centres, &maps, weight)
+        };
+        assert_eq!(judge(&places, f64::recip), None, "on {}", context.describe());
+        let [first, second, third] = places;
+        assert!(judge(&[second, first, third], f64::recip).is_some(), "other places");
+        assert!(judge(&places, |_| 1.0).is_some(), "equal shares");
+        assert!(judge(&places[..1], f64::recip).is_some(), "one probe");
+    });
+}
+
 #[test]
 fn screenshots_are_deterministic_and_show_the_time() {
     in_full("scene screenshots", |context| {

@@ -1,0 +1,95 @@
+//! Environments of one size in shared buffers, which one look-up reads.
+
+use super::Context;
+use super::device::shader::{self, Queries};
+use super::fitted::{FittedTables, MOST_LIGHTS};
+use super::live::{BOXES, LiveEnvironment, LivePasses, inner_of};
+use crate::error::{Error, Result};
+use std::ops::{Deref, DerefMut};
+
+/// Probes of a scene: environments whose tables lie in one buffer, and their maps in one texture, so that one
+/// draw blends any of them. `examples/probes.rs` does so.
+///
+/// It is a slice of [`LiveEnvironment`]: each is updated or drawn by itself, in turns if all take too long,
+/// has its own rotation, and can also be looked up alone, by its own group. They share what an update only
+/// passes through, as siblings do.
+#[derive(Debug)]
+pub struct LiveProbes {
+    probes: Vec<LiveEnvironment>,
+    bind_group: wgpu::BindGroup,
+    device: wgpu::Device,
+}
+
+impl LiveProbes {
+    /// Most environments: WebGPU's least limit of a uniform, 64 KiB, holds the lights of as many.
+    pub const MOST: u32 = MOST_LIGHTS;
+
+    /// Allocates the tables of `count` environments over octahedral maps of `size` texels along an edge,
+    /// rounded up to a power of two from 16 on. All are black until their first update.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for no or more than [`Self::MOST`] environments; [`Error::Limit`] where their
+    /// tables exceed one binding of the device, or its textures: it names the count and size that fit.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32, count: u32) -> Result<Self> {
+        let context = Context::from_device(device.clone(), queue.clone());
+        Self::with_passes(&context, &LivePasses::new(&context), size, count)
+    }
+
+    /// [`Self::new`] with passes compiled before.
+    pub(crate) fn with_passes(context: &Context, passes: &LivePasses, size: u32, count: u32) -> Result<Self> {
+        if !(1..=Self::MOST).contains(&count) {
+            let most = Self::MOST;
+            return Err(Error::Parameter(format!("{count} probes in one binding; use 1 to {most}")));
+        }
+        let tables = FittedTables::sharing(context, inner_of(size), BOXES, count)?;
+        let probes = LiveEnvironment::several(context, passes, tables)?;
+        let device = context.device().clone();
+        let bind_group = probes[0].tables().bind_group_of_all(&device, probes[0].bind_group_layout());
+        Ok(Self { probes, bind_group, device })
+    }
+
+    /// Most environments over maps of `size` texels whose tables fit one binding of the device.
+    pub(crate) fn most(context: &Context, size: u32) -> u32 {
+        FittedTables::most_probes(context, inner_of(size))
+    }
+
+    /// WGSL with `octagloss_radiance_of(probe, direction, roughness)` and `octagloss_irradiance_of(probe,
+    /// normal)`, where `probe` is a `u32` below the number of environments; their resources are declared in
+    /// bind group `group`.
+    #[must_use]
+    pub fn wgsl(group: u32) -> String {
+        shader::queries(&[Queries::Probes(group)])
+    }
+
+    /// The layout of [`Self::bind_group`], for the caller's pipeline layouts: that of a [`LiveEnvironment`].
+    #[must_use]
+    pub fn bind_group_layout(&self) -> &wgpu::BindGroupLayout {
+        self.probes[0].bind_group_layout()
+    }
+
+    /// The resources of [`Self::wgsl`]; the same group after every update.
+    #[must_use]
+    pub const fn bind_group(&self) -> &wgpu::BindGroup {
+        &self.bind_group
+    }
+
+    /// Such a group of `layout`, which a pipeline has derived from its shader.
+    #[must_use]
+    pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        self.probes[0].tables().bind_group_of_all(&self.device, layout)
+    }
+}
+
+impl Deref for LiveProbes {
+    type Target = [LiveEnvironment];
+
+    fn deref(&self) -> &[LiveEnvironment] {
+        &self.probes
+    }
+}
+
+impl DerefMut for LiveProbes {
+    fn deref_mut(&mut self) -> &mut [LiveEnvironment] {
+        &mut self.probes
+    }
+}
