@@ -60,8 +60,8 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     let wanted = settings.probes.min(renderer.scene().glossy_parts());
     if renderer.probes() < wanted {
         console.warn(&format!(
-            "{} probes: one binding of the adapter holds no more tables of --oem-size {}; the other {} glossy \
-             objects blend them",
+            "{} probes: one binding of the adapter holds no more tables of --oem-size {}; the other {} \
+             glossy objects blend them",
             renderer.probes(),
             settings.size,
             wanted - renderer.probes()

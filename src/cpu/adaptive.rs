@@ -89,7 +89,7 @@ fn expected_errors<R: Radial>(kernel: R, packet: &Packet, quads: &[&Quad; QUADS]
     errors
 }
 
-/// Adds the red and blue `dipoles` of `leaf` to `sums`, lane by lane, where k has the `estimates` and `slopes`.
+/// Adds the red and blue `dipoles` of `leaf` to `sums`, where k has the `estimates` and `slopes`, by lanes.
 #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 fn add_dipoles(
     (leaf, dipoles): (&Leaf, &[Vec3; 2]),

@@ -32,7 +32,7 @@ pub(super) const ROUNDS: usize = 3;
 pub struct SceneSettings {
     /// How the scene comes into their maps.
     pub method: Method,
-    /// Number of probes, at most that of glossy parts and of those whose tables fit one binding of the device.
+    /// Number of probes: at most one a glossy part, and as many as have tables that fit one binding.
     /// Parts without a probe blend all by distance.
     pub probes: usize,
     /// Edge of their octahedral maps; a cube has as many texels.

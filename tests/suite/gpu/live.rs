@@ -61,7 +61,7 @@ pub(super) struct LookUps {
     count: u64,
 }
 
-/// Look-ups by the shader `source`, whose groups have `layouts` in turn and the lists, with `count` answers for
+/// Look-ups by the shader `source`, whose groups have `layouts` in turn and the lists: `count` answers for
 /// a direction.
 pub(super) fn look_ups(
     context: &Context,
