@@ -424,9 +424,8 @@ fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {
     if distance + leaf.radius > 0.999 && distance - leaf.radius < 1.415 {
         (*sums).grazing += luminance;
     }
-    let s = 0.25 * (squared + trace);
-    if leaf.cell != 0u && s < 0.5 {
-        let slope = 0.5 * slope(kernel(), s) * apart;
+    if leaf.cell != 0u && mean.slope != 0.0 {
+        let slope = 0.5 * mean.slope * apart;
         // A colour's centroid lies within the cell's reach, so that no colour becomes negative.
         if length(slope) * leaf.radius <= mean.estimate {
             (*sums).radiance += dipole_radiance(leaf, slope);

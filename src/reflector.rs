@@ -488,6 +488,8 @@ pub struct Workspace {
     pub leaves: u64,
     /// Packets so far.
     pub packets: u64,
+    /// Directions so far.
+    pub directions: u64,
 }
 
 impl Lobes<'_> {
@@ -522,6 +524,7 @@ impl Lobes<'_> {
                         }
                     }
                     workspace.packets += 1;
+                    workspace.directions += group.len() as u64;
                 }
             }
             Evaluation::Box(filter) => {

@@ -36,13 +36,6 @@ fn charlie_value(kernel: Kernel, s: f32) -> f32 {
     return power(2.0 * s, kernel.first) * max(1.0 - 2.0 * s, 0.0);
 }
 
-// k' in front of the horizon.
-fn charlie_slope(kernel: Kernel, s: f32) -> f32 {
-    let p = kernel.first;
-    let x = 2.0 * s;
-    return 2.0 * power(x, p) * (p - (p + 1.0) * x) / max(x, 1e-6);
-}
-
 // k'' / 4 at x = 2 s, with `rise` = x^p: p x^(p-2) (p - 1 - (p + 1) x).
 fn charlie_bend(kernel: Kernel, x: f32, rise: f32) -> f32 {
     let p = kernel.first;
@@ -121,7 +114,8 @@ fn charlie_interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius
     }
     let estimate = clamp(max(at_mean, 0.0) + second_order + gain, least, greatest);
     // The slope up to the horizon, where rise_t is 1; leaves beyond it have none.
-    let slope = 2.0 * min(rise_t, 1.0) * abs(p / clamp(t, LEAST_X, 1.0) - (p + 1.0));
-    let rounding = select(ERROR_OF_S * distance * slope, 0.0, distance - radius > 1.415);
-    return Interval(least, greatest, estimate, rounding);
+    let steepness = 2.0 * min(rise_t, 1.0) * abs(p / clamp(t, LEAST_X, 1.0) - (p + 1.0));
+    let rounding = select(ERROR_OF_S * distance * steepness, 0.0, distance - radius > 1.415);
+    let slope = select(0.0, 2.0 * rise_t * (p - (p + 1.0) * t) / max(t, 1e-6), s < 0.5);
+    return Interval(least, greatest, estimate, slope, rounding);
 }

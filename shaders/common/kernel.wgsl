@@ -59,18 +59,15 @@ fn value(kernel: Kernel, s: f32) -> f32 {
     }
 }
 
-// k' in front of the horizon; 0 for lobes that are not smooth.
-fn slope(kernel: Kernel, s: f32) -> f32 {
-    if SHEEN {
-        return charlie_slope(kernel, s);
-    }
+// k' in front of the horizon, where k is `value`; for smooth lobes but Charlie.
+fn slope(kernel: Kernel, s: f32, value: f32) -> f32 {
     switch kernel.shape {
         case SHAPE_GGX: {
             let w = 1.0 / (1.0 + kernel.second * s);
             return -2.0 * kernel.first * w * w * (1.0 + kernel.second * w * (1.0 - 2.0 * s));
         }
         case SHAPE_PHONG: {
-            return -2.0 * kernel.first * value(kernel, s) / max(1.0 - 2.0 * s, 1e-3);
+            return -2.0 * kernel.first * value / max(1.0 - 2.0 * s, 1e-3);
         }
         case SHAPE_COSINE: {
             return -2.0;
@@ -179,6 +176,8 @@ struct Interval {
     least: f32,
     greatest: f32,
     estimate: f32,
+    // k' at the mean of s in front of the horizon; 0 beyond, and for lobes that are not smooth.
+    slope: f32,
     // Effect of an error of s, where `grazing_slope` does not count it.
     rounding: f32,
 }
@@ -195,7 +194,7 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let s = 0.25 * (squared + trace);
     let at_mean = value(kernel, s);
     if !is_smooth(kernel) {
-        return Interval(value(kernel, high), value(kernel, low), at_mean, 0.0);
+        return Interval(value(kernel, high), value(kernel, low), at_mean, 0.0, 0.0);
     }
     // s - low and high - s, computed without cancellation.
     let down = select(s, 0.25 * (radius * (2.0 * distance - radius) + trace), distance > radius);
@@ -227,13 +226,16 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let least = min(max(outer + share_down * (farthest - outer) + hinge(bend, s) - rounding, 0.0), greatest);
     // Second-order term in front of the horizon, and gain from the kink for energy spread evenly over s.
     var second_order = 0.0;
+    var slope_at_mean = 0.0;
     if s < 0.5 {
         second_order = 0.125 * curvature(kernel, s) * along;
+        slope_at_mean = slope(kernel, s, at_mean);
     }
     let half_width = 0.866 * tangential;
     let across = max(half_width - abs(before), 0.0);
     let gain = bend * across * across / max(4.0 * half_width, 1e-6);
-    return Interval(least, greatest, min(max(at_mean + second_order + gain, least), greatest), 0.0);
+    let estimate = min(max(at_mean + second_order + gain, least), greatest);
+    return Interval(least, greatest, estimate, slope_at_mean, 0.0);
 }
 
 // Hinge at the horizon: slope -`bend` in front of it, 0 beyond.

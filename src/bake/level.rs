@@ -61,7 +61,7 @@ pub(crate) struct BakedLevel {
 pub(crate) struct Work {
     pub(crate) leaves: u64,
     pub(crate) packets: u64,
-    pub(crate) directions: usize,
+    pub(crate) directions: u64,
 }
 
 /// Bakes `level`; calls `advance` with the number of texels done, from any thread.
@@ -85,24 +85,23 @@ pub(crate) fn bake_level(
             || (Tile::default(), Vec::new()),
             |(tile, answers), row| {
                 let mut line = tiling.line(row);
-                let (mut workspace, mut directions) = (Workspace::default(), 0);
+                let mut workspace = Workspace::default();
                 tiling.for_each_tile(row, tile, |tile| {
                     answers.clear();
                     lobes.evaluate(&tile.directions, &mut workspace, answers);
-                    directions += tile.directions.len();
                     tile.resolve(answers, &mut line);
                 });
                 advance(line.len() as u64)?;
-                Ok((line, workspace, directions))
+                Ok((line, workspace))
             },
         )
-        .collect::<Result<Vec<(Vec<Answer>, Workspace, usize)>>>()?;
+        .collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()?;
     let work = Work {
-        leaves: rows.iter().map(|(_, workspace, _)| workspace.leaves).sum(),
-        packets: rows.iter().map(|(_, workspace, _)| workspace.packets).sum(),
-        directions: rows.iter().map(|(.., directions)| directions).sum(),
+        leaves: rows.iter().map(|(_, workspace)| workspace.leaves).sum(),
+        packets: rows.iter().map(|(_, workspace)| workspace.packets).sum(),
+        directions: rows.iter().map(|(_, workspace)| workspace.directions).sum(),
     };
-    Ok(BakedLevel::new(Processor::Cpu, rows.into_iter().flat_map(|(line, ..)| line), work))
+    Ok(BakedLevel::new(Processor::Cpu, rows.into_iter().flat_map(|(line, _)| line), work))
 }
 
 impl BakedLevel {

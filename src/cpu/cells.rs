@@ -45,6 +45,10 @@ pub(super) struct Quad {
     pub(super) blue_dipole: [[f32; 4]; 3],
 }
 
+/// Fields of [`Quad`], each of four floats.
+#[cfg(feature = "gpu")]
+pub(crate) const QUAD_FIELDS: usize = size_of::<Quad>() / 16;
+
 /// Positions of the fields of [`Quad`] in `shaders/common/quad.wgsl`, in vectors of four floats.
 #[cfg(feature = "gpu")]
 pub(crate) const FIELDS: [(&str, usize); 11] = {
@@ -424,14 +428,14 @@ impl Cells {
         })
     }
 
-    /// Sibling cells in the layout of `shaders/common/quad.wgsl`: twenty fields of four.
+    /// Sibling cells in the layout of `shaders/common/quad.wgsl`.
     #[cfg(feature = "gpu")]
     #[must_use]
-    pub fn quad_fields(&self) -> Vec<[[f32; 4]; 20]> {
+    pub fn quad_fields(&self) -> Vec<[[f32; 4]; QUAD_FIELDS]> {
         let fields = |quad: &Quad| {
             let Quad { x, y, z, covariance, radius, luminance, red, green, blue, red_dipole, blue_dipole } =
                 *quad;
-            let mut fields = [[0.0; 4]; 20];
+            let mut fields = [[0.0; 4]; QUAD_FIELDS];
             fields[..3].copy_from_slice(&[x, y, z]);
             fields[3..9].copy_from_slice(&covariance);
             fields[9..14].copy_from_slice(&[radius, luminance, red, green, blue]);

@@ -1,5 +1,7 @@
 //! Packets of directions, and the leaves of a cut that they share.
 
+#[cfg(feature = "gpu")]
+use crate::cpu::cells::QUAD_FIELDS;
 use crate::cpu::cells::Quad;
 #[cfg(feature = "gpu")]
 use crate::environment::LUMINANCE;
@@ -115,9 +117,9 @@ impl Scratch {
     /// The leaves of the last evaluation, of `packet`, as fields of `shaders/common/quad.wgsl`, to replay the
     /// cut.
     #[must_use]
-    pub fn leaf_fields(&self, packet: &Packet) -> Vec<[f32; 20]> {
+    pub fn leaf_fields(&self, packet: &Packet) -> Vec<[f32; QUAD_FIELDS]> {
         let fields = |leaf: &Leaf| {
-            let mut fields = [0.0; 20];
+            let mut fields = [0.0; QUAD_FIELDS];
             let centroid = (packet.axis + Vec3::from(leaf.offset).as_dvec3()).as_vec3();
             let luminance = Vec3::from(leaf.energy).dot(Vec3::from(LUMINANCE));
             fields[..3].copy_from_slice(&centroid.to_array());

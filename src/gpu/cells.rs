@@ -5,7 +5,7 @@ use super::device::stage::Dispatch;
 use super::least::Least;
 use super::oem::Table;
 use super::{Context, OemPlanes, Stage};
-use crate::cpu::cells::{Cells, SubdivisionTables, omitted_radiance};
+use crate::cpu::cells::{Cells, QUAD_FIELDS, SubdivisionTables, omitted_radiance};
 use crate::environment::Layout;
 use crate::error::Result;
 use crate::geometry::source_texels::{SourceGrid, most_runs};
@@ -16,9 +16,6 @@ pub const EDGE: u32 = 8;
 
 /// Bytes of a quad.
 const QUAD: u64 = 16 * QUAD_FIELDS as u64;
-
-/// Vectors of four floats in a quad: the fields of the CPU's, and one of padding.
-pub(super) const QUAD_FIELDS: usize = 20;
 
 /// Bytes of a texel's moments.
 const TENT: u64 = 48;

@@ -450,7 +450,7 @@ impl bake::Engine for GpuReflector<'_> {
             texels.extend(line);
         }
         advance(texels.len() as u64)?;
-        let work = Work { leaves: answers.leaves, packets, directions: answers.lanes.len() };
+        let work = Work { leaves: answers.leaves, packets, directions: answers.lanes.len() as u64 };
         Ok(BakedLevel::new(processor, texels.into_iter(), work))
     }
 

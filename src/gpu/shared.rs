@@ -5,7 +5,7 @@ use super::{
     adaptive, blur, box_filter, cells, copy, device::stage, direct, emitters, fitted, fixed_point, harmonics,
     lamp, mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shadow,
 };
-use crate::cpu::cells::{FAINT, FIELDS, RESIDUE};
+use crate::cpu::cells::{FAINT, FIELDS, QUAD_FIELDS, RESIDUE};
 use crate::cpu::fitted::{CONE, CONE_ALPHA, HARMONICS_ALONE, HARMONICS_FROM};
 use crate::cpu::leaves::LANES;
 use crate::cpu::leaves::NEGLIGIBLE_DIPOLE;
@@ -69,7 +69,7 @@ pub fn constants() -> Vec<Constant> {
         one("common/light.wgsl", "MOST_LIGHTS", fitted::MOST_LIGHTS),
         ("common/luminance.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
         one("common/octaves.wgsl", "OCTAVE_BORDER", octaves::BORDER),
-        one("common/quad.wgsl", "QUAD_FIELDS", cells::QUAD_FIELDS as u32),
+        one("common/quad.wgsl", "QUAD_FIELDS", QUAD_FIELDS as u32),
         one("common/reduction.wgsl", "GROUPS", fixed_point::GROUPS),
         one("common/reduction.wgsl", "GROUP_SIZE", fixed_point::GROUP_SIZE),
         one("common/reduction.wgsl", "TEXELS", fixed_point::TEXELS),

@@ -2,7 +2,7 @@
 //! change of the light and of the rotation.
 
 use super::{exceeds, in_full, wait};
-use crate::support::common::{Look, Random, landmarks, texels};
+use crate::support::common::{Look, Random, environment, landmarks, texels};
 use glam::{DMat3, DVec3};
 use octagloss::internals::analysis::oracle;
 use octagloss::internals::analysis::statistics::Statistics;
@@ -184,8 +184,7 @@ pub(super) fn difference(
 fn updates_and_rotations_are_the_cpus() {
     in_full("live environment", |context| {
         let mut random = Random::new(51);
-        let mut light =
-            |layout| Environment::new(layout, texels(&mut random, Look::Suns, layout)).expect("fits");
+        let mut light = |layout| environment(layout, texels(&mut random, Look::Suns, layout));
         let panorama = light(Layout::Panorama { width: 64, height: 32 });
         let cube = light(Layout::Cube { size: 16 });
         // Rounded up to 64.
@@ -250,8 +249,7 @@ fn siblings_share_buffers_but_not_light() {
     in_full("sibling environments", |context| {
         let mut random = Random::new(52);
         let layout = Layout::Cube { size: 16 };
-        let mut light =
-            || Environment::new(layout, texels(&mut random, Look::Suns, layout)).expect("it fits");
+        let mut light = || environment(layout, texels(&mut random, Look::Suns, layout));
         let (first, second) = (light(), light());
         let directions = &landmarks()[..];
         let update = |live: &mut LiveEnvironment, texture: &wgpu::Texture| {

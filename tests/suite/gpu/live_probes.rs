@@ -3,10 +3,10 @@
 
 use super::in_full;
 use super::live::{Answer, look_ups as look_ups_of, shader_of};
-use crate::support::common::{Look, Random, landmarks, texels};
+use crate::support::common::{Look, Random, environment, landmarks, texels};
 use glam::DMat3;
 use octagloss::internals::gpu::Context;
-use octagloss::{Environment, Error, Layout, LiveEnvironment, LiveProbes, wgpu};
+use octagloss::{Error, Layout, LiveEnvironment, LiveProbes, wgpu};
 
 const SIZE: u32 = 64;
 const COUNT: u32 = 3;
@@ -52,8 +52,7 @@ fn one_look_up_reads_any_probe_as_if_it_were_alone() {
     in_full("probes in shared buffers", |context| {
         let mut random = Random::new(53);
         let layout = Layout::Cube { size: 16 };
-        let mut light =
-            || Environment::new(layout, texels(&mut random, Look::Suns, layout)).expect("it fits");
+        let mut light = || environment(layout, texels(&mut random, Look::Suns, layout));
         let lights = [light(), light(), light()];
         let turns = [0.0, 0.7, -2.0];
         let (device, queue) = (context.device(), context.queue());
