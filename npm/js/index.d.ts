@@ -137,7 +137,7 @@ export interface QueryOptions extends InputOptions, CallOptions {
     roughness?: number | ArrayLike<number>;
     lobe?: Lobe;
     filter?: string;
-    /** Add a fourth number to each answer: the certified error of its luminance; Infinity for mirrors. */
+    /** Add four numbers to each answer: certified errors of luminance, red, green and blue; Infinity for mirrors. */
     bound?: boolean;
     oemSize?: number;
     border?: number;
@@ -178,7 +178,7 @@ export function bake(source: Source, options?: BakeOptions): Promise<BakeResult>
 /** Describes an environment. */
 export function info(source: Source, options?: InputOptions & CallOptions): Promise<Info>;
 
-/** Radiance of a lobe around directions: red, green and blue each, and with `bound` a fourth number. */
+/** Radiance of a lobe around directions: red, green and blue each, and with `bound` four certified errors. */
 export function query(source: Source, options: QueryOptions): Promise<Float32Array>;
 
 /** The presets for engines. */

@@ -320,8 +320,8 @@ impl Environment {
     /// over the sphere), fitted:K (the real-time tier, 1, 2, 4 or 8 boxes), box, or reference (exhaustive
     /// integration).
     ///
-    /// bounds: return (radiance, bounds), where bounds (...) certify the error of luminance. They need
-    /// adaptive:E. Mirrors are look-ups without a bound: theirs is infinite.
+    /// bounds: return (radiance, bounds), where bounds (..., 4) certify the errors of luminance, red, green and
+    /// blue. They need adaptive:E. Mirrors are look-ups without bounds: theirs are infinite.
     ///
     /// oem_size, border: edge and border of the octahedral map. sharpest: the least roughness above 0 that
     /// the tables are made for; by default the least of roughness. Tables are kept until a call needs other

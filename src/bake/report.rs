@@ -152,6 +152,10 @@ pub struct LevelReport {
     /// `error_bound_p99` over the environment's mean luminance.
     #[serde(default)]
     pub error_bound_p99_relative: Option<f64>,
+    /// Maximum certified error bounds of red, green and blue, absolute; `null` if the filter has none. Absent
+    /// from reports of version 0.2.
+    #[serde(default)]
+    pub error_bound_max_channels: Option<[f64; 3]>,
 }
 
 /// Total energy: radiance times solid angle, over the sphere.
@@ -600,6 +604,7 @@ fn level_reports(
         error_bound_max_relative: over_mean(stats.error_bound_max),
         error_bound_mean_relative: over_mean(stats.error_bound_mean),
         error_bound_p99_relative: over_mean(stats.error_bound_p99),
+        error_bound_max_channels: stats.error_bound_max_channels,
     });
     report.collect()
 }

@@ -340,7 +340,7 @@ pub(super) struct QueryArgs {
     /// File to write, .csv or .npy [default: standard output]
     ///
     /// .npy is a NumPy array of float32: red, green and blue of each direction, in the order asked, and with
-    /// --bound a fourth column. Mirrors have no bound: it is infinite in arrays, and empty in CSV.
+    /// --bound four more columns. Mirrors have no bounds: they are infinite in arrays, and empty in CSV.
     #[arg(long, short, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
     /// Replace OUT if it exists
@@ -359,7 +359,9 @@ pub(super) struct QueryArgs {
     /// As in bake.
     #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
     pub(super) filter: Filter,
-    /// Add a column bound: luminance's certified error
+    /// Add certified errors: bound, bound_r, bound_g, bound_b
+    ///
+    /// Of the luminance and of each channel, in units of radiance.
     #[arg(long)]
     pub(super) bound: bool,
     /// Print errors only
