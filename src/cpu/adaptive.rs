@@ -119,9 +119,12 @@ fn expected_errors<R: Radial>(
     errors
 }
 
-/// Terms of the kernel's series around a leaf's mean, by lanes: see [`crate::lobe::radial::Interval`].
+/// A leaf's [`crate::lobe::radial::Interval`]s, by lanes.
 #[derive(Default)]
 struct Series {
+    estimate: [f32; LANES],
+    over: [f32; LANES],
+    under: [f32; LANES],
     slope: [f32; LANES],
     bend: [f32; LANES],
     rest: [f32; LANES],
@@ -338,18 +341,24 @@ impl<'a> Adaptive<'a> {
                 } else {
                     kernel.interval::<false>(squared, trace, along, leaf.radius)
                 };
-                let (over, under) = (share.greatest - share.estimate, share.estimate - share.least);
+                series.estimate[k] = share.estimate;
+                (series.over[k], series.under[k]) =
+                    (share.greatest - share.estimate, share.estimate - share.least);
+                (series.slope[k], series.bend[k]) = (share.slope, share.bend);
+                (series.rest[k], series.spread[k]) = (share.rest, share.spread);
+            }
+            // A loop of its own, which leaves the registers to the one above.
+            for k in 0..LANES {
+                let (estimate, over, under) = (series.estimate[k], series.over[k], series.under[k]);
                 let width = over.at_least(under);
-                sums[0][k] = red.times_plus(share.estimate, sums[0][k]);
-                sums[1][k] = green.times_plus(share.estimate, sums[1][k]);
-                sums[2][k] = blue.times_plus(share.estimate, sums[2][k]);
+                sums[0][k] = red.times_plus(estimate, sums[0][k]);
+                sums[1][k] = green.times_plus(estimate, sums[1][k]);
+                sums[2][k] = blue.times_plus(estimate, sums[2][k]);
                 above[k] = luminance.times_plus(over, above[k]);
                 below[k] = luminance.times_plus(under, below[k]);
                 off[0][k] = red.times_plus(width, off[0][k]);
                 off[1][k] = green.times_plus(width, off[1][k]);
                 off[2][k] = blue.times_plus(width, off[2][k]);
-                (series.slope[k], series.bend[k]) = (share.slope, share.bend);
-                (series.rest[k], series.spread[k]) = (share.rest, share.spread);
             }
             if let Some(tints) = self.cells.tints(leaf.cell) {
                 tinted.add(leaf, &tints, packet, &series);
