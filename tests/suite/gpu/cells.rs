@@ -274,7 +274,8 @@ fn faults_in_cells_are_detected() {
                     .max_by(|a, b| right[root][10][*a].total_cmp(&right[root][10][*b]))
                     .expect("siblings");
                 // Tints are energies times distances.
-                let far = if field < 14 { 1e-3 } else { 0.02 * right[root][LUMINANCE_FIELD][sibling] };
+                let lit = right[root][LUMINANCE_FIELD][sibling];
+                let far = if field < 14 { 1e-3 } else { 0.1 * lit };
                 wrong[root][field][sibling] = wrong[root][field][sibling] * 0.999 - far;
                 assert!(case.difference(&wrong).is_some(), "{look:?}: a wrong {what}");
             }
