@@ -15,6 +15,9 @@ mod bench_direct;
 #[cfg(feature = "gpu")]
 mod bench_gpu;
 mod compare;
+mod compare_many;
+mod compare_pair;
+mod compare_parts;
 mod compare_sources;
 mod completions;
 mod console;
@@ -29,6 +32,7 @@ mod figures;
 mod figures_absent;
 mod figures_args;
 mod fingerprint;
+mod gate;
 mod info;
 mod input;
 mod licenses;
@@ -44,6 +48,7 @@ mod signals;
 mod synth;
 mod timing;
 mod values;
+mod verify;
 #[cfg(feature = "view")]
 mod view;
 #[cfg(not(feature = "view"))]

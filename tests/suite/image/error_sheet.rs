@@ -1,6 +1,7 @@
 //! The error sheet marks the wrong texel, in colours that its bar explains.
 
 use crate::support::written::chain;
+use octagloss::internals::analysis::channels::Relative;
 use octagloss::internals::chain::Level;
 use octagloss::internals::image::drawing::scale::RELATIVE_ERROR;
 use octagloss::internals::image::drawing::scene::Scene;
@@ -11,7 +12,7 @@ fn sheet(pairs: &[(&Level, &Level)]) -> octagloss::Result<Scene> {
         .map(|(number, (level, reference))| LevelErrors {
             number,
             size: 64,
-            rel_rmse: 0.0123,
+            rmse: Relative { luminance: 0.0123, channels: [0.0123; 3] },
             level,
             reference,
         })
