@@ -1,13 +1,14 @@
 //! `octagloss compare FOLDER SOURCES`: judges the bakes of several environments.
 
 use super::args::CompareArgs;
-use super::compare::{Comparison, Measures, against_source, bake_in};
 use super::compare_sources::Sources;
+use super::comparison::{Comparison, against_source, bake_in};
 use super::console::{self, Console};
 use super::expand::{Expansion, Found, expand};
 use super::gate::Verdict;
 use super::input::{self, InputFiles};
 use super::look_ups::channel;
+use super::measures::Measures;
 use super::outcome::{Failure, Outcome, print, usage};
 use crate::io;
 use crate::target::Target;
@@ -41,9 +42,9 @@ pub(super) fn run(args: &CompareArgs, console: &Console) -> Outcome {
     if let Some((_, option)) = options.into_iter().find(|(asked, _)| *asked) {
         return usage(format!("{} is a folder of bakes; {option} is for one bake", args.bake.display()));
     }
-    let Expansion { found, failures, .. } =
-        expand(args.against.clone(), args.recursive, Some(&args.bake))?;
-    let (paths, withins): (Vec<_>, Vec<_>) = found.into_iter().map(|Found { path, within }| (path, within)).unzip();
+    let Expansion { found, failures, .. } = expand(args.against.clone(), args.recursive, Some(&args.bake))?;
+    let (paths, withins): (Vec<_>, Vec<_>) =
+        found.into_iter().map(|Found { path, within }| (path, within)).unzip();
     let sources = input::sources(paths, &args.input)?;
     let pairs: Vec<Pair> = sources
         .into_iter()
@@ -101,8 +102,8 @@ struct Run<'a> {
 impl Run<'_> {
     fn judge(&mut self, path: &Path, sources: &Sources<'_>, console: &Console) -> Outcome {
         let measures = Measures::of(self.args, Some(self.args.from.unwrap_or(0.0)));
-        let compared = bake_in(path, console)
-            .and_then(|bake| against_source(&measures, path, &bake, sources, console));
+        let compared =
+            bake_in(path, console).and_then(|bake| against_source(&measures, path, &bake, sources, console));
         let comparison = match compared {
             Ok(comparison) => comparison,
             Err(failure) => return self.fail(path, sources.path(), failure),
@@ -212,10 +213,13 @@ fn bakes_of(folder: &Path, Pair { source, name }: &Pair, one: bool) -> Outcome<V
         )
         .into()),
         [_] => Ok(found),
-        [a, b, ..] => {
-            Err(anyhow!("{} and {} are both named for {}; remove one", a.display(), b.display(), source.path().display())
-                .into())
-        }
+        [a, b, ..] => Err(anyhow!(
+            "{} and {} are both named for {}; remove one",
+            a.display(),
+            b.display(),
+            source.path().display()
+        )
+        .into()),
     }
 }
 

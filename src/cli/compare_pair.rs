@@ -1,11 +1,12 @@
 //! `octagloss compare A B SOURCE`: two bakes side by side, each against the source.
 
 use super::args::CompareArgs;
-use super::compare::{Measures, bake_in};
 use super::compare_sources::{PreparedSource, Sources};
+use super::comparison::bake_in;
 use super::console::Console;
 use super::input::single_source;
 use super::look_ups::{self, Delivered, Overlay};
+use super::measures::Measures;
 use super::outcome::{Outcome, print, usage};
 use super::shared_args::InputArgs;
 use crate::chain::Chain;

@@ -41,8 +41,14 @@ pub(super) struct Part {
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 pub(super) enum PartErrors {
-    Texels(LevelErrors),
+    Texels(Box<LevelErrors>),
     Harmonics(HarmonicsErrors),
+}
+
+impl PartErrors {
+    fn of(errors: LevelErrors) -> Self {
+        Self::Texels(Box::new(errors))
+    }
 }
 
 /// Errors of spherical harmonics as a function over the sphere.
@@ -136,7 +142,9 @@ impl Parts {
             parts.report(&path.join(REPORT), None)?;
             parts.lamp(&path.join("sun.json"));
         }
-        if let Some(text) = io::filament_harmonics(&bake.path)? {
+        if bake.path.is_file()
+            && let Some(text) = io::filament_harmonics(&bake.path)?
+        {
             let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
             let window = parts.window();
             parts.add_filament(&bake.path, &numbers, window)?;
@@ -151,8 +159,9 @@ impl Parts {
             let name = format!("{}.{part}.{}", stem.to_string_lossy(), extension.to_string_lossy());
             self.map(part, path.with_file_name(name))?;
         }
-        let beside =
-            |what: &str| path.with_file_name(format!("{}.{what}", path.file_name().unwrap_or_default().display()));
+        let beside = |what: &str| {
+            path.with_file_name(format!("{}.{what}", path.file_name().unwrap_or_default().display()))
+        };
         self.report(&beside(REPORT), Some(path))?;
         self.lamp(&beside("sun.json"));
         Ok(())
@@ -172,7 +181,8 @@ impl Parts {
                 }
                 Some(Content::ShJson) => {
                     let bytes = read_regular(&path, MOST_REPORT_BYTES)?;
-                    let text = serde_json::from_slice(&bytes).map_err(|e| Error::input(&path, e.to_string()))?;
+                    let text =
+                        serde_json::from_slice(&bytes).map_err(|e| Error::input(&path, e.to_string()))?;
                     self.add_harmonics(path, text)?;
                 }
                 Some(Content::ShText) => {
@@ -221,8 +231,7 @@ impl Parts {
 
     fn add_map(&mut self, part: &'static str, path: PathBuf, map: Environment) {
         let roughness = if part == "irradiance" { 1.0 } else { 0.0 };
-        let level =
-            Level { layout: map.layout(), roughness, texels: map.texels().to_vec(), bounds: None };
+        let level = Level { layout: map.layout(), roughness, texels: map.texels().to_vec(), bounds: None };
         self.found.push(Found { part, path, content: FoundContent::Map(level) });
     }
 
@@ -273,7 +282,8 @@ impl Parts {
 
     /// Adds Filament's nine coefficients.
     fn add_filament(&mut self, path: &Path, numbers: &[f64], window: ShWindow) -> Outcome {
-        let coefficients: Vec<[f64; 3]> = numbers.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
+        let coefficients: Vec<[f64; 3]> =
+            numbers.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
         if numbers.len() != 27 {
             let message = format!("its spherical harmonics have {} numbers; 27 are needed", numbers.len());
             return Err(Error::input(path, message).into());
@@ -305,20 +315,20 @@ impl Parts {
         for Found { part, path, content } in &self.found {
             let texels = |levels: &[Level], lobe| -> Vec<PartErrors> {
                 let errors = errors_against_source(levels, source, lobe, sampling, &progress);
-                errors.into_iter().map(PartErrors::Texels).collect()
+                errors.into_iter().map(PartErrors::of).collect()
             };
             let errors = match content {
                 FoundContent::Map(level) if *part == "irradiance" => {
                     texels(std::slice::from_ref(level), Lobe::Cosine)
                 }
                 FoundContent::Map(level) => {
-                    vec![PartErrors::Texels(errors_against_footprints(0, level, source)?)]
+                    vec![PartErrors::of(errors_against_footprints(0, level, source)?)]
                 }
                 FoundContent::Sheen(levels) => texels(levels, Lobe::Charlie),
                 FoundContent::Harmonics(harmonics) => vec![harmonics.errors_against(source)],
             };
             let file = Some(name_of(path));
-            parts.extend(errors.into_iter().map(|errors| Part { part: *part, file: file.clone(), errors }));
+            parts.extend(errors.into_iter().map(|errors| Part { part, file: file.clone(), errors }));
         }
         Ok(parts)
     }
@@ -342,13 +352,15 @@ impl Parts {
                 };
                 let is_like = pairs.iter().all(|(a, b)| a.layout == b.layout);
                 let errors = pairs.iter().enumerate().map(|(k, (a, b))| errors_against_texels(k, a, b));
-                is_like.then(|| errors.map(PartErrors::Texels).collect())
+                is_like.then(|| errors.map(PartErrors::of).collect())
             });
             let file = name_of(path);
             match errors {
-                Some(errors) => parts.extend(
-                    errors.into_iter().map(|errors| Part { part: *part, file: Some(file.clone()), errors }),
-                ),
+                Some(errors) => parts.extend(errors.into_iter().map(|errors| Part {
+                    part,
+                    file: Some(file.clone()),
+                    errors,
+                })),
                 None => self.unjudged.push(format!("{part} ({file}; the other bake has none like it)")),
             }
         }
@@ -358,7 +370,7 @@ impl Parts {
 
 /// The mirror level of a chain, the first one, against the mean of `source` over each texel.
 pub(super) fn mirror(level: &Level, source: &Environment) -> crate::Result<Part> {
-    let errors = PartErrors::Texels(errors_against_footprints(0, level, source)?);
+    let errors = PartErrors::of(errors_against_footprints(0, level, source)?);
     Ok(Part { part: "mirror", file: None, errors })
 }
 

@@ -1,10 +1,12 @@
 //! Verdicts of `octagloss compare --fail-above` and `bake --verify`: what was judged, and what was not.
 
-use super::compare::Comparison;
-use super::compare_parts::PartErrors;
+use super::compare_parts::{Part, PartErrors};
 use super::console;
+use super::look_ups::Delivered;
+use super::measures::is_from;
 use super::outcome::Outcome;
 use crate::analysis::channels::{Greatest, Relative};
+use crate::analysis::compare::LevelErrors;
 use crate::finite::finite;
 use anyhow::anyhow;
 use serde::Serialize;
@@ -48,24 +50,24 @@ impl Judged {
 }
 
 impl Verdict {
-    /// Judges what `comparison` measured, from the roughness `from` on. Not measured were the levels `sharp`,
+    /// Judges errors of levels, look-ups and parts, from the roughness `from` on. Not measured were the levels `sharp`,
     /// which are sharper than that, and `not_judged`.
     pub(super) fn of(
-        comparison: &Comparison,
+        (levels, delivered, parts): (&[LevelErrors], Option<&Delivered>, &[Part]),
         from: f64,
         mut sharp: Vec<usize>,
         mut not_judged: Vec<String>,
     ) -> Self {
         let mut judged = Vec::new();
         let is_judged = |roughness: f64| is_from(from, roughness);
-        for errors in &comparison.levels {
+        for errors in levels {
             if is_judged(errors.roughness) {
                 judged.push(Judged::new(format!("level {}", errors.level), errors.rmse()));
             } else {
                 sharp.push(errors.level);
             }
         }
-        for error in comparison.delivered.iter().flat_map(|delivered| &delivered.roughnesses) {
+        for error in delivered.into_iter().flat_map(|delivered| &delivered.roughnesses) {
             let at = format!("roughness {:.4}", error.roughness);
             if !is_judged(error.roughness) {
                 continue;
@@ -75,7 +77,7 @@ impl Verdict {
                 judged.push(Judged::new(format!("look-ups near the sun at {at}"), near.rmse()));
             }
         }
-        for part in &comparison.parts {
+        for part in parts {
             match &part.errors {
                 PartErrors::Texels(errors) if part.part == "sheen" && !is_judged(errors.roughness) => {}
                 PartErrors::Texels(errors) if ["mirror", "skybox"].contains(&part.part) => {
@@ -87,7 +89,7 @@ impl Verdict {
         }
         if !sharp.is_empty() {
             sharp.sort_unstable();
-            not_judged.insert(0, format!("{} (sharper than --from {from})", levels(&sharp)));
+            not_judged.insert(0, format!("{} (sharper than --from {from})", self::levels(&sharp)));
         }
         Self { from, judged, not_judged }
     }
@@ -126,11 +128,6 @@ impl Verdict {
     }
 }
 
-/// Whether a gate from the roughness `from` on judges `roughness`; files store roughness as float32.
-pub(super) fn is_from(from: f64, roughness: f64) -> bool {
-    roughness >= from - 1e-6
-}
-
 /// Words for the levels of these numbers, in order.
 pub(super) fn levels(numbers: &[usize]) -> String {
     match numbers {
@@ -149,7 +146,8 @@ mod tests {
     use super::*;
 
     fn verdict(errors: &[f64]) -> Verdict {
-        let of = |error: &f64| Judged::new("it".to_owned(), Relative { luminance: 0.0, channels: [*error; 3] });
+        let of =
+            |error: &f64| Judged::new("it".to_owned(), Relative { luminance: 0.0, channels: [*error; 3] });
         Verdict { from: 0.0, judged: errors.iter().map(of).collect(), not_judged: Vec::new() }
     }
 

@@ -1,9 +1,8 @@
 //! `octagloss compare --delivered`: errors of trilinear look-ups of one or several bakes, and their chart.
 
-use super::compare::Measures;
 use super::compare_sources::PreparedSource;
 use super::console::Console;
-use super::gate::is_from;
+use super::measures::{Measures, is_from};
 use super::outcome::{Outcome, usage};
 use crate::analysis::channels::{Greatest, Relative};
 use crate::analysis::compare::is_measurable;
@@ -100,9 +99,8 @@ pub(super) fn measure(
 /// The ladder of `bake` in `path`: the one that it records, or else the one that matches its roughnesses.
 pub(super) fn ladder(path: &Path, bake: &Chain, recorded: Option<&str>) -> Outcome<Ladder> {
     let ladder = recorded.and_then(Ladder::named).or_else(|| ladder_of(bake));
-    ladder.ok_or_else(|| {
-        anyhow!("{} records no ladder, and its roughnesses match none", path.display()).into()
-    })
+    ladder
+        .ok_or_else(|| anyhow!("{} records no ladder, and its roughnesses match none", path.display()).into())
 }
 
 /// The ladder that matches the roughnesses of `bake`.

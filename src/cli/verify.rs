@@ -1,9 +1,10 @@
 //! `octagloss bake --verify`: judges outputs as `compare --fail-above` does.
 
-use super::compare::{Measures, against_source, bake_in};
 use super::compare_sources::Sources;
+use super::comparison::{against_source, bake_in};
 use super::console::Console;
 use super::input::InputFiles;
+use super::measures::Measures;
 use super::outcome::{Failure, Outcome, usage};
 use super::shared_args::InputArgs;
 use crate::export::plan::BakePlan;
@@ -35,7 +36,9 @@ impl Verify {
             return usage("--verify judges what was written, but --dry-run writes nothing; omit one");
         }
         for BakePlan { plan, .. } in plans {
-            let is_own = |content: Content| matches!(content, Content::Env | Content::Glb | Content::Atlas);
+            let is_own = |content: Content| {
+                matches!(content, Content::Env | Content::Glb | Content::Atlas | Content::Oem)
+            };
             if plan.target.files.iter().any(|file| is_own(file.content)) {
                 let name = plan.target.name;
                 return usage(format!("--verify cannot read the files of the target {name}; omit --verify"));

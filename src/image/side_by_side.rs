@@ -40,7 +40,7 @@ pub struct Column {
 }
 
 /// Directions that the pixels of a sphere reflect to an orthographic camera, row by row; pixels outside take
-/// those of the silhouette. A `sun` is reflected at the left of the middle.
+/// those of the silhouette. A `sun` is reflected beside the middle.
 #[must_use]
 pub fn directions(sun: Option<DVec3>) -> Vec<DVec3> {
     let behind = match sun.map(|sun| DVec3::new(sun.x, 0.0, sun.z).normalize_or_zero()) {
@@ -119,13 +119,14 @@ pub fn side_by_side(names: [&str; 2], against: &str, columns: &[Column]) -> Scen
             let at = DVec2::new(column_at(k), low + HEAD);
             scene.picture_at(at, at + tile, disc(|pixel| Pixel(RELATIVE_ERROR.colour(errors[pixel]))));
             let worst = column.errors[bake].worst_channel();
-            let text =
-                format!("{}, {} {}", percent(column.errors[bake].luminance), worst.of, percent(worst.error));
+            let luminance = percent(column.errors[bake].luminance);
+            let text = format!("lum. {luminance}, {} {}", worst.of, percent(worst.error));
             let at = DVec2::new(at.x + tile / 2.0, at.y + tile + LINE * SMALL);
             scene.text(at, &text, SMALL, Anchor::Middle, INK);
         }
     }
-    let bar = Frame::new(DVec2::new(body.low.x, bottom + HEAD), DVec2::new(left, bottom + errors - GAP / 2.0));
+    let bar =
+        Frame::new(DVec2::new(body.low.x, bottom + HEAD), DVec2::new(left, bottom + errors - GAP / 2.0));
     colour_bar(&mut scene, &bar, &RELATIVE_ERROR, "relative error", [RELATIVE_ERROR.range()[0], greatest]);
     scene
 }

@@ -306,7 +306,8 @@ fn in_world(path: &Path, stored: Stored) -> Result<LoadedChain> {
 pub(crate) fn target_panorama(path: &Path) -> Result<Option<LoadedChain>> {
     is_directory(path)?;
     // Other readers report what is wrong with a file.
-    let Ok(Loaded { environment, provenance, format, warnings, .. }) = read(path, &ReadOptions::default()) else {
+    let Ok(Loaded { environment, provenance, format, warnings, .. }) = read(path, &ReadOptions::default())
+    else {
         return Ok(None);
     };
     let layout = environment.layout();

@@ -84,7 +84,7 @@ fn levels_are_labelled_without_collisions() {
             }
         }
         let has = |wanted: &str| texts.iter().filter(|(text, _)| text.contains(wanted)).count();
-        assert_eq!(has("relRMSE 1.2 %, greatest 0 %"), count);
+        assert_eq!(has("relRMSE 1.2 %, red 1.2 %; greatest 0 %"), count);
         assert_eq!(has("6 \u{d7} 8\u{b2} of 64\u{b2} texels"), count);
         for k in 0..count {
             assert_eq!(has(&format!("level {k}: roughness {:.3}", levels[k].roughness)), 1);
