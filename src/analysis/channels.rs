@@ -1,7 +1,7 @@
 //! Errors of light, of luminance and of every channel: luminance alone hides a wrong hue.
 //!
-//! An error of a channel is relative to that channel's mean; a channel that is nearly black is measured against
-//! the luminance.
+//! An error of a channel is relative to that channel's mean; a channel that is nearly black is measured
+//! against the luminance.
 
 use crate::environment::exact_luminance;
 use crate::finite::finite;

@@ -206,8 +206,8 @@ pub(crate) fn is_measurable(level: &Level, lobe: Lobe, layout: Layout) -> bool {
     lobe == Lobe::Cosine || lobe_width(level, lobe) >= NARROW * texel_width(layout)
 }
 
-/// Compares every texel of a mirror level with the mean of `source` over the texel's footprint; `index` is the
-/// level's number.
+/// Compares every texel of a mirror level with the mean of `source` over the texel's footprint; `index` is
+/// the level's number.
 ///
 /// # Errors
 /// [`Error::Limit`] if the overlaps of the texels do not fit.

@@ -107,8 +107,8 @@ pub fn default_roughnesses(chain: &Chain) -> Vec<f64> {
 /// Exact lobes: radiance of GGX at a roughness along given directions.
 pub type Truth<'a> = &'a dyn Fn(f64, &[DVec3]) -> Result<Vec<Rgb>>;
 
-/// Measures the look-up errors of `chain`, GGX lobes, at `roughnesses` in [0, 1] with `ladder`; also around the
-/// direction of the `sun`, if any.
+/// Measures the look-up errors of `chain`, GGX lobes, at `roughnesses` in [0, 1] with `ladder`; also around
+/// the direction of the `sun`, if any.
 ///
 /// # Errors
 /// Those of `truth`.

@@ -114,8 +114,8 @@ impl<'a> Sources<'a> {
 }
 
 impl PreparedSource {
-    /// Calls `measure` with the reference lobes of GGX along directions, always the same ones for their number and
-    /// a roughness of at least `sharpest` or 0.
+    /// Calls `measure` with the reference lobes of GGX along directions, always the same ones for their
+    /// number and a roughness of at least `sharpest` or 0.
     pub(super) fn with_lobes<T>(
         &self,
         sharpest: f64,

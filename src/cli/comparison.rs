@@ -51,7 +51,8 @@ pub(super) struct Comparison {
 }
 
 impl Comparison {
-    /// Judges from the roughness `from` on; the levels `sharp` are sharper, and `not_judged` was not measured.
+    /// Judges from the roughness `from` on; the levels `sharp` are sharper, and `not_judged` was not
+    /// measured.
     fn verdict(&self, from: f64, sharp: Vec<usize>, not_judged: Vec<String>) -> Verdict {
         Verdict::of((&self.levels, self.delivered.as_ref(), &self.parts), from, sharp, not_judged)
     }
@@ -248,8 +249,8 @@ pub(super) fn against_source(
     Ok(comparison)
 }
 
-/// What `comparison` did not measure from the roughness `from` on, and why; the levels `narrow` have too narrow
-/// lobes.
+/// What `comparison` did not measure from the roughness `from` on, and why; the levels `narrow` have too
+/// narrow lobes.
 fn unmeasured(measures: &Measures, comparison: &Comparison, narrow: &[usize], from: f64) -> Vec<String> {
     let mut all = Vec::new();
     if !narrow.is_empty() {

@@ -26,8 +26,8 @@ pub(super) struct Verdict {
 pub(super) struct Judged {
     /// Such as `level 3` or `look-ups at roughness 0.6429`.
     pub(super) what: String,
-    /// `relRMSE`; `L1`, the mean absolute error over the mean, of mirrors: rounding to half floats alone makes
-    /// the RMS error of a sun of a few texels several per cent of the mean.
+    /// `relRMSE`; `L1`, the mean absolute error over the mean, of mirrors: rounding to half floats alone
+    /// makes the RMS error of a sun of a few texels several per cent of the mean.
     measure: &'static str,
     /// Error of luminance.
     #[serde(serialize_with = "finite")]
@@ -50,8 +50,8 @@ impl Judged {
 }
 
 impl Verdict {
-    /// Judges errors of levels, look-ups and parts, from the roughness `from` on. Not measured were the levels `sharp`,
-    /// which are sharper than that, and `not_judged`.
+    /// Judges errors of levels, look-ups and parts, from the roughness `from` on. Not measured were the
+    /// levels `sharp`, which are sharper than that, and `not_judged`.
     pub(super) fn of(
         (levels, delivered, parts): (&[LevelErrors], Option<&Delivered>, &[Part]),
         from: f64,

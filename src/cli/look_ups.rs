@@ -38,8 +38,8 @@ pub(super) struct Overlay {
 /// Step between the roughnesses of a chart.
 const CHART_STEP: f64 = 0.02;
 
-/// Measures look-ups of `bake`, the file or folder `path`, in the prepared `source`; at the given roughnesses,
-/// or at those that the source resolves, for a gate those from the roughness `from` on.
+/// Measures look-ups of `bake`, the file or folder `path`, in the prepared `source`; at the given
+/// roughnesses, or at those that the source resolves, for a gate those from the roughness `from` on.
 pub(super) fn measure(
     measures: &Measures,
     path: &Path,

@@ -65,9 +65,9 @@ pub fn directions(sun: Option<DVec3>) -> Vec<DVec3> {
     (0..TILE).flat_map(|j| (0..TILE).map(move |i| (i, j))).map(|(i, j)| direction(i, j)).collect()
 }
 
-/// Draws the bakes called `names` against `against`: a row of spheres for each, for the reference, and for the
-/// relative errors of each: |difference| / (reference + 0.001 of its mean) of luminance or the channel where it
-/// is greatest.
+/// Draws the bakes called `names` against `against`: a row of spheres for each, for the reference, and for
+/// the relative errors of each: |difference| / (reference + 0.001 of its mean) of luminance or the channel
+/// where it is greatest.
 #[must_use]
 pub fn side_by_side(names: [&str; 2], against: &str, columns: &[Column]) -> Scene {
     let tile = f64::from(TILE);

@@ -319,8 +319,8 @@ pub(crate) fn target_panorama(path: &Path) -> Result<Option<LoadedChain>> {
     Ok(Some(LoadedChain { chain, provenance, format, path: levels_path(path)?, warnings }))
 }
 
-/// Spherical harmonics in the KTX 1 file `path` as text, nine lines of red, green and blue, in Filament's scale;
-/// `None` for other files and without them.
+/// Spherical harmonics in the KTX 1 file `path` as text, nine lines of red, green and blue, in Filament's
+/// scale; `None` for other files and without them.
 ///
 /// # Errors
 /// As [`read_chain`].
