@@ -1,5 +1,6 @@
 //! Measurements: exhaustive integration, comparison, statistics, the sun, the float32 table, maps of spheres.
 
+pub mod channels;
 pub mod compare;
 pub mod delivered;
 pub mod map_table;

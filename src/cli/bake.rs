@@ -10,6 +10,7 @@ use super::input::{self, InputFiles, Opened};
 use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
 use super::output::{Common, Destination, Outputs, SunFile, names_folder};
 use super::shared_args::{EngineArgs, InputArgs};
+use super::verify::Verify;
 use crate::analysis::oracle::Oracle;
 use crate::bake::memory;
 use crate::bake::overflow::Overflow;
@@ -54,6 +55,7 @@ struct Work {
     engine: EngineArgs,
     exposure: Exposure,
     skip_unchanged: bool,
+    verify: Option<Verify>,
     /// Everything except the inputs that affects the outputs.
     options: String,
 }
@@ -93,6 +95,9 @@ impl Work {
         let Expansion { found, is_open, failures } = expand(typed, args.recursive, args.output.as_deref())?;
         let several = (is_open || found.len() > 1) && args.input.layout != LayoutChoice::Faces;
         let plans = bake_plan::plans(&args, several)?;
+        if args.verify.is_some() {
+            Verify::check_plans(&plans, args.dry_run)?;
+        }
         let options = fingerprint::options(&plans, &args)?;
         if several && args.name.is_some() {
             return usage("--name names one environment; several inputs were given");
@@ -167,6 +172,7 @@ impl Work {
             engine: args.engine,
             exposure: args.exposure,
             skip_unchanged: args.skip_unchanged,
+            verify: args.verify.map(|limit| Verify::new(limit, args.from)),
             options,
         };
         work.check_places()?;
@@ -267,6 +273,9 @@ impl Work {
             if self.is_up_to_date(job) {
                 console.note(&format!("{}{}: unchanged", job.label, job.outputs.main.display()));
                 tally.skipped += 1;
+                if let Err(failure) = self.verify(job, console) {
+                    tally.failed += job.report_failure(failure)?;
+                }
                 continue;
             }
             match job.outputs.check(&self.common, job.folder.as_deref()) {
@@ -281,7 +290,8 @@ impl Work {
         }
         for (done, job) in ready.into_iter().enumerate() {
             let files = self.several.then_some(Files { start, done, total });
-            match self.bake(job, files, &engine, console) {
+            let baked = self.bake(job, files, &engine, console);
+            match baked.and_then(|()| self.verify(job, console)) {
                 Ok(()) => tally.baked += 1,
                 Err(failure) => tally.failed += job.report_failure(failure)?,
             }
@@ -406,6 +416,16 @@ impl Work {
             }
         }
         Ok(())
+    }
+
+    /// Judges the outputs of `job`, if asked.
+    fn verify(&self, job: &InputJob, console: &Console) -> Outcome {
+        let Some(verify) = &self.verify else { return Ok(()) };
+        let outputs = match &self.common.plans[..] {
+            [_] => vec![job.outputs.main.clone()],
+            plans => plans.iter().map(|plan| job.outputs.main.join(plan.plan.target.name)).collect(),
+        };
+        verify.check(&outputs, &job.source, &self.input, &job.label, console)
     }
 
     /// The plans for the opened source; checks that the bakes fit into memory.

@@ -91,6 +91,7 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
         (args.skybox.is_some(), "--skybox"),
         (args.bounds, "--bounds"),
         (args.input.extract_sun, "--extract-sun"),
+        (args.verify.is_some(), "--verify"),
     ];
     match others.into_iter().find(|(asked, _)| *asked) {
         Some((_, option)) => usage(format!(

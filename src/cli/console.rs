@@ -226,6 +226,11 @@ pub(super) fn with_options(text: &str) -> String {
     OPTIONS.iter().fold(text.to_owned(), replace)
 }
 
+/// Prints a line that `--quiet` does not silence.
+pub(super) fn tell(text: &str) {
+    line("", text);
+}
+
 fn line(kind: &str, text: &str) {
     let text = &with_options(text);
     let text: Vec<_> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
