@@ -239,7 +239,7 @@ fn exposure_is_automatic_or_a_number() {
     assert!(off(&automatic, &tile(Exposure::Ev(ev - 2.0))) > Some(20));
 }
 
-/// Returns a chain of a dim sky with a sun of 6 degrees along `sun`, as a panorama or cube.
+/// Returns a chain of a dim sky with a sun of 5 degrees along `sun`, as a panorama or cube.
 fn sunny(layout: Layout, sun: DVec3) -> Chain {
     let level = |roughness: f64| {
         let (width, height) = layout.sides();
@@ -250,7 +250,7 @@ fn sunny(layout: Layout, sun: DVec3) -> Chain {
             let cosine = layout.direction_from_texel(k, i, j).normalize().dot(sun);
             // A lobe: sharp, or half of the sphere.
             let light =
-                if roughness == 0.0 { 500.0 * f64::from(cosine > 0.995) } else { 3.0 * cosine.max(0.0) };
+                if roughness == 0.0 { 500.0 * f64::from(cosine > 0.999) } else { 3.0 * cosine.max(0.0) };
             [(0.2 + light) as f32; 3]
         };
         Level { layout, roughness, texels: places.map(radiance).collect(), bounds: None }
@@ -265,7 +265,7 @@ fn brightest_place(sheet: &image::RgbImage, tile: u32) -> (f64, f64) {
         let (dx, dy) = (f64::from(x) / 119.5 - 1.0, f64::from(y) / 119.5 - 1.0);
         let pixel = sheet.get_pixel(TILE_AT.0 + tile * 256 + x, TILE_AT.1 + y).0[0];
         // Within the ball, whose radius is about four fifths.
-        let weight = if dx.hypot(dy) < 0.75 { f64::from(pixel).powi(8) } else { 0.0 };
+        let weight = if dx.hypot(dy) < 0.75 { f64::from(pixel).powi(40) } else { 0.0 };
         (sum, at) = (sum + weight, (at.0 + weight * dx, at.1 + weight * dy));
     }
     (at.0 / sum, at.1 / sum)
