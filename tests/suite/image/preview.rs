@@ -277,7 +277,7 @@ fn the_lit_side_faces_the_camera_wherever_the_sun_is_and_the_panorama_marks_it()
         (0.3_f64, Layout::Cube { size: 64 }),
         (2.0, Layout::Panorama { width: 128, height: 64 }),
         (-1.5, Layout::Octahedral { size: 128 }),
-        (3.14, Layout::Cube { size: 64 }),
+        (3.1, Layout::Cube { size: 64 }),
     ] {
         let sun = DVec3::new(azimuth.cos(), 0.4, azimuth.sin()).normalize();
         let chain = sunny(layout, sun);
