@@ -3,6 +3,7 @@
 use crate::given::with_options;
 use crate::plan::Request;
 use crate::source::{Opened, Reading};
+use glam::DVec3;
 use octagloss::internals::bake::report::{Circumstances, InputFileReport, Report};
 use octagloss::internals::export::files::{Made, files as made_files, metadata};
 use octagloss::internals::export::plan::BakePlan;
@@ -61,7 +62,13 @@ pub(crate) fn output(
         let compressed = request.overflow.apply_all(&mut bake, files.pixel)?;
         if request.preview {
             let name = Path::new(baked.input).file_name().unwrap_or_default().to_string_lossy();
-            let origin = preview::Origin { name: &name, target: files.target.name };
+            let removed: Vec<DVec3> = baked.opened.sun.iter().map(|sun| sun.direction.into()).collect();
+            let origin = preview::Origin {
+                name: &name,
+                target: files.target.name,
+                source: Some(&baked.opened.environment),
+                removed: &removed,
+            };
             sheets.push(preview::contact_sheet(&bake.chain, origin, request.exposure)?);
         }
         let made = made_files(files, &name, &bake, &metadata(&plan.settings, &baked.opened.turned))?;

@@ -286,7 +286,7 @@ fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3)
 
 /// Unit direction of the point (`x`, `y`), in texels from the corner of an image, and the solid angle there
 /// per area, up to a factor.
-fn direction_within(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
+pub(crate) fn direction_within(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
     let signed = |x: f64, size: u32| x * 2.0 / f64::from(size) - 1.0;
     match layout {
         Layout::Cube { size } => {

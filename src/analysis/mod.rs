@@ -9,3 +9,4 @@ pub mod sat_f32;
 pub mod statistics;
 pub mod stretch;
 pub mod sun;
+pub mod typical;

@@ -48,6 +48,9 @@ pub struct Report {
     /// The sheen levels; absent if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sheen: Vec<LevelReport>,
+    /// [`Bake::typical_error`].
+    #[serde(default, serialize_with = "finite")]
+    pub typical_error: Option<f64>,
     /// Energy before and after reparameterisation.
     pub energy: EnergyReport,
     /// Spherical harmonics of the source.
@@ -480,6 +483,7 @@ impl Report {
             chain: settings.chain().name().to_owned(),
             levels,
             sheen: sheen.unwrap_or_default(),
+            typical_error: bake.typical_error,
             energy: EnergyReport {
                 source: bake.source_energy,
                 oem: bake.oem_energy,
@@ -538,25 +542,6 @@ impl Report {
             fingerprint: None,
             seconds: circumstances.seconds,
         }
-    }
-
-    /// Maximum certified error bound of all levels.
-    #[must_use]
-    pub fn error_bound_max(&self) -> Option<f64> {
-        self.levels.iter().filter_map(|level| level.error_bound_max).reduce(f64::max)
-    }
-
-    /// Maximum over all levels of the 99th percentile of the bounds.
-    #[must_use]
-    pub fn error_bound_p99(&self) -> Option<f64> {
-        self.levels.iter().filter_map(|level| level.error_bound_p99).reduce(f64::max)
-    }
-
-    /// Divides `bound`, an absolute luminance, by the environment's mean luminance; see
-    /// [`EnergyReport::mean_luminance`].
-    #[must_use]
-    pub(crate) fn relative_bound(&self, bound: f64) -> f64 {
-        relative(bound, self.energy.mean_luminance)
     }
 }
 

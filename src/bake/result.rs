@@ -52,6 +52,11 @@ pub struct Bake {
     pub source_energy: [f64; 3],
     /// Total energy of the OEM.
     pub oem_energy: [f64; 3],
+    /// Typical error of the chain's trilinear look-ups, measured along a few dozen directions at each of
+    /// several roughnesses: the median over roughness of the root mean square error of the worst channel,
+    /// relative to its mean. `None` unless requested ([`crate::bake::BakeSettings::measure`]), and where the
+    /// source resolves none of the lobes.
+    pub typical_error: Option<f64>,
     /// Warnings.
     pub warnings: Vec<String>,
 }

@@ -277,13 +277,14 @@ pub(super) struct BakeArgs {
     pub(super) dry_run: bool,
     /// Write a picture of spheres along the ladder
     ///
-    /// Shows panoramas and octahedral squares as cubes, and several targets one below the other.
+    /// Shows the panorama with its sun marked, and for each level a mirror sphere with the sun behind the
+    /// camera's shoulder. Several targets stand one below the other.
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
     /// Preview exposure: auto, or -40 to 40 EV
     ///
-    /// auto brings the log-average luminance of the environment to middle grey, as in view. Does not affect
-    /// the bake.
+    /// auto makes the spheres' median a dark grey, and darker where much of them is very bright; highlights
+    /// are compressed. Does not affect the bake.
     #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, requires = "preview")]
     pub(super) exposure: Exposure,
     /// Write the environment without its sun

@@ -44,9 +44,9 @@ mod outcome;
 mod output;
 mod query;
 mod shared_args;
-#[cfg(not(all(feature = "plot", feature = "view")))]
 mod shell;
 mod signals;
+mod summary;
 mod synth;
 mod timing;
 mod values;

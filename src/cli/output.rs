@@ -36,7 +36,7 @@ pub(super) struct Common {
 pub(super) struct Outputs {
     /// The file or folder; `-` for standard output, according to `place`.
     pub(super) main: PathBuf,
-    place: Destination,
+    pub(super) place: Destination,
     /// Base name of the files: the environment's, or `main` if that is a file.
     pub(super) name: String,
     pub(super) preview: Option<PathBuf>,
@@ -224,7 +224,7 @@ impl Outputs {
         for place in self.places(common)? {
             if folders.insert(place.path.parent().map(Path::to_owned)) {
                 for restored in output::recover(&place.path) {
-                    console.note(&format!("{}: restored; a killed run had moved it", restored.display()));
+                    console.note(&format!("{}: restored after an interrupted run", restored.display()));
                 }
             }
         }
@@ -277,7 +277,7 @@ impl Outputs {
     }
 
     /// Writes the files `made` of each plan and the completed `reports`, and moves everything into place in
-    /// one step. Returns the bytes written.
+    /// one step. Returns the bytes written, without the picture.
     pub(super) fn write(
         &self,
         common: &Common,
@@ -339,6 +339,7 @@ impl Outputs {
                 report_files.push((self.report_path(common, plan).into(), json_text(report)?.into_bytes()));
             }
         }
+        bytes -= picture.map_or(0, |picture| picture.len() as u64);
         bytes += report_files.iter().map(|(_, bytes)| bytes.len() as u64).sum::<u64>();
         let files = places.into_iter().flat_map(|(_, files)| files);
         let all = files.chain(report_files.iter().map(|(path, bytes)| (path.clone(), &bytes[..]))).collect();

@@ -545,7 +545,8 @@ fn finish_texels(
             format!("{repaired}; `strict` forbids repairs, omit it to repair them"),
         ));
     }
-    warnings.extend(repaired.matters().then(|| format!("{repaired}, repaired")));
+    let remedy = if repaired.nan + repaired.infinite == 0 { "set to 0" } else { "repaired" };
+    warnings.extend(repaired.matters().then(|| format!("{repaired}, {remedy}")));
     warnings.extend(scaled(path, texels, options.scale)?);
     // Some warnings quote layer and channel names.
     Ok(warnings.iter().map(|warning| printable(warning)).collect())
