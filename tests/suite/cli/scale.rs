@@ -1,5 +1,6 @@
 //! `--scale`: radiance multiplied when it is read.
 
+use super::sun::with_sun;
 use super::{done, fails, json, json_file, octagloss, with_sky};
 use octagloss::internals::io::{ReadOptions, load_chain, read};
 use std::fs;
@@ -33,7 +34,7 @@ fn a_scaled_bake_is_the_bake_scaled() {
 
 #[test]
 fn the_sun_is_that_of_the_scaled_light_and_every_reader_scales() {
-    let folder = with_sky();
+    let folder = with_sun();
     let sun = |out: &str, more: &[&str]| {
         let args = [&["bake", "sky.exr", "--extract-sun", "-o", out], &SMALL[..], more].concat();
         done(folder.path(), &args);
