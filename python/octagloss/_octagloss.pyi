@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Final, Literal, Sequence, Tuple, Union, final, overload
+from typing import Any, Final, List, Literal, Sequence, Tuple, Union, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -30,8 +30,9 @@ const LEAST_SHARE: f64 = 1e-3;
 /// Least share of the light of a region that is mentioned because it stays.
 const MENTIONED_SHARE: f64 = 0.01;
 
-/// Greatest number of peaks that are examined.
+/// Greatest number of peaks that are examined, and near a direction.
 const MOST_PEAKS: usize = 256;
+const MOST_PEAKS_TOWARDS: usize = 64;
 
 /// A glow that stays is mentioned from this share of its lamp on.
 const MENTIONED_GLOW: f64 = 0.1;
@@ -220,13 +221,18 @@ impl<'a> Parting<'a> {
     }
 
     /// The lights at the peaks among the texels `order`, which begins with the brightest one. Stops when
-    /// `enough`, which is called with a peak's luminance and the lights so far.
-    fn lights(&self, order: &[usize], enough: impl Fn(f64, &[Light]) -> bool) -> Vec<Light> {
+    /// `enough`, which is called with a peak's luminance and the lights so far, and after `most` peaks.
+    fn lights(
+        &self,
+        order: &[usize],
+        most: usize,
+        enough: impl Fn(f64, &[Light]) -> bool,
+    ) -> Vec<Light> {
         let mut owned = vec![false; self.luminances.len()];
         let (mut lights, mut peaks) = (Vec::new(), 0);
         for &at in order {
             let luminance = self.luminances[at];
-            if enough(luminance, &lights) || peaks == MOST_PEAKS {
+            if enough(luminance, &lights) || peaks == most {
                 break;
             }
             // The flank of a light that is known, or whose peak is not among these texels.
@@ -262,7 +268,7 @@ impl<'a> Parting<'a> {
             };
             lights.iter().filter(stronger).count() >= count
         };
-        let mut lights = self.lights(&order, enough);
+        let mut lights = self.lights(&order, MOST_PEAKS, enough);
         lights.retain(|light| {
             light.peak.luminance >= SUN_CONTRAST * light.peak.surroundings && strength(light) >= least
         });
@@ -278,8 +284,12 @@ impl<'a> Parting<'a> {
             .filter(|at| self.luminances[*at] > 0.0 && self.grid.direction(*at).dot(towards) >= nearest)
             .collect();
         order.sort_unstable_by_key(|at| (Reverse(self.luminances[*at].to_bits()), *at));
+        // Peaks so near to each other have similar surroundings: what is this dim is no sun.
+        let enough = |luminance: f64, lights: &[Light]| {
+            lights.iter().any(|light| luminance < 0.1 * SUN_CONTRAST * light.peak.surroundings)
+        };
         let taken = |light: &Light| self.rest[light.peak.at] != self.environment.texels()[light.peak.at];
-        let mut lights = self.lights(&order, |_, _| false);
+        let mut lights = self.lights(&order, MOST_PEAKS_TOWARDS, enough);
         lights.retain(|light| !taken(light));
         lights.into_iter().min_by(|a, b| {
             let rank = |light: &Light| {
@@ -555,7 +565,9 @@ impl Extraction {
         warnings.extend(self.dark.iter().map(dark));
         warnings.extend(self.kept.iter().take(MENTIONED).map(|kept| {
             let why = match kept.why {
-                Why::Large => format!("a sun covers at most {SUN_SOLID_ANGLE} sr"),
+                Why::Large => {
+                    format!("a sun covers at most {SUN_SOLID_ANGLE} sr, or nine texels up to 0.2 sr")
+                }
                 Why::Long => "it reaches further from its centre than a sun of 0.01 sr".to_owned(),
                 Why::Dim => format!(
                     "it is {:.0} times as bright as its surroundings, and a sun is at least {SUN_CONTRAST}",
