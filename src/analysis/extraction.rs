@@ -222,12 +222,7 @@ impl<'a> Parting<'a> {
 
     /// The lights at the peaks among the texels `order`, which begins with the brightest one. Stops when
     /// `enough`, which is called with a peak's luminance and the lights so far, and after `most` peaks.
-    fn lights(
-        &self,
-        order: &[usize],
-        most: usize,
-        enough: impl Fn(f64, &[Light]) -> bool,
-    ) -> Vec<Light> {
+    fn lights(&self, order: &[usize], most: usize, enough: impl Fn(f64, &[Light]) -> bool) -> Vec<Light> {
         let mut owned = vec![false; self.luminances.len()];
         let (mut lights, mut peaks) = (Vec::new(), 0);
         for &at in order {
@@ -528,12 +523,14 @@ impl fmt::Display for Suns {
 
 /// Direction, share and size of a light.
 fn described(sun: &Sun, energy_share: f64) -> String {
-    let [x, y, z] = sun.direction.to_array();
+    // Without a negative 0.
+    let rounded = |value: f64, digits: f64| (value * digits).round() / digits + 0.0;
+    let [x, y, z] = sun.direction.to_array().map(|value| rounded(value, 1e4));
     format!(
         "azimuth {:.1}, elevation {:.1} ({x:.4} {y:.4} {z:.4}), {:.2} % of the light, {:.2e} sr ({:.1} degrees \
          across)",
-        sun.azimuth_degrees(),
-        sun.elevation_degrees(),
+        rounded(sun.azimuth_degrees(), 10.0),
+        rounded(sun.elevation_degrees(), 10.0),
         100.0 * energy_share,
         sun.solid_angle,
         sun.diameter_degrees(),
