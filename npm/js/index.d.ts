@@ -21,8 +21,11 @@ export interface InputOptions {
     sanitize?: boolean;
     /** Treat any repair as an error. */
     strict?: boolean;
-    /** Remove the sun; a bake writes it to sun.json. */
-    extractSun?: boolean;
+    /**
+     * Remove the brightest sun (true), this many lights, or those at directions separated by colons, each an
+     * azimuth and an elevation in degrees ("34,35") or a vector. A bake writes them to sun.json and sun.gltf.
+     */
+    extractSun?: boolean | number | string;
 }
 
 export interface CallOptions {

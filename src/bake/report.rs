@@ -4,6 +4,7 @@
 //!
 //! `docs/report.md` lists every key with its type; a test checks real reports against it.
 
+use crate::analysis::extraction::Suns;
 use crate::analysis::sun::Sun;
 use crate::bake::overflow::Overflow;
 use crate::bake::result::{Bake, LevelStats};
@@ -55,9 +56,12 @@ pub struct Report {
     pub energy: EnergyReport,
     /// Spherical harmonics of the source.
     pub sh: ShReport,
-    /// The sun removed before the bake; `null` if none was found or requested.
+    /// The first sun removed before the bake; `null` if none was found or requested.
     #[serde(default)]
     pub sun: Option<SunReport>,
+    /// All suns removed before the bake.
+    #[serde(default)]
+    pub suns: Vec<SunReport>,
     /// Repairs of the input.
     pub repaired: RepairReport,
     /// Texels with a channel above the pixel format's maximum.
@@ -324,6 +328,9 @@ pub struct OptionsReport {
     /// Whether to remove the sun.
     #[serde(default)]
     pub extract_sun: bool,
+    /// The suns to remove: `brightest`, a number, or directions; `null` for none.
+    #[serde(default)]
+    pub suns: Option<String>,
     /// Whether to write the environment without its sun.
     #[serde(default)]
     pub sunless: bool,
@@ -436,16 +443,16 @@ pub struct Circumstances {
     pub sanitize: bool,
     /// Whether repairs are errors.
     pub strict: bool,
-    /// Whether to remove the sun.
-    pub extract_sun: bool,
+    /// The suns to remove.
+    pub extract_sun: Option<Suns>,
     /// Whether to write the environment without the sun.
     pub sunless: bool,
     /// Treatment of texels above the pixel format's maximum.
     pub overflow: Overflow,
     /// Whether to write a preview.
     pub preview: bool,
-    /// The removed sun.
-    pub sun: Option<SunReport>,
+    /// The removed suns.
+    pub suns: Vec<SunReport>,
     /// Format of the output.
     pub format: String,
     /// Requested pixel format.
@@ -499,7 +506,8 @@ impl Report {
                     .to_owned(),
                 window: bake.sh_window.to_string(),
             },
-            sun: circumstances.sun,
+            sun: circumstances.suns.first().cloned(),
+            suns: circumstances.suns,
             repaired: circumstances.repaired,
             clamped: circumstances.clamped,
             clamped_energy_share: circumstances.clamped_energy_share,
@@ -525,7 +533,8 @@ impl Report {
                 pad: circumstances.pad.map(|pad| pad.name().to_owned()),
                 sanitize: circumstances.sanitize,
                 strict: circumstances.strict,
-                extract_sun: circumstances.extract_sun,
+                extract_sun: circumstances.extract_sun.is_some(),
+                suns: circumstances.extract_sun.map(|suns| suns.to_string()),
                 sunless: circumstances.sunless,
                 irradiance: settings.irradiance,
                 skybox: settings.skybox,

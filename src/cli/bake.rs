@@ -10,6 +10,7 @@ use super::input::{self, InputFiles, Opened};
 use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
 use super::output::{Common, Destination, Outputs, SunFile, names_folder};
 use super::shared_args::{EngineArgs, InputArgs};
+use crate::analysis::extraction::Suns;
 use super::summary::Written;
 use super::verify::Verify;
 use crate::analysis::oracle::Oracle;
@@ -156,6 +157,7 @@ impl Work {
         let jobs: Vec<InputJob> = (1..).zip(sources).map(job).collect();
         let common = Common {
             sun: bake_plan::sun_files(&args),
+            several_suns: args.input.extract_sun.as_ref().is_some_and(|suns| *suns != Suns::Brightest),
             existing: if args.force { Existing::Replace } else { Existing::Keep },
             json: args.json,
             plans,
@@ -467,11 +469,11 @@ impl Work {
             pad: self.input.pad,
             sanitize: self.input.sanitize,
             strict: self.input.strict,
-            extract_sun: self.input.extract_sun,
+            extract_sun: self.input.extract_sun.clone(),
             sunless: self.common.sun.contains(&SunFile::Sunless),
             overflow: self.overflow,
             preview: job.outputs.preview.is_some(),
-            sun: opened.sun.clone(),
+            suns: opened.suns.clone(),
             format: plan.format_name().to_owned(),
             pixel: plan.pixel.name().to_owned(),
             level_pixels: stored.pixels,

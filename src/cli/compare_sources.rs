@@ -5,10 +5,10 @@ use super::console::Console;
 use super::input::InputFiles;
 use super::outcome::Outcome;
 use super::shared_args::InputArgs;
-use crate::analysis::sun::Sun;
+use crate::analysis::extraction::Suns;
 use crate::environment::Rgb;
 use crate::filter::Filter;
-use crate::io::provenance::Provenance;
+use crate::io::provenance::{Provenance, TakenSun};
 use crate::lobe::Lobe;
 use crate::reflector::{Reflector, ReflectorSettings};
 use crate::{Environment, Result};
@@ -84,7 +84,7 @@ impl<'a> Sources<'a> {
         let input = InputArgs {
             rotate_y: given.rotate_y.or(provenance.rotate_y),
             mirror: given.mirror || provenance.mirror.unwrap_or(false),
-            extract_sun: given.extract_sun || provenance.sun.is_some(),
+            extract_sun: given.extract_sun.clone().or_else(|| taken(provenance)),
             scale: given.scale.or(provenance.scale),
             crop: given.crop || provenance.crop.unwrap_or(false),
             pad: given.pad.or(provenance.pad),
@@ -111,6 +111,13 @@ impl<'a> Sources<'a> {
         self.prepared.borrow_mut().push(Rc::clone(&prepared));
         Ok(prepared)
     }
+}
+
+/// The suns that a bake's source has lost.
+fn taken(provenance: &Provenance) -> Option<Suns> {
+    let direction = |sun: &TakenSun| DVec3::from_array(sun.direction).try_normalize();
+    let directions: Vec<DVec3> = provenance.suns.iter().filter_map(direction).collect();
+    (!directions.is_empty()).then_some(Suns::Towards(directions))
 }
 
 impl PreparedSource {
