@@ -101,8 +101,7 @@ impl Ladder {
                 found.map_or(most, |(texels, _)| down_to(*texels))
             }
             Self::Babylon => most,
-            // Six steps (UNITY_SPECCUBE_LOD_STEPS).
-            Self::Unity => most.min(7),
+            Self::Unity => most.min(UNITY_LEVELS),
             // Down to 16 texels: five levels for 256.
             Self::Filament => most.saturating_sub(4).max(1),
         }
@@ -120,6 +119,9 @@ const fn edges_of_a_face(map: Map) -> u32 {
 
 /// Edge of level 0 of the default cube.
 pub(crate) const DEFAULT_CUBE_SIZE: u32 = 640;
+
+/// Levels that Unity looks up, at any size: six steps (UNITY_SPECCUBE_LOD_STEPS).
+pub(crate) const UNITY_LEVELS: u32 = 7;
 
 /// Edge of level 0 for the engines' ladders.
 const ENGINE_SIZE: u32 = 256;

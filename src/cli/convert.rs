@@ -3,7 +3,7 @@
 use super::console::{self, Console};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, renamed, usage, write_output};
 use super::shared_args::MAX_THREADS;
-use super::values::{finite, scale};
+use super::values::{scale, turn};
 use crate::bake::memory;
 use crate::environment::rotation_y;
 use crate::format::Pixel;
@@ -66,7 +66,7 @@ pub(super) struct ConvertArgs {
     #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
     pub(super) pixel: Option<Pixel>,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
-    #[arg(long, value_name = "DEG", value_parser = finite)]
+    #[arg(long, value_name = "DEG", value_parser = turn)]
     pub(super) rotate_y: Option<f64>,
     /// Multiply radiance by X, above 0 [default: 1]
     #[arg(long, value_name = "X", value_parser = scale)]

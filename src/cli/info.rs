@@ -3,6 +3,7 @@
 use super::args::InfoArgs;
 use super::console::{self, Console};
 use super::engine::list_adapters;
+use super::info_other;
 use super::input::{self, InputFiles, Opened, layout_name, read_bake};
 use super::outcome::{Failure, Outcome, print};
 use super::shared_args::InputArgs;
@@ -141,7 +142,18 @@ fn describe(source: &InputFiles, args: &InputArgs, json: bool, console: &Console
         };
         return Ok(if json { json_line(&info) } else { info.text() });
     }
-    let info = environment_info(input, bytes, source.open(args, console)?);
+    let opened = match source.open(args, console) {
+        Ok(opened) => opened,
+        Err(error) => {
+            let other = match source.files() {
+                [path] => info_other::described(path, bytes, &error),
+                _ => None,
+            };
+            let other = other.ok_or(error)?;
+            return Ok(if json { json_line(&other) } else { other.text() });
+        }
+    };
+    let info = environment_info(input, bytes, opened);
     Ok(if json { json_line(&info) } else { info.text() })
 }
 

@@ -30,6 +30,7 @@ mod figures_absent;
 mod figures_args;
 mod fingerprint;
 mod info;
+mod info_other;
 mod input;
 mod licenses;
 mod look_ups;
