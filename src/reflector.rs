@@ -39,7 +39,8 @@ pub struct ReflectorSettings {
     pub border: Option<u32>,
     /// How the summed-area table is scanned; every choice gives the same bits.
     pub scan: Scan,
-    /// The least roughness above 0 of later [`Filter::Adaptive`] queries: much finer cells are not kept.
+    /// The least roughness above 0 of later [`Filter::Adaptive`] queries, in \[0, 1\]: much finer cells are not
+    /// kept.
     pub sharpest: f64,
     /// Whether [`Filter::Fitted`] will be used: rounds the default size up to a power of two.
     pub fitted: bool,
@@ -49,10 +50,13 @@ impl ReflectorSettings {
     /// The OEM size for a source of `layout`, and the texels along an edge of its finest cells.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels and for an invalid scan, [`Error::Limit`] if the tables
-    /// do not fit.
+    /// [`Error::Parameter`] for an OEM of no texels, a `sharpest` outside [0, 1] and an invalid scan,
+    /// [`Error::Limit`] if the tables do not fit.
     pub fn plan(&self, layout: Layout) -> Result<(OemSize, u32)> {
         self.scan.check()?;
+        if !(0.0..=1.0).contains(&self.sharpest) {
+            return Err(Error::Parameter(format!("`sharpest` {} is outside [0, 1]", self.sharpest)));
+        }
         let border = self.border.unwrap_or(0);
         let inner = self.oem_size.unwrap_or_else(|| {
             let inner = default_oem_size(layout, border, self.sharpest);

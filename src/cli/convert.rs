@@ -121,7 +121,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         };
         // The reader's setting `layout` is --from here; --layout is the map to convert to.
         let from = args.from.as_deref().map(known);
-        let LoadedMap { light, warnings } = io::read_map(&args.input, from, &options)
+        let LoadedMap { light, warnings, .. } = io::read_map(&args.input, from, &options)
             .map_err(|error| renamed(&error, &[("`layout`", "--from")]))?;
         for warning in &warnings {
             console.warn(&format!("{}: {warning}", args.input.display()));

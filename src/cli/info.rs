@@ -13,7 +13,7 @@ use crate::bake::report::SunReport;
 use crate::chain::{Chain, Level};
 use crate::environment::exact_luminance;
 use crate::io::provenance::{Provenance, TakenSun};
-use crate::io::{Pad, Repairs};
+use crate::io::{LayoutChoice, Pad, Repairs};
 use crate::lobe::Lobe;
 use crate::percent::percent;
 use serde::Serialize;
@@ -145,8 +145,11 @@ fn describe(source: &InputFiles, args: &InputArgs, json: bool, console: &Console
     let opened = match source.open(args, console) {
         Ok(opened) => opened,
         Err(error) => {
+            // Options of environments have errors of their own.
+            let is_plain =
+                args.layout == LayoutChoice::Auto && !args.strict && !args.crop && args.pad.is_none();
             let other = match source.files() {
-                [path] => info_other::described(path, bytes, &error),
+                [path] if is_plain => info_other::described(path, bytes, &error),
                 _ => None,
             };
             let other = other.ok_or(error)?;

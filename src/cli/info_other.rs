@@ -128,7 +128,8 @@ fn known_data(path: &Path) -> Option<(&'static str, String)> {
             let keys: Vec<&str> = value.as_object()?.keys().map(String::as_str).collect();
             let has = |names: &[&str]| names.iter().all(|name| keys.contains(name));
             let content = if has(&["generator", "levels"]) {
-                let target = value["target"].as_str().map_or(String::new(), |name| format!(" for {name}"));
+                let target =
+                    value["target"]["name"].as_str().map_or(String::new(), |name| format!(" for {name}"));
                 format!("report of a bake of {}{target}", value["input"].as_str().unwrap_or("an environment"))
             } else if has(&["coefficients"]) {
                 "spherical harmonics".to_owned()

@@ -72,6 +72,8 @@ impl LiveEnvironment {
     /// of the device; it names the largest size that fits.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
+        // Before pipelines are compiled.
+        checked_inner(&context, size, 1)?;
         Self::with_passes(&context, &LivePasses::new(&context), size)
     }
 

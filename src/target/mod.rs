@@ -416,7 +416,8 @@ impl Target {
         TARGETS.iter().find(|target| target.name == name)
     }
 
-    /// Levels from `size` down to the target's last.
+    /// Levels from `size` down to the target's last, and at least two if the size has as many: readers look
+    /// roughness up between them.
     #[must_use]
     pub fn levels(&self, size: u32) -> u32 {
         if self.has_atlas() {
@@ -424,7 +425,10 @@ impl Target {
         }
         match self.last_size {
             None => self.ladder.default_levels(self.map, size).max(1),
-            Some(last) => size.checked_ilog2().unwrap_or(0).saturating_sub(last.ilog2()) + 1,
+            Some(last) => {
+                let levels = size.checked_ilog2().unwrap_or(0).saturating_sub(last.ilog2()) + 1;
+                if self.map == Map::Panorama { levels } else { levels.max(2).min(self.map.most_levels(size)) }
+            }
         }
     }
 

@@ -2,8 +2,10 @@
 
 use glam::DVec3;
 use octagloss::internals::bake::query::Query;
+use octagloss::internals::sh::window::ShWindow;
 use octagloss::{
-    BakeSettings, Environment, Error, Filter, Layout, Lobe, Reflector, ReflectorSettings, Rgb, bake,
+    Bake, BakeSettings, Environment, Error, Filter, Ladder, Layout, Lobe, Reflector, ReflectorSettings, Rgb,
+    WriteOptions, bake,
 };
 
 const GREY: Layout = Layout::Panorama { width: 16, height: 8 };
@@ -147,6 +149,9 @@ fn settings_out_of_range_are_named() {
         (BakeSettings { skybox: Some(0), ..small.clone() }, "`skybox`"),
         (BakeSettings { skybox: Some(u32::MAX), ..small.clone() }, "`skybox`"),
         (BakeSettings { sh_order: u32::MAX, ..small.clone() }, "`sh_order`"),
+        (BakeSettings { sh_window: ShWindow::Hanning(f64::NAN), ..small.clone() }, "`sh_window`"),
+        (BakeSettings { sh_window: ShWindow::Lanczos(f64::INFINITY), ..small.clone() }, "`sh_window`"),
+        (BakeSettings { sh_window: ShWindow::Sinc4(0.0), ..small.clone() }, "`sh_window`"),
         (BakeSettings { filter: Filter::Adaptive(f64::NAN), ..small.clone() }, "adaptive:NaN"),
         (BakeSettings { filter: Filter::Adaptive(0.0), ..small.clone() }, "adaptive:0"),
         (BakeSettings { filter: Filter::Fitted(3), ..small.clone() }, "fitted:3"),
@@ -154,4 +159,52 @@ fn settings_out_of_range_are_named() {
         let message = of(settings);
         assert!(message.contains(named), "{named}: {message}");
     }
+}
+
+#[test]
+fn reflectors_name_a_roughness_out_of_range() {
+    for sharpest in [-0.1, 1.5, f64::NAN] {
+        let settings = ReflectorSettings { sharpest, ..ReflectorSettings::default() };
+        let message = refusal(Reflector::new(&grey(), &settings));
+        assert!(message.contains("`sharpest`"), "{message}");
+    }
+}
+
+#[test]
+fn levels_beyond_the_last_are_as_rough_as_it() {
+    for ladder in Ladder::ALL {
+        for (levels, size) in [(0, 0), (1, 1), (5, 16), (7, 64)] {
+            let last = ladder.roughness(u32::max(levels, 1) - 1, levels, size);
+            for level in [levels, levels + 1, u32::MAX] {
+                assert_eq!(ladder.roughness(level, levels, size), last, "{} {levels}", ladder.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn bakes_that_were_changed_are_checked_before_they_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = BakeSettings { size: 4, levels: Some(2), irradiance: Some(2), ..BakeSettings::default() };
+    let sound = bake(&grey(), &settings).unwrap();
+    type Change = fn(&mut Bake);
+    let changes: [(Change, &str); 7] = [
+        (|bake| bake.chain.levels.clear(), "no levels"),
+        (|bake| bake.chain.levels.swap(0, 1), "level 1 is Cube { size: 4 }, but"),
+        (|bake| bake.chain.levels[1].texels.truncate(5), "has 5 texels"),
+        (|bake| bake.chain.levels[0].texels.clear(), "has 0 texels"),
+        (|bake| bake.chain.levels[0].texels[3][1] = f32::NAN, "holds NaN"),
+        (|bake| bake.irradiance.as_mut().unwrap().texels[0][0] = -1.0, "holds -1"),
+        (|bake| bake.chain.levels[0].bounds = Some(vec![0.0; 3]), "has 3 texels or bounds"),
+    ];
+    for (change, words) in changes {
+        for name in ["a.ktx2", "a.dds", "a.exr"] {
+            let mut changed = sound.clone();
+            change(&mut changed);
+            let message = refusal(changed.write(folder.path().join(name), &WriteOptions::default()));
+            assert!(message.contains(words), "{words}: {message}");
+        }
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is written");
+    sound.write(folder.path().join("a.ktx2"), &WriteOptions::default()).unwrap();
 }

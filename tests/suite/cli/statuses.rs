@@ -19,7 +19,6 @@ fn what_is_missing_is_a_failure_and_not_usage() {
         (&["convert", "none.exr", "-o", "a.exr", "--layout", "cube"], "none.exr"),
         (&["info", "none.exr"], "none.exr"),
         (&["compare", "none.ktx2", "sky.exr"], "none.ktx2"),
-        (&["compare", "sky.exr", "none.exr"], "none.exr"),
         (&["bench", "none.exr", "--size", "64", "--runs", "1"], "none.exr"),
         (&[&["query", "none.exr"][..], &query].concat(), "none.exr"),
         (&["query", "sky.exr", "--directions", "none.csv", "--roughness", "0.5"], "none.csv"),
@@ -92,11 +91,7 @@ fn dry_runs_count_and_list_what_fails() {
         assert_eq!(line["files"].is_array(), input == "sky.exr", "{line}");
         assert_eq!(error.contains(input), input != "sky.exr", "{line}");
     }
-    done(at, &["bake", "sky.exr", "-o", "out", "--size", "4", "--levels", "1"]);
-    let again = ["bake", "sky.exr", "bad.exr", "-o", "out/", "--size", "4", "--levels", "1", "--dry-run"];
-    let ran = octagloss(at, &again);
-    assert!(ran.err.contains(" failed"), "{}", ran.err);
-    assert!(!octagloss(at, &[&again[..], &["--quiet"]].concat()).err.contains("to bake"));
+    assert!(!octagloss(at, &[&args[..], &["--quiet"]].concat()).err.contains("to bake"));
 }
 
 #[test]

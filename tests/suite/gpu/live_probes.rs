@@ -125,6 +125,7 @@ fn more_probes_than_a_binding_holds_are_refused() {
         // Tables of 58 MB each, where a binding has 128 MiB.
         let error = new(1024, 3).expect_err("too large").to_string();
         assert!(error.contains("choose `count` of at most 2, or `size` of at most 512"), "{error}");
+        assert!(new(0, 2).expect_err("no texels").to_string().contains("`size` is 0"));
         let error = new(u32::MAX, 2).expect_err("too large");
         assert!(matches!(error, Error::Limit { .. }), "{error}");
     });
