@@ -31,6 +31,9 @@ impl Level {
     }
 
     /// The texels of one face of a cube, row-major.
+    ///
+    /// # Panics
+    /// If the level is no cube, or has fewer texels.
     #[must_use]
     pub fn face(&self, face: Face) -> &[Rgb] {
         let area = self.size() as usize * self.size() as usize;

@@ -26,7 +26,7 @@ pub(crate) fn exact_luminance<T: Into<f64>>(rgb: [T; 3]) -> f64 {
 /// How an environment's texels cover the sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// `width` x `height` texels, see [`equirect`]. Files must be 2:1; in memory any size is allowed.
+    /// `width` x `height` texels, see [`equirect`]. The panorama of an [`Environment`] is 2:1, or one texel.
     Panorama {
         /// Columns, at least 1.
         width: u32,
@@ -107,13 +107,13 @@ impl Layout {
         }
     }
 
-    /// Number of texels.
+    /// Number of texels; the greatest `usize` if there are more.
     #[must_use]
     pub fn texel_count(self) -> usize {
-        let area = |w: u32, h: u32| w as usize * h as usize;
+        let area = |w: u32, h: u32| (w as usize).saturating_mul(h as usize);
         match self {
             Self::Panorama { width, height } => area(width, height),
-            Self::Cube { size } => 6 * area(size, size),
+            Self::Cube { size } => area(size, size).saturating_mul(6),
             Self::Octahedral { size } => area(size, size),
         }
     }
@@ -146,6 +146,10 @@ impl Layout {
     }
 }
 
+/// Most degrees that front ends turn an environment by, either way; far more would leave doubles no fine
+/// angles.
+pub const MOST_DEGREES: f64 = 1e6;
+
 /// Rotation about +Y that maps +Z to +X for 90 degrees. Quarter turns are exact.
 #[must_use]
 pub(crate) fn rotation_y(degrees: f64) -> DMat3 {
@@ -174,9 +178,18 @@ impl Environment {
     /// An environment of `texels` in `layout`, unrotated.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if the count is not the layout's, a side is zero, or a texel is negative or not
-    /// finite.
+    /// [`Error::Parameter`] if the count is not the layout's, a side is zero, a panorama is neither 2:1 nor
+    /// one texel, or a texel is negative or not finite.
     pub fn new(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
+        if let Layout::Panorama { width, height } = layout
+            && (width, height) != (1, 1)
+            && u64::from(width) != 2 * u64::from(height)
+        {
+            return Err(Error::Parameter(format!(
+                "a panorama of {width}x{height} is not 2:1, so it does not cover the sphere once; fill it up \
+                 with black or resample it"
+            )));
+        }
         let environment = Self::of_sound(layout, texels)?;
         let texels = &environment.texels;
         let wrong = |c: f32| !(c.is_finite() && c >= 0.0);
@@ -191,14 +204,21 @@ impl Environment {
         Ok(environment)
     }
 
-    /// [`Environment::new`] for texels known to be finite and not negative.
-    pub(crate) fn of_sound(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
-        if layout.texel_count() == 0 || texels.len() != layout.texel_count() {
+    /// [`Environment::new`] for texels known to be finite and not negative, and panoramas of any shape.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if the count is not the layout's, or a side is zero.
+    #[doc(hidden)]
+    pub fn of_sound(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
+        let (needed, given) = (layout.texel_count(), texels.len());
+        if needed == 0 {
             return Err(Error::Parameter(format!(
-                "{layout:?} requires {} texels, got {}; the count must not be 0",
-                layout.texel_count(),
-                texels.len()
+                "{} of no texels ({layout:?}); every side must be at least 1",
+                layout.name()
             )));
+        }
+        if given != needed {
+            return Err(Error::Parameter(format!("{layout:?} requires {needed} texels, got {given}")));
         }
         Ok(Self { layout, texels, source_from_world: DMat3::IDENTITY })
     }
@@ -209,7 +229,8 @@ impl Environment {
         Self { texels, ..*self }
     }
 
-    /// Rotates the environment about +Y: +90 degrees maps +Z to +X.
+    /// Rotates the environment about +Y: +90 degrees maps +Z to +X. Bakes and reflectors refuse an environment
+    /// that was rotated by NaN or infinity.
     #[must_use]
     pub fn rotated_y(mut self, degrees: f64) -> Self {
         // A world direction is looked up where the rotation took it from.
@@ -245,6 +266,17 @@ impl Environment {
     #[must_use]
     pub const fn source_from_world(&self) -> DMat3 {
         self.source_from_world
+    }
+
+    /// Checks that the rotation is finite.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if not.
+    pub(crate) fn check_rotation(&self) -> Result<()> {
+        if self.source_from_world.is_finite() {
+            return Ok(());
+        }
+        Err(Error::Parameter("the environment is rotated by an angle that is not finite".to_owned()))
     }
 
     /// Calls `visit` for every texel with the unit world direction of its centre, its solid angle and its

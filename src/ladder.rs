@@ -41,10 +41,12 @@ impl Ladder {
         Self::ALL.into_iter().find(|ladder| ladder.name() == name)
     }
 
-    /// Perceptual roughness of level `level` of `levels`, with `size` texels along an edge of level 0.
+    /// Perceptual roughness of level `level` of `levels`, with `size` texels along an edge of level 0; levels
+    /// beyond the last have the last one's.
     #[must_use]
     pub fn roughness(self, level: u32, levels: u32, size: u32) -> f64 {
-        let step = if levels <= 1 { 0.0 } else { f64::from(level) / f64::from(levels - 1) };
+        let last = levels.max(1) - 1;
+        let step = if last == 0 { 0.0 } else { f64::from(level.min(last)) / f64::from(last) };
         match self {
             _ if step == 0.0 => 0.0,
             Self::Linear => step,
@@ -52,7 +54,7 @@ impl Ladder {
             // Exact at the last level; the square root would round.
             Self::Unity if step == 1.0 => 1.0,
             Self::Unity => (1.7 - (2.89 - 2.8 * step).sqrt()) / 1.4,
-            Self::Babylon => ((f64::from(level) / 0.8).exp2() / f64::from(size)).min(1.0).sqrt(),
+            Self::Babylon => ((f64::from(level.min(last)) / 0.8).exp2() / f64::from(size)).min(1.0).sqrt(),
         }
     }
 
@@ -101,8 +103,7 @@ impl Ladder {
                 found.map_or(most, |(texels, _)| down_to(*texels))
             }
             Self::Babylon => most,
-            // Six steps (UNITY_SPECCUBE_LOD_STEPS).
-            Self::Unity => most.min(7),
+            Self::Unity => most.min(UNITY_LEVELS),
             // Down to 16 texels: five levels for 256.
             Self::Filament => most.saturating_sub(4).max(1),
         }
@@ -120,6 +121,9 @@ const fn edges_of_a_face(map: Map) -> u32 {
 
 /// Edge of level 0 of the default cube.
 pub(crate) const DEFAULT_CUBE_SIZE: u32 = 640;
+
+/// Levels that Unity looks up, at any size: six steps (UNITY_SPECCUBE_LOD_STEPS).
+pub(crate) const UNITY_LEVELS: u32 = 7;
 
 /// Edge of level 0 for the engines' ladders.
 const ENGINE_SIZE: u32 = 256;

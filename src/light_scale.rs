@@ -146,7 +146,7 @@ mod tests {
         let size = values.len() as u32;
         let texels = values.iter().map(|value| [*value; 3]).collect();
         let layout = Layout::Panorama { width: size, height: 1 };
-        let environment = Environment::new(layout, texels).expect("valid");
+        let environment = Environment::of_sound(layout, texels).expect("valid");
         let scale = LightScale::of(&environment);
         (scale, scale.scaled(&environment).texels().iter().map(|texel| texel[0]).collect())
     }

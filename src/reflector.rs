@@ -39,7 +39,8 @@ pub struct ReflectorSettings {
     pub border: Option<u32>,
     /// How the summed-area table is scanned; every choice gives the same bits.
     pub scan: Scan,
-    /// The least roughness above 0 of later [`Filter::Adaptive`] queries: much finer cells are not kept.
+    /// The least roughness above 0 of later [`Filter::Adaptive`] queries, in \[0, 1\]: much finer cells are not
+    /// kept.
     pub sharpest: f64,
     /// Whether [`Filter::Fitted`] will be used: rounds the default size up to a power of two.
     pub fitted: bool,
@@ -49,10 +50,13 @@ impl ReflectorSettings {
     /// The OEM size for a source of `layout`, and the texels along an edge of its finest cells.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels and for an invalid scan, [`Error::Limit`] if the tables
-    /// do not fit.
+    /// [`Error::Parameter`] for an OEM of no texels, a `sharpest` outside [0, 1] and an invalid scan,
+    /// [`Error::Limit`] if the tables do not fit.
     pub fn plan(&self, layout: Layout) -> Result<(OemSize, u32)> {
         self.scan.check()?;
+        if !(0.0..=1.0).contains(&self.sharpest) {
+            return Err(Error::Parameter(format!("`sharpest` {} is outside [0, 1]", self.sharpest)));
+        }
         let border = self.border.unwrap_or(0);
         let inner = self.oem_size.unwrap_or_else(|| {
             let inner = default_oem_size(layout, border, self.sharpest);
@@ -192,8 +196,8 @@ impl<'a> Reflector<'a> {
     /// Prepares `environment`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if building it takes more than
-    /// `crate::table_bytes::LIMIT`.
+    /// [`Error::Parameter`] for an OEM of no texels and a rotation that is not finite, [`Error::Limit`] if
+    /// building it takes more than `crate::table_bytes::LIMIT`.
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
         Self::prepared(Cow::Borrowed(environment), settings)
     }
@@ -214,6 +218,7 @@ impl<'a> Reflector<'a> {
     }
 
     fn prepared(environment: Cow<'a, Environment>, settings: &ReflectorSettings) -> Result<Self> {
+        environment.check_rotation()?;
         settings.check_memory("this reflector", environment.layout(), &[], LIMIT)?;
         let (size, _) = settings.plan(environment.layout())?;
         let scale = LightScale::of(&environment);
@@ -390,6 +395,7 @@ impl<'a> Reflector<'a> {
         filter: Filter,
     ) -> Result<Vec<Answer>> {
         let lobes = self.lobes(lobe, roughness, filter)?;
+        let directions = &units(directions)?[..];
         let block = |directions: &[DVec3]| {
             let mut answers = Vec::with_capacity(directions.len());
             lobes.evaluate(directions, &mut Workspace::default(), &mut answers);
@@ -403,9 +409,9 @@ impl<'a> Reflector<'a> {
     /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (in world space, any length but zero).
     ///
     /// # Errors
-    /// Those of [`Reflector::lobes`].
+    /// Those of [`Reflector::lobes`]; [`Error::Parameter`] for a direction that is zero or not finite.
     pub fn query(&self, direction: DVec3, roughness: f64, lobe: Lobe, filter: Filter) -> Result<Answer> {
-        let directions = [direction.normalize()];
+        let directions = units(&[direction])?;
         let mut answers = Vec::with_capacity(1);
         self.lobes(lobe, roughness, filter)?.evaluate(&directions, &mut Workspace::default(), &mut answers);
         check_answers(&directions, &answers)?;
@@ -420,6 +426,33 @@ pub fn sharpest(lobe: Lobe, roughness: &[f64]) -> Option<f64> {
     let served = roughness.iter().map(|roughness| lobe.served_roughness(*roughness));
     let least = served.clone().filter(|roughness| *roughness > 0.0).reduce(f64::min);
     least.or_else(|| served.reduce(f64::min))
+}
+
+/// The unit vector along `direction`, unchanged if it is one; `None` if it is zero or not finite.
+#[must_use]
+pub fn unit(direction: DVec3) -> Option<DVec3> {
+    if (direction.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON {
+        return Some(direction);
+    }
+    // Scale first: squares of tiny and huge lengths exceed the range of floats.
+    let longest = direction.abs().max_element();
+    (direction.is_finite() && longest > 0.0).then(|| (direction / longest).normalize())
+}
+
+/// The unit vectors along `directions`.
+///
+/// # Errors
+/// [`Error::Parameter`] for one that is zero or not finite.
+pub(crate) fn units(directions: &[DVec3]) -> Result<Vec<DVec3>> {
+    let of = |(index, direction): (usize, &DVec3)| {
+        unit(*direction).ok_or_else(|| {
+            let DVec3 { x, y, z } = direction;
+            Error::Parameter(format!(
+                "direction {index} is {x}, {y}, {z}; finite numbers that are not all 0 are needed"
+            ))
+        })
+    };
+    directions.iter().enumerate().map(of).collect()
 }
 
 /// Directions of one task of [`Reflector::query_all`].

@@ -47,7 +47,7 @@ impl Query {
                 3 * directions.len() + rest.len()
             ));
         }
-        let directions = directions.iter().enumerate().map(unit).collect::<Result<Vec<DVec3>>>()?;
+        let directions: Vec<DVec3> = directions.iter().copied().map(DVec3::from_array).collect();
         let each = self.roughness(roughness, directions.len())?;
         self.filter.check(self.lobe, self.oem_size)?;
         let settings = ReflectorSettings {
@@ -89,18 +89,4 @@ impl Query {
             None => Ok(each),
         }
     }
-}
-
-/// The unit vector along the direction `row`, of any length but zero.
-fn unit((index, row): (usize, &[f64; 3])) -> Result<DVec3> {
-    let direction = DVec3::from_array(*row);
-    // Scale first: squares of tiny and huge lengths exceed the range of floats.
-    let longest = direction.abs().max_element();
-    if !direction.is_finite() || longest == 0.0 {
-        let [x, y, z] = row;
-        return wrong(format!(
-            "direction {index} is {x}, {y}, {z}; finite numbers that are not all 0 are needed"
-        ));
-    }
-    Ok((direction / longest).normalize())
 }

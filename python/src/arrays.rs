@@ -6,6 +6,7 @@ use numpy::ndarray::{ArrayViewD, IxDyn};
 use numpy::{
     Element, PyArray1, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn, PyUntypedArrayMethods as _,
 };
+use octagloss::internals::reflector::unit;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict, PyTuple};
@@ -98,17 +99,13 @@ fn rows<const N: usize>(object: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<
 /// Unit vectors of an array of directions of any length but zero, and the shape without its last axis.
 pub(crate) fn directions(object: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<DVec3>, Vec<usize>)> {
     let (rows, shape) = rows::<3>(object, name)?;
-    let unit = |(index, row): (usize, [f64; 3])| {
-        let direction = DVec3::from_array(row);
-        // Scale first: squares of tiny and huge lengths exceed the range of floats.
-        let longest = direction.abs().max_element();
-        if longest == 0.0 {
+    let along = |(index, row): (usize, [f64; 3])| {
+        unit(DVec3::from_array(row)).ok_or_else(|| {
             let place = element(name, &shape, index);
-            return Err(wrong(format!("{place} is 0, 0, 0, which is not a direction")));
-        }
-        Ok((direction / longest).normalize())
+            wrong(format!("{place} is 0, 0, 0, which is not a direction"))
+        })
     };
-    let directions = rows.into_iter().enumerate().map(unit).collect::<PyResult<_>>()?;
+    let directions = rows.into_iter().enumerate().map(along).collect::<PyResult<_>>()?;
     Ok((directions, shape))
 }
 

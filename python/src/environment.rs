@@ -10,7 +10,7 @@ use numpy::PyArrayDyn;
 use octagloss::internals::analysis::extraction::{Suns, extract};
 use octagloss::internals::analysis::sun::Sun as FoundSun;
 use octagloss::internals::bake::report::{RepairReport, SunReport};
-use octagloss::internals::environment::{LUMINANCE, luminance};
+use octagloss::internals::environment::{LUMINANCE, MOST_DEGREES, luminance};
 use octagloss::internals::io::provenance::{Provenance, TakenSun};
 use octagloss::internals::io::{self, ReadOptions, Repairs};
 use octagloss::internals::sh::scale::scaled;
@@ -188,7 +188,7 @@ impl Environment {
         if strict && sanitize {
             return Err(wrong("`strict` and `sanitize` contradict each other; omit one"));
         }
-        check_finite("rotate_y", rotate_y)?;
+        check_degrees("rotate_y", rotate_y)?;
         let path = Paths::of(path)?;
         let options = ReadOptions {
             layout: choices::file_layout(layout)?,
@@ -241,7 +241,7 @@ impl Environment {
     #[staticmethod]
     #[pyo3(signature = (array, layout="panorama", *, rotate_y=0.0, mirror=false))]
     fn from_array(array: &Bound<'_, PyAny>, layout: &str, rotate_y: f64, mirror: bool) -> PyResult<Self> {
-        check_finite("rotate_y", rotate_y)?;
+        check_degrees("rotate_y", rotate_y)?;
         let map = choices::array_layout(layout)?;
         let array = Reals::of(array, "array")?;
         let layout = layout_of(map, array.shape())?;
@@ -311,7 +311,7 @@ impl Environment {
 
     /// The same environment rotated about +Y; +90 degrees maps +Z to +X.
     fn rotated_y(&self, degrees: f64) -> PyResult<Self> {
-        check_finite("degrees", degrees)?;
+        check_degrees("degrees", degrees)?;
         Ok(Self::new((*self.light).clone(), self.origin.clone()).turned(degrees, false))
     }
 
@@ -477,8 +477,11 @@ impl Environment {
     }
 }
 
-fn check_finite(name: &str, value: f64) -> PyResult<()> {
-    if value.is_finite() { Ok(()) } else { Err(wrong(format!("`{name}` is {value}; it must be finite"))) }
+fn check_degrees(name: &str, value: f64) -> PyResult<()> {
+    if value.abs() <= MOST_DEGREES {
+        return Ok(());
+    }
+    Err(wrong(format!("`{name}` is {value}; it must be finite and at most {MOST_DEGREES} either way")))
 }
 
 fn exact_luminance(rgb: [f64; 3]) -> f64 {

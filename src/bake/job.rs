@@ -55,6 +55,7 @@ impl<'a> Job<'a> {
                 let (asked, most) = (settings.sh_order, sh::MAX_ORDER);
                 return Err(Error::Parameter(format!("`sh_order` {asked} is above {most}")));
             }
+            settings.sh_window.check()?;
             for (size, name) in [(settings.irradiance, "irradiance"), (settings.skybox, "skybox")] {
                 if size == Some(0) {
                     return Err(Error::Parameter(format!("`{name}` must be at least 1")));

@@ -92,6 +92,9 @@ fn conversion_bytes(source: &Source, map: &NamedMap, size: u32, border: u32) -> 
     Ok((light + source.most_bytes(map, &grid).max(drawing)).max(encoding))
 }
 
+/// Edge of a cube beside a chain.
+type Edge = fn(&mut BakeSettings) -> &mut Option<u32>;
+
 fn check_bake_within(
     environment: &Environment,
     settings: &[BakeSettings],
@@ -119,19 +122,27 @@ fn check_bake_within(
     };
     let largest = settings.iter().map(|settings| settings.size).max().unwrap_or(1);
     let border = settings.iter().filter_map(|settings| settings.border).max().unwrap_or(0);
-    let skybox = settings.iter().filter_map(|settings| settings.skybox).max();
-    let lower = |settings: &mut BakeSettings, size: u32| {
-        settings.skybox = settings.skybox.map(|own| own.min(size));
-    };
-    if let Some(skybox) = skybox
-        && let Some(size) = largest_that(1, skybox, |size| fits(&|settings| lower(settings, size)))
-    {
-        return Err(Error::Limit {
-            what: "this bake".to_owned(),
-            needed,
-            available: limit,
-            remedy: at_most("`skybox`", Some(size)),
-        });
+    // Cubes beside the chain: each by itself may be too large.
+    let cubes: [(&str, Edge); 2] = [
+        ("`skybox`", |settings| &mut settings.skybox),
+        ("`irradiance`", |settings| &mut settings.irradiance),
+    ];
+    for (name, edge) in cubes {
+        let asked = settings.to_vec().iter_mut().filter_map(|settings| *edge(settings)).max();
+        let lower = |settings: &mut BakeSettings, size: u32| {
+            let edge = edge(settings);
+            *edge = edge.map(|own| own.min(size));
+        };
+        if let Some(asked) = asked
+            && let Some(size) = largest_that(1, asked, |size| fits(&|settings| lower(settings, size)))
+        {
+            return Err(Error::Limit {
+                what: "this bake".to_owned(),
+                needed,
+                available: limit,
+                remedy: at_most(name, Some(size)),
+            });
+        }
     }
     // If the bake does not fit even with the smallest levels, the OEM and its tables, or the source, are too
     // large.

@@ -73,8 +73,8 @@ pub(crate) trait Engine {
     /// The OEM's size, and the energy of the light that lobes read in the source's units.
     async fn oem(&self) -> Result<(OemSize, [f64; 3])>;
 
-    /// Answers to `directions` (unit vectors in world space), each evaluated on its own: an answer depends on
-    /// no other direction.
+    /// Answers to `directions` (unit vectors in world space; [`Query`](query::Query) checks them), each
+    /// evaluated on its own: an answer depends on no other direction.
     async fn query_each(
         &self,
         directions: &[DVec3],

@@ -1,10 +1,10 @@
 //! Queries of many directions, each with its own roughness.
 
 use super::{Engine, ready};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
 use crate::lobe::Lobe;
-use crate::reflector::Reflector;
+use crate::reflector::{Reflector, units};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +15,7 @@ pub struct Query<'a> {
     pub lobe: Lobe,
     /// The filter.
     pub filter: Filter,
-    /// Unit vectors in world space.
+    /// In world space, any length but zero.
     pub directions: &'a [DVec3],
     /// Roughness of each direction.
     pub roughness: &'a [f64],
@@ -31,16 +31,24 @@ struct Alike {
 
 impl Query<'_> {
     /// Groups directions by roughness, so that each lobe is prepared once.
-    fn alike(&self) -> Vec<Alike> {
+    fn alike(&self) -> Result<Vec<Alike>> {
+        let directions = units(self.directions)?;
+        if directions.len() != self.roughness.len() {
+            return Err(Error::Parameter(format!(
+                "{} directions and {} numbers of roughness; one for each direction is needed",
+                directions.len(),
+                self.roughness.len()
+            )));
+        }
         // Bits of nonnegative floats sort like the numbers.
         let mut by_roughness: BTreeMap<u64, Alike> = BTreeMap::new();
-        for (place, (direction, roughness)) in self.directions.iter().zip(self.roughness).enumerate() {
+        for (place, (direction, roughness)) in directions.iter().zip(self.roughness).enumerate() {
             let none = || Alike { roughness: *roughness, indices: Vec::new(), directions: Vec::new() };
             let alike = by_roughness.entry(roughness.to_bits()).or_insert_with(none);
             alike.indices.push(place);
             alike.directions.push(*direction);
         }
-        by_roughness.into_values().collect()
+        Ok(by_roughness.into_values().collect())
     }
 
     /// Each roughness once.
@@ -52,7 +60,7 @@ impl Query<'_> {
     /// The answers of `engine`, in the order of the directions.
     pub(crate) async fn answers(&self, engine: &impl Engine) -> Result<Vec<Answer>> {
         let mut ordered = vec![Answer { radiance: [0.0; 3], bound: None }; self.directions.len()];
-        for Alike { roughness, indices, directions } in self.alike() {
+        for Alike { roughness, indices, directions } in self.alike()? {
             let answers = engine.query_each(&directions, self.lobe, roughness, self.filter).await?;
             indices.into_iter().zip(answers).for_each(|(place, answer)| ordered[place] = answer);
         }

@@ -384,6 +384,9 @@ pub struct FingerprintReport {
     pub request: String,
     /// Hash of the outputs' content, except the report.
     pub outputs: String,
+    /// Hash of the report's own text, with zeros in place of this hash; `None` if the report was printed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub report: Option<String>,
     /// Hash of each file in the report's folder, by name. Readers ignore the report for a file with another
     /// hash.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

@@ -2,6 +2,7 @@
 
 use super::level::{BakedLevel, Processor};
 use crate::chain::{Chain, Level};
+use crate::environment::{Layout, Map};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
 use crate::sh::window::ShWindow;
@@ -66,6 +67,48 @@ impl Bake {
     pub fn levels(&self) -> impl Iterator<Item = &Level> {
         let sheen = self.sheen.iter().flat_map(|sheen| &sheen.levels);
         self.chain.levels.iter().chain(&self.irradiance).chain(&self.skybox).chain(sheen)
+    }
+
+    /// Checks that the levels, whose fields the caller may have changed, are those of a chain.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a chain of no levels or of sides that do not halve, for another number of
+    /// texels or bounds than a level's layout has, and for values that are negative or not finite.
+    pub(crate) fn check(&self) -> Result<()> {
+        let wrong = |message: String| Err(Error::Parameter(message));
+        for chain in std::iter::once(&self.chain).chain(&self.sheen) {
+            let Some(first) = chain.levels.first() else {
+                return wrong("a chain of no levels; bake it again".to_owned());
+            };
+            let map = match first.layout {
+                Layout::Cube { .. } => Map::Cube,
+                Layout::Panorama { .. } => Map::Panorama,
+                Layout::Octahedral { .. } => Map::Octahedral,
+            };
+            for (level, number) in chain.levels.iter().zip(0..) {
+                let layout = map.layout(first.size(), number);
+                if level.layout != layout {
+                    return wrong(format!(
+                        "level {number} is {:?}, but its place needs {layout:?}",
+                        level.layout
+                    ));
+                }
+            }
+        }
+        for level in self.levels() {
+            let (layout, needed) = (level.layout, level.layout.texel_count());
+            let counts = [Some(level.texels.len()), level.bounds.as_ref().map(Vec::len)];
+            if let Some(count) = counts.into_iter().flatten().find(|count| *count != needed) {
+                return wrong(format!("a level of {layout:?} has {count} texels or bounds, not {needed}"));
+            }
+            let mut values = level.texels.as_flattened().iter().chain(level.bounds.iter().flatten());
+            if let Some(value) = values.find(|value| !(value.is_finite() && **value >= 0.0)) {
+                return wrong(format!(
+                    "a level of {layout:?} holds {value}; it must be finite, not negative"
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Mutable [`Bake::levels`].

@@ -19,6 +19,9 @@ pub enum Skybox {
     Source,
 }
 
+/// Greatest edge of any level: bytes of larger ones are beyond 64 bits.
+const MOST_EDGE: u32 = 65_536;
+
 /// Maximum edge of a skybox.
 const MAX_EDGE: u32 = 16_384;
 
@@ -116,11 +119,17 @@ impl BakeSettings {
     /// Size and roughness of every level.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a zero size, no levels, more levels than down to a size of 1, or a filter
+    /// [`Error::Parameter`] for a size of 0 or above 65,536, no levels, more levels than down to a size of 1, or a filter
     /// that does not support the lobe or the scan.
     pub fn level_specs(&self) -> Result<Vec<LevelSpec>> {
         if self.size == 0 {
             return Err(Error::Parameter("`size` must be at least 1".to_owned()));
+        }
+        let edges = [("size", Some(self.size)), ("irradiance", self.irradiance), ("skybox", self.skybox)];
+        for (name, edge) in edges {
+            if let Some(edge) = edge.filter(|edge| *edge > MOST_EDGE) {
+                return Err(Error::Parameter(format!("`{name}` {edge} is above {MOST_EDGE}")));
+            }
         }
         self.filter.check(self.lobe, self.oem_size)?;
         self.filter.check_scan(self.scan)?;

@@ -387,7 +387,9 @@ pub(super) struct QueryArgs {
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct InfoArgs {
-    /// An environment, a .ktx2 bake or a folder of levels
+    /// Any file of this program: environment, bake, folder
+    ///
+    /// Also the pictures of convert's maps, tables, previews, reports, and the files of every target.
     #[arg(required_unless_present = "adapters", value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
     /// List the GPUs that --adapter can name
@@ -483,11 +485,16 @@ pub(super) struct CompareArgs {
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct BenchArgs {
+    /// An environment to time [default: a synthetic sky]
+    ///
+    /// Every section takes its light: the table is of its octahedral map, and the bake is from it as it is.
+    #[arg(value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
     /// Edge of the table, 64 to 8192
     #[arg(long, value_name = "N", default_value_t = 2048)]
     #[arg(value_parser = clap::value_parser!(u32).range(64..=8192))]
     pub(super) size: u32,
-    /// Runs to take the median of, 1 to 1000
+    /// Runs of every section, 1 to 1000; prints medians
     #[arg(long, value_name = "N", default_value_t = 20)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) runs: u32,
@@ -495,8 +502,10 @@ pub(super) struct BenchArgs {
     ///
     /// On the GPU, of 104992 triangles, at the sizes of Table 1 of Engelhardt and Dachsbacher 2008:
     /// octahedral maps of 512 x 512 pixels and cubes of 6 x 209 x 209.
-    #[arg(long, conflicts_with = "size")]
+    #[arg(long, conflicts_with_all = ["size", "inputs"])]
     pub(super) direct: bool,
+    #[command(flatten)]
+    pub(super) input: InputArgs,
     #[command(flatten)]
     pub(super) engine: EngineArgs,
 }

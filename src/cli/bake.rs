@@ -33,6 +33,7 @@ use crate::{Environment, Error};
 use anyhow::anyhow;
 use glam::DVec3;
 use rayon::prelude::*;
+use serde_json::json;
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -48,7 +49,7 @@ struct Work {
     folder: Option<PathBuf>,
     /// Whether several inputs are possible; messages then show a count.
     several: bool,
-    /// Folders of inputs that could not be read.
+    /// Folders and patterns of inputs that could not be read, or have none.
     unread: Vec<Error>,
     input: InputArgs,
     overflow: Overflow,
@@ -84,7 +85,7 @@ pub(super) fn run(args: BakeArgs) -> Outcome {
     let (threads, dry_run) = (args.engine.threads, args.dry_run);
     let work = Work::new(args)?;
     if dry_run {
-        return work.foretell();
+        return work.foretell(&console);
     }
     on_threads(threads, || work.run(&console))
 }
@@ -92,7 +93,12 @@ pub(super) fn run(args: BakeArgs) -> Outcome {
 impl Work {
     fn new(mut args: BakeArgs) -> Outcome<Self> {
         let typed = std::mem::take(&mut args.inputs);
-        let Expansion { found, is_open, failures } = expand(typed, args.recursive, args.output.as_deref())?;
+        let Expansion { found, is_open, failures } = expand(typed, args.recursive, args.output.as_deref());
+        if found.is_empty() && args.input.layout == LayoutChoice::Faces {
+            // Six files are counted below.
+            failures.into_iter().next().map_or(Ok(()), |error| Err(Failure::from(error)))?;
+            return usage("--layout faces takes the six files of one cube");
+        }
         let several = (is_open || found.len() > 1) && args.input.layout != LayoutChoice::Faces;
         let plans = bake_plan::plans(&args, several)?;
         if args.verify.is_some() {
@@ -204,13 +210,26 @@ impl Work {
         Ok(())
     }
 
-    /// Lists the outputs: one line per file, or with `--json` one line per input. Reports failures and
-    /// continues.
-    fn foretell(&self) -> Outcome {
+    /// Lists the outputs: one line per file, or with `--json` one line per input, failed ones included.
+    /// Reports failures and continues; counts several inputs.
+    fn foretell(&self, console: &Console) -> Outcome {
         self.check_folder()?;
-        let mut failed = self.tell_unread();
+        let mut tally = Tally { failed: self.tell_unread(), ..Tally::default() };
         let mut text = String::new();
-        for job in self.jobs.iter().filter(|job| !self.is_up_to_date(job)) {
+        let failed = |input: &Path, error: &str| {
+            let line = json!({"input": input.display().to_string(), "error": error}).to_string() + "\n";
+            if self.common.json { line } else { String::new() }
+        };
+        for error in &self.unread {
+            if let Error::Io { path, .. } | Error::Input { path, .. } = error {
+                text += &failed(path, &error.to_string());
+            }
+        }
+        for job in &self.jobs {
+            if self.is_up_to_date(job) {
+                tally.skipped += 1;
+                continue;
+            }
             let foretold = || -> Outcome<String> {
                 job.outputs.check(&self.common, job.folder.as_deref())?;
                 let opened = job.source.open(&self.input, &Console::new(true))?;
@@ -218,11 +237,23 @@ impl Work {
                 Ok(job.outputs.foretold(&self.common, &job.source, opened.environment.layout())?)
             };
             match foretold() {
-                Ok(lines) => text += &lines,
-                Err(failure) => failed += job.report_failure(failure)?,
+                Ok(lines) => {
+                    text += &lines;
+                    tally.baked += 1;
+                }
+                Err(failure) => {
+                    if let Failure::Failed(error) = &failure {
+                        text += &failed(job.source.path(), &console::with_options(&format!("{error:#}")));
+                    }
+                    tally.failed += job.report_failure(failure)?;
+                }
             }
         }
         print(&text)?;
+        let Tally { baked, skipped, failed } = tally;
+        if self.several {
+            console.note(&format!("{baked} to bake, {skipped} to skip, {failed} failed"));
+        }
         if failed > 0 { Err(Failure::Reported) } else { Ok(()) }
     }
 

@@ -2,7 +2,7 @@
 
 use super::args::BenchArgs;
 use super::outcome::{Outcome, on_threads, print};
-use super::timing::{Timing, sky, timing};
+use super::timing::{TimedLight, Timing, timing};
 use super::values::EngineArg;
 use crate::Environment;
 use crate::analysis::sat_f32::SatF32;
@@ -22,7 +22,10 @@ use std::time::Instant;
 struct Bench {
     version: &'static str,
     machine: Machine,
+    /// Path of the input; `null` for the synthetic sky.
+    input: Option<String>,
     size: u32,
+    /// Runs of every section.
     runs: u32,
     /// Copies as many bytes as the table holds.
     copy: ByThreads,
@@ -31,10 +34,10 @@ struct Bench {
     sat_serial: Timing,
     sat_hensley_radix_4: Timing,
     sat_f32: Timing,
-    /// A panorama of `size` columns into an octahedral map of `size` texels.
+    /// The input, or a panorama of `size` columns, into an octahedral map of `size` texels.
     oem: ByThreads,
-    /// A panorama into a cube of half its width (512x256 into 256^2 where `size` allows), Filament levels,
-    /// adaptive:0.005, all threads.
+    /// The input, or a panorama of 512x256, into a cube of 256^2 (all halved while `size` is smaller),
+    /// Filament levels, adaptive:0.005, on `--threads`.
     bake: BakeTiming,
     ratios: Ratios,
 }
@@ -54,7 +57,6 @@ struct ByThreads {
 
 #[derive(Serialize)]
 struct BakeTiming {
-    runs: u32,
     source_width: u32,
     cube_size: u32,
     whole: Timing,
@@ -92,8 +94,9 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
     }
     let (size, runs) = (args.size, args.runs);
     memory::check_square("this bench", "--size", size, BYTES_A_TEXEL)?;
-    let environment = sky(size)?;
-    let oem = oem_from_environment(&environment, OemSize { inner: size, border: 0 })?;
+    let light = TimedLight::new(&args)?;
+    let environment = &*light.environment(size)?;
+    let oem = oem_from_environment(environment, OemSize { inner: size, border: 0 })?;
 
     let count = size as usize * size as usize;
     let from: Vec<[u64; 4]> = (0..count as u64).map(|k| [k; 4]).collect();
@@ -101,15 +104,13 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
     let copy = by_threads(|| time(runs, || copy(&from, &mut to)))?;
     drop(from);
     let fixed = FixedPoint::of_square(&oem);
-    let mut scan =
-        |scan, runs| time(runs, || sat_scan::scan(scan, fixed, oem.texels(), size as usize, &mut to));
-    let sat = by_threads(|| scan(Scan::Blocks, runs))?;
-    // Baselines need fewer runs.
-    let few = runs.div_ceil(4);
-    let sat_serial = on_threads(Some(1), || Ok(scan(Scan::Serial, few)))?;
-    let sat_hensley_radix_4 = on_threads(Some(1), || Ok(scan(Scan::Hensley { radix: 4 }, few)))?;
-    let sat_f32 = on_threads(Some(1), || Ok(time(few, || SatF32::new(&oem))))?;
-    let oem = by_threads(|| time_oem(&environment, size, few))?;
+    let mut scan = |scan| time(runs, || sat_scan::scan(scan, fixed, oem.texels(), size as usize, &mut to));
+    let sat = by_threads(|| scan(Scan::Blocks))?;
+    let sat_serial = on_threads(Some(1), || Ok(scan(Scan::Serial)))?;
+    let sat_hensley_radix_4 = on_threads(Some(1), || Ok(scan(Scan::Hensley { radix: 4 })))?;
+    let sat_f32 = on_threads(Some(1), || Ok(time(runs, || SatF32::new(&oem))))?;
+    let oem = by_threads(|| time_oem(environment, size, runs))?;
+    let bake = on_threads(args.engine.threads, || time_bake(&light, size.min(512), runs))?;
 
     let report = Bench {
         version: env!("CARGO_PKG_VERSION"),
@@ -118,6 +119,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             os: std::env::consts::OS,
         },
+        input: light.name(),
         size,
         runs,
         ratios: Ratios {
@@ -133,7 +135,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
         sat_hensley_radix_4,
         sat_f32,
         oem,
-        bake: time_bake(size.min(512), few)?,
+        bake,
     };
     print(&(serde_json::to_string_pretty(&report).map_err(anyhow::Error::from)? + "\n"))
 }
@@ -172,10 +174,10 @@ fn time_oem(environment: &Environment, size: u32, runs: u32) -> Timing {
     time(runs, make)
 }
 
-fn time_bake(source_width: u32, runs: u32) -> Outcome<BakeTiming> {
-    let environment = sky(source_width)?;
+fn time_bake(light: &TimedLight, width: u32, runs: u32) -> Outcome<BakeTiming> {
+    let environment = light.environment(width)?;
     let settings = BakeSettings {
-        size: source_width / 2,
+        size: width / 2,
         ladder: Ladder::Filament,
         filter: Filter::Adaptive(0.005),
         ..BakeSettings::default()
@@ -191,8 +193,7 @@ fn time_bake(source_width: u32, runs: u32) -> Outcome<BakeTiming> {
         }
     }
     Ok(BakeTiming {
-        runs,
-        source_width,
+        source_width: environment.layout().sides().0,
         cube_size: settings.size,
         whole: timing(whole),
         levels: levels.into_iter().map(timing).collect(),

@@ -4,7 +4,7 @@ use super::args::BenchArgs;
 use super::console::Console;
 use super::engine::Engine;
 use super::outcome::{Outcome, print};
-use super::timing::{Timing, sky, timing};
+use super::timing::{TimedLight, Timing, timing};
 use crate::bake::BakeSettings;
 use crate::bake::memory;
 use crate::filter::Filter;
@@ -32,6 +32,8 @@ struct Bench {
     version: &'static str,
     adapter: String,
     software: bool,
+    /// Path of the input; `null` for the synthetic sky.
+    input: Option<String>,
     size: u32,
     runs: u32,
     /// Reads and writes 24 bytes per texel, the minimum traffic of a scan.
@@ -41,7 +43,7 @@ struct Bench {
     stages: BTreeMap<String, Timing>,
     /// Cube of 6 x 512^2 to an octahedral map of 1024^2 to its exact table, all dispatches.
     cube_to_sat: Timing,
-    /// 512x256 into 256^2, five Filament levels, adaptive:0.005: GPU time of every level.
+    /// The input, or 512x256, into 256^2, five Filament levels, adaptive:0.005: GPU time of every level.
     bake: BakeTiming,
     ratios: BTreeMap<String, f64>,
 }
@@ -93,7 +95,8 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     memory::check_square("this bench", "--size", size, BYTES_A_TEXEL)?;
     let planes = OemPlanes::new(context, OemSize { inner: size, border: 0 })?;
     let sat = SatPlanes::new(context, planes.size())?;
-    let source = cube(size / 2)?;
+    let light = TimedLight::new(args)?;
+    let source = cube(&light, size / 2)?;
     let texture = upload(context, &source)?;
     let pass = Reparameterise::new(context);
     let fixed_point = FixedPoint::new(context).stage(context, &planes, &sat);
@@ -130,7 +133,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let copy = each.pop().expect("the copy is the last");
     let stages: BTreeMap<String, Timing> = names.into_iter().zip(each).collect();
 
-    let source = cube(512)?;
+    let source = cube(&light, 512)?;
     let texture = upload(context, &source)?;
     let planes = OemPlanes::new(context, OemSize { inner: 1024, border: 0 })?;
     let sat = SatPlanes::new(context, planes.size())?;
@@ -141,7 +144,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     ];
     let (_, cube_to_sat) = clock.time(&pipeline.iter().collect::<Vec<_>>())?;
 
-    let environment = sky(512)?;
+    let environment = light.environment(512)?;
     let settings = BakeSettings {
         size: 256,
         ladder: Ladder::Filament,
@@ -164,6 +167,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         version: env!("CARGO_PKG_VERSION"),
         adapter: context.describe(),
         software: !crate::gpu::device::context::is_hardware(&context.device().adapter_info()),
+        input: light.name(),
         size,
         runs: args.runs,
         copy,
@@ -186,9 +190,9 @@ fn frame() -> Vec<(DVec3, f64)> {
         .collect()
 }
 
-/// The bench's sky on a cube with faces of `size`.
-fn cube(size: u32) -> crate::Result<Environment> {
-    let panorama = sky(4 * size)?;
-    let texels = crate::geometry::footprints::footprints_from_environment(&panorama, size)?;
+/// The light on a cube with faces of `size`.
+fn cube(light: &TimedLight, size: u32) -> crate::Result<Environment> {
+    let environment = light.environment(4 * size)?;
+    let texels = crate::geometry::footprints::footprints_from_environment(&environment, size)?;
     Environment::new(Layout::Cube { size }, texels)
 }

@@ -3,7 +3,7 @@
 use super::console::{self, Console};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, renamed, usage, write_output};
 use super::shared_args::MAX_THREADS;
-use super::values::{finite, scale};
+use super::values::{scale, turn};
 use crate::bake::memory;
 use crate::environment::rotation_y;
 use crate::format::Pixel;
@@ -66,7 +66,7 @@ pub(super) struct ConvertArgs {
     #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
     pub(super) pixel: Option<Pixel>,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
-    #[arg(long, value_name = "DEG", value_parser = finite)]
+    #[arg(long, value_name = "DEG", value_parser = turn)]
     pub(super) rotate_y: Option<f64>,
     /// Multiply radiance by X, above 0 [default: 1]
     #[arg(long, value_name = "X", value_parser = scale)]
@@ -121,7 +121,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         };
         // The reader's setting `layout` is --from here; --layout is the map to convert to.
         let from = args.from.as_deref().map(known);
-        let LoadedMap { light, warnings } = io::read_map(&args.input, from, &options)
+        let LoadedMap { light, warnings, .. } = io::read_map(&args.input, from, &options)
             .map_err(|error| renamed(&error, &[("`layout`", "--from")]))?;
         for warning in &warnings {
             console.warn(&format!("{}: {warning}", args.input.display()));

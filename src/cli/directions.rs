@@ -4,6 +4,7 @@
 use crate::error::quoted;
 use crate::io::npy::{self, Precision};
 use crate::io::regular::open_regular;
+use crate::reflector::unit;
 use anyhow::{Context as _, anyhow, bail};
 use glam::DVec3;
 use std::io::{Cursor, Read};
@@ -89,13 +90,6 @@ fn array_directions(from: impl Read, limits: Limits) -> anyhow::Result<Direction
         asked.push(Asked { typed, direction, roughness });
     }
     Ok(Directions { asked, has_roughness })
-}
-
-/// The unit vector along `direction`; `None` for 0. Scales first: squares of tiny and huge lengths exceed the
-/// range of floats.
-fn unit(direction: DVec3) -> Option<DVec3> {
-    let longest = direction.abs().max_element();
-    (longest > 0.0).then(|| (direction / longest).normalize())
 }
 
 /// Parses directions, one per line.

@@ -3,7 +3,6 @@
 //! Walks folders in name order. Skips hidden files, links to folders, outputs of earlier bakes and this
 //! bake's output folder.
 
-use super::outcome::{Failure, Outcome, usage};
 use crate::Error;
 use crate::io::side_report::REPORT;
 use crate::io::{has_readable_name, is_bake_folder, levels_path, readable_extensions};
@@ -28,7 +27,7 @@ pub(super) struct Expansion {
     pub(super) found: Vec<Found>,
     /// Whether a folder or a pattern was given, which may expand to any number of files.
     pub(super) is_open: bool,
-    /// Folders that could not be read.
+    /// Folders that could not be read, and folders and patterns without inputs.
     pub(super) failures: Vec<Error>,
 }
 
@@ -52,7 +51,7 @@ enum PatternPart {
 }
 
 /// Expands `typed`; files go to `output`.
-pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>) -> Outcome<Expansion> {
+pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>) -> Expansion {
     let output = output.and_then(|path| path.canonicalize().ok());
     let mut all = Expansion::default();
     // Inputs found twice, or found and given by name, are one. Inputs named twice are reported later.
@@ -73,29 +72,23 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
             continue;
         };
         let Walk { found, failures, .. } = walk;
-        if found.is_empty() {
+        if found.is_empty() && failures.is_empty() {
             // A folder of several bakes has its own error.
-            if path.is_dir() {
-                levels_path(&path)?;
-            }
-            let failure = |error| Err(Failure::Failed(anyhow::Error::new(error)));
-            return failures.into_iter().next().map_or_else(|| nothing(&path, what, recursive), failure);
+            let own = if path.is_dir() { levels_path(&path).err() } else { None };
+            all.failures.push(own.unwrap_or_else(|| nothing(&path, what, recursive)));
         }
         all.is_open = true;
         all.failures.extend(failures);
         let mut is_new = |path: &PathBuf| !named.contains(path) && met.insert(path.clone());
         all.found.extend(found.into_iter().filter(|found| is_new(&found.path)));
     }
-    Ok(all)
+    all
 }
 
-fn nothing(path: &Path, what: &str, recursive: bool) -> Outcome<Expansion> {
+fn nothing(path: &Path, what: &str, recursive: bool) -> Error {
     let more = if what == "holds" && !recursive { "; --recursive also searches subfolders" } else { "" };
-    usage(format!(
-        "{} {what} no readable file: {}{more}",
-        path.display(),
-        readable_extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(" ")
-    ))
+    let extensions: Vec<_> = readable_extensions().map(|extension| format!(".{extension}")).collect();
+    Error::input(path, format!("{what} no readable file: {}{more}", extensions.join(" ")))
 }
 
 impl Walk<'_> {

@@ -198,16 +198,34 @@ pub(super) fn fingerprint(
 ) -> FingerprintReport {
     let text = |hash: Hash| hash.to_hex().to_string();
     let files = files.into_iter().map(|(name, hash)| (name, text(hash))).collect();
-    FingerprintReport { request: text(request), outputs: text(outputs), files }
+    FingerprintReport { request: text(request), outputs: text(outputs), report: Some(unsigned()), files }
+}
+
+/// Stands for a report's own hash while that is computed.
+fn unsigned() -> String {
+    "0".repeat(2 * blake3::OUT_LEN)
+}
+
+/// `text`, a report with [`fingerprint`]'s placeholder, with its own hash.
+pub(super) fn signed(text: &str) -> String {
+    text.replacen(&unsigned(), &blake3::hash(text.as_bytes()).to_hex(), 1)
+}
+
+/// Whether `text` is a report as [`signed`] returned it, with the hash `own`.
+fn is_signed(text: &[u8], own: Option<&str>) -> bool {
+    let (Ok(text), Some(own)) = (std::str::from_utf8(text), own) else { return false };
+    own.len() == unsigned().len() && signed(&text.replacen(own, &unsigned(), 1)) == text
 }
 
 /// Whether `outputs` match the hashes in `report` for `request`.
 pub(super) fn holds(report: &Path, request: Hash, outputs: impl IntoIterator<Item = PathBuf>) -> bool {
-    let text = read_regular(report, MOST_REPORT_BYTES).ok();
-    let stored = text.and_then(|text| serde_json::from_slice::<Report>(&text).ok()?.fingerprint);
+    let Ok(text) = read_regular(report, MOST_REPORT_BYTES) else { return false };
+    let stored = serde_json::from_slice::<Report>(&text).ok().and_then(|report| report.fingerprint);
     stored.is_some_and(|stored| {
-        joined(outputs.into_iter().map(|output| hash_of(&output))).is_ok_and(|outputs| {
-            stored == FingerprintReport { files: stored.files.clone(), ..fingerprint(request, outputs, []) }
-        })
+        is_signed(&text, stored.report.as_deref())
+            && joined(outputs.into_iter().map(|output| hash_of(&output))).is_ok_and(|outputs| {
+                let FingerprintReport { report, files, .. } = stored.clone();
+                stored == FingerprintReport { report, files, ..fingerprint(request, outputs, []) }
+            })
     })
 }

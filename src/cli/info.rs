@@ -3,6 +3,7 @@
 use super::args::InfoArgs;
 use super::console::{self, Console};
 use super::engine::list_adapters;
+use super::info_other;
 use super::input::{self, InputFiles, Opened, layout_name, read_bake};
 use super::outcome::{Failure, Outcome, print};
 use super::shared_args::InputArgs;
@@ -12,7 +13,7 @@ use crate::bake::report::SunReport;
 use crate::chain::{Chain, Level};
 use crate::environment::exact_luminance;
 use crate::io::provenance::{Provenance, TakenSun};
-use crate::io::{Pad, Repairs};
+use crate::io::{LayoutChoice, Pad, Repairs};
 use crate::lobe::Lobe;
 use crate::percent::percent;
 use serde::Serialize;
@@ -142,7 +143,21 @@ fn describe(source: &InputFiles, args: &InputArgs, json: bool, console: &Console
         };
         return Ok(if json { json_line(&info) } else { info.text() });
     }
-    let info = environment_info(input, bytes, source.open(args, console)?);
+    let opened = match source.open(args, console) {
+        Ok(opened) => opened,
+        Err(error) => {
+            // Options of environments have errors of their own.
+            let is_plain =
+                args.layout == LayoutChoice::Auto && !args.strict && !args.crop && args.pad.is_none();
+            let other = match source.files() {
+                [path] if is_plain => info_other::described(path, bytes, &error),
+                _ => None,
+            };
+            let other = other.ok_or(error)?;
+            return Ok(if json { json_line(&other) } else { other.text() });
+        }
+    };
+    let info = environment_info(input, bytes, opened);
     Ok(if json { json_line(&info) } else { info.text() })
 }
 

@@ -35,6 +35,7 @@ mod figures_args;
 mod fingerprint;
 mod gate;
 mod info;
+mod info_other;
 mod input;
 mod licenses;
 mod look_ups;

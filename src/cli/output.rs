@@ -344,8 +344,11 @@ impl Outputs {
                 report.fingerprint = Some(fingerprint(request, joined, own_hashes.iter().cloned()));
                 report.outputs.clone_from(&own_files);
             }
-            if !common.json {
-                report_files.push((self.report_path(common, plan).into(), json_text(report)?.into_bytes()));
+            if common.json {
+                report.fingerprint.iter_mut().for_each(|fingerprint| fingerprint.report = None);
+            } else {
+                let text = fingerprint::signed(&json_text(report)?);
+                report_files.push((self.report_path(common, plan).into(), text.into_bytes()));
             }
         }
         bytes -= picture.map_or(0, |picture| picture.len() as u64);

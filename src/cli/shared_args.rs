@@ -1,7 +1,7 @@
 //! Arguments shared by several subcommands.
 
 use crate::analysis::extraction::Suns;
-use crate::cli::values::{EngineArg, finite, scale};
+use crate::cli::values::{EngineArg, scale, turn};
 use crate::io::{LayoutChoice, Pad};
 use clap::Args as ClapArgs;
 
@@ -20,7 +20,7 @@ pub(super) struct InputArgs {
     #[arg(long, value_name = "LAYOUT", default_value = "auto", hide_default_value = true)]
     pub(super) layout: LayoutChoice,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
-    #[arg(long, value_name = "DEG", value_parser = finite)]
+    #[arg(long, value_name = "DEG", value_parser = turn)]
     pub(super) rotate_y: Option<f64>,
     /// Flip left to right, for photographs from inside
     #[arg(long)]

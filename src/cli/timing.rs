@@ -1,8 +1,13 @@
 //! Timing of repeated runs, and the environment used.
 
+use super::args::BenchArgs;
+use super::console::Console;
+use super::input;
+use super::outcome::Outcome;
 use crate::sphere::equirect::direction_from_equirect;
 use crate::{Environment, Layout, Rgb};
 use serde::Serialize;
+use std::borrow::Cow;
 
 #[derive(Clone, Copy, Serialize)]
 pub(super) struct Timing {
@@ -18,8 +23,38 @@ pub(super) fn timing(mut seconds: Vec<f64>) -> Timing {
     Timing { median_seconds: median, least_seconds: seconds[0] }
 }
 
+/// The light to time: an input's, or a sky of any size.
+pub(super) struct TimedLight {
+    /// The input's path and environment.
+    given: Option<(String, Environment)>,
+}
+
+impl TimedLight {
+    pub(super) fn new(args: &BenchArgs) -> Outcome<Self> {
+        if args.inputs.is_empty() {
+            return Ok(Self { given: None });
+        }
+        let source = input::single_source(args.inputs.clone(), &args.input)?;
+        let opened = source.open(&args.input, &Console::new(false))?;
+        Ok(Self { given: Some((source.path().display().to_string(), opened.environment)) })
+    }
+
+    /// Path of the input.
+    pub(super) fn name(&self) -> Option<String> {
+        self.given.as_ref().map(|(name, _)| name.clone())
+    }
+
+    /// The input's environment, or the sky as a panorama of `width` columns.
+    pub(super) fn environment(&self, width: u32) -> crate::Result<Cow<'_, Environment>> {
+        match &self.given {
+            Some((_, environment)) => Ok(Cow::Borrowed(environment)),
+            None => Ok(Cow::Owned(sky(width)?)),
+        }
+    }
+}
+
 /// A panorama of `width` columns: textured sky and ground with a sun.
-pub(super) fn sky(width: u32) -> crate::Result<Environment> {
+fn sky(width: u32) -> crate::Result<Environment> {
     let height = width / 2;
     let radiance = |k: u32| -> Rgb {
         let (u, v) = (f64::from(k % width) + 0.5, f64::from(k / width) + 0.5);

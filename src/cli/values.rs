@@ -1,6 +1,7 @@
 //! Option values: choices, their meanings, and parsers.
 
 use crate::Map;
+use crate::environment::MOST_DEGREES;
 pub(super) use crate::filter::parsed as filter;
 pub(super) use crate::sh::window::parsed as sh_window;
 use crate::target::{Diffuse, Naming, TARGETS, Target, TargetPlan};
@@ -83,6 +84,35 @@ pub(super) fn file_name(text: &str) -> Result<String, String> {
 
 fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "not a number".to_owned())
+}
+
+fn within(text: &str, [least, most]: [f64; 2]) -> Result<f64, String> {
+    Some(number(text)?)
+        .filter(|value| (least..=most).contains(value))
+        .ok_or_else(|| format!("must be between {least} and {most}"))
+}
+
+/// Parses degrees about the vertical axis.
+pub(super) fn turn(text: &str) -> Result<f64, String> {
+    within(text, [-MOST_DEGREES, MOST_DEGREES])
+}
+
+/// Parses degrees of a camera's height.
+#[cfg(feature = "view")]
+pub(super) fn height(text: &str) -> Result<f64, String> {
+    within(text, [-90.0, 90.0])
+}
+
+/// Parses a distance in radii of the object.
+#[cfg(feature = "view")]
+pub(super) fn distance(text: &str) -> Result<f64, String> {
+    within(text, [1.05, 1000.0])
+}
+
+/// Parses degrees of an angle of view.
+#[cfg(feature = "view")]
+pub(super) fn view_angle(text: &str) -> Result<f64, String> {
+    within(text, [0.6, 171.0])
 }
 
 pub(super) fn finite(text: &str) -> Result<f64, String> {

@@ -1,7 +1,7 @@
 //! Arguments of `octagloss view`.
 
 use super::shared_args::InputArgs;
-use super::values::{finite, roughness};
+use super::values::{distance, height, roughness, turn, view_angle};
 use crate::Rgb;
 use crate::gpu::direct::Method;
 use crate::image::exposure::Exposure;
@@ -112,7 +112,7 @@ pub(super) struct LookArgs {
     #[arg(long, value_name = "GROUND", default_value = "shadow", hide_possible_values = true)]
     pub(super) ground: Ground,
     /// Rotate the environment about +Y, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite)]
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = turn)]
     pub(super) turn: f64,
     /// Exposure: auto, or -40 to 40 EV
     ///
@@ -139,19 +139,21 @@ pub(super) struct LookArgs {
     /// Camera: rotation to the right, in degrees
     ///
     /// 0, the default, looks along +X. -90, the default with --mesh, looks along -Z at the +Z side.
-    #[arg(long, value_name = "DEG", value_parser = finite)]
+    #[arg(long, value_name = "DEG", value_parser = turn)]
     pub(super) yaw: Option<f64>,
-    /// Camera: height, in degrees [default: 4; 7 for scenes]
-    #[arg(long, value_name = "DEG", value_parser = finite)]
+    /// Camera: height, -90 to 90 degrees [default: 4 or 7]
+    ///
+    /// 4, and 7 for the built-in scene.
+    #[arg(long, value_name = "DEG", value_parser = height)]
     pub(super) pitch: Option<f64>,
-    /// Camera: distance in radii of the object
-    #[arg(long, value_name = "D", default_value_t = 4.2, value_parser = finite)]
+    /// Camera: distance in radii, 1.05 to 1000
+    #[arg(long, value_name = "D", default_value_t = 4.2, value_parser = distance)]
     pub(super) distance: f64,
     /// Camera: vertical angle, in degrees [default: fits]
     ///
     /// By default the objects fill the picture, whatever its shape: a row its width, a single object two
     /// thirds of its height. With an angle, pictures narrower than 3:2 keep the horizontal angle of 3:2.
-    #[arg(long, value_name = "DEG", value_parser = finite)]
+    #[arg(long, value_name = "DEG", value_parser = view_angle)]
     pub(super) angle: Option<f64>,
 }
 
@@ -241,7 +243,7 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with_all = WITHOUT)]
     pub(super) scene: Option<Option<PathBuf>>,
     /// Time of the scene at the beginning, in seconds
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = finite)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds)]
     #[arg(requires = "scene")]
     pub(super) scene_time: f64,
     /// Probes, 1 to 8 [default: one per glossy object]
@@ -270,6 +272,12 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "METHOD", default_value = "octants", requires = "scene")]
     #[arg(hide_default_value = true, hide_possible_values = true)]
     pub(super) direct: Method,
+}
+
+/// Parses a time; later ones move in steps.
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|seconds: &f64| (0.0..=1e6).contains(seconds));
+    number.ok_or_else(|| "must be 0 to 1000000 seconds".to_owned())
 }
 
 fn budget(text: &str) -> Result<f64, String> {

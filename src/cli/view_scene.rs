@@ -4,6 +4,7 @@ use super::console::Console;
 use super::engine;
 use super::outcome::{Outcome, check_not_input, check_output, usage, write_output};
 use super::view_args::ViewArgs;
+use crate::gpu::device::context::may_have_hardware;
 use crate::gpu::{Context, block_on};
 use crate::image::exposure::Exposure;
 use crate::io::ldr::write::png_bytes;
@@ -13,6 +14,10 @@ use crate::view::scene::{
     screenshot_of_scene,
 };
 use crate::view::{Camera, Mesh, Screenshot};
+use std::time::Instant;
+
+/// Seconds of all updates from which a hint says how to shorten them.
+const SLOW: f64 = 5.0;
 
 pub(super) fn run(args: ViewArgs) -> Outcome {
     let boxes = match args.look.filter.map(scene_boxes).transpose() {
@@ -42,6 +47,13 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
         let name = file.as_deref().and_then(|path| path.file_stem());
         let name = name.map_or_else(|| "scene".to_owned(), |name| name.to_string_lossy().into_owned());
         let budget = args.scene.probe_budget.map(|ms| ms / 1e3);
+        let probes = settings.probes.min(scene.glossy_parts());
+        if budget.is_none() && probes > 1 && !may_have_hardware() {
+            console.note(&format!(
+                "no hardware GPU: every frame updates {probes} probes, which takes seconds; --probes N or \
+                 --probe-budget MS is faster"
+            ));
+        }
         let (time, ViewArgs { adapter, size, .. }) = (args.scene.scene_time, args);
         return Ok(run_scene(SceneStart { scene, name, look, settings, time, budget, adapter, size })?);
     };
@@ -68,7 +80,20 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
         ));
     }
     let time = args.scene.scene_time;
-    let picture = block_on(Some(&context), screenshot_of_scene(&mut renderer, &look, time, shot))??;
+    let (bar, start, probes) = (console.bar("probes"), Instant::now(), renderer.probes());
+    let progress = |done: usize, total: usize| {
+        let each = start.elapsed().as_secs_f64() / done as f64;
+        if done == 1 && probes > 1 && each * total as f64 > SLOW {
+            console.note(&format!(
+                "{total} updates of {probes} probes take about {each:.1} s each; --probes N or a smaller \
+                 --oem-size is faster"
+            ));
+        }
+        bar.at(done as u64, total as u64);
+    };
+    let picture = screenshot_of_scene(&mut renderer, &look, time, shot, progress);
+    let picture = block_on(Some(&context), picture)??;
+    drop(bar);
     write_output(path, existing, &png_bytes(&picture)?)
 }
 

@@ -223,7 +223,7 @@ impl PlanOptions {
             sheen: target.has_sheen(),
             ..self.settings()
         };
-        let check = || plan.check_levels(size, settings.level_specs()?.len() as u32);
+        let check = || plan.check_levels(size, settings.level_specs()?.len() as u32, settings.ladder);
         check().map_err(|error| Error::Parameter(format!("target {name}: {error}")))?;
         let warning = self.costly(&settings, &[(target.ladder, target.levels(size))]);
         Ok(BakePlan { plan, settings, skybox: self.skybox, warning })

@@ -31,9 +31,10 @@ impl Bake {
     /// none.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a path whose extension names no format, and for pixels or levels that the
-    /// format cannot hold; [`Error::Io`] if a file cannot be written.
+    /// [`Error::Parameter`] for a path whose extension names no format, for pixels or levels that the format
+    /// cannot hold, and for levels that were changed into no chain; [`Error::Io`] if a file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>, options: &WriteOptions) -> Result<()> {
+        self.check()?;
         let path = path.as_ref();
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
         let named = extension.as_deref().and_then(Container::named);

@@ -27,7 +27,7 @@ use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
 use crate::lobe::kernel::Kernel;
 use crate::oem::{OemSize, bilinear_share};
-use crate::reflector::{ReflectorSettings, Workspace, check_answers};
+use crate::reflector::{ReflectorSettings, Workspace, check_answers, units};
 use crate::sat::Scan;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -207,12 +207,14 @@ impl<'a> GpuReflector<'a> {
     /// Uploads `environment` and builds its OEM.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if the tables do not fit.
+    /// [`Error::Parameter`] for an OEM of no texels and a rotation that is not finite, [`Error::Limit`] if the
+    /// tables do not fit.
     pub fn new(
         engine: &'a Engine,
         environment: &'a Environment,
         settings: &ReflectorSettings,
     ) -> Result<Self> {
+        environment.check_rotation()?;
         let (size, _) = settings.plan(environment.layout())?;
         let context = &engine.context;
         let scale = LightScale::of(environment);
@@ -304,10 +306,10 @@ impl<'a> GpuReflector<'a> {
         Ok(self.fitted.get_or_init(|| tables))
     }
 
-    /// Answers to `directions` (unit vectors in world space), evaluated one by one.
+    /// Answers to `directions` (in world space, any length but zero), evaluated one by one.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for invalid parameters, [`Error::Unsupported`] for filters that run on the CPU
+    /// [`Error::Parameter`] for invalid parameters and a direction that is zero or not finite, [`Error::Unsupported`] for filters that run on the CPU
     /// only, [`Error::Limit`] if a table does not fit, and [`Error::Gpu`].
     pub async fn query(
         &self,
@@ -316,10 +318,10 @@ impl<'a> GpuReflector<'a> {
         roughness: f64,
         filter: Filter,
     ) -> Result<Vec<Answer>> {
-        let groups: Vec<[DVec3; 1]> = directions.iter().map(|direction| [*direction]).collect();
-        let groups: Vec<&[DVec3]> = groups.iter().map(|group| &group[..]).collect();
+        let directions = units(directions)?;
+        let groups: Vec<&[DVec3]> = directions.chunks(1).collect();
         let answers = self.evaluate(&groups, lobe, roughness, filter).await?.lanes;
-        check_answers(directions, &answers)?;
+        check_answers(&directions, &answers)?;
         Ok(answers)
     }
 

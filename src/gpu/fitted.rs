@@ -276,11 +276,7 @@ impl FittedTables {
         context.fits("tables of blurred octaves", all * bytes(inner), |available| {
             let sizes = (4..u32::BITS).map(|log2| 1 << log2).take_while(|smaller| *smaller < inner);
             let fitting = sizes.filter(|smaller| all * bytes(*smaller) <= available).last();
-            let size = format!("choose `oem_size` of at most {}", fitting.unwrap_or(0));
-            match Self::most_probes(context, inner) {
-                most @ 1.. => format!("use at most {most} probes in one binding, or {size}"),
-                0 => format!("{size}, or the CPU engine"),
-            }
+            format!("choose `oem_size` of at most {}, or the CPU engine", fitting.unwrap_or(0))
         })
     }
 

@@ -12,8 +12,8 @@ use super::device::names::named;
 use super::device::shader::{self, Queries};
 use super::direct::{Surroundings, view_layout};
 use super::fitted::FittedTables;
-use super::reparameterise::{Reparameterise, upload};
-use super::{Context, OemPlanes, Stage};
+use super::reparameterise::{Reparameterise, check_readable, upload};
+use super::{Context, OemPlanes, SatPlanes, Stage};
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
@@ -63,14 +63,17 @@ impl LivePasses {
 }
 
 impl LiveEnvironment {
-    /// Allocates tables over an octahedral map of `size` texels along an edge, rounded up to a power of two
-    /// from 16 on. A panorama of 1024 x 512 needs 512. The environment is black until the first update.
+    /// Allocates tables over an octahedral map of `size` texels along an edge, at least 1, rounded up to a
+    /// power of two from 16 on. A panorama of 1024 x 512 needs 512. The environment is black until the first
+    /// update.
     ///
     /// # Errors
-    /// [`Error::Limit`] where the tables exceed the buffers or textures of the device; it names the largest
-    /// size that fits.
+    /// [`Error::Parameter`] for a size of 0; [`Error::Limit`] where the tables exceed the buffers or textures
+    /// of the device; it names the largest size that fits.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
+        // Before pipelines are compiled.
+        checked_inner(&context, size, 1)?;
         Self::with_passes(&context, &LivePasses::new(&context), size)
     }
 
@@ -93,18 +96,18 @@ impl LiveEnvironment {
 
     /// [`Self::new`] with passes compiled before.
     pub(crate) fn with_passes(context: &Context, passes: &LivePasses, size: u32) -> Result<Self> {
-        // Before any plane is allocated.
-        let tables = FittedTables::new(context, inner_of(size), BOXES)?;
-        Ok(Self::several(context, passes, vec![tables])?.remove(0))
+        Ok(Self::several(context, passes, size, 1)?.remove(0))
     }
 
-    /// Environments of these tables of one size.
+    /// `count` environments over maps of `size` texels along an edge, which share buffers.
     pub(super) fn several(
         context: &Context,
         passes: &LivePasses,
-        tables: Vec<FittedTables>,
+        size: u32,
+        count: u32,
     ) -> Result<Vec<Self>> {
-        let inner = tables.first().map_or(0, FittedTables::inner);
+        let inner = checked_inner(context, size, count)?;
+        let tables = FittedTables::sharing(context, inner, BOXES, count)?;
         let planes = OemPlanes::new(context, OemSize { inner, border: 0 })?;
         let scratch = Scratch::new(context, &planes)?;
         let over = |tables| Self::over(context, passes, &planes, &scratch, tables);
@@ -148,16 +151,17 @@ impl LiveEnvironment {
         upload(&self.context, environment)
     }
 
-    /// Records the passes that bring the tables up to `texture`, of radiance in a float format with the usage
-    /// `TEXTURE_BINDING`: six square layers are a cube (+X -X +Y -Y +Z -Z), one layer of 2:1 is a panorama,
-    /// one square layer is an octahedral map. Negative texels and NaN count as 0.
+    /// Records the passes that bring the tables up to `texture`, of radiance in a float format of three or
+    /// four channels with the usage `TEXTURE_BINDING` and one sample: six square layers are a cube (+X -X +Y
+    /// -Y +Z -Z), one layer of 2:1 is a panorama, one square layer is an octahedral map. Negative texels and
+    /// NaN count as 0. Texture and encoder must be of this device, which wgpu checks.
     ///
     /// The overlaps of source and target texels are computed on the CPU for the first texture, and again for
     /// every other one; update the content of one texture where the light changes every frame.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a texture of another shape, [`Error::Limit`] where its overlaps exceed the
-    /// device's buffers.
+    /// [`Error::Parameter`] for a texture of another shape, format or usage, [`Error::Limit`] where its
+    /// overlaps exceed the device's buffers.
     pub fn update(&mut self, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> Result<()> {
         self.stages(texture)?.for_each(|stage| stage.record(encoder));
         Ok(())
@@ -166,6 +170,7 @@ impl LiveEnvironment {
     /// The stages that [`Self::update`] records.
     pub(crate) fn stages(&mut self, texture: &wgpu::Texture) -> Result<impl Iterator<Item = &Stage>> {
         if self.source.as_ref().is_none_or(|(known, _)| known != texture) {
+            check_readable(&self.context, texture)?;
             let layout = layout_of(texture.size())?;
             let stage = self.passes.reparameterise.stage(&self.context, layout, texture, &self.planes)?;
             self.source = Some((texture.clone(), stage));
@@ -245,7 +250,8 @@ impl LiveEnvironment {
     }
 
     /// Turns the environment from the next submission on: `source_from_world` is the rotation that takes a
-    /// direction of the renderer's world to one of the texture's. No table changes.
+    /// direction of the renderer's world to one of the texture's. No table changes. Any other matrix, as one
+    /// with NaN, gives look-ups without meaning until the next call.
     pub fn set_rotation(&self, source_from_world: DMat3) {
         self.tables.set_rotation(&self.context, columns(source_from_world.transpose()));
     }
@@ -261,6 +267,9 @@ impl LiveEnvironment {
 
     /// WGSL with `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`, both of
     /// `vec3<f32>`; their resources are declared in bind group `group`.
+    ///
+    /// Directions and normals have any length but zero, and a roughness is in [0, 1]. Shaders do not check:
+    /// what a zero vector, NaN or another roughness gives is undefined, NaN as a rule.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
         shader::queries(&[Queries::Live(group)])
@@ -307,9 +316,42 @@ pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     FittedTables::bind_group_layout(device, visibility)
 }
 
-/// Edge of the octahedral map for `size` texels.
+/// Edge of the octahedral map for `size` texels, rounded up as [`LiveEnvironment::new`] says.
 pub(super) fn inner_of(size: u32) -> u32 {
     size.max(16).checked_next_power_of_two().unwrap_or(1 << 31)
+}
+
+/// [`inner_of`] for `count` environments that share buffers, before any is allocated.
+///
+/// # Errors
+/// [`Error::Parameter`] for a size of 0, [`Error::Limit`] where the device is too small; it names the
+/// parameters `size` and `count` that fit.
+fn checked_inner(context: &Context, size: u32, count: u32) -> Result<u32> {
+    if size == 0 {
+        return Err(Error::Parameter("`size` is 0; choose at least one texel along an edge".to_owned()));
+    }
+    let fits = |inner: u32, count: u32| {
+        FittedTables::check_fits(context, inner, count)?;
+        SatPlanes::check_fits(context, OemSize { inner, border: 0 })
+    };
+    let inner = inner_of(size);
+    fits(inner, count).map(|()| inner).map_err(|error| match error {
+        Error::Limit { what, needed, available, .. } => {
+            let smaller =
+                (4..inner.ilog2()).rev().map(|log2| 1 << log2).find(|size| fits(*size, count).is_ok());
+            let fewer = (1..count).rev().find(|count| fits(inner, *count).is_ok());
+            let remedies = [("count", fewer), ("size", smaller)]
+                .into_iter()
+                .filter_map(|(name, most)| Some(format!("`{name}` of at most {}", most?)))
+                .collect::<Vec<_>>();
+            let remedy = match &remedies[..] {
+                [] => "use a device with larger buffers".to_owned(),
+                some => format!("choose {}", some.join(", or ")),
+            };
+            Error::Limit { what, needed, available, remedy }
+        }
+        other => other,
+    })
 }
 
 /// The layout of an environment in a texture of `size`.

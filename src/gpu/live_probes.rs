@@ -3,7 +3,7 @@
 use super::Context;
 use super::device::shader::{self, Queries};
 use super::fitted::{FittedTables, MOST_LIGHTS};
-use super::live::{BOXES, LiveEnvironment, LivePasses, inner_of};
+use super::live::{LiveEnvironment, LivePasses, inner_of};
 use crate::error::{Error, Result};
 use std::ops::{Deref, DerefMut};
 
@@ -25,11 +25,12 @@ impl LiveProbes {
     pub const MOST: u32 = MOST_LIGHTS;
 
     /// Allocates the tables of `count` environments over octahedral maps of `size` texels along an edge,
-    /// rounded up to a power of two from 16 on. All are black until their first update.
+    /// rounded up as [`LiveEnvironment::new`] does. All are black until their first update.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for no or more than [`Self::MOST`] environments; [`Error::Limit`] where their
-    /// tables exceed one binding of the device, or its textures: it names the count and size that fit.
+    /// [`Error::Parameter`] for a size of 0, and for no or more than [`Self::MOST`] environments;
+    /// [`Error::Limit`] where their tables exceed one binding of the device, or its textures: it names the
+    /// count and size that fit.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32, count: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
         Self::with_passes(&context, &LivePasses::new(&context), size, count)
@@ -39,10 +40,9 @@ impl LiveProbes {
     pub(crate) fn with_passes(context: &Context, passes: &LivePasses, size: u32, count: u32) -> Result<Self> {
         if !(1..=Self::MOST).contains(&count) {
             let most = Self::MOST;
-            return Err(Error::Parameter(format!("{count} probes in one binding; use 1 to {most}")));
+            return Err(Error::Parameter(format!("`count` is {count} environments; choose 1 to {most}")));
         }
-        let tables = FittedTables::sharing(context, inner_of(size), BOXES, count)?;
-        let probes = LiveEnvironment::several(context, passes, tables)?;
+        let probes = LiveEnvironment::several(context, passes, size, count)?;
         let device = context.device().clone();
         let bind_group = probes[0].tables().bind_group_of_all(&device, probes[0].bind_group_layout());
         Ok(Self { probes, bind_group, device })

@@ -134,12 +134,13 @@ impl Reparameterise {
     }
 
     /// Stage that resamples `texture`, with texels in `layout`, to `planes`, border included. Also uploads
-    /// the solid angles of `planes`. The texture's first level must have [`texture_size`] and a float format.
-    /// Negative values and NaN count as 0, infinity as the greatest float.
+    /// the solid angles of `planes`. The texture's first level must have [`texture_size`] and a format of
+    /// colours that shaders read as floats. Negative values and NaN count as 0, infinity as the greatest
+    /// float.
     ///
     /// # Errors
     /// [`Error::Limit`] if the overlap matrix is larger than the device can bind, [`Error::Parameter`] if the
-    /// texture has another size.
+    /// texture has another size, or is not one that the stage can read.
     pub fn stage(
         &self,
         context: &Context,
@@ -188,6 +189,32 @@ impl Reparameterise {
     }
 }
 
+/// Checks that shaders can read colours from `texture`.
+///
+/// # Errors
+/// [`Error::Parameter`] naming what it has and what it needs.
+pub(super) fn check_readable(context: &Context, texture: &wgpu::Texture) -> Result<()> {
+    let wrong = |has: String, needs: &str| Err(Error::Parameter(format!("a texture of {has}; {needs}")));
+    let (format, usage) = (texture.format(), texture.usage());
+    if !usage.contains(wgpu::TextureUsages::TEXTURE_BINDING) {
+        return wrong(format!("the usage {usage:?}"), "its usage must include TEXTURE_BINDING");
+    }
+    if texture.dimension() != wgpu::TextureDimension::D2 {
+        return wrong(format!("the dimension {:?}", texture.dimension()), "its dimension must be D2");
+    }
+    if texture.sample_count() != 1 {
+        return wrong(format!("{} samples", texture.sample_count()), "resolve it to one sample");
+    }
+    let sampled = format.sample_type(None, Some(context.device().features()));
+    if !matches!(sampled, Some(wgpu::TextureSampleType::Float { .. })) || format.components() < 3 {
+        return wrong(
+            format!("the format {format:?}"),
+            "choose one of three or four float channels, as Rgba16Float",
+        );
+    }
+    Ok(())
+}
+
 /// Writes the solid angles of `planes`, which depend only on their size.
 fn upload_solid_angles(context: &Context, planes: &OemPlanes) {
     let Table { inner, border, side, pitch } = planes.table();
@@ -220,6 +247,7 @@ impl Matrix {
         overlaps: &Overlaps,
         target: Table,
     ) -> Result<Self> {
+        check_readable(context, texture)?;
         let [width, height, layers] = texture_size(layout);
         let size = texture.size();
         if [size.width, size.height, size.depth_or_array_layers] != [width, height, layers] {

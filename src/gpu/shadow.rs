@@ -112,7 +112,7 @@ impl ShadowMap {
         near: f32,
         record: impl FnMut(&mut wgpu::RenderPass<'_>, &wgpu::BindGroup),
     ) -> Result<()> {
-        self.octants.place(&self.context, lamp, near)?;
+        self.octants.place(&self.context, "lamp", lamp, near)?;
         self.set(Shadow { lamp: lamp.as_vec3().to_array(), near, ..self.shadow });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("octagloss shadow"),

@@ -152,8 +152,32 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
 pub struct LoadedMap {
     /// The light, finite and non-negative.
     pub light: MapLight,
+    /// The map that was given or named by the header.
+    pub map: Option<&'static NamedMap>,
     /// Warnings, one line each, without the file's name.
     pub warnings: Vec<String>,
+}
+
+/// A picture of any shape, as stored.
+#[derive(Clone, Debug)]
+pub struct PlainPicture {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Row-major, unchecked.
+    pub texels: Vec<Rgb>,
+    /// The encoding in words.
+    pub format: String,
+}
+
+/// Reads the first level of `path` as a picture, whatever its shape and map.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_plain(path: &Path, memory_limit: u64) -> Result<PlainPicture> {
+    let (_, Picture { width, height, texels, format, .. }) = read_picture(path, memory_limit)?;
+    Ok(PlainPicture { width, height, texels, format })
 }
 
 /// Light on any map of the sphere.
@@ -179,7 +203,7 @@ pub fn read_map(path: &Path, from: Option<&'static NamedMap>, options: &ReadOpti
     }
     let layout = map.and_then(picture_map::layout_of).unwrap_or_default();
     let loaded = finish(&file, picture, &ReadOptions { layout, ..options.clone() })?;
-    Ok(LoadedMap { light: MapLight::Environment(loaded.environment), warnings: loaded.warnings })
+    Ok(LoadedMap { light: MapLight::Environment(loaded.environment), map, warnings: loaded.warnings })
 }
 
 /// Reads level 0 of `path` as a picture, with the file or folder that holds it.
@@ -581,7 +605,7 @@ fn components(
     };
     repair::negative(&mut texels, density, &mut repaired);
     let warnings = finish_texels(path, &mut texels, &repaired, picture.warnings, options)?;
-    Ok(LoadedMap { light: MapLight::Components(grid, texels), warnings })
+    Ok(LoadedMap { light: MapLight::Components(grid, texels), map: Some(map), warnings })
 }
 
 impl Environment {

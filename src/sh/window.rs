@@ -1,5 +1,6 @@
 //! Windows for spherical harmonics: attenuate high bands to reduce the ringing of bright sources.
 
+use crate::error::{Error, Result};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{MAX_COUNT, band, basis};
 use glam::DVec3;
@@ -25,6 +26,21 @@ pub enum ShWindow {
 }
 
 impl ShWindow {
+    /// Checks the width.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if it is not finite and above 0.
+    pub(crate) fn check(self) -> Result<()> {
+        match self {
+            Self::Hanning(width) | Self::Lanczos(width) | Self::Sinc4(width)
+                if !(width.is_finite() && width > 0.0) =>
+            {
+                Err(Error::Parameter(format!("`sh_window` of width {width}; it must be finite and above 0")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The factor of band `l`.
     ///
     /// # Panics

@@ -13,7 +13,7 @@ use crate::environment::Map;
 use crate::error::{Error, Result};
 use crate::format::container::Container;
 use crate::format::{LevelName, OutputLayout, Pixel, Shown};
-use crate::ladder::Ladder;
+use crate::ladder::{Ladder, UNITY_LEVELS};
 use crate::lobe::Lobe;
 use crate::sh::scale::ShScale;
 use crate::sphere::cube::Face;
@@ -338,14 +338,14 @@ pub const TARGETS: [Target; 13] = [
         verified: Some("babylonjs 9.34 and a reader of its text"),
         ..ENGINE
     },
-    // Six steps of r (1.7 - 0.7 r) (ImageBasedLighting.hlsl, PerceptualRoughnessToMipmapLevel); left-handed,
-    // glTF is imported with x negated (glTFast). A cube imported with Convolution Type None keeps its own
-    // levels.
+    // Six steps of r (1.7 - 0.7 r), whatever the size (ImageBasedLighting.hlsl,
+    // PerceptualRoughnessToMipmapLevel, UNITY_SPECCUBE_LOD_STEPS); left-handed, glTF is imported with x
+    // negated (glTFast). A cube imported with Convolution Type None keeps its own levels.
     Target {
         name: "unity",
         reader: "Unity's cubemap import, Convolution Type None",
         container: Container::Dds,
-        last_size: Some(4),
+        last_size: None,
         ladder: Ladder::Unity,
         flip: Flip::X,
         files: &[
@@ -416,7 +416,8 @@ impl Target {
         TARGETS.iter().find(|target| target.name == name)
     }
 
-    /// Levels from `size` down to the target's last.
+    /// Levels from `size` down to the target's last, and at least two if the size has as many: readers look
+    /// roughness up between them.
     #[must_use]
     pub fn levels(&self, size: u32) -> u32 {
         if self.has_atlas() {
@@ -424,8 +425,38 @@ impl Target {
         }
         match self.last_size {
             None => self.ladder.default_levels(self.map, size).max(1),
-            Some(last) => size.checked_ilog2().unwrap_or(0).saturating_sub(last.ilog2()) + 1,
+            Some(last) => {
+                let levels = size.checked_ilog2().unwrap_or(0).saturating_sub(last.ilog2()) + 1;
+                if self.map == Map::Panorama { levels } else { levels.max(2).min(self.map.most_levels(size)) }
+            }
         }
+    }
+
+    /// Checks that the reader's own formula maps every roughness to one of `levels` levels of `ladder`.
+    fn check_look_ups(&self, levels: u32, ladder: Ladder) -> Result<()> {
+        // This program reads the ladder from the file or the report.
+        if self.name == GENERIC.name {
+            return Ok(());
+        }
+        let wrong = |message: String| Err(Error::Parameter(message));
+        if ladder != self.ladder {
+            let (own, other) = (self.ladder.name(), ladder.name());
+            return wrong(format!("its reader looks levels up by the ladder {own}; omit `ladder` {other}"));
+        }
+        if ladder == Ladder::Unity && levels != UNITY_LEVELS {
+            return wrong(format!(
+                "its reader looks up six steps below level 0 at every size: {UNITY_LEVELS} levels, not \
+                 {levels}; choose a `size` of at least 64 and omit `levels`"
+            ));
+        }
+        if self.map != Map::Panorama && levels < 2 {
+            return wrong(
+                "its reader looks roughness up between levels, and one level is a mirror; choose a greater \
+                 `size`, or `levels` of at least 2"
+                    .to_owned(),
+            );
+        }
+        Ok(())
     }
 
     /// Content of its file at `path`, relative to its folder; `None` if it has no such file.
@@ -520,11 +551,13 @@ impl TargetPlan {
         )))
     }
 
-    /// Checks that the files can hold `levels` levels from `size` down.
+    /// Checks that the files can hold `levels` levels of `ladder` from `size` down, and that the reader finds
+    /// every roughness among them.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if they cannot.
-    pub fn check_levels(&self, size: u32, levels: u32) -> Result<()> {
+    /// [`Error::Parameter`] if not.
+    pub fn check_levels(&self, size: u32, levels: u32, ladder: Ladder) -> Result<()> {
+        self.target.check_look_ups(levels, ladder)?;
         self.target.files.iter().try_for_each(|file| match file.content {
             Oem => crate::oem::level_sizes(size, levels).map(drop),
             Env => sizes::check_env(size, levels),

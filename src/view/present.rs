@@ -34,19 +34,12 @@ pub struct Viewport {
 #[derive(Debug)]
 pub(super) struct Presenter {
     context: Context,
-    uniform: wgpu::Buffer,
     pipelines: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
 }
 
 impl Presenter {
     pub(super) fn new(context: &Context) -> Self {
-        let uniform = context.device().create_buffer(&wgpu::BufferDescriptor {
-            label: Some("present"),
-            size: size_of::<Present>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        Self { context: context.clone(), uniform, pipelines: HashMap::new() }
+        Self { context: context.clone(), pipelines: HashMap::new() }
     }
 
     /// Draws the linear `picture` into `viewport` of `view`, tone-mapped, in sRGB.
@@ -99,12 +92,13 @@ impl Presenter {
             tone,
             pad: 0,
         };
-        self.context.queue().write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        // One for each pass: a write to a shared one would also reach passes recorded before and not yet run.
+        let uniform = self.context.uniform("present", &uniform);
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("present"),
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: self.uniform.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
             ],
         });

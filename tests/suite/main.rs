@@ -15,6 +15,7 @@ mod ladder;
 mod layers;
 #[cfg(feature = "mesh")]
 mod mesh;
+mod misuse;
 mod oem;
 #[cfg(feature = "plot")]
 mod plot;
@@ -24,6 +25,7 @@ mod sphere;
 mod support;
 mod synth;
 mod target;
+mod target_levels;
 #[cfg(feature = "view")]
 mod view;
 

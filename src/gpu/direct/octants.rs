@@ -25,16 +25,22 @@ impl OctantDraws {
         Self { views: views.collect(), map }
     }
 
-    /// Moves the map to `centre`, from the next submission on.
+    /// Moves the map to `centre`, which the caller calls `name`, from the next submission on.
     ///
     /// # Errors
     /// [`Error::Parameter`] for an invalid `near` and a `centre` that is not finite or beyond [`MOST`].
-    pub(in crate::gpu) fn place(&self, context: &Context, centre: DVec3, near: f32) -> Result<()> {
+    pub(in crate::gpu) fn place(
+        &self,
+        context: &Context,
+        name: &str,
+        centre: DVec3,
+        near: f32,
+    ) -> Result<()> {
         check_near(near)?;
         // Also true for NaN.
         if !centre.to_array().iter().all(|x| x.abs() <= f64::from(MOST)) {
             return Err(Error::Parameter(format!(
-                "`centre` is at {centre}; coordinates must be finite and at most {MOST:e}"
+                "`{name}` is at {centre}; coordinates must be finite and at most {MOST:e}"
             )));
         }
         for ((uniform, _), Bounded { view, .. }) in self.views.iter().zip(octants(self.map, near)) {

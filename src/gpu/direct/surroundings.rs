@@ -50,7 +50,7 @@ impl Surroundings {
         near: f32,
         record: impl FnMut(&mut wgpu::RenderPass<'_>, &wgpu::BindGroup),
     ) -> Result<()> {
-        self.octants.place(context, centre, near)?;
+        self.octants.place(context, "centre", centre, near)?;
         let mut pass = cleared(encoder, &self.colour, Some(&self.depth), None);
         self.octants.record(&mut pass, record);
         Ok(())

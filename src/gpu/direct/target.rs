@@ -92,13 +92,15 @@ fn texture(
     let size = map.size();
     let [columns, rows] = map.cells();
     let most = context.device().limits().max_texture_dimension_2d / columns.max(rows);
-    if !(1..=most).contains(&size) {
-        return invalid(format!("a target of {size} x {size} pixels; choose 1 to {most}"));
-    }
-    if map.is_octahedral() && size % 2 == 1 {
+    if map.is_octahedral() && (size % 2 == 1 || !(2..=most).contains(&size)) {
+        let most = most / 2 * 2;
         return invalid(format!(
-            "an octahedral map of {size} x {size} pixels has pixels in two octants; choose an even size"
+            "an octahedral map of `size` {size}; choose an even number from 2 to {most}, so that no pixel is \
+             in two octants"
         ));
+    }
+    if !(1..=most).contains(&size) {
+        return invalid(format!("a target of `size` {size}; choose 1 to {most}"));
     }
     Ok(context.device().create_texture(&wgpu::TextureDescriptor {
         label: Some(label),

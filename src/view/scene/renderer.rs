@@ -361,14 +361,17 @@ pub async fn screenshot_of_scene(
     look: &SceneLook,
     time: f64,
     Screenshot { width, height, samples }: Screenshot,
+    progress: impl Fn(usize, usize),
 ) -> Result<RgbImage> {
     renderer.set_time(time, look.roughness);
-    let all: Vec<usize> = (0..renderer.probes()).collect();
-    for _ in 0..ROUNDS {
-        renderer.update(&all)?;
+    let context = renderer.context().clone();
+    let probes = renderer.probes();
+    for update in 0..ROUNDS * probes {
+        renderer.update(&[update % probes])?;
+        readback::finished(&context).await?;
+        progress(update + 1, ROUNDS * probes);
     }
     renderer.draw(look, (width.saturating_mul(samples), height.saturating_mul(samples)))?;
-    let context = renderer.context().clone();
     presented(&context, [width, height], |encoder, view, format, viewport| {
         renderer.present(encoder, view, format, viewport, look.tone);
     })

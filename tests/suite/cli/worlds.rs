@@ -328,7 +328,12 @@ fn what_cannot_be_read_is_named_by_every_command() {
             fs::write(folder.path().join(path), "{\"order\": 2}").expect("writable");
         }
         fails(folder.path(), &[&["query", path], &query[..]].concat(), 1, words);
-        fails(folder.path(), &["info", path], 1, words);
+        // `info` says what it is.
+        if path == "out" {
+            fails(folder.path(), &["info", path], 1, words);
+        } else {
+            done(folder.path(), &["info", path]);
+        }
         fails(folder.path(), &["bake", path, "-o", "again.ktx2"], 1, words);
         // The path is named; a file without levels is not a bake.
         fails(folder.path(), &["compare", path, "a.exr"], 1, words.split(": ").next().expect("a path"));

@@ -1,7 +1,7 @@
 //! An environment as a renderer updates it: look-ups of its shader against the CPU's, before and after a
 //! change of the light and of the rotation.
 
-use super::{exceeds, in_full, wait};
+use super::{block_on, exceeds, in_full, wait, with_passes};
 use crate::support::common::{Look, Random, environment, landmarks, texels};
 use glam::{DMat3, DVec3};
 use octagloss::internals::analysis::oracle;
@@ -9,9 +9,10 @@ use octagloss::internals::analysis::statistics::Statistics;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::gpu::Context;
 use octagloss::internals::gpu::device::readback;
+use octagloss::internals::gpu::engine::GpuReflector;
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
-use octagloss::{Environment, Error, Layout, LiveEnvironment, wgpu};
+use octagloss::{Environment, Error, Layout, LiveEnvironment, ShadowMap, wgpu};
 
 /// Roughness of the glossy look-ups.
 const ROUGHNESS: f64 = 0.4;
@@ -291,5 +292,115 @@ fn siblings_share_buffers_but_not_light() {
         update(&mut early, &textures[0]);
         assert!(answers(context, &early, directions) == alone[0]);
         assert!(LiveEnvironment::wgsl_named("2nd", 0).is_err());
+    });
+}
+
+#[test]
+fn textures_that_shaders_cannot_read_are_refused() {
+    in_full("live textures", |context| {
+        let mut live = LiveEnvironment::new(context.device(), context.queue(), 16).expect("small tables");
+        let sound = wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 6 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        };
+        let mut update = |descriptor: &wgpu::TextureDescriptor<'_>| {
+            let texture = context.device().create_texture(descriptor);
+            let mut encoder = context.device().create_command_encoder(&Default::default());
+            let outcome = live.update(&mut encoder, &texture);
+            context.queue().submit([encoder.finish()]);
+            outcome
+        };
+        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let one = wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 };
+        let wrong = [
+            (
+                wgpu::TextureDescriptor { usage: wgpu::TextureUsages::COPY_DST, ..sound.clone() },
+                "TEXTURE_BINDING",
+            ),
+            (wgpu::TextureDescriptor { usage: attachment, ..sound.clone() }, "TEXTURE_BINDING"),
+            (wgpu::TextureDescriptor { dimension: wgpu::TextureDimension::D3, ..sound.clone() }, "D2"),
+            (
+                wgpu::TextureDescriptor {
+                    sample_count: 4,
+                    size: one,
+                    usage: sound.usage | attachment,
+                    ..sound.clone()
+                },
+                "one sample",
+            ),
+        ];
+        let formats = [
+            wgpu::TextureFormat::Rgba8Uint,
+            wgpu::TextureFormat::Rgba32Sint,
+            wgpu::TextureFormat::Depth32Float,
+            wgpu::TextureFormat::R32Float,
+            wgpu::TextureFormat::Rg16Float,
+        ];
+        let of_format = |format| (wgpu::TextureDescriptor { format, ..sound.clone() }, "the format ");
+        for (descriptor, words) in wrong.into_iter().chain(formats.map(of_format)) {
+            let error = update(&descriptor).expect_err(words);
+            assert!(matches!(&error, Error::Parameter(text) if text.contains(words)), "{words}: {error}");
+        }
+        let formats = [
+            wgpu::TextureFormat::Rgba16Float,
+            wgpu::TextureFormat::Rgba32Float,
+            wgpu::TextureFormat::Rg11b10Ufloat,
+            wgpu::TextureFormat::Rgb9e5Ufloat,
+            wgpu::TextureFormat::Rgba8Unorm,
+        ];
+        for format in formats {
+            update(&wgpu::TextureDescriptor { format, ..sound.clone() }).expect("colours");
+        }
+        update(&wgpu::TextureDescriptor { mip_level_count: 3, ..sound.clone() }).expect("its first level");
+    });
+}
+
+#[test]
+fn sizes_and_counts_are_named_as_the_caller_names_them() {
+    in_full("live sizes", |context| {
+        let live = |size| LiveEnvironment::new(context.device(), context.queue(), size);
+        let message = live(0).expect_err("no texels").to_string();
+        assert!(message.contains("`size` is 0"), "{message}");
+        live(1).expect("rounded up");
+        let error = live(u32::MAX).expect_err("too large").to_string();
+        assert!(error.contains("choose `size` of at most ") && !error.contains("oem_size"), "{error}");
+        let most: u32 = error.rsplit(' ').next().and_then(|number| number.parse().ok()).expect("a number");
+        assert!(most.is_power_of_two() && most >= 1024, "{most}");
+        for size in [0, 1, 7, u32::MAX] {
+            let error = ShadowMap::new(context.device(), context.queue(), size).expect_err("no such map");
+            assert!(error.to_string().contains(&format!("`size` {size}; choose an even number")), "{error}");
+        }
+        let mut shadow = ShadowMap::new(context.device(), context.queue(), 8).expect("a small map");
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        for (lamp, near, name) in [(DVec3::NAN, 0.1, "`lamp`"), (DVec3::ZERO, f32::NAN, "`near`")] {
+            let error = shadow.draw(&mut encoder, lamp, near, |_, _| {}).expect_err(name);
+            assert!(error.to_string().contains(name), "{error}");
+        }
+    });
+}
+
+#[test]
+fn vectors_without_a_direction_are_refused_on_the_gpu() {
+    with_passes("no directions", |context, engine| {
+        let layout = Layout::Cube { size: 4 };
+        let environment = environment(layout, vec![[1.0; 3]; layout.texel_count()]);
+        let settings = ReflectorSettings { oem_size: Some(16), ..ReflectorSettings::default() };
+        let reflector = GpuReflector::new(engine, &environment, &settings).expect("a small OEM");
+        for wrong in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {
+            for filter in [Filter::Adaptive(0.01), Filter::Fitted(4), Filter::Box] {
+                let asked = [DVec3::Y, wrong];
+                let answer = block_on(Some(context), reflector.query(&asked, Lobe::Ggx, 0.5, filter));
+                let error = answer.and_then(|answer| answer).expect_err("no direction").to_string();
+                assert!(error.starts_with("direction 1 is "), "{error}");
+            }
+        }
+        let turned = environment.clone().rotated_y(f64::NAN);
+        assert!(GpuReflector::new(engine, &turned, &settings).is_err());
     });
 }

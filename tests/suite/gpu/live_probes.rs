@@ -119,15 +119,13 @@ fn more_probes_than_a_binding_holds_are_refused() {
         let new = |size, count| LiveProbes::new(context.device(), context.queue(), size, count);
         for count in [0, LiveProbes::MOST + 1] {
             let error = new(SIZE, count).expect_err("no such number");
-            let message = format!("{count} probes in one binding; use 1 to 14");
+            let message = format!("`count` is {count} environments; choose 1 to 14");
             assert!(matches!(&error, Error::Parameter(text) if *text == message), "{error}");
         }
         // Tables of 58 MB each, where a binding has 128 MiB.
         let error = new(1024, 3).expect_err("too large").to_string();
-        assert!(
-            error.contains("at most 2 probes in one binding, or choose `oem_size` of at most 512"),
-            "{error}"
-        );
+        assert!(error.contains("choose `count` of at most 2, or `size` of at most 512"), "{error}");
+        assert!(new(0, 2).expect_err("no texels").to_string().contains("`size` is 0"));
         let error = new(u32::MAX, 2).expect_err("too large");
         assert!(matches!(error, Error::Limit { .. }), "{error}");
     });

@@ -24,6 +24,8 @@ mod look;
 mod oem;
 mod oem_lookup;
 mod oem_reader;
+#[cfg(feature = "view")]
+mod present;
 mod reflection;
 mod sat;
 mod scenes;

@@ -380,7 +380,7 @@ fn screenshots_are_deterministic_and_show_the_time() {
         let gallery = || Scene::gallery().expect("a scene");
         let taken = |time: f64| {
             let mut renderer = renderer(context, gallery(), settings());
-            wait(context, screenshot_of_scene(&mut renderer, &look, time, shot))
+            wait(context, screenshot_of_scene(&mut renderer, &look, time, shot, |_, _| {}))
         };
         let first = taken(1.0);
         assert_eq!(first, taken(1.0));

@@ -114,7 +114,8 @@ pub(crate) fn texels(random: &mut Random, look: Look, layout: Layout) -> Vec<Rgb
 
 /// An environment of `texels`.
 pub(crate) fn environment(layout: Layout, texels: Vec<Rgb>) -> Environment {
-    Environment::new(layout, texels).expect("finite texels, none negative")
+    // Also panoramas that are not 2:1, whose parts files and users cannot make.
+    Environment::of_sound(layout, texels).expect("as many texels")
 }
 
 /// An OEM whose texels hold `radiance` over their exact solid angles.
