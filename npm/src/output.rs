@@ -64,7 +64,7 @@ pub(crate) fn output(
         let compressed = request.overflow.apply_all(&mut bake, files.pixel)?;
         if request.preview {
             let name = Path::new(baked.input).file_name().unwrap_or_default().to_string_lossy();
-            let removed: Vec<DVec3> = baked.opened.sun.iter().map(|sun| sun.direction.into()).collect();
+            let removed: Vec<DVec3> = baked.opened.suns.iter().map(|sun| sun.direction.into()).collect();
             let origin = preview::Origin {
                 name: &name,
                 target: files.target.name,

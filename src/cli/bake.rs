@@ -10,9 +10,9 @@ use super::input::{self, InputFiles, Opened};
 use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
 use super::output::{Common, Destination, Outputs, SunFile, names_folder};
 use super::shared_args::{EngineArgs, InputArgs};
-use crate::analysis::extraction::Suns;
 use super::summary::Written;
 use super::verify::Verify;
+use crate::analysis::extraction::Suns;
 use crate::analysis::oracle::Oracle;
 use crate::bake::memory;
 use crate::bake::overflow::Overflow;
@@ -389,7 +389,7 @@ impl Work {
                 .map_err(|error| anyhow::Error::from(error).context(name.clone()))?;
             if job.outputs.preview.is_some() {
                 let name = job.source.path().file_name().unwrap_or_default().to_string_lossy();
-                let removed: Vec<DVec3> = opened.sun.iter().map(|sun| sun.direction.into()).collect();
+                let removed: Vec<DVec3> = opened.suns.iter().map(|sun| sun.direction.into()).collect();
                 let origin = preview::Origin {
                     name: &name,
                     target: plan.plan.target.name,

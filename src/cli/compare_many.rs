@@ -42,7 +42,7 @@ pub(super) fn run(args: &CompareArgs, console: &Console) -> Outcome {
     if let Some((_, option)) = options.into_iter().find(|(asked, _)| *asked) {
         return usage(format!("{} is a folder of bakes; {option} is for one bake", args.bake.display()));
     }
-    let Expansion { found, failures, .. } = expand(args.against.clone(), args.recursive, Some(&args.bake))?;
+    let Expansion { found, failures, .. } = expand(args.against.clone(), args.recursive, Some(&args.bake));
     let (paths, withins): (Vec<_>, Vec<_>) =
         found.into_iter().map(|Found { path, within }| (path, within)).unzip();
     let sources = input::sources(paths, &args.input)?;

@@ -6,6 +6,7 @@ use super::input::InputFiles;
 use super::outcome::Outcome;
 use super::shared_args::InputArgs;
 use crate::analysis::extraction::Suns;
+use crate::analysis::sun::Sun;
 use crate::environment::Rgb;
 use crate::filter::Filter;
 use crate::io::provenance::{Provenance, TakenSun};

@@ -551,6 +551,7 @@ fn octahedral_nodes(size: u32, place: [u32; 2], [low, high]: [DVec2; 2]) -> Node
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::swizzles::Vec3Swizzles as _;
 
     const LAYOUTS: [Layout; 10] = [
         Layout::Panorama { width: 1, height: 1 },
