@@ -5,8 +5,8 @@
 
 The recipe of docs/engines.md sets up the environment. Compares the sky and spheres of metal with `query`,
 and a diffuse sphere with `query --lobe cosine`; the engine filters the panorama itself. A panorama that
-is rotated or mirrored must fail. The lamp of `--extract-sun` lights a diffuse sphere by its irradiance. GODOT in the environment names the engine, by default godot3. Exit
-status 0 when all agree, 1 otherwise."""
+is rotated or mirrored must fail. The lamp of `--extract-sun` lights a diffuse sphere by its irradiance.
+GODOT in the environment names the engine, by default godot3. Exit status 0 when all agree, 1 otherwise."""
 
 import json
 import os
@@ -214,7 +214,8 @@ def main(program):
             shown = pictures(engine, folder / name, out / "sky_panorama.exr", sun, jobs)
             errors = {subject: 0 for subject in tolerances}
             for job, picture in zip(jobs, shown):
-                errors[job[:2]] = max(errors[job[:2]], error(program, job, picture, folder / "sun-right" / "sun.json"))
+                off = error(program, job, picture, folder / "sun-right" / "sun.json")
+                errors[job[:2]] = max(errors[job[:2]], off)
             for (subject, roughness), value in errors.items():
                 what = f"Godot, {subject}, roughness {roughness}, {len(eyes)} views"
                 most = tolerances[subject, roughness]
