@@ -222,6 +222,7 @@ try {
         .flatMap((row) => row.split(',').slice(3).map(Number));
     const off = Math.max(...wanted.map((value, index) => Math.abs(value - found[index]) / Math.abs(value)));
     report('queries agree', found.length === wanted.length && off < 1e-5, `${off.toExponential(1)} off`);
+    await refused('a sun nowhere', bake(bytes, { extractSun: 'up' }), ['`extractSun` is "up"', 'directions']);
     await refused('a roughness of 2', query(bytes, { directions, roughness: 2 }), [
         '`roughness` 2',
         '0 to 1',
@@ -273,6 +274,13 @@ try {
                 join(folder, 'sky.ktx2'),
             ],
             ['sky.ktx2', 'sky.irradiance.ktx2'],
+        );
+        await compare(
+            'lights',
+            sky,
+            { size: 8, extractSun: '34,35:0,-90' },
+            (folder) => [...'--size 8 --extract-sun=34,35:0,-90 -o'.split(' '), join(folder, 'sky.ktx2')],
+            ['sky.ktx2'],
         );
         await compare(
             'images',

@@ -1,6 +1,6 @@
 // Integrates lobes over the cells by adaptive quadrature. src/cpu/adaptive.rs and src/cpu/subtexel.rs derive
 // the method. Directions and distances are in units of the sphere's radius; energies are radiance times solid
-// angle. Answers are radiance, with the certified bound of its luminance in w.
+// angle. Answers are radiance, with the certified bound of its luminance in w, then bounds of the channels.
 //
 // One workgroup serves a packet of LANES directions. It walks the tree with a stack, sixteen quads per step,
 // one invocation per sibling. A cell that meets the tolerance becomes a leaf. Leaves are summed once there
@@ -85,7 +85,7 @@ struct Packet {
 @group(0) @binding(1) var<storage, read> least: array<vec4<f32>, 1>;
 @group(0) @binding(2) var<storage, read> quads: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> packets: array<Packet>;
-// Radiance and bound of each direction.
+// Two for each direction: radiance and the luminance's bound, then the bounds of red, green and blue.
 @group(0) @binding(4) var<storage, read_write> results: array<vec4<f32>>;
 // Leaves of each packet; INCOMPLETE if the walk stopped early.
 @group(0) @binding(5) var<storage, read_write> leaf_counts: array<u32>;
@@ -118,8 +118,8 @@ const MEMBERS = 14u;
 var<workgroup> stack: array<Node, STACK>;
 var<workgroup> stack_size: u32;
 
-// Leaves: offset from the packet's axis, covariance, energy, radius, certified width for pieces without an
-// exact centroid, and the cell.
+// Leaves: offset from the packet's axis, covariance, energy, radius, certified width per unit of energy for
+// pieces without an exact centroid, and the cell.
 const LEAF_FIELDS = 15u;
 var<workgroup> leaves: array<f32, LEAF_FIELDS * LEAVES>;
 var<workgroup> leaf_size: u32;
@@ -134,7 +134,7 @@ struct Leaf {
     radius: f32,
     energy: vec3<f32>,
     slack: f32,
-    // The cell, quad times four plus sibling plus one, whose dipoles apply; 0 for a piece of one texel.
+    // The cell, quad times four plus sibling plus one, whose tints apply; 0 for a piece of one texel.
     cell: u32,
 }
 
@@ -176,6 +176,15 @@ struct Visit {
     luminance: f32,
 }
 
+// Factors that make an error of a channel comparable with one of the luminance: see `channel_weights`.
+var<private> weights: vec3<f32>;
+
+// The energy whose error counts: the luminance, or a channel times its weight if that is more.
+fn weighted(energy: vec3<f32>) -> f32 {
+    let channels = energy * weights;
+    return max(dot(energy, LUMINANCE), max(channels.r, max(channels.g, channels.b)));
+}
+
 fn field(quad: u32, name: u32, k: u32) -> f32 {
     return quads[quad * QUAD_FIELDS + name][k];
 }
@@ -199,10 +208,25 @@ fn visit_cell(quad: u32, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> 
     }
     visit.leaf.radius = field(quad, FIELD_RADIUS, k);
     visit.leaf.cell = 4u * quad + k + 1u;
+    let weight = weighted(visit.leaf.energy);
+    let radius = visit.leaf.radius;
     let trace = visit.leaf.diagonal.x + visit.leaf.diagonal.y + visit.leaf.diagonal.z;
-    visit.error = visit.luminance
-        * expected_error(kernel(), length(visit.leaf.offset), visit.leaf.radius, packet_radius, trace);
+    // The channel that counts most may spread farther around the centroid. Over unit directions the
+    // quadrupole's trace is -2 D.m.
+    let red = -2.0 * dot(tint_vector(quad, FIELD_RED_TINT, k), centroid);
+    let blue = -2.0 * dot(tint_vector(quad, FIELD_BLUE_TINT, k), centroid);
+    let tints = vec3<f32>(red, -(red * LUMINANCE.r + blue * LUMINANCE.b) / LUMINANCE.g, blue);
+    let spreads = weights * (visit.leaf.energy * trace + tints);
+    let spread = max(spreads.r, max(spreads.g, spreads.b)) / max(weight, 1e-37);
+    visit.error = weight
+        * expected_error(
+            kernel(), length(visit.leaf.offset), radius, packet_radius, min(max(spread, trace), radius * radius));
     return visit;
+}
+
+// Three numbers of cell `k` from field `name` on.
+fn tint_vector(quad: u32, name: u32, k: u32) -> vec3<f32> {
+    return vec3<f32>(field(quad, name, k), field(quad, name + 1u, k), field(quad, name + 2u, k));
 }
 
 // The spread's density on [a, b], 0 <= a <= b, along one axis: its mass, and two nodes that match its first
@@ -314,12 +338,11 @@ fn visit_piece(
     if edge * h > SMOOTH_SIDE || crosses_kink(centre + signs * low * h, centre + signs * high * h) {
         // Directions move by at most 3 per unit of (u, v).
         visit.leaf.radius = min(max(visit.leaf.radius, 3.0 * length(high - low) * h), 2.0);
-        visit.error =
-            visit.luminance * first_order_width(kernel(), distance, visit.leaf.radius, packet_radius);
-        visit.leaf.slack = visit.error;
+        visit.leaf.slack = first_order_width(kernel(), distance, visit.leaf.radius, packet_radius);
+        visit.error = weighted(visit.leaf.energy) * visit.leaf.slack;
     } else {
         let trace = visit.leaf.diagonal.x + visit.leaf.diagonal.y + visit.leaf.diagonal.z;
-        visit.error = visit.luminance
+        visit.error = weighted(visit.leaf.energy)
             * expected_error(kernel(), distance, visit.leaf.radius, packet_radius, trace);
     }
     return visit;
@@ -378,36 +401,49 @@ fn member_child(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) 
 // Sums over the leaves for one direction.
 struct Sums {
     radiance: vec3<f32>,
-    // How far the true value can lie above and below the estimate.
+    // How far the luminance's true value can lie above and below the estimate; how far a channel's can.
     above: f32,
     below: f32,
-    // Luminance at s above 1/4 and not beyond the horizon.
-    grazing: f32,
+    off: vec3<f32>,
+    // Energy at s above 1/4 and not beyond the horizon.
+    grazing: vec3<f32>,
     count: u32,
 }
 
-// Dipoles below this share of a cell's luminance times its radius do not matter.
-const NEGLIGIBLE_DIPOLE = 0.015625f;
+// A tint with a smaller share of a cell's luminance is rounding error.
+const NEGLIGIBLE_TINT = 1.0f / 1048576.0f;
 
-fn dipole(cell: u32, name: u32) -> vec3<f32> {
+// What a tint adds to a channel, and a bound of its error.
+fn tint_share(cell: u32, name: u32, variation: f32, apart: vec3<f32>, mean: Interval) -> vec2<f32> {
     let quad = (cell - 1u) >> 2u;
     let k = (cell - 1u) & 3u;
-    return vec3<f32>(field(quad, name, k), field(quad, name + 1u, k), field(quad, name + 2u, k));
+    let diagonal = tint_vector(quad, name + 3u, k);
+    let mixed = tint_vector(quad, name + 6u, k);
+    let first = 0.5 * dot(tint_vector(quad, name, k), apart) + 0.25 * (diagonal.x + diagonal.y + diagonal.z);
+    let second = 0.25 * dot(diagonal, apart * apart) + 0.5 * dot(mixed, apart.yzx * apart.zxy);
+    let light = mean.slope * first + mean.bend * second;
+    let most = variation * mean.spread;
+    let clipped = clamp(light, -most, most);
+    let certain = most + abs(clipped);
+    let series = variation * mean.rest + abs(light - clipped);
+    return vec2<f32>(clipped, select(certain, min(series, certain), mean.rest >= 0.0));
 }
 
-// What the dipoles of `leaf` add to the radiance, where k changes by `slope` per unit of direction.
-fn dipole_radiance(leaf: Leaf, slope: vec3<f32>) -> vec3<f32> {
-    let red = dipole(leaf.cell, FIELD_RED_DIPOLE);
-    let blue = dipole(leaf.cell, FIELD_BLUE_DIPOLE);
-    let greatest = max(abs(red), abs(blue));
-    let negligible = NEGLIGIBLE_DIPOLE * dot(leaf.energy, LUMINANCE) * leaf.radius;
-    if max(max(greatest.x, greatest.y), greatest.z) <= negligible {
-        return vec3<f32>();
+// Adds the tints of `cell`, of `luminance`.
+fn add_tints(cell: u32, luminance: f32, apart: vec3<f32>, mean: Interval, sums: ptr<function, Sums>) {
+    let quad = (cell - 1u) >> 2u;
+    let k = (cell - 1u) & 3u;
+    let red_variation = field(quad, FIELD_RED_TINT + TINT_FIELDS - 1u, k);
+    let blue_variation = field(quad, FIELD_BLUE_TINT + TINT_FIELDS - 1u, k);
+    if max(red_variation, blue_variation) <= NEGLIGIBLE_TINT * luminance {
+        return;
     }
-    let of_red = dot(red, slope);
-    let of_blue = dot(blue, slope);
-    // The dipoles of the luminance sum to zero.
-    return vec3<f32>(of_red, -(of_red * LUMINANCE.r + of_blue * LUMINANCE.b) / LUMINANCE.g, of_blue);
+    let red = tint_share(cell, FIELD_RED_TINT, red_variation, apart, mean);
+    let blue = tint_share(cell, FIELD_BLUE_TINT, blue_variation, apart, mean);
+    // The luminance's tint is zero.
+    let per_green = LUMINANCE / LUMINANCE.g;
+    (*sums).radiance += vec3<f32>(red.x, -(red.x * per_green.r + blue.x * per_green.b), blue.x);
+    (*sums).off += vec3<f32>(red.y, red.y * per_green.r + blue.y * per_green.b, blue.y);
 }
 
 fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {
@@ -417,19 +453,18 @@ fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {
     let along = dot(leaf.diagonal, apart * apart) + 2.0 * dot(leaf.mixed, apart.yzx * apart.zxy);
     let mean = interval(kernel(), squared, trace, along, leaf.radius);
     let luminance = dot(leaf.energy, LUMINANCE);
+    let over = mean.greatest - mean.estimate + mean.rounding + leaf.slack;
+    let under = mean.estimate - mean.least + mean.rounding + leaf.slack;
     (*sums).radiance += mean.estimate * leaf.energy;
-    (*sums).above += (mean.greatest - mean.estimate + mean.rounding) * luminance + leaf.slack;
-    (*sums).below += (mean.estimate - mean.least + mean.rounding) * luminance + leaf.slack;
+    (*sums).above += over * luminance;
+    (*sums).below += under * luminance;
+    (*sums).off += max(over, under) * leaf.energy;
     let distance = sqrt(squared);
     if distance + leaf.radius > 0.999 && distance - leaf.radius < 1.415 {
-        (*sums).grazing += luminance;
+        (*sums).grazing += leaf.energy;
     }
-    if leaf.cell != 0u && mean.slope != 0.0 {
-        let slope = 0.5 * mean.slope * apart;
-        // A colour's centroid lies within the cell's reach, so that no colour becomes negative.
-        if length(slope) * leaf.radius <= mean.estimate {
-            (*sums).radiance += dipole_radiance(leaf, slope);
-        }
+    if leaf.cell != 0u && mean.spread > 0.0 {
+        add_tints(leaf.cell, luminance, apart, mean, sums);
     }
     (*sums).count += 1u;
 }
@@ -442,10 +477,23 @@ fn rank(low: u32, high: u32, lane: u32) -> u32 {
     return countOneBits(low) + countOneBits(high & ((1u << (lane - 32u)) - 1u));
 }
 
-// The mean luminance over the sphere.
-fn mean_luminance() -> f32 {
-    let above_least = quads[quad_at(lobe.root, 0u, 0u) * QUAD_FIELDS + FIELD_LUMINANCE];
-    return dot(least[0].rgb, LUMINANCE) + dot(above_least, vec4<f32>(1.0)) / 12.566371;
+fn root_sum(name: u32) -> f32 {
+    return dot(quads[quad_at(lobe.root, 0u, 0u) * QUAD_FIELDS + name], vec4<f32>(1.0));
+}
+
+// The mean radiance over the sphere.
+fn mean_radiance() -> vec3<f32> {
+    let above_least = vec3<f32>(root_sum(FIELD_RED), root_sum(FIELD_GREEN), root_sum(FIELD_BLUE));
+    return least[0].rgb + above_least / 12.566371;
+}
+
+// A channel whose mean is below the luminance's by more than this factor is nearly black.
+const DIMMEST = 100.0f;
+
+// The factors that make errors of the channels comparable with one of the luminance, for the `mean` radiance.
+fn channel_weights(mean: vec3<f32>) -> vec3<f32> {
+    let luminance = vec3<f32>(dot(mean, LUMINANCE));
+    return select(vec3<f32>(DIMMEST), luminance / mean, luminance < DIMMEST * mean);
 }
 
 // A child of a node, as a leaf and as a node.
@@ -502,40 +550,56 @@ fn child_of(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> C
 fn gather_sums(lane: u32) -> Sums {
     var sums: Sums;
     for (var at = lane; at < GROUP_SIZE; at += LANES) {
-        sums.radiance += vec3<f32>(leaves[at], leaves[GROUP_SIZE + at], leaves[2u * GROUP_SIZE + at]);
-        sums.above += leaves[3u * GROUP_SIZE + at];
-        sums.below += leaves[4u * GROUP_SIZE + at];
-        sums.count += bitcast<u32>(leaves[5u * GROUP_SIZE + at]) & 0x3fffffffu;
-        sums.grazing += leaves[6u * GROUP_SIZE + at];
+        for (var c = 0u; c < 3u; c++) {
+            sums.radiance[c] += leaves[c * GROUP_SIZE + at];
+            sums.off[c] += leaves[(3u + c) * GROUP_SIZE + at];
+            sums.grazing[c] += leaves[(6u + c) * GROUP_SIZE + at];
+        }
+        sums.above += leaves[9u * GROUP_SIZE + at];
+        sums.below += leaves[10u * GROUP_SIZE + at];
+        sums.count += bitcast<u32>(leaves[11u * GROUP_SIZE + at]) & 0x3fffffffu;
     }
     return sums;
 }
 
 fn leave_sums(lane: u32, sums: Sums) {
-    leaves[lane] = sums.radiance.r;
-    leaves[GROUP_SIZE + lane] = sums.radiance.g;
-    leaves[2u * GROUP_SIZE + lane] = sums.radiance.b;
-    leaves[3u * GROUP_SIZE + lane] = sums.above;
-    leaves[4u * GROUP_SIZE + lane] = sums.below;
+    for (var c = 0u; c < 3u; c++) {
+        leaves[c * GROUP_SIZE + lane] = sums.radiance[c];
+        leaves[(3u + c) * GROUP_SIZE + lane] = sums.off[c];
+        leaves[(6u + c) * GROUP_SIZE + lane] = sums.grazing[c];
+    }
+    leaves[9u * GROUP_SIZE + lane] = sums.above;
+    leaves[10u * GROUP_SIZE + lane] = sums.below;
     // Store the pattern of a normal number: drivers flush subnormals.
-    leaves[5u * GROUP_SIZE + lane] = bitcast<f32>(sums.count | 0x40000000u);
-    leaves[6u * GROUP_SIZE + lane] = sums.grazing;
+    leaves[11u * GROUP_SIZE + lane] = bitcast<f32>(sums.count | 0x40000000u);
 }
 
-// Radiance and the certified bound of its luminance, from the sums over `count` leaves.
-fn answer(sums: Sums, count: u32) -> vec4<f32> {
+struct Answer {
+    radiance: vec3<f32>,
+    // Certified bounds of the luminance and of each channel.
+    luminance_bound: f32,
+    channel_bounds: vec3<f32>,
+}
+
+// The answer from the sums over `count` leaves.
+fn answer(sums: Sums, count: u32) -> Answer {
     let radiance = max(sums.radiance, vec3<f32>()) * lobe.per_integral;
     let rounding = lobe.rounding + lobe.rounding_per_leaf * f32(count);
     // Where k is near 0, an absolute error in s counts more than a relative error in k. On the CPU s is in
     // error by 8 2^-24; here directions are in error by 2^-22, and distances by the same again.
     let grazed = sums.grazing * grazing_slope(kernel()) * 1.5e-6 * lobe.per_integral;
-    let mean = mean_luminance();
+    let mean = mean_radiance();
     // The least radiance and every E - c w are float32 differences, in error by 2^-21 of the whole; omitted
     // residues add at most as much.
-    let bound = max(sums.above, sums.below) * lobe.per_integral + rounding * dot(radiance, LUMINANCE) + grazed
-        + 9.6e-7 * dot(least[0].rgb, LUMINANCE) * lobe.share
-        + select(0.0, lobe.omitted + lobe.underflow * 12.566371 * mean, mean > 0.0);
-    return vec4<f32>(lobe.share * least[0].rgb + radiance, bound);
+    let omitted = lobe.omitted + lobe.underflow * 12.566371 * mean;
+    let fixed = grazed + 9.6e-7 * least[0].rgb * lobe.share
+        + select(vec3<f32>(), omitted, dot(mean, LUMINANCE) > 0.0);
+    // Tints are rounded like centroids.
+    return Answer(
+        lobe.share * least[0].rgb + radiance,
+        max(sums.above, sums.below) * lobe.per_integral + dot(rounding * radiance + fixed, LUMINANCE),
+        sums.off * lobe.per_integral + 3.0 * rounding * radiance + fixed,
+    );
 }
 
 @compute @workgroup_size(GROUP_SIZE)
@@ -548,7 +612,9 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     let radius = packets[index].radius;
     let own = lane % LANES;
     let direction = vec3<f32>(packets[index].x[own], packets[index].y[own], packets[index].z[own]);
-    let tolerance = lobe.tolerance_per_mean * mean_luminance();
+    let mean = mean_radiance();
+    let tolerance = lobe.tolerance_per_mean * dot(mean, LUMINANCE);
+    weights = channel_weights(mean);
 
     if lane == 0u {
         stack[0] = Node(lobe.root << 28u, 0u);
@@ -620,12 +686,16 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
         return;
     }
     sums = gather_sums(lane);
-    var result = answer(sums, leaf_total);
-    let at = index * LANES + lane;
+    let own_answer = answer(sums, leaf_total);
+    var light = vec4<f32>(own_answer.radiance, own_answer.luminance_bound);
+    var bounds = vec4<f32>(own_answer.channel_bounds, 0.0);
+    let at = 2u * (index * LANES + lane);
     if lobe.add != 0u {
-        result += results[at];
+        light += results[at];
+        bounds += results[at + 1u];
     }
-    results[at] = result;
+    results[at] = light;
+    results[at + 1u] = bounds;
     if lane == 0u {
         // Some drivers end long loops without reporting it.
         let complete = sums.count == leaf_total && stack_size == 0u;

@@ -45,8 +45,16 @@ struct Cell {
     luminance: f32,
     mixed: vec3<f32>,
     energy: vec3<f32>,
-    red_dipole: vec3<f32>,
-    blue_dipole: vec3<f32>,
+    red_tint: Tint,
+    blue_tint: Tint,
+}
+
+// `Tint` of src/geometry/tint.rs.
+struct Tint {
+    dipole: vec3<f32>,
+    variation: f32,
+    diagonal: vec3<f32>,
+    mixed: vec3<f32>,
 }
 
 // Sums over the members before division by the luminance; see `absorb`.
@@ -76,7 +84,19 @@ fn centre(all: ptr<function, Union>) {
     }
 }
 
-// Second pass: covariance, radius and dipoles around the centroid.
+// Adds the tint of a part, whose covariance is `diagonal` and `mixed`, whose centroid is `apart` from the
+// whole's, and whose energy exceeds its share of the whole's, by luminance, by `excess`.
+fn absorb_tint(
+    tint: ptr<function, Tint>, part: Tint, diagonal: vec3<f32>, mixed: vec3<f32>, apart: vec3<f32>, excess: f32,
+) {
+    (*tint).dipole += part.dipole + apart * excess;
+    (*tint).diagonal += part.diagonal + 2.0 * apart * part.dipole + (diagonal + apart * apart) * excess;
+    (*tint).mixed += part.mixed + apart.yzx * part.dipole.zxy + apart.zxy * part.dipole.yzx
+        + (mixed + apart.yzx * apart.zxy) * excess;
+    (*tint).variation += (part.variation + abs(excess)) * (1.0 + 2e-6);
+}
+
+// Second pass: covariance, radius and tints around the centroid.
 fn absorb(all: ptr<function, Union>, member: Cell) {
     if member.luminance <= 0.0 {
         return;
@@ -85,8 +105,13 @@ fn absorb(all: ptr<function, Union>, member: Cell) {
     let share = member.luminance / (*all).cell.luminance;
     (*all).cell.diagonal += (member.diagonal + apart * apart) * share;
     (*all).cell.mixed += (member.mixed + apart.yzx * apart.zxy) * share;
-    (*all).cell.red_dipole += member.red_dipole + apart * member.energy.r;
-    (*all).cell.blue_dipole += member.blue_dipole + apart * member.energy.b;
+    let excess = member.energy - (*all).cell.energy * share;
+    var red = (*all).cell.red_tint;
+    absorb_tint(&red, member.red_tint, member.diagonal, member.mixed, apart, excess.r);
+    (*all).cell.red_tint = red;
+    var blue = (*all).cell.blue_tint;
+    absorb_tint(&blue, member.blue_tint, member.diagonal, member.mixed, apart, excess.b);
+    (*all).cell.blue_tint = blue;
     (*all).cell.radius = max((*all).cell.radius, (length(apart) + member.radius) * (1.0 + 2e-6));
 }
 
@@ -112,7 +137,27 @@ fn texel_cell(x: u32, y: u32) -> Cell {
     return Cell(
         tent.centroid * signs, tent.radius, tent.diagonal, dot(energy, LUMINANCE),
         tent.mixed * signs.yzx * signs.zxy,
-        energy, vec3<f32>(), vec3<f32>());
+        energy, Tint(), Tint());
+}
+
+fn store_tint(at: u32, tint: Tint) {
+    for (var c = 0u; c < 3u; c++) {
+        quads[at + 4u * c] = tint.dipole[c];
+        quads[at + 4u * (3u + c)] = tint.diagonal[c];
+        quads[at + 4u * (6u + c)] = tint.mixed[c];
+    }
+    quads[at + 36u] = tint.variation;
+}
+
+fn fetch_tint(at: u32) -> Tint {
+    var tint: Tint;
+    for (var c = 0u; c < 3u; c++) {
+        tint.dipole[c] = quads[at + 4u * c];
+        tint.diagonal[c] = quads[at + 4u * (3u + c)];
+        tint.mixed[c] = quads[at + 4u * (6u + c)];
+    }
+    tint.variation = quads[at + 36u];
+    return tint;
 }
 
 fn store(quad: u32, k: u32, cell: Cell) {
@@ -123,9 +168,9 @@ fn store(quad: u32, k: u32, cell: Cell) {
     for (var c = 0u; c < 3u; c++) {
         quads[at + 4u * (FIELD_COVARIANCE + c)] = cell.diagonal[c];
         quads[at + 4u * (FIELD_COVARIANCE + 3u + c)] = cell.mixed[c];
-        quads[at + 4u * (FIELD_RED_DIPOLE + c)] = cell.red_dipole[c];
-        quads[at + 4u * (FIELD_BLUE_DIPOLE + c)] = cell.blue_dipole[c];
     }
+    store_tint(at + 4u * FIELD_RED_TINT, cell.red_tint);
+    store_tint(at + 4u * FIELD_BLUE_TINT, cell.blue_tint);
     quads[at + 4u * FIELD_RADIUS] = cell.radius;
     quads[at + 4u * FIELD_LUMINANCE] = cell.luminance;
     quads[at + 4u * FIELD_RED] = cell.energy.r;
@@ -140,9 +185,9 @@ fn fetch(quad: u32, k: u32) -> Cell {
     for (var c = 0u; c < 3u; c++) {
         cell.diagonal[c] = quads[at + 4u * (FIELD_COVARIANCE + c)];
         cell.mixed[c] = quads[at + 4u * (FIELD_COVARIANCE + 3u + c)];
-        cell.red_dipole[c] = quads[at + 4u * (FIELD_RED_DIPOLE + c)];
-        cell.blue_dipole[c] = quads[at + 4u * (FIELD_BLUE_DIPOLE + c)];
     }
+    cell.red_tint = fetch_tint(at + 4u * FIELD_RED_TINT);
+    cell.blue_tint = fetch_tint(at + 4u * FIELD_BLUE_TINT);
     cell.radius = quads[at + 4u * FIELD_RADIUS];
     cell.luminance = quads[at + 4u * FIELD_LUMINANCE];
     cell.energy =

@@ -118,23 +118,68 @@ pub(crate) fn fitted_count(text: Option<&str>) -> Result<u32, String> {
     }
 }
 
+impl std::ops::Add for Bound {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            channels: std::array::from_fn(|c| self.channels[c] + other.channels[c]),
+            luminance: self.luminance + other.luminance,
+        }
+    }
+}
+
 /// The answer to a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     /// Radiance of the lobe.
     pub radiance: Rgb,
-    /// Certified bound on the luminance error against exhaustive integration over the source, constant over
-    /// each texel's solid angle; `None` if the filter has none.
+    /// Certified bounds of the errors against exhaustive integration over the source, constant over each
+    /// texel's solid angle; `None` if the filter has none.
     ///
     /// Lobes of less than four texels of the octahedral map blend into bilinear interpolation of the map;
-    /// there the bound is against the same blend.
-    pub bound: Option<f32>,
+    /// there the bounds are against the same blend.
+    pub bound: Option<Bound>,
+}
+
+/// Certified bounds of an answer's errors, in units of radiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bound {
+    /// Of red, green and blue.
+    pub channels: Rgb,
+    /// Of the luminance.
+    pub luminance: f32,
+}
+
+impl Bound {
+    /// Bounds of answers without any, such as mirrors'.
+    pub const NONE: Self = Self { channels: [f32::INFINITY; 3], luminance: f32::INFINITY };
+
+    /// The bounds after `change` of each.
+    #[must_use]
+    pub fn map(self, change: impl Fn(f32) -> f32) -> Self {
+        Self { channels: self.channels.map(&change), luminance: change(self.luminance) }
+    }
+
+    /// The greatest of both bounds of each.
+    pub(crate) fn max(self, other: Self) -> Self {
+        let [red, green, blue] = std::array::from_fn(|c| self.channels[c].max(other.channels[c]));
+        Self { channels: [red, green, blue], luminance: self.luminance.max(other.luminance) }
+    }
+
+    /// The bounds of luminance, red, green and blue.
+    #[must_use]
+    pub const fn values(self) -> [f32; 4] {
+        let [red, green, blue] = self.channels;
+        [self.luminance, red, green, blue]
+    }
 }
 
 impl Answer {
     /// First radiance or bound value that is NaN, infinite or negative.
     pub(crate) fn wrong_value(&self) -> Option<f32> {
-        let values = self.radiance.into_iter().chain(self.bound);
-        values.into_iter().find(|value| !(value.is_finite() && *value >= 0.0))
+        let bounds = self.bound.into_iter().flat_map(Bound::values);
+        let mut values = self.radiance.into_iter().chain(bounds);
+        values.find(|value| !(value.is_finite() && *value >= 0.0))
     }
 }

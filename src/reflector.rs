@@ -9,7 +9,7 @@ use crate::cpu::leaves::{LANES, Packet, Scratch};
 use crate::cpu::{blur, mirror, reparameterise};
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
-use crate::filter::{Answer, Filter};
+use crate::filter::{Answer, Bound, Filter};
 use crate::geometry::source_texels::SourceTexels;
 use crate::geometry::tent::Reconstruction;
 use crate::light_scale::LightScale;
@@ -545,7 +545,9 @@ impl Lobes<'_> {
                     }
                     let packet = Packet::new(&turned[..group.len()]);
                     let first = answers.len();
-                    answers.extend(group.iter().map(|_| Answer { radiance: [0.0; 3], bound: Some(0.0) }));
+                    answers.extend(
+                        group.iter().map(|_| Answer { radiance: [0.0; 3], bound: Some(Bound::default()) }),
+                    );
                     for part in [source, bilinear].into_iter().flatten() {
                         let shares = part.evaluate(&packet, &mut workspace.scratch);
                         workspace.leaves += shares.leaves as u64;

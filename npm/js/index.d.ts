@@ -21,8 +21,11 @@ export interface InputOptions {
     sanitize?: boolean;
     /** Treat any repair as an error. */
     strict?: boolean;
-    /** Remove the sun; a bake writes it to sun.json. */
-    extractSun?: boolean;
+    /**
+     * Remove the brightest sun (true), this many lights, or those at directions separated by colons, each an
+     * azimuth and an elevation in degrees ("34,35") or a vector. A bake writes them to sun.json and sun.gltf.
+     */
+    extractSun?: boolean | number | string;
 }
 
 export interface CallOptions {
@@ -137,7 +140,7 @@ export interface QueryOptions extends InputOptions, CallOptions {
     roughness?: number | ArrayLike<number>;
     lobe?: Lobe;
     filter?: string;
-    /** Add a fourth number to each answer: the certified error of its luminance; Infinity for mirrors. */
+    /** Add four numbers to each answer: certified errors of luminance, red, green and blue; Infinity for mirrors. */
     bound?: boolean;
     oemSize?: number;
     border?: number;
@@ -178,7 +181,7 @@ export function bake(source: Source, options?: BakeOptions): Promise<BakeResult>
 /** Describes an environment. */
 export function info(source: Source, options?: InputOptions & CallOptions): Promise<Info>;
 
-/** Radiance of a lobe around directions: red, green and blue each, and with `bound` a fourth number. */
+/** Radiance of a lobe around directions: red, green and blue each, and with `bound` four certified errors. */
 export function query(source: Source, options: QueryOptions): Promise<Float32Array>;
 
 /** The presets for engines. */

@@ -111,6 +111,14 @@ impl Given {
         }
     }
 
+    /// A flag, whose `true` is `brightest`, a number or a text.
+    pub(crate) fn switch_number_or_text(&mut self, name: &'static str) -> Result<Option<String>> {
+        match self.left.get(name) {
+            Some(Value::Bool(_)) => Ok(self.flag(name)?.then(|| "brightest".to_owned())),
+            _ => self.number_or_text(name),
+        }
+    }
+
     /// A whole number or a text.
     pub(crate) fn number_or_text(&mut self, name: &'static str) -> Result<Option<String>> {
         match self.value(name) {

@@ -83,7 +83,7 @@ pub fn bake(
         let start = Instant::now();
         let mut given = Given::parsed(options)?;
         let reading = Reading::of(&mut given)?;
-        let request = Request::of(&mut given, reading.extract_sun)?;
+        let request = Request::of(&mut given, reading.extract_sun.is_some())?;
         given.finish()?;
         let opened = reading.open(input, &bytes)?;
         drop(bytes);

@@ -3,8 +3,11 @@
 use crate::given::with_options;
 use crate::plan::Request;
 use crate::source::{Opened, Reading};
+use glam::DVec3;
+use octagloss::internals::analysis::extraction::Suns;
 use octagloss::internals::bake::report::{Circumstances, InputFileReport, Report};
 use octagloss::internals::export::files::{Made, files as made_files, metadata};
+use octagloss::internals::export::lights;
 use octagloss::internals::export::plan::BakePlan;
 use octagloss::internals::export::stored::{Stored, recorded};
 use octagloss::internals::image::preview;
@@ -61,7 +64,13 @@ pub(crate) fn output(
         let compressed = request.overflow.apply_all(&mut bake, files.pixel)?;
         if request.preview {
             let name = Path::new(baked.input).file_name().unwrap_or_default().to_string_lossy();
-            let origin = preview::Origin { name: &name, target: files.target.name };
+            let removed: Vec<DVec3> = baked.opened.suns.iter().map(|sun| sun.direction.into()).collect();
+            let origin = preview::Origin {
+                name: &name,
+                target: files.target.name,
+                source: Some(&baked.opened.environment),
+                removed: &removed,
+            };
             sheets.push(preview::contact_sheet(&bake.chain, origin, request.exposure)?);
         }
         let made = made_files(files, &name, &bake, &metadata(&plan.settings, &baked.opened.turned))?;
@@ -78,8 +87,11 @@ pub(crate) fn output(
         output.files.push((format!("{folder}{prefix}report.json"), report.clone().into_bytes()));
         output.reports.push(report);
     }
-    if baked.reading.extract_sun {
-        output.files.push((format!("{prefix}sun.json"), json(&baked.opened.sun)?.into_bytes()));
+    if let Some(asked) = &baked.reading.extract_sun {
+        let suns = &baked.opened.suns;
+        let text = if *asked == Suns::Brightest { json(&suns.first())? } else { json(suns)? };
+        output.files.push((format!("{prefix}sun.json"), text.into_bytes()));
+        output.files.push((format!("{prefix}sun.gltf"), json(&lights::gltf(suns))?.into_bytes()));
     }
     if request.sunless {
         let bytes = exact_exr_bytes(&baked.opened.environment, "an environment without its sun")?;
@@ -126,11 +138,11 @@ fn report(
         pad: reading.options.pad,
         sanitize: reading.options.sanitize,
         strict: reading.options.strict,
-        extract_sun: reading.extract_sun,
+        extract_sun: reading.extract_sun.clone(),
         sunless: request.sunless,
         overflow: request.overflow,
         preview: request.preview,
-        sun: opened.sun.clone(),
+        suns: opened.suns.clone(),
         format: files.format_name().to_owned(),
         pixel: files.pixel.name().to_owned(),
         level_pixels: stored.pixels,

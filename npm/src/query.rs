@@ -62,8 +62,8 @@ impl Query {
             Directions { lobe: self.lobe, filter: self.filter, directions: &directions, roughness: &each };
         let answers = query.answered(&reflector)?;
         let row = |answer: &filter::Answer| {
-            let bound = self.bound.then(|| answer.bound.unwrap_or(f32::INFINITY));
-            answer.radiance.into_iter().chain(bound)
+            let bounds = self.bound.then(|| answer.bound.unwrap_or(filter::Bound::NONE).values());
+            answer.radiance.into_iter().chain(bounds.into_iter().flatten())
         };
         Ok(answers.iter().flat_map(row).collect())
     }

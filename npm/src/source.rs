@@ -1,6 +1,7 @@
 //! Reads an environment as the command line opens its input.
 
 use crate::given::{Given, wrong};
+use octagloss::internals::analysis::extraction::Suns;
 use octagloss::internals::bake::report::SunReport;
 use octagloss::internals::bake::turned::Turn;
 use octagloss::internals::environment::MOST_DEGREES;
@@ -17,7 +18,7 @@ pub(crate) struct Reading {
     pub(crate) options: ReadOptions,
     pub(crate) rotate_y: f64,
     pub(crate) mirror: bool,
-    pub(crate) extract_sun: bool,
+    pub(crate) extract_sun: Option<Suns>,
 }
 
 /// An environment, and what reports record of it.
@@ -27,11 +28,17 @@ pub(crate) struct Opened {
     pub(crate) loaded: Loaded,
     /// Rotation, mirroring, scale and sun, for the outputs.
     pub(crate) turned: Provenance,
-    pub(crate) sun: Option<SunReport>,
+    pub(crate) suns: Vec<SunReport>,
     pub(crate) warnings: Vec<String>,
     /// Size and hash of the file.
     pub(crate) bytes: u64,
     pub(crate) hash: String,
+}
+
+/// true for the brightest light, a number of lights, or their directions as texts of the command line.
+fn extract_sun(given: &mut Given) -> Result<Option<Suns>> {
+    let Some(text) = given.switch_number_or_text("extractSun")? else { return Ok(None) };
+    Suns::parsed(&text).map(Some).or_else(|needed| wrong(format!("`extractSun` is {text:?}; {needed}")))
 }
 
 impl Reading {
@@ -49,7 +56,7 @@ impl Reading {
             },
             rotate_y: given.number("rotateY")?.unwrap_or(0.0),
             mirror: given.flag("mirror")?,
-            extract_sun: given.flag("extractSun")?,
+            extract_sun: extract_sun(given)?,
         };
         let ReadOptions { layout, sanitize, strict, scale, crop, pad, .. } = &reading.options;
         if reading.rotate_y.abs() > MOST_DEGREES {
@@ -74,16 +81,16 @@ impl Reading {
         let mut loaded = io::read_from_memory(Path::new(input), bytes, &self.options)?;
         let nothing = Environment::new(octagloss::Layout::Cube { size: 1 }, vec![[0.0; 3]; 6])?;
         let environment = std::mem::replace(&mut loaded.environment, nothing);
-        let turn = Turn { mirror: self.mirror, rotate_y: self.rotate_y, extract_sun: self.extract_sun };
+        let turn = Turn { mirror: self.mirror, rotate_y: self.rotate_y, extract_sun: self.extract_sun.clone() };
         let turned = turn.applied(environment, &self.options);
         let mut warnings = std::mem::take(&mut loaded.warnings);
-        warnings.extend(turned.warning);
+        warnings.extend(turned.warnings);
         let hash = blake3::hash(bytes).to_hex().to_string();
         Ok(Opened {
             environment: turned.environment,
             loaded,
             turned: turned.provenance,
-            sun: turned.sun,
+            suns: turned.suns,
             warnings,
             bytes: bytes.len() as u64,
             hash,

@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Final, Literal, Sequence, Tuple, Union, final, overload
+from typing import Any, Final, List, Literal, Sequence, Tuple, Union, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -143,6 +143,7 @@ class Environment:
     ) -> NDArray[np.float64]: ...
     def sun(self) -> Union[Sun, None]: ...
     def extract_sun(self) -> Union[Tuple[Environment, Sun], None]: ...
+    def extract_suns(self, which: Union[int, str]) -> Tuple[Environment, List[Sun]]: ...
 
 @final
 class Level:

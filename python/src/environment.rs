@@ -7,6 +7,7 @@ use crate::query::{Asked, Roughness, Tables, sharpest_of};
 use crate::sun::Sun;
 use crate::work::run;
 use numpy::PyArrayDyn;
+use octagloss::internals::analysis::extraction::{Suns, extract};
 use octagloss::internals::analysis::sun::Sun as FoundSun;
 use octagloss::internals::bake::report::{RepairReport, SunReport};
 use octagloss::internals::environment::{LUMINANCE, MOST_DEGREES, luminance};
@@ -43,7 +44,9 @@ pub(crate) struct Origin {
     pub(crate) layout: String,
     /// Rotation, mirroring, scale and sun, as files record them.
     pub(crate) turned: Provenance,
-    pub(crate) sun: Option<SunReport>,
+    pub(crate) suns: Vec<SunReport>,
+    /// The last selection of suns that were removed.
+    pub(crate) extract_sun: Option<Suns>,
     pub(crate) repaired: Repairs,
     pub(crate) warnings: Vec<String>,
     pub(crate) sanitize: bool,
@@ -221,7 +224,8 @@ impl Environment {
             input,
             layout: loaded.layout.to_owned(),
             turned,
-            sun: None,
+            suns: Vec::new(),
+            extract_sun: None,
             repaired: loaded.repaired,
             warnings: loaded.warnings,
             sanitize,
@@ -320,8 +324,8 @@ impl Environment {
     /// over the sphere), fitted:K (the real-time tier, 1, 2, 4 or 8 boxes), box, or reference (exhaustive
     /// integration).
     ///
-    /// bounds: return (radiance, bounds), where bounds (...) certify the error of luminance. They need
-    /// adaptive:E. Mirrors are look-ups without a bound: theirs is infinite.
+    /// bounds: return (radiance, bounds), where bounds (..., 4) certify the errors of luminance, red, green and
+    /// blue. They need adaptive:E. Mirrors are look-ups without bounds: theirs are infinite.
     ///
     /// oem_size, border: edge and border of the octahedral map. sharpest: the least roughness above 0 that
     /// the tables are made for; by default the least of roughness. Tables are kept until a call needs other
@@ -415,14 +419,17 @@ impl Environment {
 
     /// Splits off the sun: (environment without it, Sun), or None if there is no sun. Their energies add up.
     fn extract_sun(&self, py: Python<'_>) -> PyResult<Option<(Self, Sun)>> {
-        let light = Arc::clone(&self.light);
-        let found = run(py, move |_, pool| Ok(pool.install(|| FoundSun::extract(&light))))?;
-        Ok(found.map(|found| {
-            let mut origin = self.origin.clone();
-            origin.turned.sun = Some(TakenSun::from(&found.sun));
-            origin.sun = Some(SunReport::new(&found.sun, found.energy_share));
-            (Self::new(found.sunless, origin), Sun::new(&found.sun, found.energy_share))
-        }))
+        let (rest, mut suns) = self.parted(py, Suns::Brightest)?;
+        Ok(suns.pop().map(|sun| (rest, sun)))
+    }
+
+    /// Splits off the lights that `which` selects: (environment without them, list of Suns). `which` is their
+    /// number (those of the greatest irradiance), or text as for the command line's --extract-sun. Warns about
+    /// lights that stay.
+    fn extract_suns(&self, py: Python<'_>, which: &Bound<'_, PyAny>) -> PyResult<(Self, Vec<Sun>)> {
+        let text = which.str()?.to_string();
+        let suns = Suns::parsed(&text).map_err(|needed| wrong(format!("`which` is {text:?}; {needed}")))?;
+        self.parted(py, suns)
     }
 
     fn __repr__(&self) -> String {
@@ -432,6 +439,27 @@ impl Environment {
 }
 
 impl Environment {
+    /// Splits off `suns`; warns about lights that stay.
+    fn parted(&self, py: Python<'_>, suns: Suns) -> PyResult<(Self, Vec<Sun>)> {
+        let light = Arc::clone(&self.light);
+        let asked = suns.clone();
+        let found = run(py, move |_, pool| Ok(pool.install(|| extract(&light, &asked))))?;
+        let mut origin = self.origin.clone();
+        if suns != Suns::Brightest || !found.lamps.is_empty() {
+            for warning in found.warnings() {
+                warn(py, &warning)?;
+            }
+        }
+        let reports = found.lamps.iter().map(|lamp| SunReport::new(&lamp.sun, lamp.energy_share));
+        origin.suns.extend(reports);
+        origin.turned.suns.extend(found.lamps.iter().map(|lamp| TakenSun::from(&lamp.sun)));
+        if !found.lamps.is_empty() {
+            origin.extract_sun = Some(suns);
+        }
+        let suns = found.lamps.iter().map(|lamp| Sun::new(&lamp.sun, lamp.energy_share)).collect();
+        Ok((Self::new(found.sunless, origin), suns))
+    }
+
     /// Rotates and mirrors, in the order of the command line: mirrors first.
     fn turned(self, degrees: f64, mirror: bool) -> Self {
         let Self { light, mut origin, .. } = self;

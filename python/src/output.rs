@@ -267,7 +267,7 @@ impl Output {
     }
 
     fn circumstances(&self, plan: &TargetPlan, stored: Stored) -> Circumstances {
-        let Origin { input, layout, turned, sun, repaired, warnings: own, sanitize, strict } = &self.origin;
+        let Origin { input, layout, turned, suns, extract_sun, repaired, warnings: own, sanitize, strict } = &self.origin;
         Circumstances {
             input: input.clone(),
             // Arrays have no files.
@@ -283,11 +283,11 @@ impl Output {
             pad: turned.pad,
             sanitize: *sanitize,
             strict: *strict,
-            extract_sun: sun.is_some(),
+            extract_sun: extract_sun.clone(),
             sunless: false,
             overflow: self.overflow,
             preview: false,
-            sun: sun.clone(),
+            suns: suns.clone(),
             format: plan.format_name().to_owned(),
             pixel: plan.pixel.name().to_owned(),
             level_pixels: stored.pixels,

@@ -202,9 +202,9 @@ impl Environment {
                 let scaled = |value: f32| (f64::from(value) * factor) as f32;
                 let radiance: Vec<f32> =
                     answers.iter().flat_map(|answer| answer.radiance.map(scaled)).collect();
-                let bound = |answer: &Answer| answer.bound.map_or(f32::INFINITY, scaled);
+                let bound = |answer: &Answer| answer.bound.map_or([f32::INFINITY; 4], |bound| bound.values().map(scaled));
                 let certified: Vec<f32> =
-                    if bounds { answers.iter().map(bound).collect() } else { Vec::new() };
+                    if bounds { answers.iter().flat_map(bound).collect() } else { Vec::new() };
                 Ok((radiance, certified))
             })
         })?;
@@ -212,7 +212,7 @@ impl Environment {
         if !bounds {
             return Ok(radiance.into_any());
         }
-        Ok((radiance, array(py, certified, shape)?).into_pyobject(py)?.into_any())
+        Ok((radiance, array(py, certified, with_axis(shape, 4))?).into_pyobject(py)?.into_any())
     }
 }
 

@@ -30,6 +30,18 @@ def test_files_are_the_bytes_of_the_command_lines(program, sky, sky_file, tmp_pa
     program("bake", sky_file, "-o", "theirs.ktx2", *SMALL_ARGUMENTS, *arguments)
     octagloss.bake(sky, **SMALL, output=tmp_path / "ours.ktx2", **options)
     assert (tmp_path / "ours.ktx2").read_bytes() == (tmp_path / "theirs.ktx2").read_bytes()
+    rest, suns = sky.extract_suns(1)
+    octagloss.bake(rest, **SMALL, output=tmp_path / "one.ktx2")
+    assert len(suns) == 1
+    assert (tmp_path / "one.ktx2").read_bytes() == (tmp_path / "theirs.ktx2").read_bytes()
+    sun = suns[0]
+    towards = f"{sun.azimuth_degrees},{sun.elevation_degrees}:0,-90"
+    with pytest.warns(UserWarning, match="no light stands out"):
+        rest, again = sky.extract_suns(towards)
+    assert [found.direction for found in again] == [sun.direction]
+    for which in (0, 33, "up", 1.5):
+        with pytest.raises(ValueError, match="`which` is"):
+            sky.extract_suns(which)
 
 
 @pytest.mark.filterwarnings("ignore:.* texels exceed the range")

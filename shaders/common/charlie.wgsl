@@ -106,16 +106,24 @@ fn charlie_interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius
     let least = clamp(select(trough, max(trough, lower + under), sharp) - NOTHING, 0.0, greatest);
 
     let half_width = 0.866 * tangential;
+    let in_front = select(share_in_front(-beyond, half_width), 1.0, b <= 1.0);
     let across = max(half_width - abs(beyond), 0.0);
     let gain = 2.0 * across * across / max(4.0 * half_width, 1e-6);
-    var second_order = 0.0;
-    if s < 0.5 {
-        second_order = 0.5 * charlie_bend(kernel, t, rise_t) * along;
-    }
-    let estimate = clamp(max(at_mean, 0.0) + second_order + gain, least, greatest);
+    // Beyond the horizon k is 0, and as steep and bent as at it.
+    let front = clamp(t, 1e-6, 1.0);
+    let rise = min(rise_t, 1.0);
+    let bend = 2.0 * charlie_bend(kernel, front, rise) * in_front;
+    let slope = 2.0 * rise * (p - (p + 1.0) * front) / front + 2.0 * (1.0 - in_front);
+    let estimate = clamp(max(at_mean, 0.0) + 0.25 * bend * along + gain, least, greatest);
     // The slope up to the horizon, where rise_t is 1; leaves beyond it have none.
-    let steepness = 2.0 * min(rise_t, 1.0) * abs(p / clamp(t, LEAST_X, 1.0) - (p + 1.0));
+    let steepness = 2.0 * rise * abs(p / clamp(t, LEAST_X, 1.0) - (p + 1.0));
     let rounding = select(ERROR_OF_S * distance * steepness, 0.0, distance - radius > 1.415);
-    let slope = select(0.0, 2.0 * rise_t * (p - (p + 1.0) * t) / max(t, 1e-6), s < 0.5);
-    return Interval(least, greatest, estimate, slope, rounding);
+    let spread = 0.5 * (crest - trough);
+    // In front of the horizon, the series' error is that of its bend.
+    let farther = max(s - low, high - s);
+    let radial_part =
+        0.25 * max(abs(steepest), abs(flattest)) * radius * radius * radius * (distance + 0.25 * radius);
+    let rest = 0.5 * (steepest - flattest) * farther * farther + radial_part + rounding;
+    let known = sharp && b <= 1.0 && rest < spread;
+    return Interval(least, greatest, estimate, slope, bend, select(-1.0, rest, known), spread, rounding);
 }

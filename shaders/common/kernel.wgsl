@@ -176,10 +176,21 @@ struct Interval {
     least: f32,
     greatest: f32,
     estimate: f32,
-    // k' at the mean of s in front of the horizon; 0 beyond, and for lobes that are not smooth.
+    // Slope and half the second derivative of k around the mean of s, faded out across the horizon; 0 for lobes
+    // that are not smooth.
     slope: f32,
+    bend: f32,
+    // What light of zero total can add at most per unit of its variation: to the terms of `slope` and `bend`,
+    // below 0 if that is not known, and without them.
+    rest: f32,
+    spread: f32,
     // Effect of an error of s, where `grazing_slope` does not count it.
     rounding: f32,
+}
+
+// The share in front of the horizon of energy spread evenly over `half_width` of s around a mean `before` it.
+fn share_in_front(before: f32, half_width: f32) -> f32 {
+    return clamp(0.5 + 0.5 * before / max(half_width, 1e-9), 0.0, 1.0);
 }
 
 fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -> Interval {
@@ -193,8 +204,11 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let high = min(0.25 * far * far, 1.0);
     let s = 0.25 * (squared + trace);
     let at_mean = value(kernel, s);
+    let k_near = value(kernel, low);
+    let k_far = value(kernel, high);
+    let spread = 0.5 * (k_near - k_far);
     if !is_smooth(kernel) {
-        return Interval(value(kernel, high), value(kernel, low), at_mean, 0.0, 0.0);
+        return Interval(k_far, k_near, at_mean, 0.0, 0.0, spread, spread, 0.0);
     }
     // s - low and high - s, computed without cancellation.
     let down = select(s, 0.25 * (radius * (2.0 * distance - radius) + trace), distance > radius);
@@ -209,11 +223,11 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let step_down = min(select(0.0, smallest / up, up > 0.0), down);
     // Split k into a hinge at the horizon and a smooth rest; a cell in front of the horizon needs no hinge.
     let below_horizon = high < 0.5;
-    let bend = select(kink(kernel), 0.0, below_horizon);
-    let inner = value(kernel, s + step_up) - hinge(bend, s + step_up);
-    let outer = value(kernel, s - step_down) - hinge(bend, s - step_down);
-    let nearest = value(kernel, low) - hinge(bend, low);
-    let farthest = value(kernel, high) - hinge(bend, high);
+    let jump = select(kink(kernel), 0.0, below_horizon);
+    let inner = value(kernel, s + step_up) - hinge(jump, s + step_up);
+    let outer = value(kernel, s - step_down) - hinge(jump, s - step_down);
+    let nearest = k_near - hinge(jump, low);
+    let farthest = k_far - hinge(jump, high);
     let span_up = down + step_up;
     let span_down = up + step_down;
     let share_up = select(0.0, step_up / span_up, span_up > 0.0);
@@ -221,21 +235,33 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let before = 0.5 - s;
     let deviation = sqrt(min(most, down * up) + before * before);
     // Differences of hinges are rounded at the precision of the greater one.
-    let rounding = 5e-7 * bend;
-    let greatest = inner + share_up * (nearest - inner) + 0.5 * bend * (deviation + before) + rounding;
-    let least = min(max(outer + share_down * (farthest - outer) + hinge(bend, s) - rounding, 0.0), greatest);
-    // Second-order term in front of the horizon, and gain from the kink for energy spread evenly over s.
-    var second_order = 0.0;
-    var slope_at_mean = 0.0;
-    if s < 0.5 {
-        second_order = 0.125 * curvature(kernel, s) * along;
-        slope_at_mean = slope(kernel, s, at_mean);
-    }
+    let rounding = 5e-7 * jump;
+    let greatest = inner + share_up * (nearest - inner) + 0.5 * jump * (deviation + before) + rounding;
+    let least = min(max(outer + share_down * (farthest - outer) + hinge(jump, s) - rounding, 0.0), greatest);
+    // For energy spread evenly over s: its share in front of the horizon, and the gain from the kink.
     let half_width = 0.866 * tangential;
+    let in_front = select(share_in_front(before, half_width), 1.0, below_horizon);
     let across = max(half_width - abs(before), 0.0);
-    let gain = bend * across * across / max(4.0 * half_width, 1e-6);
-    let estimate = min(max(at_mean + second_order + gain, least), greatest);
-    return Interval(least, greatest, estimate, slope_at_mean, 0.0);
+    let gain = jump * across * across / max(4.0 * half_width, 1e-6);
+    // Beyond the horizon k is 0, and as steep and bent as at it.
+    let front = min(s, 0.5);
+    let steepness = slope(kernel, front, at_mean);
+    let curved = 0.5 * curvature(kernel, front);
+    let bend = curved * in_front;
+    let estimate = min(max(at_mean + 0.25 * bend * along + gain, least), greatest);
+    // What k minus its series in front of the horizon loses over the reach; the terms that are used differ.
+    let near_horizon = s >= 0.4995;
+    let front_slope = select(steepness, 0.0, near_horizon);
+    let front_bend = select(curved, 0.0, near_horizon);
+    let falling = steepness + jump * (1.0 - in_front);
+    let loss = k_near - k_far + front_slope * (down + up) + front_bend * (up * up - down * down);
+    let farther = max(down, up);
+    let differing = abs(falling - front_slope) * (down + up) + abs(bend - front_bend) * farther * farther;
+    // The quadrupole leaves out the radial part of the variance.
+    let radial_part = 0.25 * bend * radius * radius * radius * (distance + 0.25 * radius);
+    let rest = 0.5 * (max(loss, 0.0) + differing) + jump * max(high - 0.5, 0.0) + radial_part + 5e-7 * k_near;
+    return Interval(
+        least, greatest, estimate, falling, bend, select(-1.0, rest, rest < spread), spread, 0.0);
 }
 
 // Hinge at the horizon: slope -`bend` in front of it, 0 beyond.

@@ -2,7 +2,7 @@
 // of the sphere; luminance and colours are of energies (radiance times solid angle).
 #include "common/luminance.wgsl"
 
-const QUAD_FIELDS = 20u;
+const QUAD_FIELDS = 34u;
 const FIELD_X = 0u;
 const FIELD_Y = 1u;
 const FIELD_Z = 2u;
@@ -13,6 +13,7 @@ const FIELD_LUMINANCE = 10u;
 const FIELD_RED = 11u;
 const FIELD_GREEN = 12u;
 const FIELD_BLUE = 13u;
-// Dipoles of red and blue around the luminance's centroid: x, y, z.
-const FIELD_RED_DIPOLE = 14u;
-const FIELD_BLUE_DIPOLE = 17u;
+// Tints of red and blue (src/geometry/tint.rs): dipole x, y, z; quadrupole xx, yy, zz, yz, zx, xy; variation.
+const FIELD_RED_TINT = 14u;
+const FIELD_BLUE_TINT = 24u;
+const TINT_FIELDS = 10u;

@@ -156,7 +156,7 @@ fn visit_source(
     visit.leaf.energy = above * total;
     visit.luminance = dot(visit.leaf.energy, LUMINANCE);
     let trace = visit.leaf.diagonal.x + visit.leaf.diagonal.y + visit.leaf.diagonal.z;
-    visit.error = visit.luminance
+    visit.error = weighted(visit.leaf.energy)
         * expected_error(kernel(), length(centroid), visit.leaf.radius, packet_radius, trace);
     return visit;
 }

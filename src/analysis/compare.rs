@@ -1,11 +1,13 @@
 //! Measures a bake against its exhaustively integrated source, or against another bake.
 
+use crate::analysis::channels::{ErrorSums, Greatest, Relative, differences, relative_to};
 use crate::analysis::oracle::Oracle;
 use crate::analysis::sun::{neighbour, texel_width};
 use crate::chain::{Chain, Level};
 use crate::environment::{Environment, Layout, exact_luminance};
 use crate::error::{Error, Result};
 use crate::finite::finite;
+use crate::geometry::footprints::footprints_over;
 use crate::lobe::{Lobe, full_width_at_half_maximum};
 use crate::sphere::cube::{Face, cube_point};
 use crate::sphere::equirect::direction_from_equirect;
@@ -76,7 +78,7 @@ pub(crate) fn grid_of(level: &Level, size: u32) -> Level {
     Level::cube(size.min(level.size()), level.roughness, texels)
 }
 
-/// Errors of one level, measured in luminance.
+/// Errors of one level, in luminance and in every channel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LevelErrors {
     /// The level's number.
@@ -87,14 +89,21 @@ pub struct LevelErrors {
     pub roughness: f64,
     /// Number of texels compared.
     pub texels: usize,
-    /// Root mean square error over the mean of the reference: of the texels of a cube, of the sphere for
-    /// other maps.
+    /// Root mean square error of luminance over the mean of the reference: of the texels of a cube, of the
+    /// sphere for other maps.
     #[serde(serialize_with = "finite")]
     pub rel_rmse: f64,
-    /// Mean absolute error over the mean of the reference.
+    /// The same of red, green and blue, each over its own mean; over that of luminance for a channel that is
+    /// nearly black.
+    #[serde(serialize_with = "finite")]
+    pub channel_rel_rmse: [f64; 3],
+    /// Mean absolute error of luminance over the mean of the reference.
     #[serde(serialize_with = "finite")]
     pub l1: f64,
-    /// The texel with the largest relative error.
+    /// The same of red, green and blue.
+    #[serde(serialize_with = "finite")]
+    pub channel_l1: [f64; 3],
+    /// The texel with the largest relative error of luminance or a channel.
     pub worst: WorstTexel,
     /// Seam measure of the bake at cube edges.
     #[serde(serialize_with = "finite")]
@@ -129,9 +138,26 @@ pub struct WorstTexel {
     /// Radiance of the reference.
     #[serde(serialize_with = "finite")]
     pub reference: [f64; 3],
-    /// Luminance error over the reference's luminance; 1 if only the reference is black.
+    /// Error over the reference, of luminance or the channel `of`, over luminance for a channel that is
+    /// nearly black; 1 if only the reference is black.
     #[serde(serialize_with = "finite")]
     pub relative: f64,
+    /// `luminance`, `red`, `green` or `blue`: where the error is greatest.
+    pub of: &'static str,
+}
+
+impl LevelErrors {
+    /// The root mean square errors.
+    #[must_use]
+    pub const fn rmse(&self) -> Relative {
+        Relative { luminance: self.rel_rmse, channels: self.channel_rel_rmse }
+    }
+
+    /// The mean absolute errors.
+    #[must_use]
+    pub const fn mean(&self) -> Relative {
+        Relative { luminance: self.l1, channels: self.channel_l1 }
+    }
 }
 
 /// Compares every texel of two bakes; errors are relative to `reference`.
@@ -161,10 +187,15 @@ pub(crate) fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec
                     b.roughness
                 )));
             }
-            let value = |at: usize| b.texels[at].map(f64::from);
-            Ok(level_errors(index, a, &value, Sampling::All))
+            Ok(errors_against_texels(index, a, b))
         })
         .collect()
+}
+
+/// Compares every texel of two levels in one layout; `index` is the level's number.
+pub(crate) fn errors_against_texels(index: usize, level: &Level, reference: &Level) -> LevelErrors {
+    let value = |at: usize| reference.texels[at].map(f64::from);
+    level_errors(index, level, &value, Sampling::All)
 }
 
 /// Whether `level` can be measured against a source in `layout`: its lobe spans several source texels.
@@ -173,6 +204,20 @@ pub(crate) fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec
 #[must_use]
 pub(crate) fn is_measurable(level: &Level, lobe: Lobe, layout: Layout) -> bool {
     lobe == Lobe::Cosine || lobe_width(level, lobe) >= NARROW * texel_width(layout)
+}
+
+/// Compares every texel of a mirror level with the mean of `source` over the texel's footprint; `index` is
+/// the level's number.
+///
+/// # Errors
+/// [`Error::Limit`] if the overlaps of the texels do not fit.
+pub(crate) fn errors_against_footprints(
+    index: usize,
+    level: &Level,
+    source: &Environment,
+) -> Result<LevelErrors> {
+    let means = footprints_over(source, level.layout)?;
+    Ok(level_errors(index, level, &|at| means[at].map(f64::from), Sampling::All))
 }
 
 fn lobe_width(level: &Level, lobe: Lobe) -> f64 {
@@ -241,7 +286,7 @@ fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3)
 
 /// Unit direction of the point (`x`, `y`), in texels from the corner of an image, and the solid angle there
 /// per area, up to a factor.
-fn direction_within(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
+pub(crate) fn direction_within(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
     let signed = |x: f64, size: u32| x * 2.0 / f64::from(size) - 1.0;
     match layout {
         Layout::Cube { size } => {
@@ -297,24 +342,21 @@ fn level_errors(
     let texels = sampling.most();
     let references: Vec<[f64; 3]> = picks.par_iter().map(|at| reference(*at)).collect();
 
-    let (mut squares, mut distances, mut whole, mut count) = (0.0, 0.0, 0.0, 0.0);
-    let mut worst = (0, -1.0);
+    let mut sums = ErrorSums::default();
+    let mut worst = (0, Greatest { error: -1.0, of: "" });
     let is_cube = matches!(level.layout, Layout::Cube { .. });
     for (pick, (at, expected)) in picks.iter().zip(&references).enumerate() {
-        let expected = exact_luminance(*expected);
-        let error = exact_luminance(level.texels[*at]) - expected;
+        let got = level.texels[*at].map(f64::from);
         // A cube's texels are nearly alike; a panorama's shrink to nothing.
         let (_, i, j) = place(level.layout, *at);
         let weight = if is_cube { 1.0 } else { level.layout.texel_solid_angle(i, j) };
-        squares += weight * error * error;
-        distances += weight * error.abs();
-        whole += weight * expected;
-        count += weight;
-        let relative = relative(error, expected);
-        if relative > worst.1 {
-            worst = (pick, relative);
+        sums.add(weight, got, *expected);
+        let here = relative_to(differences(got, *expected), *expected).greatest();
+        if here.error > worst.1.error {
+            worst = (pick, here);
         }
     }
+    let (rmse, l1) = (sums.rel_rmse(), sums.l1());
     let at = picks[worst.0];
     let (image, i, j) = place(level.layout, at);
     let bake = |at: usize| exact_luminance(level.texels[at]);
@@ -326,8 +368,10 @@ fn level_errors(
         size: level.size(),
         roughness: level.roughness,
         texels: picks.len(),
-        rel_rmse: relative((squares / count).sqrt(), whole / count),
-        l1: relative(distances / count, whole / count),
+        rel_rmse: rmse.luminance,
+        channel_rel_rmse: rmse.channels,
+        l1: l1.luminance,
+        channel_l1: l1.channels,
         worst: WorstTexel {
             face: is_cube.then(|| Face::ALL[image as usize].short_name()),
             i,
@@ -335,7 +379,8 @@ fn level_errors(
             direction: level.layout.direction_from_texel(image, i, j).to_array(),
             value: level.texels[at].map(f64::from),
             reference: references[worst.0],
-            relative: worst.1,
+            relative: worst.1.error,
+            of: worst.1.of,
         },
         seam: if is_cube { seam(level.size(), texels, &bake) } else { None },
         reference_seam: if is_cube { seam(level.size(), texels, &expected) } else { None },
@@ -343,17 +388,6 @@ fn level_errors(
             let texels = references.iter().map(|rgb| rgb.map(|c| c as f32)).collect();
             Level::cube(size, level.roughness, texels)
         }),
-    }
-}
-
-/// |error| over `expected`; if that is 0, 0 for no error and 1 for any.
-fn relative(error: f64, expected: f64) -> f64 {
-    if expected > 0.0 {
-        error.abs() / expected
-    } else if error == 0.0 {
-        0.0
-    } else {
-        1.0
     }
 }
 

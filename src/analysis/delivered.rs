@@ -1,44 +1,95 @@
 //! Measures trilinear look-ups of a chain, between texels and levels, against lobes.
 
+use crate::analysis::channels::{ErrorSums, Relative};
 use crate::chain::Chain;
 use crate::chain_lookup::ChainLookup;
-use crate::environment::{Rgb, exact_luminance};
+use crate::environment::Rgb;
 use crate::error::Result;
 use crate::finite::finite;
 use crate::ladder::Ladder;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Directions per roughness, enough to hit a small sun.
 pub const DIRECTIONS: usize = 20_000;
 
-/// Luminance error of look-ups at one roughness.
+/// Directions near the sun per roughness.
+const SUN_DIRECTIONS: usize = 2_000;
+
+/// Reach of the directions near the sun, in units of alpha: random directions miss the core of a sharp lobe.
+const SUN_REACH: f64 = 6.0;
+
+/// Errors of look-ups at one roughness, in luminance and in every channel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DeliveredError {
     /// Perceptual roughness.
     pub roughness: f64,
     /// The level of detail that the ladder assigns to it.
     pub lod: f64,
-    /// RMS error divided by the mean of the lobe.
+    /// RMS error of luminance divided by the mean of the lobe.
     #[serde(serialize_with = "finite")]
     pub rel_rmse: f64,
-    /// Greatest error of a direction, divided by the mean of the lobe.
+    /// The same of red, green and blue, each over its own mean; over that of luminance for a channel that is
+    /// nearly black.
+    #[serde(serialize_with = "finite")]
+    pub channel_rel_rmse: [f64; 3],
+    /// Greatest error of luminance at a direction, divided by the mean of the lobe.
     #[serde(serialize_with = "finite")]
     pub max_error: f64,
+    /// The same of red, green and blue.
+    #[serde(serialize_with = "finite")]
+    pub channel_max_error: [f64; 3],
+    /// Errors within six alpha of the brightest region; `None` without one, and where that is everywhere.
+    pub near_sun: Option<NearSun>,
+}
+
+/// Errors of look-ups around the reflection of the brightest region.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct NearSun {
+    /// RMS error of luminance divided by the mean of the lobe there.
+    #[serde(serialize_with = "finite")]
+    pub rel_rmse: f64,
+    /// The same of red, green and blue.
+    #[serde(serialize_with = "finite")]
+    pub channel_rel_rmse: [f64; 3],
+}
+
+impl DeliveredError {
+    /// The root mean square errors over the sphere.
+    #[must_use]
+    pub const fn rmse(&self) -> Relative {
+        Relative { luminance: self.rel_rmse, channels: self.channel_rel_rmse }
+    }
+}
+
+impl NearSun {
+    /// The root mean square errors.
+    #[must_use]
+    pub const fn rmse(&self) -> Relative {
+        Relative { luminance: self.rel_rmse, channels: self.channel_rel_rmse }
+    }
 }
 
 /// Returns `count` evenly distributed directions: a fixed Fibonacci lattice.
 #[must_use]
 pub fn even_directions(count: usize) -> Vec<DVec3> {
+    directions_within(count, PI, DVec3::Y)
+}
+
+/// Returns `count` evenly distributed directions within the angle `reach` of the unit vector `axis`.
+fn directions_within(count: usize, reach: f64, axis: DVec3) -> Vec<DVec3> {
     // The golden angle.
     let turn = PI * (3.0 - 5.0_f64.sqrt());
+    let height = 1.0 - reach.cos();
+    let from_y = DQuat::from_rotation_arc(DVec3::Y, axis);
     let direction = |k: usize| {
-        let y = 1.0 - (2 * k + 1) as f64 / count as f64;
+        let y = 1.0 - (k as f64 + 0.5) * height / count as f64;
         let (sin, cos) = (turn * (k as f64 + 0.5)).sin_cos();
-        let radius = (1.0 - y * y).sqrt();
-        DVec3::new(radius * cos, y, radius * sin)
+        let radius = (1.0 - y * y).max(0.0).sqrt();
+        from_y * DVec3::new(radius * cos, y, radius * sin)
     };
     (0..count).map(direction).collect()
 }
@@ -56,7 +107,8 @@ pub fn default_roughnesses(chain: &Chain) -> Vec<f64> {
 /// Exact lobes: radiance of GGX at a roughness along given directions.
 pub type Truth<'a> = &'a dyn Fn(f64, &[DVec3]) -> Result<Vec<Rgb>>;
 
-/// Measures the look-up errors of `chain`, GGX lobes, at `roughnesses` in [0, 1] with `ladder`.
+/// Measures the look-up errors of `chain`, GGX lobes, at `roughnesses` in [0, 1] with `ladder`; also around
+/// the direction of the `sun`, if any.
 ///
 /// # Errors
 /// Those of `truth`.
@@ -64,35 +116,43 @@ pub fn delivered_errors(
     chain: &Chain,
     ladder: Ladder,
     roughnesses: &[f64],
+    sun: Option<DVec3>,
     truth: Truth<'_>,
 ) -> Result<Vec<DeliveredError>> {
     let (size, levels) = (chain.levels[0].size(), chain.levels.len() as u32);
     let lookup = ChainLookup::new(&chain.levels);
-    let directions = even_directions(DIRECTIONS);
+    let even = even_directions(DIRECTIONS);
     let error_at = |roughness: &f64| {
+        // Within the whole sphere they would add nothing.
+        let reach = SUN_REACH * roughness * roughness;
+        let sun = sun.filter(|_| reach < PI);
+        let near = sun.map_or_else(Vec::new, |sun| directions_within(SUN_DIRECTIONS, reach, sun));
+        let directions = [&even[..], &near].concat();
         let expected = truth(*roughness, &directions)?;
         let lod = ladder.lod(*roughness, levels, size);
-        let pairs: Vec<(f64, f64)> = directions
-            .par_iter()
-            .zip(&expected)
-            .map(|(direction, expected)| {
-                (exact_luminance(lookup.read(*direction, lod)), exact_luminance(*expected))
-            })
-            .collect();
-        let count = pairs.len() as f64;
-        let mean = pairs.iter().map(|(_, expected)| expected).sum::<f64>() / count;
-        let squares = pairs.iter().map(|(got, expected)| (got - expected).powi(2)).sum::<f64>();
-        let most = pairs.iter().map(|(got, expected)| (got - expected).abs()).fold(0.0, f64::max);
-        let over_mean = |error: f64| match (error > 0.0, mean > 0.0) {
-            (false, _) => 0.0,
-            (true, true) => error / mean,
-            (true, false) => 1.0,
+        let got: Vec<[f64; 3]> =
+            directions.par_iter().map(|direction| lookup.read(*direction, lod)).collect();
+        let sums = |range: Range<usize>| {
+            let mut sums = ErrorSums::default();
+            for (got, expected) in got[range.clone()].iter().zip(&expected[range]) {
+                sums.add(1.0, *got, expected.map(f64::from));
+            }
+            sums
         };
+        let whole = sums(0..even.len());
+        let (rmse, most) = (whole.rel_rmse(), whole.greatest());
+        let near_sun = (!near.is_empty()).then(|| {
+            let rmse = sums(even.len()..got.len()).rel_rmse();
+            NearSun { rel_rmse: rmse.luminance, channel_rel_rmse: rmse.channels }
+        });
         Ok(DeliveredError {
             roughness: *roughness,
             lod,
-            rel_rmse: over_mean((squares / count).sqrt()),
-            max_error: over_mean(most),
+            rel_rmse: rmse.luminance,
+            channel_rel_rmse: rmse.channels,
+            max_error: most.luminance,
+            channel_max_error: most.channels,
+            near_sun,
         })
     };
     roughnesses.iter().map(error_at).collect()

@@ -1,10 +1,13 @@
-//! Measurements: exhaustive integration, comparison, statistics, the sun, the float32 table, maps of spheres.
+//! Measurements: exhaustive integration, comparison, statistics, the sun and its extraction, the float32 table, maps of spheres.
 
+pub mod channels;
 pub mod compare;
 pub mod delivered;
+pub mod extraction;
 pub mod map_table;
 pub mod oracle;
 pub mod sat_f32;
 pub mod statistics;
 pub mod stretch;
 pub mod sun;
+pub mod typical;

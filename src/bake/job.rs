@@ -87,6 +87,11 @@ impl<'a> Job<'a> {
         Ok(Self { environment, settings, levels, bakes })
     }
 
+    /// The environment and the settings, one a bake.
+    pub(crate) const fn inputs(&self) -> (&'a Environment, &'a [BakeSettings]) {
+        (self.environment, self.settings)
+    }
+
     pub(crate) fn meter<'p>(&self, progress: OnProgress<'p>) -> Meter<'p> {
         let texels = |level: &LevelJob| level.spec.layout.texel_count() as u64;
         Meter { done: AtomicU64::new(0), total: self.levels.iter().map(texels).sum(), progress }
@@ -146,7 +151,8 @@ impl<'a> Job<'a> {
         let asked = default_oem_size(source, 0, sharpest(self.roughnesses())).min(source_oem_size(source));
         if oem.inner < asked {
             warnings.push(format!(
-                "the OEM of {} texels is coarser than source and lobes require, {asked}",
+                "the octahedral map of {0} x {0} texels is coarser than the source; lobes sharper than its texels \
+                 are blurred. `oem_size` {asked} resolves them",
                 oem.inner
             ));
         }
@@ -210,6 +216,7 @@ impl<'a> Job<'a> {
                 oem,
                 source_energy,
                 oem_energy,
+                typical_error: None,
                 warnings: warnings.clone(),
             }
         };

@@ -3,7 +3,7 @@
 use crate::chain::LevelSpec;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
-use crate::filter::{Answer, Filter};
+use crate::filter::{Answer, Bound, Filter};
 use crate::geometry::footprints::footprints_over;
 use crate::geometry::tiling::{Tile, Tiling};
 use crate::lobe::Lobe;
@@ -53,7 +53,10 @@ pub(crate) type Advance<'a> = &'a (dyn Fn(u64) -> Result<()> + Sync);
 pub(crate) struct BakedLevel {
     pub(crate) processor: Processor,
     pub(crate) texels: Vec<Rgb>,
+    /// Certified bounds of the luminance.
     pub(crate) bounds: Option<Vec<f32>>,
+    /// The greatest certified bound of each channel.
+    pub(crate) channel_bounds: Option<Rgb>,
     pub(crate) leaves_per_texel: Option<f64>,
 }
 
@@ -107,7 +110,7 @@ pub(crate) fn bake_level(
 impl BakedLevel {
     /// Creates a level of the CPU engine without bounds.
     pub(crate) const fn unbounded(texels: Vec<Rgb>) -> Self {
-        Self { processor: Processor::Cpu, texels, bounds: None, leaves_per_texel: None }
+        Self { processor: Processor::Cpu, texels, bounds: None, channel_bounds: None, leaves_per_texel: None }
     }
 
     /// Checks that radiance and bounds are finite and non-negative.
@@ -136,16 +139,24 @@ impl BakedLevel {
             return fault(at / 3, "radiance", self.texels.as_flattened()[at]);
         }
         let bounds = self.bounds.as_deref().unwrap_or_default();
-        match bounds.iter().position(|value| wrong(*value)) {
-            Some(at) => fault(at, "error bound", bounds[at]),
+        if let Some(at) = bounds.iter().position(|value| wrong(*value)) {
+            return fault(at, "error bound", bounds[at]);
+        }
+        match self.channel_bounds.into_iter().flatten().find(|value| wrong(*value)) {
+            Some(value) => fault(0, "a channel's greatest error bound, from", value),
             None => Ok(()),
         }
     }
 
     /// Creates a level from `answers`, one a texel.
     pub(crate) fn new(processor: Processor, answers: impl Iterator<Item = Answer>, work: Work) -> Self {
-        let (texels, bounds): (Vec<Rgb>, Vec<Option<f32>>) =
-            answers.map(|answer| (answer.radiance, answer.bound)).unzip();
+        let mut greatest: Option<Bound> = None;
+        let (texels, bounds): (Vec<Rgb>, Vec<Option<f32>>) = answers
+            .map(|Answer { radiance, bound }| {
+                greatest = bound.map(|bound| greatest.map_or(bound, |most| most.max(bound)));
+                (radiance, bound.map(|bound| bound.luminance))
+            })
+            .unzip();
         // Every direction of a packet sums all leaves of the packet.
         let Work { leaves, packets, directions } = work;
         let per_texel = leaves as f64 / packets as f64 * directions as f64 / texels.len() as f64;
@@ -153,6 +164,7 @@ impl BakedLevel {
             processor,
             texels,
             bounds: bounds.into_iter().collect(),
+            channel_bounds: greatest.map(|bound| bound.channels),
             leaves_per_texel: (packets > 0).then_some(per_texel),
         }
     }

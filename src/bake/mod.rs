@@ -12,8 +12,11 @@ pub(crate) mod settings;
 pub(crate) mod solve;
 pub mod turned;
 
-use crate::environment::Environment;
-use crate::error::Result;
+use crate::analysis::typical::{median, probes};
+use crate::chain::Chain;
+use crate::chain_lookup::ChainLookup;
+use crate::environment::{Environment, Layout};
+use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
@@ -124,8 +127,44 @@ pub(crate) async fn bake_job(
         levels.push((baked, start.elapsed().as_secs_f64()));
     }
     let (oem, energy) = engine.oem().await?;
-    job.finish(levels, oem, energy)
+    let (environment, settings) = job.inputs();
+    let mut bakes = job.finish(levels, oem, energy)?;
+    for (bake, settings) in bakes.iter_mut().zip(settings).filter(|(_, settings)| settings.measure) {
+        bake.typical_error = typical_error(engine, &bake.chain, settings, environment.layout()).await?;
+    }
+    Ok(bakes)
 }
+
+/// Typical error of the look-ups of `chain`, against finer lobes of `engine`: the median over roughness.
+/// `None` if the source resolves none of the lobes, or if they do not fit into memory.
+async fn typical_error(
+    engine: &impl Engine,
+    chain: &Chain,
+    settings: &BakeSettings,
+    source: Layout,
+) -> Result<Option<f64>> {
+    let filter = match settings.filter {
+        Filter::Reference => Filter::Reference,
+        Filter::Adaptive(error) => Filter::Adaptive((FINER * error).max(FINEST)),
+        Filter::Box | Filter::Fitted(_) => Filter::Adaptive(0.005),
+    };
+    let lookup = ChainLookup::new(&chain.levels);
+    let mut errors = Vec::new();
+    for probe in probes(chain, settings.ladder, settings.lobe, source) {
+        match engine.query_each(&probe.directions, settings.lobe, probe.roughness, filter).await {
+            Ok(answers) => errors.push(probe.error(&lookup, answers.iter().map(|answer| answer.radiance))),
+            // These lobes may need tables that the bake's do not.
+            Err(Error::Limit { .. } | Error::Unsupported { .. }) => return Ok(None),
+            Err(other) => return Err(other),
+        }
+    }
+    Ok(median(errors))
+}
+
+/// Tolerance of the lobes that look-ups are compared with, over that of the bake,
+const FINER: f64 = 0.4;
+/// and the least tolerance there is.
+const FINEST: f64 = 1e-6;
 
 /// Output of a future of the CPU engine.
 pub(crate) fn ready<T>(future: impl Future<Output = T>) -> T {

@@ -4,6 +4,7 @@
 //!
 //! `docs/report.md` lists every key with its type; a test checks real reports against it.
 
+use crate::analysis::extraction::Suns;
 use crate::analysis::sun::Sun;
 use crate::bake::overflow::Overflow;
 use crate::bake::result::{Bake, LevelStats};
@@ -48,13 +49,19 @@ pub struct Report {
     /// The sheen levels; absent if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sheen: Vec<LevelReport>,
+    /// [`Bake::typical_error`].
+    #[serde(default, serialize_with = "finite")]
+    pub typical_error: Option<f64>,
     /// Energy before and after reparameterisation.
     pub energy: EnergyReport,
     /// Spherical harmonics of the source.
     pub sh: ShReport,
-    /// The sun removed before the bake; `null` if none was found or requested.
+    /// The first sun removed before the bake; `null` if none was found or requested.
     #[serde(default)]
     pub sun: Option<SunReport>,
+    /// All suns removed before the bake.
+    #[serde(default)]
+    pub suns: Vec<SunReport>,
     /// Repairs of the input.
     pub repaired: RepairReport,
     /// Texels with a channel above the pixel format's maximum.
@@ -152,6 +159,10 @@ pub struct LevelReport {
     /// `error_bound_p99` over the environment's mean luminance.
     #[serde(default)]
     pub error_bound_p99_relative: Option<f64>,
+    /// Maximum certified error bounds of red, green and blue, absolute; `null` if the filter has none. Absent
+    /// from reports of version 0.2.
+    #[serde(default)]
+    pub error_bound_max_channels: Option<[f64; 3]>,
 }
 
 /// Total energy: radiance times solid angle, over the sphere.
@@ -317,6 +328,9 @@ pub struct OptionsReport {
     /// Whether to remove the sun.
     #[serde(default)]
     pub extract_sun: bool,
+    /// The suns to remove: `brightest`, a number, or directions; `null` for none.
+    #[serde(default)]
+    pub suns: Option<String>,
     /// Whether to write the environment without its sun.
     #[serde(default)]
     pub sunless: bool,
@@ -432,16 +446,16 @@ pub struct Circumstances {
     pub sanitize: bool,
     /// Whether repairs are errors.
     pub strict: bool,
-    /// Whether to remove the sun.
-    pub extract_sun: bool,
+    /// The suns to remove.
+    pub extract_sun: Option<Suns>,
     /// Whether to write the environment without the sun.
     pub sunless: bool,
     /// Treatment of texels above the pixel format's maximum.
     pub overflow: Overflow,
     /// Whether to write a preview.
     pub preview: bool,
-    /// The removed sun.
-    pub sun: Option<SunReport>,
+    /// The removed suns.
+    pub suns: Vec<SunReport>,
     /// Format of the output.
     pub format: String,
     /// Requested pixel format.
@@ -479,6 +493,7 @@ impl Report {
             chain: settings.chain().name().to_owned(),
             levels,
             sheen: sheen.unwrap_or_default(),
+            typical_error: bake.typical_error,
             energy: EnergyReport {
                 source: bake.source_energy,
                 oem: bake.oem_energy,
@@ -494,7 +509,8 @@ impl Report {
                     .to_owned(),
                 window: bake.sh_window.to_string(),
             },
-            sun: circumstances.sun,
+            sun: circumstances.suns.first().cloned(),
+            suns: circumstances.suns,
             repaired: circumstances.repaired,
             clamped: circumstances.clamped,
             clamped_energy_share: circumstances.clamped_energy_share,
@@ -520,7 +536,8 @@ impl Report {
                 pad: circumstances.pad.map(|pad| pad.name().to_owned()),
                 sanitize: circumstances.sanitize,
                 strict: circumstances.strict,
-                extract_sun: circumstances.extract_sun,
+                extract_sun: circumstances.extract_sun.is_some(),
+                suns: circumstances.extract_sun.map(|suns| suns.to_string()),
                 sunless: circumstances.sunless,
                 irradiance: settings.irradiance,
                 skybox: settings.skybox,
@@ -537,25 +554,6 @@ impl Report {
             fingerprint: None,
             seconds: circumstances.seconds,
         }
-    }
-
-    /// Maximum certified error bound of all levels.
-    #[must_use]
-    pub fn error_bound_max(&self) -> Option<f64> {
-        self.levels.iter().filter_map(|level| level.error_bound_max).reduce(f64::max)
-    }
-
-    /// Maximum over all levels of the 99th percentile of the bounds.
-    #[must_use]
-    pub fn error_bound_p99(&self) -> Option<f64> {
-        self.levels.iter().filter_map(|level| level.error_bound_p99).reduce(f64::max)
-    }
-
-    /// Divides `bound`, an absolute luminance, by the environment's mean luminance; see
-    /// [`EnergyReport::mean_luminance`].
-    #[must_use]
-    pub(crate) fn relative_bound(&self, bound: f64) -> f64 {
-        relative(bound, self.energy.mean_luminance)
     }
 }
 
@@ -603,6 +601,7 @@ fn level_reports(
         error_bound_max_relative: over_mean(stats.error_bound_max),
         error_bound_mean_relative: over_mean(stats.error_bound_mean),
         error_bound_p99_relative: over_mean(stats.error_bound_p99),
+        error_bound_max_channels: stats.error_bound_max_channels,
     });
     report.collect()
 }

@@ -24,6 +24,8 @@ pub struct LevelStats {
     pub error_bound_mean: Option<f64>,
     /// 99th percentile of the bounds, absolute luminance; `None` if the filter has none.
     pub error_bound_p99: Option<f64>,
+    /// Maximum certified bound of red, green and blue, absolute; `None` if the filter or a solved chain has none.
+    pub error_bound_max_channels: Option<[f64; 3]>,
 }
 
 /// Result of a bake.
@@ -51,6 +53,11 @@ pub struct Bake {
     pub source_energy: [f64; 3],
     /// Total energy of the OEM.
     pub oem_energy: [f64; 3],
+    /// Typical error of the chain's trilinear look-ups, measured along a few dozen directions at each of
+    /// several roughnesses: the median over roughness of the root mean square error of the worst channel,
+    /// relative to its mean. `None` unless requested ([`crate::bake::BakeSettings::measure`]), and where the
+    /// source resolves none of the lobes.
+    pub typical_error: Option<f64>,
     /// Warnings.
     pub warnings: Vec<String>,
 }
@@ -151,6 +158,7 @@ impl LevelStats {
     /// Forgets the bounds, which are not those of solved texels.
     pub(super) const fn drop_bounds(&mut self) {
         (self.error_bound_max, self.error_bound_mean, self.error_bound_p99) = (None, None, None);
+        self.error_bound_max_channels = None;
     }
 
     pub(super) fn new(level: &BakedLevel, seconds: f64) -> Self {
@@ -162,6 +170,7 @@ impl LevelStats {
             error_bound_max: bounds.map(|b| b.iter().fold(0.0, |most, bound| f64::from(*bound).max(most))),
             error_bound_mean: bounds.map(|b| b.iter().map(|v| f64::from(*v)).sum::<f64>() / b.len() as f64),
             error_bound_p99: bounds.and_then(percentile_99).map(f64::from),
+            error_bound_max_channels: level.channel_bounds.map(|bounds| bounds.map(f64::from)),
         }
     }
 }

@@ -87,6 +87,8 @@ pub struct BakeSettings {
     pub chain: Option<ChainKind>,
     /// Also bake the chain's sizes and roughnesses with the Charlie lobe (sheen).
     pub sheen: bool,
+    /// Measure [`crate::bake::Bake::typical_error`], which takes a few per cent of the bake's time.
+    pub measure: bool,
 }
 
 impl Default for BakeSettings {
@@ -108,6 +110,7 @@ impl Default for BakeSettings {
             sh_window: ShWindow::None,
             chain: None,
             sheen: false,
+            measure: false,
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::outcome::{Outcome, usage};
 use super::shared_args::{EngineArgs, InputArgs, MAX_THREADS};
 use super::values::{
-    Texels, file_name, filter, roughness, sh_window, target, target_help, texels, threshold,
+    Texels, file_name, filter, percentage, roughness, sh_window, target, target_help, texels, threshold,
 };
 use crate::bake::Skybox;
 use crate::bake::dfg::DfgForm;
@@ -277,13 +277,14 @@ pub(super) struct BakeArgs {
     pub(super) dry_run: bool,
     /// Write a picture of spheres along the ladder
     ///
-    /// Shows panoramas and octahedral squares as cubes, and several targets one below the other.
+    /// Shows the panorama with its sun marked, and for each level a mirror sphere with the sun behind the
+    /// camera's shoulder. Several targets stand one below the other.
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
     /// Preview exposure: auto, or -40 to 40 EV
     ///
-    /// auto brings the log-average luminance of the environment to middle grey, as in view. Does not affect
-    /// the bake.
+    /// auto makes the spheres' median a dark grey, and darker where much of them is very bright; highlights
+    /// are compressed. Does not affect the bake.
     #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, requires = "preview")]
     pub(super) exposure: Exposure,
     /// Write the environment without its sun
@@ -298,6 +299,15 @@ pub(super) struct BakeArgs {
     /// the folder OUT.bounds.
     #[arg(long)]
     pub(super) bounds: bool,
+    /// Judge each output: fail above N% of error
+    ///
+    /// Measures every output against its input as compare --fail-above does, from --from on, after it is
+    /// written. An output that fails stays; the exit status is 1.
+    #[arg(long, value_name = "N%", value_parser = percentage)]
+    pub(super) verify: Option<f64>,
+    /// Roughness from which --verify judges [default: 0.6]
+    #[arg(long, value_name = "R", requires = "verify", value_parser = roughness)]
+    pub(super) from: Option<f64>,
     /// Print the report instead of writing it
     ///
     /// Prints one line per input to standard output instead of writing report.json (exr, hdr, --target) or
@@ -340,7 +350,7 @@ pub(super) struct QueryArgs {
     /// File to write, .csv or .npy [default: standard output]
     ///
     /// .npy is a NumPy array of float32: red, green and blue of each direction, in the order asked, and with
-    /// --bound a fourth column. Mirrors have no bound: it is infinite in arrays, and empty in CSV.
+    /// --bound four more columns. Mirrors have no bounds: they are infinite in arrays, and empty in CSV.
     #[arg(long, short, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
     /// Replace OUT if it exists
@@ -359,7 +369,9 @@ pub(super) struct QueryArgs {
     /// As in bake.
     #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
     pub(super) filter: Filter,
-    /// Add a column bound: luminance's certified error
+    /// Add certified errors: bound, bound_r, bound_g, bound_b
+    ///
+    /// Of the luminance and of each channel, in units of radiance.
     #[arg(long)]
     pub(super) bound: bool,
     /// Print errors only
@@ -392,12 +404,21 @@ pub(super) struct InfoArgs {
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct CompareArgs {
-    /// A bake: a .ktx2 file, a folder of levels or one of cmgen
+    /// A bake, or a folder of the bakes of several inputs
+    ///
+    /// A .ktx2, .ktx, .dds or .exr file, a folder of levels, of a target or of cmgen. A folder of bakes holds
+    /// one for each B, named as bake names its outputs for several inputs.
     #[arg(value_name = "A")]
     pub(super) bake: PathBuf,
     /// The reference: a bake or the source environment
-    #[arg(value_name = "B")]
-    pub(super) against: PathBuf,
+    ///
+    /// For a folder of bakes: any number of sources, folders of sources and quoted patterns, as in bake. Two
+    /// files, a bake and its source, compare two bakes side by side: compare A B SOURCE.
+    #[arg(required = true, value_name = "B")]
+    pub(super) against: Vec<PathBuf>,
+    /// Descend into subfolders of folders of sources
+    #[arg(long, short)]
+    pub(super) recursive: bool,
     /// Texels to integrate per level [default: 400]
     ///
     /// A number or all. Against a source, each texel needs an exhaustive integration, which is slow for
@@ -410,7 +431,8 @@ pub(super) struct CompareArgs {
     /// Write a picture of the errors
     ///
     /// In false colour, from 0.01 % to 100 %; no exposure applies. Against a source, shows a grid of at most
-    /// as many texels as are integrated.
+    /// as many texels as are integrated. For compare A B SOURCE: spheres of both bakes and of the source, and
+    /// the errors of both in one scale, at the roughnesses of --delivered or at four.
     #[arg(long, value_name = "FILE.png")]
     pub(super) picture: Option<PathBuf>,
     /// Measure the errors of trilinear look-ups
@@ -434,9 +456,17 @@ pub(super) struct CompareArgs {
     pub(super) overlay: Vec<PathBuf>,
     /// Exit with 1 if a relRMSE is above X
     ///
-    /// Tests every level; for a solved chain, every roughness.
+    /// X is a share or a percentage: 0.05 or 5%. Judges luminance and every channel of whatever a renderer
+    /// reads from A: level 0, sampled levels by their texels, solved levels by look-ups between texels and
+    /// levels (near the sun, too), the irradiance cube, the skybox, sheen and spherical harmonics. One line
+    /// says what was not judged, also with --quiet.
     #[arg(long, value_name = "X", value_parser = threshold)]
     pub(super) fail_above: Option<f64>,
+    /// Judge from roughness R on [default: 0]
+    ///
+    /// Sharper levels and look-ups are not judged. Level 0, which is also a background, always is.
+    #[arg(long, value_name = "R", value_parser = roughness)]
+    pub(super) from: Option<f64>,
     /// Print JSON, on one line
     #[arg(long)]
     pub(super) json: bool,

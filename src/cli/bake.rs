@@ -10,12 +10,14 @@ use super::input::{self, InputFiles, Opened};
 use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
 use super::output::{Common, Destination, Outputs, SunFile, names_folder};
 use super::shared_args::{EngineArgs, InputArgs};
+use super::summary::Written;
+use super::verify::Verify;
+use crate::analysis::extraction::Suns;
 use crate::analysis::oracle::Oracle;
 use crate::bake::memory;
 use crate::bake::overflow::Overflow;
 use crate::bake::report::{Circumstances, InputFileReport, Report};
 use crate::bake::{Bake, BakeSettings};
-use crate::chain::ChainKind;
 use crate::export;
 use crate::export::plan::BakePlan;
 use crate::export::stored::{Stored, recorded};
@@ -26,11 +28,10 @@ use crate::image::preview;
 use crate::io::LayoutChoice;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::{self, Existing};
-use crate::percent::percent;
-use crate::sat::Scan;
 use crate::sphere::cube::{Face, direction_from_texel};
 use crate::{Environment, Error};
 use anyhow::anyhow;
+use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
 use std::cell::OnceCell;
@@ -55,6 +56,7 @@ struct Work {
     engine: EngineArgs,
     exposure: Exposure,
     skip_unchanged: bool,
+    verify: Option<Verify>,
     /// Everything except the inputs that affects the outputs.
     options: String,
 }
@@ -100,6 +102,9 @@ impl Work {
         let several =
             !found.is_empty() && (is_open || found.len() > 1) && args.input.layout != LayoutChoice::Faces;
         let plans = bake_plan::plans(&args, several)?;
+        if args.verify.is_some() {
+            Verify::check_plans(&plans, args.dry_run)?;
+        }
         let options = fingerprint::options(&plans, &args)?;
         if several && args.name.is_some() {
             return usage("--name names one environment; several inputs were given");
@@ -159,6 +164,7 @@ impl Work {
         let jobs: Vec<InputJob> = (1..).zip(sources).map(job).collect();
         let common = Common {
             sun: bake_plan::sun_files(&args),
+            several_suns: args.input.extract_sun.as_ref().is_some_and(|suns| *suns != Suns::Brightest),
             existing: if args.force { Existing::Replace } else { Existing::Keep },
             json: args.json,
             plans,
@@ -174,6 +180,7 @@ impl Work {
             engine: args.engine,
             exposure: args.exposure,
             skip_unchanged: args.skip_unchanged,
+            verify: args.verify.map(|limit| Verify::new(limit, args.from)),
             options,
         };
         work.check_places()?;
@@ -299,6 +306,9 @@ impl Work {
             if self.is_up_to_date(job) {
                 console.note(&format!("{}{}: unchanged", job.label, job.outputs.main.display()));
                 tally.skipped += 1;
+                if let Err(failure) = self.verify(job, console) {
+                    tally.failed += job.report_failure(failure)?;
+                }
                 continue;
             }
             match job.outputs.check(&self.common, job.folder.as_deref()) {
@@ -313,7 +323,8 @@ impl Work {
         }
         for (done, job) in ready.into_iter().enumerate() {
             let files = self.several.then_some(Files { start, done, total });
-            match self.bake(job, files, &engine, console) {
+            let baked = self.bake(job, files, &engine, console);
+            match baked.and_then(|()| self.verify(job, console)) {
                 Ok(()) => tally.baked += 1,
                 Err(failure) => tally.failed += job.report_failure(failure)?,
             }
@@ -337,7 +348,8 @@ impl Work {
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, console)?;
         let plans = self.check_memory(&opened)?;
-        let settings: Vec<BakeSettings> = plans.iter().map(|plan| plan.settings.clone()).collect();
+        let measured = |plan: &BakePlan| BakeSettings { measure: true, ..plan.settings.clone() };
+        let settings: Vec<BakeSettings> = plans.iter().map(measured).collect();
         let engine = self.engine.chosen(engine, console)?;
         if settings[0].filter == Filter::Reference {
             let seconds = reference_seconds(&opened.environment, &settings[0])?;
@@ -378,7 +390,13 @@ impl Work {
                 .map_err(|error| anyhow::Error::from(error).context(name.clone()))?;
             if job.outputs.preview.is_some() {
                 let name = job.source.path().file_name().unwrap_or_default().to_string_lossy();
-                let origin = preview::Origin { name: &name, target: plan.plan.target.name };
+                let removed: Vec<DVec3> = opened.suns.iter().map(|sun| sun.direction.into()).collect();
+                let origin = preview::Origin {
+                    name: &name,
+                    target: plan.plan.target.name,
+                    source: Some(&opened.environment),
+                    removed: &removed,
+                };
                 sheets.push(preview::contact_sheet(&bake.chain, origin, self.exposure)?);
             }
             let made = export::files::files(
@@ -411,26 +429,16 @@ impl Work {
             request,
             &opened,
         )?;
-        let bound = |report: &&Report| report.error_bound_max().unwrap_or(-1.0);
-        let Some(report) = reports.iter().max_by(|a, b| bound(a).total_cmp(&bound(b))) else { return Ok(()) };
-        let targets: Vec<_> = self.common.plans.iter().map(|plan| plan.plan.target.name).collect();
-        let targets =
-            if report.target.is_some() { format!(" for {}", targets.join(", ")) } else { String::new() };
-        let scan = match settings[0].scan {
-            Scan::Blocks => String::new(),
-            scan => format!(", scan {scan}"),
+        let written = Written {
+            main: (job.outputs.place != Destination::Stdout).then_some(&job.outputs.main),
+            input: job.source.path(),
+            plans: &plans,
+            reports: &reports,
+            bytes,
+            seconds: start.elapsed().as_secs_f64(),
         };
-        console.note(&format!(
-            "{}{}: {}{targets} in {:.2} s on {}, OEM {} + {}{scan}, {}",
-            job.label,
-            job.outputs.main.display(),
-            console::bytes(bytes),
-            start.elapsed().as_secs_f64(),
-            report.engine,
-            report.oem.size,
-            report.oem.border,
-            certified(report),
-        ));
+        let next = if self.several { String::new() } else { format!("; {}", written.next()) };
+        console.note(&format!("{}{}{next}", job.label, written.text()));
         if self.common.json {
             for report in &reports {
                 let line = serde_json::to_string(report).map_err(anyhow::Error::from)?;
@@ -438,6 +446,16 @@ impl Work {
             }
         }
         Ok(())
+    }
+
+    /// Judges the outputs of `job`, if asked.
+    fn verify(&self, job: &InputJob, console: &Console) -> Outcome {
+        let Some(verify) = &self.verify else { return Ok(()) };
+        let outputs = match &self.common.plans[..] {
+            [_] => vec![job.outputs.main.clone()],
+            plans => plans.iter().map(|plan| job.outputs.main.join(plan.plan.target.name)).collect(),
+        };
+        verify.check(&outputs, &job.source, &self.input, &job.label, console)
     }
 
     /// The plans for the opened source; checks that the bakes fit into memory.
@@ -483,11 +501,11 @@ impl Work {
             pad: self.input.pad,
             sanitize: self.input.sanitize,
             strict: self.input.strict,
-            extract_sun: self.input.extract_sun,
+            extract_sun: self.input.extract_sun.clone(),
             sunless: self.common.sun.contains(&SunFile::Sunless),
             overflow: self.overflow,
             preview: job.outputs.preview.is_some(),
-            sun: opened.sun.clone(),
+            suns: opened.suns.clone(),
             format: plan.format_name().to_owned(),
             pixel: plan.pixel.name().to_owned(),
             level_pixels: stored.pixels,
@@ -529,22 +547,6 @@ const fn texel_bytes(pixel: Pixel) -> u64 {
         Pixel::F32 | Pixel::Auto => 16,
         _ => 8,
     }
-}
-
-/// Summarizes the certified bounds of `report`: the greatest error relative to the environment's mean
-/// luminance, and the greatest bound itself.
-fn certified(report: &Report) -> String {
-    let (Some(most), Some(p99)) = (report.error_bound_max(), report.error_bound_p99()) else {
-        return "nothing certified".to_owned();
-    };
-    let share = |bound: f64| percent(report.relative_bound(bound));
-    let level = if report.chain == ChainKind::Mixed.name() { "sampled level" } else { "level" };
-    format!(
-        "certified within {} of the mean luminance for 99 % of each {level}'s texels, {} for all (luminance \
-         {most:.2e})",
-        share(p99),
-        share(most),
-    )
 }
 
 /// Estimates the reference filter's time in seconds from a few texels of each level.

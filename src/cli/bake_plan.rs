@@ -33,7 +33,8 @@ pub(super) fn plans(args: &BakeArgs, several: bool) -> Outcome<Vec<BakePlan>> {
 
 /// The requested files about the sun.
 pub(super) fn sun_files(args: &BakeArgs) -> Vec<SunFile> {
-    let asked = [(SunFile::Sun, args.input.extract_sun), (SunFile::Sunless, args.sunless)];
+    let extracts = args.input.extract_sun.is_some();
+    let asked = [(SunFile::Sun, extracts), (SunFile::Gltf, extracts), (SunFile::Sunless, args.sunless)];
     asked.into_iter().filter_map(|(file, asked)| asked.then_some(file)).collect()
 }
 
@@ -90,7 +91,8 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
         (args.irradiance.is_some(), "--irradiance"),
         (args.skybox.is_some(), "--skybox"),
         (args.bounds, "--bounds"),
-        (args.input.extract_sun, "--extract-sun"),
+        (args.input.extract_sun.is_some(), "--extract-sun"),
+        (args.verify.is_some(), "--verify"),
     ];
     match others.into_iter().find(|(asked, _)| *asked) {
         Some((_, option)) => usage(format!(

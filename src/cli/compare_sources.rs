@@ -1,21 +1,22 @@
 //! Sources that `octagloss compare` measures bakes against: each is read once, each of its lobes integrated
 //! once.
 
-use super::args::CompareArgs;
 use super::console::Console;
-use super::input;
+use super::input::InputFiles;
 use super::outcome::Outcome;
 use super::shared_args::InputArgs;
+use crate::analysis::extraction::Suns;
+use crate::analysis::sun::Sun;
 use crate::environment::Rgb;
 use crate::filter::Filter;
-use crate::io::provenance::Provenance;
+use crate::io::provenance::{Provenance, TakenSun};
 use crate::lobe::Lobe;
 use crate::reflector::{Reflector, ReflectorSettings};
 use crate::{Environment, Result};
 use glam::DVec3;
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// Tolerance of the reference lobes.
@@ -23,22 +24,40 @@ const TOLERANCE: f64 = 0.002;
 
 /// The source of a comparison, as the compared bakes need it: they can differ in rotation, scale or sun.
 pub(super) struct Sources<'a> {
-    args: &'a CompareArgs,
+    files: InputFiles,
+    input: &'a InputArgs,
+    /// The lobe of all bakes, whatever they record.
+    lobe: Option<Lobe>,
     console: &'a Console,
     prepared: RefCell<Vec<Rc<PreparedSource>>>,
 }
 
 /// The source, prepared by the options `input`.
 pub(super) struct PreparedSource {
-    input: InputArgs,
+    /// Its file, the first of six faces.
+    pub(super) path: PathBuf,
+    pub(super) input: InputArgs,
     pub(super) environment: Environment,
-    /// Lobes by the bits of the sharpest roughness of their reflector and of their own.
-    lobes: RefCell<HashMap<[u64; 2], Vec<Rgb>>>,
+    /// Direction of its brightest region.
+    pub(super) sun: Option<DVec3>,
+    /// Lobes by the bits of the sharpest roughness of their reflector and of their own, and their number.
+    lobes: RefCell<HashMap<[u64; 3], Vec<Rgb>>>,
 }
 
 impl<'a> Sources<'a> {
-    pub(super) fn new(args: &'a CompareArgs, console: &'a Console) -> Self {
-        Self { args, console, prepared: RefCell::default() }
+    /// The environment in `files`, read by the options `input`.
+    pub(super) fn new(
+        files: InputFiles,
+        input: &'a InputArgs,
+        lobe: Option<Lobe>,
+        console: &'a Console,
+    ) -> Self {
+        Self { files, input, lobe, console, prepared: RefCell::default() }
+    }
+
+    /// The source's path; the first of six faces.
+    pub(super) fn path(&self) -> &Path {
+        self.files.path()
     }
 
     /// The lobe of the bake in `path`, and the source prepared like the bake's, unless options override it:
@@ -48,15 +67,15 @@ impl<'a> Sources<'a> {
         path: &Path,
         provenance: &Provenance,
     ) -> Outcome<(Lobe, Rc<PreparedSource>)> {
-        let Self { args, console, .. } = self;
-        let lobe = args.lobe.or(provenance.lobe).unwrap_or_else(|| {
+        let Self { input: given, lobe, console, .. } = self;
+        let lobe = lobe.or(provenance.lobe).unwrap_or_else(|| {
             console.warn(&format!(
                 "{} does not record its lobe; assuming ggx (override with --lobe)",
                 path.display()
             ));
             Lobe::Ggx
         });
-        if provenance.rotate_y.or(args.input.rotate_y).is_none() {
+        if provenance.rotate_y.or(given.rotate_y).is_none() {
             console.warn(&format!(
                 "{} does not record its source's rotation; assuming none (override with --rotate-y, \
                  --mirror, --extract-sun)",
@@ -64,13 +83,13 @@ impl<'a> Sources<'a> {
             ));
         }
         let input = InputArgs {
-            rotate_y: args.input.rotate_y.or(provenance.rotate_y),
-            mirror: args.input.mirror || provenance.mirror.unwrap_or(false),
-            extract_sun: args.input.extract_sun || provenance.sun.is_some(),
-            scale: args.input.scale.or(provenance.scale),
-            crop: args.input.crop || provenance.crop.unwrap_or(false),
-            pad: args.input.pad.or(provenance.pad),
-            ..args.input.clone()
+            rotate_y: given.rotate_y.or(provenance.rotate_y),
+            mirror: given.mirror || provenance.mirror.unwrap_or(false),
+            extract_sun: given.extract_sun.clone().or_else(|| taken(provenance)),
+            scale: given.scale.or(provenance.scale),
+            crop: given.crop || provenance.crop.unwrap_or(false),
+            pad: given.pad.or(provenance.pad),
+            ..(*given).clone()
         };
         Ok((lobe, self.prepared(input)?))
     }
@@ -80,17 +99,31 @@ impl<'a> Sources<'a> {
         if let Some(known) = self.prepared.borrow().iter().find(|known| known.input == input) {
             return Ok(Rc::clone(known));
         }
-        let source = input::single_source(vec![self.args.against.clone()], &input)?;
-        let environment = source.open(&input, self.console)?.environment;
-        let prepared = Rc::new(PreparedSource { input, environment, lobes: RefCell::default() });
+        let environment = self.files.open(&input, self.console)?.environment;
+        let sun = Sun::find(&environment).map(|sun| sun.direction);
+        let prepared = PreparedSource {
+            path: self.path().to_owned(),
+            input,
+            environment,
+            sun,
+            lobes: RefCell::default(),
+        };
+        let prepared = Rc::new(prepared);
         self.prepared.borrow_mut().push(Rc::clone(&prepared));
         Ok(prepared)
     }
 }
 
+/// The suns that a bake's source has lost.
+fn taken(provenance: &Provenance) -> Option<Suns> {
+    let direction = |sun: &TakenSun| DVec3::from_array(sun.direction).try_normalize();
+    let directions: Vec<DVec3> = provenance.suns.iter().filter_map(direction).collect();
+    (!directions.is_empty()).then_some(Suns::Towards(directions))
+}
+
 impl PreparedSource {
-    /// Calls `measure` with the reference lobes of GGX along `directions`, always the same ones, at a
-    /// roughness of at least `sharpest` or 0.
+    /// Calls `measure` with the reference lobes of GGX along directions, always the same ones for their
+    /// number and a roughness of at least `sharpest` or 0.
     pub(super) fn with_lobes<T>(
         &self,
         sharpest: f64,
@@ -99,7 +132,7 @@ impl PreparedSource {
         let settings = ReflectorSettings { sharpest, ..ReflectorSettings::default() };
         let reflector = Reflector::new(&self.environment, &settings)?;
         measure(&|roughness, directions| {
-            let key = [sharpest, roughness].map(f64::to_bits);
+            let key = [sharpest.to_bits(), roughness.to_bits(), directions.len() as u64];
             if let Some(known) = self.lobes.borrow().get(&key) {
                 return Ok(known.clone());
             }

@@ -181,8 +181,8 @@ pub(super) fn error(text: &str) {
 /// Maps settings and remedies in the library's errors to this program's options.
 const OPTIONS: [(&str, &str); 35] = [
     (
-        "leads to a stream of the process; name a file",
-        "leads to a stream of the process; -o - writes to standard output",
+        "is one of the program's own streams, not a file; name a file",
+        "is one of the program's own streams, not a file; -o - writes to standard output",
     ),
     ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
     ("convert it to equirect first", "run octagloss convert INPUT -o OUT --layout equirect"),
@@ -224,6 +224,11 @@ const OPTIONS: [(&str, &str); 35] = [
 pub(super) fn with_options(text: &str) -> String {
     let replace = |text: String, (setting, option): &(&str, &str)| text.replace(setting, option);
     OPTIONS.iter().fold(text.to_owned(), replace)
+}
+
+/// Prints a line that `--quiet` does not silence.
+pub(super) fn tell(text: &str) {
+    line("", text);
 }
 
 fn line(kind: &str, text: &str) {

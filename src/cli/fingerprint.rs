@@ -4,6 +4,7 @@ use super::args::BakeArgs;
 use super::input::InputFiles;
 use super::outcome::Outcome;
 use super::shared_args::InputArgs;
+use crate::analysis::extraction::Suns;
 use crate::bake::BakeSettings;
 use crate::bake::report::{FingerprintReport, InputFileReport, Report, filter_name};
 use crate::export::plan::BakePlan;
@@ -33,7 +34,7 @@ pub(super) fn options(plans: &[BakePlan], args: &BakeArgs) -> Outcome<String> {
         format!("pad={pad:?}"),
         format!("sanitize={sanitize}"),
         format!("strict={strict}"),
-        format!("extract_sun={extract_sun}"),
+        format!("extract_sun={}", extract_sun.as_ref().map(Suns::to_string).unwrap_or_default()),
         format!("sunless={}", args.sunless),
         format!("overflow={}", args.overflow.name()),
         format!("name={:?}", args.name),

@@ -31,6 +31,7 @@ struct Origin {
     rotate_y: Option<f64>,
     mirror: Option<bool>,
     sun: Option<TakenSun>,
+    suns: Vec<TakenSun>,
     scale: f64,
     crop: bool,
     pad: Option<&'static str>,
@@ -240,7 +241,8 @@ impl Origin {
             quarter_turns: provenance.quarter_turns.unwrap_or(0),
             rotate_y: provenance.rotate_y,
             mirror: provenance.mirror,
-            sun: provenance.sun,
+            sun: provenance.suns.first().copied(),
+            suns: provenance.suns,
             scale: provenance.scale.unwrap_or(1.0),
             crop: provenance.crop.unwrap_or(false),
             pad: provenance.pad.map(Pad::name),
@@ -269,7 +271,7 @@ impl Origin {
             "mirrored",
             self.mirror.map_or_else(unknown, |m| if m { "yes" } else { "no" }.to_owned()),
         ));
-        rows.extend(self.sun.map(|sun| {
+        rows.extend(self.suns.iter().map(|sun| {
             let [x, y, z] = sun.direction;
             ("sun", format!("removed, direction {x:.4} {y:.4} {z:.4}, irradiance {}", triple(sun.irradiance)))
         }));

@@ -24,8 +24,8 @@ pub(super) struct Opened {
     pub(super) provenance: Provenance,
     /// Rotation, mirroring and sun removal applied on opening, for the outputs.
     pub(super) turned: Provenance,
-    /// The removed sun.
-    pub(super) sun: Option<SunReport>,
+    /// The removed suns.
+    pub(super) suns: Vec<SunReport>,
     pub(super) repaired: Repairs,
     pub(super) warnings: Vec<String>,
     pub(super) format: String,
@@ -125,11 +125,14 @@ impl InputFiles {
         let turn = Turn {
             mirror: args.mirror,
             rotate_y: args.rotate_y.unwrap_or(0.0),
-            extract_sun: args.extract_sun,
+            extract_sun: args.extract_sun.clone(),
         };
         let turned = turn.applied(loaded.environment, &options);
         let mut warnings = loaded.warnings;
-        warnings.extend(turned.warning);
+        warnings.extend(turned.warnings);
+        for note in &turned.notes {
+            console.note(&format!("{}: {note}", self.path().display()));
+        }
         for warning in &warnings {
             console.warn(&format!("{}: {warning}", self.path().display()));
         }
@@ -137,7 +140,7 @@ impl InputFiles {
             environment: turned.environment,
             provenance: loaded.provenance,
             turned: turned.provenance,
-            sun: turned.sun,
+            suns: turned.suns,
             repaired: loaded.repaired,
             warnings,
             format: loaded.format,

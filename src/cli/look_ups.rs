@@ -1,9 +1,10 @@
 //! `octagloss compare --delivered`: errors of trilinear look-ups of one or several bakes, and their chart.
 
-use super::args::CompareArgs;
 use super::compare_sources::PreparedSource;
 use super::console::Console;
+use super::measures::{Measures, is_from};
 use super::outcome::{Outcome, usage};
+use crate::analysis::channels::{Greatest, Relative};
 use crate::analysis::compare::is_measurable;
 use crate::analysis::delivered::{DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors};
 use crate::chain::{Chain, Level};
@@ -38,9 +39,9 @@ pub(super) struct Overlay {
 const CHART_STEP: f64 = 0.02;
 
 /// Measures look-ups of `bake`, the file or folder `path`, in the prepared `source`; at the given
-/// roughnesses, or at those that the source resolves.
+/// roughnesses, or at those that the source resolves, for a gate those from the roughness `from` on.
 pub(super) fn measure(
-    args: &CompareArgs,
+    measures: &Measures,
     path: &Path,
     bake: &Chain,
     lobe: Lobe,
@@ -52,13 +53,18 @@ pub(super) fn measure(
     if lobe != Lobe::Ggx {
         return usage(format!("--delivered needs lobes of ggx; those of {name} are {}", lobe.name()));
     }
-    let Some(ladder) = ladder.and_then(Ladder::named).or_else(|| ladder_of(bake)) else {
-        return Err(anyhow!("{name} records no ladder, and its roughnesses match none").into());
-    };
-    let asked = args.delivered.clone().unwrap_or_default();
+    let ladder = self::ladder(path, bake, ladder)?;
+    let asked = measures.delivered.clone().unwrap_or_default();
     let roughnesses = if asked.is_empty() {
         let mut roughnesses = default_roughnesses(bake);
-        if args.chart.is_some() {
+        if let Some(from) = measures.from {
+            let last = bake.levels.last().map(|level| level.roughness);
+            roughnesses.extend(last.into_iter().chain([from]).filter(|r| *r > 0.0));
+            roughnesses.retain(|r| is_from(from, *r) && last.is_some_and(|last| *r <= last));
+            roughnesses.sort_by(f64::total_cmp);
+            roughnesses.dedup();
+        }
+        if measures.is_charted {
             roughnesses = (1..=50).map(|step| f64::from(step) * CHART_STEP).collect();
         }
         roughnesses
@@ -67,7 +73,7 @@ pub(super) fn measure(
             return Err(anyhow!(
                 "no roughness of {name} has a lobe at least two texels of {} wide; bake rougher levels to \
                  compare",
-                args.against.display()
+                source.path.display()
             )
             .into());
         }
@@ -85,9 +91,16 @@ pub(super) fn measure(
             bar.at(done.get(), roughnesses.len() as u64);
             Ok(radiance)
         };
-        delivered_errors(bake, ladder, &roughnesses, &truth)
+        delivered_errors(bake, ladder, &roughnesses, source.sun, &truth)
     })?;
     Ok(Delivered { ladder: ladder.name(), directions: DIRECTIONS, roughnesses: errors })
+}
+
+/// The ladder of `bake` in `path`: the one that it records, or else the one that matches its roughnesses.
+pub(super) fn ladder(path: &Path, bake: &Chain, recorded: Option<&str>) -> Outcome<Ladder> {
+    let ladder = recorded.and_then(Ladder::named).or_else(|| ladder_of(bake));
+    ladder
+        .ok_or_else(|| anyhow!("{} records no ladder, and its roughnesses match none", path.display()).into())
 }
 
 /// The ladder that matches the roughnesses of `bake`.
@@ -100,17 +113,30 @@ fn ladder_of(bake: &Chain) -> Option<Ladder> {
     Ladder::ALL.into_iter().find(fits)
 }
 
+/// An error and its channel, as a column of text.
+pub(super) fn channel(worst: Greatest) -> String {
+    format!("{:.6} {:<5}", worst.error, if worst.of == "luminance" { "lum." } else { worst.of })
+}
+
 impl Delivered {
     /// The figures as lines of text, headed by `name`.
     pub(super) fn text(&self, name: &str) -> String {
         let mut text = format!(
-            "{name}: look-ups by the ladder {} along {} directions\nroughness     lod   relRMSE  greatest \
-             error\n",
+            "{name}: look-ups by the ladder {} along {} directions\nroughness     lod   relRMSE   worst \
+             channel  greatest error    near the sun\n",
             self.ladder, self.directions
         );
-        for DeliveredError { roughness, lod, rel_rmse, max_error } in &self.roughnesses {
-            writeln!(text, "{roughness:>9.4}  {lod:>6.3}  {rel_rmse:>8.6}  {max_error:>14.4}")
-                .expect("writing to a string cannot fail");
+        for error in &self.roughnesses {
+            let DeliveredError { roughness, lod, rel_rmse, .. } = error;
+            let most = Relative { luminance: error.max_error, channels: error.channel_max_error };
+            let near = error.near_sun.map_or_else(|| "-".to_owned(), |near| channel(near.rmse().greatest()));
+            writeln!(
+                text,
+                "{roughness:>9.4}  {lod:>6.3}  {rel_rmse:>8.6}  {:>14}  {:>14.4}  {near:>14}",
+                channel(error.rmse().worst_channel()),
+                most.greatest().error,
+            )
+            .expect("writing to a string cannot fail");
         }
         text
     }
@@ -161,7 +187,7 @@ pub(super) fn draw_chart(
             delivered.ladder
         ),
         points: (delivered.roughnesses.iter())
-            .map(|error| [error.roughness, error.rel_rmse.max(LEAST_ERROR)])
+            .map(|error| [error.roughness, error.rmse().greatest().error.max(LEAST_ERROR)])
             .collect(),
         marks: if delivered.roughnesses.len() > 20 { Marks::Line } else { Marks::LineAndDots },
         ..Series::default()
@@ -170,7 +196,8 @@ pub(super) fn draw_chart(
         title: "Error of look-ups over roughness".to_owned(),
         caption: format!(
             "Trilinear look-ups along {DIRECTIONS} directions against GGX lobes of {}: root mean square \
-             error of luminance over its mean. The ladder that maps roughness to levels stands in brackets.",
+             error over the mean, of luminance or the channel where it is greatest. The ladder that maps \
+             roughness to levels stands in brackets.",
             file_name(against)
         ),
         x: Axis { label: "perceptual roughness".to_owned(), range: Some([0.0, 1.0]), scale: Scale::Linear },

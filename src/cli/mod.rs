@@ -15,7 +15,11 @@ mod bench_direct;
 #[cfg(feature = "gpu")]
 mod bench_gpu;
 mod compare;
+mod compare_many;
+mod compare_pair;
+mod compare_parts;
 mod compare_sources;
+mod comparison;
 mod completions;
 mod console;
 mod convert;
@@ -29,22 +33,25 @@ mod figures;
 mod figures_absent;
 mod figures_args;
 mod fingerprint;
+mod gate;
 mod info;
 mod info_other;
 mod input;
 mod licenses;
 mod look_ups;
 mod man;
+mod measures;
 mod outcome;
 mod output;
 mod query;
 mod shared_args;
-#[cfg(not(all(feature = "plot", feature = "view")))]
 mod shell;
 mod signals;
+mod summary;
 mod synth;
 mod timing;
 mod values;
+mod verify;
 #[cfg(feature = "view")]
 mod view;
 #[cfg(not(feature = "view"))]

@@ -6,6 +6,7 @@ use super::input::{InputFiles, Opened};
 use super::outcome::{Outcome, print_bytes, usage};
 use crate::bake::report::{OutputFileReport, Report};
 use crate::export::files::Made;
+use crate::export::lights;
 use crate::export::plan::BakePlan;
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel, Shown};
@@ -27,6 +28,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct Common {
     pub(super) plans: Vec<BakePlan>,
     pub(super) sun: Vec<SunFile>,
+    /// Whether sun.json is a list.
+    pub(super) several_suns: bool,
     pub(super) existing: Existing,
     /// Whether reports are printed instead of written.
     pub(super) json: bool,
@@ -36,7 +39,7 @@ pub(super) struct Common {
 pub(super) struct Outputs {
     /// The file or folder; `-` for standard output, according to `place`.
     pub(super) main: PathBuf,
-    place: Destination,
+    pub(super) place: Destination,
     /// Base name of the files: the environment's, or `main` if that is a file.
     pub(super) name: String,
     pub(super) preview: Option<PathBuf>,
@@ -70,8 +73,10 @@ struct Planned {
 /// A file about the removed sun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SunFile {
-    /// Direction and irradiance of the sun.
+    /// Directions and irradiances of the suns.
     Sun,
+    /// The suns as lights of glTF.
+    Gltf,
     /// The environment without the sun.
     Sunless,
 }
@@ -81,6 +86,7 @@ impl SunFile {
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Sun => "sun.json",
+            Self::Gltf => "sun.gltf",
             Self::Sunless => "sunless.exr",
         }
     }
@@ -89,13 +95,16 @@ impl SunFile {
     pub(super) const fn content(self) -> &'static str {
         match self {
             Self::Sun => "the sun",
+            Self::Gltf => "the sun as a light of glTF",
             Self::Sunless => "f32 environment without the sun",
         }
     }
 
-    fn bytes(self, opened: &Opened) -> Result<Vec<u8>> {
+    fn bytes(self, opened: &Opened, several: bool) -> Result<Vec<u8>> {
         match self {
-            Self::Sun => Ok(json_text(&opened.sun)?.into_bytes()),
+            Self::Sun if several => Ok(json_text(&opened.suns)?.into_bytes()),
+            Self::Sun => Ok(json_text(&opened.suns.first())?.into_bytes()),
+            Self::Gltf => Ok(json_text(&lights::gltf(&opened.suns))?.into_bytes()),
             Self::Sunless => exact_exr_bytes(&opened.environment, "an environment without its sun"),
         }
     }
@@ -224,7 +233,7 @@ impl Outputs {
         for place in self.places(common)? {
             if folders.insert(place.path.parent().map(Path::to_owned)) {
                 for restored in output::recover(&place.path) {
-                    console.note(&format!("{}: restored; a killed run had moved it", restored.display()));
+                    console.note(&format!("{}: restored after an interrupted run", restored.display()));
                 }
             }
         }
@@ -277,7 +286,7 @@ impl Outputs {
     }
 
     /// Writes the files `made` of each plan and the completed `reports`, and moves everything into place in
-    /// one step. Returns the bytes written.
+    /// one step. Returns the bytes written, without the picture.
     pub(super) fn write(
         &self,
         common: &Common,
@@ -293,7 +302,7 @@ impl Outputs {
         }
         let mut sibling: Vec<(PathBuf, Vec<u8>)> = Vec::new();
         for sun in &common.sun {
-            sibling.push((self.sibling(sun.name()).into(), sun.bytes(opened)?));
+            sibling.push((self.sibling(sun.name()).into(), sun.bytes(opened, common.several_suns)?));
         }
         sibling.extend(self.preview.iter().cloned().zip(picture.map(<[u8]>::to_vec)));
         let mut report_files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
@@ -342,6 +351,7 @@ impl Outputs {
                 report_files.push((self.report_path(common, plan).into(), text.into_bytes()));
             }
         }
+        bytes -= picture.map_or(0, |picture| picture.len() as u64);
         bytes += report_files.iter().map(|(_, bytes)| bytes.len() as u64).sum::<u64>();
         let files = places.into_iter().flat_map(|(_, files)| files);
         let all = files.chain(report_files.iter().map(|(path, bytes)| (path.clone(), &bytes[..]))).collect();

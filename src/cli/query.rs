@@ -6,7 +6,7 @@ use super::directions::{Asked, Directions, read_directions};
 use super::input;
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, print, usage, write_output};
 use crate::bake::query::Query;
-use crate::filter::{Answer, Filter};
+use crate::filter::{Answer, Bound, Filter};
 use crate::io::npy;
 use crate::io::output::Existing;
 use crate::lobe::Lobe;
@@ -106,18 +106,25 @@ impl Form {
     }
 }
 
+/// Names of the columns of `--bound`: the luminance's, then the channels'.
+const BOUNDS: &str = ",bound,bound_r,bound_g,bound_b";
+
 /// The answers as text, a line each, with a header.
 fn csv(asked: &[Asked], answers: &[Answer], has_roughness: bool, bound: bool) -> String {
-    let (own, more) = (if has_roughness { ",roughness" } else { "" }, if bound { ",bound" } else { "" });
+    let (own, more) = (if has_roughness { ",roughness" } else { "" }, if bound { BOUNDS } else { "" });
     let mut text = format!("x,y,z{own},r,g,b{more}\n");
     for (asked, answer) in asked.iter().zip(answers) {
         let [r, g, b] = answer.radiance;
         write!(text, "{},{r:?},{g:?},{b:?}", asked.typed).expect("writing to a string cannot fail");
         if bound {
-            text.push(',');
-            // Mirrors are look-ups without a bound; leave the field empty.
-            if let Some(bound) = answer.bound {
-                write!(text, "{bound:?}").expect("writing to a string cannot fail");
+            // Mirrors are look-ups without bounds; leave the fields empty.
+            match answer.bound {
+                Some(bound) => {
+                    let [luminance, r, g, b] = bound.values();
+                    write!(text, ",{luminance:?},{r:?},{g:?},{b:?}")
+                        .expect("writing to a string cannot fail");
+                }
+                None => text.push_str(",,,,"),
             }
         }
         text.push('\n');
@@ -127,8 +134,11 @@ fn csv(asked: &[Asked], answers: &[Answer], has_roughness: bool, bound: bool) ->
 
 /// The answers as a .npy file, a row each.
 fn array(answers: &[Answer], bound: bool) -> Vec<u8> {
-    let bounds = |answer: &Answer| bound.then(|| answer.bound.unwrap_or(f32::INFINITY));
+    let bounds = |answer: &Answer| {
+        let bounds = bound.then(|| answer.bound.unwrap_or(Bound::NONE).values());
+        bounds.into_iter().flatten()
+    };
     let row = |answer: &Answer| answer.radiance.into_iter().chain(bounds(answer));
     let values: Vec<f32> = answers.iter().flat_map(row).collect();
-    npy::table_bytes(if bound { 4 } else { 3 }, &values)
+    npy::table_bytes(if bound { 7 } else { 3 }, &values)
 }

@@ -1,5 +1,6 @@
 //! Arguments shared by several subcommands.
 
+use crate::analysis::extraction::Suns;
 use crate::cli::values::{EngineArg, scale, turn};
 use crate::io::{LayoutChoice, Pad};
 use clap::Args as ClapArgs;
@@ -55,15 +56,25 @@ pub(super) struct InputArgs {
     /// Without it, negative radiance is set to 0 and counted, and one warning states its share of energy.
     #[arg(long, conflicts_with = "sanitize")]
     pub(super) strict: bool,
-    /// Remove the sun and use the rest
+    /// Remove the sun, or the lights of WHICH, and use the rest
     ///
-    /// The sun is the region connected to the brightest texel and at least a tenth as bright, with its glow.
-    /// The texel must be 100 times as bright as the median 10 to 30 degrees around it, and the region at most
-    /// 0.01 sr (or nine texels). Windows and area lights stay, with a warning. The hole is filled from its
-    /// surroundings. bake writes the removed sun as a directional light to the report and to OUT.sun.json, or
-    /// sun.json in OUT if that is a folder.
-    #[arg(long)]
-    pub(super) extract_sun: bool,
+    /// A sun is the region connected to a peak and at least a tenth as bright, with its glow. The peak must be
+    /// 100 times as bright as the median 10 to 30 degrees around it, and the whole at most 0.01 sr (of coarse
+    /// pictures nine texels, up to 0.2 sr). Windows and area lights stay, with a warning, and so does what a
+    /// directional light cannot replace: the rest and the suns light every surface as the source does, within
+    /// 1 % of the greatest irradiance. The hole is filled from its surroundings.
+    ///
+    /// Without WHICH, the brightest light. --extract-sun=N: the N lights of the greatest irradiance, 1 to 32,
+    /// each at least 0.1 % of the light. --extract-sun=A,E or =X,Y,Z: the light within 10 degrees of azimuth A
+    /// and elevation E in degrees, as info prints them, or of the vector X,Y,Z, after --mirror and --rotate-y;
+    /// separate several by colons.
+    ///
+    /// bake writes the suns as directional lights to OUT.sun.json, for glTF to OUT.sun.gltf
+    /// (KHR_lights_punctual), or to sun.json and sun.gltf in OUT if that is a folder, and to the report.
+    /// sun.json holds one object, or null; with WHICH a list.
+    #[arg(long, value_name = "WHICH", value_parser = Suns::parsed, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "brightest")]
+    pub(super) extract_sun: Option<Suns>,
 }
 
 /// Options of the engine.

@@ -130,8 +130,21 @@ pub(super) fn roughness(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "must be between 0 and 1".to_owned())
 }
 
+/// Parses a share or a percentage: 0.05 or 5%.
 pub(super) fn threshold(text: &str) -> Result<f64, String> {
-    Some(finite(text)?).filter(|value| *value >= 0.0).ok_or_else(|| "must not be negative".to_owned())
+    let share = match text.strip_suffix('%') {
+        Some(percentage) => finite(percentage.trim_end())? / 100.0,
+        None => finite(text)?,
+    };
+    Some(share).filter(|value| *value >= 0.0).ok_or_else(|| "must not be negative".to_owned())
+}
+
+/// Parses a percentage, or a share below 1: a bare 5 would be 500 %.
+pub(super) fn percentage(text: &str) -> Result<f64, String> {
+    match threshold(text) {
+        Ok(share) if share >= 1.0 && !text.ends_with('%') => Err(format!("write {text}%, or a share")),
+        parsed => parsed,
+    }
 }
 
 pub(super) fn texels(text: &str) -> Result<Texels, String> {

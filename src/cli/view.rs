@@ -88,7 +88,7 @@ fn environment(args: &ViewArgs, console: &Console) -> Outcome<(Environment, Stri
 /// The levels of the input, if it is a bake with several. `None` with `--extract-sun`: the levels still
 /// contain the sun.
 fn levels(args: &ViewArgs, environment: &Environment, console: &Console) -> Outcome<Option<Levels>> {
-    let ([path], false) = (&args.inputs[..], args.input.extract_sun) else { return Ok(None) };
+    let ([path], false) = (&args.inputs[..], args.input.extract_sun.is_some()) else { return Ok(None) };
     let Some(LoadedChain { mut chain, .. }) = input::read_bake(path)? else { return Ok(None) };
     if let Some(scale) = args.input.scale {
         let values = chain.levels.iter_mut().flat_map(|level| level.texels.as_flattened_mut());

@@ -21,9 +21,12 @@
 //! sums of what lies above and what lies below. Lobes that are not smooth (cones, wide Phong) take k(a) and
 //! k(b). Charlie, which rises before it falls, has bounds of its own (`kernel`).
 //!
-//! The three colours of a cell have centroids of their own: k' (D.(m - R))/2 is added to each colour's
-//! estimate, with D its dipole. The dipoles of the luminance sum to zero, so that its estimate and bound are
-//! those above.
+//! The channels differ from the luminance by their tints ([`crate::geometry::tint`]). With D, Q and X a tint's
+//! dipole, quadrupole and variation, k' (D.(m - R)/2 + tr Q/4) + k'' ((R - m).Q.(R - m))/8 is added to the
+//! channel's estimate: the series of k up to second order over light of zero total. What is left over is at
+//! most X/2 times the range over [a, b] of k minus that series, which falls from a to b, as k'' does; and the
+//! sum is at most X/2 times the range of k, to which it is clipped. So it is continuous in R. The luminance's
+//! tint is zero: its estimate and bound are those above.
 //!
 //! V is used as ((R - m).C.(R - m)), which keeps its precision near the peak; what that leaves out is the
 //! radial part (l - m).m, whose deviation is at most sqrt(tr C) rho/2 (Bhatia and Davis 2000 on [1 - rho^2/2,
@@ -34,12 +37,14 @@
 //! W in closed form.
 //!
 //! Cells are split where the error to be expected, times their energy, exceeds the tolerance for any
-//! direction of the packet. Which cells are leaves decides how tight the bound is, never whether it holds.
+//! direction of the packet. The energy is that of the worst channel, relative to its mean. Which cells are leaves decides how tight the bound is, never whether it holds.
 
 use super::cells::{Cells, Finest, Quad, SourceLight};
-use super::leaves::{LANES, Leaf, Packet, Scratch};
+use super::leaves::{LANES, Leaf, Packet, Scratch, weighted};
 use super::subtexel::{self, LitTexels, Spread};
-use crate::environment::{LUMINANCE, Rgb};
+use crate::environment::{LUMINANCE, Rgb, exact_luminance};
+use crate::filter::Bound;
+use crate::geometry::tint::Tint;
 use crate::lobe::kernel::{Kernel, with_radial};
 use crate::lobe::radial::{Radial, expected_error};
 use crate::vector::{Extremes as _, Fused as _};
@@ -51,8 +56,8 @@ use std::f64::consts::PI;
 pub struct Shares {
     /// Radiance, lane by lane.
     pub radiance: [Rgb; LANES],
-    /// Certified bound of each lane's luminance.
-    pub bound: [f32; LANES],
+    /// Certified bounds of each lane's error.
+    pub bound: [Bound; LANES],
     /// Leaves shared by the packet's lanes.
     pub leaves: usize,
 }
@@ -65,9 +70,14 @@ const GRAZING_ROUNDING: f64 = 8.0 / 16_777_216.0;
 /// Quads evaluated together, to fill the widest vectors.
 const QUADS: usize = 4;
 
-/// The expected error of every cell of `quads`, times its luminance.
+/// The expected error of every cell of `quads`, times the energy that counts.
 #[inline(always)]
-fn expected_errors<R: Radial>(kernel: R, packet: &Packet, quads: &[&Quad; QUADS]) -> [[f32; 4]; QUADS] {
+fn expected_errors<R: Radial>(
+    kernel: R,
+    packet: &Packet,
+    quads: &[&Quad; QUADS],
+    weights: [f32; 3],
+) -> [[f32; 4]; QUADS] {
     let axis = packet.axis.as_vec3();
     let lanes = |field: fn(&Quad) -> [f32; 4]| quads.map(field);
     let (x, y, z) = (lanes(|quad| quad.x), lanes(|quad| quad.y), lanes(|quad| quad.z));
@@ -76,42 +86,84 @@ fn expected_errors<R: Radial>(kernel: R, packet: &Packet, quads: &[&Quad; QUADS]
         lanes(|quad| quad.covariance[1]),
         lanes(|quad| quad.covariance[2]),
     ];
-    let (radius, luminance) = (lanes(|quad| quad.radius), lanes(|quad| quad.luminance));
+    let (red, green, blue) = (lanes(|quad| quad.red), lanes(|quad| quad.green), lanes(|quad| quad.blue));
+    let [red_x, red_y, red_z] =
+        [lanes(|quad| quad.red_tint[0]), lanes(|quad| quad.red_tint[1]), lanes(|quad| quad.red_tint[2])];
+    let [blue_x, blue_y, blue_z] =
+        [lanes(|quad| quad.blue_tint[0]), lanes(|quad| quad.blue_tint[1]), lanes(|quad| quad.blue_tint[2])];
+    let radius = lanes(|quad| quad.radius);
     let flat = |lanes: &[[f32; 4]; QUADS], k: usize| lanes.as_flattened()[k];
     let mut errors = [[0.0; 4]; QUADS];
     for (k, error) in errors.as_flattened_mut().iter_mut().enumerate() {
-        let (x, y, z) = (flat(&x, k) - axis.x, flat(&y, k) - axis.y, flat(&z, k) - axis.z);
+        let (mx, my, mz) = (flat(&x, k), flat(&y, k), flat(&z, k));
+        let (x, y, z) = (mx - axis.x, my - axis.y, mz - axis.z);
         let distance = x.times_plus(x, y.times_plus(y, z * z)).sqrt();
         let trace = flat(&xx, k) + flat(&yy, k) + flat(&zz, k);
-        *error =
-            flat(&luminance, k) * expected_error(kernel, distance, flat(&radius, k), packet.radius, trace);
+        let (red, green, blue) = (flat(&red, k), flat(&green, k), flat(&blue, k));
+        // Over unit directions the quadrupole's trace is -2 D.m.
+        let red_tint =
+            -2.0 * mx.times_plus(flat(&red_x, k), my.times_plus(flat(&red_y, k), mz * flat(&red_z, k)));
+        let blue_tint =
+            -2.0 * mx.times_plus(flat(&blue_x, k), my.times_plus(flat(&blue_y, k), mz * flat(&blue_z, k)));
+        let green_tint =
+            red_tint.times_plus(-LUMINANCE[0] / LUMINANCE[1], blue_tint * (-LUMINANCE[2] / LUMINANCE[1]));
+        let weight = weighted([red, green, blue], weights);
+        // The channel that counts most may spread farther around the centroid.
+        let spread = (weights[0] * red.times_plus(trace, red_tint))
+            .at_least(weights[1] * green.times_plus(trace, green_tint))
+            .at_least(weights[2] * blue.times_plus(trace, blue_tint));
+        let reach = flat(&radius, k);
+        let trace = (spread / weight.at_least(f32::MIN_POSITIVE)).at_least(trace).at_most(reach * reach);
+        *error = weight * expected_error(kernel, distance, reach, packet.radius, trace);
     }
     errors
 }
 
-/// Adds the red and blue `dipoles` of `leaf` to `sums`, where k has the `estimates` and `slopes`, by lanes.
-#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-fn add_dipoles(
-    (leaf, dipoles): (&Leaf, &[Vec3; 2]),
-    packet: &Packet,
-    (estimates, slopes): (&[f32; LANES], &[f32; LANES]),
-    sums: &mut [[f32; LANES]; 3],
-) {
-    let [lx, ly, lz] = leaf.offset;
-    let [red, blue] = dipoles.map(|dipole| dipole.to_array());
-    for k in 0..LANES {
-        let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
-        // ds/dl = (l - R)/2. A colour's centroid lies within the cell's reach, so that no colour becomes
-        // negative.
-        let slope = 0.5 * slopes[k];
-        let most = slope * leaf.radius;
-        let first_order = most * most * (x * x + y * y + z * z) <= estimates[k] * estimates[k];
-        let slope = if first_order { slope } else { 0.0 };
-        let red = slope * (red[0] * x + red[1] * y + red[2] * z);
-        let blue = slope * (blue[0] * x + blue[1] * y + blue[2] * z);
-        sums[0][k] += red;
-        sums[1][k] -= red * (LUMINANCE[0] / LUMINANCE[1]) + blue * (LUMINANCE[2] / LUMINANCE[1]);
-        sums[2][k] += blue;
+/// A leaf's [`crate::lobe::radial::Interval`]s, by lanes.
+#[derive(Default)]
+struct Series {
+    estimate: [f32; LANES],
+    over: [f32; LANES],
+    under: [f32; LANES],
+    slope: [f32; LANES],
+    bend: [f32; LANES],
+    rest: [f32; LANES],
+    spread: [f32; LANES],
+}
+
+/// What the tints of red and blue add, by lanes, and bounds of its error.
+#[derive(Default)]
+struct TintSums {
+    light: [[f32; LANES]; 2],
+    error: [[f32; LANES]; 2],
+}
+
+impl TintSums {
+    /// Adds the `tints` of `leaf`.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn add(&mut self, leaf: &Leaf, tints: &[Tint; 2], packet: &Packet, series: &Series) {
+        let [lx, ly, lz] = leaf.offset;
+        for (c, tint) in tints.iter().enumerate() {
+            let [dx, dy, dz] = (0.5 * tint.dipole).to_array();
+            let [xx, yy, zz] = (0.25 * tint.diagonal).to_array();
+            let [yz, zx, xy] = (0.5 * tint.mixed).to_array();
+            let trace = xx + yy + zz;
+            let variation = tint.variation;
+            for k in 0..LANES {
+                let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
+                let first = x.times_plus(dx, y.times_plus(dy, z.times_plus(dz, trace)));
+                let second = x.times_plus(
+                    xx.times_plus(x, xy.times_plus(y, zx * z)),
+                    y.times_plus(yy.times_plus(y, yz * z), zz * z * z),
+                );
+                let light = series.slope[k].times_plus(first, series.bend[k] * second);
+                let most = variation * series.spread[k];
+                let clipped = light.at_most(most).at_least(-most);
+                self.light[c][k] += clipped;
+                self.error[c][k] += (variation.times_plus(series.rest[k], (light - clipped).abs()))
+                    .at_most(most + clipped.abs());
+            }
+        }
     }
 }
 
@@ -124,6 +176,8 @@ pub struct Adaptive<'a> {
     kernel: Kernel,
     /// Greatest expected error of a leaf, in units of the kernel times energy.
     pub(super) tolerance: f64,
+    /// [`Cells::channel_weights`].
+    weights: [f32; 3],
     /// Factor of the answers.
     scale: f64,
     arch: crate::vector::Arch,
@@ -151,8 +205,15 @@ impl<'a> Adaptive<'a> {
     /// Lobes of `kernel` to a relRMSE of `error` over the sphere.
     #[must_use]
     pub fn new(cells: &'a Cells, kernel: Kernel, error: f64) -> Self {
-        let tolerance = kernel.tolerance_per_mean(error) * cells.mean_luminance;
-        Self { cells, light: None, kernel, tolerance, scale: 1.0, arch: crate::vector::Arch::new() }
+        Self {
+            cells,
+            light: None,
+            kernel,
+            tolerance: kernel.tolerance_per_mean(error) * cells.mean_luminance(),
+            weights: cells.channel_weights(),
+            scale: 1.0,
+            arch: crate::vector::Arch::new(),
+        }
     }
 
     /// The same over [`Cells::of_source`]: subdivides cells down to texels of `light`, and further.
@@ -172,7 +233,7 @@ impl<'a> Adaptive<'a> {
     /// The lobes around a packet's directions.
     pub fn evaluate(&self, packet: &Packet, scratch: &mut Scratch) -> Shares {
         scratch.leaves.clear();
-        scratch.slack = 0.0;
+        scratch.slack = [0.0; 3];
         with_radial!(self.kernel.shape, kernel => self.arch.dispatch(Evaluation {
             adaptive: self,
             kernel,
@@ -194,12 +255,14 @@ impl<'a> Adaptive<'a> {
             let count = scratch.stack.len() - rest;
             nodes[..count].copy_from_slice(&scratch.stack[rest..]);
             scratch.stack.truncate(rest);
-            let quads = nodes.map(|(level, i, j)| {
+            let places = nodes.map(|(level, i, j)| {
                 let place = cells.levels[usize::from(level)];
-                &cells.quads[(place.first + j * place.width + i) as usize]
+                place.first + j * place.width + i
             });
-            let errors = expected_errors(kernel, packet, &quads);
-            for ((quad, errors), (level, i, j)) in quads.iter().zip(&errors).zip(nodes).take(count) {
+            let quads = places.map(|place| &cells.quads[place as usize]);
+            let errors = expected_errors(kernel, packet, &quads, self.weights);
+            let visited = quads.iter().zip(places).zip(&errors).zip(nodes);
+            for (((quad, place), errors), (level, i, j)) in visited.take(count) {
                 for k in 0..4 {
                     // Cells without luminance contribute nothing.
                     if quad.luminance[k] == 0.0 {
@@ -214,13 +277,19 @@ impl<'a> Adaptive<'a> {
                         match (&cells.finest, &self.light) {
                             (Finest::Texels { n, reconstruction, energies }, _) => {
                                 let spread = Spread { n: *n, reconstruction: *reconstruction, energies };
-                                subtexel::refine((&spread, self.tolerance), kernel, (i, j), packet, scratch);
+                                subtexel::refine(
+                                    (&spread, self.weights, self.tolerance),
+                                    kernel,
+                                    (i, j),
+                                    packet,
+                                    scratch,
+                                );
                                 continue;
                             }
                             (Finest::Source(members), Some(light)) => {
                                 let source = LitTexels { members, light, least: Vec3::from(cells.least) };
                                 subtexel::refine_members(
-                                    (&source, self.tolerance),
+                                    (&source, self.weights, self.tolerance),
                                     kernel,
                                     (i, j),
                                     packet,
@@ -231,7 +300,7 @@ impl<'a> Adaptive<'a> {
                             _ => {}
                         }
                     }
-                    scratch.leaves.push(Leaf::new(quad, k, packet.axis));
+                    scratch.leaves.push(Leaf::new(quad, place, k, packet.axis));
                 }
             }
         }
@@ -241,10 +310,12 @@ impl<'a> Adaptive<'a> {
     #[inline(always)]
     fn sum<R: Radial>(&self, kernel: R, packet: &Packet, scratch: &Scratch) -> Shares {
         let mut sums = [[0.0_f32; LANES]; 3];
-        // How far the true value can lie above and below the estimate.
+        // How far the luminance's true value can lie above and below the estimate; how far a channel's can.
         let (mut above, mut below) = ([0.0_f32; LANES], [0.0_f32; LANES]);
-        // Luminance with s above 1/4 for some lane, and not beyond the horizon.
-        let mut grazing = 0.0_f32;
+        let mut off = [[0.0_f32; LANES]; 3];
+        let (mut series, mut tinted) = (Series::default(), TintSums::default());
+        // Energy with s above 1/4 for some lane, and not beyond the horizon.
+        let mut grazing = [0.0_f32; 3];
         for leaf in &scratch.leaves {
             let [lx, ly, lz] = leaf.offset;
             let [xx, yy, zz, yz, zx, xy] = leaf.covariance;
@@ -253,11 +324,10 @@ impl<'a> Adaptive<'a> {
             let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
             let (distance, reach) = ((lx * lx + ly * ly + lz * lz).sqrt(), packet.radius + leaf.radius);
             if (distance + reach > 0.999) & (distance - reach < 1.415) {
-                grazing += luminance;
+                grazing.iter_mut().zip(leaf.energy).for_each(|(sum, energy)| *sum += energy);
             }
             // Whether s reaches the horizon for any lane.
             let across = 0.25 * (distance + reach) * (distance + reach) > 0.499;
-            let (mut estimates, mut slopes) = ([0.0_f32; LANES], [0.0_f32; LANES]);
             for k in 0..LANES {
                 let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
                 let squared = x.times_plus(x, y.times_plus(y, z * z));
@@ -271,37 +341,73 @@ impl<'a> Adaptive<'a> {
                 } else {
                     kernel.interval::<false>(squared, trace, along, leaf.radius)
                 };
-                sums[0][k] = red.times_plus(share.estimate, sums[0][k]);
-                sums[1][k] = green.times_plus(share.estimate, sums[1][k]);
-                sums[2][k] = blue.times_plus(share.estimate, sums[2][k]);
-                above[k] = luminance.times_plus(share.greatest - share.estimate, above[k]);
-                below[k] = luminance.times_plus(share.estimate - share.least, below[k]);
-                (estimates[k], slopes[k]) = (share.estimate, share.slope);
+                series.estimate[k] = share.estimate;
+                (series.over[k], series.under[k]) =
+                    (share.greatest - share.estimate, share.estimate - share.least);
+                (series.slope[k], series.bend[k]) = (share.slope, share.bend);
+                (series.rest[k], series.spread[k]) = (share.rest, share.spread);
             }
-            if let Some(dipoles) = &leaf.dipoles {
-                add_dipoles((leaf, dipoles), packet, (&estimates, &slopes), &mut sums);
+            // A loop of its own, which leaves the registers to the one above.
+            for k in 0..LANES {
+                let (estimate, over, under) = (series.estimate[k], series.over[k], series.under[k]);
+                let width = over.at_least(under);
+                sums[0][k] = red.times_plus(estimate, sums[0][k]);
+                sums[1][k] = green.times_plus(estimate, sums[1][k]);
+                sums[2][k] = blue.times_plus(estimate, sums[2][k]);
+                above[k] = luminance.times_plus(over, above[k]);
+                below[k] = luminance.times_plus(under, below[k]);
+                off[0][k] = red.times_plus(width, off[0][k]);
+                off[1][k] = green.times_plus(width, off[1][k]);
+                off[2][k] = blue.times_plus(width, off[2][k]);
+            }
+            if let Some(tints) = self.cells.tints(leaf.cell) {
+                tinted.add(leaf, &tints, packet, &series);
             }
         }
-        let least = self.cells.least.map(|least| self.scale * f64::from(least));
-        let per_integral = self.scale / self.kernel.integral;
+        let Self { cells, scale, .. } = *self;
+        let per_integral = scale / self.kernel.integral;
         let rounding = self.kernel.rounding(scratch.leaves.len());
-        let luminance = |rgb: [f64; 3]| (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum::<f64>();
-        let base = luminance(least);
+        let grazing = grazing
+            .map(|energy| f64::from(energy) * GRAZING_ROUNDING * self.kernel.grazing_slope() * per_integral);
         // Count kernels and products below the least normal number as lost: vector units may flush them.
-        let energy = 4.0 * PI * self.cells.mean_luminance;
         let products = f64::from(f32::MIN_POSITIVE) * scratch.leaves.len() as f64;
-        let underflow = (f64::from(self.kernel.underflow()) * energy + products) * per_integral;
-        let omitted = if energy > 0.0 { self.scale * self.cells.omitted + underflow } else { 0.0 };
-        let grazing = f64::from(grazing) * GRAZING_ROUNDING * self.kernel.grazing_slope() * per_integral;
-        let mut shares =
-            Shares { radiance: [[0.0; 3]; LANES], bound: [0.0; LANES], leaves: scratch.leaves.len() };
-        for k in 0..LANES {
-            let lobe: [f64; 3] = std::array::from_fn(|c| f64::from(sums[c][k].at_least(0.0)) * per_integral);
-            shares.radiance[k] = std::array::from_fn(|c| (least[c] + lobe[c]) as f32);
-            let width = (f64::from(above[k].max(below[k])) + scratch.slack) * per_integral;
+        let lit = cells.mean_luminance() > 0.0;
+        let fixed: [f64; 3] = std::array::from_fn(|c| {
+            let energy = 4.0 * PI * cells.mean[c];
+            let underflow = (f64::from(self.kernel.underflow()) * energy + products) * per_integral;
+            let omitted = if lit { scale * cells.omitted + underflow } else { 0.0 };
             // The least radiance and every E - c w are float32 differences, in error by 2^-22 of the whole;
             // omitted residues add twice that.
-            shares.bound[k] = (width + rounding * luminance(lobe) + grazing + 7.2e-7 * base + omitted) as f32;
+            scratch.slack[c] * per_integral
+                + grazing[c]
+                + 7.2e-7 * scale * f64::from(cells.least[c])
+                + omitted
+        });
+        let [red_share, _, blue_share] = LUMINANCE.map(|share| f64::from(share) / f64::from(LUMINANCE[1]));
+        let mut shares = Shares {
+            radiance: [[0.0; 3]; LANES],
+            bound: [Bound::default(); LANES],
+            leaves: scratch.leaves.len(),
+        };
+        for k in 0..LANES {
+            let [red, blue] = tinted.light.map(|light| f64::from(light[k]));
+            let [red_off, blue_off] = tinted.error.map(|error| f64::from(error[k]));
+            // The luminance's tint is zero.
+            let tints = [red, -(red_share * red + blue_share * blue), blue];
+            let tints_off = [red_off, red_share * red_off + blue_share * blue_off, blue_off];
+            let lobe: [f64; 3] =
+                std::array::from_fn(|c| (f64::from(sums[c][k]) + tints[c]).max(0.0) * per_integral);
+            shares.radiance[k] =
+                std::array::from_fn(|c| (scale * f64::from(cells.least[c]) + lobe[c]) as f32);
+            // Tints are rounded like centroids.
+            let channels = std::array::from_fn(|c| {
+                let width = f64::from(off[c][k]) + tints_off[c];
+                let rounded = rounding * (lobe[c] + (f64::from(sums[c][k]) + tints[c].abs()) * per_integral);
+                (width * per_integral + rounded + fixed[c]) as f32
+            });
+            let width = f64::from(above[k].max(below[k])) * per_integral;
+            let luminance = width + rounding * exact_luminance(lobe) + exact_luminance(fixed);
+            shares.bound[k] = Bound { channels, luminance: luminance as f32 };
         }
         shares
     }

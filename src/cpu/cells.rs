@@ -6,8 +6,8 @@
 //! Barnes and Hut 1986, the clusters of Walter et al. 2005, "Lightcuts"). Energies are those above the least
 //! radiance c of each channel, E - c*w, so that a constant environment is black and dark cells stay coarse.
 //!
-//! The centroid is that of the luminance. Red, green and blue have their own, which a dipole holds: the sum
-//! of their energy times the offset from the luminance's centroid.
+//! Centroid and covariance are those of the luminance. What sets red and blue apart is their tint
+//! ([`crate::geometry::tint`]); green's follows, since that of the luminance is zero.
 //!
 //! The finest cells hold texels of the OEM, or of the source. Texels of the source belong to the cell that
 //! contains their centroid, whole: their moments are exact, so nothing is spread over an OEM texel. A cell's
@@ -18,6 +18,7 @@ use crate::environment::{Environment, LUMINANCE, Rgb, exact_luminance};
 use crate::geometry::source_texels::SourceGrid;
 use crate::geometry::source_texels::{RunSums, SourceTexels, Texel, longest_run};
 use crate::geometry::tent::{Patch, Reconstruction, Tents};
+use crate::geometry::tint::{TINT_FIELDS, Tint};
 use crate::light_scale::LightScale;
 use crate::oem::Oem;
 use glam::{DVec3, Vec3, Vec3Swizzles as _};
@@ -39,10 +40,10 @@ pub(super) struct Quad {
     pub(super) red: [f32; 4],
     pub(super) green: [f32; 4],
     pub(super) blue: [f32; 4],
-    /// Dipole of the red energy around the centroid, which is that of the luminance.
-    pub(super) red_dipole: [[f32; 4]; 3],
-    /// The same of blue. Green's follows: the dipole of the luminance is zero.
-    pub(super) blue_dipole: [[f32; 4]; 3],
+    /// The tint of red, in the order of [`Tint::to_fields`].
+    pub(super) red_tint: [[f32; 4]; TINT_FIELDS],
+    /// The same of blue.
+    pub(super) blue_tint: [[f32; 4]; TINT_FIELDS],
 }
 
 /// Fields of [`Quad`], each of four floats.
@@ -63,14 +64,18 @@ pub(crate) const FIELDS: [(&str, usize); 11] = {
         ("FIELD_RED", offset_of!(Quad, red) / 16),
         ("FIELD_GREEN", offset_of!(Quad, green) / 16),
         ("FIELD_BLUE", offset_of!(Quad, blue) / 16),
-        ("FIELD_RED_DIPOLE", offset_of!(Quad, red_dipole) / 16),
-        ("FIELD_BLUE_DIPOLE", offset_of!(Quad, blue_dipole) / 16),
+        ("FIELD_RED_TINT", offset_of!(Quad, red_tint) / 16),
+        ("FIELD_BLUE_TINT", offset_of!(Quad, blue_tint) / 16),
     ]
 };
 
 /// A smaller share of a texel's energy above the least radiance is rounding error. Without the cut, black
 /// texels would enlarge the radius of their cells.
 pub(crate) const RESIDUE: f32 = 1.0 / (1 << 21) as f32;
+
+/// A channel whose mean is below the luminance's by more than this factor is nearly black: its errors count as
+/// if its mean were that share of the luminance's.
+pub(crate) const DIMMEST: f64 = 100.0;
 
 /// A channel's energy up to this counts as zero. Its product with a difference of directions, 2^-24, would be
 /// subnormal, which GPUs flush, and the reciprocal of a subnormal luminance infinite. [`omitted_radiance`]
@@ -93,19 +98,24 @@ struct Cell {
     patch: Patch,
     energy: Vec3,
     luminance: f32,
-    /// Dipoles of red and blue.
-    dipoles: [Vec3; 2],
+    /// Of red and blue.
+    tints: [Tint; 2],
 }
 
 impl Cell {
     /// Light of one colour.
     fn of(patch: Patch, energy: Vec3) -> Self {
-        Self { patch, energy, luminance: energy.dot(Vec3::from(LUMINANCE)), dipoles: [Vec3::ZERO; 2] }
+        Self { patch, energy, luminance: energy.dot(Vec3::from(LUMINANCE)), tints: [Tint::default(); 2] }
     }
 
-    /// The dipoles of red and blue around a point that the centroid is `apart` from.
-    fn dipoles_around(&self, apart: Vec3) -> [Vec3; 2] {
-        [self.dipoles[0] + apart * self.energy.x, self.dipoles[1] + apart * self.energy.z]
+    /// Adds the tints of `member`, a part whose centroid is `apart` from this cell's, whose energies are known.
+    #[inline(always)]
+    fn absorb_tints(&mut self, member: &Self, apart: Vec3) {
+        let excess = member.energy - self.energy * (member.luminance / self.luminance);
+        for (tint, (part, excess)) in self.tints.iter_mut().zip(member.tints.iter().zip([excess.x, excess.z]))
+        {
+            tint.absorb(part, &member.patch, apart, excess);
+        }
     }
 }
 
@@ -283,7 +293,8 @@ impl Lit<'_> {
                 }
                 if from <= to {
                     let patch = row.patch(&sums, first, [from, to]);
-                    cells.push(Cell { dipoles: row.dipoles(&sums, sum), ..Cell::of(patch, sum) });
+                    let tints = row.tints(&sums, first, sum);
+                    cells.push(Cell { tints, ..Cell::of(patch, sum) });
                 }
             }
             None => {
@@ -302,8 +313,8 @@ impl Lit<'_> {
 pub struct Cells {
     /// The least radiance of each channel.
     pub(super) least: Rgb,
-    /// Mean luminance over the sphere.
-    pub(super) mean_luminance: f64,
+    /// Mean radiance over the sphere.
+    pub(super) mean: [f64; 3],
     pub(super) quads: Vec<Quad>,
     /// Levels from the finest (texels, or blocks of them) to the root, whose quad is the last.
     pub(super) levels: Vec<CellLevel>,
@@ -326,7 +337,7 @@ impl Cells {
         let n = oem.size().inner;
         let least = oem.least_radiance();
         let [red, green, blue, _] = oem.totals();
-        let mean_luminance = exact_luminance([red, green, blue]) / (4.0 * std::f64::consts::PI);
+        let mean = [red, green, blue].map(|total| total / (4.0 * std::f64::consts::PI));
         let tents = Tents::new(n, reconstruction);
         let texel = |x: u32, y: u32| {
             let [r, g, b, w] = oem.texel(x, y);
@@ -357,7 +368,7 @@ impl Cells {
             Finest::Blocks
         };
         let (quads, levels) = pyramid(cells, width);
-        Self { least, mean_luminance, quads, levels, finest, omitted: omitted_radiance(n), energy: None }
+        Self { least, mean, quads, levels, finest, omitted: omitted_radiance(n), energy: None }
     }
 
     /// Builds `width` x `width` cells of the `light` of a source whose texels are `texels`, and those above.
@@ -388,13 +399,34 @@ impl Cells {
         let (quads, levels) = pyramid(cells, width);
         Self {
             least,
-            mean_luminance: exact_luminance(energy) / sphere,
+            mean: energy.map(|energy| energy / sphere),
             quads,
             levels,
             finest: Finest::Source(members),
             omitted,
             energy: Some(energy),
         }
+    }
+
+    /// The tints of red and blue of a leaf's cell, if they count.
+    #[inline(always)]
+    pub(super) fn tints(&self, cell: u32) -> Option<[Tint; 2]> {
+        let quad = self.quads.get(cell as usize >> 2)?;
+        let k = cell as usize & 3;
+        Some([Tint::from_fields(&quad.red_tint, k), Tint::from_fields(&quad.blue_tint, k)])
+    }
+
+    /// Mean luminance over the sphere.
+    pub(super) fn mean_luminance(&self) -> f64 {
+        exact_luminance(self.mean)
+    }
+
+    /// Factors that make an error of a channel comparable with one of the luminance: means of luminance over
+    /// channel, at most [`DIMMEST`].
+    pub(super) fn channel_weights(&self) -> [f32; 3] {
+        let luminance = self.mean_luminance();
+        self.mean
+            .map(|mean| if luminance < DIMMEST * mean { (luminance / mean) as f32 } else { DIMMEST as f32 })
     }
 
     /// Total energy of the source's light; `None` for cells of an OEM.
@@ -433,14 +465,15 @@ impl Cells {
     #[must_use]
     pub fn quad_fields(&self) -> Vec<[[f32; 4]; QUAD_FIELDS]> {
         let fields = |quad: &Quad| {
-            let Quad { x, y, z, covariance, radius, luminance, red, green, blue, red_dipole, blue_dipole } =
+            let Quad { x, y, z, covariance, radius, luminance, red, green, blue, red_tint, blue_tint } =
                 *quad;
             let mut fields = [[0.0; 4]; QUAD_FIELDS];
             fields[..3].copy_from_slice(&[x, y, z]);
             fields[3..9].copy_from_slice(&covariance);
             fields[9..14].copy_from_slice(&[radius, luminance, red, green, blue]);
-            fields[14..17].copy_from_slice(&red_dipole);
-            fields[17..].copy_from_slice(&blue_dipole);
+            let (red_fields, blue_fields) = fields[14..].split_at_mut(TINT_FIELDS);
+            red_fields.copy_from_slice(&red_tint);
+            blue_fields.copy_from_slice(&blue_tint);
             fields
         };
         self.quads.iter().map(fields).collect()
@@ -499,13 +532,13 @@ fn merge_many(members: &[Cell]) -> Cell {
         mixed: (mixed / luminance - offset.yzx() * offset.zxy()).as_vec3(),
         radius: 0.0,
     };
-    let mut dipoles = [Vec3::ZERO; 2];
+    let mut union = Cell { energy: energy.as_vec3(), luminance: luminance as f32, ..Cell::default() };
     for member in members() {
         let apart = member.patch.centroid - patch.centroid;
         patch.radius = patch.radius.max((apart.length() + member.patch.radius) * (1.0 + 1e-6));
-        dipoles.iter_mut().zip(member.dipoles_around(apart)).for_each(|(sum, dipole)| *sum += dipole);
+        union.absorb_tints(member, apart);
     }
-    Cell { patch, energy: energy.as_vec3(), luminance: luminance as f32, dipoles }
+    Cell { patch, ..union }
 }
 
 /// Merges cells, centred by luminance; cells without energy contribute nothing.
@@ -536,7 +569,7 @@ fn merge(members: &[Cell]) -> Cell {
         union.patch.diagonal += (member.patch.diagonal + apart * apart) * share;
         union.patch.mixed += (member.patch.mixed + apart.yzx() * apart.zxy()) * share;
         union.patch.radius = union.patch.radius.max((apart.length() + member.patch.radius) * (1.0 + 1e-6));
-        union.dipoles.iter_mut().zip(member.dipoles_around(apart)).for_each(|(sum, dipole)| *sum += dipole);
+        union.absorb_tints(member, apart);
     }
     union
 }
@@ -544,6 +577,10 @@ fn merge(members: &[Cell]) -> Cell {
 impl Quad {
     fn of(siblings: &[Cell; 4]) -> Self {
         let field = |get: fn(&Cell) -> f32| siblings.each_ref().map(get);
+        let tints = |channel: usize| {
+            let siblings = siblings.each_ref().map(|cell| cell.tints[channel].to_fields());
+            std::array::from_fn(|f| siblings.map(|fields| fields[f]))
+        };
         Self {
             x: field(|cell| cell.patch.centroid.x),
             y: field(|cell| cell.patch.centroid.y),
@@ -561,16 +598,8 @@ impl Quad {
             red: field(|cell| cell.energy.x),
             green: field(|cell| cell.energy.y),
             blue: field(|cell| cell.energy.z),
-            red_dipole: [
-                field(|cell| cell.dipoles[0].x),
-                field(|cell| cell.dipoles[0].y),
-                field(|cell| cell.dipoles[0].z),
-            ],
-            blue_dipole: [
-                field(|cell| cell.dipoles[1].x),
-                field(|cell| cell.dipoles[1].y),
-                field(|cell| cell.dipoles[1].z),
-            ],
+            red_tint: tints(0),
+            blue_tint: tints(1),
         }
     }
 }

@@ -1,12 +1,14 @@
 //! Packets of directions, and the leaves of a cut that they share.
 
-#[cfg(feature = "gpu")]
-use crate::cpu::cells::QUAD_FIELDS;
 use crate::cpu::cells::Quad;
 #[cfg(feature = "gpu")]
-use crate::environment::LUMINANCE;
-use crate::environment::Rgb;
+use crate::cpu::cells::{Cells, QUAD_FIELDS};
+use crate::environment::{LUMINANCE, Rgb};
 use crate::geometry::tent::Patch;
+#[cfg(feature = "gpu")]
+use crate::geometry::tint::Tint;
+use crate::geometry::tint::VARIATION;
+use crate::vector::Extremes as _;
 use glam::{DVec3, Vec3};
 
 /// Directions evaluated together.
@@ -48,6 +50,14 @@ impl Packet {
     }
 }
 
+/// The energy whose error counts: the luminance, or a channel times its weight if that is more
+/// ([`super::cells::Cells::channel_weights`]).
+#[inline(always)]
+pub(super) fn weighted([red, green, blue]: Rgb, weights: [f32; 3]) -> f32 {
+    let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
+    luminance.at_least(weights[0] * red).at_least(weights[1] * green).at_least(weights[2] * blue)
+}
+
 /// One leaf of a cut, relative to the packet's axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leaf {
@@ -56,17 +66,22 @@ pub(super) struct Leaf {
     pub(super) covariance: [f32; 6],
     pub(super) radius: f32,
     pub(super) energy: Rgb,
-    /// Dipoles of red and blue around the centroid; `None` where they do not matter.
-    pub(super) dipoles: Option<[Vec3; 2]>,
+    /// The cell, four times its quad plus its place, whose tints count; [`UNTINTED`] for light of one colour.
+    pub(super) cell: u32,
 }
 
-/// Dipoles below this share of a cell's luminance times its radius do not matter.
-pub(crate) const NEGLIGIBLE_DIPOLE: f32 = 1.0 / 64.0;
+/// [`Leaf::cell`] of light of one colour.
+pub(super) const UNTINTED: u32 = u32::MAX;
+
+/// A tint with a smaller share of a cell's luminance is rounding error.
+pub(crate) const NEGLIGIBLE_TINT: f32 = 1.0 / (1 << 20) as f32;
 
 impl Leaf {
-    /// Cell `k` of `quad`.
+    /// Cell `k` of `quad`, which is number `index`.
     #[inline(always)]
-    pub(super) fn new(quad: &Quad, k: usize, axis: DVec3) -> Self {
+    pub(super) fn new(quad: &Quad, index: u32, k: usize, axis: DVec3) -> Self {
+        let least = NEGLIGIBLE_TINT * quad.luminance[k];
+        let tinted = (quad.red_tint[VARIATION][k] > least) | (quad.blue_tint[VARIATION][k] > least);
         Self {
             offset: [
                 (f64::from(quad.x[k]) - axis.x) as f32,
@@ -76,7 +91,7 @@ impl Leaf {
             covariance: std::array::from_fn(|c| quad.covariance[c][k]),
             radius: quad.radius[k],
             energy: [quad.red[k], quad.green[k], quad.blue[k]],
-            dipoles: dipoles(quad, k),
+            cell: if tinted { 4 * index + k as u32 } else { UNTINTED },
         }
     }
 
@@ -88,36 +103,26 @@ impl Leaf {
             covariance: [diagonal.x, diagonal.y, diagonal.z, mixed.x, mixed.y, mixed.z],
             radius,
             energy,
-            dipoles: None,
+            cell: UNTINTED,
         }
     }
-}
-
-/// The dipoles of cell `k` of `quad` if they matter.
-#[inline(always)]
-fn dipoles(quad: &Quad, k: usize) -> Option<[Vec3; 2]> {
-    let dipole = |field: &[[f32; 4]; 3]| Vec3::from(field.map(|lanes| lanes[k]));
-    let dipoles = [dipole(&quad.red_dipole), dipole(&quad.blue_dipole)];
-    let least = NEGLIGIBLE_DIPOLE * quad.luminance[k] * quad.radius[k];
-    let matter = dipoles.iter().any(|dipole| dipole.abs().max_element() > least);
-    matter.then_some(dipoles)
 }
 
 /// Buffers of an evaluation, kept between packets.
 #[derive(Debug, Default)]
 pub struct Scratch {
     pub(super) leaves: Vec<Leaf>,
-    /// Certified widths, times luminance, of pieces without an exact centroid.
-    pub(super) slack: f64,
+    /// Certified widths, times the energy of each channel, of pieces without an exact centroid.
+    pub(super) slack: [f64; 3],
     pub(super) stack: Vec<(u8, u32, u32)>,
 }
 
 #[cfg(feature = "gpu")]
 impl Scratch {
-    /// The leaves of the last evaluation, of `packet`, as fields of `shaders/common/quad.wgsl`, to replay the
+    /// The leaves of the last evaluation, of `packet` over `cells`, as fields of `shaders/common/quad.wgsl`, to replay the
     /// cut.
     #[must_use]
-    pub fn leaf_fields(&self, packet: &Packet) -> Vec<[f32; QUAD_FIELDS]> {
+    pub fn leaf_fields(&self, cells: &Cells, packet: &Packet) -> Vec<[f32; QUAD_FIELDS]> {
         let fields = |leaf: &Leaf| {
             let mut fields = [0.0; QUAD_FIELDS];
             let centroid = (packet.axis + Vec3::from(leaf.offset).as_dvec3()).as_vec3();
@@ -126,9 +131,9 @@ impl Scratch {
             fields[3..9].copy_from_slice(&leaf.covariance);
             fields[9..11].copy_from_slice(&[leaf.radius, luminance]);
             fields[11..14].copy_from_slice(&leaf.energy);
-            let [red, blue] = leaf.dipoles.unwrap_or_default();
-            fields[14..17].copy_from_slice(&red.to_array());
-            fields[17..].copy_from_slice(&blue.to_array());
+            if let Some(tints) = cells.tints(leaf.cell) {
+                fields[14..].copy_from_slice(tints.map(Tint::to_fields).as_flattened());
+            }
             fields
         };
         self.leaves.iter().map(fields).collect()

@@ -3,7 +3,8 @@
 
 use super::cells::{Members, SourceLight};
 use super::leaves::{Leaf, Packet, Scratch};
-use crate::environment::{LUMINANCE, Rgb};
+use crate::cpu::leaves::weighted;
+use crate::environment::Rgb;
 use crate::geometry::source_texels::Texel;
 use crate::geometry::tent::{Moments, Reconstruction};
 use crate::lobe::radial::{Radial, expected_error, first_order_width};
@@ -83,7 +84,7 @@ fn slice(reconstruction: Reconstruction, a: f64, b: f64) -> (f64, [(f64, f64); 2
 /// Adds texel (`x`, `y`) to the leaves in pieces, each with an interval within the tolerance.
 #[inline(always)]
 pub(super) fn refine<R: Radial>(
-    (spread, tolerance): (&Spread<'_>, f64),
+    (spread, weights, tolerance): (&Spread<'_>, [f32; 3], f64),
     kernel: R,
     (x, y): (u32, u32),
     packet: &Packet,
@@ -93,7 +94,7 @@ pub(super) fn refine<R: Radial>(
     let centre = texel_centre(n, x, y);
     let h = 2.0 / f64::from(n);
     let energy = spread.energies[y as usize * n as usize + x as usize];
-    let luminance: f64 = (0..3).map(|c| f64::from(LUMINANCE[c]) * f64::from(energy[c])).sum();
+    let weight = f64::from(weighted(energy, weights));
     let reach = spread.reconstruction.reach();
     let mut stack = Vec::new();
     for signs in [DVec2::new(1.0, 1.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0), DVec2::new(-1.0, -1.0)]
@@ -127,15 +128,16 @@ pub(super) fn refine<R: Radial>(
                 let trace = moments.diagonal.element_sum() as f32;
                 expected_error(kernel, distance, moments.radius as f32, packet.radius, trace)
             };
-            let error = f64::from(error) * luminance * share;
-            if error > tolerance && depth < DEPTH {
+            let error = f64::from(error);
+            if error * weight * share > tolerance && depth < DEPTH {
                 stack.extend(piece.quarters());
                 continue;
             }
+            let energy = energy.map(|e| f64::from(e) * share);
             if inexact {
-                scratch.slack += error;
+                scratch.slack.iter_mut().zip(energy).for_each(|(slack, energy)| *slack += error * energy);
             }
-            let energy = energy.map(|e| (f64::from(e) * share) as f32);
+            let energy = energy.map(|e| e as f32);
             scratch.leaves.push(Leaf::of_patch(&moments.into(), offset, energy));
         }
     }
@@ -145,7 +147,7 @@ pub(super) fn refine<R: Radial>(
 /// tolerance. Light is constant over a texel's solid angle, and so are the pieces' moments exact.
 #[inline(always)]
 pub(super) fn refine_members<R: Radial>(
-    (source, tolerance): (&LitTexels<'_>, f64),
+    (source, weights, tolerance): (&LitTexels<'_>, [f32; 3], f64),
     kernel: R,
     (i, j): (u32, u32),
     packet: &Packet,
@@ -156,15 +158,15 @@ pub(super) fn refine_members<R: Radial>(
     let runs = source.members.of(i, j).iter();
     for (x, y) in runs.flat_map(|run| (run.column..run.column + run.count).map(|x| (x, run.row))) {
         let above = source.light.radiance(texels.source_row(y) + texels.source_column(x)) - source.least;
-        let luminance = f64::from(above.dot(Vec3::from(LUMINANCE)));
-        if luminance <= 0.0 {
+        let weight = f64::from(weighted(above.to_array(), weights));
+        if weight <= 0.0 {
             continue;
         }
         let Texel { patch, solid_angle } = texels.at(x, y);
         let offset = patch.centroid.as_dvec3() - packet.axis;
         let trace = patch.diagonal.element_sum();
         let error = expected_error(kernel, offset.length() as f32, patch.radius, packet.radius, trace);
-        if f64::from(error * solid_angle) * luminance <= tolerance {
+        if f64::from(error * solid_angle) * weight <= tolerance {
             let energy = (above * solid_angle).to_array();
             scratch.leaves.push(Leaf::of_patch(&patch, offset, energy));
             continue;
@@ -176,7 +178,7 @@ pub(super) fn refine_members<R: Radial>(
             let trace = moments.diagonal.element_sum() as f32;
             let error =
                 expected_error(kernel, offset.length() as f32, moments.radius as f32, packet.radius, trace);
-            if f64::from(error) * luminance * solid_angle > tolerance && piece.depth < DEPTH {
+            if f64::from(error) * weight * solid_angle > tolerance && piece.depth < DEPTH {
                 stack.extend(piece.quarters());
                 continue;
             }

@@ -3,6 +3,7 @@
 pub(crate) mod babylon;
 pub mod files;
 pub(crate) mod gltf;
+pub mod lights;
 pub mod plan;
 pub(crate) mod playcanvas;
 pub mod stored;

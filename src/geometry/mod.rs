@@ -11,3 +11,4 @@ pub mod solid_angles;
 pub(crate) mod source_texels;
 pub mod tent;
 pub(crate) mod tiling;
+pub(crate) mod tint;

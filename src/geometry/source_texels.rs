@@ -6,6 +6,7 @@
 
 use crate::environment::Layout;
 use crate::geometry::tent::{Moments, Patch, mirrored_in_diagonal};
+use crate::geometry::tint::Tint;
 use crate::sphere::cube::{Face, cube_point};
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
@@ -303,9 +304,20 @@ pub(crate) struct RunSums {
     cos_squared: f32,
     sin_squared: f32,
     product: f32,
-    /// Sums of red and blue times the cosine, and times the sine.
-    red: Vec2,
-    blue: Vec2,
+    /// Of red and blue.
+    colours: [ColourSums; 2],
+}
+
+/// Sums over a run of the energy of one channel times cosines and sines, and times their squares, and a bound
+/// of the sum of its distance from `ratio` times the luminance.
+#[derive(Clone, Copy, Default)]
+struct ColourSums {
+    linear: Vec2,
+    squared: Vec2,
+    product: f32,
+    /// Energy over luminance of the first lit texel.
+    ratio: f32,
+    apart: f32,
 }
 
 impl PanoramaRow<'_> {
@@ -321,24 +333,62 @@ impl PanoramaRow<'_> {
         let ((cos_first, sin_first), (cos, sin)) = (self.rounded[first as usize], self.rounded[x as usize]);
         let (cos, sin) = (cos - cos_first, sin - sin_first);
         let (weighted_cos, weighted_sin) = (weight * cos, weight * sin);
+        let dark = sums.weight == 0.0;
         sums.weight += weight;
         sums.cos += weighted_cos;
         sums.sin += weighted_sin;
         sums.cos_squared += weighted_cos * cos;
         sums.sin_squared += weighted_sin * sin;
         sums.product += weighted_cos * sin;
-        sums.red += Vec2::new(cos, sin) * energy.x;
-        sums.blue += Vec2::new(cos, sin) * energy.z;
+        let at = Vec2::new(cos, sin);
+        for (colour, energy) in sums.colours.iter_mut().zip([energy.x, energy.z]) {
+            colour.linear += at * energy;
+            colour.squared += at * at * energy;
+            colour.product += cos * sin * energy;
+            if dark && weight > 0.0 {
+                colour.ratio = energy / weight;
+            }
+            colour.apart += (energy - colour.ratio * weight).abs();
+        }
     }
 
-    /// The dipoles of red and blue around the luminance's centroid, of a run whose whole light is `energy`.
-    pub(crate) fn dipoles(&self, sums: &RunSums, energy: Vec3) -> [Vec3; 2] {
-        let centre = Vec2::new(sums.cos, sums.sin) / sums.weight;
-        let dipole = |sum: Vec2, energy: f32| {
-            let [x, z] = ((sum - centre * energy) * self.centroid.x as f32).to_array();
-            Vec3::new(x, 0.0, z)
+    /// What sets red and blue apart from the luminance in a run whose whole light is `energy`, from column
+    /// `first` on.
+    pub(crate) fn tints(&self, sums: &RunSums, first: u32, energy: Vec3) -> [Tint; 2] {
+        let per_weight = 1.0 / sums.weight;
+        let centre = Vec2::new(sums.cos, sums.sin) * per_weight;
+        let squares = Vec2::new(sums.cos_squared, sums.sin_squared) * per_weight;
+        let product = sums.product * per_weight;
+        let rho = self.centroid.x as f32;
+        let (cos, sin) = self.rounded[first as usize];
+        let (cos, sin) = (cos + centre.x, sin + centre.y);
+        let [radial, _, tangential] = self.texel.patch.diagonal.to_array();
+        let leaning = self.texel.patch.mixed.z;
+        let tint = |colour: &ColourSums, energy: f32| {
+            let dipole = colour.linear - centre * energy;
+            // Around the centre, in excess of the luminance's.
+            let excess = colour.squared - squares * energy - 2.0 * centre * dipole;
+            let mixed = colour.product - product * energy - centre.x * dipole.y - centre.y * dipole.x;
+            // The texels' own covariances turn with the longitude.
+            let turned = excess + 2.0 * Vec2::new(cos, sin) * dipole;
+            let crossed = mixed + cos * dipole.y + sin * dipole.x;
+            Tint {
+                dipole: Vec3::new(dipole.x * rho, 0.0, dipole.y * rho),
+                diagonal: Vec3::new(
+                    rho * rho * excess.x + radial * turned.x + tangential * turned.y,
+                    0.0,
+                    rho * rho * excess.y + radial * turned.y + tangential * turned.x,
+                ),
+                mixed: Vec3::new(
+                    leaning * dipole.y,
+                    rho * rho * mixed + (radial - tangential) * crossed,
+                    leaning * dipole.x,
+                ),
+                // The share itself is off the first texel's ratio by as much in sum.
+                variation: (colour.apart + (energy - colour.ratio * sums.weight).abs()) * (1.0 + 1e-5),
+            }
         };
-        [dipole(sums.red, energy.x), dipole(sums.blue, energy.z)]
+        [tint(&sums.colours[0], energy.x), tint(&sums.colours[1], energy.z)]
     }
 
     /// Moments of the light summed from column `first` on; columns `lit` are the first and last with light.
@@ -501,6 +551,7 @@ fn octahedral_nodes(size: u32, place: [u32; 2], [low, high]: [DVec2; 2]) -> Node
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::swizzles::Vec3Swizzles as _;
 
     const LAYOUTS: [Layout; 10] = [
         Layout::Panorama { width: 1, height: 1 },
@@ -626,14 +677,29 @@ mod tests {
             };
             let centroid = mean(&|patch| patch.centroid.as_dvec3());
             assert!(patch.centroid.as_dvec3().distance(centroid) < 2e-7, "row {y}: centroid");
-            for (c, found) in [0, 2].into_iter().zip(row.dipoles(&sums, all)) {
-                let dipole = (first..).zip(lights).map(|(x, light)| {
-                    let apart = texels.at(x, y).patch.centroid.as_dvec3() - centroid;
-                    apart * f64::from(energy(x, light)[c])
-                });
+            for (c, found) in [0, 2].into_iter().zip(row.tints(&sums, first, all)) {
+                let share = f64::from(all[c]) / total;
+                let (mut dipole, mut diagonal, mut mixed) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+                let mut variation = 0.0;
+                for (x, light) in (first..).zip(lights) {
+                    let Patch { centroid: at, diagonal: own, mixed: crossed, .. } = texels.at(x, y).patch;
+                    let apart = at.as_dvec3() - centroid;
+                    let delta = f64::from(energy(x, light)[c]) - share * f64::from(light);
+                    dipole += apart * delta;
+                    diagonal += (own.as_dvec3() + apart * apart) * delta;
+                    mixed += (crossed.as_dvec3() + apart.yzx() * apart.zxy()) * delta;
+                    variation += delta.abs();
+                }
                 // Directions are in error by 2^-23, and sums of six as much again.
-                let off = found.as_dvec3().distance(dipole.sum());
-                assert!(off < 8e-7 * f64::from(all[c]), "row {y}: dipole {c} is off by {off}");
+                let energy = f64::from(all[c]);
+                let off = found.dipole.as_dvec3().distance(dipole);
+                assert!(off < 8e-7 * energy, "row {y}: dipole {c} is off by {off}");
+                let reach = f64::from(patch.radius);
+                let off =
+                    found.diagonal.as_dvec3().distance(diagonal).max(found.mixed.as_dvec3().distance(mixed));
+                assert!(off < 2e-6 * reach * energy, "row {y}: quadrupole {c} is off by {off}");
+                let bound = f64::from(found.variation);
+                assert!((1.0..3.0).contains(&(bound / variation)), "row {y}: variation {bound}, {variation}");
             }
             let apart = |patch: &Patch| patch.centroid.as_dvec3() - centroid;
             let diagonal = mean(&|patch| patch.diagonal.as_dvec3() + apart(patch).powf(2.0));

@@ -2,7 +2,7 @@
 
 use crate::chain::LevelSpec;
 use crate::environment::Layout;
-use crate::filter::Answer;
+use crate::filter::{Answer, Bound};
 use crate::light_scale::rounded_up;
 use crate::lobe::{self, Lobe};
 use crate::sphere::cube::{self, Face, direction_from_cube};
@@ -169,18 +169,18 @@ pub(crate) fn mean(samples: &[Answer], weights: &[f32]) -> Answer {
     }
     let total: f32 = weights.iter().sum();
     // Bounds of light flushed to 0 are too small for shares, too.
-    let bounds = samples.iter().filter_map(|sample| sample.bound);
+    let bounds = samples.iter().filter_map(|sample| sample.bound).flat_map(Bound::values);
     let greatest = samples.iter().flat_map(|sample| sample.radiance).chain(bounds).fold(0.0, f32::max);
     if greatest > 0.0 && !(LEAST_ORDINARY..GREATEST_ORDINARY).contains(&greatest) {
         return extreme_mean(samples, weights);
     }
-    let mut mean = Answer { radiance: [0.0; 3], bound: samples[0].bound.map(|_| 0.0) };
+    let mut mean = Answer { radiance: [0.0; 3], bound: samples[0].bound.map(|_| Bound::default()) };
     for (sample, weight) in samples.iter().zip(weights) {
         let share = weight / total;
         for (sum, value) in mean.radiance.iter_mut().zip(sample.radiance) {
             *sum += value * share;
         }
-        mean.bound = mean.bound.zip(sample.bound).map(|(sum, bound)| sum + bound * share);
+        mean.bound = mean.bound.zip(sample.bound).map(|(sum, bound)| sum + bound.map(|bound| bound * share));
     }
     mean
 }
@@ -201,7 +201,14 @@ fn extreme_mean(samples: &[Answer], weights: &[f32]) -> Answer {
     let radiance = std::array::from_fn(|c| (mean(&|sample| sample.radiance[c]) as f32).min(f32::MAX));
     // Possible rounding of the radiance.
     let rounded = f64::from(f32::from_bits(1));
-    let bound = samples[0].bound.map(|_| rounded_up(mean(&|sample| sample.bound.unwrap_or(0.0)) + rounded));
+    let bound_of = |value: fn(Bound) -> f32| {
+        rounded_up(mean(&|sample| value(sample.bound.unwrap_or_default())) + rounded)
+    };
+    let bound = samples[0].bound.map(|_| Bound {
+        channels: [|b: Bound| b.channels[0], |b: Bound| b.channels[1], |b: Bound| b.channels[2]]
+            .map(bound_of),
+        luminance: bound_of(|bound| bound.luminance),
+    });
     Answer { radiance, bound }
 }
 

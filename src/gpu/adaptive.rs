@@ -6,7 +6,7 @@ use super::device::{readback, shader};
 use super::{Context, Stage};
 use crate::cpu::leaves::LANES;
 use crate::error::{Error, Result};
-use crate::filter::Answer;
+use crate::filter::{Answer, Bound};
 use crate::geometry::source_texels::SourceGrid;
 use crate::lobe::kernel::{Kernel, shape};
 use glam::DVec3;
@@ -19,6 +19,9 @@ const BATCH: usize = 1 << 17;
 
 /// Greatest number of levels of a tree.
 pub const LEVELS: usize = 16;
+
+/// Bytes of a direction's answer.
+const RESULT: u64 = 32;
 
 /// Leaf count that the shader stores for a packet whose walk was cut short.
 pub(super) const INCOMPLETE: u32 = 1 << 31;
@@ -190,7 +193,7 @@ pub struct Adaptive {
 pub struct Packets {
     count: u32,
     packets: wgpu::Buffer,
-    /// Radiance and bound of each lane, as four floats.
+    /// Radiance and bounds of each lane.
     results: wgpu::Buffer,
     /// Leaves of each packet, one buffer per part.
     leaves: [wgpu::Buffer; 2],
@@ -203,7 +206,7 @@ impl Packets {
     /// [`Error::Limit`] if there are more packets than the device can bind.
     pub fn new(context: &Context, packets: &[Packet]) -> Result<Self> {
         let count = packets.len() as u64;
-        let result_bytes = 16 * LANES as u64 * count;
+        let result_bytes = RESULT * LANES as u64 * count;
         context.fits("directions", result_bytes.max(208 * count), |_| "query fewer at a time".to_owned())?;
         Ok(Self {
             count: count as u32,
@@ -213,7 +216,8 @@ impl Packets {
         })
     }
 
-    /// Radiance (three floats) and certified bound of each lane of each packet.
+    /// Of each lane of each packet: radiance (three floats), the certified bound of its luminance, those of
+    /// the channels (three floats), and 0.
     #[must_use]
     pub const fn results(&self) -> &wgpu::Buffer {
         &self.results
@@ -284,10 +288,11 @@ impl Adaptive {
             let packets = Packets::new(context, batch)?;
             let stage = self.stage(context, parts, &packets);
             context.submit(|encoder| stage.record(encoder));
-            let results: Vec<[f32; 4]> = readback::read(context, &packets.results).await?;
-            answers.lanes.extend(
-                results.iter().map(|[r, g, b, bound]| Answer { radiance: [*r, *g, *b], bound: Some(*bound) }),
-            );
+            let results: Vec<[f32; 8]> = readback::read(context, &packets.results).await?;
+            answers.lanes.extend(results.iter().map(|[r, g, b, luminance, of_r, of_g, of_b, _]| {
+                let bound = Bound { channels: [*of_r, *of_g, *of_b], luminance: *luminance };
+                Answer { radiance: [*r, *g, *b], bound: Some(bound) }
+            }));
             for leaves in &packets.leaves[..parts.len()] {
                 for count in readback::read::<u32>(context, leaves).await? {
                     if count == INCOMPLETE {

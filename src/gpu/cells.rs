@@ -168,12 +168,14 @@ impl CellTree {
             // Inner nodes get a radius of the whole sphere, so they are always split.
             for level in 1..levels.len() {
                 let (quad, sibling) = place(level, i >> level, j >> level);
-                // Covariance, radius and luminance.
+                // Covariance, radius, luminance and energies.
                 for variance in &mut quads[quad][3..6] {
                     variance[sibling] = 1.0;
                 }
                 quads[quad][9][sibling] = 2.0;
-                quads[quad][10][sibling] += leaf[10];
+                for energy in 10..14 {
+                    quads[quad][energy][sibling] += leaf[energy];
+                }
             }
         }
         // Stop above texels, so that leaves are not refined.
@@ -237,7 +239,7 @@ impl CellTree {
         }
     }
 
-    /// The quads, sixty floats each, in the order of [`crate::cpu::cells::Cells`].
+    /// The quads, four times [`QUAD_FIELDS`] floats each, in the order of [`crate::cpu::cells::Cells`].
     #[must_use]
     pub const fn quads(&self) -> &wgpu::Buffer {
         &self.quads

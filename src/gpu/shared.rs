@@ -5,13 +5,14 @@ use super::{
     adaptive, blur, box_filter, cells, copy, device::stage, direct, emitters, fitted, fixed_point, harmonics,
     lamp, mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shadow,
 };
-use crate::cpu::cells::{FAINT, FIELDS, QUAD_FIELDS, RESIDUE};
+use crate::cpu::cells::{DIMMEST, FAINT, FIELDS, QUAD_FIELDS, RESIDUE};
 use crate::cpu::fitted::{CONE, CONE_ALPHA, HARMONICS_ALONE, HARMONICS_FROM};
 use crate::cpu::leaves::LANES;
-use crate::cpu::leaves::NEGLIGIBLE_DIPOLE;
+use crate::cpu::leaves::NEGLIGIBLE_TINT;
 use crate::cpu::subtexel::SMOOTH_SIDE;
 use crate::environment::LUMINANCE;
 use crate::geometry::source_texels::{CUBE, PANORAMA};
+use crate::geometry::tint::TINT_FIELDS;
 use crate::lobe::kernel::shape;
 use crate::lobe::profiles::NOTHING;
 use crate::realtime::emitters::{COUNT, GRID};
@@ -39,7 +40,8 @@ pub fn constants() -> Vec<Constant> {
         one("common/source_pieces.wgsl", "CUBE", CUBE),
         one("blur.wgsl", "EDGE", octaves::EDGE),
         one("blur.wgsl", "GROUP_SIZE", blur::GROUP_SIZE),
-        float("adaptive.wgsl", "NEGLIGIBLE_DIPOLE", f64::from(NEGLIGIBLE_DIPOLE)),
+        float("adaptive.wgsl", "DIMMEST", DIMMEST),
+        float("adaptive.wgsl", "NEGLIGIBLE_TINT", f64::from(NEGLIGIBLE_TINT)),
         one("blur.wgsl", "LINE_SIZE", blur::LINE_SIZE),
         one("blur.wgsl", "REACH", blur::REACH),
         one("box_filter.wgsl", "GROUP_SIZE", box_filter::GROUP_SIZE),
@@ -70,6 +72,7 @@ pub fn constants() -> Vec<Constant> {
         ("common/luminance.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
         one("common/octaves.wgsl", "OCTAVE_BORDER", octaves::BORDER),
         one("common/quad.wgsl", "QUAD_FIELDS", QUAD_FIELDS as u32),
+        one("common/quad.wgsl", "TINT_FIELDS", TINT_FIELDS as u32),
         one("common/reduction.wgsl", "GROUPS", fixed_point::GROUPS),
         one("common/reduction.wgsl", "GROUP_SIZE", fixed_point::GROUP_SIZE),
         one("common/reduction.wgsl", "TEXELS", fixed_point::TEXELS),

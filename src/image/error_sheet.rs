@@ -5,8 +5,9 @@ use super::drawing::scale::RELATIVE_ERROR;
 use super::drawing::scene::{Anchor, Scene};
 use super::drawing::style::{GAP, INK, LABEL, LINE, MARGIN, SMALL, SOFT};
 use super::faces::draw_cross;
+use crate::analysis::channels::{Relative, differences, scales};
 use crate::chain::Level;
-use crate::environment::{Layout, exact_luminance};
+use crate::environment::Layout;
 use crate::error::{Error, Result};
 use crate::percent::percent;
 use glam::DVec2;
@@ -19,8 +20,8 @@ pub struct LevelErrors<'a> {
     pub number: usize,
     /// Texels along an edge of its faces; those shown can be fewer.
     pub size: u32,
-    /// RMS error of luminance divided by the mean.
-    pub rel_rmse: f64,
+    /// RMS errors divided by the mean.
+    pub rmse: Relative,
     /// The texels shown.
     pub level: &'a Level,
     /// What they are compared with, as large.
@@ -37,7 +38,7 @@ const BAR_HEIGHT: f64 = 400.0;
 const LABELS: f64 = 48.0;
 
 /// Draws the relative error of each texel of `levels`, as unfolded crosses in false colour beside a colour
-/// bar: |difference of luminance| / (luminance of the reference + 0.001 of its mean).
+/// bar: |difference| / (reference + 0.001 of its mean), of luminance or the channel where it is greatest.
 ///
 /// # Errors
 /// [`Error::Parameter`] if a level and its reference differ in size or are no cubes, or there is no level.
@@ -50,9 +51,10 @@ pub fn error_sheet(title: &str, against: &str, levels: &[LevelErrors<'_>]) -> Re
     let rows = errors.len().div_ceil(columns);
     let cell = DVec2::new(4.0 * FACE + GAP, LABELS + 3.0 * FACE + GAP);
     let caption = format!(
-        "Relative error of luminance against {against}: |difference| / (reference + 0.001 of its mean); \
-         black is no error. A pixel over several texels shows their mean. Faces as stored, unfolded around \
-         +Z. relRMSE: root mean square of the difference over the mean of the reference."
+        "Relative error against {against}, of luminance or the channel where it is greatest: |difference| / \
+         (reference + 0.001 of its mean); black is no error. A pixel over several texels shows their mean. \
+         Faces as stored, unfolded around +Z. relRMSE: root mean square of the difference over the mean of \
+         the reference, of luminance and of the worst channel."
     );
     let width = BAR_WIDTH + cell.x * columns as f64 - GAP + 2.0 * MARGIN;
     let (mut scene, body) = page(width, cell.y * rows as f64 - GAP, title, &caption);
@@ -68,7 +70,9 @@ pub fn error_sheet(title: &str, against: &str, levels: &[LevelErrors<'_>]) -> Re
         let head = format!("level {}: roughness {:.3}", level.number, level.level.roughness);
         scene.text(low + DVec2::new(0.0, LABEL), &head, LABEL, Anchor::Start, INK);
         let greatest = errors.texels.iter().map(|texel| f64::from(texel[0])).fold(0.0, f64::max);
-        let text = format!("relRMSE {}, greatest {}", percent(level.rel_rmse), percent(greatest));
+        let worst = level.rmse.worst_channel();
+        let (luminance, channel) = (percent(level.rmse.luminance), percent(worst.error));
+        let text = format!("relRMSE {luminance}, {} {channel}; greatest {}", worst.of, percent(greatest));
         let second = low.y + LABEL + LINE * SMALL;
         scene.text(DVec2::new(low.x, second), &text, SMALL, Anchor::Start, INK);
         let (size, shown) = (level.size, level.level.size());
@@ -93,14 +97,17 @@ fn relative_errors(errors: &LevelErrors<'_>) -> Result<Level> {
             level.layout, reference.layout
         )));
     }
-    let total: f64 = reference.texels.iter().map(|t| exact_luminance(*t)).sum();
-    let floor = 1e-3 * total / reference.texels.len() as f64;
+    let mut mean = [0.0; 3];
+    for texel in &reference.texels {
+        mean = [0, 1, 2].map(|c| mean[c] + f64::from(texel[c]) / reference.texels.len() as f64);
+    }
+    let floor = scales(mean).map(|scale| 1e-3 * scale);
     let mut relative = Level::clone(level);
     for (error, expected) in relative.texels.iter_mut().zip(&reference.texels) {
-        let expected_luminance = exact_luminance(*expected);
-        let difference = (exact_luminance(*error) - expected_luminance).abs();
-        let share = if difference == 0.0 { 0.0 } else { difference / (expected_luminance + floor) };
-        *error = [share as f32; 3];
+        let (got, expected) = (error.map(f64::from), expected.map(f64::from));
+        let (off, over) = (differences(got, expected), scales(expected));
+        let share = |k: usize| if off[k] == 0.0 { 0.0 } else { off[k].abs() / (over[k] + floor[k]) };
+        *error = [(0..4).map(share).fold(0.0, f64::max) as f32; 3];
     }
     Ok(relative)
 }

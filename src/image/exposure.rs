@@ -1,8 +1,6 @@
 //! Exposure of pictures: automatic or a number.
 
-use crate::chain::Level;
 use crate::environment::{Environment, Rgb, exact_luminance};
-use crate::sphere::cube::{self, Face};
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
@@ -10,6 +8,7 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Exposure {
     /// Brings the log-average luminance of the environment to middle grey (Reinhard et al. 2002, equation 1).
+    /// A contact sheet chooses from what its spheres show instead.
     #[default]
     Auto,
     /// Multiplies by this power of two.
@@ -63,23 +62,68 @@ impl FromStr for Exposure {
 
 /// The automatic exposure for `environment`, in powers of two.
 #[must_use]
-pub(crate) fn of_environment(environment: &Environment) -> f64 {
+pub fn of_environment(environment: &Environment) -> f64 {
     let mut average = LogAverage::new(environment.texels());
     environment.for_each_texel(|_, solid_angle, rgb| average.add(solid_angle, rgb));
     average.exposure()
 }
 
-/// The automatic exposure for `level`, in powers of two.
-#[must_use]
-pub fn of_level(level: &Level) -> f64 {
-    let mut average = LogAverage::new(&level.texels);
-    let n = level.size();
-    for face in Face::ALL {
-        for (texel, at) in (0..).zip(level.face(face)).map(|(at, texel)| (texel, at)) {
-            average.add(cube::texel_solid_angle(n, at % n, at / n), *texel);
-        }
+/// Exposure of a picture and its compression of highlights: Reinhard et al. 2002, equation 4, of the brightest
+/// channel. It keeps hue, and only the brightest light becomes white.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rolloff {
+    /// The exposure in powers of two.
+    pub(crate) ev: f64,
+    /// The same as a factor.
+    factor: f64,
+    /// Exposed radiance that is shown as 1.
+    white: f64,
+}
+
+/// Exposed radiance of the median: shown as a third of white.
+const MEDIAN: f64 = 0.5;
+
+/// Greatest exposed radiance of the 95th percentile: shown as four fifths of white.
+const BRIGHT: f64 = 4.0;
+
+/// Most that bright lights darken the median, as a factor.
+const DARKENED: f64 = 8.0;
+
+impl Rolloff {
+    /// For a picture that shows about `radiances`. Automatic exposures bring their median to a third of
+    /// white, but darken it as far as the brightest twentieth needs.
+    pub(crate) fn of(radiances: &[Rgb], exposure: Exposure) -> Self {
+        let mut shown: Vec<f64> = radiances.iter().map(brightest).collect();
+        shown.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| shown.get((share * (shown.len() - 1) as f64) as usize).copied().unwrap_or(0.0);
+        let [median, bright, most] =
+            [0.5, 0.95, 1.0].map(|share| if shown.is_empty() { 0.0 } else { at(share) });
+        let by_median = MEDIAN / median;
+        let factor = match (median > 0.0, bright > 0.0, most > 0.0) {
+            (true, ..) => by_median.min((BRIGHT / bright).max(by_median / DARKENED)),
+            (_, true, _) => BRIGHT / bright,
+            (_, _, true) => BRIGHT / most,
+            _ => 1.0,
+        };
+        let ev = exposure.ev(factor.log2().clamp(-MOST, MOST));
+        let factor = ev.exp2();
+        Self { ev, factor, white: (most * factor).max(BRIGHT) }
     }
-    average.exposure()
+
+    /// Display values in [0, 1], linear, of `radiance`.
+    pub(crate) fn shown(&self, radiance: Rgb) -> Rgb {
+        let x = brightest(&radiance) * self.factor;
+        if x == 0.0 {
+            return [0.0; 3];
+        }
+        let compressed = ((1.0 + x / self.white.powi(2)) / (1.0 + x)).min(1.0 / x) * self.factor;
+        radiance.map(|c| (f64::from(c) * compressed) as f32)
+    }
+}
+
+/// The greatest channel.
+fn brightest(radiance: &Rgb) -> f64 {
+    radiance.iter().map(|c| f64::from(*c)).fold(0.0, f64::max)
 }
 
 /// Mean of logarithms of luminance.
@@ -111,23 +155,45 @@ impl LogAverage {
 
 #[cfg(test)]
 mod tests {
-    use super::{Exposure, of_environment, of_level};
-    use crate::chain::Level;
+    use super::{Exposure, Rolloff, of_environment};
     use crate::environment::{Environment, Layout};
 
     #[test]
     fn an_even_light_is_shown_as_middle_grey() {
         for radiance in [1e-40_f32, 1e-6, 0.18, 3.0, 3e38] {
             let texels = vec![[radiance; 3]; 6 * 16];
-            let level = Level::cube(4, 0.0, texels.clone());
-            let environment = Environment::new(Layout::Cube { size: 4 }, texels).expect("sound texels");
-            let ev = of_level(&level);
-            assert!((ev - of_environment(&environment)).abs() < 1e-9, "one rule");
-            let shown = f64::from(radiance) * ev.exp2();
+            let environment =
+                Environment::new(Layout::Cube { size: 4 }, texels.clone()).expect("sound texels");
+            let shown = f64::from(radiance) * of_environment(&environment).exp2();
             assert!((shown - 0.18).abs() < 1e-6, "{radiance} is shown as {shown}");
+            let [shown, ..] = Rolloff::of(&texels, Exposure::Auto).shown(texels[0]);
+            assert!((shown - 1.0 / 3.0).abs() < 0.02, "{radiance} is shown as {shown} in a contact sheet");
         }
-        let black = Level::cube(1, 0.0, vec![[0.0; 3]; 6]);
-        assert_eq!(of_level(&black), 0.0);
+        let black = Environment::new(Layout::Cube { size: 1 }, vec![[0.0; 3]; 6]).expect("sound texels");
+        assert_eq!(of_environment(&black), 0.0);
+        for none in [&[][..], &[[0.0; 3]]] {
+            assert_eq!(Rolloff::of(none, Exposure::Auto).shown([0.0; 3]), [0.0; 3]);
+        }
+    }
+
+    #[test]
+    fn highlights_keep_their_hue_and_only_the_brightest_becomes_white() {
+        // A dark room, a tenth of it a window a hundred times as bright, and a lamp.
+        let room = |k: usize| match k {
+            999 => [4000.0, 2000.0, 1000.0],
+            900.. => [5.0, 4.0, 2.0],
+            _ => [0.05; 3],
+        };
+        let texels: Vec<[f32; 3]> = (0..1000).map(room).collect();
+        let rolloff = Rolloff::of(&texels, Exposure::Auto);
+        let [wall, window, lamp] = [0, 950, 999].map(|k| rolloff.shown(texels[k]));
+        assert!(wall[0] > 0.03 && window[0] > 10.0 * wall[0] && window[0] < 0.9, "{wall:?} {window:?}");
+        assert!((lamp[0] - 1.0).abs() < 1e-3 && (lamp[0] / lamp[1] - 2.0).abs() < 1e-3, "{lamp:?}");
+        assert!((window[0] / window[2] - 2.5).abs() < 1e-3, "{window:?}");
+        // A fixed exposure is used as it is, and nothing exceeds white.
+        let bright = Rolloff::of(&texels, Exposure::Ev(20.0));
+        assert_eq!(bright.ev, 20.0);
+        assert!(texels.iter().all(|texel| bright.shown(*texel).iter().all(|c| *c <= 1.0)));
     }
 
     #[test]

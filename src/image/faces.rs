@@ -1,6 +1,7 @@
-//! The faces of a cube in a drawing.
+//! Levels as stored, in a drawing.
 
-use super::drawing::scene::Scene;
+use super::drawing::scene::{Frame, Scene};
+use super::drawing::style::Colour;
 use crate::chain::Level;
 use crate::environment::Rgb;
 use crate::io::layout::CROSS_CELLS;
@@ -8,8 +9,27 @@ use crate::sphere::cube::Face;
 use glam::DVec2;
 use image::{Rgb as Pixel, RgbImage};
 
-/// Draws the six stored faces, each `face` pixels wide, unfolded with +Z in the middle, from `low` on. A
-/// pixel over several texels shows their mean.
+/// Lines around pictures: seen beside white paper, beside black and beside white texels.
+const OUTLINE: Colour = [136, 142, 151];
+
+/// Corners of the unfolded faces' outline, in faces.
+const CROSS: [[f64; 2]; 12] = [
+    [1.0, 0.0],
+    [2.0, 0.0],
+    [2.0, 1.0],
+    [4.0, 1.0],
+    [4.0, 2.0],
+    [2.0, 2.0],
+    [2.0, 3.0],
+    [1.0, 3.0],
+    [1.0, 2.0],
+    [0.0, 2.0],
+    [0.0, 1.0],
+    [1.0, 1.0],
+];
+
+/// Draws the six stored faces, each `face` pixels wide, unfolded with +Z in the middle, from `low` on, with
+/// an outline.
 pub(super) fn draw_cross(
     scene: &mut Scene,
     low: DVec2,
@@ -17,24 +37,45 @@ pub(super) fn draw_cross(
     level: &Level,
     colour: impl Fn(Rgb) -> Pixel<u8>,
 ) {
-    let n = level.size() as usize;
-    let span = |k: u32| {
-        let edge = |k: u32| k as usize * n / face as usize;
+    let edge = f64::from(face);
+    for of in Face::ALL {
+        let pixels = shrunk(level.face(of), (level.size(), level.size()), (face, face), &colour);
+        let (column, row) = CROSS_CELLS[of.index()];
+        let corner = low + DVec2::new(f64::from(column), f64::from(row)) * edge;
+        scene.picture_at(corner, corner + edge, pixels);
+    }
+    let corners = CROSS.map(|corner| low.round() + DVec2::from(corner) * edge);
+    scene.outline(corners, 1.0, OUTLINE);
+}
+
+/// Draws `pixels` at `low`, with an outline.
+pub(super) fn draw_outlined(scene: &mut Scene, low: DVec2, pixels: RgbImage) {
+    let high = low + DVec2::new(f64::from(pixels.width()), f64::from(pixels.height()));
+    scene.picture_at(low, high, pixels);
+    scene.outline(Frame::new(low.round(), high.round()).corners(), 1.0, OUTLINE);
+}
+
+/// `texels` of an image of `from` (columns, rows) as `to` pixels. A pixel over several texels shows their
+/// mean.
+pub(super) fn shrunk(
+    texels: &[Rgb],
+    from: (u32, u32),
+    to: (u32, u32),
+    colour: impl Fn(Rgb) -> Pixel<u8>,
+) -> RgbImage {
+    let span = |k: u32, from: u32, to: u32| {
+        let edge = |k: u32| (u64::from(k) * u64::from(from) / u64::from(to)) as usize;
         edge(k)..edge(k + 1).max(edge(k) + 1)
     };
-    for of in Face::ALL {
-        let texels = level.face(of);
-        let pixels = RgbImage::from_fn(face, face, |i, j| {
-            let covered = span(j).flat_map(|y| span(i).map(move |x| texels[y * n + x]));
-            let (mut sum, mut count) = ([0.0; 3], 0.0);
-            for texel in covered {
-                sum = [0, 1, 2].map(|c| sum[c] + f64::from(texel[c]));
-                count += 1.0;
-            }
-            colour(sum.map(|c| (c / count) as f32))
-        });
-        let (column, row) = CROSS_CELLS[of.index()];
-        let corner = low + DVec2::new(f64::from(column), f64::from(row)) * f64::from(face);
-        scene.picture_at(corner, corner + f64::from(face), pixels);
-    }
+    RgbImage::from_fn(to.0, to.1, |i, j| {
+        let across = span(i, from.0, to.0);
+        let covered =
+            span(j, from.1, to.1).flat_map(|y| across.clone().map(move |x| texels[y * from.0 as usize + x]));
+        let (mut sum, mut count) = ([0.0; 3], 0.0);
+        for texel in covered {
+            sum = [0, 1, 2].map(|c| sum[c] + f64::from(texel[c]));
+            count += 1.0;
+        }
+        colour(sum.map(|c| (c / count) as f32))
+    })
 }

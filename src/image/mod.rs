@@ -6,4 +6,5 @@ pub mod exposure;
 mod faces;
 pub mod oem_mips;
 pub mod preview;
+pub mod side_by_side;
 pub(crate) mod tone;

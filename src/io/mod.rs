@@ -48,8 +48,8 @@ pub use pad::Pad;
 pub use repair::Repairs;
 pub use source::DEFAULT_MEMORY_LIMIT;
 
-use crate::chain::Chain;
-use crate::environment::{Environment, Rgb};
+use crate::chain::{Chain, Level};
+use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result, printable};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
@@ -323,6 +323,40 @@ fn in_world(path: &Path, stored: Stored) -> Result<LoadedChain> {
     Ok(LoadedChain { chain, provenance, format, path: path.to_owned(), warnings })
 }
 
+/// The panorama of a target, a file or in its folder, as a chain of one mirror level; `None` for other paths.
+///
+/// # Errors
+/// [`Error::Io`] if there is no such path.
+pub(crate) fn target_panorama(path: &Path) -> Result<Option<LoadedChain>> {
+    is_directory(path)?;
+    // Other readers report what is wrong with a file.
+    let Ok(Loaded { environment, provenance, format, warnings, .. }) = read(path, &ReadOptions::default())
+    else {
+        return Ok(None);
+    };
+    let layout = environment.layout();
+    if provenance.target.is_none() || !matches!(layout, Layout::Panorama { .. }) {
+        return Ok(None);
+    }
+    let level = Level { layout, roughness: 0.0, texels: environment.texels().to_vec(), bounds: None };
+    let chain = Chain { levels: vec![level] };
+    Ok(Some(LoadedChain { chain, provenance, format, path: levels_path(path)?, warnings }))
+}
+
+/// Spherical harmonics in the KTX 1 file `path` as text, nine lines of red, green and blue, in Filament's
+/// scale; `None` for other files and without them.
+///
+/// # Errors
+/// As [`read_chain`].
+pub(crate) fn filament_harmonics(path: &Path) -> Result<Option<String>> {
+    let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT)?;
+    if Format::sniff(&bytes) != Some(Format::Ktx1) {
+        return Ok(None);
+    }
+    let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
+    catching_panics(path, || ktx1::read::harmonics(&source))
+}
+
 /// The file or level folder that [`read`] reads for `path`: for a target's folder, the file with its levels.
 ///
 /// # Errors
@@ -535,7 +569,8 @@ fn finish_texels(
             format!("{repaired}; `strict` forbids repairs, omit it to repair them"),
         ));
     }
-    warnings.extend(repaired.matters().then(|| format!("{repaired}, repaired")));
+    let remedy = if repaired.nan + repaired.infinite == 0 { "set to 0" } else { "repaired" };
+    warnings.extend(repaired.matters().then(|| format!("{repaired}, {remedy}")));
     warnings.extend(scaled(path, texels, options.scale)?);
     // Some warnings quote layer and channel names.
     Ok(warnings.iter().map(|warning| printable(warning)).collect())

@@ -33,7 +33,7 @@ pub(crate) const QUARTER_TURNS_KEY: &str = "octaglossQuarterTurns";
 pub(crate) const ROTATE_KEY: &str = "octaglossRotateY";
 /// Key of whether the source was mirrored: `yes` or `no`.
 pub(crate) const MIRROR_KEY: &str = "octaglossMirror";
-/// Key of the sun removed from the source.
+/// Key of the suns removed from the source.
 pub(crate) const SUN_KEY: &str = "octaglossSun";
 /// Key of the factor applied to the source's radiance; absent for 1.
 pub(crate) const SCALE_KEY: &str = "octaglossScale";
@@ -85,8 +85,8 @@ pub struct Provenance {
     pub rotate_y: Option<f64>,
     /// Whether the source was mirrored.
     pub mirror: Option<bool>,
-    /// The sun removed from the source.
-    pub sun: Option<TakenSun>,
+    /// The suns removed from the source, in order.
+    pub suns: Vec<TakenSun>,
     /// Factor applied to the source's radiance; `None` for 1.
     pub scale: Option<f64>,
     /// Whether black bars of the source were removed; `None` if not.
@@ -110,10 +110,12 @@ impl Provenance {
     /// The key/value pairs that every container writes, in a fixed order.
     #[must_use]
     pub fn pairs(&self) -> Vec<(String, String)> {
-        let sun = self.sun.map(|sun| {
+        let sun = |sun: &TakenSun| {
             let words = |values: [f64; 3]| values.map(|value| value.to_string()).join(" ");
             format!("{}, {}, {}", words(sun.direction), words(sun.irradiance), sun.solid_angle)
-        });
+        };
+        let suns: Vec<String> = self.suns.iter().map(sun).collect();
+        let suns = (!suns.is_empty()).then(|| suns.join("; "));
         let pairs = [
             (TARGET_KEY, self.target.clone()),
             (CONTENT_KEY, self.content.clone()),
@@ -121,7 +123,7 @@ impl Provenance {
             (QUARTER_TURNS_KEY, self.quarter_turns.map(|turns| turns.to_string())),
             (ROTATE_KEY, self.rotate_y.map(|degrees| degrees.to_string())),
             (MIRROR_KEY, self.mirror.map(|mirror| if mirror { "yes" } else { "no" }.to_owned())),
-            (SUN_KEY, sun),
+            (SUN_KEY, suns),
             (SCALE_KEY, self.scale.map(|scale| scale.to_string())),
             (CROP_KEY, self.crop.map(|crop| if crop { "yes" } else { "no" }.to_owned())),
             (PAD_KEY, self.pad.map(|pad| pad.name().to_owned())),
@@ -160,7 +162,8 @@ impl Provenance {
             })?,
             rotate_y: parsed(ROTATE_KEY, of(ROTATE_KEY), "a number of degrees", finite)?,
             mirror: parsed(MIRROR_KEY, of(MIRROR_KEY), "yes or no", yes_or_no)?,
-            sun: parsed(SUN_KEY, of(SUN_KEY), "a direction, an irradiance and a solid angle", taken_sun)?,
+            suns: parsed(SUN_KEY, of(SUN_KEY), "a direction, an irradiance and a solid angle", taken_suns)?
+                .unwrap_or_default(),
             scale: parsed(SCALE_KEY, of(SCALE_KEY), "a number above 0", |word| {
                 finite(word).filter(|scale| *scale > 0.0)
             })?,
@@ -185,7 +188,7 @@ impl Provenance {
             quarter_turns: self.quarter_turns.or(other.quarter_turns),
             rotate_y: self.rotate_y.or(other.rotate_y),
             mirror: self.mirror.or(other.mirror),
-            sun: self.sun.or(other.sun),
+            suns: if self.suns.is_empty() { other.suns } else { self.suns },
             scale: self.scale.or(other.scale),
             crop: self.crop.or(other.crop),
             pad: self.pad.or(other.pad),
@@ -302,6 +305,11 @@ fn yes_or_no(word: &str) -> Option<bool> {
     }
 }
 
+/// Parses suns separated by semicolons.
+fn taken_suns(text: &str) -> Option<Vec<TakenSun>> {
+    text.split(';').map(taken_sun).collect()
+}
+
 /// Parses `x y z, r g b, steradians`.
 fn taken_sun(text: &str) -> Option<TakenSun> {
     let numbers = |part: &str| -> Option<Vec<f64>> { part.split_whitespace().map(finite).collect() };
@@ -329,11 +337,10 @@ mod tests {
             quarter_turns: Some(3),
             rotate_y: Some(-37.125),
             mirror: Some(true),
-            sun: Some(TakenSun {
-                direction: [0.6, 0.0, -0.8],
-                irradiance: [1e-5, 2.5, 1e30],
-                solid_angle: 6.8e-5,
-            }),
+            suns: vec![
+                TakenSun { direction: [0.6, 0.0, -0.8], irradiance: [1e-5, 2.5, 1e30], solid_angle: 6.8e-5 },
+                TakenSun { direction: [0.0, 1.0, 0.0], irradiance: [0.5; 3], solid_angle: 1e-3 },
+            ],
             scale: Some(0.1),
             crop: Some(true),
             pad: Some(Pad::Edge),
@@ -366,6 +373,7 @@ mod tests {
             (ROTATE_KEY, "inf"),
             (MIRROR_KEY, "true"),
             (SUN_KEY, "0 1, 1 1 1, 1"),
+            (SUN_KEY, "0 1 0, 1 1 1, 1;"),
             (SCALE_KEY, "0"),
             (CROP_KEY, "1"),
             (PAD_KEY, "white"),

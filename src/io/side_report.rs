@@ -28,6 +28,8 @@ pub(super) struct SideReport {
     #[serde(default)]
     sun: Option<TakenSun>,
     #[serde(default)]
+    suns: Vec<TakenSun>,
+    #[serde(default)]
     target: Option<TargetPart>,
     chain: Option<String>,
     #[serde(default)]
@@ -193,7 +195,8 @@ impl SideReport {
             quarter_turns: None,
             rotate_y: rotate_y.filter(|degrees| degrees.is_finite()),
             mirror: *mirror,
-            sun: self.sun,
+            // Reports of version 0.2 have only `sun`.
+            suns: if self.suns.is_empty() { self.sun.into_iter().collect() } else { self.suns.clone() },
             scale: scale.filter(|scale| scale.is_finite() && *scale > 0.0 && *scale != 1.0),
             crop: crop.filter(|crop| *crop),
             pad: pad.as_deref().and_then(Pad::named),

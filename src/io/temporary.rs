@@ -255,7 +255,7 @@ fn renamed(_: &Path, _: &Path, flag: Flag) -> Option<io::Result<()>> {
 /// Resolves the links of the output `path`; its last component need not exist.
 ///
 /// # Errors
-/// [`Error::Io`] naming `path`: missing folder, a link loop, or a path to a stream of the process, such as
+/// [`Error::Io`] naming `path`: missing folder, a link loop, or a path to a stream of the program, such as
 /// `/dev/stdout`.
 pub(super) fn resolved(path: &Path) -> Result<PathBuf> {
     let mut at = path.to_owned();
@@ -296,7 +296,7 @@ fn unwritable(path: &Path) -> Option<&'static str> {
     let describes = cfg!(unix) && path.starts_with("/proc");
     let streams = cfg!(unix) && streams.iter().any(|stream| path.starts_with(stream));
     if streams || (describes && path.iter().any(|name| name == "fd")) {
-        return Some("leads to a stream of the process; name a file");
+        return Some("is one of the program's own streams, not a file; name a file");
     }
     describes.then_some("is in /proc, where the system describes processes; name another folder")
 }

@@ -1,6 +1,6 @@
 //! The radial kernel of each lobe.
 
-use super::radial::{Expansion, Interval, Radial, reciprocals};
+use super::radial::{Expansion, Interval, Radial, reciprocals, share_in_front};
 use crate::vector::{Extremes as _, Fused as _};
 
 /// peak (1 - 2 s) w^2, w = 1/(1 + steep s), peak = 1/(pi alpha^2), steep = (1 - alpha^2)/alpha^2.
@@ -264,12 +264,27 @@ impl Radial for Charlie {
             .at_most(greatest);
 
         let half_width = 0.866 * tangential;
+        let share = if b <= 1.0 { 1.0 } else { share_in_front(-beyond, half_width) };
         let across = (half_width - beyond.abs()).at_least(0.0);
         let gain = 2.0 * across * across / (4.0 * half_width).at_least(1e-6);
-        let second_order = if s < 0.5 { 0.5 * self.bend(t, rise_t) * along } else { 0.0 };
-        let estimate = (at_mean.at_least(0.0) + second_order + gain).at_least(least).at_most(greatest);
-        let slope = if s < 0.5 { 2.0 * rise_t * (p - (p + 1.0) * t) / t.at_least(1e-6) } else { 0.0 };
-        Interval { least, greatest, estimate, slope }
+        // Beyond the horizon k is 0, and as steep and bent as at it.
+        let front = t.at_most(1.0).at_least(1e-6);
+        let rise = rise_t.at_most(1.0);
+        let bend = 2.0 * self.bend(front, rise) * share;
+        let slope = 2.0 * rise * (p - (p + 1.0) * front) / front + 2.0 * (1.0 - share);
+        let estimate = (at_mean.at_least(0.0) + 0.25 * bend * along + gain).at_least(least).at_most(greatest);
+        let spread = 0.5 * (crest - trough);
+        // In front of the horizon, the series' error is that of its bend.
+        let farther = (s - low).at_least(high - s);
+        let third = 0.5 * (steepest - flattest) * farther * farther
+            + 0.25
+                * steepest.abs().at_least(flattest.abs())
+                * radius
+                * radius
+                * radius
+                * (distance + 0.25 * radius);
+        let rest = if sharp & (b <= 1.0) & (third < spread) { third } else { f32::INFINITY };
+        Interval { least, greatest, estimate, slope, bend, rest, spread }
     }
 
     #[inline(always)]

@@ -112,8 +112,13 @@ pub(crate) struct Interval {
     pub(crate) greatest: f32,
     /// Most likely value.
     pub(crate) estimate: f32,
-    /// k' at the mean of s in front of the horizon, 0 beyond.
+    /// Slope and half the second derivative of k around the mean of s, faded out across the horizon.
     pub(crate) slope: f32,
+    pub(crate) bend: f32,
+    /// What light of zero total can add at most per unit of its variation: to the terms of `slope` and `bend`,
+    /// and without them.
+    pub(crate) rest: f32,
+    pub(crate) spread: f32,
 }
 
 /// Interval of the mean of k over a cell of unit energy. `squared` is the squared distance of its centroid
@@ -133,9 +138,21 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     let far = distance + radius;
     let (low, high) = (0.25 * near * near, (0.25 * far * far).at_most(1.0));
     let s = 0.25 * (squared + trace);
-    let Expansion { values: [nearest, farthest, value], slope, curvature } = kernel.expansion([low, high, s]);
+    // Beyond the horizon k is 0, and as steep and bent as at it.
+    let front = if ACROSS & R::SMOOTH { s.at_most(0.5) } else { s };
+    let Expansion { values: [nearest, farthest, value], slope, curvature } =
+        kernel.expansion([low, high, front]);
+    let spread = 0.5 * (nearest - farthest);
     if !R::SMOOTH {
-        return Interval { least: farthest, greatest: nearest, estimate: value, slope: 0.0 };
+        return Interval {
+            least: farthest,
+            greatest: nearest,
+            estimate: value,
+            slope: 0.0,
+            bend: 0.0,
+            rest: spread,
+            spread,
+        };
     }
     // s - low and high - s, computed without cancellation.
     let down = if distance > radius {
@@ -154,38 +171,64 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     let [per_above, per_below] = reciprocals(lengths);
     // Reciprocals of vanishing products overflow; there k is constant to float32.
     let sharp = (down * up).at_most(lengths[0] * lengths[1]) > 1e-36;
-    let slope = if s < 0.5 { slope } else { 0.0 };
     let (share_above, share_below) = (step_up * per_above, step_down * per_below);
+    // k minus its series around the mean decreases over the reach, as k'' does: half of what it loses.
+    let series_error = |slope: f32, bend: f32| {
+        let length = up + down;
+        0.5 * length.times_plus((up - down).times_plus(bend, slope), nearest - farthest)
+    };
+    // What the radial part of the variance, which the quadrupole leaves out, adds to the second order.
+    let radial_error = |bend: f32| 0.25 * bend * radius * radius * radius * (distance + 0.25 * radius);
+    // Of no use where it is wider, and not a number where squares overflow. Differences are rounded.
+    let rounding = 5e-7 * nearest;
+    let known = |rest: f32| if rest < spread { rest.at_least(0.0) + rounding } else { f32::INFINITY };
     if !ACROSS {
         let greatest = if sharp { share_above.times_plus(nearest - inner, inner) } else { nearest };
         let least =
             if sharp { share_below.times_plus(farthest - outer, outer) } else { farthest }.at_most(greatest);
         let estimate = (0.125 * curvature).times_plus(along, value).at_least(least).at_most(greatest);
-        return Interval { least, greatest, estimate, slope };
+        let bend = 0.5 * curvature;
+        let rest = known(series_error(slope, bend) + radial_error(bend));
+        return Interval { least, greatest, estimate, slope, bend, rest, spread };
     }
     // Split k into a hinge at the horizon and a smooth rest; a cell in front of the horizon needs no hinge.
     let kink = if high < 0.5 { 0.0 } else { kernel.kink() };
     let hinge = |s: f32| kink * (0.5 - s).at_least(0.0);
-    let (inner, nearest) = (inner - hinge(s + step_up), nearest - hinge(low));
-    let (outer, farthest) = (outer - hinge(s - step_down), farthest - hinge(high));
+    let (inner, highest) = (inner - hinge(s + step_up), nearest - hinge(low));
+    let (outer, lowest) = (outer - hinge(s - step_down), farthest - hinge(high));
     let before = 0.5 - s;
     let deviation = (most.at_most(down * up) + before * before).sqrt();
     // Differences of hinges are rounded at the precision of the greater one.
-    let rounding = 5e-7 * kink;
-    let greatest = if sharp { inner + share_above * (nearest - inner) } else { nearest }
+    let rounded = 5e-7 * kink;
+    let greatest = if sharp { inner + share_above * (highest - inner) } else { highest }
         + 0.5 * kink * (deviation + before)
-        + rounding;
-    let least = (if sharp { outer + share_below * (farthest - outer) } else { farthest } + hinge(s)
-        - rounding)
+        + rounded;
+    let least = (if sharp { outer + share_below * (lowest - outer) } else { lowest } + hinge(s) - rounded)
         .at_least(0.0)
         .at_most(greatest);
-    // Second-order term in front of the horizon, and gain from the kink for energy spread evenly over s.
+    // For energy spread evenly over s: its share in front of the horizon, and the gain from the kink.
     let half_width = 0.866 * tangential;
-    let second_order = if s < 0.5 { 0.125 * curvature * along } else { 0.0 };
+    let share = if high < 0.5 { 1.0 } else { share_in_front(before, half_width) };
     let across = (half_width - before.abs()).at_least(0.0);
     let gain = kink * across * across / (4.0 * half_width).at_least(1e-6);
-    let estimate = (value + second_order + gain).at_least(least).at_most(greatest);
-    Interval { least, greatest, estimate, slope }
+    let bend = 0.5 * curvature * share;
+    let estimate = (value + 0.25 * bend * along + gain).at_least(least).at_most(greatest);
+    // The series of k in front of the horizon has this error; near it and beyond, that of k itself serves. The
+    // terms that are used differ.
+    let [front_slope, front_bend] = if s < 0.4995 { [slope, 0.5 * curvature] } else { [0.0, 0.0] };
+    let slope = slope + kink * (1.0 - share);
+    let bent = series_error(front_slope, front_bend) + kink * (high - 0.5).at_least(0.0);
+    let farther = down.at_least(up);
+    let differing =
+        0.5 * ((slope - front_slope).abs() * (down + up) + (bend - front_bend).abs() * farther * farther);
+    let rest = known(bent + differing + radial_error(bend));
+    Interval { least, greatest, estimate, slope, bend, rest, spread }
+}
+
+/// The share in front of the horizon of energy spread evenly over `half_width` of s around a mean `before` it.
+#[inline(always)]
+pub(super) fn share_in_front(before: f32, half_width: f32) -> f32 {
+    (0.5 + 0.5 * before / half_width.at_least(1e-9)).at_least(0.0).at_most(1.0)
 }
 
 /// Expected error of the estimate for a cell of unit energy and the worst direction among those within

@@ -5,7 +5,8 @@
 
 The recipe of docs/engines.md sets up the world. Compares a white diffuse sphere with `query --lobe cosine`, a
 mirror with `query --roughness 0`, and glossy spheres, where they face the viewer, with `query`; a panorama
-that is rotated or mirrored must fail. Exit status 0 when all agree, 1 otherwise."""
+that is rotated or mirrored must fail. The lamp of `--extract-sun` and the rest light a diffuse sphere as the
+whole sky. Exit status 0 when all agree, 1 otherwise."""
 
 import os
 import sys
@@ -16,7 +17,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from recipes import EYES, LABELLED, Checks, axes, query, recipe, relative, run, sphere
+from recipes import EYES, LABELLED, SUNNY, Checks, axes, query, recipe, relative, run, sphere, worst_channel
 
 # Edge of the picture in pixels, rays a pixel, and the largest squared distance from the sphere's centre.
 DIFFUSE_VIEW, MIRROR_VIEW, GLOSSY_VIEW = (32, 1024, 0.8), (128, 16, 0.8), (64, 512, 0.015)
@@ -24,6 +25,8 @@ DIFFUSE_VIEW, MIRROR_VIEW, GLOSSY_VIEW = (32, 1024, 0.8), (128, 16, 0.8), (64, 5
 DIFFUSE, MIRROR = 0.03, 0.12
 # The renderer's own lobe for light from ahead: near the centre it is the program's times masking, whose
 # shape is narrower, the more the rougher.
+# Diffuse spheres with the sun in the environment and as a lamp: greatest difference of a channel.
+SUNLIT_VIEW, SUNLIT = (32, 4096, 0.8), 0.02
 GLOSSY = {0.2: 0.05, 0.4: 0.07, 0.6: 0.1}
 
 
@@ -57,6 +60,13 @@ def scene_with(panorama):
     bpy.ops.mesh.primitive_uv_sphere_add(radius=1, segments=256, ring_count=128)
     bpy.ops.object.shade_smooth()
     return scene, bpy.context.object
+
+
+def sunlit_by(sun):
+    """Adds the lamp of the file `sun`."""
+    code = recipe("Suns", "python")
+    assert "//sky/sun.json" in code, code
+    exec(code.replace("//sky/sun.json", str(sun)), {})
 
 
 def material(kind, roughness):
@@ -170,6 +180,26 @@ def main(program):
                 f"Blender, a panorama that is {name} is seen on the diffuse sphere", diffuse, 5 * DIFFUSE
             )
             checks.above(f"Blender, a panorama that is {name} is seen in the mirror", mirror, 0.3)
+
+        for name, options in {"sun": [], "turned": ["--rotate-y", "20"]}.items():
+            command = ["bake", SUNNY, "--target", "blender", "--extract-sun", "--name", "sky", "--quiet"]
+            run(program, *command, "-o", folder / name, *options)
+
+        def sunlit(name):
+            """The largest error with the lamp of the bake `name`."""
+            scene, ball = quietly(lambda: scene_with(folder / "sun" / "sky_panorama.exr"))
+            sunlit_by(folder / name / "sun.json")
+            errors = []
+            for eye in EYES:
+                rows, columns, normals, _ = sphere(SUNLIT_VIEW[0], eye, 2, SUNLIT_VIEW[2])
+                exact = query(program, normals, "--lobe", "cosine", source=SUNNY)
+                surface = material("Diffuse", 0)
+                shown = quietly(lambda: picture(scene, ball, eye, surface, folder, SUNLIT_VIEW))
+                errors.append(worst_channel(shown[rows, columns], exact))
+            return max(errors)
+
+        checks.below(f"Blender, the sun as a lamp, {len(EYES)} views, worst channel", sunlit("sun"), SUNLIT)
+        checks.above("Blender, a lamp elsewhere is seen", sunlit("turned"), 4 * SUNLIT)
     return 1 if checks.failures else 0
 
 

@@ -108,6 +108,17 @@ export function relativeError(shown, expected) {
     return Math.sqrt(error / sum((k) => luminance(expected[k]) ** 2));
 }
 
+// Greatest difference of a channel over the channel's greatest expected value.
+export function channelError(shown, expected) {
+    if (shown.length !== expected.length || shown.length < 100)
+        throw new Error(`${shown.length} pixels to compare`);
+    const error = (c) => {
+        const greatest = Math.max(...expected.map((rgb) => rgb[c]));
+        return Math.max(...expected.map((rgb, k) => Math.abs(shown[k][c] - rgb[c]))) / greatest;
+    };
+    return Math.max(...[0, 1, 2].map(error));
+}
+
 // View directions: the six sides of the world, and a corner.
 export const EYES = [
     [1, 0, 0],

@@ -6,6 +6,7 @@ import { fileURLToPath } from 'node:url';
 
 export const root = fileURLToPath(new URL('../..', import.meta.url));
 export const environment = join(root, 'hdr', 'labelled.exr');
+export const sunny = join(root, 'hdr', 'sky.exr');
 
 // The code in `language` under the heading `engine` of docs/engines.md.
 export function recipe(engine, language) {
@@ -25,9 +26,9 @@ export function programAt(program, work) {
             maxBuffer: 1 << 28,
             stdio: ['pipe', 'pipe', 'inherit'],
         });
-    const ask = (directions, args) => {
+    const ask = (directions, args, source = environment) => {
         const csv = 'x,y,z\n' + directions.map((d) => d.join(',')).join('\n') + '\n';
-        const rows = octagloss(['query', environment, '--directions', '-', '--quiet', ...args], csv);
+        const rows = octagloss(['query', source, '--directions', '-', '--quiet', ...args], csv);
         return rows
             .trim()
             .split('\n')
@@ -37,13 +38,13 @@ export function programAt(program, work) {
     return {
         work,
         octagloss: (args) => octagloss(args),
-        bake: (folder, args) =>
-            octagloss(['bake', environment, '--quiet', '--name', 'world', '-o', join(work, folder), ...args]),
+        bake: (folder, args, source = environment) =>
+            octagloss(['bake', source, '--quiet', '--name', 'world', '-o', join(work, folder), ...args]),
         // Radiance of a lobe around each of `directions`.
         query: (directions, roughness, lobe = 'ggx') =>
             ask(directions, ['--roughness', String(roughness), '--lobe', lobe]),
         // Irradiance over pi for each of `normals`.
-        diffuse: (normals) => ask(normals, ['--lobe', 'cosine']),
+        diffuse: (normals, source) => ask(normals, ['--lobe', 'cosine'], source),
     };
 }
 

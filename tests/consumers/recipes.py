@@ -8,6 +8,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 LABELLED = ROOT / "hdr" / "labelled.exr"
+SUNNY = ROOT / "hdr" / "sky.exr"
 # Views: the six sides of glTF's world, and a corner.
 EYES = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1), (0.7588, 0.5311, -0.3794)]
 
@@ -29,10 +30,10 @@ def run(program, *arguments, text=None):
     return done.stdout
 
 
-def query(program, directions, *options):
+def query(program, directions, *options, source=LABELLED):
     """Answers of the program for `directions` in glTF's axes."""
     text = "x,y,z\n" + "\n".join(",".join(repr(float(v)) for v in d) for d in directions) + "\n"
-    rows = run(program, "query", LABELLED, "--directions", "-", "--quiet", *options, text=text)
+    rows = run(program, "query", source, "--directions", "-", "--quiet", *options, text=text)
     return np.array([[float(v) for v in row.split(",")[3:]] for row in rows.strip().split("\n")[1:]])
 
 
@@ -65,6 +66,13 @@ def relative(shown, exact):
         raise SystemExit(f"{shown.shape} pixels to compare with {exact.shape}")
     luminance = exact @ (0.2126, 0.7152, 0.0722)
     return float(np.sqrt(((shown - exact) ** 2).mean() / (luminance**2).mean()))
+
+
+def worst_channel(shown, exact):
+    """Greatest difference of a channel over the channel's greatest exact value."""
+    if shown.shape != exact.shape or len(shown) < 12:
+        raise SystemExit(f"{shown.shape} pixels to compare with {exact.shape}")
+    return float((np.abs(shown - exact).max(0) / exact.max(0)).max())
 
 
 class Checks:

@@ -1,11 +1,14 @@
 // three.js: KTX2 (half floats) and DDS (BC6H) as scene.environment, harmonics as LightProbe.
-import { BANDS, EYES, drawn, reflected, relativeError, spherePixels } from './pictures.mjs';
+import { BANDS, EYES, channelError, drawn, reflected, relativeError, spherePixels } from './pictures.mjs';
+import { sunny } from './program.mjs';
 
 // Roughness of the six levels, so that no two levels are mixed: 1 - sqrt(1 - level/5).
 const LADDER = [2, 3, 4, 5].map((level) => 1 - Math.sqrt(1 - level / 5));
 // The engine adds the normal's change from pixel to pixel to the roughness, filters bilinearly, and has its
 // own reflectance look-up table for metals.
 const TOLERANCE = 0.02;
+// Diffuse spheres with the sun in the environment and as a lamp, greatest difference of a channel.
+const SUNLIT = 0.02;
 
 export async function checkThree({ open, bake, query, diffuse, check }) {
     bake('three', ['--target', 'three']);
@@ -70,5 +73,27 @@ export async function checkThree({ open, bake, query, diffuse, check }) {
         worst = Math.max(worst, relativeError(shownAt(picture, pixels), expected));
     }
     check('three LightProbe, 7 views', worst < BANDS, `relative error ${worst.toFixed(4)}`);
+
+    // A sky whose sun is a lamp, in its place and elsewhere.
+    bake('three-sun', ['--target', 'three', '--extract-sun'], sunny);
+    bake('three-sun-turned', ['--target', 'three', '--extract-sun', '--rotate-y', '20'], sunny);
+    const sunlit = async (sun) => {
+        let worst = 0;
+        for (const eye of EYES) {
+            const urls = { harmonics: '/bake/three-sun/world_sh.json', sun: `/bake/${sun}/sun.gltf` };
+            const picture = await page.evaluate((options) => window.sunlit(options), { ...urls, eye });
+            const pixels = spherePixels(picture.size, eye, 16);
+            const expected = diffuse(
+                pixels.map((p) => p.normal),
+                sunny,
+            );
+            worst = Math.max(worst, channelError(shownAt(picture, pixels), expected));
+        }
+        return worst;
+    };
+    const right = await sunlit('three-sun');
+    check('three, the sun as a lamp, 7 views', right < SUNLIT, `worst channel ${right.toFixed(4)}`);
+    const turned = await sunlit('three-sun-turned');
+    check('three, a sun elsewhere is seen', turned > 4 * SUNLIT, `worst channel ${turned.toFixed(4)}`);
     await page.close();
 }

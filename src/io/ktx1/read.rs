@@ -47,6 +47,11 @@ pub(in crate::io) fn decode_level0(source: &Source<'_>) -> Result<Picture> {
     })
 }
 
+/// The harmonics in Filament's key, as text.
+pub(in crate::io) fn harmonics(source: &Source<'_>) -> Result<Option<String>> {
+    Ok(Texture::open(source)?.text(CMGEN_KEY))
+}
+
 /// Decodes every level with its roughness; takes a file with cmgen's key and several levels, but without
 /// their roughness, for its.
 pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {

@@ -1,5 +1,6 @@
 //! Measurements.
 
+mod extraction;
 pub(super) mod oracle;
 mod stretch;
 mod triangles;

@@ -46,6 +46,10 @@ fn check(
     value: &Value,
     used: &mut BTreeSet<String>,
 ) -> Vec<String> {
+    if let (Some(&"[sun]"), Some(suns)) = (keys.get(place), value.as_array()) {
+        used.insert(place.to_owned());
+        return suns.iter().flat_map(|sun| check(keys, "sun", sun, used)).collect();
+    }
     if let Some(kind) = keys.get(place)
         && (*kind != "null" || value.is_null())
     {
@@ -92,8 +96,8 @@ fn reports(folder: &Path) -> Vec<Value> {
 fn every_key_of_real_reports_is_documented_with_its_type_and_the_reverse() {
     let folder = with_sky();
     // Brighter than half floats can hold, to obtain the key for compressed texels.
-    write_panorama(&folder.path().join("sky.exr"), 32, |d| {
-        if d.z > 0.98 { [1e6, 8e5, 6e5] } else { [0.3, 0.5, 1.0 + d.y as f32] }
+    write_panorama(&folder.path().join("sky.exr"), 256, |d| {
+        if d.z > 0.9995 { [1e8, 8e7, 6e7] } else { [0.3, 0.5, 1.0 + d.y as f32] }
     });
     let (keys, mut used) = (documented(), BTreeSet::new());
     for report in reports(folder.path()) {
@@ -115,7 +119,7 @@ fn every_key_of_real_reports_is_documented_with_its_type_and_the_reverse() {
 fn hashes_and_sizes_are_those_of_the_files_and_options_are_filled_in() {
     let folder = with_sky();
     let args = ["bake", "sky.exr", "--size", "64", "-o", "a.ktx2", "--irradiance", "2", "--preview", "p.png"];
-    let ran = done(folder.path(), &[&args[..], &["--chain", "sampled"]].concat());
+    done(folder.path(), &[&args[..], &["--chain", "sampled"]].concat());
     let report = json_file(&folder.path().join("a.ktx2.report.json"));
     let input = fs::read(folder.path().join("sky.exr")).expect("readable");
     let file = &report["input_files"][0];
@@ -130,7 +134,7 @@ fn hashes_and_sizes_are_those_of_the_files_and_options_are_filled_in() {
     let options = &report["options"];
     assert_eq!((&options["levels"], &options["oem_size"]), (&5.into(), &report["oem"]["size"]));
     assert_eq!((&options["out_layout"], &options["overflow"]), (&"faces".into(), &"clamp".into()));
-    // Relative bounds are bounds over the mean luminance; the summary line states the greatest.
+    // Relative bounds are bounds over the mean luminance.
     let number = |value: &Value| value.as_f64().expect("a number");
     let mean = number(&report["energy"]["mean_luminance"]);
     for level in &report["levels"].as_array().expect("levels")[1..] {
@@ -141,8 +145,6 @@ fn hashes_and_sizes_are_those_of_the_files_and_options_are_filled_in() {
         }
         assert!(number(&level["error_bound_p99"]) <= number(&level["error_bound_max"]), "{level}");
     }
-    let last = ran.err.lines().last().expect("a line");
-    assert!(last.contains("certified within ") && last.contains("of the mean luminance for 99 %"), "{last}");
     // A folder's files, and the mean luminance of a constant sky of 2.
     write_panorama(&folder.path().join("even.exr"), 32, |_| [2.0; 3]);
     done(folder.path(), &["bake", "even.exr", "--size", "8", "--format", "exr", "-o", "b", "--quiet"]);

@@ -178,7 +178,7 @@ fn errors(environment: &Environment, chain: &Chain, ladder: Ladder) -> Vec<(f64,
         let answers = reflector.query_all(directions, roughness, Lobe::Ggx, Filter::Adaptive(0.01))?;
         Ok(answers.into_iter().map(|answer| answer.radiance).collect())
     };
-    let errors = delivered_errors(chain, ladder, &roughnesses, &truth).expect("lobes");
+    let errors = delivered_errors(chain, ladder, &roughnesses, None, &truth).expect("lobes");
     assert!(errors.iter().all(|error| error.max_error >= error.rel_rmse));
     let whole = over_roughness(&errors, 0.0);
     errors.into_iter().map(|error| (error.roughness, error.rel_rmse)).chain([(0.0, whole)]).collect()
@@ -285,7 +285,7 @@ fn look_ups_and_their_errors_are_those_of_another_look_up() {
         (Ladder::Unity, 0.5, 2.025),
         (Ladder::Babylon, 0.6, 0.8 * 2.88_f64.log2()),
     ] {
-        let found = delivered_errors(&chain, ladder, &[roughness], &truth).expect("constants")[0];
+        let found = delivered_errors(&chain, ladder, &[roughness], None, &truth).expect("constants")[0];
         let (low, share) = (lod as usize, lod - lod.floor());
         let goal = luminance(wanted.map(f64::from));
         let errors: Vec<f64> = even_directions(DIRECTIONS)

@@ -42,7 +42,8 @@ fn a_band_is_padded_and_the_bake_says_so() {
     let folder = TempDir::new().expect("a temporary folder");
     write(&folder.path().join("band.exr"), 32, 10, 0..10);
     let bake = |out: &str, pad: &str| {
-        let ran = done(folder.path(), &["bake", "band.exr", pad, "--size", "8", "-o", out]);
+        let ran =
+            done(folder.path(), &["bake", "band.exr", pad, "--size", "8", "--chain", "sampled", "-o", out]);
         let report = json_file(&folder.path().join(format!("{out}.report.json")));
         assert!(report["warnings"][0].as_str().expect("text").contains("padded with 3"), "{}", ran.err);
         (ran.err, report)
@@ -79,7 +80,10 @@ fn a_band_is_padded_and_the_bake_says_so() {
 fn a_letterbox_is_cropped_and_the_bake_says_so() {
     let folder = TempDir::new().expect("a temporary folder");
     write(&folder.path().join("film.exr"), 32, 24, 4..20);
-    let ran = done(folder.path(), &["bake", "film.exr", "--crop", "--size", "8", "-o", "a.ktx2"]);
+    let ran = done(
+        folder.path(),
+        &["bake", "film.exr", "--crop", "--size", "8", "--chain", "sampled", "-o", "a.ktx2"],
+    );
     assert!(ran.err.contains("film.exr: cropped 4 black rows above and below"), "{}", ran.err);
     assert_eq!(json_file(&folder.path().join("a.ktx2.report.json"))["options"]["crop"], true);
     done(

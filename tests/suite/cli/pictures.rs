@@ -58,7 +58,7 @@ fn maps_are_shown_alike() {
     let cube = bake("faces");
     for layout in ["equirect", "octahedral"] {
         let other = bake(layout);
-        assert_eq!(other.dimensions(), cube.dimensions(), "{layout}");
+        assert_eq!(other.width(), cube.width(), "{layout}");
         // The spheres, below the title and their labels, without the faces.
         let pairs = cube.enumerate_rows().flat_map(|(_, row)| row).filter(|(_, y, _)| (92..332).contains(y));
         let off = pairs.map(|(x, y, a)| {

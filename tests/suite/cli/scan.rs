@@ -24,28 +24,27 @@ fn every_scan_gives_the_same(engine: &str, few: &[&str]) {
     for (name, table) in TABLES.into_iter().take(if engine == "cpu" { 2 } else { sweep(1, 2) }) {
         let bake = |out: &str, more: &[&str]| {
             let start = ["bake", "sky.exr", "-o", out, "--size", "8", "--levels", "3", "--pixel", "f32"];
-            let ran = done(folder, &[&start[..], &["--engine", engine], &table, more].concat());
-            (fs::read(folder.join(out)).expect("written"), ran.err)
+            done(folder, &[&start[..], &["--engine", engine], &table, more].concat());
+            fs::read(folder.join(out)).expect("written")
         };
         let query = |more: &[&str]| {
             let start = ["query", "sky.exr", "--directions", "d.csv", "--roughness", "0.5"];
             done(folder, &[&start[..], &["--engine", engine], &table, more].concat()).out
         };
-        let ((file, _), answers) = (bake(&format!("{name}.ktx2"), &[]), query(&[]));
+        let (file, answers) = (bake(&format!("{name}.ktx2"), &[]), query(&[]));
         let every = engine == "cpu" && name == "box";
         for scan in SCANS.into_iter().filter(|scan| every || few.contains(scan)) {
             let out = format!("{name}-{}.ktx2", scan.replace(':', "-"));
-            let (same, said) = bake(&out, &["--scan", scan]);
+            let same = bake(&out, &["--scan", scan]);
             assert!(same == file, "{name}, {scan}: the file differs");
             if few.contains(&scan) {
                 assert_eq!(query(&["--scan", scan]), answers, "{name}, {scan}");
             }
-            assert_eq!(said.contains(&format!(", scan {scan}, ")), scan != "blocks", "{said}");
             let report = json_file(&folder.join(format!("{out}.report.json")));
             assert_eq!((&report["options"]["scan"], &report["engine"]), (&scan.into(), &engine.into()));
         }
         // The comparisons detect another light.
-        let (other, _) = bake("other.ktx2", &["--scan", "hensley:4", "--rotate-y", "70", "--force"]);
+        let other = bake("other.ktx2", &["--scan", "hensley:4", "--rotate-y", "70", "--force"]);
         assert!(other != file && query(&["--scan", "hensley:4", "--rotate-y", "70"]) != answers, "{name}");
     }
 }

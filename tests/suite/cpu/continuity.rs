@@ -1,7 +1,7 @@
 //! Continuity of the filters: across folds and packets, and in roughness.
 
 use super::adaptive::{ask, luminance, reflector, served};
-use crate::support::bounds::ServedOracle;
+use crate::support::bounds::{ServedOracle, with_luminance};
 use crate::support::common::{Look, Random, environment, landmarks, sweep, texels};
 use glam::DVec3;
 use octagloss::Layout;
@@ -232,7 +232,7 @@ fn adaptive_steps_little_beyond_the_oracle_s_own_step() {
             let reflector = reflector(&environment, n);
             let oracle = served(&environment, &reflector);
             let totals = reflector.oem().totals();
-            let mean = luminance([totals[0], totals[1], totals[2]]) / (4.0 * std::f64::consts::PI);
+            let mean = with_luminance([0, 1, 2].map(|c| totals[c] / (4.0 * std::f64::consts::PI)));
             let creases = creases(&mut random);
             (0..40)
                 .map(|k| {
@@ -246,12 +246,16 @@ fn adaptive_steps_little_beyond_the_oracle_s_own_step() {
                     let roughness = random.between(0.1, 1.0);
                     let error = 10_f64.powf(random.between(-3.0, -1.5));
                     let answers = ask(&reflector, Lobe::Ggx, roughness, Filter::Adaptive(error), &pair);
-                    let step_served = luminance(answers[1]) - luminance(answers[0]);
-                    let truth = pair.map(|d| luminance(oracle.reflect(Lobe::Ggx, roughness, d)));
-                    let doubt = ServedOracle::accuracy(Lobe::Ggx) * (truth[0] + truth[1]);
-                    let excess = (step_served - (truth[1] - truth[0])).abs() - doubt;
+                    let truth = pair.map(|d| with_luminance(oracle.reflect(Lobe::Ggx, roughness, d)));
+                    let [before, after] = [0, 1].map(|k| with_luminance(answers[k]));
+                    // Of the luminance and of every channel, over its mean.
+                    let excess = (0..4).map(|c| {
+                        let doubt = ServedOracle::accuracy(Lobe::Ggx) * (truth[0][c] + truth[1][c]);
+                        let beyond = ((after[c] - before[c]) - (truth[1][c] - truth[0][c])).abs() - doubt;
+                        beyond / (error * mean[c].max(mean[0] / 100.0))
+                    });
                     (
-                        excess / (error * mean),
+                        excess.fold(f64::NEG_INFINITY, f64::max),
                         format!("{look:?} {n}^2 roughness {roughness} E {error} {pair:?}"),
                     )
                 })

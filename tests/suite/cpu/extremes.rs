@@ -6,7 +6,7 @@ use crate::support::bounds::luminance;
 use crate::support::common::{Random, environment, landmarks, sweep};
 use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::bake::{BakeSettings, bake};
-use octagloss::internals::filter::{Answer, Filter};
+use octagloss::internals::filter::{Answer, Bound, Filter};
 use octagloss::internals::lobe::{LOBES, Lobe};
 use octagloss::internals::reflector::{Reflector, ReflectorSettings, check_answers};
 use octagloss::{Error, Layout, Rgb};
@@ -89,7 +89,9 @@ fn a_wrong_answer_is_detected_everywhere() {
     for seed in 0..12 {
         // 1.5 times the truth plus three bounds, and a NaN.
         let too_bright = |answer: Answer| Answer {
-            radiance: answer.radiance.map(|c| (c + 3.0 * answer.bound.unwrap_or(0.0)).min(f32::MAX)),
+            radiance: answer
+                .radiance
+                .map(|c| (c + 3.0 * answer.bound.unwrap_or_default().luminance).min(f32::MAX)),
             ..answer
         };
         wrong = wrong.join(examine(seed, 0, 1, &too_bright));
@@ -121,7 +123,7 @@ fn error_and_bound(texels: Vec<Rgb>, lobe: Lobe) -> (f64, f64) {
         let truth = luminance(oracle.reflect(lobe, 0.5, direction));
         squares += (luminance(answer.radiance.map(f64::from)) - truth).powi(2);
         total += truth;
-        bound = bound.max(f64::from(answer.bound.expect("a bound")));
+        bound = bound.max(f64::from(answer.bound.expect("a bound").luminance));
     }
     let count = directions.len() as f64;
     ((squares / count).sqrt() / (total / count), bound / (total / count))
@@ -170,20 +172,23 @@ fn dim_halves_next_to_bright_ones_are_resolved() {
     let answer =
         reflector.query(-glam::DVec3::Y, 0.5, Lobe::Cone, Filter::Adaptive(0.01)).expect("a finite answer");
     assert!((answer.radiance[0] / 1e-38 - 1.0).abs() < 1e-3, "{answer:?}");
-    assert!(answer.bound.is_some_and(|bound| bound < 1e-38), "{answer:?}");
+    assert!(answer.bound.is_some_and(|bound| bound.luminance < 1e-38), "{answer:?}");
 }
 
 #[test]
 fn what_is_not_finite_is_an_error() {
-    let fine = Answer { radiance: [1.0; 3], bound: Some(0.0) };
+    let fine = Answer { radiance: [1.0; 3], bound: Some(Bound::default()) };
     let directions = [glam::DVec3::X, glam::DVec3::Y];
     assert!(check_answers(&directions, &[fine, fine]).is_ok());
     for wrong in [
         Answer { radiance: [1.0, f32::NAN, 1.0], bound: None },
         Answer { radiance: [f32::INFINITY; 3], bound: None },
         Answer { radiance: [-1.0; 3], bound: None },
-        Answer { radiance: [1.0; 3], bound: Some(f32::NAN) },
-        Answer { radiance: [1.0; 3], bound: Some(f32::INFINITY) },
+        Answer { radiance: [1.0; 3], bound: Some(Bound { luminance: f32::NAN, ..Bound::default() }) },
+        Answer {
+            radiance: [1.0; 3],
+            bound: Some(Bound { channels: [0.0, f32::INFINITY, 0.0], luminance: 0.0 }),
+        },
     ] {
         let error = check_answers(&directions, &[fine, wrong]).expect_err("it is not finite");
         assert!(matches!(error, Error::NonFiniteResult { .. }), "{error}");

@@ -1,10 +1,10 @@
 //! Light over the whole range of float32, mixed within one image: answers are finite and within their bounds.
 
-use crate::support::bounds::{Outcome, Question, ServedOracle, luminance};
+use crate::support::bounds::{Outcome, Question, ServedOracle};
 use crate::support::common::{Random, environment};
 use glam::DVec3;
 use octagloss::internals::analysis::oracle::OemOracle;
-use octagloss::internals::filter::{Answer, Filter};
+use octagloss::internals::filter::{Answer, Bound, Filter};
 use octagloss::internals::lobe::{Lobe, kernel_integral};
 use octagloss::internals::oem::{OemSize, bilinear_share};
 use octagloss::internals::reflector::{Reflector, ReflectorSettings, Workspace};
@@ -53,7 +53,7 @@ fn radiance(random: &mut Random, count: usize) -> (&'static str, Vec<Rgb>) {
         (f64::from(value) * 10_f64.powf(random.between(-2.0, 2.0))).clamp(0.0, f64::from(f32::MAX)) as f32
     };
     let place = random.below(count as u32) as usize;
-    let (name, mut texels): (_, Vec<Rgb>) = match random.below(9) {
+    let (name, mut texels): (_, Vec<Rgb>) = match random.below(10) {
         0 => ("anything", (0..count).map(|_| [0; 3].map(|_| any_light(random))).collect()),
         1 => ("anything grey", (0..count).map(|_| [any_light(random); 3]).collect()),
         2 => ("one magnitude", (0..count).map(|_| [0; 3].map(|_| near(random, one))).collect()),
@@ -69,6 +69,14 @@ fn radiance(random: &mut Random, count: usize) -> (&'static str, Vec<Rgb>) {
         }),
         5 => ("halves", (0..count).map(|k| [if k < count / 2 { one } else { other }; 3]).collect()),
         6 => ("constant", vec![[one, other, one]; count]),
+        8 => ("saturated", {
+            let texel = |random: &mut Random| {
+                let mut texel = [0.0; 3];
+                texel[random.below(3) as usize] = near(random, one);
+                texel
+            };
+            (0..count).map(|_| texel(random)).collect()
+        }),
         7 => ("ends", {
             let ends = [0.0, f32::from_bits(1), f32::MIN_POSITIVE, 1.0, f32::MAX, 3e38];
             (0..count).map(|_| [ends[random.below(6) as usize]; 3]).collect()
@@ -191,7 +199,7 @@ impl Tally {
         asked: &Asked<'_>,
         question: &Question,
         answer: Answer,
-        truth: f64,
+        truth: [f64; 3],
     ) {
         let Question { lobe, roughness, error, .. } = *question;
         let light = asked.light;
@@ -205,20 +213,20 @@ impl Tally {
         };
         // Inside a coarse texel of constant energy, radiance is up to 5.2 times its mean and may overflow
         // float32, whereas answers are limited to f32::MAX.
-        let truth = truth.min(f64::from(f32::MAX));
-        let doubt = doubt(lobe, roughness, truth, asked.energy);
+        let truth = truth.map(|truth| truth.min(f64::from(f32::MAX)));
+        let doubt = std::array::from_fn(|c| doubt(lobe, roughness, truth[c], asked.energy[c]));
         let outcome = Outcome::new(light, question, answer.radiance, bound, truth).doubting(doubt);
         self.compared += 1;
         self.ratios += outcome.ratio();
         if !outcome.holds() {
-            self.violations.push(format!("seed {seed} group {group}: {}", outcome.case));
+            self.violations.push(format!("seed {seed} group {group}: {}", outcome.case()));
         }
         self.worst = self.worst.max(outcome.ratio());
     }
 
     /// Returns whether an answer is finite, and records it if not.
     fn is_finite(&mut self, answer: &Answer, case: &dyn Fn() -> String) -> bool {
-        let mut values = answer.radiance.into_iter().chain(answer.bound);
+        let mut values = answer.radiance.into_iter().chain(answer.bound.into_iter().flat_map(Bound::values));
         let finite = values.all(|value| value.is_finite() && value >= 0.0);
         if !finite {
             self.not_finite.push(format!("{answer:?}: {}", case()));
@@ -253,7 +261,7 @@ struct Asked<'a> {
     reflector: Reflector<'a>,
     oracle: ServedOracle<'a>,
     /// Luminance of the whole sphere's energy.
-    energy: f64,
+    energy: [f64; 3],
 }
 
 /// Asks the adaptive filter [`QUESTIONS`] questions over each of `count` environments, the `group`th of
@@ -278,7 +286,7 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
             let reflector = Reflector::new(&light.environment, &light.settings()).expect("a small OEM");
             let (oracle, energy) = light.oracle(&reflector);
             let oracle = ServedOracle::new(&light.environment, oracle, inner);
-            Asked { light, reflector, oracle, energy: luminance(energy) }
+            Asked { light, reflector, oracle, energy }
         })
         .collect();
     let oracles: Vec<&OemOracle> = asked.iter().map(|asked| &asked.oracle.oem).collect();
@@ -308,7 +316,7 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
                 question.lane = lane;
                 let over_oem = || over_oems[lane][k];
                 let truth = asked.oracle.mixed(lobe, roughness, directions[lane], share, over_oem);
-                tally.compare((seed, group), asked, &question, alter(answer), luminance(truth));
+                tally.compare((seed, group), asked, &question, alter(answer), truth);
             }
         }
     }

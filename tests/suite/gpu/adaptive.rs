@@ -59,7 +59,7 @@ fn examinations(
 fn outcomes(context: &Context, passes: &Engine, examination: &Examination, served: &Oem) -> Vec<Outcome> {
     let Examination { scene, spread, questions } = examination;
     let cells = tree(context, passes, served, 1, *spread);
-    let outcome = |(question, truth): &(Question, f64)| {
+    let outcome = |(question, truth): &(Question, [f64; 3])| {
         let Question { directions, lane, lobe, roughness, error } = question;
         let kernel = Kernel::new(*lobe, roughness * roughness);
         let answers = evaluate(context, passes, &cells, kernel, *error, &[Packet::new(directions)]);
@@ -177,14 +177,14 @@ const LOBES: [(Lobe, f64); 11] = [
 struct Cut {
     radiance: [[f32; 3]; LANES],
     leaves: usize,
-    fields: Vec<[f32; 20]>,
+    fields: Vec<[f32; 34]>,
 }
 
 fn cut(cells: &Cells, kernel: Kernel, error: f64, directions: &[DVec3]) -> Cut {
     let packet = CpuPacket::new(directions);
     let mut scratch = Scratch::default();
     let shares = Adaptive::new(cells, kernel, error).evaluate(&packet, &mut scratch);
-    let fields = scratch.leaf_fields(&packet);
+    let fields = scratch.leaf_fields(cells, &packet);
     assert_eq!(fields.len(), shares.leaves);
     Cut { radiance: shares.radiance, leaves: shares.leaves, fields }
 }
@@ -216,7 +216,7 @@ fn cuts_of_the_cpu_replayed_agree() {
                 for directions in tiles.iter().skip(k % 3).step_by(3) {
                     let cut = cut(&cells, kernel, 0.005, directions);
                     let packets = [Packet::new(directions)];
-                    let replay = |leaves: &[[f32; 20]]| {
+                    let replay = |leaves: &[[f32; 34]]| {
                         let tree = CellTree::of_leaves(context, leaves, cells.least());
                         evaluate(context, passes, &tree, kernel, 0.0, &packets)
                     };
@@ -420,8 +420,19 @@ fn texels_of_the_source_are_subdivided_as_on_the_cpu() {
                         let [a, b] = [answer, &expected].map(|a| luminance(a.radiance.map(f64::from)));
                         let case = format!("{layout:?} ({x}, {y}) {lobe:?} {roughness} {direction}");
                         assert!((a - b).abs() <= 2e-4 * b, "{case}: {a}, not {b}, on {}", context.describe());
-                        let bounds = [answer, &expected].map(|a| f64::from(a.bound.expect("a bound")));
+                        let bounds =
+                            [answer, &expected].map(|a| f64::from(a.bound.expect("a bound").luminance));
                         assert!(bounds[0] <= 1.5 * bounds[1] + 1e-4 * b, "{case}: bounds {bounds:?}");
+                        for c in 0..3 {
+                            let [a, b] = [answer, &expected].map(|a| f64::from(a.radiance[c]));
+                            assert!((a - b).abs() <= 2e-4 * b, "{case}: channel {c} is {a}, not {b}");
+                            let bounds =
+                                [answer, &expected].map(|a| f64::from(a.bound.expect("bounds").channels[c]));
+                            assert!(
+                                bounds[0] <= 1.5 * bounds[1] + 3e-4 * b,
+                                "{case}: {c}: bounds {bounds:?}"
+                            );
+                        }
                         compared += 1;
                     }
                 }

@@ -13,7 +13,7 @@ use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::oem::{Oem, OemSize};
 
 /// Fields of four siblings, as `shaders/common/quad.wgsl` orders them.
-type Quad = [[f32; 4]; 20];
+type Quad = [[f32; 4]; 34];
 
 const RADIUS: usize = 9;
 const LUMINANCE_FIELD: usize = 10;
@@ -117,8 +117,8 @@ impl Case<'_> {
 }
 
 /// Returns a member that reaches farther than its cell's radius.
-fn beyond_reach(cell: &[f64; 20], members: &Quad) -> Option<String> {
-    let centroid = |fields: &[f64; 20]| DVec3::new(fields[0], fields[1], fields[2]);
+fn beyond_reach(cell: &[f64; 34], members: &Quad) -> Option<String> {
+    let centroid = |fields: &[f64; 34]| DVec3::new(fields[0], fields[1], fields[2]);
     (0..4).find_map(|k| {
         let member = members.map(|field| f64::from(field[k]));
         let reached = centroid(&member).distance(centroid(cell)) + member[RADIUS];
@@ -147,7 +147,7 @@ impl Bound {
         }
     }
 
-    fn difference(&self, raw: Raw, expected: &[f64; 20], found: &[f64; 20]) -> Option<String> {
+    fn difference(&self, raw: Raw, expected: &[f64; 34], found: &[f64; 34]) -> Option<String> {
         let Self { merges, extent, .. } = *self;
         let far = |fields: std::ops::Range<usize>, bound: f64| {
             fields.clone().any(|field| exceeds((expected[field] - found[field]).abs(), bound))
@@ -176,13 +176,24 @@ impl Bound {
         if far(0..3, centroid) {
             return Some(format!("centroid beyond {centroid:e}"));
         }
-        // A dipole is the sum of texels' energies, each at most 14 times its luminance, times their offsets
-        // from the cell's centroid: off by the energies' errors, by the centroid's, and by each merge's
-        // roundings.
-        let dipole = 14.0
-            * (2.0 * noise * extent + raw.luminance * (centroid + 16.0 * UNIT * (merges + 1.0) * extent));
-        if far(14..20, dipole) {
-            return Some(format!("dipole beyond {dipole:e}"));
+        // A tint's variation sums differences of texels' energies, each at most 14 times its luminance, and of
+        // their shares of the luminance: off by as much as these, and by 2e-6 a merge (the CPU by 1e-6). Its
+        // moments weight them by offsets from the centroid, which are off themselves, and their squares.
+        let variation =
+            14.0 * (4.0 * noise + raw.luminance * (merges + 1.0) * (relative + 16.0 * UNIT + 3e-6));
+        let dipole = variation * extent + 28.0 * raw.luminance * centroid;
+        let quadrupole = 2.0 * dipole * extent;
+        for first in [14, 24] {
+            let moments = [
+                (first..first + 3, dipole, "dipole"),
+                (first + 3..first + 9, quadrupole, "quadrupole"),
+                (first + 9..first + 10, variation, "variation"),
+            ];
+            for (fields, bound, what) in moments {
+                if far(fields, bound) {
+                    return Some(format!("{what} beyond {bound:e}"));
+                }
+            }
         }
         if far(3..9, covariance) {
             return Some(format!("covariance beyond {covariance:e}"));
@@ -251,8 +262,10 @@ fn faults_in_cells_are_detected() {
                 (4, "covariance"),
                 (RADIUS, "radius"),
                 (12, "energy"),
-                (14, "red"),
-                (19, "blue"),
+                (14, "dipole of red"),
+                (18, "quadrupole of red"),
+                (26, "dipole of blue"),
+                (33, "variation of blue"),
             ];
             for (field, what) in faults {
                 let mut wrong = right.clone();
@@ -260,8 +273,9 @@ fn faults_in_cells_are_detected() {
                 let sibling = (0..4)
                     .max_by(|a, b| right[root][10][*a].total_cmp(&right[root][10][*b]))
                     .expect("siblings");
-                // Dipoles are energies times distances.
-                let far = if field < 14 { 1e-3 } else { 0.02 * right[root][LUMINANCE_FIELD][sibling] };
+                // Tints are energies times distances.
+                let lit = right[root][LUMINANCE_FIELD][sibling];
+                let far = if field < 14 { 1e-3 } else { 0.1 * lit };
                 wrong[root][field][sibling] = wrong[root][field][sibling] * 0.999 - far;
                 assert!(case.difference(&wrong).is_some(), "{look:?}: a wrong {what}");
             }

@@ -43,8 +43,8 @@ fn answers_over_all_light_match_the_cpu() {
                 for (direction, answer) in directions.iter().zip(&found) {
                     let expected =
                         on_cpu.query(*direction, roughness, lobe, filter).expect("a finite answer");
-                    let bounds =
-                        [answer.bound, expected.bound].into_iter().flatten().map(f64::from).sum::<f64>();
+                    let bounds = [answer.bound, expected.bound].into_iter().flatten();
+                    let bounds = bounds.map(|bound| f64::from(bound.luminance)).sum::<f64>();
                     let value = luminance(expected.radiance.map(f64::from));
                     let allowed = match filter {
                         Filter::Adaptive(_) => bounds + 1e-4 * value,

@@ -292,6 +292,7 @@ impl Shader {
                         workgroup_bytes += self.size(global.ty).next_multiple_of(16);
                         continue;
                     }
+                    AddressSpace::Private => continue,
                     other => panic!("{:?} in {other:?}", global.name),
                 };
                 let binding = global.binding.expect("a resource's binding");

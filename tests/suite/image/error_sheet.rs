@@ -1,6 +1,7 @@
 //! The error sheet marks the wrong texel, in colours that its bar explains.
 
 use crate::support::written::chain;
+use octagloss::internals::analysis::channels::Relative;
 use octagloss::internals::chain::Level;
 use octagloss::internals::image::drawing::scale::RELATIVE_ERROR;
 use octagloss::internals::image::drawing::scene::Scene;
@@ -11,7 +12,7 @@ fn sheet(pairs: &[(&Level, &Level)]) -> octagloss::Result<Scene> {
         .map(|(number, (level, reference))| LevelErrors {
             number,
             size: 64,
-            rel_rmse: 0.0123,
+            rmse: Relative { luminance: 0.0123, channels: [0.0123; 3] },
             level,
             reference,
         })
@@ -83,7 +84,7 @@ fn levels_are_labelled_without_collisions() {
             }
         }
         let has = |wanted: &str| texts.iter().filter(|(text, _)| text.contains(wanted)).count();
-        assert_eq!(has("relRMSE 1.2 %, greatest 0 %"), count);
+        assert_eq!(has("relRMSE 1.2 %, red 1.2 %; greatest 0 %"), count);
         assert_eq!(has("6 \u{d7} 8\u{b2} of 64\u{b2} texels"), count);
         for k in 0..count {
             assert_eq!(has(&format!("level {k}: roughness {:.3}", levels[k].roughness)), 1);

@@ -108,13 +108,20 @@ fn look_up_is_continuous_across_every_edge_and_corner() {
 
 // Contact sheet
 
-/// Position and edge of the first sphere's tile, in pixels: the margin; and the margin, the title's line of
-/// 24 pixels, a space of 18, and the labels' line of 24.
-const TILE_AT: (u32, u32) = (26, 26 + 24 + 18 + 24);
+/// Position and edge of the first sphere's tile, in pixels: the margin and the panorama's two tiles; and the
+/// margin, the title's line of 24 pixels, a space of 18, and the labels' line of 24.
+const TILE_AT: (u32, u32) = (26 + 2 * 256, 26 + 24 + 18 + 24);
+/// Position of the first cross: below the tile and a space.
+const CROSS_AT: (u32, u32) = (TILE_AT.0, TILE_AT.1 + 240 + 10);
 const TILE: u32 = 240;
 
+/// Draws a sheet seen along +X: by a removed light over the left shoulder, 35 degrees from -X.
 fn sheet(chain: &Chain, exposure: Exposure) -> image::RgbImage {
-    contact_sheet(chain, Origin::default(), exposure).expect("a sheet").picture()
+    let shoulder = 145.0_f64.to_radians();
+    let removed = [DVec3::new(shoulder.cos(), 0.0, -shoulder.sin())];
+    contact_sheet(chain, Origin { removed: &removed, ..Origin::default() }, exposure)
+        .expect("a sheet")
+        .picture()
 }
 
 /// Returns a world with one colour per face.
@@ -196,7 +203,7 @@ fn the_sheet_is_the_same_whatever_the_thread_count_and_has_room_for_every_level(
         pool.install(|| sheet(&chain, Exposure::Auto))
     };
     let one = drawn(1);
-    // Five tiles and two margins; above two rows of labels, tile and cross the title, below a line of the
+    // Two rows of five tiles, of which the panorama takes two, and two margins; above two rows of labels, tile and cross the title, below a line of the
     // caption.
     let row = 24 + 240 + 10 + 180;
     assert_eq!(one.width(), 5 * 240 + 4 * 16 + 2 * 26);
@@ -216,13 +223,125 @@ fn black_and_extreme_worlds_can_be_drawn() {
 #[test]
 fn exposure_is_automatic_or_a_number() {
     let chain = chain(4, 1, false);
-    let automatic = octagloss::internals::image::exposure::of_level(&chain.levels[0]);
-    // The tile, without the caption that tells the exposure.
     let tile = |exposure| {
         image::imageops::crop_imm(&sheet(&chain, exposure), TILE_AT.0, TILE_AT.1, TILE, TILE).to_image()
     };
-    assert!(tile(Exposure::Auto) == tile(Exposure::Ev(automatic)));
-    assert!(tile(Exposure::Auto) != tile(Exposure::Ev(automatic - 2.0)));
+    // The caption tells it, to a hundredth.
+    let labels = contact_sheet(&chain, Origin::default(), Exposure::Auto).expect("a sheet").labels();
+    let caption = labels.iter().find_map(|(text, _)| text.strip_prefix("Exposure ")).expect("a caption");
+    let said = caption.split('\u{a0}').next().expect("a number").replace('\u{2212}', "-");
+    let off = |a: &image::RgbImage, b: &image::RgbImage| {
+        a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| a.abs_diff(*b)).max()
+    };
+    let automatic = tile(Exposure::Auto);
+    let ev: f64 = said.parse().expect("a number");
+    assert!(off(&automatic, &tile(Exposure::Ev(ev))) <= Some(2), "{said}");
+    assert!(off(&automatic, &tile(Exposure::Ev(ev - 2.0))) > Some(20));
+}
+
+/// Returns a chain of a dim sky with a sun of 5 degrees along `sun`, as a panorama or cube.
+fn sunny(layout: Layout, sun: DVec3) -> Chain {
+    let level = |roughness: f64| {
+        let (width, height) = layout.sides();
+        let images = (layout.texel_count() / (width * height) as usize) as u32;
+        let places =
+            (0..images).flat_map(|k| (0..height).flat_map(move |j| (0..width).map(move |i| (k, i, j))));
+        let radiance = |(k, i, j)| {
+            let cosine = layout.direction_from_texel(k, i, j).normalize().dot(sun);
+            // A lobe: sharp, or half of the sphere.
+            let light =
+                if roughness == 0.0 { 500.0 * f64::from(cosine > 0.999) } else { 3.0 * cosine.max(0.0) };
+            [(0.2 + light) as f32; 3]
+        };
+        Level { layout, roughness, texels: places.map(radiance).collect(), bounds: None }
+    };
+    Chain { levels: vec![level(0.0), level(1.0)] }
+}
+
+/// Centre of brightness of a tile, from -1 to 1 to the right and down.
+fn brightest_place(sheet: &image::RgbImage, tile: u32) -> (f64, f64) {
+    let (mut sum, mut at) = (0.0, (0.0, 0.0));
+    for (x, y) in (0..TILE).flat_map(|y| (0..TILE).map(move |x| (x, y))) {
+        let (dx, dy) = (f64::from(x) / 119.5 - 1.0, f64::from(y) / 119.5 - 1.0);
+        let pixel = sheet.get_pixel(TILE_AT.0 + tile * 256 + x, TILE_AT.1 + y).0[0];
+        // Within the ball, whose radius is about four fifths.
+        let weight = if dx.hypot(dy) < 0.75 { f64::from(pixel).powi(40) } else { 0.0 };
+        (sum, at) = (sum + weight, (at.0 + weight * dx, at.1 + weight * dy));
+    }
+    (at.0 / sum, at.1 / sum)
+}
+
+#[test]
+fn the_lit_side_faces_the_camera_wherever_the_sun_is_and_the_panorama_marks_it() {
+    for (azimuth, layout) in [
+        (0.3_f64, Layout::Cube { size: 64 }),
+        (2.0, Layout::Panorama { width: 128, height: 64 }),
+        (-1.5, Layout::Octahedral { size: 128 }),
+        (3.1, Layout::Cube { size: 64 }),
+    ] {
+        let sun = DVec3::new(azimuth.cos(), 0.4, azimuth.sin()).normalize();
+        let chain = sunny(layout, sun);
+        let scene = contact_sheet(&chain, Origin::default(), Exposure::Auto).expect("a sheet");
+        let picture = scene.picture();
+        // The mirror shows it where the normal halves the way to the camera: left of the middle and above.
+        for tile in [0, 1] {
+            let (x, y) = brightest_place(&picture, tile);
+            assert!((-0.5..-0.1).contains(&x) && (-0.4..-0.02).contains(&y), "{layout:?} {tile}: {x} {y}");
+        }
+        // Not burnt to white: lit, but below white outside the sun itself.
+        let tile = image::imageops::crop_imm(&picture, TILE_AT.0 + 256, TILE_AT.1, TILE, TILE).to_image();
+        let most = tile.pixels().map(|pixel| pixel.0[0]).max();
+        assert!((180..250).contains(&most.expect("pixels")), "{layout:?}: {most:?}");
+        check_labels(&scene);
+        let labels = scene.labels();
+        let mark = &labels.iter().find(|(text, _)| text == "sun").expect("a mark").1;
+        let place = (mark.low + mark.high) / 2.0;
+        // The label is beside the ring, whose centre is the sun's place in the panorama of 496 x 248 pixels.
+        let u = 0.5 + azimuth / std::f64::consts::TAU;
+        let v = sun.y.acos() / std::f64::consts::PI;
+        let ring = glam::DVec2::new(26.0 + u * 496.0, f64::from(TILE_AT.1) + v * 248.0);
+        assert!(place.distance(ring) < 45.0, "{layout:?}: {place} {ring}");
+        assert!(labels.iter().any(|(text, _)| text.starts_with("sun: azimuth ")), "{labels:?}");
+    }
+}
+
+#[test]
+fn removed_lights_are_marked_and_place_the_camera() {
+    // Nothing stands out in what is left.
+    let chain = Chain { levels: vec![level_of(16, 0.0, |_, d| [(1.0 + 0.9 * d.z) as f32; 3])] };
+    let origin = |removed| Origin { removed, ..Origin::default() };
+    let many: Vec<DVec3> = (0..7).map(|k| DVec3::new(f64::from(k) - 3.0, 0.5, 1.0).normalize()).collect();
+    for removed in [&[DVec3::Z][..], &many] {
+        let scene = contact_sheet(&chain, origin(removed), Exposure::Auto).expect("a sheet");
+        check_labels(&scene);
+        let labels = scene.labels();
+        let marks = labels.iter().filter(|(text, _)| text == "removed light").count();
+        assert_eq!(marks, removed.len(), "{labels:?}");
+        let listed = labels.iter().filter(|(text, _)| text.starts_with("removed light: ")).count();
+        assert_eq!(listed, removed.len().min(4));
+        assert_eq!(labels.iter().any(|(text, _)| text == "and 3 more"), removed.len() == 7, "{labels:?}");
+    }
+    // By default the brighter side, +Z, is over the left shoulder; a removed light 70 degrees on
+    // takes its place, and +Z is over the right one.
+    for (removed, range) in [(&[][..], -0.6..-0.1), (&[DVec3::new(-0.94, 0.2, 0.34)], 0.1..0.6)] {
+        let scene = contact_sheet(&chain, origin(removed), Exposure::Auto).expect("a sheet");
+        let (x, _) = brightest_place(&scene.picture(), 0);
+        assert!(range.contains(&x), "{removed:?}: {x}");
+    }
+}
+
+#[test]
+fn levels_have_an_outline_whether_black_or_white() {
+    for (ev, shown) in [(40.0, 255), (-40.0, 0)] {
+        let chain = Chain { levels: vec![level_of(4, 0.0, |_, _| [1.0; 3])] };
+        let sheet = sheet(&chain, Exposure::Ev(ev));
+        // The top of the face +Y, the second of four: paper, line, texels.
+        let x = CROSS_AT.0 + 90;
+        let column: Vec<u8> = (CROSS_AT.1 - 4..CROSS_AT.1 + 6).map(|y| sheet.get_pixel(x, y).0[0]).collect();
+        let (first, last) = (column[0], column[9]);
+        assert!(first == 255 && last.abs_diff(shown) < 3, "{column:?}");
+        assert!(column.iter().any(|c| c.abs_diff(shown) > 50 && *c < 220), "no line: {column:?}");
+    }
 }
 
 // Labels
@@ -258,7 +377,8 @@ fn labels_tell_file_target_exposure_roughness_and_size_without_collisions() {
         };
         let chain = Chain { levels: (0..count).map(level).collect() };
         let scene =
-            contact_sheet(&chain, Origin { name, target: "three" }, Exposure::Ev(-1.5)).expect("a sheet");
+            contact_sheet(&chain, Origin { name, target: "three", ..Origin::default() }, Exposure::Ev(-1.5))
+                .expect("a sheet");
         check_labels(&scene);
         let texts: Vec<String> = scene.labels().into_iter().map(|(text, _)| text).collect();
         let all = texts.join(" ");
@@ -272,7 +392,8 @@ fn labels_tell_file_target_exposure_roughness_and_size_without_collisions() {
             _ => layout.sides().0.to_string(),
         };
         let sized = texts.iter().filter(|text| text.contains('\u{d7}') && text.contains(&size)).count();
-        assert_eq!(sized as u32, count, "{texts:?}");
+        // The levels and the environment, here level 0.
+        assert_eq!(sized as u32, count + 1, "{texts:?}");
     }
     // The greatest sizes fit, too: the widest texts stand on one line of a tile.
     let widest = octagloss::internals::image::drawing::font::text_width("16384 \u{d7} 8192", 14.5)
@@ -283,8 +404,10 @@ fn labels_tell_file_target_exposure_roughness_and_size_without_collisions() {
 #[test]
 fn stacked_sheets_are_as_high_as_all() {
     let chain = chain(8, 2, false);
-    let scene =
-        |target| contact_sheet(&chain, Origin { name: "a", target }, Exposure::Auto).expect("a sheet");
+    let scene = |target| {
+        contact_sheet(&chain, Origin { name: "a", target, ..Origin::default() }, Exposure::Auto)
+            .expect("a sheet")
+    };
     let (one, two) = (scene("three"), scene("godot"));
     let all = stacked(&[one.clone(), two.clone()]);
     let below =

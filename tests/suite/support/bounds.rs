@@ -6,6 +6,7 @@ use octagloss::Environment;
 use octagloss::internals::analysis::oracle::{OemOracle, Oracle};
 use octagloss::internals::cpu::leaves::LANES;
 use octagloss::internals::environment::LUMINANCE;
+use octagloss::internals::filter::Bound;
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::oem::bilinear_share;
 use std::fmt::Display;
@@ -121,49 +122,84 @@ impl Question {
     }
 }
 
-/// One comparison of an engine with the oracle.
+/// One comparison of an engine with the oracle, of the luminance and of every channel.
 pub(crate) struct Outcome {
-    /// Distance of the luminances.
-    error: f64,
-    bound: f64,
+    /// Luminance, red, green and blue.
+    compared: [Compared; 4],
+    case: String,
+}
+
+/// One number compared.
+#[derive(Clone, Copy)]
+struct Compared {
+    value: f64,
     truth: f64,
+    bound: f64,
     /// Absolute error of the oracle.
     doubt: f64,
-    pub(crate) case: String,
+}
+
+impl Compared {
+    fn error(&self) -> f64 {
+        (self.value - self.truth).abs()
+    }
+
+    /// The error over the allowed error.
+    fn ratio(&self) -> f64 {
+        if self.error() == 0.0 { 0.0 } else { self.error() / (self.bound + self.doubt) }
+    }
+}
+
+/// Luminance, red, green and blue of `rgb`.
+pub(crate) fn with_luminance(rgb: [f64; 3]) -> [f64; 4] {
+    [luminance(rgb), rgb[0], rgb[1], rgb[2]]
 }
 
 impl Outcome {
-    /// Compares an engine's radiance and bound over `scene` with the `truth`.
+    /// Compares an engine's radiance and bounds over `scene` with the `truth`.
     pub(crate) fn new(
         scene: &dyn Display,
         question: &Question,
         radiance: [f32; 3],
-        bound: f32,
-        truth: f64,
+        bound: Bound,
+        truth: [f64; 3],
     ) -> Self {
         let Question { directions, lane, lobe, roughness, error } = question;
-        let (value, bound) = (luminance(radiance.map(f64::from)), f64::from(bound));
+        let (values, truths) = (with_luminance(radiance.map(f64::from)), with_luminance(truth));
+        let bounds = bound.values().map(f64::from);
         let case = format!(
-            "{scene} {lobe:?} roughness {roughness} E {error} {} lanes {}: {value} against {truth}, bound \
-             {bound}",
+            "{scene} {lobe:?} roughness {roughness} E {error} {} lanes {}: {values:?} against {truths:?}, bounds \
+             {bounds:?}",
             directions.len(),
             directions[*lane],
         );
-        Self { error: (value - truth).abs(), bound, truth, doubt: ORACLE * truth, case }
+        let compared = std::array::from_fn(|k| Compared {
+            value: values[k],
+            truth: truths[k],
+            bound: bounds[k],
+            doubt: ORACLE * truths[k],
+        });
+        Self { compared, case }
     }
 
-    /// Adds `doubt` to the oracle's error.
-    pub(crate) fn doubting(self, doubt: f64) -> Self {
-        Self { doubt: self.doubt + doubt, ..self }
+    /// Adds `doubt` to the oracle's error of each channel.
+    pub(crate) fn doubting(mut self, doubt: [f64; 3]) -> Self {
+        self.compared.iter_mut().zip(with_luminance(doubt)).for_each(|(one, doubt)| one.doubt += doubt);
+        self
     }
 
     pub(crate) fn holds(&self) -> bool {
-        self.error <= self.bound + self.doubt
+        self.compared.iter().all(|one| one.error() <= one.bound + one.doubt)
     }
 
-    /// The error over the allowed error.
+    /// The greatest error over the allowed one.
     pub(crate) fn ratio(&self) -> f64 {
-        if self.error == 0.0 { 0.0 } else { self.error / (self.bound + self.doubt) }
+        self.compared.iter().map(Compared::ratio).fold(0.0, f64::max)
+    }
+
+    /// The case, for messages.
+    pub(crate) fn case(&self) -> &str {
+        &self.case
     }
 }
 
@@ -171,25 +207,26 @@ impl Outcome {
 pub(crate) fn judge(name: &str, outcomes: &[Outcome], expected: usize) {
     assert_eq!(outcomes.len(), expected, "questions were asked");
     let mut wrong: Vec<&Outcome> = outcomes.iter().filter(|outcome| !outcome.holds()).collect();
-    wrong.sort_by(|a, b| (b.error / b.bound).total_cmp(&(a.error / a.bound)));
-    let mut tightness: Vec<f64> = outcomes
-        .iter()
-        .filter(|outcome| outcome.error > ORACLE * outcome.truth)
-        .map(|outcome| outcome.bound / outcome.error)
-        .collect();
-    tightness.sort_by(f64::total_cmp);
-    let at = |share: f64| tightness[((tightness.len() - 1) as f64 * share) as usize];
-    println!(
-        "{name}: {} of {} bounds hold; bound/error median {:.1}, 5 % {:.2}, 95 % {:.0}, least {:.3} ({} \
-         counted)",
-        outcomes.len() - wrong.len(),
-        outcomes.len(),
-        at(0.5),
-        at(0.05),
-        at(0.95),
-        at(0.0),
-        tightness.len()
-    );
-    let case: Vec<&str> = wrong.iter().take(10).map(|outcome| outcome.case.as_str()).collect();
+    wrong.sort_by(|a, b| b.ratio().total_cmp(&a.ratio()));
+    // Of the luminance, and of the channels.
+    for (what, range) in [("luminance", 0..1), ("channels", 1..4)] {
+        let mut tightness: Vec<f64> = outcomes
+            .iter()
+            .flat_map(|outcome| &outcome.compared[range.clone()])
+            .filter(|one| one.error() > ORACLE * one.truth)
+            .map(|one| one.bound / one.error())
+            .collect();
+        tightness.sort_by(f64::total_cmp);
+        let at = |share: f64| tightness[((tightness.len() - 1) as f64 * share) as usize];
+        println!(
+            "{name}, {what}: bound/error median {:.1}, 5 % {:.2}, 95 % {:.0}, least {:.3} ({} counted)",
+            at(0.5),
+            at(0.05),
+            at(0.95),
+            at(0.0),
+            tightness.len()
+        );
+    }
+    let case: Vec<&str> = wrong.iter().take(10).map(|outcome| outcome.case()).collect();
     assert!(wrong.is_empty(), "{} bounds do not hold, the worst:\n{}", wrong.len(), case.join("\n"));
 }

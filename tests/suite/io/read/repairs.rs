@@ -93,7 +93,7 @@ fn negative_values_are_zeroed_counted_and_weighed() {
     let wanted = 0.5 * texel / (1.0 - texel);
     let share = loaded.repaired.negative_energy_share;
     assert!((share - wanted).abs() < 1e-6, "{share} for {wanted}");
-    assert_eq!(loaded.warnings, ["3 negative values (2.31 % of the energy), repaired"]);
+    assert_eq!(loaded.warnings, ["3 negative values (2.31 % of the energy), set to 0"]);
 }
 
 /// The share is the same in every layout: everything negative on one sixth of the sphere.

@@ -1,0 +1,304 @@
+//! Comparisons of a bake with its source or another bake, as text and as JSON.
+
+use super::args::CompareArgs;
+use super::compare_parts::{self, Part, Parts};
+use super::compare_sources::Sources;
+use super::console::Console;
+use super::gate::{Verdict, levels};
+use super::input::{is_chain_file, read_bake};
+use super::look_ups::{self, Delivered, Overlay, channel};
+use super::measures::{Measures, is_from};
+use super::outcome::{Outcome, usage};
+use crate::Environment;
+use crate::analysis::compare::{
+    LevelErrors, Sampling, errors_against_bake, errors_against_source, is_measurable,
+};
+use crate::chain::{ChainKind, Level};
+use crate::io::regular::open_regular;
+use crate::io::{self, LoadedChain};
+use crate::lobe::Lobe;
+use anyhow::anyhow;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The output of `--json`.
+#[derive(Serialize)]
+pub(super) struct Comparison {
+    pub(super) bake: String,
+    pub(super) against: String,
+    /// `source` or `bake`.
+    reference: &'static str,
+    /// The lobe integrated over a source.
+    lobe: Option<&'static str>,
+    /// Levels whose texels are not compared with lobes: the mirror, those whose lobe is narrower than two
+    /// texels of the source, and those that are solved.
+    skipped: Vec<usize>,
+    /// The content of the texels, as recorded in the bake.
+    chain: Option<&'static str>,
+    pub(super) levels: Vec<LevelErrors>,
+    /// The mirror level and what the bake has besides its levels.
+    pub(super) parts: Vec<Part>,
+    /// Errors of look-ups; absent unless requested or judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) delivered: Option<Delivered>,
+    /// Further bakes of the chart.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) overlays: Vec<Overlay>,
+    /// Absent unless judged.
+    #[serde(flatten)]
+    pub(super) verdict: Option<Verdict>,
+}
+
+impl Comparison {
+    /// Judges from the roughness `from` on; the levels `sharp` are sharper, and `not_judged` was not
+    /// measured.
+    fn verdict(&self, from: f64, sharp: Vec<usize>, not_judged: Vec<String>) -> Verdict {
+        Verdict::of((&self.levels, self.delivered.as_ref(), &self.parts), from, sharp, not_judged)
+    }
+
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        if !self.levels.is_empty() {
+            text += "level   size  roughness   texels   relRMSE   worst channel        L1     seam  \
+                     reference's seam\n";
+        }
+        let ratio = |seam: Option<f64>| seam.map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.3}"));
+        for errors in &self.levels {
+            let worst = &errors.worst;
+            let [x, y, z] = worst.direction;
+            let radiance = |rgb: [f64; 3]| rgb.map(|c| format!("{c:.4e}")).join(" ");
+            writeln!(
+                text,
+                "{:>5}  {:>5}  {:>9.4}  {:>7}  {:>8.6}  {:>14}  {:>8.6}  {:>7}  {:>16}\n       worst: {} \
+                 {:.4} off at {} ({}, {}), direction {x:.4} {y:.4} {z:.4}: {} for {}",
+                errors.level,
+                errors.size,
+                errors.roughness,
+                errors.texels,
+                errors.rel_rmse,
+                channel(errors.rmse().worst_channel()),
+                errors.l1,
+                ratio(errors.seam),
+                ratio(errors.reference_seam),
+                worst.of,
+                worst.relative,
+                worst.face.unwrap_or("texel"),
+                worst.i,
+                worst.j,
+                radiance(worst.value),
+                radiance(worst.reference),
+            )
+            .expect("writing to a string cannot fail");
+        }
+        text += &compare_parts::text(&self.parts);
+        if let Some(delivered) = &self.delivered {
+            text += &delivered.text(if self.overlays.is_empty() { "delivered" } else { &self.bake });
+        }
+        for Overlay { bake, delivered } in &self.overlays {
+            text += &delivered.text(bake);
+        }
+        text
+    }
+}
+
+/// Reads the bake in `path`.
+pub(super) fn bake_in(path: &Path, console: &Console) -> Outcome<LoadedChain> {
+    if let Some(bake) = read_bake(path)? {
+        for warning in &bake.warnings {
+            console.warn(&format!("{}: {warning}", path.display()));
+        }
+        return Ok(bake);
+    }
+    if let Some(panorama) = io::target_panorama(path)? {
+        return Ok(panorama);
+    }
+    // Report why a candidate file or folder is not a valid bake.
+    if path.is_dir() || is_chain_file(path) {
+        io::read_chain(path)?;
+    }
+    open_regular(path)?;
+    Err(anyhow!(
+        "{}: not a bake; name a .ktx2, .ktx, .dds or .exr cube of octagloss bake, or a folder of levels",
+        path.display()
+    )
+    .into())
+}
+
+pub(super) fn against_bake(
+    args: &CompareArgs,
+    bake: &LoadedChain,
+    reference: &LoadedChain,
+    from: Option<f64>,
+) -> Outcome<Comparison> {
+    if args.delivered.is_some() {
+        return usage("--delivered needs a source environment, but both inputs are bakes");
+    }
+    let mut parts = Parts::of(&args.bake, bake)?;
+    let errors = parts.errors_against(&Parts::of(&args.against[0], reference)?);
+    let mut comparison = Comparison {
+        bake: args.bake.display().to_string(),
+        against: args.against[0].display().to_string(),
+        reference: "bake",
+        lobe: None,
+        skipped: Vec::new(),
+        chain: None,
+        levels: errors_against_bake(&bake.chain, &reference.chain)?,
+        parts: errors,
+        delivered: None,
+        overlays: Vec::new(),
+        verdict: None,
+    };
+    if let Some(from) = from {
+        comparison.verdict = Some(comparison.verdict(from, Vec::new(), parts.unjudged));
+    }
+    Ok(comparison)
+}
+
+/// Compares the bake in `path` with its source.
+pub(super) fn against_source(
+    measures: &Measures,
+    path: &Path,
+    bake: &LoadedChain,
+    sources: &Sources<'_>,
+    console: &Console,
+) -> Outcome<Comparison> {
+    let LoadedChain { chain, provenance, .. } = bake;
+    let (lobe, source) = sources.lobe_and_source(path, provenance)?;
+    let kind = provenance.chain.unwrap_or(ChainKind::Sampled);
+    let solved = kind.first_solved(chain.levels.iter().map(|level| level.roughness));
+    let sampled = &chain.levels[..solved];
+    let is_mirror = chain.levels[0].roughness == 0.0 && lobe.has_mirror();
+    let has_solved = solved < chain.levels.len();
+    // Solved texels are not lobes by design.
+    let has_lobes = sampled.iter().any(|level| is_measurable(level, lobe, source.environment.layout()));
+    if !has_lobes
+        && has_solved
+        && (measures.is_drawn || (measures.texels.is_some() && measures.from.is_none()))
+    {
+        return usage(format!(
+            "--texels and --picture compare texels with lobes, but {} is a {} chain; its texels are not \
+             lobes",
+            path.display(),
+            kind.name()
+        ));
+    }
+    let is_delivered =
+        measures.delivered.is_some() || (has_solved && (!has_lobes || measures.from.is_some()));
+    let delivered = if is_delivered {
+        let ladder = provenance.ladder.as_deref();
+        Some(look_ups::measure(measures, path, chain, lobe, ladder, &source, console)?)
+    } else {
+        None
+    };
+    let overlays = measures
+        .overlays
+        .iter()
+        .map(|path| overlay(measures, path, sources, console))
+        .collect::<Outcome<_>>()?;
+    let mut parts = Vec::new();
+    if is_mirror {
+        parts.push(compare_parts::mirror(&chain.levels[0], &source.environment)?);
+    }
+    let found = Parts::of(path, bake)?;
+    parts.extend(found.errors(&source.environment, measures.sampling(lobe), console)?);
+    let narrow: Vec<usize> = (usize::from(is_mirror)..solved)
+        .filter(|level| !is_measurable(&sampled[*level], lobe, source.environment.layout()))
+        .collect();
+    if !has_lobes && !has_solved && !is_mirror {
+        return Err(anyhow!(
+            "no level of {} has a lobe at least two texels of {} wide; bake rougher levels to compare",
+            path.display(),
+            sources.path().display()
+        )
+        .into());
+    }
+    if !narrow.is_empty() && measures.from.is_none() {
+        let their =
+            if narrow.len() == 1 { "is skipped: its lobe is" } else { "are skipped: their lobes are" };
+        console.note(&format!("{} {their} narrower than two texels of the source", levels(&narrow)));
+    }
+    if has_solved && delivered.is_none() {
+        console.note(&format!(
+            "levels from {solved} on are skipped: they are solved, so their texels are not lobes; --delivered \
+             measures look-ups",
+        ));
+    }
+    let levels = texel_errors(measures, sampled, lobe, &source.environment, console);
+    let is_compared = |level: &usize| levels.iter().any(|errors| errors.level == *level);
+    let mut comparison = Comparison {
+        bake: path.display().to_string(),
+        against: sources.path().display().to_string(),
+        reference: "source",
+        lobe: Some(lobe.name()),
+        skipped: (0..chain.levels.len()).filter(|level| !is_compared(level)).collect(),
+        chain: provenance.chain.map(ChainKind::name),
+        levels,
+        parts,
+        delivered,
+        overlays,
+        verdict: None,
+    };
+    if let Some(from) = measures.from {
+        let (narrow, sharp): (Vec<usize>, Vec<usize>) =
+            narrow.iter().partition(|level| is_from(from, chain.levels[**level].roughness));
+        let mut unjudged = unmeasured(measures, &comparison, &narrow, from);
+        unjudged.extend(found.unjudged);
+        comparison.verdict = Some(comparison.verdict(from, sharp, unjudged));
+    }
+    Ok(comparison)
+}
+
+/// What `comparison` did not measure from the roughness `from` on, and why; the levels `narrow` have too
+/// narrow lobes.
+fn unmeasured(measures: &Measures, comparison: &Comparison, narrow: &[usize], from: f64) -> Vec<String> {
+    let mut all = Vec::new();
+    if !narrow.is_empty() {
+        all.push(format!("{} (lobes narrower than two texels of the source)", levels(narrow)));
+    }
+    let judged = comparison.delivered.iter().flat_map(|delivered| &delivered.roughnesses);
+    let sharpest = judged.map(|error| error.roughness).filter(|r| is_from(from, *r)).reduce(f64::min);
+    match sharpest {
+        _ if measures.delivered.as_ref().is_some_and(|asked| !asked.is_empty()) => {
+            all.push("look-ups at roughnesses that --delivered does not name".to_owned());
+        }
+        Some(sharpest) => all.push(format!("look-ups sharper than roughness {sharpest:.3}")),
+        None if comparison.levels.len() + comparison.skipped.len() > 1 => {
+            all.push("look-ups between texels and levels (--delivered judges those of ggx)".to_owned());
+        }
+        None => {}
+    }
+    if !comparison.overlays.is_empty() {
+        all.push("overlays".to_owned());
+    }
+    all
+}
+
+/// Measures the look-ups of a further bake.
+fn overlay(measures: &Measures, path: &Path, sources: &Sources<'_>, console: &Console) -> Outcome<Overlay> {
+    let LoadedChain { chain, provenance, .. } = bake_in(path, console)?;
+    let (lobe, source) = sources.lobe_and_source(path, &provenance)?;
+    let ladder = provenance.ladder.as_deref();
+    let unjudged = Measures { from: None, ..measures.clone() };
+    let delivered = look_ups::measure(&unjudged, path, &chain, lobe, ladder, &source, console)?;
+    Ok(Overlay { bake: path.display().to_string(), delivered })
+}
+
+/// The errors of the texels of those `sampled` levels that can be measured.
+fn texel_errors(
+    measures: &Measures,
+    sampled: &[Level],
+    lobe: Lobe,
+    source: &Environment,
+    console: &Console,
+) -> Vec<LevelErrors> {
+    let sampling = measures.sampling(lobe);
+    if let (Sampling::Grid(count), true) = (sampling, measures.is_drawn) {
+        console.note(&format!(
+            "the picture shows a grid of at most {count} texels per level; --texels all shows all"
+        ));
+    }
+    let bar = console.bar("integrating");
+    let progress = |done, total| bar.at(done, total);
+    errors_against_source(sampled, source, lobe, sampling, &progress)
+}

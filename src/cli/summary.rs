@@ -1,0 +1,82 @@
+//! The line on standard error after a bake.
+
+use super::console;
+use super::shell::listed;
+use crate::bake::report::Report;
+use crate::environment::Map;
+use crate::export::plan::BakePlan;
+use crate::format::container::Container;
+use crate::percent::percent;
+use std::path::Path;
+
+/// What a bake wrote.
+pub(super) struct Written<'a> {
+    /// The output file or folder; `None` for standard output.
+    pub(super) main: Option<&'a Path>,
+    pub(super) input: &'a Path,
+    pub(super) plans: &'a [BakePlan],
+    pub(super) reports: &'a [Report],
+    /// Size of the written files, without pictures.
+    pub(super) bytes: u64,
+    pub(super) seconds: f64,
+}
+
+impl Written<'_> {
+    /// What was written, its size, the time, and the typical error of reflections.
+    pub(super) fn text(&self) -> String {
+        let Self { main, plans, reports, bytes, seconds, .. } = self;
+        let main = main.map_or_else(|| "standard output".to_owned(), |path| path.display().to_string());
+        let what = match plans {
+            [plan] if !plan.plan.is_targeted() => levels(plan, &reports[0]),
+            [plan] => format!("files for {}, {}", plan.plan.target.name, levels(plan, &reports[0])),
+            plans => {
+                let names: Vec<_> = plans.iter().map(|plan| plan.plan.target.name).collect();
+                format!("files for {}", names.join(", "))
+            }
+        };
+        let errors = reports.iter().filter_map(|report| report.typical_error);
+        let error = errors.reduce(f64::max).map_or_else(String::new, |error| {
+            let typical = if plans.len() == 1 { "typical error" } else { "typical error at most" };
+            format!(", {typical} {}", percent(error))
+        });
+        let engine = reports.first().map_or("cpu", |report| &report.engine);
+        format!("{main}: {what}, {}, in {seconds:.2} s on {engine}{error}", console::bytes(*bytes))
+    }
+
+    /// What to do next.
+    pub(super) fn next(&self) -> String {
+        let Self { main, input, plans, .. } = self;
+        let mut steps = Vec::new();
+        if cfg!(feature = "view") {
+            // A bake that this program reads is shown as engines show it.
+            let shown = if is_readable(plans) { main.unwrap_or(input) } else { input };
+            steps.push(format!("octagloss view{}", listed([shown])));
+        }
+        steps.push(match plans {
+            [plan] if !plan.plan.is_targeted() => {
+                "bake with --target ENGINE for an engine's own files".to_owned()
+            }
+            _ => concat!("load it as in ", env!("CARGO_PKG_REPOSITORY"), "/blob/main/docs/engines.md")
+                .to_owned(),
+        });
+        format!("next: {}", steps.join(", or "))
+    }
+}
+
+/// The levels of a plan's bake in a few words.
+fn levels(plan: &BakePlan, report: &Report) -> String {
+    let (size, count) = (report.options.size, report.levels.len());
+    let map = match plan.settings.map {
+        Map::Cube => format!("cube {size}"),
+        Map::Panorama => format!("panorama {}x{size}", 2 * u64::from(size)),
+        Map::Octahedral => format!("octahedral square {size}"),
+    };
+    if count == 1 { map } else { format!("{map}, {count} levels") }
+}
+
+/// Whether `octagloss view` shows the levels of the output of `plans`.
+fn is_readable(plans: &[BakePlan]) -> bool {
+    let [BakePlan { plan, settings, .. }] = plans else { return false };
+    // The roughness of a DDS file's levels is in its report only, which `--json` prints instead.
+    settings.map == Map::Cube && plan.target.has_container() && plan.container != Container::Dds
+}

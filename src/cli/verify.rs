@@ -1,0 +1,89 @@
+//! `octagloss bake --verify`: judges outputs as `compare --fail-above` does.
+
+use super::compare_sources::Sources;
+use super::comparison::{against_source, bake_in};
+use super::console::Console;
+use super::input::InputFiles;
+use super::measures::Measures;
+use super::outcome::{Failure, Outcome, usage};
+use super::shared_args::InputArgs;
+use crate::export::plan::BakePlan;
+use crate::format::OutputLayout;
+use crate::percent::percent;
+use crate::target::Content;
+use anyhow::anyhow;
+use std::path::PathBuf;
+
+/// What outputs must hold.
+pub(super) struct Verify {
+    /// Greatest relative error.
+    limit: f64,
+    /// Roughness from which it is judged.
+    from: f64,
+}
+
+/// Roughness from which default bakes are made for look-ups of a few per cent.
+const FROM: f64 = 0.6;
+
+impl Verify {
+    pub(super) fn new(limit: f64, from: Option<f64>) -> Self {
+        Self { limit, from: from.unwrap_or(FROM) }
+    }
+
+    /// Refuses outputs that `compare` cannot read, and a run without outputs.
+    pub(super) fn check_plans(plans: &[BakePlan], dry_run: bool) -> Outcome {
+        if dry_run {
+            return usage("--verify judges what was written, but --dry-run writes nothing; omit one");
+        }
+        for BakePlan { plan, .. } in plans {
+            let is_own = |content: Content| {
+                matches!(content, Content::Env | Content::Glb | Content::Atlas | Content::Oem)
+            };
+            if plan.target.files.iter().any(|file| is_own(file.content)) {
+                let name = plan.target.name;
+                return usage(format!("--verify cannot read the files of the target {name}; omit --verify"));
+            }
+            if plan.layout == OutputLayout::Mips {
+                return usage("--verify cannot read the levels of --out-layout mips; omit --verify");
+            }
+        }
+        Ok(())
+    }
+
+    /// Judges the bakes in `outputs` of `source`, which was read with the options `input`.
+    pub(super) fn check(
+        &self,
+        outputs: &[PathBuf],
+        source: &InputFiles,
+        input: &InputArgs,
+        label: &str,
+        console: &Console,
+    ) -> Outcome {
+        let measures = Measures { from: Some(self.from), ..Measures::default() };
+        let sources = Sources::new(source.clone(), input, None, console);
+        for output in outputs {
+            let bake = bake_in(output, console)?;
+            let comparison = against_source(&measures, output, &bake, &sources, console)?;
+            let Some(verdict) = &comparison.verdict else { continue };
+            let name = output.display();
+            verdict.tell(&format!("{label}{name}"));
+            match verdict.check(self.limit) {
+                Ok(()) => {}
+                Err(Failure::Failed(error)) => {
+                    return Err(anyhow!("{name}: {error:#}; the output stays, for you to look at").into());
+                }
+                Err(other) => return Err(other),
+            }
+            if let Some(worst) = verdict.worst() {
+                console.note(&format!(
+                    "{label}{name}: verified: at most {} off ({}, {}), from roughness {} on",
+                    percent(worst.greatest.error),
+                    worst.greatest.of,
+                    worst.what,
+                    self.from
+                ));
+            }
+        }
+        Ok(())
+    }
+}
