@@ -318,7 +318,7 @@ try {
             (folder) => ['--size', 16, '--pixel', 'f32', '-o', join(folder, 'sky.ktx2')],
             ['sky.ktx2'],
         );
-        const { preview } = await bake(bytes, { size: 32, target: ['three', 'unity'], preview: true });
+        const { preview } = await bake(bytes, { size: 64, target: ['three', 'unity'], preview: true });
         const png = join(work, 'preview.png');
         writeFileSync(png, preview);
         await compare(
@@ -332,7 +332,7 @@ try {
             'bake',
             sky,
             '--size',
-            32,
+            64,
             '--target',
             'three,unity',
             '--preview',

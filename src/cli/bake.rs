@@ -99,7 +99,8 @@ impl Work {
             failures.into_iter().next().map_or(Ok(()), |error| Err(Failure::from(error)))?;
             return usage("--layout faces takes the six files of one cube");
         }
-        let several = (is_open || found.len() > 1) && args.input.layout != LayoutChoice::Faces;
+        let several =
+            !found.is_empty() && (is_open || found.len() > 1) && args.input.layout != LayoutChoice::Faces;
         let plans = bake_plan::plans(&args, several)?;
         if args.verify.is_some() {
             Verify::check_plans(&plans, args.dry_run)?;

@@ -271,10 +271,23 @@ pub(super) fn resolved(path: &Path) -> Result<PathBuf> {
         }
         match fs::read_link(&place) {
             Ok(target) => at = place.parent().unwrap_or(Path::new("")).join(target),
-            Err(_) => return Ok(place),
+            Err(_) => return may_write_beside(&place).map(|()| place).map_err(|e| Error::io(path, e)),
         }
     }
     Err(refused(path, "is a link loop"))
+}
+
+/// Checks that files can be made in the folder of `place`: outputs are written beside it and moved.
+fn may_write_beside(place: &Path) -> io::Result<()> {
+    #[cfg(unix)]
+    if let Some(folder) = place.parent() {
+        use rustix::fs::{Access, access};
+        access(folder, Access::WRITE_OK | Access::EXEC_OK).map_err(|error| {
+            let error = io::Error::from(error);
+            io::Error::new(error.kind(), format!("its folder {}: {error}", folder.display()))
+        })?;
+    }
+    Ok(())
 }
 
 /// Why nothing can be written to `path`: it names an open stream, or where the system describes processes.

@@ -158,3 +158,34 @@ fn a_folder_that_refuses_is_one_line() {
     }
     fails(folder.path(), &["synth", "furnace", "-o", &format!("{place}/furnace.exr")], 1, "furnace.exr: ");
 }
+
+/// A folder that cannot be written is found before a bake begins. For a user who may write anywhere, a folder
+/// that is immutable is tried, if the file system has such.
+#[cfg(target_os = "linux")]
+#[test]
+fn dry_runs_find_folders_that_refuse() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = with_sky();
+    let refusing = folder.path().join("refusing");
+    fs::create_dir(&refusing).expect("writable");
+    fs::set_permissions(&refusing, fs::Permissions::from_mode(0o555)).expect("ours");
+    let attribute = |flag: &str| Command::new("chattr").arg(flag).arg(&refusing).output();
+    let immutable = fs::write(refusing.join("probe"), "").is_ok() && attribute("+i").is_ok();
+    if fs::write(refusing.join("probe"), "").is_err() {
+        for more in [
+            &["-o", "refusing/a.ktx2"][..],
+            &["-o", "refusing/b", "--target", "three"],
+            &["-o", "refusing/c/"],
+        ] {
+            for dry in [&["--dry-run"][..], &[]] {
+                let args = [&["bake", "sky.exr", "--size", "16", "--quiet"], more, dry].concat();
+                fails(folder.path(), &args, 1, "refusing");
+            }
+        }
+        let convert = ["convert", "sky.exr", "-o", "refusing/a.exr", "--layout", "cube"];
+        fails(folder.path(), &convert, 1, "refusing/a.exr: its folder ");
+    }
+    if immutable {
+        attribute("-i").expect("it ran before");
+    }
+}
