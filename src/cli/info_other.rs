@@ -123,8 +123,18 @@ fn known_data(path: &Path) -> Option<(&'static str, String)> {
     let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
     let text = || std::str::from_utf8(&bytes).ok().filter(|text| !text.contains('\0'));
     match extension.as_str() {
+        "gltf" => {
+            let root: Value = serde_json::from_slice(&bytes).ok()?;
+            let lights = root["extensions"]["KHR_lights_punctual"]["lights"].as_array().map_or(0, Vec::len);
+            let content =
+                if lights > 0 { format!("{lights} lights by KHR_lights_punctual") } else { "a scene".to_owned() };
+            Some(("glTF", content))
+        }
         "json" => {
             let value: Value = serde_json::from_slice(&bytes).ok()?;
+            if let Some(list) = value.as_array() {
+                return Some(("JSON", format!("a list of {}, such as extracted suns", list.len())));
+            }
             let keys: Vec<&str> = value.as_object()?.keys().map(String::as_str).collect();
             let has = |names: &[&str]| names.iter().all(|name| keys.contains(name));
             let content = if has(&["generator", "levels"]) {

@@ -81,9 +81,9 @@ fn answers_are_written_as_arrays_and_as_csv() {
     let text = done(folder.path(), &query("d.npy", &["--bound", "--quiet"])).out;
     let ran = done(folder.path(), &query("d.npy", &["--bound", "-o", "out.npy"]));
     assert_eq!(ran.out, "");
-    assert!(ran.err.contains("out.npy: 4 directions, 192 B"), "{}", ran.err);
-    let values = table(&at("out.npy"), 4);
-    for (row, line) in values.chunks_exact(4).zip(text.lines().skip(1)) {
+    assert!(ran.err.contains("out.npy: 4 directions, 240 B"), "{}", ran.err);
+    let values = table(&at("out.npy"), 7);
+    for (row, line) in values.chunks_exact(7).zip(text.lines().skip(1)) {
         let fields: Vec<&str> = line.split(',').skip(4).collect();
         // Mirrors have no bound.
         let number =

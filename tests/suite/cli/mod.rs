@@ -205,7 +205,7 @@ fn usage_errors_exit_with_2_and_write_nothing() {
         (bake(&["--engine", "npu"]), "auto, cpu, gpu"),
         (bake(&["--engine", "cpu", "--adapter", "llvmpipe"]), "--adapter names a GPU"),
         (bake(&["--threads", "0"]), "--threads"),
-        (bake(&["--rotate-y", "NaN"]), "finite"),
+        (bake(&["--rotate-y", "NaN"]), "between"),
         (bake(&["--rotate-y", "north"]), "not a number"),
         (bake(&["--oem-size", "0"]), "--oem-size"),
         (bake(&["--irradiance", "0"]), "--irradiance"),
@@ -309,7 +309,8 @@ fn a_bake_is_a_ktx2_file_with_a_report_and_a_line() {
             "error_bound_p99",
             "error_bound_max_relative",
             "error_bound_mean_relative",
-            "error_bound_p99_relative"
+            "error_bound_p99_relative",
+            "error_bound_max_channels"
         ]
     );
     assert_eq!(keys(&report["energy"]), ["source", "oem", "relative_difference", "mean_luminance"]);
@@ -450,7 +451,7 @@ fn queries_answer_in_order_and_echo_what_was_typed() {
     let args = ["query", "sky.exr", "--directions", "d.csv", "--roughness", "0.4", "--bound", "--quiet"];
     let ran = done(folder.path(), &args);
     let rows: Vec<&str> = ran.out.lines().collect();
-    assert_eq!(rows[0], "x,y,z,r,g,b,bound");
+    assert_eq!(rows[0], "x,y,z,r,g,b,bound,bound_r,bound_g,bound_b");
     let values = |row: &str| -> Vec<f64> { row.split(',').map(|v| v.parse().expect("a number")).collect() };
     assert!(rows[1].starts_with("0,1.50,0,") && rows[3].starts_with("-1e-200,0,0,"), "{rows:?}");
     assert!(values(rows[2])[3] > 10.0 * values(rows[1])[3], "the sun is at +Z: {rows:?}");

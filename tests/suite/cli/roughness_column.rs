@@ -18,7 +18,7 @@ fn each_row_is_answered_with_its_own_roughness() {
         out.lines().map(str::to_owned).collect::<Vec<String>>()
     };
     let own = query("own.csv", &[]);
-    assert_eq!((own.len(), &own[0][..]), (6, "x,y,z,roughness,r,g,b,bound"));
+    assert_eq!((own.len(), &own[0][..]), (6, "x,y,z,roughness,r,g,b,bound,bound_r,bound_g,bound_b"));
     for (index, (row, roughness)) in rows.iter().enumerate() {
         let roughness = roughness.to_string();
         let plain = query("plain.csv", &["--roughness", &roughness]);

@@ -19,7 +19,7 @@ fn every_target_gets_a_skybox_of_the_size_asked_for() {
     let names: Vec<&str> = TARGETS.iter().map(|target| target.name).collect();
     let all = names.join(",");
     let coarse = ["--filter", "adaptive:0.5"];
-    let args = ["bake", "sky.exr", "--target", &all, "--size", "32", "--skybox", "8", "-o", "out"];
+    let args = ["bake", "sky.exr", "--target", &all, "--size", "64", "--skybox", "8", "-o", "out"];
     let args = [&args[..], &coarse].concat();
     let printed = done(folder.path(), &[&args[..], &["--dry-run"]].concat()).out;
     done(folder.path(), &[&args[..], &["--quiet"]].concat());

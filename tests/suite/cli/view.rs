@@ -85,7 +85,7 @@ fn what_cannot_be_shown_is_a_usage_error_and_bad_files_are_named() {
         (&["--filter", "reference"], "box, fitted:K, levels or adaptive"),
         (&["--metal", "1,2"], "three numbers"),
         (&["--size", "0x10"], "WxH"),
-        (&["--distance", "0.5"], "distance 0.5"),
+        (&["--distance", "0.5"], "--distance"),
         (&["--oem-size", "100"], "power of two"),
         (&["--object", "row", "--mesh", "bad.obj"], "cannot be used with"),
     ];

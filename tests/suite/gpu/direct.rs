@@ -625,11 +625,11 @@ fn bad_targets_are_errors_that_name_the_remedy() {
         let square = |size| DirectMap::Octahedral { size };
         let rectangle = |size| DirectMap::Rectangular { size };
         for (outcome, parts) in [
-            (target(square(7), half), ["7 x 7", "even"]),
-            (target(square(0), half), ["0 x 0", "choose 1"]),
-            (target(square(1 << 20), half), ["1048576", "choose 1 to"]),
-            (target(rectangle(7), half), ["7 x 7", "even"]),
-            (target(rectangle(6000), half), ["6000 x 6000", "choose 1 to 4096"]),
+            (target(square(7), half), ["`size` 7", "even"]),
+            (target(square(0), half), ["`size` 0", "even number"]),
+            (target(square(1 << 20), half), ["1048576", "from 2 to"]),
+            (target(rectangle(7), half), ["`size` 7", "even"]),
+            (target(rectangle(6000), half), ["`size` 6000", "from 2 to 4096"]),
             (target(square(8), wgpu::TextureFormat::Rgba8Unorm), ["Rgba8Unorm", "Rgba16Float"]),
         ] {
             let message = failure(outcome.map(|_| ()));

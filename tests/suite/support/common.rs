@@ -88,7 +88,7 @@ impl Look {
 /// Texels of `layout` in a `look`, with independent channels.
 pub(crate) fn texels(random: &mut Random, look: Look, layout: Layout) -> Vec<Rgb> {
     let count = layout.texel_count();
-    let blank = Environment::new(layout, vec![[0.0; 3]; count]).expect("a layout of at least one texel");
+    let blank = Environment::of_sound(layout, vec![[0.0; 3]; count]).expect("a layout of at least one texel");
     let tint: [f64; 3] = std::array::from_fn(|_| random.between(0.2, 1.0));
     let (axis, other) = (random.direction(), random.direction());
     let level = random.between(0.01, 1.0);
