@@ -126,8 +126,11 @@ fn known_data(path: &Path) -> Option<(&'static str, String)> {
         "gltf" => {
             let root: Value = serde_json::from_slice(&bytes).ok()?;
             let lights = root["extensions"]["KHR_lights_punctual"]["lights"].as_array().map_or(0, Vec::len);
-            let content =
-                if lights > 0 { format!("{lights} lights by KHR_lights_punctual") } else { "a scene".to_owned() };
+            let content = if lights > 0 {
+                format!("{lights} lights by KHR_lights_punctual")
+            } else {
+                "a scene".to_owned()
+            };
             Some(("glTF", content))
         }
         "json" => {
