@@ -95,7 +95,9 @@ pub(super) fn unreadable(source: &Source<'_>) -> Option<Error> {
         bytes if bytes.starts_with(b"glTF") => "a binary glTF",
         // Its panoramas would be read as one picture.
         bytes if Format::sniff(bytes) == Some(Format::Png) && is_atlas(source.path) => "a PlayCanvas atlas",
-        _ if text.starts_with(b"{") => "JSON, such as spherical harmonics or a report",
+        _ if text.starts_with(b"{") || text.starts_with(b"[") => {
+            "JSON, such as spherical harmonics or a report"
+        }
         _ => return None,
     };
     Some(source.error(format!("{name}, which holds no image that can be read; give an image or a cube")))

@@ -348,7 +348,10 @@ fn what_cannot_be_read_is_named_by_every_command() {
         }
         fails(folder.path(), &["bake", path, "-o", "again.ktx2"], 1, words);
         // The path is named; a file without levels is not a bake.
-        fails(folder.path(), &["compare", path, "a.exr"], 1, words.split(": ").next().expect("a path"));
+        // A folder of several bakes is compared bake by bake.
+        if path != "out" {
+            fails(folder.path(), &["compare", path, "a.exr"], 1, words.split(": ").next().expect("a path"));
+        }
         #[cfg(feature = "view")]
         fails(folder.path(), &["view", path, "--screenshot", "a.png"], 1, words);
     }
