@@ -209,7 +209,7 @@ fn unsigned() -> String {
 /// `text`, a report with [`fingerprint`]'s placeholder, with its own hash: of all lines but the times, which alone
 /// differ between equal runs.
 pub(super) fn signed(text: &str) -> String {
-    let mut hasher = blake3::Hasher::new();
+    let mut hasher = Hasher::new();
     for line in text.lines().filter(|line| !line.trim_start().starts_with("\"seconds\":")) {
         hasher.update(line.as_bytes()).update(b"\n");
     }
