@@ -135,6 +135,9 @@ fn known_data(path: &Path) -> Option<(&'static str, String)> {
         }
         "json" => {
             let value: Value = serde_json::from_slice(&bytes).ok()?;
+            if value.is_null() {
+                return Some(("JSON", "no sun was found".to_owned()));
+            }
             if let Some(list) = value.as_array() {
                 return Some(("JSON", format!("a list of {}, such as extracted suns", list.len())));
             }

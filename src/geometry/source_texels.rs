@@ -318,6 +318,21 @@ struct ColourSums {
     /// Energy over luminance of the first lit texel.
     ratio: f32,
     apart: f32,
+    /// Sum of squares of the energy over the luminance.
+    squares: f32,
+}
+
+impl ColourSums {
+    /// A bound of the sum of the distance of the energies, `energy` in all, from their share of the luminance,
+    /// `weight` in all.
+    fn variation(&self, energy: f32, weight: f32) -> f32 {
+        // The share is off the first texel's ratio by as much in sum; exact where all texels are grey.
+        let from_first = (self.apart + (energy - self.ratio * weight).abs()) * (1.0 + 1e-5);
+        // Cauchy and Schwarz; with sums of sixteen terms rounded.
+        let (all, squares) = (f64::from(energy), f64::from(weight) * f64::from(self.squares));
+        let from_squares = (squares * (1.0 + 4e-6) - all * all).max(0.0).sqrt() * (1.0 + 1e-6);
+        from_first.min(from_squares as f32)
+    }
 }
 
 impl PanoramaRow<'_> {
@@ -349,6 +364,10 @@ impl PanoramaRow<'_> {
                 colour.ratio = energy / weight;
             }
             colour.apart += (energy - colour.ratio * weight).abs();
+            if weight > 0.0 {
+                // Of at most 14 times the energy.
+                colour.squares += energy * (energy / weight);
+            }
         }
     }
 
@@ -384,8 +403,7 @@ impl PanoramaRow<'_> {
                     rho * rho * mixed + (radial - tangential) * crossed,
                     leaning * dipole.x,
                 ),
-                // The share itself is off the first texel's ratio by as much in sum.
-                variation: (colour.apart + (energy - colour.ratio * sums.weight).abs()) * (1.0 + 1e-5),
+                variation: colour.variation(energy, sums.weight),
             }
         };
         [tint(&sums.colours[0], energy.x), tint(&sums.colours[1], energy.z)]

@@ -120,8 +120,8 @@ fn edited_reports_are_changes() {
         let own =
             serde_json::from_str::<serde_json::Value>(&sound).expect("JSON")["fingerprint"]["report"].clone();
         let own = own.as_str().expect("a hash").to_owned();
+        // Of all but the times, which differ between equal runs.
         for edited in [
-            sound.replacen("\"seconds\": 0", "\"seconds\": 1", 1),
             sound.replacen("sky.exr", "sea.exr", 1),
             sound.replacen('\n', "\n\n", 1),
             sound.clone() + " ",
