@@ -278,8 +278,8 @@ pub(super) fn resolved(path: &Path) -> Result<PathBuf> {
 }
 
 /// Checks that files can be made in the folder of `place`: outputs are written beside it and moved.
+#[cfg(unix)]
 fn may_write_beside(place: &Path) -> io::Result<()> {
-    #[cfg(unix)]
     if let Some(folder) = place.parent() {
         use rustix::fs::{Access, access};
         access(folder, Access::WRITE_OK | Access::EXEC_OK).map_err(|error| {
@@ -287,6 +287,12 @@ fn may_write_beside(place: &Path) -> io::Result<()> {
             io::Error::new(error.kind(), format!("its folder {}: {error}", folder.display()))
         })?;
     }
+    Ok(())
+}
+
+/// Other systems say so when the file is made.
+#[cfg(not(unix))]
+fn may_write_beside(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
