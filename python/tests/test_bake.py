@@ -30,6 +30,10 @@ def test_files_are_the_bytes_of_the_command_lines(program, sky, sky_file, tmp_pa
     program("bake", sky_file, "-o", "theirs.ktx2", *SMALL_ARGUMENTS, *arguments)
     octagloss.bake(sky, **SMALL, output=tmp_path / "ours.ktx2", **options)
     assert (tmp_path / "ours.ktx2").read_bytes() == (tmp_path / "theirs.ktx2").read_bytes()
+
+
+def test_suns_are_those_of_the_command_line(program, sky, sky_file, tmp_path):
+    program("bake", sky_file, "-o", "theirs.ktx2", *SMALL_ARGUMENTS, "--extract-sun=1")
     rest, suns = sky.extract_suns(1)
     octagloss.bake(rest, **SMALL, output=tmp_path / "one.ktx2")
     assert len(suns) == 1
