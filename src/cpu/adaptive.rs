@@ -21,7 +21,7 @@
 //! sums of what lies above and what lies below. Lobes that are not smooth (cones, wide Phong) take k(a) and
 //! k(b). Charlie, which rises before it falls, has bounds of its own (`kernel`).
 //!
-//! The channels differ from the luminance by their tints ([`crate::geometry::tint`]). With D, Q and X a tint's
+//! The channels differ from the luminance by their tints (src/geometry/tint.rs). With D, Q and X a tint's
 //! dipole, quadrupole and variation, k' (D.(m - R)/2 + tr Q/4) + k'' ((R - m).Q.(R - m))/8 is added to the
 //! channel's estimate: the series of k up to second order over light of zero total. What is left over is at
 //! most X/2 times the range over [a, b] of k minus that series, which falls from a to b, as k'' does; and the

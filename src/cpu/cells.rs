@@ -7,7 +7,7 @@
 //! radiance c of each channel, E - c*w, so that a constant environment is black and dark cells stay coarse.
 //!
 //! Centroid and covariance are those of the luminance. What sets red and blue apart is their tint
-//! ([`crate::geometry::tint`]); green's follows, since that of the luminance is zero.
+//! (src/geometry/tint.rs); green's follows, since that of the luminance is zero.
 //!
 //! The finest cells hold texels of the OEM, or of the source. Texels of the source belong to the cell that
 //! contains their centroid, whole: their moments are exact, so nothing is spread over an OEM texel. A cell's
