@@ -410,11 +410,13 @@ struct Sums {
     count: u32,
 }
 
-// A tint with a smaller share of a cell's luminance is rounding error.
+// A tint with a smaller share of its channel's energy is rounding error.
 const NEGLIGIBLE_TINT = 1.0f / 1048576.0f;
 
 // What a tint adds to a channel, and a bound of its error.
-fn tint_share(cell: u32, name: u32, variation: f32, apart: vec3<f32>, mean: Interval) -> vec2<f32> {
+fn tint_share(
+    cell: u32, name: u32, variation: f32, rounding: f32, apart: vec3<f32>, mean: Interval,
+) -> vec2<f32> {
     let quad = (cell - 1u) >> 2u;
     let k = (cell - 1u) & 3u;
     let diagonal = tint_vector(quad, name + 3u, k);
@@ -425,21 +427,26 @@ fn tint_share(cell: u32, name: u32, variation: f32, apart: vec3<f32>, mean: Inte
     let most = variation * mean.spread;
     let clipped = clamp(light, -most, most);
     let certain = most + abs(clipped);
-    let series = variation * mean.rest + abs(light - clipped);
+    let series = variation * mean.rest + abs(light - clipped) + rounding * abs(mean.slope);
     return vec2<f32>(clipped, select(certain, min(series, certain), mean.rest >= 0.0));
 }
 
-// Adds the tints of `cell`, of `luminance`.
-fn add_tints(cell: u32, luminance: f32, apart: vec3<f32>, mean: Interval, sums: ptr<function, Sums>) {
+// Error of a dipole, over its channel's energy times the cell's reach.
+const TINT_ROUNDING = 2e-6f;
+
+// Adds the tints of `leaf`, a cell.
+fn add_tints(leaf: Leaf, apart: vec3<f32>, mean: Interval, sums: ptr<function, Sums>) {
+    let cell = leaf.cell;
     let quad = (cell - 1u) >> 2u;
     let k = (cell - 1u) & 3u;
     let red_variation = field(quad, FIELD_RED_TINT + TINT_FIELDS - 1u, k);
     let blue_variation = field(quad, FIELD_BLUE_TINT + TINT_FIELDS - 1u, k);
-    if max(red_variation, blue_variation) <= NEGLIGIBLE_TINT * luminance {
+    if red_variation <= NEGLIGIBLE_TINT * leaf.energy.r && blue_variation <= NEGLIGIBLE_TINT * leaf.energy.b {
         return;
     }
-    let red = tint_share(cell, FIELD_RED_TINT, red_variation, apart, mean);
-    let blue = tint_share(cell, FIELD_BLUE_TINT, blue_variation, apart, mean);
+    let rounding = TINT_ROUNDING * leaf.radius * leaf.energy;
+    let red = tint_share(cell, FIELD_RED_TINT, red_variation, rounding.r, apart, mean);
+    let blue = tint_share(cell, FIELD_BLUE_TINT, blue_variation, rounding.b, apart, mean);
     // The luminance's tint is zero.
     let per_green = LUMINANCE / LUMINANCE.g;
     (*sums).radiance += vec3<f32>(red.x, -(red.x * per_green.r + blue.x * per_green.b), blue.x);
@@ -458,13 +465,15 @@ fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {
     (*sums).radiance += mean.estimate * leaf.energy;
     (*sums).above += over * luminance;
     (*sums).below += under * luminance;
-    (*sums).off += max(over, under) * leaf.energy;
+    // Green's tint follows from those of the others, and may exceed its energy.
+    let neglected = vec3<f32>(leaf.energy.r, luminance / LUMINANCE.g, leaf.energy.b);
+    (*sums).off += max(over, under) * leaf.energy + NEGLIGIBLE_TINT * mean.spread * neglected;
     let distance = sqrt(squared);
     if distance + leaf.radius > 0.999 && distance - leaf.radius < 1.415 {
         (*sums).grazing += leaf.energy;
     }
     if leaf.cell != 0u && mean.spread > 0.0 {
-        add_tints(leaf.cell, luminance, apart, mean, sums);
+        add_tints(leaf, apart, mean, sums);
     }
     (*sums).count += 1u;
 }

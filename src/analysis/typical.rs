@@ -95,10 +95,12 @@ impl Lights {
     fn of(level: &Level) -> Self {
         let (width, height) = level.layout.sides();
         let area = width as usize * height as usize;
-        let solid_angle = |at: usize| {
-            let inside = (at % area) as u32;
-            level.layout.texel_solid_angle(inside % width, inside / width)
-        };
+        // The same on every face.
+        let solid_angles: Vec<f64> = (0..height)
+            .flat_map(|y| (0..width).map(move |x| (x, y)))
+            .map(|(x, y)| level.layout.texel_solid_angle(x, y))
+            .collect();
+        let solid_angle = |at: usize| solid_angles[at % area];
         let (mut sums, mut whole) = ([0.0; 3], 0.0);
         for (at, texel) in level.texels.iter().enumerate() {
             let weight = solid_angle(at);

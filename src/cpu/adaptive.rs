@@ -40,7 +40,7 @@
 //! direction of the packet. The energy is that of the worst channel, relative to its mean. Which cells are leaves decides how tight the bound is, never whether it holds.
 
 use super::cells::{Cells, Finest, Quad, SourceLight};
-use super::leaves::{LANES, Leaf, Packet, Scratch, weighted};
+use super::leaves::{LANES, Leaf, NEGLIGIBLE_TINT, Packet, Scratch, weighted};
 use super::subtexel::{self, LitTexels, Spread};
 use crate::environment::{LUMINANCE, Rgb, exact_luminance};
 use crate::filter::Bound;
@@ -66,6 +66,10 @@ pub struct Shares {
 /// 2 in every component; together 6 2^-24 times the distance in half of its square), the square and the trace
 /// four times more, and a centroid found by quadrature has an error of 5e-8.
 const GRAZING_ROUNDING: f64 = 8.0 / 16_777_216.0;
+
+/// Error of a dipole, over its channel's energy times the cell's reach: differences of energies are rounded at
+/// 2^-23 of these, once a merge, and products as often again.
+const TINT_ROUNDING: f32 = 8.0 / 8_388_608.0;
 
 /// Quads evaluated together, to fill the widest vectors.
 const QUADS: usize = 4;
@@ -143,12 +147,13 @@ impl TintSums {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn add(&mut self, leaf: &Leaf, tints: &[Tint; 2], packet: &Packet, series: &Series) {
         let [lx, ly, lz] = leaf.offset;
-        for (c, tint) in tints.iter().enumerate() {
+        for ((c, tint), energy) in tints.iter().enumerate().zip([leaf.energy[0], leaf.energy[2]]) {
             let [dx, dy, dz] = (0.5 * tint.dipole).to_array();
             let [xx, yy, zz] = (0.25 * tint.diagonal).to_array();
             let [yz, zx, xy] = (0.5 * tint.mixed).to_array();
             let trace = xx + yy + zz;
             let variation = tint.variation;
+            let rounding = energy * leaf.radius * TINT_ROUNDING;
             for k in 0..LANES {
                 let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
                 let first = x.times_plus(dx, y.times_plus(dy, z.times_plus(dz, trace)));
@@ -160,8 +165,9 @@ impl TintSums {
                 let most = variation * series.spread[k];
                 let clipped = light.at_most(most).at_least(-most);
                 self.light[c][k] += clipped;
-                self.error[c][k] += (variation.times_plus(series.rest[k], (light - clipped).abs()))
-                    .at_most(most + clipped.abs());
+                let rounded = rounding.times_plus(series.slope[k].abs(), (light - clipped).abs());
+                self.error[c][k] +=
+                    variation.times_plus(series.rest[k], rounded).at_most(most + clipped.abs());
             }
         }
     }
@@ -347,17 +353,20 @@ impl<'a> Adaptive<'a> {
                 (series.slope[k], series.bend[k]) = (share.slope, share.bend);
                 (series.rest[k], series.spread[k]) = (share.rest, share.spread);
             }
+            // Green's tint follows from those of the others, and may exceed its energy.
+            let beside_green = luminance / LUMINANCE[1] - green;
             // A loop of its own, which leaves the registers to the one above.
             for k in 0..LANES {
                 let (estimate, over, under) = (series.estimate[k], series.over[k], series.under[k]);
-                let width = over.at_least(under);
+                let neglected = NEGLIGIBLE_TINT * series.spread[k];
+                let width = over.at_least(under) + neglected;
                 sums[0][k] = red.times_plus(estimate, sums[0][k]);
                 sums[1][k] = green.times_plus(estimate, sums[1][k]);
                 sums[2][k] = blue.times_plus(estimate, sums[2][k]);
                 above[k] = luminance.times_plus(over, above[k]);
                 below[k] = luminance.times_plus(under, below[k]);
                 off[0][k] = red.times_plus(width, off[0][k]);
-                off[1][k] = green.times_plus(width, off[1][k]);
+                off[1][k] = green.times_plus(width, beside_green.times_plus(neglected, off[1][k]));
                 off[2][k] = blue.times_plus(width, off[2][k]);
             }
             if let Some(tints) = self.cells.tints(leaf.cell) {

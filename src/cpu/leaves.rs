@@ -73,15 +73,15 @@ pub(super) struct Leaf {
 /// [`Leaf::cell`] of light of one colour.
 pub(super) const UNTINTED: u32 = u32::MAX;
 
-/// A tint with a smaller share of a cell's luminance is rounding error.
+/// A tint with a smaller share of its channel's energy is rounding error.
 pub(crate) const NEGLIGIBLE_TINT: f32 = 1.0 / (1 << 20) as f32;
 
 impl Leaf {
     /// Cell `k` of `quad`, which is number `index`.
     #[inline(always)]
     pub(super) fn new(quad: &Quad, index: u32, k: usize, axis: DVec3) -> Self {
-        let least = NEGLIGIBLE_TINT * quad.luminance[k];
-        let tinted = (quad.red_tint[VARIATION][k] > least) | (quad.blue_tint[VARIATION][k] > least);
+        let tinted = (quad.red_tint[VARIATION][k] > NEGLIGIBLE_TINT * quad.red[k])
+            | (quad.blue_tint[VARIATION][k] > NEGLIGIBLE_TINT * quad.blue[k]);
         Self {
             offset: [
                 (f64::from(quad.x[k]) - axis.x) as f32,

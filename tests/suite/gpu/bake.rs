@@ -255,7 +255,7 @@ fn levels_one_half_percent_brighter_differ() {
 #[test]
 fn sheen_matches_the_cpu() {
     let (_, environment) = environments().swap_remove(0);
-    let settings = BakeSettings { sheen: true, ..settings(Filter::Adaptive(ERROR)) };
+    let settings = BakeSettings { sheen: true, ..settings(Filter::Adaptive(4.0 * ERROR)) };
     let cpu = bake(&environment, &settings).expect("a small bake").sheen.expect("sheen");
     with_passes("sheen", |context, passes| {
         let bake = wait(context, passes.bake(&environment, &settings));
@@ -306,7 +306,7 @@ fn solved_chains_match_the_cpu() {
         oem_size: Some(128),
         ..BakeSettings::default()
     };
-    for name in ["sky", "studio"] {
+    for name in ["sky", "studio"].into_iter().take(sweep(1, 2)) {
         let environment = synth(name).expect("a recipe").rotated_y(30.0);
         let cpu = bake(&environment, &solved).expect("a small bake");
         // The comparator detects one changed texel.
