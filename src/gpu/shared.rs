@@ -5,6 +5,7 @@ use super::{
     adaptive, blur, box_filter, cells, copy, device::stage, direct, emitters, fitted, fixed_point, harmonics,
     lamp, mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shadow,
 };
+use crate::cpu::adaptive::TINT_ROUNDING;
 use crate::cpu::cells::{DIMMEST, FAINT, FIELDS, QUAD_FIELDS, RESIDUE};
 use crate::cpu::fitted::{CONE, CONE_ALPHA, HARMONICS_ALONE, HARMONICS_FROM};
 use crate::cpu::leaves::LANES;
@@ -42,6 +43,8 @@ pub fn constants() -> Vec<Constant> {
         one("blur.wgsl", "GROUP_SIZE", blur::GROUP_SIZE),
         float("adaptive.wgsl", "DIMMEST", DIMMEST),
         float("adaptive.wgsl", "NEGLIGIBLE_TINT", f64::from(NEGLIGIBLE_TINT)),
+        // The GPU's differences are less exact.
+        float("adaptive.wgsl", "TINT_ROUNDING", 2.0 * f64::from(TINT_ROUNDING)),
         one("blur.wgsl", "LINE_SIZE", blur::LINE_SIZE),
         one("blur.wgsl", "REACH", blur::REACH),
         one("box_filter.wgsl", "GROUP_SIZE", box_filter::GROUP_SIZE),
