@@ -75,9 +75,12 @@ impl Kernel {
         Self { direction, ..self }
     }
 
-    /// Whether the support ends in a jump.
-    pub(super) const fn jumps(&self) -> bool {
-        matches!(self.profile, Profile::Cone { .. })
+    /// Whether the support ends at a great circle.
+    pub(super) fn is_hemisphere(&self) -> bool {
+        match self.profile {
+            Profile::Cone { cosine, .. } => cosine < 1e-15,
+            _ => true,
+        }
     }
 
     /// Signed distance of `point` (any length) from the boundary of the support, positive inside, in units of

@@ -33,7 +33,7 @@ fn a_constant_stays_one() {
         let mut spots = 0;
         for lobe in LOBES {
             for roughness in [0.0, 0.1, 0.35, 0.7, 1.0] {
-                for direction in landmarks().into_iter().step_by(sweep(4, 3)) {
+                for direction in landmarks().into_iter().step_by(sweep(7, 3)) {
                     // The sums over L K and over K take the same terms: rounding of some 500 of them.
                     let value = oracle.reflect(lobe, roughness, direction);
                     let off = difference(value, [0.25, 2.0, 3e4]);
@@ -43,7 +43,7 @@ fn a_constant_stays_one() {
                 }
             }
         }
-        assert!(spots > sweep(8, 30), "{layout:?}: one brighter texel was detected in {spots} lobes");
+        assert!(spots > sweep(4, 30), "{layout:?}: one brighter texel was detected in {spots} lobes");
     }
 }
 
@@ -224,6 +224,10 @@ fn a_mirror_shows_the_texel_looked_at() {
         environment.for_each_texel(|direction, _, rgb| {
             let expected = rgb.map(f64::from);
             assert_eq!(oracle.reflect(Lobe::Ggx, 0.0, direction), expected, "{layout:?} {direction}");
+            compared += 1;
+            if compared % sweep(4, 1) > 0 {
+                return;
+            }
             // Of a lobe, alpha^2/s lies beyond s = sin^2(theta/2): 1e-12 over 2e-5 at the narrowest texel's
             // edge, and neighbours are up to 1e4 times brighter.
             let near = oracle.reflect(Lobe::Ggx, 0.001, direction);
@@ -231,7 +235,6 @@ fn a_mirror_shows_the_texel_looked_at() {
                 difference(near, expected) < 5e-4,
                 "{layout:?} {direction}: {near:?} against {expected:?}"
             );
-            compared += 1;
         });
         assert_eq!(compared, layout.texel_count());
     }
