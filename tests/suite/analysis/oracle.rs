@@ -499,3 +499,15 @@ fn source_and_oem_agree_on_a_smooth_sky() {
         }
     }
 }
+
+#[test]
+fn a_hemisphere_takes_what_coarse_texels_have_in_it() {
+    let layout = Layout::Panorama { width: 15, height: 3 };
+    let direction = DVec3::new(-0.955, 0.036, 0.294).normalize();
+    // Northern texels wholly inside, 2 pi/15 (1 - cos 60 degrees) of the 2 pi; a few others reach over the
+    // horizon by less than a thousandth.
+    for inside in [0, 13, 14] {
+        let share = reflect(&lone(layout, inside, 1.0), Lobe::Phong, 1.0, direction)[0];
+        assert!((30.0 * share - 1.0).abs() < 1e-7, "texel {inside}: {share}");
+    }
+}
