@@ -80,17 +80,20 @@ fn judge_bounds(name: &str, examinations: &[Examination]) {
 
 #[test]
 fn certified_bounds_hold() {
-    judge_bounds("bounds", &examinations(None, 1000, 40, 20, |random| 32 + random.below(65)));
+    judge_bounds("bounds", &examinations(None, 1000, sweep(12, 40), 20, |random| 32 + random.below(65)));
 }
 
 #[test]
 fn certified_bounds_hold_for_tiny_oems() {
-    judge_bounds("bounds of tiny OEMs", &examinations(None, 3000, 40, 8, |random| 1 + random.below(9)));
+    judge_bounds(
+        "bounds of tiny OEMs",
+        &examinations(None, 3000, sweep(20, 40), 8, |random| 1 + random.below(9)),
+    );
 }
 
 #[test]
 fn certified_bounds_of_sheen_hold() {
-    let scenes = sweep(20, 60);
+    let scenes = sweep(10, 60);
     let sizes = |random: &mut Random| 16 + random.below(33);
     judge_bounds("bounds of sheen", &examinations(Some(Lobe::Charlie), 5000, scenes, 6, sizes));
 }
@@ -330,7 +333,7 @@ fn a_furnace_is_white() {
     with_passes("furnace", |context, passes| {
         let mut random = Random::new(72);
         let mut directions = landmarks();
-        directions.extend((0..20).map(|_| random.direction()));
+        directions.extend((0..sweep(6, 20)).map(|_| random.direction()));
         let constant = [0.25, 1.0, 3e4];
         for (k, layout) in layouts.into_iter().enumerate() {
             let furnace = environment(layout, vec![constant.map(|c| c as f32); layout.texel_count()]);
