@@ -43,7 +43,7 @@ fn extract_sun(given: &mut Given) -> Result<Option<Suns>> {
 
 impl Reading {
     pub(crate) fn of(given: &mut Given) -> Result<Self> {
-        let layouts = LayoutChoice::CHOICES.map(|layout| (layout.name(), layout));
+        let layouts = LayoutChoice::ALL.map(|layout| (layout.name(), layout));
         let reading = Self {
             options: ReadOptions {
                 layout: given.choice("layout", &layouts)?.unwrap_or_default(),

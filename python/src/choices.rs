@@ -76,7 +76,7 @@ pub(crate) fn array_layout(text: &str) -> PyResult<Map> {
 
 /// Layout of a file.
 pub(crate) fn file_layout(text: &str) -> PyResult<LayoutChoice> {
-    choice("layout", text, &LayoutChoice::CHOICES.map(|layout| (layout.name(), layout)))
+    choice("layout", text, &LayoutChoice::ALL.map(|layout| (layout.name(), layout)))
 }
 
 pub(crate) fn pad(text: &str) -> PyResult<Pad> {

@@ -25,7 +25,7 @@ pub(super) fn run(args: &FigureArgs) -> Outcome {
     if is_new {
         output::check_folder(folder, existing)?;
     }
-    let path = |entry: &Entry, form: Form| format!("{}.{}", entry.name(), form.extension());
+    let path = |entry: &Entry, form: Form| format!("{}.{}", entry.name(), form.name());
     for (entry, form) in entries.iter().flat_map(|entry| Form::ALL.map(|form| (entry, form))) {
         if !is_new {
             output::check_file(&folder.join(path(entry, form)), existing)?;

@@ -14,6 +14,7 @@
 
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
+use crate::names::named;
 use std::path::Path;
 
 /// Content of a picture.
@@ -45,24 +46,14 @@ pub enum LayoutChoice {
     Octahedral,
 }
 
-impl LayoutChoice {
-    /// Layouts that a user may select.
-    pub const CHOICES: [Self; 6] =
-        [Self::Auto, Self::Equirect, Self::Cross, Self::Strip, Self::Faces, Self::Octahedral];
-
-    /// Name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Equirect => "equirect",
-            Self::Cross => "cross",
-            Self::Strip => "strip",
-            Self::Faces => "faces",
-            Self::Octahedral => "octahedral",
-        }
-    }
-}
+named!(LayoutChoice {
+    Auto = "auto",
+    Equirect = "equirect",
+    Cross = "cross",
+    Strip = "strip",
+    Faces = "faces",
+    Octahedral = "octahedral",
+});
 
 /// Position of a face in the image, in units of its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -15,6 +15,7 @@ use crate::format::container::Container;
 use crate::format::{LevelName, OutputLayout, Pixel, Shown};
 use crate::ladder::{Ladder, UNITY_LEVELS};
 use crate::lobe::Lobe;
+use crate::names::named;
 use crate::sh::scale::ShScale;
 use crate::sphere::cube::Face;
 
@@ -83,21 +84,9 @@ pub enum Diffuse {
     Both,
 }
 
+named!(Diffuse { None = "none", Cube = "cube", Sh = "sh", Both = "both" });
+
 impl Diffuse {
-    /// Every form.
-    pub const ALL: [Self; 4] = [Self::None, Self::Cube, Self::Sh, Self::Both];
-
-    /// Name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Cube => "cube",
-            Self::Sh => "sh",
-            Self::Both => "both",
-        }
-    }
-
     pub(crate) const fn has_cube(self) -> bool {
         matches!(self, Self::Cube | Self::Both)
     }
