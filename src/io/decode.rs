@@ -116,9 +116,9 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
         Format::OpenExr => exr::read::decode(source),
         Format::Png => ldr::read::decode_png(source),
         Format::Jpeg => ldr::read::decode_jpeg(source),
-        Format::Ktx1 => ktx1::read::decode_level0(source),
-        Format::Ktx2 => ktx2::read::decode_level0(source),
-        Format::Dds => dds::read::decode_level0(source),
+        Format::Ktx1 => ktx1::read::open(source)?.picture(),
+        Format::Ktx2 => ktx2::read::open(source)?.picture(),
+        Format::Dds => dds::read::open(source)?.picture(),
     }?;
     picture.warnings.extend(misnamed(source.path, format));
     picture.without_border(source)

@@ -40,6 +40,7 @@ pub mod side_report;
 mod source;
 mod target_folder;
 mod temporary;
+mod texture;
 
 use decode::{Format, decode, unreadable};
 pub(crate) use decode::{has_readable_name, readable_extensions};
@@ -307,7 +308,10 @@ fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     match Format::sniff(source.bytes) {
         Some(Format::OpenExr) => exr::read::decode_chain(source),
         Some(Format::Ktx1) => ktx1::read::decode_chain(source),
-        Some(Format::Ktx2) => ktx2::read::decode_chain(source),
+        Some(Format::Ktx2) => {
+            let texture = ktx2::read::open(source)?;
+            texture.chain(texture.roughness()?)
+        }
         _ => Err(unreadable(source).unwrap_or_else(|| {
             source.error(
                 "it holds no chain; a chain is a cube in KTX2, KTX, DDS or EXR parts, or a folder of levels",
