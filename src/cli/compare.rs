@@ -7,7 +7,7 @@ use super::console::Console;
 use super::input::{self, read_bake};
 use super::look_ups;
 use super::measures::Measures;
-use super::outcome::{Outcome, check_not_input, on_threads, print, usage};
+use super::outcome::{Outcome, check_not_input, on_threads, print, print_json, usage};
 use super::{compare_many, compare_pair};
 use crate::Layout;
 use crate::analysis::compare::{LevelErrors, grid_of};
@@ -79,7 +79,7 @@ fn run_one(args: &CompareArgs, existing: Existing, console: &Console) -> Outcome
         look_ups::draw_chart(path, existing, &curves, &args.against[0])?;
     }
     if args.json {
-        print(&(serde_json::to_string(&comparison).map_err(anyhow::Error::from)? + "\n"))?;
+        print_json(&comparison)?;
     } else {
         print(&comparison.text())?;
     }

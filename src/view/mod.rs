@@ -26,12 +26,12 @@ mod model;
 mod panel;
 mod present;
 mod renderer;
+mod resources;
 mod roughness_map;
 pub mod scene;
 mod screenshot;
 #[doc(hidden)]
 pub mod shared;
-mod textures;
 mod truth;
 mod viewer;
 #[cfg(target_arch = "wasm32")]

@@ -1,7 +1,7 @@
 //! Renders pictures without a window.
 
 use super::legend::{legend, put, shown};
-use super::textures::target;
+use super::resources::target;
 use super::{Light, Look, Renderer, Show, Truth, Viewport};
 use crate::error::Result;
 use crate::gpu::Context;

@@ -7,7 +7,7 @@ mod view_side;
 use super::look::Look;
 use super::scene::Scene;
 use super::viewer::{is_mesh, options};
-use super::window::{Application, OpenWindow, Ready, Start};
+use super::window::{Application, FromStart as _, OpenWindow, Ready, Start};
 use crate::error::Error;
 use crate::gpu::device::shader;
 use crate::io;
@@ -89,18 +89,12 @@ impl Page {
     /// Opens an environment or a mesh from `bytes`, the file named `name`; on the scene side the scene of a
     /// mesh file. On failure the panel shows the error and the picture stays.
     pub fn open(&self, name: &str, bytes: &[u8]) {
-        self.act(|sides| match sides.shown() {
-            Side::View(viewer) => viewer.open(Path::new(name), bytes),
-            Side::Scene(scene) => scene.open(Path::new(name), bytes),
-        });
+        self.act(|sides| sides.content().open(Path::new(name), bytes));
     }
 
     /// Shows a message in the panel.
     pub fn show_message(&self, message: String) {
-        self.act(|sides| match sides.shown() {
-            Side::View(viewer) => viewer.show_message(message),
-            Side::Scene(scene) => scene.show_message(message),
-        });
+        self.act(|sides| sides.content().show_message(message));
     }
 
     /// Shows the side named `side`: `view`, objects under an environment, or `scene`, a moving scene.

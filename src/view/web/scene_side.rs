@@ -2,7 +2,7 @@
 
 use super::super::look::{Technique, Tone};
 use super::super::scene::{Controls, Proxy, SceneViewer, scene_boxes};
-use super::super::window::Content as _;
+use super::super::window::WindowContent as _;
 use super::parsed;
 use crate::error::Result;
 use crate::gpu::direct::Method;

@@ -2,6 +2,7 @@
 
 use super::super::look::{Look, Object, Paint, Technique};
 use super::super::viewer::Viewer;
+use super::super::window::WindowContent as _;
 use super::parsed;
 use crate::error::{Error, Result};
 use crate::image::exposure::Exposure;
@@ -65,7 +66,7 @@ impl<'a> State<'a> {
             paint: viewer.look().paint.to_string(),
             size: viewer.picture_size(),
             settled: !viewer.is_busy(),
-            panel: viewer.panel(),
+            panel: viewer.has_panel(),
             roughness_slider: viewer.roughness_slider(),
         }
     }
@@ -102,7 +103,7 @@ impl Change {
             return Err(Error::Parameter("no mesh is loaded; open one first".to_owned()));
         }
         *viewer.look_mut() = look;
-        if self.panel.is_some_and(|shown| shown != viewer.panel()) {
+        if self.panel.is_some_and(|shown| shown != viewer.has_panel()) {
             viewer.toggle_panel();
         }
         Ok(())

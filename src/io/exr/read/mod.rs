@@ -4,7 +4,6 @@
 mod blocks;
 mod select;
 mod window;
-mod zip;
 
 use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
@@ -61,9 +60,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
         .try_reserve_exact(count)
         .map_err(|_| source.error("not enough memory for its texels; scale it down first"))?;
     texels.resize(count, Rgb::default());
-    if zip::decode_into(source, &metadata, &selection, &window, &mut texels).is_none() {
-        blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
-    }
+    blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
 
     let mut warnings = Vec::new();
     // The other parts of a bake's octahedral map are its rougher levels.
