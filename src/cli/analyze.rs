@@ -9,7 +9,6 @@ use super::figures_absent as figures;
 use super::outcome::{Outcome, print, usage};
 use crate::analysis::map_table::{Row, rows};
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 
 pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
     if !(args.table || args.csv || args.json || args.lobes || args.figures.plot) {
@@ -78,9 +77,8 @@ fn text_table(rows: &[Row]) -> String {
             None => name.to_owned(),
         };
         let [least, greatest] = metrics.relative_solid_angle;
-        writeln!(
-            text,
-            "{name:<27}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}",
+        text += &format!(
+            "{name:<27}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
             paper[0],
             fixed(metrics.sampling, 2),
             paper[1],
@@ -91,11 +89,10 @@ fn text_table(rows: &[Row]) -> String {
             fixed(least, 3),
             fixed(greatest, 3),
             fixed(metrics.used * 100.0, 1),
-        )
-        .expect("writing to a string cannot fail");
+        );
     }
     for (number, note) in (1..).zip(notes) {
-        writeln!(text, "\n[{number}] {note}").expect("writing to a string cannot fail");
+        text += &format!("\n[{number}] {note}\n");
     }
     text
 }

@@ -9,7 +9,6 @@ use crate::laboratory::measure::{
 };
 use crate::laboratory::subject::SUBJECTS;
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 use std::path::Path;
 
 pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
@@ -96,9 +95,8 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
         settings.error * 100.0
     );
     for method in &settings.methods {
-        writeln!(
-            text,
-            "\n{:<24}{:>10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}  {:<24}{:>8}",
+        text += &format!(
+            "\n{:<24}{:>10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}  {:<24}{:>8}\n",
             method.name(),
             "roughness",
             "rms",
@@ -109,8 +107,7 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
             "reads",
             "worst at",
             "KiB"
-        )
-        .expect("writing to a string cannot fail");
+        );
         for row in rows.iter().filter(|row| row.method == *method) {
             for (k, error) in row.errors.iter().enumerate() {
                 let [sphere, poles, cones, seams] = error.rms.map(percent);
@@ -123,7 +120,7 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
                     place(&error.worst_at),
                     if k == 0 { (row.bytes / 1024).to_string() } else { String::new() }
                 );
-                writeln!(text, "{}", line.trim_end()).expect("writing to a string cannot fail");
+                text += &format!("{}\n", line.trim_end());
             }
         }
     }
@@ -136,8 +133,7 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
         }
         named.push(row.subject.name);
         let [resample, scan] = row.seconds.map(|seconds| seconds * 1e3);
-        writeln!(text, "{:<24}{:>8} texels{resample:>10.1}{scan:>8.2}", row.subject.name, row.texels)
-            .expect("writing to a string cannot fail");
+        text += &format!("{:<24}{:>8} texels{resample:>10.1}{scan:>8.2}\n", row.subject.name, row.texels);
     }
     text
 }

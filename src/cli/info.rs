@@ -17,7 +17,6 @@ use crate::io::{LayoutChoice, Pad, Repairs};
 use crate::lobe::Lobe;
 use crate::percent::percent;
 use serde::Serialize;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -297,21 +296,19 @@ impl BakeInfo {
         rows.push(("size", console::bytes(self.bytes)));
         rows.extend(self.origin.rows());
         for (name, value) in rows {
-            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
+            text += &format!("  {name:<11} {value}\n");
         }
         text.push_str("  level   size  roughness      least   greatest       mean  (luminance)\n");
         for level in &self.levels {
-            writeln!(
-                text,
-                "  {:>5}  {:>5}  {:>9.4}  {:>9.3e}  {:>9.3e}  {:>9.3e}",
+            text += &format!(
+                "  {:>5}  {:>5}  {:>9.4}  {:>9.3e}  {:>9.3e}  {:>9.3e}\n",
                 level.level,
                 level.size,
                 level.roughness,
                 exact_luminance(level.min),
                 exact_luminance(level.max),
                 exact_luminance(level.mean),
-            )
-            .expect("writing to a string cannot fail");
+            );
         }
         text
     }
@@ -324,7 +321,7 @@ impl EnvironmentInfo {
             self.input, self.format, self.layout, self.width, self.height
         );
         let mut row = |name: &str, value: String| {
-            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
+            text += &format!("  {name:<11} {value}\n");
         };
         row("size", console::bytes(self.bytes));
         self.origin.iter().flat_map(Origin::rows).for_each(|(name, value)| row(name, value));
