@@ -3,12 +3,13 @@
 //! instead) the roughness comes from the files' headers. Faces whose headers have none are taken for those of
 //! Filament's cmgen.
 
+use super::LoadedChain;
 use super::cmgen;
 use super::decode::Format;
 use super::layout::Content;
 use super::layout::{LayoutChoice, arrangement};
 use super::panics::catching_panics;
-use super::picture::{LevelHeader, Picture, Stored, check_finite};
+use super::picture::{LevelHeader, Picture, check_finite};
 use super::picture_map::settled;
 use super::provenance::Provenance;
 use super::regular::open_regular;
@@ -53,11 +54,16 @@ pub(super) fn read_environment(folder: &Path, memory_limit: u64) -> Result<Pictu
 }
 
 /// Reads every level with its roughness.
-pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
+pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<LoadedChain> {
     let listing = Listing::of(folder, memory_limit)?;
     let Listing { levels, provenance, warnings } = listing;
-    let mut stored =
-        Stored { chain: Chain { levels: Vec::new() }, provenance, format: String::new(), warnings };
+    let mut stored = LoadedChain {
+        chain: Chain { levels: Vec::new() },
+        provenance,
+        format: String::new(),
+        path: folder.to_owned(),
+        warnings,
+    };
     for level in &levels {
         let ReportLevel { size, roughness, .. } = *level;
         let picture = read_level(folder, *level, memory_limit)?;

@@ -57,7 +57,7 @@ use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
 use layout::Content;
 use panics::catching_panics;
-use picture::{Picture, Stored};
+use picture::Picture;
 use provenance::Provenance;
 use regular::read_regular;
 use source::Source;
@@ -209,7 +209,7 @@ pub fn read_map(path: &Path, from: Option<&'static NamedMap>, options: &ReadOpti
 
 /// Reads level 0 of `path` as a picture, with the file or folder that holds it.
 fn read_picture(path: &Path, memory_limit: u64) -> Result<(PathBuf, Picture)> {
-    let InputPath::File(file) = InputPath::of(path)? else {
+    let Some(file) = file_of(path)? else {
         return Ok((path.to_owned(), level_folder::read_environment(path, memory_limit)?));
     };
     let bytes = read_regular(&file, memory_limit)?;
@@ -265,9 +265,8 @@ pub fn read_chain(path: &Path) -> Result<Chain> {
 /// As [`read_chain`].
 pub fn load_chain(path: &Path) -> Result<LoadedChain> {
     let memory_limit = DEFAULT_MEMORY_LIMIT;
-    let file = match InputPath::of(path)? {
-        InputPath::Levels => return in_world(path, level_folder::read_chain(path, memory_limit)?),
-        InputPath::File(file) => file,
+    let Some(file) = file_of(path)? else {
+        return in_world(level_folder::read_chain(path, memory_limit)?);
     };
     let bytes = read_regular(&file, memory_limit)?;
     let source = Source { path: &file, bytes: &bytes, memory_limit };
@@ -290,7 +289,7 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
     {
         stored.provenance = stored.provenance.or(report.provenance.clone());
     }
-    in_world(&file, stored)
+    in_world(stored)
 }
 
 /// Reads a chain in a KTX, KTX2 or EXR file already in memory; `path` names it in messages. Reports are not
@@ -300,11 +299,11 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
 /// As [`read_chain`].
 pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<Chain> {
     let source = Source { path, bytes, memory_limit };
-    Ok(in_world(path, catching_panics(path, || decode_chain(&source))?)?.chain)
+    Ok(in_world(catching_panics(path, || decode_chain(&source))?)?.chain)
 }
 
-/// Decodes a chain of any container that stores its levels' roughness.
-fn decode_chain(source: &Source<'_>) -> Result<Stored> {
+/// Decodes a chain, as it is stored, of any container that stores its levels' roughness.
+fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
     match Format::sniff(source.bytes) {
         Some(Format::OpenExr) => exr::read::decode_chain(source),
         Some(Format::Ktx1) => ktx1::read::decode_chain(source),
@@ -320,11 +319,11 @@ fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     }
 }
 
-/// Undoes the flip of a chain.
-fn in_world(path: &Path, stored: Stored) -> Result<LoadedChain> {
-    let Stored { chain, provenance, format, warnings } = stored;
-    let chain = provenance.world_chain(chain).map_err(|message| Error::input(path, message))?;
-    Ok(LoadedChain { chain, provenance, format, path: path.to_owned(), warnings })
+/// Undoes the flip of a chain as it is stored.
+fn in_world(stored: LoadedChain) -> Result<LoadedChain> {
+    let chain = stored.provenance.world_chain(stored.chain);
+    let chain = chain.map_err(|message| Error::input(&stored.path, message))?;
+    Ok(LoadedChain { chain, ..stored })
 }
 
 /// The panorama of a target, a file or in its folder, as a chain of one mirror level; `None` for other paths.
@@ -366,10 +365,7 @@ pub(crate) fn filament_harmonics(path: &Path) -> Result<Option<String>> {
 /// # Errors
 /// As [`read`] if there is no such file.
 pub(crate) fn levels_path(path: &Path) -> Result<PathBuf> {
-    Ok(match InputPath::of(path)? {
-        InputPath::File(file) => file,
-        InputPath::Levels => path.to_owned(),
-    })
+    Ok(file_of(path)?.unwrap_or_else(|| path.to_owned()))
 }
 
 /// Whether the folder `path` holds a bake rather than sources: levels, a report, or the levels of a target.
@@ -388,24 +384,12 @@ pub(crate) fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, St
     side_report::of_file(path, || hash).map_or_else(Vec::new, |described| described.provenance.pairs())
 }
 
-/// Kind of an input path.
-enum InputPath {
-    /// A file; for a target's folder, the file with its levels.
-    File(PathBuf),
-    /// A folder of levels.
-    Levels,
-}
-
-impl InputPath {
-    fn of(path: &Path) -> Result<Self> {
-        if !is_directory(path)? {
-            return Ok(Self::File(path.to_owned()));
-        }
-        if level_folder::has_levels(path) {
-            return Ok(Self::Levels);
-        }
-        Ok(target_folder::levels_file(path)?.map_or(Self::Levels, Self::File))
+/// The file to read for `path`: for a target's folder, the one with its levels; `None` for a folder of levels.
+fn file_of(path: &Path) -> Result<Option<PathBuf>> {
+    if !is_directory(path)? {
+        return Ok(Some(path.to_owned()));
     }
+    if level_folder::has_levels(path) { Ok(None) } else { target_folder::levels_file(path) }
 }
 
 /// Whether `path` is a directory.

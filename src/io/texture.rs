@@ -1,9 +1,10 @@
 //! Textures in KTX, KTX2 and DDS files: what their readers share.
 
+use super::LoadedChain;
 use super::ktx2::write::ROUGHNESS_KEY;
 use super::layout::Content;
 use super::map_header::MapHeader;
-use super::picture::{Picture, Stored, check_finite};
+use super::picture::{Picture, check_finite};
 use super::provenance::Provenance;
 use super::source::Source;
 use crate::chain::{Chain, Level};
@@ -66,7 +67,7 @@ impl Texture<'_> {
     }
 
     /// Decodes every level of a cube, of these roughnesses.
-    pub(super) fn chain(&self, roughness: impl IntoIterator<Item = f64>) -> Result<Stored> {
+    pub(super) fn chain(&self, roughness: impl IntoIterator<Item = f64>) -> Result<LoadedChain> {
         if !self.is_cube {
             return Err(self.source.error("it holds a 2D image; a chain is a cube"));
         }
@@ -76,8 +77,13 @@ impl Texture<'_> {
             Ok(Level::cube(size, roughness, texels))
         };
         let levels = (0..).zip(roughness).map(level).collect::<Result<_>>()?;
-        let (provenance, format) = (self.provenance()?, self.format());
-        Ok(Stored { chain: Chain { levels }, provenance, format, warnings: Vec::new() })
+        Ok(LoadedChain {
+            chain: Chain { levels },
+            provenance: self.provenance()?,
+            format: self.format(),
+            path: self.source.path.to_owned(),
+            warnings: Vec::new(),
+        })
     }
 
     /// The roughness of each level by the file's keys.

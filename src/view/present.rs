@@ -31,6 +31,19 @@ pub struct Viewport {
     pub height: u32,
 }
 
+/// Where a picture is shown: in `viewport` of `view`, by a pass of `encoder`.
+#[derive(Debug)]
+pub struct Display<'a> {
+    /// Records the pass.
+    pub encoder: &'a mut wgpu::CommandEncoder,
+    /// The target.
+    pub view: &'a wgpu::TextureView,
+    /// Its format.
+    pub format: wgpu::TextureFormat,
+    /// The picture's position.
+    pub viewport: Viewport,
+}
+
 /// Presents pictures to textures of any format.
 #[derive(Debug)]
 pub(super) struct Presenter {
@@ -43,16 +56,9 @@ impl Presenter {
         Self { context: context.clone(), pipelines: HashMap::new() }
     }
 
-    /// Draws the linear `picture` into `viewport` of `view`, tone-mapped, in sRGB.
-    pub(super) fn present(
-        &mut self,
-        picture: &wgpu::TextureView,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-        look: &Look,
-    ) {
+    /// Draws the linear `picture` to `display`, tone-mapped, in sRGB.
+    pub(super) fn present(&mut self, picture: &wgpu::TextureView, display: Display<'_>, look: &Look) {
+        let Display { encoder, view, format, viewport } = display;
         let pipeline = self.pipelines.entry(format).or_insert_with(|| {
             let module = shader::module(&self.context, "view/present.wgsl");
             let entries = ["cover", "show"];

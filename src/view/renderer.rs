@@ -5,7 +5,7 @@ use super::frame::{LadderUniform, ViewFrame};
 use super::light::{Light, Passes};
 use super::look::{Look, Object, Show, Technique};
 use super::model::{Model, Surface};
-use super::present::{Presenter, Viewport};
+use super::present::{Display, Presenter};
 use super::resources::{
     DEPTH, Draw, SAMPLER, UNIFORM, draw_pass, group, group_layout, pipeline_layout, target, texture_binding,
     texture_of,
@@ -466,20 +466,13 @@ impl Renderer {
         })
     }
 
-    /// Draws the last picture into `viewport` of `view`, tone-mapped, in sRGB, as one pass of `encoder`.
+    /// Draws the last picture to `display`, tone-mapped, in sRGB.
     ///
     /// # Panics
     /// If no picture was drawn.
-    pub fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-        look: &Look,
-    ) {
+    pub fn present(&mut self, display: Display<'_>, look: &Look) {
         let picture = &self.shown.as_ref().expect("a picture was drawn").picture;
-        self.presenter.present(picture, encoder, view, format, viewport, look);
+        self.presenter.present(picture, display, look);
     }
 }
 

@@ -7,7 +7,7 @@ use super::levels::Levels;
 use super::light::Light;
 use super::look::{Look, Object, Show, Technique};
 use super::panel::{Motion, Status, panel};
-use super::present::Viewport;
+use super::present::{Display, Viewport};
 use super::renderer::Renderer;
 use super::truth::{PixelQuery, Truth};
 use super::window::{FromStart, Start, WindowContent, beside_panel};
@@ -506,15 +506,9 @@ impl WindowContent for Viewer {
         }
     }
 
-    fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-    ) {
+    fn present(&mut self, display: Display<'_>) {
         if let Some((look, _)) = &self.drawn {
-            self.renderer.present(encoder, view, format, viewport, look);
+            self.renderer.present(display, look);
         }
     }
 

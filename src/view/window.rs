@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::levels::Levels;
 use super::look::Look;
-use super::present::Viewport;
+use super::present::{Display, Viewport};
 use super::resources::draw_pass;
 use super::viewer::Viewer;
 use crate::environment::Environment;
@@ -69,14 +69,8 @@ pub(super) trait WindowContent {
     /// Draws as much of a picture of `full` pixels as the frame time allows.
     fn draw(&mut self, full: (u32, u32));
 
-    /// Draws the current picture into `viewport` of `view`.
-    fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-    );
+    /// Draws the current picture to `display`.
+    fn present(&mut self, display: Display<'_>);
 
     /// Whether the next frame will differ from the last.
     fn is_busy(&self) -> bool;
@@ -286,7 +280,8 @@ impl<V: FromStart> OpenWindow<V> {
             pixels_per_point: output.pixels_per_point,
         };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.viewer.content().present(&mut encoder, &view, self.configuration.format, viewport);
+        let format = self.configuration.format;
+        self.viewer.content().present(Display { encoder: &mut encoder, view: &view, format, viewport });
         let uploads = self.painter.update_buffers(device, queue, &mut encoder, &triangles, &screen);
         let pass = draw_pass(&mut encoder, "panel", &view, false, None, None);
         let mut pass = pass.forget_lifetime();

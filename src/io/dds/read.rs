@@ -3,14 +3,14 @@
 use super::write::marked_flip;
 use crate::error::Result;
 use crate::format::Pixel;
-use crate::io::picture::Stored;
+use crate::io::LoadedChain;
 use crate::io::provenance::FLIP_KEY;
 use crate::io::source::{Source, TEXEL_BYTES};
 use crate::io::texture::{READABLE, Texture, image_bytes};
 use ddsfile::{Dds, DxgiFormat, MiscFlag};
 
 /// Decodes every level of a cube. The file does not store their `roughness`.
-pub(in crate::io) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Result<Stored> {
+pub(in crate::io) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Result<LoadedChain> {
     let texture = open(source)?;
     if texture.is_cube && roughness.len() != texture.levels {
         return Err(source.error(format!(

@@ -6,10 +6,10 @@
 use super::write::MAGIC;
 use crate::error::Result;
 use crate::format::Pixel;
+use crate::io::LoadedChain;
 use crate::io::cmgen;
 use crate::io::key_values::value_of;
 use crate::io::ktx2::write::ROUGHNESS_KEY;
-use crate::io::picture::Stored;
 use crate::io::source::{Source, TEXEL_BYTES};
 use crate::io::texture::{Texture, image_bytes};
 
@@ -26,14 +26,14 @@ pub(in crate::io) fn harmonics(source: &Source<'_>) -> Result<Option<String>> {
 
 /// Decodes every level with its roughness; takes a file with cmgen's key and several levels, but without
 /// their roughness, for its.
-pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
+pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
     let texture = open(source)?;
     let (count, has) = (texture.levels, |key| (texture.text)(key).is_some());
     if has(ROUGHNESS_KEY) || !has(CMGEN_KEY) || count == 1 {
         return texture.chain(texture.roughness()?);
     }
     let chain = texture.chain(cmgen::roughness(count as u32, texture.width))?;
-    Ok(Stored { provenance: cmgen::provenance(), warnings: vec![cmgen::warning(count)], ..chain })
+    Ok(LoadedChain { provenance: cmgen::provenance(), warnings: vec![cmgen::warning(count)], ..chain })
 }
 
 /// Parses the header and finds all levels.

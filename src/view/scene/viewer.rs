@@ -3,7 +3,7 @@
 use super::super::camera::Camera;
 use super::super::later::{Later, later};
 use super::super::panel::WIDTH;
-use super::super::present::Viewport;
+use super::super::present::{Display, Viewport};
 #[cfg(not(target_arch = "wasm32"))]
 use super::super::window::open;
 use super::super::window::{FromStart, WindowContent, beside_panel};
@@ -344,15 +344,9 @@ impl WindowContent for SceneViewer {
         }
     }
 
-    fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-    ) {
+    fn present(&mut self, display: Display<'_>) {
         if self.renderer.has_picture() {
-            self.renderer.present(encoder, view, format, viewport, self.controls.look.tone);
+            self.renderer.present(display, self.controls.look.tone);
         }
     }
 

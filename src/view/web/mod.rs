@@ -14,7 +14,6 @@ use crate::io;
 use crate::mesh::Mesh;
 use crate::reflector::ReflectorSettings;
 use js_sys::Function;
-use serde::Serialize;
 use sides::{Side, SideName, Sides};
 use std::cell::RefCell;
 use std::path::Path;
@@ -41,14 +40,6 @@ fn start() {
 pub struct Page {
     application: Rc<RefCell<Application<Sides>>>,
     on_event: Function,
-}
-
-/// The state reported to the page.
-#[derive(Serialize)]
-#[serde(tag = "side", rename_all = "lowercase")]
-enum State<'a> {
-    View(view_side::State<'a>),
-    Scene(scene_side::State<'a>),
 }
 
 #[wasm_bindgen]
@@ -113,8 +104,8 @@ impl Page {
     pub fn state(&self) -> Result<String, JsError> {
         let mut application = self.application.borrow_mut();
         let state = application.shown.as_mut().map(|OpenWindow { viewer, .. }| match viewer.shown() {
-            Side::View(viewer) => State::View(view_side::State::of(viewer)),
-            Side::Scene(scene) => State::Scene(scene_side::State::of(scene)),
+            Side::View(viewer) => view_side::state(viewer),
+            Side::Scene(scene) => scene_side::state(scene),
         });
         Ok(serde_json::to_string(&state)?)
     }

@@ -8,10 +8,11 @@ mod window;
 use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::Result;
+use crate::io::LoadedChain;
 use crate::io::color::{self, Primaries};
 use crate::io::layout::Content;
 use crate::io::map_header::{BORDER_KEY, MapHeader};
-use crate::io::picture::{LevelHeader, Picture, Stored};
+use crate::io::picture::{LevelHeader, Picture};
 use crate::io::provenance::Provenance;
 use crate::io::source::{Source, TEXEL_BYTES};
 use crate::sphere::cube::Face;
@@ -81,7 +82,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
 }
 
 /// Decodes a cube chain with a part for each face of each level, as written by `bake --out-layout parts`.
-pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
+pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
     let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
         .map_err(|error| exr_error(source, &error))?;
     let mut levels = Vec::new();
@@ -102,7 +103,8 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     if !(0u32..).zip(&levels).all(halves) {
         return Err(source.error("the sizes of its levels do not halve; bake it again"));
     }
-    Ok(Stored {
+    Ok(LoadedChain {
+        path: source.path.to_owned(),
         chain: Chain { levels },
         provenance: provenance(source, &metadata.headers[0])?,
         format: parts_format(&metadata),
