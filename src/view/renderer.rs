@@ -7,14 +7,14 @@ use super::look::{Look, Object, Show, Technique};
 use super::model::{Model, Surface};
 use super::present::{Display, Presenter};
 use super::resources::{
-    DEPTH, Draw, SAMPLER, UNIFORM, draw_pass, group, group_layout, pipeline_layout, target, texture_binding,
-    texture_of,
+    Draw, PICTURE, SAMPLER, Targets, UNIFORM, draw_pass, group, group_layout, pipeline_layout, target,
+    texture_binding, texture_of,
 };
 use super::roughness_map::{self, roughness_map};
 use super::truth::PixelQuery;
 use crate::bake::dfg::{DfgBlue, DfgForm, dfg_table};
 use crate::environment::Environment;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::Context;
 use crate::gpu::box_filter::SatTextures;
 use crate::gpu::device::timer::Timer;
@@ -29,7 +29,6 @@ use std::ops::Range;
 /// Texels along an edge of the split-sum table.
 const SPLIT_SUM: u32 = 64;
 
-const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// Source of a pixel's radiance: a shader file and its resources.
@@ -78,15 +77,6 @@ impl PassOutput {
     }
 }
 
-/// Textures as large as the picture.
-#[derive(Debug)]
-struct Targets {
-    width: u32,
-    height: u32,
-    picture: wgpu::TextureView,
-    depth: wgpu::TextureView,
-}
-
 /// Pipelines and resources for drawing on one device.
 #[derive(Debug)]
 pub struct Renderer {
@@ -120,7 +110,7 @@ impl Renderer {
     /// Compiles the common pipelines; others are compiled on first use.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if a shader fails to compile.
+    /// [`crate::Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context) -> Result<Self> {
         let device = context.device();
         let frame = wgpu::BufferDescriptor {
@@ -186,7 +176,7 @@ impl Renderer {
     /// Prepares `environment` on an OEM of `inner` texels along an edge, or a suitable default.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if the tables do not fit the device.
+    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables do not fit the device.
     pub fn light(&mut self, environment: &Environment, inner: Option<u32>) -> Result<Light> {
         self.light_with(environment, &ReflectorSettings { oem_size: inner, ..ReflectorSettings::default() })
     }
@@ -194,7 +184,7 @@ impl Renderer {
     /// [`Renderer::light`] with the OEM's size, border and scan of `table`.
     ///
     /// # Errors
-    /// Those of [`Renderer::light`], and [`Error::Unsupported`] for a scan that runs on the CPU only.
+    /// Those of [`Renderer::light`], and [`crate::Error::Unsupported`] for a scan that runs on the CPU only.
     pub fn light_with(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
         Light::new(&self.context, &self.passes, environment, table)
     }
@@ -202,7 +192,7 @@ impl Renderer {
     /// Sets the mesh of [`Object::Mesh`].
     ///
     /// # Errors
-    /// [`Error::Limit`] and [`Error::Parameter`] if it does not fit the device.
+    /// [`crate::Error::Limit`] and [`crate::Error::Parameter`] if it does not fit the device.
     pub fn set_mesh(&mut self, mesh: &Mesh) -> Result<()> {
         self.mesh = Some(Model::new(&self.context, mesh)?);
         self.context.check()
@@ -216,7 +206,7 @@ impl Renderer {
     /// Draws the linear picture with `width` x `height` samples.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an unsupported look, [`Error::Gpu`] if the device fails.
+    /// [`crate::Error::Parameter`] for an unsupported look, [`crate::Error::Gpu`] if the device fails.
     pub fn draw(&mut self, look: &Look, light: &Light, width: u32, height: u32) -> Result<()> {
         self.draw_rows(look, light, (width, height), 0..height)
     }
@@ -272,7 +262,7 @@ impl Renderer {
     /// more.
     ///
     /// # Errors
-    /// Those of [`Renderer::draw`], and [`Error::Gpu`] if the adapter has no timestamp queries.
+    /// Those of [`Renderer::draw`], and [`crate::Error::Gpu`] if the adapter has no timestamp queries.
     pub(super) fn times(
         &mut self,
         look: &Look,
@@ -305,20 +295,9 @@ impl Renderer {
         self.truth = texture_of(&self.context, "truth", SAMPLES, size, bytemuck::cast_slice(answers));
     }
 
-    fn make_next(&mut self, (width, height): (u32, u32)) -> Result<()> {
-        let most = self.context.device().limits().max_texture_dimension_2d;
-        if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
-            return Err(Error::Parameter(format!(
-                "a picture of {width} x {height} pixels; each side must be 1 to {most}"
-            )));
-        }
-        if self.next.as_ref().is_none_or(|had| (had.width, had.height) != (width, height)) {
-            let view = |label, format| {
-                target(&self.context, label, format, [width, height])
-                    .create_view(&wgpu::TextureViewDescriptor::default())
-            };
-            let (picture, depth) = (view("picture", PICTURE), view("depth", DEPTH));
-            self.next = Some(Targets { width, height, picture, depth });
+    fn make_next(&mut self, size: (u32, u32)) -> Result<()> {
+        if self.next.as_ref().is_none_or(|had| had.size != size) {
+            self.next = Some(Targets::new(&self.context, size)?);
         }
         Ok(())
     }
@@ -339,7 +318,7 @@ impl Renderer {
             self.pipeline(source, output, true);
         }
         let cube = if source == RadianceSource::Levels { Some(light.levels(&self.context)?) } else { None };
-        let Targets { width, height, depth, .. } = self.next.as_ref().expect("made before");
+        let Targets { size: (width, height), depth, .. } = self.next.as_ref().expect("made before");
         let frame = look.camera.frame(f64::from(*width) / f64::from(*height), look.field());
         let uniform = ViewFrame::new(
             look,

@@ -1,5 +1,6 @@
 //! Short forms of wgpu's constructors, with the choices that all passes of the viewer share.
 
+use crate::error::{Error, Result};
 use crate::gpu::Context;
 
 /// A uniform buffer.
@@ -82,7 +83,7 @@ pub(super) struct Draw<'a> {
 }
 
 /// Format of depths.
-pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 impl Draw<'_> {
     pub(super) fn pipeline(self, context: &Context) -> wgpu::RenderPipeline {
@@ -218,4 +219,35 @@ pub(super) fn target(
         | wgpu::TextureUsages::TEXTURE_BINDING
         | wgpu::TextureUsages::COPY_SRC;
     texture(context, label, format, [width, height, 1], 1, usage)
+}
+
+/// Format of linear pictures.
+pub(super) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// A linear picture and its depths.
+#[derive(Debug)]
+pub(super) struct Targets {
+    /// Columns and rows.
+    pub(super) size: (u32, u32),
+    pub(super) picture: wgpu::TextureView,
+    pub(super) depth: wgpu::TextureView,
+}
+
+impl Targets {
+    /// # Errors
+    /// [`Error::Parameter`] for a size that the device does not have.
+    pub(super) fn new(context: &Context, size: (u32, u32)) -> Result<Self> {
+        let most = context.device().limits().max_texture_dimension_2d;
+        let (width, height) = size;
+        if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
+            return Err(Error::Parameter(format!(
+                "a picture of {width} x {height} pixels; each side must be 1 to {most}"
+            )));
+        }
+        let view = |label, format| {
+            let texture = target(context, label, format, [width, height]);
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        Ok(Self { size, picture: view("picture", PICTURE), depth: view("depth", DEPTH) })
+    }
 }

@@ -2,18 +2,15 @@
 
 use super::super::camera::field_of_angle;
 use super::super::resources::{
-    DEPTH, Draw, UNIFORM, draw_pass, group, group_layout, pipeline_layout, storage_binding, target,
+    Draw, PICTURE, Targets, UNIFORM, draw_pass, group, group_layout, pipeline_layout, storage_binding,
 };
 use super::content::{Bounds, Scene};
 use super::look::SceneLook;
 use super::probe::SceneBuffers;
 use super::uniforms::{FrameUniform, MOST_PROBES, SceneCorner};
-use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
 use glam::DVec3;
-
-pub(super) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Vertical angle of view in radians.
 const ANGLE: f64 = 0.6;
@@ -27,15 +24,6 @@ pub(super) struct Drawn<'a> {
     pub(super) lives: Option<&'a wgpu::BindGroup>,
 }
 
-/// Textures of one size.
-#[derive(Debug)]
-pub(super) struct Targets {
-    pub(super) size: (u32, u32),
-    pub(super) texture: wgpu::Texture,
-    pub(super) picture: wgpu::TextureView,
-    depth: wgpu::TextureView,
-}
-
 /// Pipelines of pictures.
 #[derive(Debug)]
 pub(super) struct Pictures {
@@ -44,24 +32,6 @@ pub(super) struct Pictures {
     matte: wgpu::RenderPipeline,
     cover: wgpu::RenderPipeline,
     glossy: wgpu::RenderPipeline,
-}
-
-impl Targets {
-    /// # Errors
-    /// [`Error::Parameter`] for a size that the device does not have.
-    pub(super) fn new(context: &Context, size: (u32, u32)) -> Result<Self> {
-        let most = context.device().limits().max_texture_dimension_2d;
-        let (width, height) = size;
-        if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
-            return Err(Error::Parameter(format!(
-                "a picture of {width} x {height} pixels; each side must be 1 to {most}"
-            )));
-        }
-        let texture = |label, format| target(context, label, format, [width, height]);
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let (picture, depth) = (texture("picture", PICTURE), texture("depth", DEPTH));
-        Ok(Self { size, picture: view(&picture), depth: view(&depth), texture: picture })
-    }
 }
 
 impl Pictures {

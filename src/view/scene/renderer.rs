@@ -3,10 +3,11 @@
 use super::super::look::{Look, Technique, Tone};
 use super::super::model::filled_buffer;
 use super::super::present::{Display, Presenter};
+use super::super::resources::Targets;
 use super::super::screenshot::{Screenshot, presented};
 use super::content::Scene;
 use super::look::SceneLook;
-use super::picture::{Drawn, Pictures, Targets};
+use super::picture::{Drawn, Pictures};
 use super::probe::{Probe, ProbePasses, SceneBuffers};
 use super::uniforms::MOST_PROBES;
 use crate::error::{Error, Result};
@@ -338,7 +339,7 @@ impl SceneRenderer {
     /// # Panics
     /// If no picture was drawn.
     pub async fn pixels(&self) -> Result<Vec<[f32; 3]>> {
-        let texture = &self.targets.as_ref().expect("a picture was drawn").texture;
+        let texture = self.targets.as_ref().expect("a picture was drawn").picture.texture();
         let texels: Vec<[u16; 4]> = readback::read_texture(&self.context, texture).await?;
         let number = |bits: u16| f16::from_bits(bits).to_f32();
         Ok(texels.into_iter().map(|[red, green, blue, _]| [red, green, blue].map(number)).collect())
