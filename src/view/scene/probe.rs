@@ -123,7 +123,7 @@ impl Probe {
         live: &mut LiveEnvironment,
     ) -> Result<Self> {
         check_near(NEAR)?;
-        let triangles = scene.triangles(0.0, scene.place(part, 0.0), Some(part))?;
+        let triangles = scene.triangles(part)?;
         let mesh = DirectMesh::upload(context, &triangles)?;
         let map = if method.is_cube() {
             // As many texels.
