@@ -111,10 +111,10 @@ impl Peak {
     pub(super) fn brightest(environment: &Environment) -> Option<Self> {
         let luminances = environment.texels().iter().map(|texel| exact_luminance(*texel)).enumerate();
         let (at, luminance) = luminances.reduce(|best, other| if other.1 > best.1 { other } else { best })?;
-        (luminance > 0.0).then(|| Self::of(environment, at))
+        (luminance > 0.0).then(|| Self::at(environment, at))
     }
 
-    pub(super) fn of(environment: &Environment, at: usize) -> Self {
+    pub(super) fn at(environment: &Environment, at: usize) -> Self {
         let surroundings = surroundings(environment, at);
         Self { at, luminance: exact_luminance(environment.texels()[at]), surroundings }
     }

@@ -2,7 +2,7 @@
 
 use super::analyze_args::AnalyzeArgs;
 use super::console::Console;
-use super::outcome::{Failure, Outcome, print, usage};
+use super::outcome::{Failure, Outcome, csv_text, print, usage};
 use crate::Error;
 use crate::laboratory::measure::{
     ErrorAt, MOST_SIZE, Region, Row, STACK, Settings, check_light, default_environment, measure,
@@ -96,17 +96,9 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
     );
     for method in &settings.methods {
         text += &format!(
-            "\n{:<24}{:>10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}  {:<24}{:>8}\n",
+            "\n{:<24} roughness     rms   poles   cones   seams   worst   reads  {:<24}     KiB\n",
             method.name(),
-            "roughness",
-            "rms",
-            "poles",
-            "cones",
-            "seams",
-            "worst",
-            "reads",
-            "worst at",
-            "KiB"
+            "worst at"
         );
         for row in rows.iter().filter(|row| row.method == *method) {
             for (k, error) in row.errors.iter().enumerate() {
@@ -139,45 +131,20 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
 }
 
 fn csv_table(rows: &[Row]) -> Outcome<String> {
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    let mut write = |record: &[String]| csv.write_record(record).map_err(anyhow::Error::new);
-    let header = [
-        "name",
-        "title",
-        "filter",
-        "texels",
-        "bytes",
-        "resample_seconds",
-        "scan_seconds",
-        "roughness",
-        "rms",
-        "rms_poles",
-        "rms_cones",
-        "rms_seams",
-        "worst",
-        "worst_region",
-        "worst_x",
-        "worst_y",
-        "worst_z",
-        "reads",
-        "reads_greatest",
-    ];
-    write(&header.map(str::to_owned))?;
-    for row in rows {
-        for error in &row.errors {
-            let ErrorAt { roughness, rms, worst, worst_at: (direction, region), reads } = error;
-            let names = [row.subject.name, row.subject.title, row.method.name()].map(str::to_owned);
-            let counts = [row.texels, row.bytes].map(|count| count.to_string());
-            let mut record: Vec<String> = names.into_iter().chain(counts).collect();
-            let numbers = row.seconds.iter().chain([roughness]).chain(rms).chain([worst]);
-            record.extend(numbers.map(f64::to_string));
-            record.push(region.name().to_owned());
-            record.extend(direction.to_array().iter().chain(reads).map(f64::to_string));
-            write(&record)?;
-        }
-    }
-    let bytes = csv.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;
-    Ok(String::from_utf8(bytes).map_err(anyhow::Error::new)?)
+    let record = |(row, error): (&Row, &ErrorAt)| {
+        let ErrorAt { roughness, rms, worst, worst_at: (direction, region), reads } = error;
+        let names = [row.subject.name, row.subject.title, row.method.name()].map(str::to_owned);
+        let counts = [row.texels, row.bytes].map(|count| count.to_string());
+        let mut record: Vec<String> = names.into_iter().chain(counts).collect();
+        let numbers = row.seconds.iter().chain([roughness]).chain(rms).chain([worst]);
+        record.extend(numbers.map(f64::to_string));
+        record.push(region.name().to_owned());
+        record.extend(direction.to_array().iter().chain(reads).map(f64::to_string));
+        record
+    };
+    let header = "name,title,filter,texels,bytes,resample_seconds,scan_seconds,roughness,rms,rms_poles,\
+                  rms_cones,rms_seams,worst,worst_region,worst_x,worst_y,worst_z,reads,reads_greatest";
+    csv_text(header, rows.iter().flat_map(|row| row.errors.iter().map(move |error| (row, error))).map(record))
 }
 
 fn json_row(row: &Row) -> Value {

@@ -53,7 +53,7 @@ impl Comparison {
     /// Judges from the roughness `from` on; the levels `sharp` are sharper, and `not_judged` was not
     /// measured.
     fn verdict(&self, from: f64, sharp: Vec<usize>, not_judged: Vec<String>) -> Verdict {
-        Verdict::of((&self.levels, self.delivered.as_ref(), &self.parts), from, sharp, not_judged)
+        Verdict::new((&self.levels, self.delivered.as_ref(), &self.parts), from, sharp, not_judged)
     }
 
     pub(super) fn text(&self) -> String {

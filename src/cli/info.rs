@@ -13,7 +13,7 @@ use crate::bake::report::SunReport;
 use crate::chain::{Chain, Level};
 use crate::environment::exact_luminance;
 use crate::io::provenance::{Provenance, TakenSun};
-use crate::io::{LayoutChoice, Pad, Repairs};
+use crate::io::{InputLayout, Pad, Repairs};
 use crate::lobe::Lobe;
 use crate::percent::percent;
 use serde::Serialize;
@@ -147,7 +147,7 @@ fn describe(source: &InputFiles, args: &InputArgs, json: bool, console: &Console
         Err(error) => {
             // Options of environments have errors of their own.
             let is_plain =
-                args.layout == LayoutChoice::Auto && !args.strict && !args.crop && args.pad.is_none();
+                args.layout == InputLayout::Auto && !args.strict && !args.crop && args.pad.is_none();
             let other = match source.files() {
                 [path] if is_plain => info_other::described(path, bytes, &error),
                 _ => None,
@@ -201,7 +201,7 @@ fn levels_info(chain: &Chain) -> Vec<LevelInfo> {
 }
 
 fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInfo {
-    let statistics = Statistics::of(&opened.environment);
+    let statistics = Statistics::new(&opened.environment);
     let energy_share = statistics.sun_share();
     let brightest = |kind: Brightest| {
         let found = statistics.sun.as_ref().filter(|region| region.kind == kind);

@@ -145,7 +145,7 @@ pub(super) fn check_chart(path: &Path, existing: Existing) -> Outcome {
     use crate::io::output::{check_file, recover};
     use crate::plot::figure::Form;
 
-    if let Err(error) = Form::of(path) {
+    if let Err(error) = Form::from_path(path) {
         return usage(format!("--chart {error}"));
     }
     recover(path);

@@ -69,6 +69,17 @@ pub(super) fn print_pretty(value: &impl Serialize) -> Outcome {
     print(&(serde_json::to_string_pretty(value).map_err(anyhow::Error::from)? + "\n"))
 }
 
+/// A table as CSV, headed by the names of its columns.
+pub(super) fn csv_text(header: &str, rows: impl IntoIterator<Item = Vec<String>>) -> Outcome<String> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    let records = std::iter::once(header.split(',').map(str::to_owned).collect()).chain(rows);
+    for record in records {
+        csv.write_record(&record).map_err(anyhow::Error::new)?;
+    }
+    let bytes = csv.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;
+    Ok(String::from_utf8(bytes).map_err(anyhow::Error::new)?)
+}
+
 /// Writes to the descriptor directly: the standard library silently ignores an unwritable one.
 #[cfg(unix)]
 fn write_stdout(bytes: &[u8]) -> std::io::Result<()> {

@@ -18,19 +18,10 @@ use crate::format::OutputLayout;
 use crate::names::named;
 use std::path::Path;
 
-/// Content of a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Content {
-    /// An image of yet unknown layout.
-    Image,
-    /// Six faces, stacked vertically.
-    Cube,
-}
-
 /// Image layout, as selected by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum LayoutChoice {
+pub enum InputLayout {
     /// The map that the header names, else by its shape: 2:1 panorama, 4:3 and 3:4 crosses, 6:1 and 1:6
     /// strips, 1:1 octahedral square.
     #[default]
@@ -47,7 +38,7 @@ pub enum LayoutChoice {
     Octahedral,
 }
 
-named!(LayoutChoice {
+named!(InputLayout {
     Auto = "auto",
     Equirect = "equirect",
     Cross = "cross",
@@ -103,13 +94,13 @@ pub(super) struct Arrangement {
     cells: Option<&'static Cells>,
 }
 
-/// The arrangement of a `width` x `height` picture under `choice`.
+/// The arrangement of a `width` x `height` picture, of six stacked faces if `is_cube`, under `choice`.
 pub(super) fn arrangement(
     path: &Path,
     width: u32,
     height: u32,
-    content: Content,
-    choice: LayoutChoice,
+    is_cube: bool,
+    choice: InputLayout,
 ) -> Result<Arrangement> {
     let shaped = |w: u32, h: u32| {
         let (width, height) = (u64::from(width), u64::from(height));
@@ -129,30 +120,30 @@ pub(super) fn arrangement(
     };
     let octahedral = || shaped(1, 1).then(|| whole(Layout::Octahedral { size: width }, "octahedral square"));
 
-    if content == Content::Cube {
+    if is_cube {
         return match choice {
-            LayoutChoice::Auto | LayoutChoice::Faces => Ok(cube(width, "cube", None)),
+            InputLayout::Auto | InputLayout::Faces => Ok(cube(width, "cube", None)),
             _ => Err(Error::input(path, "it holds a cube; omit `layout` or set `layout` to faces")),
         };
     }
     let (found, needed) = match choice {
-        LayoutChoice::Auto => (
+        InputLayout::Auto => (
             equirect().or_else(cross).or_else(strip).or_else(octahedral),
             "no known layout has that shape: a panorama is 2:1, crosses 4:3 or 3:4, strips 6:1 or 1:6, an \
              octahedral square 1:1; `pad` fills up a partial panorama, `crop` removes black bars; else \
              resize it, then set `layout`",
         ),
-        LayoutChoice::Equirect => (
+        InputLayout::Equirect => (
             equirect(),
             "a panorama must be 2:1; `pad` fills it up, `crop` removes black bars; else resize it or set \
              another `layout`",
         ),
-        LayoutChoice::Cross => (cross(), "a cross must be 4:3 or 3:4; set another `layout`"),
-        LayoutChoice::Strip => (strip(), "a strip must be 6:1 or 1:6; set another `layout`"),
-        LayoutChoice::Faces => {
+        InputLayout::Cross => (cross(), "a cross must be 4:3 or 3:4; set another `layout`"),
+        InputLayout::Strip => (strip(), "a strip must be 6:1 or 1:6; set another `layout`"),
+        InputLayout::Faces => {
             (None, "one image is not six faces; give six files, or set `layout` to cross or strip")
         }
-        LayoutChoice::Octahedral => (octahedral(), "an octahedral square must be 1:1; set another `layout`"),
+        InputLayout::Octahedral => (octahedral(), "an octahedral square must be 1:1; set another `layout`"),
     };
     found.ok_or_else(|| Error::input(path, format!("{width}x{height}: {needed}")))
 }

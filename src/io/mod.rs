@@ -44,7 +44,7 @@ mod texture;
 
 use decode::{Format, decode, unreadable};
 pub(crate) use decode::{has_readable_name, readable_extensions};
-pub use layout::LayoutChoice;
+pub use layout::InputLayout;
 pub use pad::Pad;
 pub use repair::Repairs;
 pub use source::DEFAULT_MEMORY_LIMIT;
@@ -55,7 +55,6 @@ use crate::error::{Error, Result, printable};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
-use layout::Content;
 use panics::catching_panics;
 use picture::Picture;
 use provenance::Provenance;
@@ -69,7 +68,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
     /// Layout of the image.
-    pub layout: LayoutChoice,
+    pub layout: InputLayout,
     /// Repair NaN (to 0) and Inf (to the largest finite neighbour) instead of rejecting them.
     pub sanitize: bool,
     /// Reject anything that needs repair, including negative radiance.
@@ -87,7 +86,7 @@ pub struct ReadOptions {
 impl Default for ReadOptions {
     fn default() -> Self {
         Self {
-            layout: LayoutChoice::Auto,
+            layout: InputLayout::Auto,
             sanitize: false,
             strict: false,
             scale: 1.0,
@@ -240,7 +239,7 @@ pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Res
 /// # Errors
 /// As [`read`]; [`Error::Parameter`] unless there are six files, and for contradicting names.
 pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
-    if !matches!(options.layout, LayoutChoice::Auto | LayoutChoice::Faces) {
+    if !matches!(options.layout, InputLayout::Auto | InputLayout::Faces) {
         return Err(Error::Parameter("six files are one cube; use `layout` faces".to_owned()));
     }
     let ordered = face_names::in_face_order(paths)?;
@@ -408,7 +407,7 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
         let bytes = read_regular(path, options.memory_limit)?;
         let source = Source { path, bytes: &bytes, memory_limit: options.memory_limit };
         let mut face = catching_panics(path, || decode(&source))?;
-        if face.content == Content::Cube {
+        if face.is_cube {
             return Err(source.error("already a whole cube; use it as the only input"));
         }
         if let Some(header) = &face.map {
@@ -447,7 +446,7 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
     }
     let mut cube = cube.ok_or_else(|| Error::Parameter("six faces are needed, got none".to_owned()))?;
     cube.height = 6 * cube.width;
-    cube.content = Content::Cube;
+    cube.is_cube = true;
     Ok((cube, repaired))
 }
 
@@ -497,7 +496,7 @@ fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>>
 
 /// Rejects or repairs NaN and Inf.
 fn finite(path: &Path, picture: &mut Picture, options: &ReadOptions, repaired: &mut Repairs) -> Result<()> {
-    if picture.content != Content::Cube {
+    if !picture.is_cube {
         return repair::non_finite(path, &mut picture.texels, picture.width, options.sanitize, repaired);
     }
     let rows = picture.width;
@@ -514,13 +513,13 @@ fn finite(path: &Path, picture: &mut Picture, options: &ReadOptions, repaired: &
 fn finish_finite(
     path: &Path,
     picture: Picture,
-    layout: LayoutChoice,
+    layout: InputLayout,
     sound: bool,
     mut repaired: Repairs,
     options: &ReadOptions,
 ) -> Result<Loaded> {
-    let Picture { width, height, texels, content, map: _, format, warnings, provenance } = picture;
-    let arrangement = layout::arrangement(path, width, height, content, layout)?;
+    let Picture { width, height, texels, is_cube, map: _, format, warnings, provenance } = picture;
+    let arrangement = layout::arrangement(path, width, height, is_cube, layout)?;
     let texels = arrangement.arrange(texels, width);
     let mut texels =
         provenance.world_texels(arrangement.layout, texels).map_err(|message| Error::input(path, message))?;
@@ -530,7 +529,7 @@ fn finish_finite(
     }
     let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;
     let environment = Environment::of_sound(arrangement.layout, texels)?;
-    let height = if content == Content::Cube { width } else { height };
+    let height = if is_cube { width } else { height };
     Ok(Loaded {
         environment,
         repaired,

@@ -1,6 +1,5 @@
 //! Output of the decoders.
 
-use super::layout::Content;
 use super::map_header::MapHeader;
 use super::provenance::Provenance;
 use crate::environment::Rgb;
@@ -15,7 +14,8 @@ pub(super) struct Picture {
     pub(super) height: u32,
     /// Row-major, from the top left.
     pub(super) texels: Vec<Rgb>,
-    pub(super) content: Content,
+    /// Whether it is six faces, stacked vertically; else an image whose layout is not known yet.
+    pub(super) is_cube: bool,
     /// The map that the header names.
     pub(super) map: Option<MapHeader>,
     /// The encoding in words.

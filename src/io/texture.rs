@@ -2,7 +2,6 @@
 
 use super::LoadedChain;
 use super::ktx2::write::ROUGHNESS_KEY;
-use super::layout::Content;
 use super::map_header::MapHeader;
 use super::picture::{Picture, check_finite};
 use super::provenance::Provenance;
@@ -58,7 +57,7 @@ impl Texture<'_> {
             width: *width,
             height: if *is_cube { 6 * width } else { *height },
             texels: self.level(0)?,
-            content: if *is_cube { Content::Cube } else { Content::Image },
+            is_cube: *is_cube,
             map: if *is_cube { None } else { MapHeader::of_texts(source, &self.text)? },
             format: self.format(),
             warnings: Vec::new(),

@@ -1,6 +1,6 @@
 //! Lists and draws the figures.
 
-pub use super::content::Content;
+pub use super::content::FigureContent;
 pub(crate) use super::content::MOST_SIZE;
 use super::figure::Figure;
 use super::{border, layout, lobes, lookup, panorama, sampling, seam, stretch, unfolding};
@@ -112,11 +112,11 @@ impl Entry {
     /// Draws the figure.
     ///
     /// # Errors
-    /// As [`Content::check`].
+    /// As [`FigureContent::check`].
     ///
     /// # Panics
     /// If a figure of one map has no map.
-    pub fn draw(&self, content: &Content) -> Result<Figure> {
+    pub fn draw(&self, content: &FigureContent) -> Result<Figure> {
         content.check()?;
         let map = || self.map.expect("a figure of a map has a map");
         let name = self.name();

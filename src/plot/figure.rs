@@ -23,7 +23,7 @@ impl Form {
     ///
     /// # Errors
     /// [`Error::Parameter`] for another extension.
-    pub fn of(path: &Path) -> Result<Self> {
+    pub fn from_path(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         let form = Self::ALL.into_iter().find(|form| extension == form.name());
         form.ok_or_else(|| Error::Parameter(format!("{} must end in .png or .svg", path.display())))

@@ -176,7 +176,8 @@ impl Renderer {
     /// Prepares `environment` on an OEM of `inner` texels along an edge, or a suitable default.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables do not fit the device.
+    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables do not fit
+    /// the device.
     pub fn light(&mut self, environment: &Environment, inner: Option<u32>) -> Result<Light> {
         self.light_with(environment, &ReflectorSettings { oem_size: inner, ..ReflectorSettings::default() })
     }

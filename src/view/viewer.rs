@@ -53,7 +53,7 @@ const TIMES: Duration = Duration::from_millis(500);
 
 /// Progress of the certified tier on one picture.
 #[derive(Debug)]
-struct Work {
+struct Refinement {
     look: Look,
     /// Pixels of the final picture.
     full: (u32, u32),
@@ -137,7 +137,7 @@ pub struct Viewer {
     before: Before,
     /// Duration of a frame that draws no picture.
     bare: Option<Duration>,
-    work: Option<Work>,
+    work: Option<Refinement>,
     note: Option<Note>,
     times: Vec<(&'static str, f64)>,
     pending_times: Option<Later<Vec<(&'static str, f64)>>>,
@@ -393,11 +393,11 @@ impl Viewer {
         Ok(())
     }
 
-    fn begin(&mut self, step: usize) -> Result<Work> {
+    fn begin(&mut self, step: usize) -> Result<Refinement> {
         let size = coarser(self.full, f64::from(STEPS[step]));
         let samples = self.renderer.samples(&self.look, &self.light, size.0, size.1)?;
         let asked = later(self.renderer.context(), samples);
-        Ok(Work { look: self.look.clone(), full: self.full, step, size, asked, answers: Vec::new() })
+        Ok(Refinement { look: self.look.clone(), full: self.full, step, size, asked, answers: Vec::new() })
     }
 
     /// Measures the times of the passes at intervals.

@@ -24,8 +24,8 @@ pub(in crate::io) fn harmonics(source: &Source<'_>) -> Result<Option<String>> {
     Ok((open(source)?.text)(CMGEN_KEY))
 }
 
-/// Decodes every level with its roughness; takes a file with cmgen's key and several levels, but without
-/// their roughness, for its.
+/// Decodes every level with its roughness. A file with cmgen's key and several levels, but no roughness, is
+/// taken for one that cmgen wrote.
 pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
     let texture = open(source)?;
     let (count, has) = (texture.levels, |key| (texture.text)(key).is_some());

@@ -10,7 +10,6 @@ use crate::environment::Rgb;
 use crate::error::Result;
 use crate::io::LoadedChain;
 use crate::io::color::{self, Primaries};
-use crate::io::layout::Content;
 use crate::io::map_header::{BORDER_KEY, MapHeader};
 use crate::io::picture::{LevelHeader, Picture};
 use crate::io::provenance::Provenance;
@@ -42,7 +41,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
             width: size,
             height: 6 * size,
             texels,
-            content: Content::Cube,
+            is_cube: true,
             map: None,
             format: parts_format(&metadata),
             warnings: Vec::new(),
@@ -51,7 +50,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     }
     let selection = select::select(source, &metadata.headers)?;
     let header = &metadata.headers[selection.header];
-    let window = Window::of(source, header)?;
+    let window = Window::display(source, header)?;
     source.check_memory(window.width, window.height, TEXEL_BYTES)?;
     blocks::check_blocks(source, header, &window)?;
 
@@ -73,7 +72,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
         width: window.width,
         height: window.height,
         texels,
-        content: Content::Image,
+        is_cube: false,
         map: MapHeader::of_texts(source, &|key| header_text(header, key))?,
         format: describe(header, &selection),
         warnings,
@@ -148,7 +147,7 @@ fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result
             return Err(source.error(format!("its part {name} is missing or not RGB; bake it again")));
         };
         let header = &metadata.headers[selection.header];
-        let window = Window::of_data(source, header)?;
+        let window = Window::data(source, header)?;
         if window.width != window.height || (face != Face::PosX && window.width != size) {
             return Err(source.error(format!(
                 "its part {name} is {}x{}; faces are square and all of a size",
