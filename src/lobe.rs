@@ -5,6 +5,7 @@ pub mod kernel;
 pub(crate) mod profiles;
 pub(crate) mod radial;
 
+use crate::names::named;
 use std::f64::consts::PI;
 
 /// A family of lobes; the roughness selects one member.
@@ -28,7 +29,7 @@ pub enum Lobe {
 }
 
 /// Every lobe.
-pub const LOBES: [Lobe; 5] = [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine, Lobe::Charlie];
+pub const LOBES: [Lobe; 5] = Lobe::ALL;
 
 /// The key under which outputs name their lobe.
 pub const LOBE_KEY: &str = "octaglossLobe";
@@ -38,25 +39,9 @@ pub const LOBE_KEY: &str = "octaglossLobe";
 /// light above the horizon.
 pub(crate) const LEAST_CHARLIE_ROUGHNESS: f64 = 0.125;
 
+named!(Lobe { Ggx = "ggx", Phong = "phong", Cone = "cone", Cosine = "cosine", Charlie = "charlie" });
+
 impl Lobe {
-    /// Name on the command line and in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Ggx => "ggx",
-            Self::Phong => "phong",
-            Self::Cone => "cone",
-            Self::Cosine => "cosine",
-            Self::Charlie => "charlie",
-        }
-    }
-
-    /// The lobe named `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        LOBES.into_iter().find(|lobe| lobe.name() == name)
-    }
-
     /// Whether it narrows to a mirror at roughness 0.
     #[must_use]
     pub const fn has_mirror(self) -> bool {

@@ -237,7 +237,7 @@ impl<'a> Parting<'a> {
                 continue;
             }
             peaks += 1;
-            let peak = Peak::of(self.environment, at);
+            let peak = Peak::at(self.environment, at);
             let is_new = |at: usize| !owned[at] && self.luminances[at] >= peak.edge();
             let mut texels = self.grid.region(at, is_new);
             if peak.stands_out() {

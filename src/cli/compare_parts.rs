@@ -22,7 +22,6 @@ use crate::sphere::cube::Face;
 use crate::target::{Content, Target};
 use crate::{Environment, Error};
 use serde::{Deserialize, Serialize};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Errors of a part.
@@ -457,8 +456,7 @@ pub(super) fn text(parts: &[Part]) -> String {
             )
         };
         let (rmse, mean) = (columns(Some(rmse)), columns(mean));
-        writeln!(text, "{:<10}  {size:>5}  {texels:>7}  {rmse}  {mean}  {file}", part.part)
-            .expect("writing to a string cannot fail");
+        text += &format!("{:<10}  {size:>5}  {texels:>7}  {rmse}  {mean}  {file}\n", part.part);
     }
     text
 }

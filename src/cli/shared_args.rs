@@ -2,7 +2,7 @@
 
 use crate::analysis::extraction::Suns;
 use crate::cli::values::{EngineArg, scale, turn};
-use crate::io::{LayoutChoice, Pad};
+use crate::io::{InputLayout, Pad};
 use clap::Args as ClapArgs;
 
 /// Maximum of --threads.
@@ -18,7 +18,7 @@ pub(super) struct InputArgs {
     /// panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces reads six files as one cube, in the
     /// order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...). Contradicting the header is an error.
     #[arg(long, value_name = "LAYOUT", default_value = "auto", hide_default_value = true)]
-    pub(super) layout: LayoutChoice,
+    pub(super) layout: InputLayout,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
     #[arg(long, value_name = "DEG", value_parser = turn)]
     pub(super) rotate_y: Option<f64>,

@@ -482,7 +482,7 @@ fn integrated(nodes: &Nodes) -> (Moments, f64) {
     let weighted = &nodes.weighted[..nodes.count];
     let solid_angle: f64 = weighted.iter().map(|(_, weight)| weight).sum();
     let mut moments =
-        Moments::of(weighted.iter().map(|(direction, weight)| (*direction, weight / solid_angle)));
+        Moments::from_weighted(weighted.iter().map(|(direction, weight)| (*direction, weight / solid_angle)));
     let apart = nodes.corners.iter().map(|corner| corner.distance_squared(moments.centroid));
     moments.radius = apart.fold(0.0, f64::max).sqrt();
     (moments, solid_angle)

@@ -92,7 +92,7 @@ const DARKENED: f64 = 8.0;
 impl Rolloff {
     /// For a picture that shows about `radiances`. Automatic exposures bring their median to a third of
     /// white, but darken it as far as the brightest twentieth needs.
-    pub(crate) fn of(radiances: &[Rgb], exposure: Exposure) -> Self {
+    pub(crate) fn new(radiances: &[Rgb], exposure: Exposure) -> Self {
         let mut shown: Vec<f64> = radiances.iter().map(brightest).collect();
         shown.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| shown.get((share * (shown.len() - 1) as f64) as usize).copied().unwrap_or(0.0);
@@ -166,13 +166,13 @@ mod tests {
                 Environment::new(Layout::Cube { size: 4 }, texels.clone()).expect("sound texels");
             let shown = f64::from(radiance) * of_environment(&environment).exp2();
             assert!((shown - 0.18).abs() < 1e-6, "{radiance} is shown as {shown}");
-            let [shown, ..] = Rolloff::of(&texels, Exposure::Auto).shown(texels[0]);
+            let [shown, ..] = Rolloff::new(&texels, Exposure::Auto).shown(texels[0]);
             assert!((shown - 1.0 / 3.0).abs() < 0.02, "{radiance} is shown as {shown} in a contact sheet");
         }
         let black = Environment::new(Layout::Cube { size: 1 }, vec![[0.0; 3]; 6]).expect("sound texels");
         assert_eq!(of_environment(&black), 0.0);
         for none in [&[][..], &[[0.0; 3]]] {
-            assert_eq!(Rolloff::of(none, Exposure::Auto).shown([0.0; 3]), [0.0; 3]);
+            assert_eq!(Rolloff::new(none, Exposure::Auto).shown([0.0; 3]), [0.0; 3]);
         }
     }
 
@@ -185,13 +185,13 @@ mod tests {
             _ => [0.05; 3],
         };
         let texels: Vec<[f32; 3]> = (0..1000).map(room).collect();
-        let rolloff = Rolloff::of(&texels, Exposure::Auto);
+        let rolloff = Rolloff::new(&texels, Exposure::Auto);
         let [wall, window, lamp] = [0, 950, 999].map(|k| rolloff.shown(texels[k]));
         assert!(wall[0] > 0.03 && window[0] > 10.0 * wall[0] && window[0] < 0.9, "{wall:?} {window:?}");
         assert!((lamp[0] - 1.0).abs() < 1e-3 && (lamp[0] / lamp[1] - 2.0).abs() < 1e-3, "{lamp:?}");
         assert!((window[0] / window[2] - 2.5).abs() < 1e-3, "{window:?}");
         // A fixed exposure is used as it is, and nothing exceeds white.
-        let bright = Rolloff::of(&texels, Exposure::Ev(20.0));
+        let bright = Rolloff::new(&texels, Exposure::Ev(20.0));
         assert_eq!(bright.ev, 20.0);
         assert!(texels.iter().all(|texel| bright.shown(*texel).iter().all(|c| *c <= 1.0)));
     }

@@ -79,12 +79,12 @@ pub fn contact_sheet(chain: &Chain, origin: Origin<'_>, exposure: Exposure) -> R
         Some(environment) => Cow::Borrowed(environment),
         None => Cow::Owned(Environment::new(chain.levels[0].layout, chain.levels[0].texels.clone())?),
     };
-    let lights = Lights::of(&source, origin.removed);
+    let lights = Lights::new(&source, origin.removed);
     let camera = Camera::lit_by(lights.key);
     let lookup = ChainLookup::new(&chain.levels);
     let seen = Seen { lookup, backdrop: backdrop as f64, camera };
     let metered: Vec<Rgb> = (0..chain.levels.len()).flat_map(|level| seen.metered(level as f64)).collect();
-    let rolloff = Rolloff::of(&metered, exposure);
+    let rolloff = Rolloff::new(&metered, exposure);
 
     let tile = f64::from(TILE);
     let stored = f64::from(stored_sides(chain.levels[0].layout).1);
@@ -169,7 +169,7 @@ struct Lights {
 }
 
 impl Lights {
-    fn of(source: &Environment, removed: &[DVec3]) -> Self {
+    fn new(source: &Environment, removed: &[DVec3]) -> Self {
         let mut marked: Vec<(String, DVec3)> =
             removed.iter().map(|direction| ("removed light".to_owned(), *direction)).collect();
         if let Some(sun) = Sun::find(source) {

@@ -10,6 +10,7 @@ use crate::cpu::box_filter::StackedBox;
 use crate::environment::{Environment, exact_luminance};
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
+use crate::names::named;
 use crate::sphere::map::Place;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use rayon::prelude::*;
@@ -30,20 +31,7 @@ pub enum Method {
 /// Boxes of [`Method::Stack`].
 pub const STACK: u32 = 8;
 
-impl Method {
-    /// All methods.
-    pub const ALL: [Self; 3] = [Self::Box, Self::Stack, Self::Adaptive];
-
-    /// Name in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Box => "box",
-            Self::Stack => "stack",
-            Self::Adaptive => "adaptive",
-        }
-    }
-}
+named!(Method { Box = "box", Stack = "stack", Adaptive = "adaptive" });
 
 impl Subject {
     /// Whether it has a row for `method`: adaptive queries read no border.
@@ -104,21 +92,7 @@ pub enum Region {
     Seams,
 }
 
-impl Region {
-    /// All regions.
-    pub const ALL: [Self; 4] = [Self::Sphere, Self::Poles, Self::Cones, Self::Seams];
-
-    /// Name in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sphere => "sphere",
-            Self::Poles => "poles",
-            Self::Cones => "cones",
-            Self::Seams => "seams",
-        }
-    }
-}
+named!(Region { Sphere = "sphere", Poles = "poles", Cones = "cones", Seams = "seams" });
 
 /// Errors of luminance at one roughness, relative to the mean over the sphere.
 #[derive(Clone, Debug, PartialEq)]

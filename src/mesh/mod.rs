@@ -134,7 +134,7 @@ impl Mesh {
     /// [`Error::Io`] if the file cannot be read, [`Error::Input`] if it holds no mesh or refers to files
     /// outside `root`, [`Error::Limit`] if the mesh is too large.
     pub fn read_within(path: &Path, root: Option<&Path>) -> Result<Self> {
-        let kind = MeshFormat::of(path)?;
+        let kind = MeshFormat::from_path(path)?;
         let bytes = read_regular(path, MOST_BYTES)?;
         let left = MOST_BYTES - bytes.len() as u64;
         let mut files = Confined::below(path, root, left)?;
@@ -147,7 +147,7 @@ impl Mesh {
     /// # Errors
     /// [`Error::Input`] if the file holds no mesh, [`Error::Limit`] if the mesh is too large.
     pub fn read_from_memory(path: &Path, bytes: &[u8]) -> Result<Self> {
-        let kind = MeshFormat::of(path)?;
+        let kind = MeshFormat::from_path(path)?;
         catching_panics(path, || kind.read(path, bytes, &mut Confined::inside(path, MOST_BYTES)))
     }
 
@@ -185,7 +185,7 @@ enum MeshFormat {
 
 impl MeshFormat {
     /// The format for the extension of `path`.
-    fn of(path: &Path) -> Result<Self> {
+    fn from_path(path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
         match extension.as_str() {
             "glb" | "gltf" => Ok(Self::Gltf),

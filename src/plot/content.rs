@@ -6,7 +6,7 @@ use crate::laboratory::measure::Settings;
 
 /// What figures show of the maps.
 #[derive(Clone, Debug)]
-pub struct Content {
+pub struct FigureContent {
     /// The environment of the figure `panorama`.
     pub panorama: Environment,
     /// Its name in captions.
@@ -22,7 +22,7 @@ pub struct Content {
 /// The largest square of the figure `border` with room for texel names.
 pub(crate) const MOST_SIZE: u32 = 12;
 
-impl Content {
+impl FigureContent {
     /// Returns the synthetic sky, and 8 texels with a border of 2.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Draws a panorama in a map's layout.
 
-use super::content::Content;
+use super::content::FigureContent;
 use super::figure::Figure;
 use super::layout::MOST;
 use super::sheet::Sheet;
@@ -13,7 +13,7 @@ use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
 use glam::DMat3;
 
-pub(super) fn panorama(name: String, map: &'static NamedMap, content: &Content) -> Figure {
+pub(super) fn panorama(name: String, map: &'static NamedMap, content: &FigureContent) -> Figure {
     let title = format!("{}: {}", map.title, content.panorama_name);
     let caption = format!(
         "{} resampled to the map by overlaps of texels, and shown at the exposure that brings its \

@@ -8,7 +8,7 @@ use super::uniforms::{LightUniform, MOST_PROBES, PartUniform, SceneCorner, Textu
 use crate::direct::{Corner, Triangles};
 use crate::error::{Error, Result};
 use crate::mesh::{Image, MOST_INDICES, MOST_VERTICES};
-use glam::{DMat3, DMat4, DVec3};
+use glam::{DMat4, DVec3};
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -107,7 +107,7 @@ impl Scene {
         for (number, part) in parts.iter().enumerate() {
             part.check(number, images)?;
         }
-        let bounds = Bounds::of(&parts);
+        let bounds = Bounds::around(&parts);
         let texels = Texels::new(images, parts.iter().flat_map(Part::textures))?;
         split(&mut parts, &texels, bounds.radius);
         let mut scene = Self {
@@ -197,30 +197,18 @@ impl Scene {
         LightUniform { towards, pad_0: 0.0, lamp, pad_1: 0.0, above, pad_2: 0.0, below, pad_3: 0.0 }
     }
 
-    /// The triangles around `centre` at `time`, with the radiance of matte parts; glossy parts only emit, and
-    /// part `hidden` is a point at the centre, as in the map of a probe.
+    /// The triangles around part `hidden` at time 0, without radiance. That part is a point at the centre, as
+    /// in the map of its probe.
     ///
     /// # Errors
     /// [`Error::Parameter`] for corners beyond [`crate::direct::MOST`].
-    pub fn triangles(&self, time: f64, centre: DVec3, hidden: Option<usize>) -> Result<Triangles> {
-        let SceneLight { towards, lamp, above, below } = self.light;
-        let towards = towards.normalize_or(DVec3::Y);
-        let world: Vec<DMat4> = (0..self.parts.len()).map(|part| self.world_from_part(part, time)).collect();
+    pub fn triangles(&self, hidden: usize) -> Result<Triangles> {
+        let world: Vec<DMat4> = (0..self.parts.len()).map(|part| self.world_from_part(part, 0.0)).collect();
         let posed = |corner: &SceneCorner| {
             let part = corner.part as usize;
-            let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-            let position = world[part].transform_point3(vector(corner.position)) - centre;
-            let normal = DMat3::from_mat4(world[part]) * vector(corner.normal);
-            let share = 0.5 + 0.5 * normal.y;
-            let facing = normal.dot(towards).max(0.0);
-            let light = vector(below).lerp(vector(above), share) + facing * vector(lamp);
-            let Placed { gloss, base, glow, .. } = &self.parts[part];
-            let colour = |texture| self.texels.colour_of_corner(texture, corner);
-            let reflected = if gloss.is_some() { DVec3::ZERO } else { light };
-            let radiance =
-                vector(corner.albedo) * colour(base) * reflected + vector(corner.emission) * colour(glow);
-            let position = if hidden == Some(part) { DVec3::ZERO } else { position };
-            Corner::new(position.as_vec3().to_array(), radiance.as_vec3().extend(1.0).to_array())
+            let position = world[part].transform_point3(DVec3::from_array(corner.position.map(f64::from)));
+            let position = if part == hidden { DVec3::ZERO } else { position - self.place(hidden, 0.0) };
+            Corner::new(position.as_vec3().to_array(), [0.0; 4])
         };
         Triangles::new(self.corners.iter().map(posed).collect(), self.indices.clone())
     }
@@ -228,7 +216,7 @@ impl Scene {
 
 impl Bounds {
     /// Bounds of the matte parts that neither move nor are distant, or of all that are not distant.
-    fn of(parts: &[Part]) -> Self {
+    fn around(parts: &[Part]) -> Self {
         let still = |part: &&Part| part.motion == Motion::default() && !part.distant && part.gloss.is_none();
         let chosen: Vec<&Part> = match parts.iter().filter(still).count() {
             0 => parts.iter().filter(|part| !part.distant).collect(),
@@ -299,8 +287,8 @@ mod tests {
         let many = vec![Part { gloss, ..ball() }; MOST_PROBES + 1];
         assert!(message(many).contains("at most 8"));
         let far = Part { place: DVec3::splat(1e20), ..ball() };
-        let scene = Scene::new(vec![far], SceneLight::default()).expect("finite");
-        let error = scene.triangles(0.0, DVec3::ZERO, None).expect_err("too far");
+        let scene = Scene::new(vec![ball(), far], SceneLight::default()).expect("finite");
+        let error = scene.triangles(0).expect_err("too far");
         assert!(matches!(&error, Error::Parameter(text) if text.contains("at most")), "{error}");
     }
 }

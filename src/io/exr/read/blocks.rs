@@ -25,7 +25,7 @@ const BLOCK_COPIES: u64 = 6;
 const IN_FLIGHT_BYTES: u64 = 256 << 20;
 
 /// Smaller layers are decoded on the calling thread; starting others would take longer.
-pub(super) const PARALLEL_BYTES: usize = 1 << 20;
+const PARALLEL_BYTES: usize = 1 << 20;
 
 /// Number of blocks to decode in parallel: enough for every thread, few enough to be small relative to the
 /// texels.
