@@ -365,13 +365,13 @@ impl Band {
         let level = direction.x.hypot(direction.z);
         let mut places = vec![west, east];
         for polar in [self.polar.low, self.polar.high] {
+            // Where there is no crossing, the edge's own extremes do no harm.
             let cosine = -direction.y * polar.cosine / (level * polar.sine);
-            if cosine.abs() < 1.0 {
-                for turn in [cosine.acos(), -cosine.acos()] {
-                    let place = direction.z.atan2(direction.x) + turn;
-                    let place = west + (place - west).rem_euclid(2.0 * PI);
-                    places.extend((place < east).then_some(place));
-                }
+            let turn = cosine.clamp(-1.0, 1.0).acos();
+            for turn in [turn, -turn] {
+                let place = direction.z.atan2(direction.x) + turn;
+                let place = west + (place - west).rem_euclid(2.0 * PI);
+                places.extend((place < east).then_some(place));
             }
         }
         places.sort_by(f64::total_cmp);
