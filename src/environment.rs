@@ -148,7 +148,7 @@ impl Layout {
 
 /// Most degrees that front ends turn an environment by, either way; far more would leave doubles no fine
 /// angles.
-pub const MOST_DEGREES: f64 = 1e6;
+pub const MAX_DEGREES: f64 = 1e6;
 
 /// Rotation about +Y that maps +Z to +X for 90 degrees. Quarter turns are exact.
 #[must_use]

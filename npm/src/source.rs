@@ -4,7 +4,7 @@ use crate::given::{Given, wrong};
 use octagloss::internals::analysis::extraction::Suns;
 use octagloss::internals::bake::report::SunReport;
 use octagloss::internals::bake::turned::Turn;
-use octagloss::internals::environment::MOST_DEGREES;
+use octagloss::internals::environment::MAX_DEGREES;
 use octagloss::internals::io::provenance::Provenance;
 use octagloss::internals::io::{self, InputLayout, Loaded, Pad, ReadOptions};
 use octagloss::{Environment, Result};
@@ -59,9 +59,9 @@ impl Reading {
             extract_sun: extract_sun(given)?,
         };
         let ReadOptions { layout, sanitize, strict, scale, crop, pad, .. } = &reading.options;
-        if reading.rotate_y.abs() > MOST_DEGREES {
+        if reading.rotate_y.abs() > MAX_DEGREES {
             let degrees = reading.rotate_y;
-            return wrong(format!("`rotateY` is {degrees}; it must be at most {MOST_DEGREES} either way"));
+            return wrong(format!("`rotateY` is {degrees}; it must be at most {MAX_DEGREES} either way"));
         }
         if *scale <= 0.0 {
             return wrong(format!("`scale` is {scale}; it must be above 0"));

@@ -10,7 +10,7 @@ use numpy::PyArrayDyn;
 use octagloss::internals::analysis::extraction::{Suns, extract};
 use octagloss::internals::analysis::sun::Sun as FoundSun;
 use octagloss::internals::bake::report::{RepairReport, SunReport};
-use octagloss::internals::environment::{LUMINANCE, MOST_DEGREES, luminance};
+use octagloss::internals::environment::{LUMINANCE, MAX_DEGREES, luminance};
 use octagloss::internals::io::provenance::{Provenance, TakenSun};
 use octagloss::internals::io::{self, ReadOptions, Repairs};
 use octagloss::internals::sh::scale::scaled;
@@ -478,10 +478,10 @@ impl Environment {
 }
 
 fn check_degrees(name: &str, value: f64) -> PyResult<()> {
-    if value.abs() <= MOST_DEGREES {
+    if value.abs() <= MAX_DEGREES {
         return Ok(());
     }
-    Err(wrong(format!("`{name}` is {value}; it must be finite and at most {MOST_DEGREES} either way")))
+    Err(wrong(format!("`{name}` is {value}; it must be finite and at most {MAX_DEGREES} either way")))
 }
 
 fn exact_luminance(rgb: [f64; 3]) -> f64 {

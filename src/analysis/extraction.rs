@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 
 /// Greatest number of lamps.
-pub const MOST_LAMPS: usize = 32;
+pub const MAX_LAMPS: usize = 32;
 
 /// Largest change of the irradiance on any surface by all lamps together, as a share of the greatest
 /// irradiance, in any channel. Below the promised 1 %, because the normals are sampled.
@@ -25,14 +25,14 @@ const IRRADIANCE_CHANGE: f64 = 0.0095;
 const TOWARDS_DEGREES: f64 = 10.0;
 
 /// Least share of the light for the strongest lamps.
-const LEAST_SHARE: f64 = 1e-3;
+const MIN_SHARE: f64 = 1e-3;
 
 /// Least share of the light of a region that is mentioned because it stays.
 const MENTIONED_SHARE: f64 = 0.01;
 
 /// Greatest number of peaks that are examined, and near a direction.
-const MOST_PEAKS: usize = 256;
-const MOST_PEAKS_TOWARDS: usize = 64;
+const MAX_PEAKS: usize = 256;
+const MAX_PEAKS_TOWARDS: usize = 64;
 
 /// A glow that stays is mentioned from this share of its lamp on.
 const MENTIONED_GLOW: f64 = 0.1;
@@ -253,7 +253,7 @@ impl<'a> Parting<'a> {
     fn strongest(&self, count: usize) -> Vec<Light> {
         let strength = |light: &Light| exact_luminance(light.region.irradiance);
         let largest = largest(self.environment.layout());
-        let least = LEAST_SHARE * self.energy;
+        let least = MIN_SHARE * self.energy;
         let mut order: Vec<usize> =
             (0..self.luminances.len()).filter(|at| self.luminances[*at] * largest >= least).collect();
         order.par_sort_unstable_by_key(|at| (Reverse(self.luminances[*at].to_bits()), *at));
@@ -263,7 +263,7 @@ impl<'a> Parting<'a> {
             };
             lights.iter().filter(stronger).count() >= count
         };
-        let mut lights = self.lights(&order, MOST_PEAKS, enough);
+        let mut lights = self.lights(&order, MAX_PEAKS, enough);
         lights.retain(|light| {
             light.peak.luminance >= SUN_CONTRAST * light.peak.surroundings && strength(light) >= least
         });
@@ -284,7 +284,7 @@ impl<'a> Parting<'a> {
             lights.iter().any(|light| luminance < 0.1 * SUN_CONTRAST * light.peak.surroundings)
         };
         let taken = |light: &Light| self.rest[light.peak.at] != self.environment.texels()[light.peak.at];
-        let mut lights = self.lights(&order, MOST_PEAKS_TOWARDS, enough);
+        let mut lights = self.lights(&order, MAX_PEAKS_TOWARDS, enough);
         lights.retain(|light| !taken(light));
         lights.into_iter().min_by(|a, b| {
             let rank = |light: &Light| {
@@ -477,7 +477,7 @@ impl Suns {
         }
         if let Ok(count) = text.parse::<usize>() {
             return match count {
-                1..=MOST_LAMPS => Ok(Self::Strongest(count)),
+                1..=MAX_LAMPS => Ok(Self::Strongest(count)),
                 _ => Err(NEEDED.to_owned()),
             };
         }
@@ -501,7 +501,7 @@ impl Suns {
         };
         let directions: Option<Vec<DVec3>> = text.split(':').map(direction).collect();
         match directions {
-            Some(directions) if directions.len() <= MOST_LAMPS => Ok(Self::Towards(directions)),
+            Some(directions) if directions.len() <= MAX_LAMPS => Ok(Self::Towards(directions)),
             _ => Err(NEEDED.to_owned()),
         }
     }

@@ -20,10 +20,10 @@ pub enum Skybox {
 }
 
 /// Greatest edge of any level: bytes of larger ones are beyond 64 bits.
-const MOST_EDGE: u32 = 65_536;
+const MAX_EDGE: u32 = 65_536;
 
 /// Maximum edge of a skybox.
-const MAX_EDGE: u32 = 16_384;
+const MAX_SKYBOX: u32 = 16_384;
 
 impl Skybox {
     /// Parses an edge, or `source`.
@@ -34,8 +34,8 @@ impl Skybox {
         match text {
             "source" => Ok(Self::Source),
             _ => match text.parse() {
-                Ok(edge) if (1..=MAX_EDGE).contains(&edge) => Ok(Self::Edge(edge)),
-                _ => Err(format!("must be 1 to {MAX_EDGE}, or source")),
+                Ok(edge) if (1..=MAX_SKYBOX).contains(&edge) => Ok(Self::Edge(edge)),
+                _ => Err(format!("must be 1 to {MAX_SKYBOX}, or source")),
             },
         }
     }
@@ -45,7 +45,7 @@ impl Skybox {
     pub fn edge(self, layout: Layout) -> u32 {
         match self {
             Self::Edge(edge) => edge,
-            Self::Source => layout.face_edge().clamp(1, MAX_EDGE),
+            Self::Source => layout.face_edge().clamp(1, MAX_SKYBOX),
         }
     }
 }
@@ -127,8 +127,8 @@ impl BakeSettings {
         }
         let edges = [("size", Some(self.size)), ("irradiance", self.irradiance), ("skybox", self.skybox)];
         for (name, edge) in edges {
-            if let Some(edge) = edge.filter(|edge| *edge > MOST_EDGE) {
-                return Err(Error::Parameter(format!("`{name}` {edge} is above {MOST_EDGE}")));
+            if let Some(edge) = edge.filter(|edge| *edge > MAX_EDGE) {
+                return Err(Error::Parameter(format!("`{name}` {edge} is above {MAX_EDGE}")));
             }
         }
         self.filter.check(self.lobe, self.oem_size)?;

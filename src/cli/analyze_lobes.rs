@@ -5,7 +5,7 @@ use super::console::Console;
 use super::outcome::{Failure, Outcome, csv_text, print, usage};
 use crate::Error;
 use crate::laboratory::measure::{
-    ErrorAt, MOST_SIZE, Region, Row, STACK, Settings, check_light, default_environment, measure,
+    ErrorAt, MAX_SIZE, Region, Row, STACK, Settings, check_light, default_environment, measure,
 };
 use crate::laboratory::subject::SUBJECTS;
 use serde_json::{Value, json};
@@ -39,8 +39,8 @@ pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
 fn settings(args: &AnalyzeArgs) -> Outcome<Settings> {
     let mut settings = Settings::default();
     if let Some(size) = args.figures.size {
-        if !(8..=MOST_SIZE).contains(&size) {
-            return usage(format!("--size {size} must be 8 to {MOST_SIZE} texels with --lobes"));
+        if !(8..=MAX_SIZE).contains(&size) {
+            return usage(format!("--size {size} must be 8 to {MAX_SIZE} texels with --lobes"));
         }
         settings.size = size;
     }

@@ -26,7 +26,7 @@ use std::rc::Rc;
 const ROUGHNESSES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
 /// Most columns of levels' own roughnesses.
-const MOST_COLUMNS: usize = 4;
+const MAX_COLUMNS: usize = 4;
 
 /// A bake and its source.
 struct Side {
@@ -101,7 +101,7 @@ fn roughnesses(bakes: &[LoadedChain; 2]) -> Vec<f64> {
     if !is_same || own.is_empty() {
         return ROUGHNESSES.to_vec();
     }
-    let count = own.len().min(MOST_COLUMNS);
+    let count = own.len().min(MAX_COLUMNS);
     (1..=count).map(|k| own[k * own.len() / count - 1]).collect()
 }
 

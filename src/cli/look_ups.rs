@@ -162,7 +162,7 @@ pub(super) fn check_chart(_: &Path, _: Existing) -> Outcome {
 
 /// Least error that the chart can show.
 #[cfg(feature = "plot")]
-const LEAST_ERROR: f64 = 1e-6;
+const MIN_ERROR: f64 = 1e-6;
 
 /// Draws error over roughness for each of `curves`, named bakes, into the file `path`.
 #[cfg(feature = "plot")]
@@ -184,7 +184,7 @@ pub(super) fn draw_chart(
             delivered.ladder
         ),
         points: (delivered.roughnesses.iter())
-            .map(|error| [error.roughness, error.rmse().greatest().error.max(LEAST_ERROR)])
+            .map(|error| [error.roughness, error.rmse().greatest().error.max(MIN_ERROR)])
             .collect(),
         marks: if delivered.roughnesses.len() > 20 { Marks::Line } else { Marks::LineAndDots },
         ..Series::default()

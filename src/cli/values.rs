@@ -1,7 +1,7 @@
 //! Option values: choices, their meanings, and parsers.
 
 use crate::Map;
-use crate::environment::MOST_DEGREES;
+use crate::environment::MAX_DEGREES;
 pub(super) use crate::filter::parsed as filter;
 pub(super) use crate::sh::window::parsed as sh_window;
 use crate::target::{Diffuse, Naming, TARGETS, Target, TargetPlan};
@@ -97,7 +97,7 @@ pub(super) fn within([least, most]: [f64; 2]) -> impl Fn(&str) -> Result<f64, St
 
 /// Parses degrees about the vertical axis.
 pub(super) fn turn(text: &str) -> Result<f64, String> {
-    within([-MOST_DEGREES, MOST_DEGREES])(text)
+    within([-MAX_DEGREES, MAX_DEGREES])(text)
 }
 
 pub(super) fn finite(text: &str) -> Result<f64, String> {

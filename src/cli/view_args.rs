@@ -6,7 +6,7 @@ use crate::Rgb;
 use crate::gpu::direct::Method;
 use crate::image::exposure::Exposure;
 use crate::sat::Scan;
-use crate::view::scene::{MOST_BUDGET, MOST_PROBES, Proxy};
+use crate::view::scene::{MAX_BUDGET, MAX_PROBES, Proxy};
 use crate::view::{Camera, FRONT, Ground, Look, Object, Paint, Show, Technique, Tone};
 use clap::Args as ClapArgs;
 use std::path::PathBuf;
@@ -231,7 +231,7 @@ const WITHOUT: [&str; 22] = [
 ];
 
 /// Greatest --probes.
-const PROBES: i64 = MOST_PROBES as i64;
+const PROBES: i64 = MAX_PROBES as i64;
 
 #[derive(Debug, ClapArgs)]
 #[command(next_help_heading = "Scene")]
@@ -281,6 +281,6 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn budget(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|ms: &f64| (0.0..=MOST_BUDGET).contains(ms));
-    number.ok_or_else(|| format!("must be 0 to {MOST_BUDGET} milliseconds"))
+    let number = text.parse().ok().filter(|ms: &f64| (0.0..=MAX_BUDGET).contains(ms));
+    number.ok_or_else(|| format!("must be 0 to {MAX_BUDGET} milliseconds"))
 }

@@ -71,7 +71,7 @@ pub fn constants() -> Vec<Constant> {
         one("common/kernel.wgsl", "SHAPE_CONE", shape::CONE),
         one("common/kernel.wgsl", "SHAPE_COSINE", shape::COSINE),
         one("common/light.wgsl", "EMITTERS", COUNT as u32),
-        one("common/light.wgsl", "MOST_LIGHTS", fitted::MOST_LIGHTS),
+        one("common/light.wgsl", "MAX_LIGHTS", fitted::MAX_LIGHTS),
         ("common/luminance.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
         one("common/octaves.wgsl", "OCTAVE_BORDER", octaves::BORDER),
         one("common/quad.wgsl", "QUAD_FIELDS", QUAD_FIELDS as u32),

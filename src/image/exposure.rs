@@ -22,7 +22,7 @@ pub(crate) const RANGE: std::ops::RangeInclusive<f64> = -40.0..=40.0;
 const MIDDLE_GREY: f64 = 0.18;
 
 /// Limit of automatic exposures in either direction; wider than the range of float32 radiance.
-const MOST: f64 = 160.0;
+const MAX: f64 = 160.0;
 
 impl Exposure {
     /// The exposure in powers of two; `automatic` is the value of [`Exposure::Auto`].
@@ -105,7 +105,7 @@ impl Rolloff {
             (_, _, true) => BRIGHT / most,
             _ => 1.0,
         };
-        let ev = exposure.ev(factor.log2().clamp(-MOST, MOST));
+        let ev = exposure.ev(factor.log2().clamp(-MAX, MAX));
         let factor = ev.exp2();
         Self { ev, factor, white: (most * factor).max(BRIGHT) }
     }
@@ -149,7 +149,7 @@ impl LogAverage {
         if self.least == 0.0 {
             return 0.0;
         }
-        (MIDDLE_GREY / (self.sum / self.weights).exp()).log2().clamp(-MOST, MOST)
+        (MIDDLE_GREY / (self.sum / self.weights).exp()).log2().clamp(-MAX, MAX)
     }
 }
 

@@ -13,7 +13,7 @@ use super::picture_map::settled;
 use super::provenance::Provenance;
 use super::regular::open_regular;
 use super::regular::read_regular;
-use super::side_report::MOST_REPORT_BYTES;
+use super::side_report::MAX_REPORT_BYTES;
 use super::side_report::{REPORT, ReportLevel, SideReport};
 use super::source::Source;
 use super::{exr, hdr};
@@ -26,7 +26,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Header bytes read of a level's file; written headers have a few thousand.
-const MOST_HEADER_BYTES: u64 = 64 << 10;
+const MAX_HEADER_BYTES: u64 = 64 << 10;
 
 /// Tolerance: files store roughness in single precision or as text.
 const SAME_ROUGHNESS: f64 = 1e-5;
@@ -103,7 +103,7 @@ impl Listing {
                 )
             });
         }
-        let bytes = read_regular(&path, memory_limit.min(MOST_REPORT_BYTES))?;
+        let bytes = read_regular(&path, memory_limit.min(MAX_REPORT_BYTES))?;
         let source = Source { path: &path, bytes: &bytes, memory_limit };
         let report: SideReport = serde_json::from_slice(source.bytes)
             .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
@@ -130,7 +130,7 @@ impl Listing {
                 break;
             };
             let bytes = header_bytes(&path)?;
-            let source = Source { path: &path, bytes: &bytes, memory_limit: MOST_HEADER_BYTES };
+            let source = Source { path: &path, bytes: &bytes, memory_limit: MAX_HEADER_BYTES };
             let Some(LevelHeader { width, height, roughness: Some(roughness) }) = level_header(&source)?
             else {
                 break;
@@ -156,7 +156,7 @@ impl Listing {
         for level in 0u32.. {
             let Ok(path) = face_file(folder, level, Face::PosX) else { break };
             let bytes = header_bytes(&path)?;
-            let source = Source { path: &path, bytes: &bytes, memory_limit: MOST_HEADER_BYTES };
+            let source = Source { path: &path, bytes: &bytes, memory_limit: MAX_HEADER_BYTES };
             let Some(LevelHeader { width: size, .. }) = level_header(&source)? else { break };
             levels.push(ReportLevel { level, size, roughness: 0.0 });
             if check_levels(&source, &levels).is_err() {
@@ -176,7 +176,7 @@ impl Listing {
 /// Reads the start of the file `path`, including its header.
 fn header_bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let file = open_regular(path)?.take(MOST_HEADER_BYTES).read_to_end(&mut bytes);
+    let file = open_regular(path)?.take(MAX_HEADER_BYTES).read_to_end(&mut bytes);
     file.map_err(|error| Error::io(path, error))?;
     Ok(bytes)
 }

@@ -43,7 +43,7 @@ impl Subject {
 /// What is measured.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Texels along the octahedral square; the other maps have as many texels in all. 8 to [`MOST_SIZE`].
+    /// Texels along the octahedral square; the other maps have as many texels in all. 8 to [`MAX_SIZE`].
     pub size: u32,
     /// Rotations of the environment.
     pub turns: u32,
@@ -62,7 +62,7 @@ pub struct Settings {
 }
 
 /// The largest [`Settings::size`].
-pub const MOST_SIZE: u32 = 1024;
+pub const MAX_SIZE: u32 = 1024;
 
 impl Default for Settings {
     fn default() -> Self {
@@ -331,9 +331,9 @@ impl Settings {
     /// [`Error::Parameter`] for a size, a roughness or an error that cannot be measured.
     pub fn check(&self) -> Result<()> {
         let Self { size, turns, directions, roughnesses, error, subjects, methods, .. } = self;
-        if !(8..=MOST_SIZE).contains(size) {
+        if !(8..=MAX_SIZE).contains(size) {
             return Err(Error::Parameter(format!(
-                "an octahedral square of `size` {size}; choose 8 to {MOST_SIZE} texels"
+                "an octahedral square of `size` {size}; choose 8 to {MAX_SIZE} texels"
             )));
         }
         if let Some(roughness) = roughnesses.iter().find(|r| !(0.1..=1.0).contains(*r)) {
@@ -364,8 +364,8 @@ impl Settings {
             self.subjects.iter().find(lacks)
         };
         let Some(subject) = without(self.size) else { return Ok(()) };
-        let remedy = match (self.size..=MOST_SIZE).find(|size| without(*size).is_none()) {
-            Some(least) => format!("choose {least} to {MOST_SIZE}, or leave the map out"),
+        let remedy = match (self.size..=MAX_SIZE).find(|size| without(*size).is_none()) {
+            Some(least) => format!("choose {least} to {MAX_SIZE}, or leave the map out"),
             None => "leave the map out".to_owned(),
         };
         Err(Error::Parameter(format!(

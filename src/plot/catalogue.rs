@@ -1,7 +1,7 @@
 //! Lists and draws the figures.
 
 pub use super::content::FigureContent;
-pub(crate) use super::content::MOST_SIZE;
+pub(crate) use super::content::MAX_SIZE;
 use super::figure::Figure;
 use super::{border, layout, lobes, lookup, panorama, sampling, seam, stretch, unfolding};
 use crate::error::Result;

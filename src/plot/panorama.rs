@@ -2,7 +2,7 @@
 
 use super::content::FigureContent;
 use super::figure::Figure;
-use super::layout::MOST;
+use super::layout::MAX;
 use super::sheet::Sheet;
 use crate::geometry::light::Light;
 use crate::geometry::resample::resample;
@@ -20,7 +20,7 @@ pub(super) fn panorama(name: String, map: &'static NamedMap, content: &FigureCon
          log-average luminance to middle grey. Grey is outside the domain. Dots: the axes.",
         content.panorama_name
     );
-    let sheet = Sheet::fitting(map, MOST);
+    let sheet = Sheet::fitting(map, MAX);
     let (mut scene, body) = page(WIDTH, sheet.extent().y, &title, &caption);
     let sheet = sheet.placed(&body);
     let light = Light::new(&content.panorama, DMat3::IDENTITY).expect("files are 2:1");

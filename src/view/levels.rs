@@ -1,6 +1,6 @@
 //! Prefiltered cubes on the GPU: a bake's own levels, or those of an environment.
 
-use super::frame::{LadderUniform, MOST_LEVELS};
+use super::frame::{LadderUniform, MAX_LEVELS};
 use super::resources::{filled_texture, write_level};
 use crate::chain::Chain;
 use crate::environment::Layout;
@@ -30,8 +30,8 @@ impl Levels {
         }
         let largest = chain.levels[0].size();
         let wrong = |message: String| Err(Error::Parameter(format!("cannot show these levels: {message}")));
-        if chain.levels.len() > MOST_LEVELS {
-            return wrong(format!("{} levels; at most {MOST_LEVELS} are supported", chain.levels.len()));
+        if chain.levels.len() > MAX_LEVELS {
+            return wrong(format!("{} levels; at most {MAX_LEVELS} are supported", chain.levels.len()));
         }
         for (number, level) in (0..).zip(&chain.levels) {
             let expected = largest.checked_shr(number).unwrap_or(0).max(1);
@@ -108,7 +108,7 @@ pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3
         dimension: Some(wgpu::TextureViewDimension::Cube),
         ..Default::default()
     });
-    let mut roughness = [0.0; MOST_LEVELS];
+    let mut roughness = [0.0; MAX_LEVELS];
     for (value, level) in roughness.iter_mut().zip(&chain.levels) {
         *value = level.roughness as f32;
     }

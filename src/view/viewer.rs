@@ -40,7 +40,7 @@ const SLICE: Duration = Duration::from_millis(60);
 const COARSEST: f64 = 10.0;
 
 /// Most bands of a full picture.
-const MOST_BANDS: f64 = 16.0;
+const MAX_BANDS: f64 = 16.0;
 
 /// Refinement steps of the certified tier: pixels per sample along an edge.
 const STEPS: [u32; 4] = [8, 4, 2, 1];
@@ -331,7 +331,7 @@ impl Viewer {
                 rows: f64::from(height) / self.coarseness.powi(2),
             },
             |bands| {
-                let least = f64::from(height) / MOST_BANDS;
+                let least = f64::from(height) / MAX_BANDS;
                 Bands { rows: (bands.rows / self.pace(passed).clamp(0.5, 2.0)).max(least), ..bands }
             },
         );

@@ -14,7 +14,7 @@ const NONE: u32 = u32::MAX;
 
 /// Bytes per target texel without mirrors, which share them: its place, the place's texel and sums, and its
 /// image.
-pub(super) const MOST_BYTES: usize = 4 + 4 + 4 * size_of::<f64>() + 4;
+pub(super) const MAX_BYTES: usize = 4 + 4 + 4 * size_of::<f64>() + 4;
 
 /// Sums over target texels: for every image red, green and blue, then the solid angle of one image.
 pub(super) struct Sums {

@@ -4,10 +4,10 @@ use super::look::SceneLook;
 use super::part::{Gloss, Motion, Part};
 use super::split::split;
 use super::texture::Texels;
-use super::uniforms::{LightUniform, MOST_PROBES, PartUniform, SceneCorner, TextureUniform};
+use super::uniforms::{LightUniform, MAX_PROBES, PartUniform, SceneCorner, TextureUniform};
 use crate::direct::{Corner, Triangles};
 use crate::error::{Error, Result};
-use crate::mesh::{Image, MOST_INDICES, MOST_VERTICES};
+use crate::mesh::{Image, MAX_INDICES, MAX_VERTICES};
 use glam::{DMat4, DVec3};
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -82,22 +82,22 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a scene without triangles, indices out of range, numbers that are not finite,
-    /// images whose texels do not match their sides, and more than [`MOST_PROBES`] glossy parts;
+    /// images whose texels do not match their sides, and more than [`MAX_PROBES`] glossy parts;
     /// [`Error::Limit`] for too many corners.
     pub fn textured(mut parts: Vec<Part>, images: &[Image], light: SceneLight) -> Result<Self> {
         let invalid = |message: String| Err(Error::Parameter(message));
         parts.sort_by_key(|part| part.gloss.is_some());
         let glossy = parts.iter().filter(|part| part.gloss.is_some()).count();
-        if glossy > MOST_PROBES {
-            return invalid(format!("{glossy} glossy parts; a scene has at most {MOST_PROBES}"));
+        if glossy > MAX_PROBES {
+            return invalid(format!("{glossy} glossy parts; a scene has at most {MAX_PROBES}"));
         }
         let corners: usize = parts.iter().map(|part| part.corners.len()).sum();
         let indices: usize = parts.iter().map(|part| part.indices.len()).sum();
-        if corners > MOST_VERTICES || indices > MOST_INDICES {
+        if corners > MAX_VERTICES || indices > MAX_INDICES {
             return Err(Error::Limit {
                 what: format!("a scene of {corners} corners and {indices} indices"),
                 needed: (64 * corners + 4 * indices) as u64,
-                available: (64 * MOST_VERTICES + 4 * MOST_INDICES) as u64,
+                available: (64 * MAX_VERTICES + 4 * MAX_INDICES) as u64,
                 remedy: "use a scene of fewer triangles".to_owned(),
             });
         }
@@ -201,7 +201,7 @@ impl Scene {
     /// in the map of its probe.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for corners beyond [`crate::direct::MOST`].
+    /// [`Error::Parameter`] for corners beyond [`crate::direct::MAX`].
     pub fn triangles(&self, hidden: usize) -> Result<Triangles> {
         let world: Vec<DMat4> = (0..self.parts.len()).map(|part| self.world_from_part(part, 0.0)).collect();
         let posed = |corner: &SceneCorner| {
@@ -242,7 +242,7 @@ mod tests {
     use super::{Gloss, Part, Scene, SceneLight};
     use crate::error::Error;
     use crate::mesh::{Image, Texture, Wrap};
-    use crate::view::scene::uniforms::MOST_PROBES;
+    use crate::view::scene::uniforms::MAX_PROBES;
     use glam::DVec3;
 
     fn message(parts: Vec<Part>) -> String {
@@ -284,7 +284,7 @@ mod tests {
             assert!(message.contains(words), "{message}");
         }
         let gloss = Some(Gloss { reflectance: [1.0; 3], roughness: 0.5 });
-        let many = vec![Part { gloss, ..ball() }; MOST_PROBES + 1];
+        let many = vec![Part { gloss, ..ball() }; MAX_PROBES + 1];
         assert!(message(many).contains("at most 8"));
         let far = Part { place: DVec3::splat(1e20), ..ball() };
         let scene = Scene::new(vec![ball(), far], SceneLight::default()).expect("finite");

@@ -12,7 +12,7 @@ use egui::{Color32, Grid, RichText, Slider, SliderClamping, Ui};
 use std::ops::RangeInclusive;
 
 /// Greatest budget of the probes in milliseconds.
-pub const MOST_BUDGET: f64 = 1e4;
+pub const MAX_BUDGET: f64 = 1e4;
 
 /// Edges of maps.
 #[cfg(target_arch = "wasm32")]
@@ -59,8 +59,8 @@ impl Controls {
     /// [`Error::Parameter`] naming the value and its range.
     pub(super) fn check(&self) -> Result<()> {
         self.look.check()?;
-        if !(0.0..=MOST_BUDGET).contains(&self.budget) {
-            let message = format!("`probe_budget` {}; use 0 to {MOST_BUDGET} milliseconds", self.budget);
+        if !(0.0..=MAX_BUDGET).contains(&self.budget) {
+            let message = format!("`probe_budget` {}; use 0 to {MAX_BUDGET} milliseconds", self.budget);
             return Err(Error::Parameter(message));
         }
         let size = self.settings.size;

@@ -7,7 +7,7 @@ use super::super::resources::{
 use super::content::{Bounds, Scene};
 use super::look::SceneLook;
 use super::probe::SceneBuffers;
-use super::uniforms::{FrameUniform, MOST_PROBES, SceneCorner};
+use super::uniforms::{FrameUniform, MAX_PROBES, SceneCorner};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
 use glam::DVec3;
@@ -79,7 +79,7 @@ impl Pictures {
         let three = |v: DVec3| v.as_vec3().to_array();
         let frame = look.camera.frame(aspect, field_of_angle(ANGLE));
         let Bounds { low, high, radius } = *bounds;
-        let mut positions = [[0.0; 4]; MOST_PROBES];
+        let mut positions = [[0.0; 4]; MAX_PROBES];
         for (place, centre) in positions.iter_mut().zip(centres) {
             *place = centre.as_vec3().extend(0.0).to_array();
         }

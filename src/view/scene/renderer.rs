@@ -9,7 +9,7 @@ use super::content::Scene;
 use super::look::SceneLook;
 use super::picture::{Drawn, Pictures};
 use super::probe::{Probe, ProbePasses, SceneBuffers};
-use super::uniforms::MOST_PROBES;
+use super::uniforms::MAX_PROBES;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::readback;
@@ -44,7 +44,7 @@ pub struct SceneSettings {
 
 impl Default for SceneSettings {
     fn default() -> Self {
-        Self { method: Method::Octants, probes: MOST_PROBES, size: 256, boxes: 4 }
+        Self { method: Method::Octants, probes: MAX_PROBES, size: 256, boxes: 4 }
     }
 }
 

@@ -17,7 +17,7 @@ pub(in crate::view) const CLAMP: u32 = 2;
 pub(in crate::view) const NEAREST: u32 = 16;
 
 /// Most bytes of all texels: what every WebGPU device binds at once.
-const MOST_BYTES: usize = 128 << 20;
+const MAX_BYTES: usize = 128 << 20;
 
 /// Texels of images.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl Texels {
                 )));
             }
         }
-        Ok(Self::within(images, &shown, MOST_BYTES / 4))
+        Ok(Self::within(images, &shown, MAX_BYTES / 4))
     }
 
     /// Those of the `shown` images, with `most` texels of all levels.
