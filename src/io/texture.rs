@@ -31,10 +31,12 @@ pub(super) struct Texture<'a> {
     pub(super) is_bottom_up: bool,
     pub(super) levels: usize,
     /// Returns the text value of a key.
-    pub(super) text: Box<dyn Fn(&str) -> Option<String> + 'a>,
+    pub(super) text: Box<Texts<'a>>,
     /// Calls a function with the bytes of a level's images in order, of several at once or of each.
     pub(super) images: Box<ForImages<'a>>,
 }
+
+type Texts<'a> = dyn Fn(&str) -> Option<String> + 'a;
 
 type ForImages<'a> = dyn Fn(usize, &mut dyn FnMut(&[u8])) -> Result<()> + 'a;
 
@@ -67,9 +69,7 @@ impl Texture<'_> {
 
     /// Decodes every level of a cube, of these roughnesses.
     pub(super) fn chain(&self, roughness: impl IntoIterator<Item = f64>) -> Result<LoadedChain> {
-        if !self.is_cube {
-            return Err(self.source.error("it holds a 2D image; a chain is a cube"));
-        }
+        self.check_is_cube()?;
         let level = |(level, roughness): (u32, f64)| {
             let (size, texels) = ((self.width >> level).max(1), self.level(level as usize)?);
             check_finite(self.source.path, level, size, &texels)?;
@@ -85,8 +85,16 @@ impl Texture<'_> {
         })
     }
 
+    fn check_is_cube(&self) -> Result<()> {
+        if self.is_cube { Ok(()) } else { Err(self.source.error("it holds a 2D image; a chain is a cube")) }
+    }
+
     /// The roughness of each level by the file's keys.
+    ///
+    /// # Errors
+    /// If it is no cube, since flat images have none, or lacks them.
     pub(super) fn roughness(&self) -> Result<Vec<f64>> {
+        self.check_is_cube()?;
         let Some(text) = (self.text)(ROUGHNESS_KEY) else {
             return Err(self.source.error(format!(
                 "it has no roughness of its levels (key {ROUGHNESS_KEY}); octagloss bake writes it"

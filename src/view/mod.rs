@@ -49,6 +49,6 @@ pub use renderer::Renderer;
 pub use screenshot::{Screenshot, screenshot};
 pub use truth::Truth;
 pub use viewer::Viewer;
-pub use window::Start;
 #[cfg(not(target_arch = "wasm32"))]
-pub use window::run;
+pub use viewer::run;
+pub use window::Start;

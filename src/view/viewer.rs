@@ -10,6 +10,8 @@ use super::panel::{Motion, Status, panel};
 use super::present::{Display, Viewport};
 use super::renderer::Renderer;
 use super::truth::{PixelQuery, Truth};
+#[cfg(not(target_arch = "wasm32"))]
+use super::window;
 use super::window::{FromStart, Start, WindowContent, beside_panel};
 use crate::chain::Chain;
 use crate::environment::Environment;
@@ -658,4 +660,14 @@ fn is_chain(bytes: &[u8]) -> bool {
 fn starts_as_chain(path: &Path) -> bool {
     let mut start = Vec::new();
     open_regular(path).is_ok_and(|file| file.take(12).read_to_end(&mut start).is_ok() && is_chain(&start))
+}
+
+/// Opens a window and runs its event loop until it is closed.
+///
+/// # Errors
+/// [`crate::Error::Gpu`] if no window or no device is available.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn run(start: Start) -> Result<()> {
+    let (name, size) = (start.name.clone(), start.size);
+    window::open::<Viewer>(start, &name, size)
 }

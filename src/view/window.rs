@@ -1,11 +1,10 @@
-//! A window around a [`Viewer`]: events, the surface, and the panel over the picture.
+//! A window around a viewer: events, the surface, and the panel over the picture.
 
 use super::camera::Camera;
 use super::levels::Levels;
 use super::look::Look;
 use super::present::{Display, Viewport};
 use super::resources::draw_pass;
-use super::viewer::Viewer;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
@@ -57,7 +56,7 @@ pub(super) trait FromStart: Sized + 'static {
     fn content(&mut self) -> &mut dyn WindowContent;
 }
 
-/// What a window shows: [`Viewer`] or a scene.
+/// What a window shows: the viewer of an environment or of a scene.
 #[cfg_attr(not(target_arch = "wasm32"), expect(dead_code, reason = "only a page calls some of them"))]
 pub(super) trait WindowContent {
     /// The device.
@@ -105,22 +104,12 @@ pub(super) fn beside_panel(ui: &egui::Ui, right: f32, (width, height): (u32, u32
 }
 
 /// Message to the event loop: the device, or why there is none.
-pub(super) struct Ready<V = Viewer>(Box<Result<OpenWindow<V>>>);
-
-/// Opens a window and runs its event loop until it is closed.
-///
-/// # Errors
-/// [`Error::Gpu`] if no window or no device is available.
-#[cfg(not(target_arch = "wasm32"))]
-pub fn run(start: Start) -> Result<()> {
-    let (name, size) = (start.name.clone(), start.size);
-    open::<Viewer>(start, &name, size)
-}
+pub(super) struct Ready<V>(Box<Result<OpenWindow<V>>>);
 
 /// Opens a window of `size` in points, named `name`, and runs its event loop until it is closed.
 ///
 /// # Errors
-/// Those of [`run`].
+/// [`Error::Gpu`] if no window or no device is available.
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) fn open<V: FromStart>(start: V::Start, name: &str, (width, height): (u32, u32)) -> Result<()> {
     // The system's message follows the location in winit's source.
@@ -139,7 +128,7 @@ pub(super) fn open<V: FromStart>(start: V::Start, name: &str, (width, height): (
 }
 
 /// A window with its device.
-pub(super) struct OpenWindow<V = Viewer> {
+pub(super) struct OpenWindow<V> {
     pub(super) window: Arc<Window>,
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
@@ -154,7 +143,7 @@ pub(super) struct OpenWindow<V = Viewer> {
 }
 
 /// State of the event loop.
-pub(super) struct Application<V: FromStart = Viewer> {
+pub(super) struct Application<V: FromStart> {
     start: Option<(V::Start, WindowAttributes)>,
     messages: EventLoopProxy<Ready<V>>,
     /// `None` until the device is ready.
