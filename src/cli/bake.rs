@@ -28,6 +28,7 @@ use crate::image::preview;
 use crate::io::InputLayout;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::{self, Existing};
+use crate::io::regular::CHANGED;
 use crate::sphere::cube::{Face, direction_from_texel};
 use crate::{Environment, Error};
 use anyhow::anyhow;
@@ -344,9 +345,12 @@ impl Work {
         console: &Console,
     ) -> Outcome {
         let start = Instant::now();
-        // Hash before reading, so a change in between is detected.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, console)?;
+        // The hashes in the report are those of the light.
+        if fingerprint::request(&job.source, &self.options)? != request {
+            return Err(Error::input(job.source.path(), CHANGED).into());
+        }
         let plans = self.check_memory(&opened)?;
         let measured = |plan: &BakePlan| BakeSettings { measure: true, ..plan.settings.clone() };
         let settings: Vec<BakeSettings> = plans.iter().map(measured).collect();
