@@ -110,6 +110,13 @@ impl From<Moments> for Patch {
     }
 }
 
+/// A texel's moments and its solid angle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Texel {
+    pub(crate) patch: Patch,
+    pub(crate) solid_angle: f32,
+}
+
 impl Patch {
     /// The mirror image with x and z exchanged.
     pub(crate) fn turned(mut self) -> Self {
