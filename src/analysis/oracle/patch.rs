@@ -418,14 +418,6 @@ impl Patch for Band {
     }
 
     fn sample(&self, rule: &[(f64, f64)], visit: &mut impl FnMut(Sample)) {
-        let mut point = |longitude: Angle, polar: Angle, area: f64| {
-            visit(Sample {
-                point: band_direction(longitude, polar),
-                length_squared: 1.0,
-                uv: DVec2::new(longitude.radians, polar.radians),
-                weight: area * polar.sine,
-            });
-        };
         // Room for the greatest order.
         let mut polars = [self.polar.middle; ORDERS[ORDERS.len() - 1] as usize];
         for (polar, &(b, _)) in polars.iter_mut().zip(rule) {
@@ -436,8 +428,13 @@ impl Patch for Band {
             let [from, to] = self.ends(longitude);
             let area = weight_a * self.longitude.width() * (to - from);
             for (&polar, &(b, weight_b)) in polars.iter().zip(rule) {
-                let inside = if self.part.is_some() { Angle::new(from + b * (to - from)) } else { polar };
-                point(longitude, inside, area * weight_b);
+                let polar = if self.part.is_some() { Angle::new(from + b * (to - from)) } else { polar };
+                visit(Sample {
+                    point: band_direction(longitude, polar),
+                    length_squared: 1.0,
+                    uv: DVec2::new(longitude.radians, polar.radians),
+                    weight: area * weight_b * polar.sine,
+                });
             }
         }
     }
