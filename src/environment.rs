@@ -229,8 +229,8 @@ impl Environment {
         Self { texels, ..*self }
     }
 
-    /// Rotates the environment about +Y: +90 degrees maps +Z to +X. Bakes and reflectors refuse an environment
-    /// that was rotated by NaN or infinity.
+    /// Rotates the environment about +Y: +90 degrees maps +Z to +X. Bakes and reflectors refuse an
+    /// environment that was rotated by NaN or infinity.
     #[must_use]
     pub fn rotated_y(mut self, degrees: f64) -> Self {
         // A world direction is looked up where the rotation took it from.

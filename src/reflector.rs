@@ -39,8 +39,8 @@ pub struct ReflectorSettings {
     pub border: Option<u32>,
     /// How the summed-area table is scanned; every choice gives the same bits.
     pub scan: Scan,
-    /// The least roughness above 0 of later [`Filter::Adaptive`] queries, in \[0, 1\]: much finer cells are not
-    /// kept.
+    /// The least roughness above 0 of later [`Filter::Adaptive`] queries, in \[0, 1\]: much finer cells are
+    /// not kept.
     pub sharpest: f64,
     /// Whether [`Filter::Fitted`] will be used: rounds the default size up to a power of two.
     pub fitted: bool,

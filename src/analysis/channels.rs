@@ -90,8 +90,8 @@ pub(crate) fn differences(got: [f64; 3], expected: [f64; 3]) -> [f64; 4] {
     [exact_luminance(got) - exact_luminance(expected), r, g, b]
 }
 
-/// Errors as pictures show them: |difference| / (reference + 0.001 of its mean) at each place, of luminance or
-/// the channel where it is greatest.
+/// Errors as pictures show them: |difference| / (reference + 0.001 of its mean) at each place, of luminance
+/// or the channel where it is greatest.
 pub(crate) fn shown_errors(got: impl Iterator<Item = [f64; 3]>, reference: &[Rgb]) -> Vec<f64> {
     let mut mean = [0.0; 3];
     for texel in reference {

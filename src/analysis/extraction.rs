@@ -418,8 +418,8 @@ impl<'a> Parting<'a> {
         texels.par_iter().map(continued).collect()
     }
 
-    /// Greatest change of the irradiance when `sun` replaces the radiance `removed` from texels, as a share of
-    /// the greatest irradiance of each channel.
+    /// Greatest change of the irradiance when `sun` replaces the radiance `removed` from texels, as a share
+    /// of the greatest irradiance of each channel.
     fn change_by(&self, removed: &[(usize, [f64; 3])], sun: &Sun) -> [f64; 3] {
         let direction = self.environment.source_from_world() * sun.direction;
         // A texel is a square; the mean of its cosines is that of four points, wherever a horizon cuts it.
@@ -527,8 +527,8 @@ fn described(sun: &Sun, energy_share: f64) -> String {
     let rounded = |value: f64, digits: f64| (value * digits).round() / digits + 0.0;
     let [x, y, z] = sun.direction.to_array().map(|value| rounded(value, 1e4));
     format!(
-        "azimuth {:.1}, elevation {:.1} ({x:.4} {y:.4} {z:.4}), {:.2} % of the light, {:.2e} sr ({:.1} degrees \
-         across)",
+        "azimuth {:.1}, elevation {:.1} ({x:.4} {y:.4} {z:.4}), {:.2} % of the light, {:.2e} sr ({:.1} \
+         degrees across)",
         rounded(sun.azimuth_degrees(), 10.0),
         rounded(sun.elevation_degrees(), 10.0),
         100.0 * energy_share,
@@ -583,8 +583,8 @@ impl Extraction {
         let glowing = |lamp: &&Lamp| lamp.glow_share > MENTIONED_GLOW * lamp.energy_share;
         warnings.extend(self.lamps.iter().filter(glowing).map(|lamp| {
             format!(
-                "glow around the sun at azimuth {:.1}, elevation {:.1} stays, {:.2} % of the light: a sun covers \
-                 at most {SUN_SOLID_ANGLE} sr",
+                "glow around the sun at azimuth {:.1}, elevation {:.1} stays, {:.2} % of the light: a sun \
+                 covers at most {SUN_SOLID_ANGLE} sr",
                 lamp.sun.azimuth_degrees(),
                 lamp.sun.elevation_degrees(),
                 100.0 * lamp.glow_share,

@@ -30,8 +30,8 @@ const SUN_TEXELS: f64 = 9.0;
 /// Maximum solid angle at any resolution: texels wider than this show no sun.
 const COARSE_SOLID_ANGLE: f64 = 0.2;
 
-/// A sun's region ends within this many times the radius of a disc of its maximum solid angle; longer ones are
-/// tubes and edges of windows.
+/// A sun's region ends within this many times the radius of a disc of its maximum solid angle; longer ones
+/// are tubes and edges of windows.
 const REACH: f64 = 2.0;
 
 /// Luminance threshold of the sun's region, as a fraction of the range from surroundings to peak.
@@ -205,8 +205,8 @@ impl Sun {
     }
 }
 
-/// Median luminance of the texels around texel `peak`, or of all texels if none is in range. Of large pictures
-/// an even selection.
+/// Median luminance of the texels around texel `peak`, or of all texels if none is in range. Of large
+/// pictures an even selection.
 fn surroundings(environment: &Environment, peak: usize) -> f64 {
     let grid = LayoutTexels(environment.layout());
     let begin = surroundings_begin(environment.layout());

@@ -217,8 +217,8 @@ pub(super) fn against_source(
     }
     if has_solved && delivered.is_none() {
         console.note(&format!(
-            "levels from {solved} on are skipped: they are solved, so their texels are not lobes; --delivered \
-             measures look-ups",
+            "levels from {solved} on are skipped: they are solved, so their texels are not lobes; \
+             --delivered measures look-ups",
         ));
     }
     let levels = texel_errors(measures, sampled, lobe, &source.environment, console);

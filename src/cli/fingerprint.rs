@@ -206,8 +206,8 @@ fn unsigned() -> String {
     "0".repeat(2 * blake3::OUT_LEN)
 }
 
-/// `text`, a report with [`fingerprint`]'s placeholder, with its own hash: of all lines but the times, which alone
-/// differ between equal runs.
+/// `text`, a report with [`fingerprint`]'s placeholder, with its own hash: of all lines but the times, which
+/// alone differ between equal runs.
 pub(super) fn signed(text: &str) -> String {
     let mut hasher = Hasher::new();
     for line in text.lines().filter(|line| !line.trim_start().starts_with("\"seconds\":")) {

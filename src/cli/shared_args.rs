@@ -58,16 +58,16 @@ pub(super) struct InputArgs {
     pub(super) strict: bool,
     /// Remove the sun, or the lights of WHICH, and use the rest
     ///
-    /// A sun is the region connected to a peak and at least a tenth as bright, with its glow. The peak must be
-    /// 100 times as bright as the median 10 to 30 degrees around it, and the whole at most 0.01 sr (of coarse
-    /// pictures nine texels, up to 0.2 sr). Windows and area lights stay, with a warning, and so does what a
-    /// directional light cannot replace: the rest and the suns light every surface as the source does, within
-    /// 1 % of the greatest irradiance. The hole is filled from its surroundings.
+    /// A sun is the region connected to a peak and at least a tenth as bright, with its glow. The peak must
+    /// be 100 times as bright as the median 10 to 30 degrees around it, and the whole at most 0.01 sr (of
+    /// coarse pictures nine texels, up to 0.2 sr). Windows and area lights stay, with a warning, and so does
+    /// what a directional light cannot replace: the rest and the suns light every surface as the source does,
+    /// within 1 % of the greatest irradiance. The hole is filled from its surroundings.
     ///
     /// Without WHICH, the brightest light. --extract-sun=N: the N lights of the greatest irradiance, 1 to 32,
-    /// each at least 0.1 % of the light. --extract-sun=A,E or =X,Y,Z: the light within 10 degrees of azimuth A
-    /// and elevation E in degrees, as info prints them, or of the vector X,Y,Z, after --mirror and --rotate-y;
-    /// separate several by colons.
+    /// each at least 0.1 % of the light. --extract-sun=A,E or =X,Y,Z: the light within 10 degrees of azimuth
+    /// A and elevation E in degrees, as info prints them, or of the vector X,Y,Z, after --mirror and
+    /// --rotate-y; separate several by colons.
     ///
     /// bake writes the suns as directional lights to OUT.sun.json, for glTF to OUT.sun.gltf
     /// (KHR_lights_punctual), or to sun.json and sun.gltf in OUT if that is a folder, and to the report.

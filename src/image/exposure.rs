@@ -68,8 +68,8 @@ pub fn of_environment(environment: &Environment) -> f64 {
     average.exposure()
 }
 
-/// Exposure of a picture and its compression of highlights: Reinhard et al. 2002, equation 4, of the brightest
-/// channel. It keeps hue, and only the brightest light becomes white.
+/// Exposure of a picture and its compression of highlights: Reinhard et al. 2002, equation 4, of the
+/// brightest channel. It keeps hue, and only the brightest light becomes white.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rolloff {
     /// The exposure in powers of two.

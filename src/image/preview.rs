@@ -62,8 +62,8 @@ pub struct Origin<'a> {
 
 /// Draws the contact sheet of a chain: the panorama with its brightest light marked, and for each level a
 /// mirror sphere, shaded by the trilinear look-up that engines use at the level's roughness, in front of a
-/// blurred backdrop, with the level as stored below. The camera has the first removed light, else the brightest
-/// one, else the brighter side behind its left shoulder.
+/// blurred backdrop, with the level as stored below. The camera has the first removed light, else the
+/// brightest one, else the brighter side behind its left shoulder.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels, [`Error::Limit`] for an environment whose panorama does
@@ -127,8 +127,8 @@ fn caption(Origin { target, .. }: Origin<'_>, exposure: Exposure, ev: f64) -> St
     let automatic = if exposure == Exposure::Auto { ", automatic" } else { "" };
     let ev = signed(ev, 2);
     format!(
-        "{target}Exposure {ev}\u{a0}EV{automatic}; highlights are compressed. Each sphere mirrors the light at \
-         one roughness, looked up as engines do; the level as stored stands below."
+        "{target}Exposure {ev}\u{a0}EV{automatic}; highlights are compressed. Each sphere mirrors the light \
+         at one roughness, looked up as engines do; the level as stored stands below."
     )
 }
 

@@ -383,7 +383,8 @@ pub(crate) fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, St
     side_report::of_file(path, || hash).map_or_else(Vec::new, |described| described.provenance.pairs())
 }
 
-/// The file to read for `path`: for a target's folder, the one with its levels; `None` for a folder of levels.
+/// The file to read for `path`: for a target's folder, the one with its levels; `None` for a folder of
+/// levels.
 fn file_of(path: &Path) -> Result<Option<PathBuf>> {
     if !is_directory(path)? {
         return Ok(Some(path.to_owned()));

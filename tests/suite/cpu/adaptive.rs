@@ -335,7 +335,8 @@ fn answers_of_a_reflector_lie_within_their_bounds() {
     assert_eq!(compared, 300);
 }
 
-/// Greatest root mean square error of a channel around `environment`, over its mean, for `lobe` at `roughness`.
+/// Greatest root mean square error of a channel around `environment`, over its mean, for `lobe` at
+/// `roughness`.
 fn colour_error(
     environment: &Environment,
     truth: &Environment,

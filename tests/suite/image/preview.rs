@@ -203,8 +203,8 @@ fn the_sheet_is_the_same_whatever_the_thread_count_and_has_room_for_every_level(
         pool.install(|| sheet(&chain, Exposure::Auto))
     };
     let one = drawn(1);
-    // Two rows of five tiles, of which the panorama takes two, and two margins; above two rows of labels, tile and cross the title, below a line of the
-    // caption.
+    // Two rows of five tiles, of which the panorama takes two, and two margins; above two rows of labels,
+    // tile and cross the title, below a line of the caption.
     let row = 24 + 240 + 10 + 180;
     assert_eq!(one.width(), 5 * 240 + 4 * 16 + 2 * 26);
     assert_eq!(one.height(), 26 + 24 + 18 + 2 * row + 16 + 16 + 22 + 20);
