@@ -136,6 +136,7 @@ mod oem;
 mod percent;
 #[cfg(feature = "plot")]
 mod plot;
+mod pyramid;
 mod realtime;
 mod reflector;
 mod sat;
@@ -207,6 +208,7 @@ pub mod internals {
         ladder,
         lobe,
         oem,
+        pyramid,
         realtime,
         reflector,
         sat,

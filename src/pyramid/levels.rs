@@ -1,0 +1,249 @@
+//! The levels: octahedral maps under Gaussian lobes, each from the next finer one.
+//!
+//! A Gaussian of variance s^2 over one of s^2 / 4 is one of 3 s^2 / 4. The finer level is smooth, so 25
+//! bilinear reads of it make that Gaussian: three rings, whose radii and weights were optimised for the
+//! Gaussian of all levels together; the next two terms of the error, an uneven ring and an uneven profile,
+//! are below 1 % each. Every read is placed on the sphere, so the levels know no seams.
+//!
+//! A bilinear read of a level widens what it reads by a sixth of a texel's square, and texels are three times
+//! as long as wide in the middle of the octahedron's faces. The Gaussians are narrowed by that covariance:
+//! *reads* of levels are round.
+
+use super::suns;
+use crate::oem::Oem;
+use crate::sphere::octahedral::{
+    direction_from_oct, oct_from_direction, octahedron_from_oct, texel_centre, wrap_texel,
+};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A};
+use rayon::prelude::*;
+
+/// Rings of reads around a Gaussian: reads, radius in standard deviations, weight of all.
+pub(crate) const RINGS: [(u32, f64, f64); 3] =
+    [(5, 0.6158, 0.406), (9, 1.4614, 0.4518), (11, 2.4519, 0.1422)];
+
+/// Reads of a Gaussian.
+pub const TAPS: usize = 25;
+
+/// The sharp level's Gaussian ends at so many standard deviations.
+pub(crate) const CUT: f32 = 3.0;
+
+/// Light is scaled to less than 2 to this power: sums of halves stay finite.
+pub(crate) const BRIGHTEST: i32 = 15;
+
+/// A square of texels with a border of one.
+#[derive(Clone, Debug)]
+pub struct Map {
+    inner: u32,
+    texels: Vec<Vec3A>,
+}
+
+impl Map {
+    /// A map whose texels are `texel(x, y)`.
+    pub(crate) fn new(inner: u32, texel: impl Fn(u32, u32) -> Vec3A + Sync) -> Self {
+        let side = inner as usize + 2;
+        let mut texels = vec![Vec3A::ZERO; side * side];
+        texels.par_chunks_exact_mut(side).skip(1).take(inner as usize).zip(0..inner).for_each(|(row, y)| {
+            for (place, x) in row[1..].iter_mut().zip(0..inner) {
+                *place = texel(x, y);
+            }
+        });
+        let last = i64::from(inner);
+        let edges = (-1..=last).flat_map(|k| [(k, -1), (k, last), (-1, k), (last, k)]);
+        for (x, y) in edges {
+            let (from_x, from_y) = wrap_texel(inner, x, y);
+            texels[(y + 1) as usize * side + (x + 1) as usize] =
+                texels[(from_y as usize + 1) * side + from_x as usize + 1];
+        }
+        Self { inner, texels }
+    }
+
+    /// Texels along an edge, without the border.
+    #[must_use]
+    pub const fn inner(&self) -> u32 {
+        self.inner
+    }
+
+    /// Texel (`x`, `y`) of the square; the border has -1 and `inner`.
+    #[must_use]
+    pub fn texel(&self, x: i32, y: i32) -> Vec3A {
+        self.texels[(y + 1) as usize * (self.inner as usize + 2) + (x + 1) as usize]
+    }
+
+    /// Bilinear between the texels around `direction`, a unit vector.
+    #[must_use]
+    pub fn around(&self, direction: DVec3) -> Vec3A {
+        self.bilinear(oct_from_direction(direction).as_vec2())
+    }
+
+    /// Bilinear between the texels around `uv` in [-1, 1]^2.
+    fn bilinear(&self, uv: Vec2) -> Vec3A {
+        let at = (uv + 1.0) * (0.5 * self.inner as f32) + 0.5;
+        let side = self.inner as usize + 2;
+        let (x, y) = (at.x as usize, at.y as usize);
+        let share = at - Vec2::new(x as f32, y as f32);
+        let first = y * side + x;
+        let row = |first: usize| self.texels[first].lerp(self.texels[first + 1], share.x);
+        row(first).lerp(row(first + side), share.y)
+    }
+}
+
+/// A texel's place: its direction, and the covariance of a Gaussian there in the plane that touches the
+/// sphere, along two axes.
+struct Place {
+    direction: Vec3,
+    axes: [Vec3; 2],
+    /// The covariance: of the first axis, of both, of the second.
+    covariance: [f32; 3],
+    /// Texels that a Gaussian of standard deviation 1 reaches along u and v.
+    reach: Vec2,
+}
+
+impl Place {
+    /// Texel (`x`, `y`) of a map of `inner` texels, for a Gaussian of `variance` less what a bilinear read
+    /// adds.
+    fn new(inner: u32, x: u32, y: u32, variance: f64) -> Self {
+        let uv = texel_centre(inner, x, y);
+        let point = octahedron_from_oct(uv);
+        let length = point.length();
+        let direction = point / length;
+        let sign = uv.signum();
+        // The octahedron's point by u and by v, then the direction.
+        let [by_u, by_v] = if point.y >= 0.0 {
+            [DVec3::new(1.0, -sign.x, 0.0), DVec3::new(0.0, -sign.y, 1.0)]
+        } else {
+            [DVec3::new(0.0, -sign.x, -sign.x * sign.y), DVec3::new(-sign.x * sign.y, -sign.y, 0.0)]
+        }
+        .map(|step| (step - direction * step.dot(direction)) / length);
+        let along = by_u.normalize();
+        let across = direction.cross(along);
+        let (long, shear, wide) = (by_u.length(), by_v.dot(along), by_v.dot(across));
+        let texel = 2.0 / f64::from(inner);
+        let read = texel * texel / 6.0;
+        let covariance = [
+            variance - read * (long * long + shear * shear),
+            -read * shear * wide,
+            variance - read * wide * wide,
+        ];
+        let reach = DVec2::new(by_v.length(), by_u.length()) / (long * wide).abs() / texel;
+        Self {
+            direction: direction.as_vec3(),
+            axes: [along.as_vec3(), across.as_vec3()],
+            covariance: covariance.map(|value| value as f32),
+            reach: reach.as_vec2(),
+        }
+    }
+}
+
+/// The exponent that brings light of up to `greatest` into the range of half floats: it is multiplied by
+/// 2^-exponent. Light of less than 2^-100 stays dim.
+#[must_use]
+pub fn exponent(greatest: f32) -> i32 {
+    if greatest > 0.0 { ((greatest.to_bits() >> 23) as i32 - 126).max(-100) - BRIGHTEST } else { 0 }
+}
+
+/// Radiance of `oem` by texel, times 2^-`exponent`.
+pub(crate) fn mirror(oem: &Oem, exponent: i32) -> Map {
+    let scale = (-f64::from(exponent)).exp2() as f32;
+    Map::new(oem.size().inner, |x, y| Vec3A::from_array(oem.radiance(x, y)) * scale)
+}
+
+/// The sharp level: sums of the texels of `mirror`, clamped to `clamp`, under a Gaussian of `width`.
+pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
+    let inner = mirror.inner();
+    // Direction, solid angle density and light of every texel.
+    let texels: Vec<(Vec3A, f32, Vec3A)> = (0..inner * inner)
+        .into_par_iter()
+        .map(|k| {
+            let (x, y) = (k % inner, k / inner);
+            let point = octahedron_from_oct(texel_centre(inner, x, y));
+            let light = mirror.texel(x as i32, y as i32);
+            let kept = suns::kept(light.max_element(), clamp);
+            (point.normalize().as_vec3a(), point.length().powi(-3) as f32, light * kept)
+        })
+        .collect();
+    Map::new(inner, |x, y| {
+        let place = Place::new(inner, x, y, width * width);
+        let [a, b, c] = place.covariance;
+        // Half of the inverse.
+        let [a, b, c] = [c, -b, a].map(|value| 0.5 * value / (a * c - b * b));
+        let [along, across] = place.axes.map(Vec3A::from);
+        let direction = Vec3A::from(place.direction);
+        let reach = (place.reach * (1.1 * CUT * width as f32)).to_array().map(|texels| texels.ceil() as i32);
+        let mut sum = Vec3A::ZERO;
+        let mut total = 0.0;
+        for j in -reach[1]..=reach[1] {
+            for i in -reach[0]..=reach[0] {
+                let at = [x as i32 + i, y as i32 + j];
+                let (own_x, own_y) = wrap_texel(inner, i64::from(at[0]), i64::from(at[1]));
+                // Around +-X and +-Z the unfolded plane shows every texel twice.
+                let apart = [x.abs_diff(own_x) as i32, y.abs_diff(own_y) as i32];
+                if [own_x as i32, own_y as i32] != at && apart[0] <= reach[0] && apart[1] <= reach[1] {
+                    continue;
+                }
+                let (other, density, light) = texels[(own_y * inner + own_x) as usize];
+                let offset = other - direction;
+                let (p, q) = (offset.dot(along), offset.dot(across));
+                let exponent = a * p * p + 2.0 * b * p * q + c * q * q;
+                if exponent < 0.5 * CUT * CUT {
+                    let weight = density * (-exponent).exp();
+                    sum += weight * light;
+                    total += weight;
+                }
+            }
+        }
+        sum / total
+    })
+}
+
+/// Reads around a Gaussian of covariance 1, and their weights.
+#[must_use]
+pub fn taps() -> [(Vec2, f32); TAPS] {
+    let mut taps = [(Vec2::ZERO, 0.0); TAPS];
+    let rings = RINGS.iter().flat_map(|&(count, radius, weight)| {
+        (0..count).map(move |k| {
+            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(count);
+            (DVec2::from_angle(angle) * radius, weight / f64::from(count))
+        })
+    });
+    for (tap, (place, weight)) in taps.iter_mut().zip(rings) {
+        *tap = (place.as_vec2(), weight as f32);
+    }
+    taps
+}
+
+/// The level of `inner` texels under a Gaussian of `width`, from the one of half that width.
+pub(crate) fn cascade(finer: &Map, inner: u32, width: f64) -> Map {
+    let taps = taps();
+    Map::new(inner, |x, y| {
+        let place = Place::new(inner, x, y, 0.75 * width * width);
+        let [a, b, c] = place.covariance;
+        // The covariance's root, a triangle.
+        let long = a.sqrt();
+        let (shear, wide) = (b / long, (c - b * b / a).sqrt());
+        let mut sum = Vec3A::ZERO;
+        for (tap, weight) in taps {
+            let [p, q] = [long * tap.x, shear * tap.x + wide * tap.y];
+            // A distance on the sphere whose 1 - cos is half its square.
+            let half = 0.5 * (p * p + q * q);
+            let [along, across] = place.axes;
+            let to = place.direction * (1.0 - half) + (along * p + across * q) * (1.0 - 0.5 * half).sqrt();
+            sum += weight * finer.bilinear(oct_from(to));
+        }
+        sum
+    })
+}
+
+/// [`oct_from_direction`] in single precision.
+fn oct_from(direction: Vec3) -> Vec2 {
+    let p = direction / direction.abs().element_sum();
+    if p.y >= 0.0 {
+        Vec2::new(p.x, p.z)
+    } else {
+        Vec2::new((1.0 - p.z.abs()).copysign(p.x), (1.0 - p.x.abs()).copysign(p.z))
+    }
+}
+
+/// Unit direction of texel (`x`, `y`).
+pub(crate) fn direction(inner: u32, x: u32, y: u32) -> DVec3 {
+    direction_from_oct(texel_centre(inner, x, y))
+}

@@ -1,0 +1,202 @@
+//! One pyramid: glossy reflections of any roughness from a few bilinear reads.
+//!
+//! ```text
+//! OEM --suns--> suns
+//!  +--mirror--> mirror
+//!  +--the rest --sharp--> s = .011 --cascade--> .022 --cascade--> .044 ... .35
+//!        +--cells--> cosine level, harmonics
+//!
+//! L(d, r) = sum of w_k(r) level_k(d) + sum of a_l(r) (harmonics of order l at d) + suns
+//! ```
+//!
+//! Levels are octahedral maps of the environment under Gaussian lobes exp(-(1 - cos t) / s^2); s doubles as
+//! the texels halve, down to s = .35 at 32 x 32. The weights are a table over roughness ([`fit`]). CPU and
+//! GPU build the levels by the same algorithm ([`levels`]), `shaders/pyramid/`.
+
+pub mod cells;
+pub mod fit;
+pub mod levels;
+pub mod suns;
+
+use crate::cpu::reparameterise::oem_from_environment;
+use crate::environment::{Environment, Rgb};
+use crate::error::{Error, Result};
+use crate::oem::{Oem, OemSize};
+use crate::sh::basis;
+use cells::Cells;
+use fit::{COSINE, LOBE, ORDERS, Weights};
+use glam::{DVec3, Vec3A};
+use levels::Map;
+use suns::Suns;
+
+/// Texels along an edge of the coarsest level.
+pub const COARSEST: u32 = 32;
+
+/// Standard deviation of the coarsest level's Gaussian.
+pub const WIDEST: f64 = 0.35;
+
+/// The number of levels of a pyramid, which follows from the size of its map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Octaves(u32);
+
+impl Octaves {
+    /// Most levels: those of a map of 2048 x 2048.
+    pub const MOST: u32 = 7;
+
+    /// The levels over a map of `inner` texels along an edge.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048.
+    pub fn over(inner: u32) -> Result<Self> {
+        if inner.is_power_of_two() && (COARSEST..=COARSEST << (Self::MOST - 1)).contains(&inner) {
+            return Ok(Self(inner.ilog2() - COARSEST.ilog2() + 1));
+        }
+        Err(Error::Parameter(format!(
+            "`oem_size` {inner} has no pyramid; choose a power of two from {COARSEST} to {}",
+            COARSEST << (Self::MOST - 1)
+        )))
+    }
+
+    /// The number of levels, without the sharp ones.
+    #[must_use]
+    pub const fn count(self) -> u32 {
+        self.0
+    }
+
+    /// Texels along an edge of the map.
+    #[must_use]
+    pub const fn inner(self) -> u32 {
+        COARSEST << (self.0 - 1)
+    }
+
+    /// Size of `level`, 0 the finest, with borders that halve with the levels.
+    #[must_use]
+    pub const fn size(self, level: u32) -> OemSize {
+        OemSize { inner: self.inner() >> level, border: 1 << (self.0 - 1 - level) }
+    }
+
+    /// Standard deviation of the Gaussian of `level`, 0 the finest.
+    #[must_use]
+    pub fn width(self, level: u32) -> f64 {
+        WIDEST / f64::from(1_u32 << (self.0 - 1 - level))
+    }
+
+    /// That of the sharp level, which has as many texels as level 0.
+    #[must_use]
+    pub fn sharp_width(self) -> f64 {
+        self.width(0) / 2.0
+    }
+
+    /// That of a bilinear read of the map itself, roughly: half of a mean texel's width.
+    #[must_use]
+    pub fn mirror_width(self) -> f64 {
+        1.8 / f64::from(self.inner())
+    }
+}
+
+/// An environment's pyramid.
+#[derive(Debug)]
+pub struct Pyramid {
+    weights: &'static Weights,
+    /// Mirror, sharp level, levels from fine to coarse. Light is multiplied by 2^-exponent.
+    maps: Vec<Map>,
+    cosine: Map,
+    harmonics: [Vec3A; 25],
+    suns: Suns,
+    exponent: i32,
+}
+
+impl Pyramid {
+    /// Builds the pyramid of `environment` over a map of `size` texels along an edge, a power of two from 32
+    /// to 2048.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for another size, [`Error::Limit`] if the overlaps of texels exceed the memory.
+    pub fn build(environment: &Environment, size: u32) -> Result<Self> {
+        Octaves::over(size)?;
+        Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)
+    }
+
+    /// Builds the pyramid of `oem`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if its size is not a power of two from 32 to 2048.
+    pub fn of_oem(oem: &Oem) -> Result<Self> {
+        let octaves = Octaves::over(oem.size().inner)?;
+        let suns = Suns::of(oem);
+        let exponent = levels::exponent(suns.greatest);
+        let mirror = levels::mirror(oem, exponent);
+        let clamp = suns.clamp * (-f64::from(exponent)).exp2() as f32;
+        let mut maps = vec![levels::sharp(&mirror, clamp, octaves.sharp_width())];
+        for level in 0..octaves.count() {
+            let finer = maps.last().expect("the sharp level at least");
+            maps.push(levels::cascade(finer, octaves.size(level).inner, octaves.width(level)));
+        }
+        maps.insert(0, mirror);
+        let cells = Cells::new(oem, suns.clamp, exponent);
+        let (cosine, harmonics) = (cells.cosine(), cells.harmonics());
+        Ok(Self { weights: Weights::of(octaves), maps, cosine, harmonics, suns, exponent })
+    }
+
+    /// Radiance of a GGX reflection around `direction` (any length but zero, in the map's space) at
+    /// `roughness` in [0, 1].
+    #[must_use]
+    pub fn radiance(&self, direction: DVec3, roughness: f32) -> Rgb {
+        let direction = direction.normalize();
+        let weights = self.weights.at(roughness);
+        let mut sum = Vec3A::ZERO;
+        let maps = self.maps.iter().zip(weights).chain([(&self.cosine, weights[COSINE])]);
+        for (map, weight) in maps.filter(|(_, weight)| *weight != 0.0) {
+            sum += weight * map.around(direction);
+        }
+        for (k, (basis, coefficient)) in basis(direction).into_iter().zip(self.harmonics).enumerate() {
+            sum += weights[ORDERS + k.isqrt()] * basis as f32 * coefficient;
+        }
+        let sum = self.unscaled(sum.max(Vec3A::ZERO));
+        let (alpha, direction) = (roughness * roughness, direction.as_vec3a());
+        let suns: Vec3A = self.suns.suns.iter().map(|sun| sun.glossy(alpha, weights[LOBE], direction)).sum();
+        (sum + (1.0 - weights[0]) * suns).to_array()
+    }
+
+    /// Irradiance on a surface with `normal` (any length but zero) over pi.
+    #[must_use]
+    pub fn irradiance(&self, normal: DVec3) -> Rgb {
+        let normal = normal.normalize();
+        let suns: Vec3A = self.suns.suns.iter().map(|sun| sun.diffuse(normal.as_vec3a())).sum();
+        (self.unscaled(self.cosine.around(normal)) + suns).to_array()
+    }
+
+    fn unscaled(&self, light: Vec3A) -> Vec3A {
+        (light.as_dvec3() * f64::from(self.exponent).exp2()).as_vec3a()
+    }
+
+    /// Mirror, sharp level, and levels from fine to coarse; light is multiplied by 2^-[`Self::exponent`].
+    #[must_use]
+    pub fn maps(&self) -> &[Map] {
+        &self.maps
+    }
+
+    /// Irradiance over pi, scaled so, too.
+    #[must_use]
+    pub const fn cosine(&self) -> &Map {
+        &self.cosine
+    }
+
+    /// Harmonics of radiance to order 4, scaled so, too.
+    #[must_use]
+    pub const fn harmonics(&self) -> &[Vec3A; 25] {
+        &self.harmonics
+    }
+
+    /// The suns, which are in no map but the mirror.
+    #[must_use]
+    pub const fn suns(&self) -> &Suns {
+        &self.suns
+    }
+
+    /// The power of two that brings the light into the range of half floats.
+    #[must_use]
+    pub const fn exponent(&self) -> i32 {
+        self.exponent
+    }
+}
