@@ -43,6 +43,7 @@ pub mod live_probes;
 pub mod mirror;
 pub mod octaves;
 pub mod oem;
+pub mod pyramid;
 pub mod reparameterise;
 pub mod sat_f32;
 pub mod sat_hensley;

@@ -142,8 +142,9 @@ fn shares(octaves: Octaves, roughness: f64) -> [f64; WEIGHTS] {
     shares
 }
 
-/// The weights that fit GGX at `roughness`.
-fn fitted(octaves: Octaves, roughness: f64) -> [f32; WEIGHTS] {
+/// The weights that fit GGX at `roughness`, as they are at a node.
+#[must_use]
+pub fn fitted(octaves: Octaves, roughness: f64) -> [f32; WEIGHTS] {
     let mut weights = [0.0; WEIGHTS];
     weights[LOBE] = suns::lobe_share(octaves, roughness) as f32;
     let shares = shares(octaves, roughness);

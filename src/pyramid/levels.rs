@@ -57,6 +57,19 @@ impl Map {
         Self { inner, texels }
     }
 
+    /// A map whose texels are `texels(x, y)` for the quarter with x, y < `inner` / 2: the texel there, the one
+    /// mirrored along u, along v, and along both. The octahedron's mirrors let four texels share geometry.
+    pub(crate) fn of_quarters(inner: u32, texels: impl Fn(u32, u32) -> [Vec3A; 4] + Sync) -> Self {
+        let half = inner / 2;
+        let quarters: Vec<[Vec3A; 4]> =
+            (0..half * half).into_par_iter().map(|k| texels(k % half, k / half)).collect();
+        Self::new(inner, |x, y| {
+            let (far_x, far_y) = (x >= half, y >= half);
+            let own = [if far_x { inner - 1 - x } else { x }, if far_y { inner - 1 - y } else { y }];
+            quarters[(own[1] * half + own[0]) as usize][usize::from(far_x) + 2 * usize::from(far_y)]
+        })
+    }
+
     /// Texels along an edge, without the border.
     #[must_use]
     pub const fn inner(&self) -> u32 {
@@ -150,49 +163,74 @@ pub(crate) fn mirror(oem: &Oem, exponent: i32) -> Map {
 /// The sharp level: sums of the texels of `mirror`, clamped to `clamp`, under a Gaussian of `width`.
 pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
     let inner = mirror.inner();
-    // Direction, solid angle density and light of every texel.
-    let texels: Vec<(Vec3A, f32, Vec3A)> = (0..inner * inner)
-        .into_par_iter()
-        .map(|k| {
-            let (x, y) = (k % inner, k / inner);
+    // Direction and solid angle density of every texel, and its light.
+    let texels = (0..inner * inner).into_par_iter().map(|k| [k % inner, k / inner]);
+    let directions: Vec<(Vec3A, f32)> = texels
+        .clone()
+        .map(|[x, y]| {
             let point = octahedron_from_oct(texel_centre(inner, x, y));
-            let light = mirror.texel(x as i32, y as i32);
-            let kept = suns::kept(light.max_element(), clamp);
-            (point.normalize().as_vec3a(), point.length().powi(-3) as f32, light * kept)
+            (point.normalize().as_vec3a(), point.length().powi(-3) as f32)
         })
         .collect();
-    Map::new(inner, |x, y| {
+    let light: Vec<Vec3A> = texels
+        .map(|[x, y]| {
+            let own = mirror.texel(x as i32, y as i32);
+            own * suns::kept(own.max_element(), clamp)
+        })
+        .collect();
+    Map::of_quarters(inner, |x, y| {
         let place = Place::new(inner, x, y, width * width);
         let [a, b, c] = place.covariance;
         // Half of the inverse.
         let [a, b, c] = [c, -b, a].map(|value| 0.5 * value / (a * c - b * b));
         let [along, across] = place.axes.map(Vec3A::from);
         let direction = Vec3A::from(place.direction);
-        let reach = (place.reach * (1.1 * CUT * width as f32)).to_array().map(|texels| texels.ceil() as i32);
-        let mut sum = Vec3A::ZERO;
+        let reach = (place.reach * (1.1 * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32);
+        let mut sums = [Vec3A::ZERO; 4];
         let mut total = 0.0;
-        for j in -reach[1]..=reach[1] {
-            for i in -reach[0]..=reach[0] {
-                let at = [x as i32 + i, y as i32 + j];
-                let (own_x, own_y) = wrap_texel(inner, i64::from(at[0]), i64::from(at[1]));
-                // Around +-X and +-Z the unfolded plane shows every texel twice.
-                let apart = [x.abs_diff(own_x) as i32, y.abs_diff(own_y) as i32];
-                if [own_x as i32, own_y as i32] != at && apart[0] <= reach[0] && apart[1] <= reach[1] {
-                    continue;
-                }
-                let (other, density, light) = texels[(own_y * inner + own_x) as usize];
-                let offset = other - direction;
-                let (p, q) = (offset.dot(along), offset.dot(across));
-                let exponent = a * p * p + 2.0 * b * p * q + c * q * q;
-                if exponent < 0.5 * CUT * CUT {
-                    let weight = density * (-exponent).exp();
-                    sum += weight * light;
-                    total += weight;
-                }
+        let last = inner - 1;
+        visit_window(inner, [x, y], reach, |x, y| {
+            let at = (y * inner + x) as usize;
+            let (other, density) = directions[at];
+            let offset = other - direction;
+            let (p, q) = (offset.dot(along), offset.dot(across));
+            let exponent = a * p * p + 2.0 * b * p * q + c * q * q;
+            if exponent < 0.5 * CUT * CUT {
+                let weight = density * (-exponent).exp();
+                let across = (y * inner + last - x) as usize;
+                let down = (last * inner - y * inner) as usize;
+                let turned = [at, across, down + x as usize, down + (last - x) as usize];
+                sums.iter_mut().zip(turned).for_each(|(sum, at)| *sum += weight * light[at]);
+                total += weight;
+            }
+        });
+        sums.map(|sum| sum / total)
+    })
+}
+
+/// Visits the texels within `reach` of texel `centre` in the unfolded plane, each once: around +-X and +-Z
+/// that plane shows them twice.
+fn visit_window(inner: u32, centre: [u32; 2], reach: [u32; 2], mut visit: impl FnMut(u32, u32)) {
+    let [x, y] = centre;
+    let is_inside = |at: u32, reach: u32| at >= reach && at + reach < inner;
+    if is_inside(x, reach[0]) && is_inside(y, reach[1]) {
+        for row in y - reach[1]..=y + reach[1] {
+            for column in x - reach[0]..=x + reach[0] {
+                visit(column, row);
             }
         }
-        sum / total
-    })
+        return;
+    }
+    let [i, j] = reach.map(i64::from);
+    for row in i64::from(y) - j..=i64::from(y) + j {
+        for column in i64::from(x) - i..=i64::from(x) + i {
+            let own = wrap_texel(inner, column, row);
+            let is_own = (i64::from(own.0), i64::from(own.1)) == (column, row);
+            if is_own || own.0.abs_diff(x) > reach[0] || own.1.abs_diff(y) > reach[1] {
+                visit(own.0, own.1);
+            }
+        }
+    }
 }
 
 /// Reads around a Gaussian of covariance 1, and their weights.
@@ -214,24 +252,31 @@ pub fn taps() -> [(Vec2, f32); TAPS] {
 /// The level of `inner` texels under a Gaussian of `width`, from the one of half that width.
 pub(crate) fn cascade(finer: &Map, inner: u32, width: f64) -> Map {
     let taps = taps();
-    Map::new(inner, |x, y| {
+    Map::of_quarters(inner, |x, y| {
         let place = Place::new(inner, x, y, 0.75 * width * width);
         let [a, b, c] = place.covariance;
         // The covariance's root, a triangle.
         let long = a.sqrt();
         let (shear, wide) = (b / long, (c - b * b / a).sqrt());
-        let mut sum = Vec3A::ZERO;
+        let mut sums = [Vec3A::ZERO; 4];
         for (tap, weight) in taps {
             let [p, q] = [long * tap.x, shear * tap.x + wide * tap.y];
             // A distance on the sphere whose 1 - cos is half its square.
             let half = 0.5 * (p * p + q * q);
             let [along, across] = place.axes;
             let to = place.direction * (1.0 - half) + (along * p + across * q) * (1.0 - 0.5 * half).sqrt();
-            sum += weight * finer.bilinear(oct_from(to));
+            let uv = oct_from(to);
+            for (sum, mirror) in sums.iter_mut().zip(MIRRORS) {
+                *sum += weight * finer.bilinear(uv * mirror);
+            }
         }
-        sum
+        sums
     })
 }
+
+/// Signs of u and v in the four quarters of a map.
+const MIRRORS: [Vec2; 4] =
+    [Vec2::new(1.0, 1.0), Vec2::new(-1.0, 1.0), Vec2::new(1.0, -1.0), Vec2::new(-1.0, -1.0)];
 
 /// [`oct_from_direction`] in single precision.
 fn oct_from(direction: Vec3) -> Vec2 {

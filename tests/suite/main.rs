@@ -19,6 +19,7 @@ mod misuse;
 mod oem;
 #[cfg(feature = "plot")]
 mod plot;
+mod pyramid;
 mod realtime;
 mod sat;
 mod sphere;

@@ -78,6 +78,13 @@ pub const FILES: &[(&str, &str)] = &files![
     "least.wgsl",
     "mirror.wgsl",
     "pack.wgsl",
+    "pyramid/bordered.wgsl",
+    "pyramid/cells.wgsl",
+    "pyramid/levels.wgsl",
+    "pyramid/light.wgsl",
+    "pyramid/lookup.wgsl",
+    "pyramid/query.wgsl",
+    "pyramid/suns.wgsl",
     "reparameterise.wgsl",
     "sat_f32.wgsl",
     "sat_hensley.wgsl",
@@ -133,6 +140,9 @@ pub enum Queries {
     /// The same over all of [`crate::gpu::live_probes::LiveProbes`]: `octagloss_radiance_of(probe, direction,
     /// roughness)` and `octagloss_irradiance_of(probe, normal)`.
     Probes(u32),
+    /// The look-ups over one of [`crate::gpu::pyramid::PyramidMaps`]: `octagloss_radiance(direction,
+    /// roughness)` and `octagloss_irradiance(normal)`.
+    Pyramid(u32),
     /// Clip coordinates and ownership of pixels for draws into a [`crate::gpu::live::LiveEnvironment`]:
     /// `octagloss_direct_position(position)` and `octagloss_direct_owns(position)`.
     Draw(u32),
@@ -154,6 +164,15 @@ const fn fitted(lights: &'static str) -> [&'static str; 5] {
 const FITTED: [&str; 5] = fitted("var<uniform> octagloss_lights: array<OctaglossLight, 1>");
 const PROBES: [&str; 5] = fitted("var<uniform> octagloss_lights: array<OctaglossLight, MAX_LIGHTS>");
 
+const PYRAMID: [&str; 6] = [
+    "var<uniform> octagloss_pyramid: OctaglossPyramid",
+    "var<uniform> octagloss_lights: array<OctaglossPyramidLight, 1>",
+    "var octagloss_levels: texture_2d_array<f32>",
+    "var octagloss_sharp: texture_2d_array<f32>",
+    "var octagloss_cosine: texture_2d_array<f32>",
+    "var octagloss_linear: sampler",
+];
+
 /// The functions and resources of `queries`, for one shader; shared functions appear once.
 #[must_use]
 pub fn queries(queries: &[Queries]) -> String {
@@ -173,6 +192,7 @@ pub fn queries(queries: &[Queries]) -> String {
             Queries::Fitted(group) => (group, FITTED.to_vec(), "common/fitted.wgsl"),
             Queries::Live(group) => (group, FITTED.to_vec(), "common/live.wgsl"),
             Queries::Probes(group) => (group, PROBES.to_vec(), "common/live.wgsl"),
+            Queries::Pyramid(group) => (group, PYRAMID.to_vec(), "pyramid/lookup.wgsl"),
             Queries::Draw(group) => {
                 (group, vec!["var<uniform> octagloss_view: OctaglossView"], "common/direct_view.wgsl")
             }

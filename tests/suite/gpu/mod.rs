@@ -26,6 +26,7 @@ mod oem_lookup;
 mod oem_reader;
 #[cfg(feature = "view")]
 mod present;
+mod pyramid;
 mod reflection;
 mod sat;
 mod scenes;

@@ -1,0 +1,341 @@
+//! Measures the pyramid against exhaustive sums over panoramas: `cargo run --release --example
+//! measure_pyramid -- [--fitted] PANORAMA...`. Prints, for each roughness, the relRMSE of the worst channel
+//! at random directions; epsilon and the greatest error over the peak within 6 alpha of the brightest texel;
+//! with `--cones` the error around +-X and +-Z over that elsewhere, over 20 rotations; with `--gpu` the times
+//! of passes and frames, and how far the GPU is from the CPU.
+
+use glam::{DMat3, DQuat, DVec3};
+use octagloss::internals::cpu::reparameterise::oem_from_environment;
+use octagloss::internals::filter::{Answer, Filter};
+use octagloss::internals::gpu::build_fitted::BuildFitted;
+use octagloss::internals::gpu::device::readback;
+use octagloss::internals::gpu::fitted::{Fitted, FittedTables};
+use octagloss::internals::gpu::pyramid::{BuildPyramid, PyramidMaps, PyramidQuery};
+use octagloss::internals::gpu::{Context, OemPlanes, Stage, adapters, block_on};
+use octagloss::internals::lobe::{Lobe, kernel};
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::pyramid::Pyramid;
+use octagloss::internals::reflector::{Reflector, ReflectorSettings};
+use octagloss::{Environment, Layout};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+const ROUGHNESS: [f64; 12] = [0.07, 0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0];
+
+/// Texels along an edge of the map.
+const SIZE: u32 = 512;
+
+/// Numbers in [0, 1): splitmix64.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Evenly over the cap of `angle` around `centre`.
+    fn within(&mut self, centre: DVec3, angle: f64) -> DVec3 {
+        let cosine = 1.0 - self.unit() * (1.0 - angle.cos());
+        let (sine, turn) = ((1.0 - cosine * cosine).sqrt(), TAU * self.unit());
+        let (s, t) = (centre.any_orthonormal_vector(), centre.cross(centre.any_orthonormal_vector()));
+        (centre * cosine + (s * turn.cos() + t * turn.sin()) * sine).normalize()
+    }
+
+    fn direction(&mut self) -> DVec3 {
+        self.within(DVec3::Y, std::f64::consts::PI)
+    }
+
+    fn rotation(&mut self) -> DMat3 {
+        DMat3::from_quat(
+            DQuat::from_rotation_arc(DVec3::Y, self.direction()) * DQuat::from_rotation_y(TAU * self.unit()),
+        )
+    }
+}
+
+/// Mean radiance under the lobe of `roughness`: texels are constant, and points of texels near the lobe are
+/// summed.
+fn truth(environment: &Environment, roughness: f64, direction: DVec3) -> DVec3 {
+    let Layout::Panorama { width, height } = environment.layout() else { panic!("a panorama") };
+    let alpha = roughness * roughness;
+    let near = (1.0 - (4.0 * alpha).max(0.1).min(1.5).cos()) / 2.0;
+    let points = if roughness < 0.12 {
+        7
+    } else if roughness < 0.35 {
+        3
+    } else {
+        1_u32
+    };
+    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+    let at = |x: f64, y: f64| {
+        let (sine, cosine) = (std::f64::consts::PI * y / f64::from(height)).sin_cos();
+        let (z, x) = (TAU * (x / f64::from(width) - 0.5)).sin_cos();
+        (DVec3::new(sine * x, cosine, sine * z), sine)
+    };
+    for y in 0..height {
+        for x in 0..width {
+            let centre = at(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let s = centre.0.distance_squared(direction) / 4.0;
+            let weight = if s < near && points > 1 {
+                (0..points * points)
+                    .map(|k| {
+                        let point =
+                            [k % points, k / points].map(|k| (f64::from(k) + 0.5) / f64::from(points));
+                        let (to, area) = at(f64::from(x) + point[0], f64::from(y) + point[1]);
+                        area * kernel(Lobe::Ggx, alpha, to.distance_squared(direction) / 4.0)
+                    })
+                    .sum::<f64>()
+                    / f64::from(points * points)
+            } else {
+                centre.1 * kernel(Lobe::Ggx, alpha, s)
+            };
+            let texel = environment.texels()[(y * width + x) as usize];
+            sum += weight * DVec3::from_array(texel.map(f64::from));
+            total += weight;
+        }
+    }
+    sum / total
+}
+
+/// Worst channel's relRMSE, epsilon and greatest error over the peak.
+fn measures(found: &[DVec3], truth: &[DVec3]) -> [f64; 3] {
+    let count = truth.len() as f64;
+    let mut worst = [0.0_f64; 3];
+    for c in 0..3 {
+        let (mut error, mut square, mut mean, mut most, mut peak) = (0.0, 0.0, 0.0, 0.0_f64, 0.0_f64);
+        for (found, truth) in found.iter().zip(truth) {
+            let off = found[c] - truth[c];
+            error += off * off;
+            square += truth[c] * truth[c];
+            mean += truth[c];
+            most = most.max(off.abs());
+            peak = peak.max(truth[c]);
+        }
+        let own = [(error / count).sqrt() / (mean / count), (error / square).sqrt(), most / peak];
+        worst.iter_mut().zip(own).for_each(|(worst, own)| *worst = worst.max(own));
+    }
+    worst
+}
+
+/// `environment` seen in turned axes, as an octahedral map: means of 16 points a texel.
+fn turned(environment: &Environment, source_from_map: DMat3) -> Environment {
+    let Layout::Panorama { width, height } = environment.layout() else { panic!("a panorama") };
+    let texels = (0..SIZE * SIZE)
+        .into_par_iter()
+        .map(|k| {
+            let mut sum = DVec3::ZERO;
+            for point in 0..16 {
+                let at = [k % SIZE * 4 + point % 4, k / SIZE * 4 + point / 4];
+                let to = source_from_map
+                    * octagloss::internals::sphere::octahedral::direction_from_oct(
+                        octagloss::internals::sphere::octahedral::texel_centre(4 * SIZE, at[0], at[1]),
+                    );
+                let x = (to.z.atan2(to.x) / TAU + 0.5) * f64::from(width);
+                let y = to.y.clamp(-1.0, 1.0).acos() / std::f64::consts::PI * f64::from(height);
+                let place = (y as u32).min(height - 1) * width + (x as u32).min(width - 1);
+                sum += DVec3::from_array(environment.texels()[place as usize].map(f64::from)) / 16.0;
+            }
+            sum.to_array().map(|value| value as f32)
+        })
+        .collect();
+    Environment::new(Layout::Octahedral { size: SIZE }, texels).expect("a map")
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    f64::midpoint(values[(values.len() - 1) / 2], values[values.len() / 2])
+}
+
+/// Builds the pyramid on every adapter, compares look-ups, and times passes and frames.
+fn on_gpu(oem: &Oem, pyramid: &Pyramid) {
+    for adapter in block_on(None, adapters()).expect("adapters") {
+        let context = block_on(None, Context::new(&adapter)).expect("a device").expect("a device");
+        println!("  {}", context.describe());
+        let wait = || block_on(Some(&context), readback_all(&context)).expect("a device");
+        let timed = |stages: &[Stage]| {
+            let seconds: Vec<f64> = (0..3)
+                .map(|_| {
+                    let start = Instant::now();
+                    context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+                    wait();
+                    start.elapsed().as_secs_f64()
+                })
+                .collect();
+            seconds.into_iter().fold(f64::INFINITY, f64::min)
+        };
+        let planes = OemPlanes::upload(&context, oem).expect("planes");
+        let maps = PyramidMaps::new(&context, oem.size().inner).expect("maps");
+        let build = BuildPyramid::new(&context).stages(&context, &planes, &maps);
+        for stage in &build {
+            println!("    {}: {:.4} s", stage.label(), timed(std::slice::from_ref(stage)));
+        }
+        println!("    update by pyramid: {:.4} s, {:.2} MB", timed(&build), maps.bytes() as f64 / 1e6);
+        let query = PyramidQuery::new(&context);
+        let mut random = Random(9);
+        for roughness in ROUGHNESS.into_iter().chain([0.0, 0.03]) {
+            let queries: Vec<_> = (0..2000).map(|_| (random.direction(), roughness)).collect();
+            let found = block_on(Some(&context), query.radiance(&context, &maps, &queries));
+            let found: Vec<DVec3> = found
+                .expect("a device")
+                .expect("answers")
+                .iter()
+                .map(|rgb| DVec3::from_array(rgb.map(f64::from)))
+                .collect();
+            let expected: Vec<DVec3> = queries
+                .iter()
+                .map(|(d, r)| DVec3::from_array(pyramid.radiance(*d, *r as f32).map(f64::from)))
+                .collect();
+            let [relative, _, peak] = measures(&found, &expected);
+            println!("    r {roughness:4.2}: GPU from CPU relRMSE {relative:.6}, of peak {peak:.6}");
+        }
+        let frame: Vec<_> = (0..1080)
+            .flat_map(|y| (0..1920).map(move |x| [x, y]))
+            .map(|[x, y]| {
+                let (u, v) = ((f64::from(x) + 0.5) / 1920.0, (f64::from(y) + 0.5) / 1080.0);
+                let (sine, cosine) = (std::f64::consts::PI * v).sin_cos();
+                let (z, x) = (TAU * (u - 0.5)).sin_cos();
+                (DVec3::new(sine * x, cosine, sine * z), u)
+            })
+            .collect();
+        println!("    frame by pyramid: {:.4} s", timed(&[query.stage(&context, &maps, &frame).0]));
+        let tables = FittedTables::new(&context, oem.size().inner, 4).expect("tables");
+        let old = BuildFitted::new(&context).stages(&context, &planes, &tables).expect("stages");
+        println!("    update by fitted:4: {:.4} s", timed(&old));
+        let stage = Fitted::new(&context).stage(&context, &tables, &frame).0;
+        println!("    frame by fitted:4: {:.4} s", timed(&[stage]));
+    }
+}
+
+/// Waits for all work.
+async fn readback_all(context: &Context) {
+    let buffer = context.device().create_buffer(&octagloss::wgpu::BufferDescriptor {
+        label: None,
+        size: 16,
+        usage: octagloss::wgpu::BufferUsages::COPY_SRC | octagloss::wgpu::BufferUsages::STORAGE,
+        mapped_at_creation: false,
+    });
+    let _: Vec<u32> = readback::read(context, &buffer).await.expect("a device");
+}
+
+fn main() {
+    let (mut fitted, mut cones, mut gpu) = (false, false, false);
+    let mut paths = Vec::new();
+    for argument in std::env::args().skip(1) {
+        match argument.as_str() {
+            "--fitted" => fitted = true,
+            "--cones" => cones = true,
+            "--gpu" => gpu = true,
+            _ => paths.push(argument),
+        }
+    }
+    let mut random_rows = vec![Vec::new(); ROUGHNESS.len()];
+    let mut fitted_rows = vec![Vec::new(); ROUGHNESS.len()];
+    let mut cone_rows = vec![Vec::new(); ROUGHNESS.len()];
+    for path in &paths {
+        let environment = Environment::read(path).expect("a panorama");
+        let start = Instant::now();
+        let oem = oem_from_environment(&environment, OemSize { inner: SIZE, border: 0 }).expect("small");
+        let between = Instant::now();
+        let pyramid = Pyramid::of_oem(&oem).expect("a power of two");
+        println!(
+            "{path}: map {:.3} s, pyramid {:.3} s",
+            (between - start).as_secs_f64(),
+            between.elapsed().as_secs_f64()
+        );
+        if gpu {
+            on_gpu(&oem, &pyramid);
+            continue;
+        }
+        let reflector = fitted.then(|| {
+            Reflector::new(
+                &environment,
+                &ReflectorSettings { oem_size: Some(SIZE), fitted: true, ..ReflectorSettings::default() },
+            )
+            .expect("a reflector")
+        });
+        let Layout::Panorama { width, height } = environment.layout() else { panic!("a panorama") };
+        let texels = environment.texels();
+        let brightest = (0..texels.len())
+            .max_by(|a, b| texels[*a].iter().sum::<f32>().total_cmp(&texels[*b].iter().sum::<f32>()))
+            .expect("texels");
+        let (x, y) = (brightest as u32 % width, brightest as u32 / width);
+        let sun = environment.layout().direction_from_texel(0, x, y);
+        let _ = height;
+        let mut random = Random(7);
+        let anywhere: Vec<DVec3> = (0..150).map(|_| random.direction()).collect();
+        for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
+            let look = |direction: &DVec3| {
+                DVec3::from_array(pyramid.radiance(*direction, roughness as f32).map(f64::from))
+            };
+            let exact = |directions: &[DVec3]| -> Vec<DVec3> {
+                directions.par_iter().map(|direction| truth(&environment, roughness, *direction)).collect()
+            };
+            let true_anywhere = exact(&anywhere);
+            let found: Vec<DVec3> = anywhere.iter().map(look).collect();
+            let [relative, ..] = measures(&found, &true_anywhere);
+            random_rows[k].push(relative);
+            let around: Vec<DVec3> =
+                (0..150).map(|_| random.within(sun, (6.0 * roughness * roughness).min(TAU / 4.0))).collect();
+            let true_around = exact(&around);
+            let found: Vec<DVec3> = around.iter().map(look).collect();
+            let [_, epsilon, peak] = measures(&found, &true_around);
+            print!("  r {roughness:4.2} random {relative:.4}, sun: epsilon {epsilon:.4} of peak {peak:.4}");
+            if let Some(reflector) = &reflector {
+                let ask = |directions: &[DVec3]| -> Vec<DVec3> {
+                    let answers = reflector.query_all(directions, roughness, Lobe::Ggx, Filter::Fitted(4));
+                    let radiance = |answer: &Answer| DVec3::from_array(answer.radiance.map(f64::from));
+                    answers.expect("answers").iter().map(radiance).collect()
+                };
+                let found = ask(&anywhere);
+                let [old, ..] = measures(&found, &true_anywhere);
+                let found = ask(&around);
+                let [_, epsilon, peak] = measures(&found, &true_around);
+                fitted_rows[k].push(old);
+                print!("; fitted:4 random {old:.4}, sun: {epsilon:.4} {peak:.4}");
+            }
+            println!();
+        }
+        if cones {
+            let mut near = vec![(Vec::new(), Vec::new()); ROUGHNESS.len()];
+            let mut far = near.clone();
+            for _ in 0..20 {
+                let rotation = random.rotation();
+                let pyramid = Pyramid::build(&turned(&environment, rotation), SIZE).expect("a pyramid");
+                let cones: Vec<DVec3> = [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z]
+                    .into_iter()
+                    .map(|cone| random.within(cone, 0.2))
+                    .collect();
+                let elsewhere: Vec<DVec3> = (0..4).map(|_| random.direction()).collect();
+                for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
+                    for (rows, directions) in [(&mut near[k], &cones), (&mut far[k], &elsewhere)] {
+                        for direction in directions {
+                            let found = pyramid.radiance(*direction, roughness as f32);
+                            rows.0.push(DVec3::from_array(found.map(f64::from)));
+                            rows.1.push(truth(&environment, roughness, rotation * *direction));
+                        }
+                    }
+                }
+            }
+            for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
+                let ratio = measures(&near[k].0, &near[k].1)[1] / measures(&far[k].0, &far[k].1)[1];
+                println!("  r {roughness:4.2} around +-X, +-Z over elsewhere: {ratio:.3}");
+                cone_rows[k].push(ratio);
+            }
+        }
+    }
+    for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
+        let most = random_rows[k].iter().copied().fold(0.0, f64::max);
+        print!("r {roughness:4.2}: median {:.4} worst {most:.4}", median(random_rows[k].clone()));
+        if fitted {
+            let most = fitted_rows[k].iter().copied().fold(0.0, f64::max);
+            print!("; fitted:4 {:.4} {most:.4}", median(fitted_rows[k].clone()));
+        }
+        if cones {
+            print!("; cones {:.3}", median(cone_rows[k].clone()));
+        }
+        println!();
+    }
+}

@@ -1,0 +1,27 @@
+// Per-environment data of a pyramid: `Light` of src/gpu/pyramid.rs.
+
+const OCTAGLOSS_SUNS = 8u;
+
+// A sun: `Sun` of src/pyramid/suns.rs. Unused ones have no energy.
+struct OctaglossSun {
+    direction: vec3<f32>,
+    // Mean squared distance of its light from `direction`.
+    spread: f32,
+    // Radiance times solid angle.
+    energy: vec3<f32>,
+    pad: f32,
+}
+
+struct OctaglossPyramidLight {
+    // The rotation that takes a direction of the environment to one of the world.
+    world_from_source: mat3x3<f32>,
+    // The power of two that scales the maps, its inverse, and what the rest is clamped to, scaled.
+    scale: f32,
+    unscale: f32,
+    clamp: f32,
+    pad: f32,
+    // Harmonics of the rest to order 4, scaled.
+    harmonics: array<vec4<f32>, 25>,
+    // Fills a multiple of 256 bytes, at which bindings may begin.
+    @size(304) suns: array<OctaglossSun, OCTAGLOSS_SUNS>,
+}

@@ -1,0 +1,142 @@
+// Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of src/pyramid/mod.rs. At
+// most five bilinear reads.
+#include "pyramid/light.wgsl"
+
+const OCTAGLOSS_INTERVALS = 256u;
+
+// The table of src/pyramid/fit.rs, and the maps' size.
+struct OctaglossPyramid {
+    // Texels along an edge of the finest maps, and of their border.
+    inner: f32,
+    border: f32,
+    // Levels of the chain.
+    octaves: u32,
+    pad: u32,
+    // Weights at a node: mirror, sharp level, seven levels from fine to coarse, cosine, harmonics of order 0
+    // to 4, 1 over the integral of GGX.
+    weights: array<array<vec4<f32>, 4>, OCTAGLOSS_INTERVALS + 1u>,
+}
+
+fn octagloss_source_from_world(probe: u32, direction: vec3<f32>) -> vec3<f32> {
+    return normalize(direction * octagloss_lights[probe].world_from_source);
+}
+
+// Texture coordinates of `direction`, the same in all maps with borders that halve with the texels.
+fn octagloss_place(direction: vec3<f32>) -> vec2<f32> {
+    let p = direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));
+    let folded = 1.0 - abs(p.zx);
+    let turned = vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.z >= 0.0));
+    let uv = select(turned, p.xz, p.y >= 0.0);
+    return 0.5 + uv * (0.5 * octagloss_pyramid.inner / (octagloss_pyramid.inner + 2.0 * octagloss_pyramid.border));
+}
+
+// Harmonics of radiance around the unit vector `d`, the sum of each order times its weight.
+fn octagloss_harmonics(probe: u32, d: vec3<f32>, weights: array<f32, 5>) -> vec3<f32> {
+    let x = d.x;
+    let y = d.y;
+    let z = d.z;
+    let xx = x * x;
+    let yy = y * y;
+    let zz = z * z;
+    var basis = array<f32, 25>(
+        0.28209479,
+        0.48860251 * y, 0.48860251 * z, 0.48860251 * x,
+        1.09254843 * x * y, 1.09254843 * y * z, 0.31539157 * (3.0 * zz - 1.0), 1.09254843 * x * z,
+        0.54627422 * (xx - yy),
+        0.59004359 * y * (3.0 * xx - yy), 2.89061144 * x * y * z, 0.45704580 * y * (5.0 * zz - 1.0),
+        0.37317633 * z * (5.0 * zz - 3.0), 0.45704580 * x * (5.0 * zz - 1.0), 1.44530572 * z * (xx - yy),
+        0.59004359 * x * (xx - 3.0 * yy),
+        2.50334294 * x * y * (xx - yy), 1.77013077 * y * z * (3.0 * xx - yy),
+        0.94617470 * x * y * (7.0 * zz - 1.0), 0.66904654 * y * z * (7.0 * zz - 3.0),
+        0.10578555 * (35.0 * zz * zz - 30.0 * zz + 3.0), 0.66904654 * x * z * (7.0 * zz - 3.0),
+        0.47308735 * (xx - yy) * (7.0 * zz - 1.0), 1.77013077 * x * z * (xx - 3.0 * yy),
+        0.62583574 * (xx * xx - 6.0 * xx * yy + yy * yy));
+    var sum = vec3<f32>();
+    for (var order = 0u; order < 5u; order++) {
+        var own = vec3<f32>();
+        for (var k = order * order; k < (order + 1u) * (order + 1u); k++) {
+            own += basis[k] * octagloss_lights[probe].harmonics[k].xyz;
+        }
+        sum += weights[order] * own;
+    }
+    return sum;
+}
+
+// Radiance of a GGX reflection around `direction` (world space, any length but zero) at `roughness` in
+// [0, 1].
+fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
+    return octagloss_radiance_of(0u, direction, roughness);
+}
+
+// The same in the environment `probe`.
+fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> vec3<f32> {
+    let d = octagloss_source_from_world(probe, direction);
+    let at = octagloss_place(d);
+    // 256 / log2(51).
+    let node = log2(1.0 + 50.0 * roughness) * 45.130607;
+    let k = min(u32(node), OCTAGLOSS_INTERVALS - 1u);
+    let share = node - f32(k);
+    let low = octagloss_pyramid.weights[k];
+    let high = octagloss_pyramid.weights[k + 1u];
+    let a = mix(low[0], high[0], share);
+    let b = mix(low[1], high[1], share);
+    let c = mix(low[2], high[2], share);
+    let e = mix(low[3], high[3], share);
+    var sum = vec3<f32>();
+    if a.x != 0.0 {
+        sum += a.x * textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe, 0.0).xyz;
+    }
+    if a.y != 0.0 {
+        sum += a.y * textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe + 1u, 0.0).xyz;
+    }
+    var levels = array<f32, 7>(a.z, a.w, b.x, b.y, b.z, b.w, c.x);
+    for (var level = 0u; level < octagloss_pyramid.octaves; level++) {
+        if levels[level] != 0.0 {
+            sum += levels[level] * textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, f32(level)).xyz;
+        }
+    }
+    if c.y != 0.0 {
+        sum += c.y * textureSampleLevel(octagloss_cosine, octagloss_linear, octagloss_cosine_place(at), probe, 0.0).xyz;
+    }
+    sum += octagloss_harmonics(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
+    sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
+    // GGX around the suns: `glossy` of src/pyramid/suns.rs.
+    let alpha = roughness * roughness;
+    for (var k = 0u; k < OCTAGLOSS_SUNS; k++) {
+        let sun = octagloss_lights[probe].suns[k];
+        let apart = sun.direction - d;
+        let s = 0.25 * dot(apart, apart);
+        if s < 0.5 {
+            let a2 = min(alpha * alpha + 0.5 * sun.spread, 1.0);
+            let bend = s + a2 * (1.0 - s);
+            let lobe = 0.31830987 * a2 / (bend * bend) * (1.0 - 2.0 * s);
+            sum += sun.energy * (lobe * e.w * (1.0 - a.x));
+        }
+    }
+    return sum;
+}
+
+// The same place in the cosine map, which has a border of one texel around 32.
+fn octagloss_cosine_place(at: vec2<f32>) -> vec2<f32> {
+    let size = octagloss_pyramid.inner + 2.0 * octagloss_pyramid.border;
+    return 0.5 + (at - 0.5) * (size / octagloss_pyramid.inner * (32.0 / 34.0));
+}
+
+// Irradiance on a surface with `normal` (world space, any length but zero) over pi: the radiance that a white
+// diffuse surface reflects.
+fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
+    return octagloss_irradiance_of(0u, normal);
+}
+
+// The same in the environment `probe`.
+fn octagloss_irradiance_of(probe: u32, normal: vec3<f32>) -> vec3<f32> {
+    let d = octagloss_source_from_world(probe, normal);
+    let at = octagloss_cosine_place(octagloss_place(d));
+    var sum = textureSampleLevel(octagloss_cosine, octagloss_linear, at, probe, 0.0).xyz;
+    sum *= octagloss_lights[probe].unscale;
+    for (var k = 0u; k < OCTAGLOSS_SUNS; k++) {
+        let sun = octagloss_lights[probe].suns[k];
+        sum += sun.energy * (0.31830987 * max(dot(d, sun.direction), 0.0));
+    }
+    return sum;
+}

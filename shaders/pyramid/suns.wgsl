@@ -1,0 +1,143 @@
+// Finds the brightest blocks of an OEM, what the rest is clamped to, and the scale of the maps: `Suns` of
+// src/pyramid/suns.rs. Planes hold energies (radiance times solid angle, float32) and solid angles in
+// steradians.
+#include "common/octahedral.wgsl"
+#include "common/reduce.wgsl"
+#include "common/table.wgsl"
+#include "pyramid/light.wgsl"
+
+const GROUP_SIZE = 256u;
+// Blocks along an edge of the finest grid.
+const FINEST = 128u;
+
+@group(0) @binding(1) var<storage, read> red: array<f32>;
+@group(0) @binding(2) var<storage, read> green: array<f32>;
+@group(0) @binding(3) var<storage, read> blue: array<f32>;
+@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
+@group(0) @binding(5) var<storage, read_write> blocks: array<u32>;
+@group(0) @binding(6) var<storage, read_write> light: OctaglossPyramidLight;
+
+// The bits of a brightness, which sort like it, and the block that has it.
+alias Reduced = vec2<u32>;
+
+// Whether `b` comes before `a`.
+fn precedes(b: Reduced, a: Reduced) -> bool {
+    return b.x > a.x || (b.x == a.x && b.y < a.y);
+}
+
+fn combine(a: Reduced, b: Reduced) -> Reduced {
+    return select(a, b, precedes(b, a));
+}
+
+fn side() -> u32 {
+    return min(table.inner, FINEST);
+}
+
+// Texel `k` of block `own`.
+fn texel_of(own: u32, k: u32) -> vec2<u32> {
+    let block = table.inner / side();
+    return vec2<u32>(own % side(), own / side()) * block + vec2<u32>(k % block, k / block);
+}
+
+fn energy_at(at: u32) -> vec3<f32> {
+    return vec3<f32>(red[at], green[at], blue[at]);
+}
+
+fn brightness(at: u32) -> f32 {
+    return max(max(red[at], green[at]), blue[at]) / solid_angle[at];
+}
+
+@compute @workgroup_size(64)
+fn brightest_of_blocks(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= side() * side() {
+        return;
+    }
+    let block = table.inner / side();
+    var most = 0.0;
+    for (var k = 0u; k < block * block; k++) {
+        most = max(most, brightness(place_in_plane(texel_of(id.x, k))));
+    }
+    blocks[id.x] = bitcast<u32>(most);
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn suns(@builtin(local_invocation_index) lane: u32) {
+    var chosen: array<u32, OCTAGLOSS_SUNS>;
+    var last = Reduced(0xffffffffu, 0u);
+    var greatest = 0u;
+    for (var k = 0u; k <= OCTAGLOSS_SUNS; k++) {
+        var own = Reduced(0u, 0xffffffffu);
+        for (var block = lane; block < side() * side(); block += GROUP_SIZE) {
+            let candidate = Reduced(blocks[block], block);
+            if precedes(last, candidate) {
+                own = combine(own, candidate);
+            }
+        }
+        last = reduce(own, lane);
+        if k == 0u {
+            greatest = last.x;
+        }
+        if k < OCTAGLOSS_SUNS {
+            chosen[k] = last.y;
+        }
+    }
+    let clamp = bitcast<f32>(last.x);
+    if lane < OCTAGLOSS_SUNS {
+        light.suns[lane] = sun_of(chosen[lane], clamp);
+    }
+    if lane == 0u {
+        // `exponent` of src/pyramid/levels.rs.
+        let exponent = select(0, max(i32(greatest >> 23u) - 126, -100) - 15, greatest > 0u);
+        light.scale = bitcast<f32>(u32(127 - exponent) << 23u);
+        light.unscale = bitcast<f32>(u32(127 + exponent) << 23u);
+        light.clamp = clamp * light.scale;
+    }
+}
+
+// The energy of a texel above what it is clamped to.
+fn excess(at: u32, clamp: f32) -> vec3<f32> {
+    let own = brightness(at);
+    return energy_at(at) * select(0.0, 1.0 - clamp / own, own > clamp);
+}
+
+fn sun_of(own: u32, clamp: f32) -> OctaglossSun {
+    let block = table.inner / side();
+    var energy = vec3<f32>();
+    var mean = vec3<f32>();
+    for (var k = 0u; k < block * block; k++) {
+        let texel = texel_of(own, k);
+        let given = excess(place_in_plane(texel), clamp);
+        energy += given;
+        mean += (given.x + given.y + given.z) * direction_of(texel);
+    }
+    if all(mean == vec3<f32>()) {
+        return OctaglossSun();
+    }
+    let direction = normalize(mean);
+    var apart = 0.0;
+    for (var k = 0u; k < block * block; k++) {
+        let texel = texel_of(own, k);
+        let given = excess(place_in_plane(texel), clamp);
+        let offset = direction_of(texel) - direction;
+        apart += (given.x + given.y + given.z) * (dot(offset, offset) + texel_spread(texel));
+    }
+    return OctaglossSun(direction, apart / (energy.x + energy.y + energy.z), energy, 0.0);
+}
+
+fn uv_of(texel: vec2<u32>) -> vec2<f32> {
+    return (vec2<f32>(texel) + 0.5) * (2.0 / f32(table.inner)) - 1.0;
+}
+
+fn direction_of(texel: vec2<u32>) -> vec3<f32> {
+    return direction_from_oct(uv_of(texel));
+}
+
+// Mean squared distance on the sphere of a texel's points from its centre.
+fn texel_spread(texel: vec2<u32>) -> f32 {
+    let p = abs(octahedron_from_oct(uv_of(texel)));
+    let squared = dot(p, p);
+    let a = p.x - p.y;
+    let b = p.z - p.y;
+    let width = 2.0 / f32(table.inner);
+    return width * width * (4.0 * squared - a * a - b * b) / (12.0 * squared * squared);
+}

@@ -1,0 +1,68 @@
+//! Pyramids on the GPU against those of the CPU, which run the same algorithm.
+
+use super::{exceeds, wait, with_passes};
+use crate::support::common::{Look, Random, landmarks, oem, texels};
+use glam::DVec3;
+use octagloss::Layout;
+use octagloss::internals::gpu::pyramid::{BuildPyramid, PyramidMaps, PyramidQuery};
+use octagloss::internals::gpu::{Context, OemPlanes};
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::pyramid::Pyramid;
+
+/// A half's rounding, for each of the maps that a level passed through and for its own; and positions of
+/// reads, in 256ths of a texel, once in each cascade and once in the look-up. Neighbours differ by less than
+/// the peak of a level over the texels of its Gaussian.
+fn allowed(levels: f64, peak: f64) -> f64 {
+    let half = 1.0 / 2048.0;
+    let position = 2.0 / 512.0 / 2.0;
+    (levels + 1.0) * (half + position) * peak
+}
+
+fn built(context: &Context, oem: &Oem) -> PyramidMaps {
+    let planes = OemPlanes::upload(context, oem).expect("small planes");
+    let maps = PyramidMaps::new(context, oem.size().inner).expect("small maps");
+    let stages = BuildPyramid::new(context).stages(context, &planes, &maps);
+    context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+    maps
+}
+
+#[test]
+fn look_ups_match_the_cpu() {
+    with_passes("pyramids", |context, _| {
+        let query = PyramidQuery::new(context);
+        for (size, look, scale) in [
+            (32, Look::Noise, 1.0),
+            (64, Look::Smooth, 1e-5),
+            (128, Look::Suns, 1.0),
+            (128, Look::Noise, 1e9),
+        ] {
+            let mut random = Random::new(31);
+            let light = texels(&mut random, look, Layout::Octahedral { size });
+            let light: Vec<_> = light.iter().map(|texel| texel.map(|value| value * scale)).collect();
+            let oem = oem(OemSize { inner: size, border: 0 }, &light);
+            let (expected, maps) = (Pyramid::of_oem(&oem).expect("a size"), built(context, &oem));
+            let mut directions = landmarks();
+            directions.extend((0..200).map(|_| random.direction()));
+            for roughness in [0.0, 0.07, 0.15, 0.3, 0.5, 0.8, 1.0] {
+                let queries: Vec<(DVec3, f64)> = directions.iter().map(|d| (*d, roughness)).collect();
+                let found = wait(context, query.radiance(context, &maps, &queries));
+                let truth: Vec<_> =
+                    directions.iter().map(|d| expected.radiance(*d, roughness as f32)).collect();
+                let peak = f64::from(truth.iter().flatten().copied().fold(0.0, f32::max));
+                let levels = f64::from(maps.octaves().count());
+                let off = truth.as_flattened().iter().zip(found.as_flattened());
+                let off = off.map(|(e, f)| f64::from((e - f).abs())).fold(0.0, f64::max);
+                let name = format!("{look:?} {size} at {roughness} on {}", context.describe());
+                assert!(!exceeds(off, allowed(levels, peak)), "{name}: off by {off:e} of {peak:e}");
+                let [mut error, mut mean] = [0.0; 2];
+                for (e, f) in truth.as_flattened().iter().zip(found.as_flattened()) {
+                    error += f64::from(e - f).powi(2);
+                    mean += f64::from(*e);
+                }
+                let count = (3 * truth.len()) as f64;
+                let relative = (error / count).sqrt() / (mean / count);
+                assert!(relative <= 0.003 || roughness < 0.1, "{name}: relRMSE {relative}");
+            }
+        }
+    });
+}
