@@ -16,7 +16,7 @@ use octagloss::internals::lobe::{Lobe, kernel};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::pyramid::Pyramid;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
-use octagloss::{Environment, Layout};
+use octagloss::{Environment, Layout, wgpu};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -120,6 +120,33 @@ fn measures(found: &[DVec3], truth: &[DVec3]) -> [f64; 3] {
     worst
 }
 
+/// The greatest jump of slope over the greatest slope along a line of pixels of a sphere, 600 pixels wide, whose
+/// reflection passes through `sun`: the second differences that the truth does not have.
+fn kinks(pyramid: &Pyramid, environment: &Environment, roughness: f64, sun: DVec3) -> f64 {
+    // The sun is reflected a quarter from the left.
+    let view = (sun + DVec3::new(0.3, 0.5, 0.8).cross(sun).normalize()).normalize();
+    let normal = (sun + view).normalize();
+    let across = (normal - view * normal.dot(view)).normalize();
+    let up = view.cross(across);
+    let directions: Vec<DVec3> = (0..600)
+        .map(|pixel| (f64::from(pixel) + 0.5) / 300.0 - 1.0)
+        .map(|x| {
+            let y = 0.013;
+            let normal = across * x + up * y + view * (1.0_f64 - x * x - y * y).max(0.0).sqrt();
+            (normal * (2.0 * normal.dot(view)) - view).normalize()
+        })
+        .collect();
+    let luminance = |rgb: DVec3| rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+    let truth: Vec<f64> =
+        directions.par_iter().map(|direction| luminance(truth(environment, roughness, *direction))).collect();
+    let found = directions.iter().map(|direction| {
+        luminance(DVec3::from_array(pyramid.radiance(*direction, roughness as f32).map(f64::from)))
+    });
+    let off: Vec<f64> = found.zip(&truth).map(|(found, truth)| found - truth).collect();
+    let slope = truth.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    off.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).abs()).fold(0.0, f64::max) / slope
+}
+
 /// `environment` seen in turned axes, as an octahedral map: means of 16 points a texel.
 fn turned(environment: &Environment, source_from_map: DMat3) -> Environment {
     let Layout::Panorama { width, height } = environment.layout() else { panic!("a panorama") };
@@ -142,6 +169,13 @@ fn turned(environment: &Environment, source_from_map: DMat3) -> Environment {
         })
         .collect();
     Environment::new(Layout::Octahedral { size: SIZE }, texels).expect("a map")
+}
+
+/// CPU time of this process so far, on Linux.
+fn cpu_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let ticks = text.split_whitespace().skip(13).take(2).filter_map(|ticks| ticks.parse::<f64>().ok());
+    ticks.sum::<f64>() / 100.0
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -211,10 +245,10 @@ fn on_gpu(oem: &Oem, pyramid: &Pyramid) {
 
 /// Waits for all work.
 async fn readback_all(context: &Context) {
-    let buffer = context.device().create_buffer(&octagloss::wgpu::BufferDescriptor {
+    let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
         label: None,
         size: 16,
-        usage: octagloss::wgpu::BufferUsages::COPY_SRC | octagloss::wgpu::BufferUsages::STORAGE,
+        usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::STORAGE,
         mapped_at_creation: false,
     });
     let _: Vec<u32> = readback::read(context, &buffer).await.expect("a device");
@@ -239,9 +273,11 @@ fn main() {
         let start = Instant::now();
         let oem = oem_from_environment(&environment, OemSize { inner: SIZE, border: 0 }).expect("small");
         let between = Instant::now();
+        let cpu = cpu_seconds();
         let pyramid = Pyramid::of_oem(&oem).expect("a power of two");
+        let cpu = cpu_seconds() - cpu;
         println!(
-            "{path}: map {:.3} s, pyramid {:.3} s",
+            "{path}: map {:.3} s, pyramid {:.3} s, {cpu:.3} s of CPUs",
             (between - start).as_secs_f64(),
             between.elapsed().as_secs_f64()
         );
@@ -282,7 +318,10 @@ fn main() {
             let true_around = exact(&around);
             let found: Vec<DVec3> = around.iter().map(look).collect();
             let [_, epsilon, peak] = measures(&found, &true_around);
-            print!("  r {roughness:4.2} random {relative:.4}, sun: epsilon {epsilon:.4} of peak {peak:.4}");
+            print!(
+                "  r {roughness:4.2} random {relative:.4}, sun: epsilon {epsilon:.4} of peak {peak:.4} kinks {:.3}",
+                kinks(&pyramid, &environment, roughness, sun)
+            );
             if let Some(reflector) = &reflector {
                 let ask = |directions: &[DVec3]| -> Vec<DVec3> {
                     let answers = reflector.query_all(directions, roughness, Lobe::Ggx, Filter::Fitted(4));
@@ -325,6 +364,9 @@ fn main() {
                 cone_rows[k].push(ratio);
             }
         }
+    }
+    if gpu {
+        return;
     }
     for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
         let most = random_rows[k].iter().copied().fold(0.0, f64::max);

@@ -3,8 +3,8 @@
 #include "common/octahedral.wgsl"
 #include "common/reduce.wgsl"
 #include "common/table.wgsl"
-#include "pyramid/bordered.wgsl"
-#include "pyramid/light.wgsl"
+#include "common/bordered.wgsl"
+#include "common/pyramid_light.wgsl"
 
 const GROUP_SIZE = 64u;
 // Cells along an edge of the finest grid.

@@ -1,8 +1,8 @@
 // The levels of a pyramid: src/pyramid/levels.rs.
 #include "common/octahedral.wgsl"
 #include "common/table.wgsl"
-#include "pyramid/bordered.wgsl"
-#include "pyramid/light.wgsl"
+#include "common/bordered.wgsl"
+#include "common/pyramid_light.wgsl"
 
 const EDGE = 8u;
 // The sharp level's Gaussian ends at so many standard deviations.

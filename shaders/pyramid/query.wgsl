@@ -7,7 +7,7 @@
 @group(0) @binding(4) var octagloss_cosine: texture_2d_array<f32>;
 @group(0) @binding(5) var octagloss_linear: sampler;
 #include "common/rows.wgsl"
-#include "pyramid/lookup.wgsl"
+#include "common/pyramid.wgsl"
 
 const GROUP_SIZE = 64u;
 

@@ -18,6 +18,15 @@ use crate::pyramid::levels::{TAPS, taps};
 use crate::pyramid::{COARSEST, Octaves, cells, suns};
 use glam::DVec3;
 
+/// Invocations of a workgroup over queries, blocks or cells.
+pub const GROUP_SIZE: u32 = 64;
+
+/// Invocations of the workgroup that chooses suns.
+pub const SUNS_GROUP_SIZE: u32 = 256;
+
+/// Invocations along an edge of a workgroup over texels.
+pub const EDGE: u32 = 8;
+
 /// Format of the maps.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -27,13 +36,15 @@ pub const MOST_PROBES: u32 = 64;
 /// Table and sizes of a look-up: `OctaglossPyramid` of the shaders.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct Table {
+pub(super) struct Table {
     inner: f32,
     border: f32,
     octaves: u32,
     pad: u32,
     weights: [[f32; WEIGHTS]; INTERVALS as usize + 1],
 }
+
+shader::members!(Table { inner, border, octaves, pad, weights });
 
 /// `OctaglossSun` of the shaders.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -47,6 +58,8 @@ pub struct SunWords {
     pub energy: [f32; 3],
     pad: f32,
 }
+
+shader::members!(SunWords { direction, spread, energy, pad });
 
 /// `OctaglossPyramidLight` of the shaders.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -67,10 +80,12 @@ pub struct Light {
     pad_to_256: [f32; 12],
 }
 
+shader::members!(Light { world_from_source, scale, unscale, clamp, pad, harmonics, suns, pad_to_256 });
+
 /// `Level` of the shaders.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct Level {
+pub(super) struct Level {
     inner: u32,
     border: u32,
     finer_inner: u32,
@@ -79,6 +94,8 @@ struct Level {
     pad: [u32; 3],
     taps: [[f32; 4]; TAPS],
 }
+
+shader::members!(Level { inner, border, finer_inner, finer_border, variance, pad, taps });
 
 impl Level {
     /// A map of `size` under a Gaussian of `variance` over one of the size `finer`.
@@ -333,7 +350,7 @@ impl BuildPyramid {
             Dispatch::new(context, pipeline, resources, workgroups)
         };
         let size = octaves.size(0);
-        let squares = |size: OemSize| [size.inner / 8, size.inner / 8, 1];
+        let squares = |size: OemSize| [size.inner / EDGE, size.inner / EDGE, 1];
         let level = |size, finer, variance| context.uniform("level", &Level::new(size, finer, variance));
         let view = |texture, layer, mip| PyramidMaps::single(texture, layer, mip);
         let probe = maps.probe;
@@ -347,7 +364,7 @@ impl BuildPyramid {
                 dispatch(
                     &self.brightest,
                     &[&planes[..], &[blocks_at.clone()]].concat(),
-                    [(side * side).div_ceil(64), 1, 1],
+                    [(side * side).div_ceil(GROUP_SIZE), 1, 1],
                 ),
                 dispatch(&self.suns, &[&planes[..], &[blocks_at, (6, light())]].concat(), [1, 1, 1]),
             ],
@@ -411,7 +428,7 @@ impl BuildPyramid {
                 dispatch(
                     &self.cells,
                     &[&planes[..], &[(5, light()), cells_at.clone()]].concat(),
-                    [count.div_ceil(64), 1, 1],
+                    [count.div_ceil(GROUP_SIZE), 1, 1],
                 ),
                 dispatch(
                     &self.cosine,
@@ -421,7 +438,7 @@ impl BuildPyramid {
                         (7, to_cosine.as_entire_binding()),
                         (8, wgpu::BindingResource::TextureView(&cosine)),
                     ],
-                    [COARSEST * COARSEST / 64, 1, 1],
+                    [COARSEST * COARSEST / GROUP_SIZE, 1, 1],
                 ),
                 dispatch(&self.harmonics, &[table.clone(), (5, light()), cells_at], [25, 1, 1]),
             ],
@@ -460,7 +477,7 @@ impl PyramidQuery {
             .iter()
             .map(|(direction, roughness)| direction.as_vec3().extend(*roughness as f32).to_array())
             .collect();
-        let groups = u32::try_from(queries.len()).expect("what a buffer holds").div_ceil(64);
+        let groups = u32::try_from(queries.len()).expect("what a buffer holds").div_ceil(GROUP_SIZE);
         let answers = context.storage("answers", 16 * queries.len() as u64);
         let queries = context.storage_of("queries", &queries);
         let device = context.device();

@@ -3,7 +3,7 @@
 
 use super::{
     adaptive, blur, box_filter, cells, copy, device::stage, direct, emitters, fitted, fixed_point, harmonics,
-    lamp, mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shadow,
+    lamp, mirror, octaves, oem, pyramid, reparameterise, sat_f32, sat_hensley, sat_scan, shadow,
 };
 use crate::cpu::adaptive::{TINT_ROUNDING, USELESS};
 use crate::cpu::cells::{DIMMEST, FAINT, FIELDS, QUAD_FIELDS, RESIDUE};
@@ -16,6 +16,8 @@ use crate::geometry::source_texels::{CUBE, PANORAMA};
 use crate::geometry::tint::TINT_FIELDS;
 use crate::lobe::kernel::shape;
 use crate::lobe::profiles::NOTHING;
+use crate::pyramid::levels::CUT;
+use crate::pyramid::{fit, suns};
 use crate::realtime::emitters::{COUNT, GRID};
 use crate::realtime::tables::{KNOTS, OCTAVES, triangle};
 
@@ -107,6 +109,15 @@ pub fn constants() -> Vec<Constant> {
         one("lamp.wgsl", "PLACES", lamp::PLACES),
         one("mirror.wgsl", "EDGE", mirror::EDGE),
         one("pack.wgsl", "EDGE", box_filter::EDGE),
+        one("common/pyramid.wgsl", "OCTAGLOSS_INTERVALS", fit::INTERVALS),
+        one("common/pyramid_light.wgsl", "OCTAGLOSS_SUNS", suns::COUNT as u32),
+        one("pyramid/cells.wgsl", "FINEST", crate::pyramid::cells::FINEST),
+        one("pyramid/cells.wgsl", "GROUP_SIZE", pyramid::GROUP_SIZE),
+        float("pyramid/levels.wgsl", "CUT", f64::from(CUT)),
+        one("pyramid/levels.wgsl", "EDGE", pyramid::EDGE),
+        one("pyramid/query.wgsl", "GROUP_SIZE", pyramid::GROUP_SIZE),
+        one("pyramid/suns.wgsl", "FINEST", suns::FINEST),
+        one("pyramid/suns.wgsl", "GROUP_SIZE", pyramid::SUNS_GROUP_SIZE),
         one("reparameterise.wgsl", "EDGE", reparameterise::EDGE),
         one("reparameterise.wgsl", "GROUP_SIZE", reparameterise::GROUP_SIZE),
         one("sat_f32.wgsl", "EDGE", sat_f32::EDGE),
@@ -131,6 +142,7 @@ pub fn structs() -> Vec<Struct> {
         layout!("adaptive.wgsl", "Packet", adaptive::Packet),
         layout!("cells.wgsl", "Level", cells::CellLevel),
         layout!("cells.wgsl", "Tent", cells::Tent),
+        layout!("common/bordered.wgsl", "Level", pyramid::Level),
         layout!("common/direct.wgsl", "Corner", crate::direct::Corner),
         layout!("common/direct_view.wgsl", "OctaglossView", direct::view::View),
         layout!("common/light.wgsl", "OctaglossEmitter", fitted::EmitterWords),
@@ -150,6 +162,9 @@ pub fn structs() -> Vec<Struct> {
         layout!("common/octaves.wgsl", "OctaglossModel", fitted::Model),
         layout!("common/octaves.wgsl", "OctaglossOctave", octaves::Octave),
         layout!("common/octaves.wgsl", "OctaglossOctaves", fitted::Octaves),
+        layout!("common/pyramid.wgsl", "OctaglossPyramid", pyramid::Table),
+        layout!("common/pyramid_light.wgsl", "OctaglossPyramidLight", pyramid::Light),
+        layout!("common/pyramid_light.wgsl", "OctaglossSun", pyramid::SunWords),
         // Four exponents, then the sizes, in a header of 32 bytes.
         ("common/sat.wgsl", "OctaglossTable", &[("exponents", 0), ("inner", 16), ("border", 20)], 32),
         // Four low words and four high ones.

@@ -6,7 +6,7 @@
 //! the error of interpolation. It rises smoothly to infinity where a level comes into use, so that no weight
 //! jumps, and limits those in use to [`READS`].
 
-use super::{Octaves, suns};
+use super::{Octaves, WIDEST, suns};
 use crate::lobe::{self, Lobe, legendre};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -37,7 +37,10 @@ pub(crate) const SPREAD: f64 = 50.0;
 /// half of alpha up. The length is less than [`READS`] octaves by more than an interval of the table.
 const IN_USE: [f64; 2] = [-1.5, 3.3];
 
-/// The same for the mirror, which is more than an octave sharper than the sharp level.
+/// Octaves that finer levels gain while the widest comes into use: then there are reads to spare.
+const SPARE: f64 = 0.5;
+
+/// From where on the mirror is in use, which is more than an octave sharper than the sharp level.
 const MIRROR_FROM: f64 = -2.2;
 
 /// Octaves over which a level comes into use.
@@ -48,7 +51,7 @@ const HARMONICS: [f64; 2] = [0.03, 0.1];
 const CLAMPED_COSINE: [f64; 2] = [0.3, 0.5];
 
 /// Ridge, in units of the lobe's own norm.
-const RIDGE: f64 = 1e-3;
+const RIDGE: f64 = 3e-4;
 
 /// Weight of the error over the lobe's square, which counts around suns, against that over the lobe.
 const PEAK: f64 = 3.0;
@@ -130,11 +133,12 @@ pub fn functions(octaves: Octaves, c: f64) -> [f64; WEIGHTS] {
 fn shares(octaves: Octaves, roughness: f64) -> [f64; WEIGHTS] {
     let mut shares = [0.0; WEIGHTS];
     let octave = |width: f64| (width / (roughness * roughness)).log2();
+    let spare = SPARE * smooth((IN_USE[1] - octave(WIDEST)) / FADE);
     shares[0] = smooth((octave(octaves.mirror_width()) - MIRROR_FROM) / FADE);
     let widths = std::iter::once(octaves.sharp_width()).chain((0..octaves.count()).map(|k| octaves.width(k)));
     for (share, width) in shares[1..].iter_mut().zip(widths) {
         let octave = octave(width);
-        *share = smooth((octave - IN_USE[0]) / FADE) * smooth((IN_USE[1] - octave) / FADE);
+        *share = smooth((octave - IN_USE[0] + spare) / FADE) * smooth((IN_USE[1] - octave) / FADE);
     }
     let above = |[from, to]: [f64; 2]| smooth((roughness - from) / (to - from));
     shares[COSINE] = above(CLAMPED_COSINE);

@@ -28,6 +28,7 @@ pub(crate) use members;
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
     "common/atlas.wgsl",
+    "common/bordered.wgsl",
     "common/charlie.wgsl",
     "common/direct.wgsl",
     "common/direct_view.wgsl",
@@ -44,6 +45,8 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/oem_lookup.wgsl",
     "common/plane.wgsl",
     "common/planes.wgsl",
+    "common/pyramid.wgsl",
+    "common/pyramid_light.wgsl",
     "common/quad.wgsl",
     "common/reduce.wgsl",
     "common/reduction.wgsl",
@@ -78,11 +81,8 @@ pub const FILES: &[(&str, &str)] = &files![
     "least.wgsl",
     "mirror.wgsl",
     "pack.wgsl",
-    "pyramid/bordered.wgsl",
     "pyramid/cells.wgsl",
     "pyramid/levels.wgsl",
-    "pyramid/light.wgsl",
-    "pyramid/lookup.wgsl",
     "pyramid/query.wgsl",
     "pyramid/suns.wgsl",
     "reparameterise.wgsl",
@@ -192,7 +192,7 @@ pub fn queries(queries: &[Queries]) -> String {
             Queries::Fitted(group) => (group, FITTED.to_vec(), "common/fitted.wgsl"),
             Queries::Live(group) => (group, FITTED.to_vec(), "common/live.wgsl"),
             Queries::Probes(group) => (group, PROBES.to_vec(), "common/live.wgsl"),
-            Queries::Pyramid(group) => (group, PYRAMID.to_vec(), "pyramid/lookup.wgsl"),
+            Queries::Pyramid(group) => (group, PYRAMID.to_vec(), "common/pyramid.wgsl"),
             Queries::Draw(group) => {
                 (group, vec!["var<uniform> octagloss_view: OctaglossView"], "common/direct_view.wgsl")
             }

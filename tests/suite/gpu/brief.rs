@@ -4,7 +4,8 @@
 use super::entry_points::ENTRY_POINTS;
 use super::stages::TakeOver;
 use super::{
-    boxes, direct, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, sat, stages, unwrap, wait,
+    boxes, direct, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, pyramid, sat, stages,
+    unwrap, wait,
 };
 use crate::support::common::{Look, Random, oem as oem_of, texels};
 use octagloss::Layout;
@@ -17,7 +18,7 @@ use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
 
 /// The entry points that each test below runs.
-const RUN: [(&str, &[&str]); 7] = [
+const RUN: [(&str, &[&str]); 8] = [
     (
         "scans",
         &[
@@ -69,6 +70,20 @@ const RUN: [(&str, &[&str]); 7] = [
             "harmonics.wgsl sum_of_all",
             "harmonics.wgsl sums_of_groups",
             "mirror.wgsl mirror",
+        ],
+    ),
+    (
+        "pyramids",
+        &[
+            "pyramid/cells.wgsl cells_of_texels",
+            "pyramid/cells.wgsl cosine",
+            "pyramid/cells.wgsl harmonics",
+            "pyramid/levels.wgsl cascade",
+            "pyramid/levels.wgsl mirror",
+            "pyramid/levels.wgsl sharp",
+            "pyramid/query.wgsl query",
+            "pyramid/suns.wgsl brightest_of_blocks",
+            "pyramid/suns.wgsl suns",
         ],
     ),
     (
@@ -146,6 +161,13 @@ fn small_fitted_lobes_match_the_cpu() {
         fitted::blurred_tables(context, passes, &[(32, 3, Look::Suns)]);
         fitted::harmonics(context, passes, &[(16, 0, Look::Noise)]);
         fitted::radiance(context, passes, &[(16, Look::Noise)], &[0.0, 0.15, 0.4, 1.0]);
+    });
+}
+
+#[test]
+fn small_pyramids_match_the_cpu() {
+    on_every_adapter("brief: pyramids", |context| {
+        pyramid::look_ups(context, &[(32, Look::Suns, 1.0)], &[0.0, 0.3, 1.0]);
     });
 }
 

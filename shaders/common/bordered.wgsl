@@ -20,9 +20,16 @@ struct Level {
 @group(0) @binding(7) var<uniform> level: Level;
 @group(0) @binding(8) var map: texture_storage_2d<rgba16float, write>;
 
+// Each value rounded to the nearest half: drivers may cut off, and levels from levels would darken.
+fn halves(light: vec3<f32>) -> vec3<f32> {
+    let bits = bitcast<vec3<u32>>(light);
+    let even = (bits >> vec3<u32>(13u)) & vec3<u32>(1u);
+    return bitcast<vec3<f32>>((bits + 0xfffu + even) & vec3<u32>(0xffffe000u));
+}
+
 // Writes texel `at` of the square, also where the border has it.
 fn store(at: vec2<i32>, light: vec3<f32>) {
-    let value = vec4<f32>(light, 1.0);
+    let value = vec4<f32>(halves(light), 1.0);
     let n = i32(level.inner);
     let b = i32(level.border);
     textureStore(map, at + b, value);

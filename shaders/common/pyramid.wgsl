@@ -1,6 +1,6 @@
 // Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of src/pyramid/mod.rs. At
 // most five bilinear reads.
-#include "pyramid/light.wgsl"
+#include "common/pyramid_light.wgsl"
 
 const OCTAGLOSS_INTERVALS = 256u;
 
