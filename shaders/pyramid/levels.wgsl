@@ -6,7 +6,7 @@
 
 const EDGE = 8u;
 // The sharp level's Gaussian ends at so many standard deviations.
-const CUT = 3.0;
+const CUT = 3.0f;
 
 @group(0) @binding(1) var<storage, read> red: array<f32>;
 @group(0) @binding(2) var<storage, read> green: array<f32>;

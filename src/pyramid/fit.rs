@@ -57,7 +57,7 @@ const RIDGE: f64 = 3e-4;
 const PEAK: f64 = 3.0;
 
 /// Radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
-const FLOOR: f64 = 0.1;
+const FLOOR: f64 = 0.03;
 
 /// Weights of the levels at [`INTERVALS`] + 1 nodes over roughness.
 #[derive(Debug)]
@@ -160,7 +160,9 @@ pub fn fitted(octaves: Octaves, roughness: f64) -> [f32; WEIGHTS] {
     let count = used.len();
     // The normal equations, and a multiplier that holds the lobe's integral at 1.
     let mut system = vec![vec![0.0; count + 2]; count + 1];
-    let points = lobe_points(roughness * roughness, octaves.mirror_width());
+    // Sharper lobes than the mirror's are served by the mirror.
+    let alpha = (roughness * roughness).max(0.5 * octaves.mirror_width());
+    let points = lobe_points(alpha, octaves.mirror_width());
     let square: f64 = points.iter().map(|point| point.area * point.lobe * point.lobe).sum();
     for point in &points {
         let weight = point.area * (1.0 / (FLOOR / (4.0 * PI) + point.lobe) + PEAK / square);
@@ -201,7 +203,7 @@ fn lobe_points(alpha: f64, finest: f64) -> Vec<LobePoint> {
     let least = 0.02 * alpha.max(finest);
     let step = (PI / least).ln() / f64::from(COUNT);
     let edge = |k: u32| 2.0 * (least * (f64::from(k) * step).exp() / 2.0).min(PI / 2.0).sin().powi(2);
-    let kernel = |c: f64| if alpha > 0.0 { lobe::kernel(Lobe::Ggx, alpha, c / 2.0) } else { 0.0 };
+    let kernel = |c: f64| lobe::kernel(Lobe::Ggx, alpha, c / 2.0);
     let mut points: Vec<_> = std::iter::once([0.0, edge(0)])
         .chain((0..COUNT).map(|k| [edge(k), edge(k + 1)]))
         .map(|[from, to]| {
