@@ -2,7 +2,7 @@
 // most five bilinear reads.
 #include "common/pyramid_light.wgsl"
 
-const OCTAGLOSS_INTERVALS = 256u;
+const OCTAGLOSS_INTERVALS = 512u;
 
 // The table of src/pyramid/fit.rs, and the maps' size.
 struct OctaglossPyramid {
@@ -72,8 +72,8 @@ fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
 fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> vec3<f32> {
     let d = octagloss_source_from_world(probe, direction);
     let at = octagloss_place(d);
-    // 256 / log2(51).
-    let node = log2(1.0 + 50.0 * roughness) * 45.130607;
+    // 512 / log2(51).
+    let node = log2(1.0 + 50.0 * roughness) * 90.261214;
     let k = min(u32(node), OCTAGLOSS_INTERVALS - 1u);
     let share = node - f32(k);
     let low = octagloss_pyramid.weights[k];

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 /// Intervals of the table.
-pub const INTERVALS: u32 = 256;
+pub const INTERVALS: u32 = 512;
 
 /// Weights at a node: mirror, sharp level, seven levels from fine to coarse, cosine, harmonics of order 0 to
 /// 4; and 1 over the integral of GGX, for suns.
@@ -33,31 +33,32 @@ pub const READS: usize = 5;
 /// Nodes lie evenly in the logarithm of roughness, and evenly in roughness far below 1 over this.
 pub(crate) const SPREAD: f64 = 50.0;
 
-/// Standard deviations over alpha between which a level is in use, log2. GGX is a mixture of Gaussians from
-/// half of alpha up. The length is less than [`READS`] octaves by more than an interval of the table.
-const IN_USE: [f64; 2] = [-1.5, 3.3];
+/// Standard deviations over alpha between which a level comes into use, log2, and over how many octaves. GGX
+/// is a mixture of Gaussians from half of alpha up. Levels with a weight span less than [`READS`] octaves.
+const IN_USE: [f64; 2] = [-1.8, 3.6];
+const FADE: f64 = 1.5;
 
 /// Octaves that finer levels gain while the widest comes into use: then there are reads to spare.
-const SPARE: f64 = 0.5;
+const SPARE: f64 = 0.4;
 
-/// From where on the mirror is in use, which is more than an octave sharper than the sharp level.
-const MIRROR_FROM: f64 = -2.2;
-
-/// Octaves over which a level comes into use.
-const FADE: f64 = 0.5;
+/// The same for the mirror, which is more than an octave sharper than the sharp level.
+const MIRROR_FROM: f64 = -2.4;
 
 /// Roughness over which harmonics, and the cosine, come into use.
-const HARMONICS: [f64; 2] = [0.03, 0.1];
-const CLAMPED_COSINE: [f64; 2] = [0.3, 0.5];
+const HARMONICS: [f64; 2] = [0.02, 0.15];
+const CLAMPED_COSINE: [f64; 2] = [0.25, 0.6];
 
-/// Ridge, in units of the lobe's own norm.
-const RIDGE: f64 = 3e-4;
+/// Ridge of what is in use, in units of the lobe's own norm; how fast it rises where that comes into use; and
+/// over which share of itself it counts as infinite.
+const RIDGE: f64 = 5e-4;
+const RISE: f64 = 6.0;
+const NONE: f64 = 1e-8;
 
 /// Weight of the error over the lobe's square, which counts around suns, against that over the lobe.
 const PEAK: f64 = 3.0;
 
 /// Radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
-const FLOOR: f64 = 0.03;
+const FLOOR: f64 = 0.015;
 
 /// Weights of the levels at [`INTERVALS`] + 1 nodes over roughness.
 #[derive(Debug)]
@@ -129,18 +130,24 @@ pub fn functions(octaves: Octaves, c: f64) -> [f64; WEIGHTS] {
     values
 }
 
-/// The share of each function that is in use in lobes of `roughness`.
+/// Over the ridge, the ridge of what is in use: 1 where a function is, 0 where it is not.
 fn shares(octaves: Octaves, roughness: f64) -> [f64; WEIGHTS] {
-    let mut shares = [0.0; WEIGHTS];
+    let share = |t: f64| {
+        let share = (-RISE * (1.0 - t.min(1.0)) / t.max(0.0)).exp();
+        if share > NONE { share } else { 0.0 }
+    };
     let octave = |width: f64| (width / (roughness * roughness)).log2();
-    let spare = SPARE * smooth((IN_USE[1] - octave(WIDEST)) / FADE);
-    shares[0] = smooth((octave(octaves.mirror_width()) - MIRROR_FROM) / FADE);
+    let spare = SPARE * smooth(2.0 * (IN_USE[1] - octave(WIDEST)));
+    let mut shares = [0.0; WEIGHTS];
+    shares[0] = share((octave(octaves.mirror_width()) - MIRROR_FROM) / FADE);
     let widths = std::iter::once(octaves.sharp_width()).chain((0..octaves.count()).map(|k| octaves.width(k)));
-    for (share, width) in shares[1..].iter_mut().zip(widths) {
+    for (place, width) in shares[1..].iter_mut().zip(widths) {
         let octave = octave(width);
-        *share = smooth((octave - IN_USE[0] + spare) / FADE) * smooth((IN_USE[1] - octave) / FADE);
+        let [low, high] =
+            [octave - IN_USE[0] + spare, IN_USE[1] - octave].map(|t| (t / FADE).clamp(0.0, 1.0));
+        *place = share(low * high);
     }
-    let above = |[from, to]: [f64; 2]| smooth((roughness - from) / (to - from));
+    let above = |[from, to]: [f64; 2]| share((roughness - from) / (to - from));
     shares[COSINE] = above(CLAMPED_COSINE);
     shares[ORDERS..LOBE].fill(above(HARMONICS));
     shares
@@ -152,7 +159,7 @@ pub fn fitted(octaves: Octaves, roughness: f64) -> [f32; WEIGHTS] {
     let mut weights = [0.0; WEIGHTS];
     weights[LOBE] = suns::lobe_share(octaves, roughness) as f32;
     let shares = shares(octaves, roughness);
-    let used: Vec<usize> = (0..WEIGHTS).filter(|k| shares[*k] > 1e-6).collect();
+    let used: Vec<usize> = (0..WEIGHTS).filter(|k| shares[*k] > 0.0).collect();
     if let [only] = used[..] {
         weights[only] = 1.0;
         return weights;
@@ -161,7 +168,7 @@ pub fn fitted(octaves: Octaves, roughness: f64) -> [f32; WEIGHTS] {
     // The normal equations, and a multiplier that holds the lobe's integral at 1.
     let mut system = vec![vec![0.0; count + 2]; count + 1];
     // Sharper lobes than the mirror's are served by the mirror.
-    let alpha = (roughness * roughness).max(0.5 * octaves.mirror_width());
+    let alpha = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.25);
     let points = lobe_points(alpha, octaves.mirror_width());
     let square: f64 = points.iter().map(|point| point.area * point.lobe * point.lobe).sum();
     for point in &points {
@@ -199,7 +206,7 @@ struct LobePoint {
 
 /// Rings around a lobe of `alpha`, their widths proportional to their angle, down to the scale of `finest`.
 fn lobe_points(alpha: f64, finest: f64) -> Vec<LobePoint> {
-    const COUNT: u32 = 400;
+    const COUNT: u32 = 200;
     let least = 0.02 * alpha.max(finest);
     let step = (PI / least).ln() / f64::from(COUNT);
     let edge = |k: u32| 2.0 * (least * (f64::from(k) * step).exp() / 2.0).min(PI / 2.0).sin().powi(2);
