@@ -53,8 +53,10 @@ fn lobes_keep_energy_read_little_and_are_never_dark() {
         let mut mirror = [0.0; WEIGHTS];
         mirror[0] = 1.0;
         assert_eq!(table.at(0.0)[..WEIGHTS - 1], mirror[..WEIGHTS - 1], "roughness 0 is the mirror");
-        // Even the last node is reached.
-        assert_eq!(table.at(1.0), table.nodes()[INTERVALS as usize], "roughness 1");
+        // The last node is reached, to the rounding of a logarithm.
+        let last = table.nodes()[INTERVALS as usize];
+        let off = table.at(1.0).iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-4, "roughness 1 is off by {off}");
     }
 }
 
