@@ -2,7 +2,7 @@
 // most five bilinear reads.
 #include "common/pyramid_light.wgsl"
 
-const OCTAGLOSS_INTERVALS = 512u;
+const OCTAGLOSS_INTERVALS = 640u;
 
 // The table of src/pyramid/fit.rs, and the maps' size.
 struct OctaglossPyramid {
@@ -27,7 +27,8 @@ fn octagloss_place(direction: vec3<f32>) -> vec2<f32> {
     let folded = 1.0 - abs(p.zx);
     let turned = vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.z >= 0.0));
     let uv = select(turned, p.xz, p.y >= 0.0);
-    return 0.5 + uv * (0.5 * octagloss_pyramid.inner / (octagloss_pyramid.inner + 2.0 * octagloss_pyramid.border));
+    let inner = octagloss_pyramid.inner;
+    return 0.5 + uv * (0.5 * inner / (inner + 2.0 * octagloss_pyramid.border));
 }
 
 // Harmonics of radiance around the unit vector `d`, the sum of each order times its weight.
@@ -72,8 +73,8 @@ fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
 fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> vec3<f32> {
     let d = octagloss_source_from_world(probe, direction);
     let at = octagloss_place(d);
-    // 512 / log2(51).
-    let node = log2(1.0 + 50.0 * roughness) * 90.261214;
+    // 640 / log2(51).
+    let node = log2(1.0 + 50.0 * roughness) * 112.826518;
     let k = min(u32(node), OCTAGLOSS_INTERVALS - 1u);
     let share = node - f32(k);
     let low = octagloss_pyramid.weights[k];
@@ -92,11 +93,13 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     var levels = array<f32, 7>(a.z, a.w, b.x, b.y, b.z, b.w, c.x);
     for (var level = 0u; level < octagloss_pyramid.octaves; level++) {
         if levels[level] != 0.0 {
-            sum += levels[level] * textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, f32(level)).xyz;
+            let read = textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, f32(level));
+            sum += levels[level] * read.xyz;
         }
     }
     if c.y != 0.0 {
-        sum += c.y * textureSampleLevel(octagloss_cosine, octagloss_linear, octagloss_cosine_place(at), probe, 0.0).xyz;
+        let place = octagloss_cosine_place(at);
+        sum += c.y * textureSampleLevel(octagloss_cosine, octagloss_linear, place, probe, 0.0).xyz;
     }
     sum += octagloss_harmonics(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 /// Intervals of the table.
-pub const INTERVALS: u32 = 512;
+pub const INTERVALS: u32 = 640;
 
 /// Weights at a node: mirror, sharp level, seven levels from fine to coarse, cosine, harmonics of order 0 to
 /// 4; and 1 over the integral of GGX, for suns.
@@ -35,14 +35,14 @@ pub(crate) const SPREAD: f64 = 50.0;
 
 /// Standard deviations over alpha between which a level comes into use, log2, and over how many octaves. GGX
 /// is a mixture of Gaussians from half of alpha up. Levels with a weight span less than [`READS`] octaves.
-const IN_USE: [f64; 2] = [-1.8, 3.6];
+const IN_USE: [f64; 2] = [-1.6, 3.9];
 const FADE: f64 = 1.5;
 
-/// Octaves that finer levels gain while the widest comes into use: then there are reads to spare.
+/// Octaves that finer levels gain once the widest is in use: then there are reads to spare.
 const SPARE: f64 = 0.4;
 
 /// The same for the mirror, which is more than an octave sharper than the sharp level.
-const MIRROR_FROM: f64 = -2.4;
+const MIRROR_FROM: f64 = -2.2;
 
 /// Roughness over which harmonics, and the cosine, come into use.
 const HARMONICS: [f64; 2] = [0.02, 0.15];
@@ -51,7 +51,7 @@ const CLAMPED_COSINE: [f64; 2] = [0.25, 0.6];
 /// Ridge of what is in use, in units of the lobe's own norm; how fast it rises where that comes into use; and
 /// over which share of itself it counts as infinite.
 const RIDGE: f64 = 5e-4;
-const RISE: f64 = 6.0;
+const RISE: f64 = 5.0;
 const NONE: f64 = 1e-8;
 
 /// Weight of the error over the lobe's square, which counts around suns, against that over the lobe.
@@ -137,7 +137,7 @@ fn shares(octaves: Octaves, roughness: f64) -> [f64; WEIGHTS] {
         if share > NONE { share } else { 0.0 }
     };
     let octave = |width: f64| (width / (roughness * roughness)).log2();
-    let spare = SPARE * smooth(2.0 * (IN_USE[1] - octave(WIDEST)));
+    let spare = SPARE * smooth(2.0 * (IN_USE[1] - octave(WIDEST)) - 1.0);
     let mut shares = [0.0; WEIGHTS];
     shares[0] = share((octave(octaves.mirror_width()) - MIRROR_FROM) / FADE);
     let widths = std::iter::once(octaves.sharp_width()).chain((0..octaves.count()).map(|k| octaves.width(k)));

@@ -15,7 +15,7 @@ use octagloss::internals::pyramid::{Octaves, Pyramid};
 use octagloss::internals::sphere::octahedral::{direction_from_oct, texel_centre};
 use std::f64::consts::PI;
 
-const SIZES: [u32; 3] = [32, 128, 512];
+const SIZES: [u32; 4] = [32, 128, 512, 1024];
 
 /// The place of the harmonics, which are no reads.
 const ORDERS: usize = 10;
