@@ -120,8 +120,8 @@ fn measures(found: &[DVec3], truth: &[DVec3]) -> [f64; 3] {
     worst
 }
 
-/// The greatest jump of slope over the greatest slope along a line of pixels of a sphere, 600 pixels wide, whose
-/// reflection passes through `sun`: the second differences that the truth does not have.
+/// The greatest jump of slope over the greatest slope along a line of pixels of a sphere, 600 pixels wide,
+/// whose reflection passes through `sun`: the second differences that the truth does not have.
 fn kinks(pyramid: &Pyramid, environment: &Environment, roughness: f64, sun: DVec3) -> f64 {
     // The sun is reflected a quarter from the left.
     let view = (sun + DVec3::new(0.3, 0.5, 0.8).cross(sun).normalize()).normalize();

@@ -146,7 +146,8 @@ fn cascade(@builtin(global_invocation_id) id: vec3<u32>) {
         let half = 0.5 * (p * p + q * q);
         let to = place.direction * (1.0 - half)
             + (place.along * p + place.across * q) * sqrt(1.0 - 0.5 * half);
-        sum += tap.z * textureSampleLevel(finer, linear, 0.5 + oct_from_direction(to) * mirrors * scale, 0.0).xyz;
+        let at = 0.5 + oct_from_direction(to) * mirrors * scale;
+        sum += tap.z * textureSampleLevel(finer, linear, at, 0.0).xyz;
     }
     store(vec2<i32>(id.xy), sum);
 }

@@ -363,7 +363,7 @@ impl BuildPyramid {
             vec![
                 dispatch(
                     &self.brightest,
-                    &[&planes[..], &[blocks_at.clone()]].concat(),
+                    &[&planes[..], std::slice::from_ref(&blocks_at)].concat(),
                     [(side * side).div_ceil(GROUP_SIZE), 1, 1],
                 ),
                 dispatch(&self.suns, &[&planes[..], &[blocks_at, (6, light())]].concat(), [1, 1, 1]),
