@@ -29,6 +29,24 @@ pub enum Filter {
     Reference,
 }
 
+impl Default for Filter {
+    fn default() -> Self {
+        Self::Adaptive(0.005)
+    }
+}
+
+/// As on the command line and in reports.
+impl std::fmt::Display for Filter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Adaptive(error) => write!(f, "adaptive:{error}"),
+            Self::Fitted(count) => write!(f, "fitted:{count}"),
+            Self::Box => f.write_str("box"),
+            Self::Reference => f.write_str("reference"),
+        }
+    }
+}
+
 impl Filter {
     /// Filter for a chain's secondary lobes, sheen and irradiance: fitted lobes support only GGX.
     #[must_use]

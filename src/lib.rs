@@ -138,6 +138,7 @@ mod percent;
 #[cfg(feature = "plot")]
 mod plot;
 mod realtime;
+mod recipe;
 mod reflector;
 mod sat;
 mod sh;
@@ -209,6 +210,7 @@ pub mod internals {
         lobe,
         oem,
         realtime,
+        recipe,
         reflector,
         sat,
         sh,

@@ -30,9 +30,6 @@ pub enum Lobe {
 /// Every lobe.
 pub const LOBES: [Lobe; 5] = [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine, Lobe::Charlie];
 
-/// The key under which outputs name their lobe.
-pub const LOBE_KEY: &str = "octaglossLobe";
-
 /// The least roughness of a Charlie lobe, four degrees across: level 1 of nine. At 0 it would be the
 /// horizon's circle, which no texel resolves. The sampler's level 0 is black: none of its half vectors has
 /// light above the horizon.

@@ -4,13 +4,10 @@ pub mod dfg;
 pub(crate) mod job;
 pub(crate) mod level;
 pub(crate) mod memory;
-pub mod overflow;
 pub mod query;
-pub mod report;
 pub(crate) mod result;
 pub(crate) mod settings;
 pub(crate) mod solve;
-pub mod turned;
 
 use crate::analysis::typical::{median, probes};
 use crate::chain::Chain;

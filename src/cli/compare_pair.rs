@@ -8,7 +8,6 @@ use super::input::single_source;
 use super::look_ups::{self, Delivered, Overlay};
 use super::measures::Measures;
 use super::outcome::{Outcome, print, usage};
-use super::shared_args::InputArgs;
 use crate::chain::Chain;
 use crate::chain_lookup::ChainLookup;
 use crate::image::side_by_side::{Column, directions, side_by_side};
@@ -16,6 +15,7 @@ use crate::io::LoadedChain;
 use crate::io::ldr::write::write_png;
 use crate::io::output::Existing;
 use crate::ladder::Ladder;
+use crate::recipe::InputOptions;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -78,7 +78,7 @@ pub(super) fn run(args: &CompareArgs, existing: Existing, console: &Console) -> 
         Ok(Side { name: path.display().to_string(), chain, ladder, source, delivered })
     };
     let sides = [side(&args.bake, a)?, side(other, b)?];
-    let unturned = |side: &Side| InputArgs { rotate_y: None, mirror: false, ..side.source.input.clone() };
+    let unturned = |side: &Side| InputOptions { rotate_y: None, mirror: false, ..side.source.input.clone() };
     if unturned(&sides[0]) != unturned(&sides[1]) {
         return usage(format!(
             "{} and {} are bakes of different light (scale, crop, padding or a removed sun); bake both alike",

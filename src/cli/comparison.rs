@@ -5,7 +5,7 @@ use super::compare_parts::{self, Part, Parts};
 use super::compare_sources::Sources;
 use super::console::Console;
 use super::gate::{Verdict, levels};
-use super::input::{is_chain_file, read_bake};
+use super::input::read_bake;
 use super::look_ups::{self, Delivered, Overlay, channel};
 use super::measures::{Measures, is_from};
 use super::outcome::{Outcome, usage};
@@ -114,7 +114,7 @@ pub(super) fn bake_in(path: &Path, console: &Console) -> Outcome<LoadedChain> {
         return Ok(panorama);
     }
     // Report why a candidate file or folder is not a valid bake.
-    if path.is_dir() || is_chain_file(path) {
+    if path.is_dir() || io::may_hold_chain(path) {
         io::read_chain(path)?;
     }
     open_regular(path)?;

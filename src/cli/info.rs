@@ -4,18 +4,18 @@ use super::args::InfoArgs;
 use super::console::{self, Console};
 use super::engine::list_adapters;
 use super::info_other;
-use super::input::{self, InputFiles, Opened, layout_name, read_bake};
+use super::input::{self, InputFiles, layout_name, read_bake};
 use super::outcome::{Failure, Outcome, print};
-use super::shared_args::InputArgs;
 use crate::analysis::statistics::Statistics;
 use crate::analysis::sun::Brightest;
-use crate::bake::report::SunReport;
 use crate::chain::{Chain, Level};
 use crate::environment::exact_luminance;
 use crate::io::provenance::{Provenance, TakenSun};
 use crate::io::{LayoutChoice, Pad, Repairs};
 use crate::lobe::Lobe;
 use crate::percent::percent;
+use crate::recipe::InputOptions;
+use crate::recipe::source::{Source, SunReport};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::fs;
@@ -124,7 +124,12 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
     if failed { Err(Failure::Reported) } else { Ok(()) }
 }
 
-fn describe(source: &InputFiles, args: &InputArgs, json: bool, console: &Console) -> crate::Result<String> {
+fn describe(
+    source: &InputFiles,
+    args: &InputOptions,
+    json: bool,
+    console: &Console,
+) -> crate::Result<String> {
     let input = source.path().display().to_string();
     let bytes = source.files().iter().map(|file| bytes_in(file)).sum();
     if let Some(bake) = read_bake(source.path())? {
@@ -201,7 +206,7 @@ fn levels_info(chain: &Chain) -> Vec<LevelInfo> {
     chain.levels.iter().enumerate().map(level).collect()
 }
 
-fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInfo {
+fn environment_info(input: String, bytes: u64, opened: Source) -> EnvironmentInfo {
     let statistics = Statistics::of(&opened.environment);
     let energy_share = statistics.sun_share();
     let brightest = |kind: Brightest| {
@@ -213,7 +218,7 @@ fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInf
         input,
         format: opened.format,
         bytes,
-        origin: (!opened.provenance.is_empty()).then(|| Origin::of(opened.provenance)),
+        origin: (!opened.origin.is_empty()).then(|| Origin::of(opened.origin)),
         layout: opened.layout,
         covers: layout_name(opened.environment.layout()),
         width: opened.width,

@@ -2,11 +2,11 @@
 
 use super::console;
 use super::shell::listed;
-use crate::bake::report::Report;
 use crate::environment::Map;
-use crate::export::plan::BakePlan;
+use crate::export::report::Report;
 use crate::format::container::Container;
 use crate::percent::percent;
+use crate::recipe::plan::BakePlan;
 use std::path::Path;
 
 /// What a bake wrote.
@@ -65,7 +65,7 @@ impl Written<'_> {
 
 /// The levels of a plan's bake in a few words.
 fn levels(plan: &BakePlan, report: &Report) -> String {
-    let (size, count) = (report.options.size, report.levels.len());
+    let (size, count) = (plan.settings.size, report.levels.len());
     let map = match plan.settings.map {
         Map::Cube => format!("cube {size}"),
         Map::Panorama => format!("panorama {}x{size}", 2 * u64::from(size)),

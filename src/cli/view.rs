@@ -15,6 +15,7 @@ use crate::view::{
     Levels, Mesh, Renderer, Screenshot, Start, Technique, Truth, run as run_window, screenshot,
 };
 use crate::{Environment, Layout};
+use std::sync::Arc;
 
 pub(super) fn run(args: ViewArgs) -> Outcome {
     let mut look = args.look.look();
@@ -82,7 +83,8 @@ fn environment(args: &ViewArgs, console: &Console) -> Outcome<(Environment, Stri
         return Ok((synth("sky")?, "sky".to_owned()));
     }
     let source = input::single_source(args.inputs.clone(), &args.input)?;
-    Ok((source.open(&args.input, console)?.environment, source.stem()))
+    let environment = source.open(&args.input, console)?.environment;
+    Ok((Arc::unwrap_or_clone(environment), source.stem()))
 }
 
 /// The levels of the input, if it is a bake with several. `None` with `--extract-sun`: the levels still

@@ -1,8 +1,7 @@
 //! Encodes the files of a plan from a bake.
 
 use super::{babylon, gltf, playcanvas};
-use crate::bake::report::filter_name;
-use crate::bake::{Bake, BakeSettings};
+use crate::bake::Bake;
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
@@ -15,13 +14,16 @@ use crate::io::hdr::write::hdr_bytes_with;
 use crate::io::layout::Unfolding;
 use crate::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::io::oem_write::oem_bytes;
-use crate::io::provenance::{CHAIN_KEY, Provenance, QUARTER_TURNS_KEY, irradiance_pairs};
-use crate::lobe::{LOBE_KEY, Lobe};
+use crate::io::provenance::{IRRADIANCE, RECIPE_KEY, TakenSun};
+use crate::lobe::Lobe;
+use crate::recipe::source::SunReport;
+use crate::recipe::{Recipe, fields};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{name, order_text};
 use crate::sphere::cube::Face;
 use crate::target::{Content, Naming, READERS, TargetPlan};
 use rayon::prelude::*;
+use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
 /// A file in memory.
@@ -70,24 +72,13 @@ fn file_of(
     let pixel = if container.holds(plan.pixel) { plan.pixel } else { Pixel::F16 };
     let cube = |levels: &[Level], sh: bool| {
         let chain = Chain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
-        let mut pairs = cube_metadata(plan, bake, metadata, sh);
-        let mut set = |key: &str, value: &str| {
-            let own = pairs.iter_mut().filter(|(found, _)| found == key);
-            own.for_each(|(_, old)| value.clone_into(old));
+        let own = match content {
+            Content::Sheen => vec![("lobe", json!(Lobe::Charlie)), ("chain", json!(ChainKind::Sampled))],
+            Content::Skybox if bake.skybox.is_some() => mirror(),
+            Content::Irradiance => irradiated(),
+            _ => Vec::new(),
         };
-        match content {
-            Content::Sheen => {
-                set(LOBE_KEY, Lobe::Charlie.name());
-                set(CHAIN_KEY, ChainKind::Sampled.name());
-            }
-            // A mirror whatever the lobe of the levels.
-            Content::Skybox if bake.skybox.is_some() => {
-                set(LOBE_KEY, Lobe::Ggx.name());
-                set(CHAIN_KEY, ChainKind::Sampled.name());
-            }
-            Content::Irradiance => pairs = irradiance_pairs(&pairs),
-            _ => {}
-        }
+        let pairs = cube_metadata(plan, bake, &recorded(metadata, &own), sh);
         cube_bytes(container, &chain, pixel, &pairs)
     };
     let levels = &bake.chain.levels[..];
@@ -153,6 +144,11 @@ fn image_file(
         Shown::Irradiance => irradiance(bake)?,
         Shown::Skybox => skybox(bake)?,
     };
+    let metadata = &match name.shown {
+        Shown::Level(_) => metadata.to_vec(),
+        Shown::Irradiance => recorded(metadata, &irradiated()),
+        Shown::Skybox => recorded(metadata, &mirror()),
+    };
     let (size, area) = (level.size(), level.size() as usize * level.size() as usize);
     let roughness = matches!(name.shown, Shown::Level(_)).then_some(level.roughness);
     if name.is_bound {
@@ -203,7 +199,7 @@ fn panorama(plan: &TargetPlan, level: &Level, path: &str, metadata: &[(String, S
         .collect();
     let mut pairs = of_target(plan, metadata);
     if shift != 0 {
-        pairs.push((QUARTER_TURNS_KEY.to_owned(), plan.target.quarter_turns.to_string()));
+        pairs = recorded(&pairs, &[("quarter_turns", json!(plan.target.quarter_turns))]);
     }
     if path.ends_with(".hdr") {
         return hdr_bytes_with(width, height, &texels, &pairs);
@@ -232,20 +228,55 @@ fn cube_metadata(
     pairs
 }
 
-/// Key/value pairs of every file of a bake with `settings`, of a source turned as `turned` records.
+/// Key/value pairs of every file of a bake by `recipe`, of a source without `suns`.
 #[must_use]
-pub fn metadata(settings: &BakeSettings, turned: &Provenance) -> Vec<(String, String)> {
+pub fn metadata(recipe: &Recipe, suns: &[SunReport]) -> Vec<(String, String)> {
     let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; \
                        linear RGB, Rec. 709; perceptual roughness, alpha = roughness^2";
-    let provenance = Provenance {
-        lobe: Some(settings.lobe),
-        filter: Some(filter_name(settings.filter)),
-        ladder: Some(settings.ladder.name().to_owned()),
-        chain: Some(settings.chain()),
-        ..turned.clone()
-    };
-    let conventions = ("octaglossConventions".to_owned(), conventions.to_owned());
-    std::iter::once(conventions).chain(provenance.pairs()).collect()
+    let mut record = fields(recipe);
+    // The files are the same whatever these are.
+    for name in ["scan", "preview", "exposure", "sunless"] {
+        record.remove(name);
+    }
+    record.retain(|_, value| !value.is_null());
+    if !suns.is_empty() {
+        let taken: Vec<TakenSun> = suns.iter().map(TakenSun::from).collect();
+        record.insert("removed_suns".to_owned(), json!(taken));
+    }
+    vec![
+        ("octaglossConventions".to_owned(), conventions.to_owned()),
+        (RECIPE_KEY.to_owned(), Value::Object(record).to_string()),
+    ]
+}
+
+/// What an irradiance cube records as its own: no ladder and no kind of chain.
+fn irradiated() -> Vec<(&'static str, Value)> {
+    let content = ("content", json!(IRRADIANCE));
+    vec![content, ("lobe", json!(Lobe::Cosine)), ("ladder", Value::Null), ("chain", Value::Null)]
+}
+
+/// What a skybox records as its own, whatever the lobe of the levels.
+fn mirror() -> Vec<(&'static str, Value)> {
+    vec![("lobe", json!(Lobe::Ggx)), ("chain", json!(ChainKind::Sampled))]
+}
+
+/// `metadata` with `own` fields of one file in its record of the bake; null removes a field.
+fn recorded(metadata: &[(String, String)], own: &[(&str, Value)]) -> Vec<(String, String)> {
+    let mut pairs = metadata.to_vec();
+    if own.is_empty() {
+        return pairs;
+    }
+    let place = pairs.iter().position(|(key, _)| key == RECIPE_KEY).unwrap_or_else(|| {
+        pairs.push((RECIPE_KEY.to_owned(), "{}".to_owned()));
+        pairs.len() - 1
+    });
+    let mut record: Map<String, Value> = serde_json::from_str(&pairs[place].1).unwrap_or_default();
+    for (name, value) in own {
+        record.insert((*name).to_owned(), value.clone());
+    }
+    record.retain(|_, value| !value.is_null());
+    pairs[place].1 = Value::Object(record).to_string();
+    pairs
 }
 
 /// `metadata` with the target's name and flip, if there is a target.
@@ -253,12 +284,7 @@ fn of_target(plan: &TargetPlan, metadata: &[(String, String)]) -> Vec<(String, S
     if !plan.is_targeted() {
         return metadata.to_vec();
     }
-    let own = Provenance {
-        target: Some(plan.target.name.to_owned()),
-        flip: Some(plan.flip),
-        ..Provenance::default()
-    };
-    metadata.iter().cloned().chain(own.pairs()).collect()
+    recorded(metadata, &[("target", json!(plan.target.name)), ("flip", json!(plan.flip))])
 }
 
 /// The coefficients in the plan's scaling, with their order.

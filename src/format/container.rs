@@ -1,7 +1,7 @@
 //! File formats of bakes.
 
 use crate::error::{Error, Result};
-use crate::format::Pixel;
+use crate::format::{OutputLayout, Pixel};
 
 /// A file format of bakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,6 +57,18 @@ impl Container {
             Self::Ktx1 => pixel.gl().is_some(),
             Self::Exr => matches!(pixel, Pixel::F16 | Pixel::F32),
             Self::Hdr => pixel == Pixel::Rgbe,
+        }
+    }
+
+    /// The pixel format of the levels in `layout` by default: in folders of EXR images floats where half floats
+    /// are insufficient.
+    #[must_use]
+    pub const fn default_pixel(self, layout: OutputLayout) -> Pixel {
+        match (self, layout) {
+            (Self::Hdr, _) => Pixel::Rgbe,
+            (Self::Exr, OutputLayout::Parts | OutputLayout::Mips)
+            | (Self::Ktx2 | Self::Ktx1 | Self::Dds, _) => Pixel::F16,
+            (Self::Exr, _) => Pixel::Auto,
         }
     }
 

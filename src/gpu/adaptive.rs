@@ -297,7 +297,7 @@ impl Adaptive {
                 for count in readback::read::<u32>(context, leaves).await? {
                     if count == INCOMPLETE {
                         return Err(Error::Gpu(format!(
-                            "{}: the driver ended a shader loop early; use the CPU engine or a larger error",
+                            "{}: the driver ended a shader loop early; use `engine` cpu or a larger error",
                             context.describe()
                         )));
                     }

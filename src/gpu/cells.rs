@@ -102,7 +102,7 @@ impl SourceTables {
 
 /// Remedy for a source with too many texels.
 fn smaller_source(_: u64) -> String {
-    "bake from a smaller source, or with the CPU engine".to_owned()
+    "bake from a smaller source, or with `engine` cpu".to_owned()
 }
 
 /// The view of all layers of a source's texture.
@@ -196,7 +196,7 @@ impl CellTree {
             cells.source_tables().expect("cells of a source");
         let (levels, count) = levels_over(width);
         context.fits("the cells of the source", QUAD * u64::from(count), |_| {
-            "choose a smaller `oem_size`, or the CPU engine".to_owned()
+            "choose a smaller `oem_size`, or `engine` cpu".to_owned()
         })?;
         context.fits("the texels of the source by cells", 4 * members.len() as u64, smaller_source)?;
         let tree = Self::holding(
@@ -254,7 +254,7 @@ impl CellTree {
         let what = format!("a tree of cells over {inner} x {inner} texels");
         context.fits(&what, bytes(inner), |available| {
             let fitting = (1..inner).rev().find(|inner| bytes(*inner) <= available);
-            format!("choose `oem_size` of at most {}, or the CPU engine", fitting.unwrap_or(0))
+            format!("choose `oem_size` of at most {}, or `engine` cpu", fitting.unwrap_or(0))
         })
     }
 

@@ -276,7 +276,7 @@ impl FittedTables {
         context.fits("tables of blurred octaves", all * bytes(inner), |available| {
             let sizes = (4..u32::BITS).map(|log2| 1 << log2).take_while(|smaller| *smaller < inner);
             let fitting = sizes.filter(|smaller| all * bytes(*smaller) <= available).last();
-            format!("choose `oem_size` of at most {}, or the CPU engine", fitting.unwrap_or(0))
+            format!("choose `oem_size` of at most {}, or `engine` cpu", fitting.unwrap_or(0))
         })
     }
 

@@ -78,7 +78,7 @@ pub fn upload(context: &Context, environment: &Environment) -> Result<wgpu::Text
             // Textures are limited by their sides, so compare squares of the longer side.
             needed: u64::from(width.max(height)).pow(2) * 16,
             available: u64::from(most) * u64::from(most) * 16,
-            remedy: format!("use an image of at most {most} texels per side, or the CPU engine"),
+            remedy: format!("use an image of at most {most} texels per side, or `engine` cpu"),
         });
     }
     let size = wgpu::Extent3d { width, height, depth_or_array_layers };
@@ -258,7 +258,7 @@ impl Matrix {
         }
         let (starts, entries) = overlaps.rows();
         context.fits("the overlap of source and target texels", 8 * entries.len() as u64, |_| {
-            "bake from a smaller or unturned source, or with the CPU engine".to_owned()
+            "bake from a smaller or unturned source, or with `engine` cpu".to_owned()
         })?;
         let by_groups = entries.len() / starts.len() >= MANY_SOURCES;
         let most = starts.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
@@ -269,7 +269,7 @@ impl Matrix {
                 what: format!("a texel of {} x {}", target.inner, target.inner),
                 needed: 16 * u64::from(most),
                 available: 8 * u64::from(available),
-                remedy: "bake from a smaller source, or with the CPU engine".to_owned(),
+                remedy: "bake from a smaller source, or with `engine` cpu".to_owned(),
             });
         }
         let entries: Vec<[u32; 2]> =

@@ -3,14 +3,13 @@
 use super::cube_file::{CubeFile, check_sizes};
 use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::Attribute;
-use super::provenance::FLIP_KEY;
+use super::provenance::Provenance;
 use super::{dds, ktx1, ktx2};
 use crate::chain::{Chain, Level};
 use crate::error::{Error, Result};
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel};
 use crate::sphere::cube::Face;
-use crate::target::Flip;
 
 /// Encodes `chain` in `container` with `pixel`. `metadata` are text key/value pairs; DDS stores only the
 /// flip.
@@ -29,9 +28,8 @@ pub fn cube_bytes(
         Container::Ktx1 => ktx1::write::ktx1_bytes(chain, pixel, metadata),
         Container::Dds => {
             let mut file = dds::write::dds_bytes(chain, pixel)?;
-            let flip = metadata.iter().find(|(key, _)| key == FLIP_KEY);
-            let flip = flip.and_then(|(_, name)| Flip::named(name)).unwrap_or_default();
-            dds::write::mark_flip(&mut file.bytes, flip);
+            let flip = Provenance::of_pairs(metadata).ok().and_then(|provenance| provenance.flip);
+            dds::write::mark_flip(&mut file.bytes, flip.unwrap_or_default());
             Ok(file)
         }
         Container::Exr => exr_bytes(chain, pixel, metadata),

@@ -4,7 +4,6 @@ use super::exr::parts::exr_mips_bytes;
 use super::exr::write::{Attribute, Samples, exr_bytes};
 use super::hdr::write::hdr_bytes_with;
 use super::ktx2::write::ROUGHNESS_KEY;
-use super::provenance::irradiance_pairs;
 use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
@@ -18,7 +17,7 @@ pub struct ImageFormat<'a> {
     pub container: Container,
     /// Its pixel format.
     pub pixel: Pixel,
-    /// Perceptual roughness of its level; `None` for irradiance.
+    /// Perceptual roughness of its level; `None` for other maps.
     pub roughness: Option<f64>,
     /// Further key/value pairs.
     pub metadata: &'a [(String, String)],
@@ -40,19 +39,13 @@ pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat
     match (container, samples) {
         (Container::Exr, _) => {
             let roughness = roughness.map(|r| ("roughness".to_owned(), Attribute::Float(r as f32)));
-            let pairs = if roughness.is_some() { metadata.to_vec() } else { irradiance_pairs(metadata) };
-            let pairs = pairs.into_iter().map(|(key, text)| (key, Attribute::Text(text)));
+            let pairs = metadata.iter().map(|(key, text)| (key.clone(), Attribute::Text(text.clone())));
             let attributes: Vec<_> = roughness.into_iter().chain(pairs).collect();
             exr_bytes(width, height, samples, pixel, &attributes)
         }
         (Container::Hdr, Samples::Rgb(texels)) => {
-            let pairs = match roughness {
-                Some(roughness) => {
-                    let own = (ROUGHNESS_KEY.to_owned(), roughness.to_string());
-                    std::iter::once(own).chain(metadata.iter().cloned()).collect()
-                }
-                None => irradiance_pairs(metadata),
-            };
+            let own = roughness.map(|roughness| (ROUGHNESS_KEY.to_owned(), roughness.to_string()));
+            let pairs: Vec<_> = own.into_iter().chain(metadata.iter().cloned()).collect();
             hdr_bytes_with(width, height, texels, &pairs)
         }
         _ => Err(Error::Parameter(format!("an image of a level is exr or hdr, not {}", container.name()))),

@@ -41,8 +41,8 @@ mod source;
 mod target_folder;
 mod temporary;
 
-use decode::{Format, decode, unreadable};
-pub(crate) use decode::{has_readable_name, readable_extensions};
+pub(crate) use decode::{Format, has_readable_name, may_hold_chain, readable_extensions};
+use decode::{decode, unreadable};
 pub use layout::LayoutChoice;
 pub use pad::Pad;
 pub use repair::Repairs;
@@ -378,10 +378,10 @@ pub(crate) fn is_bake_folder(path: &Path) -> bool {
         || levels().is_some_and(|file| !target_folder::is_panorama(&file))
 }
 
-/// Origin of the file `path` with the given BLAKE3 `hash`, from its report, as key/value pairs.
+/// Origin of the file `path` with the given BLAKE3 `hash`, from its report.
 #[must_use]
-pub(crate) fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, String)> {
-    side_report::of_file(path, || hash).map_or_else(Vec::new, |described| described.provenance.pairs())
+pub(crate) fn reported(path: &Path, hash: blake3::Hash) -> Option<Provenance> {
+    side_report::of_file(path, || hash).map(|described| described.provenance)
 }
 
 /// Kind of an input path.

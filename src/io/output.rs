@@ -280,9 +280,7 @@ pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
     match fs::metadata(&place) {
         Ok(found) if found.is_dir() => Err(refused(path, "is a folder; name a file")),
         Ok(found) if !found.is_file() => Err(refused(path, "is not a regular file; name one")),
-        Ok(_) if existing == Existing::Keep => {
-            Err(refused(path, "already exists; `Existing::Replace` replaces it"))
-        }
+        Ok(_) if existing == Existing::Keep => Err(refused(path, "already exists; `force` replaces it")),
         Ok(_) => Ok(()),
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(e) => Err(Error::io(path, e)),
@@ -297,14 +295,12 @@ pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
     let place = resolved(path)?;
     match fs::metadata(&place) {
         Ok(found) if !found.is_dir() => Err(refused(path, "is a file; name a folder")),
-        Ok(_) if existing == Existing::Keep => {
-            Err(refused(path, "already exists; `Existing::Replace` replaces it"))
-        }
+        Ok(_) if existing == Existing::Keep => Err(refused(path, "already exists; `force` replaces it")),
         Ok(_) => match stranger_in(&place)? {
             Some(name) => Err(refused(
                 path,
                 &format!(
-                    "has {name}, which no bake wrote; `Existing::Replace` replaces bakes only, name another \
+                    "has {name}, which no bake wrote; `force` replaces bakes only, name another \
                      folder"
                 ),
             )),

@@ -545,7 +545,7 @@ impl TargetPlan {
         let target =
             if self.is_targeted() { format!("target {}: ", self.target.name) } else { String::new() };
         Err(Error::Parameter(format!(
-            "{target}{} files cannot hold {}; use another `pixel` or `container`",
+            "{target}{} files cannot hold {}; use another `pixel` or `format`",
             self.container.name(),
             self.pixel.name()
         )))

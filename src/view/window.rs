@@ -449,7 +449,7 @@ async fn adapter(
         };
         let found = adapters.into_iter().find(called);
         return found.ok_or_else(|| {
-            Error::Gpu(format!("no adapter named {name} can present to windows; see `gpu::adapters`"))
+            Error::Gpu(format!("no adapter named {name} can present to windows; choose another `adapter`"))
         });
     }
     let options = wgpu::RequestAdapterOptions {

@@ -28,7 +28,7 @@ fn a_failing_file_writer_leaves_nothing_and_spares_the_old_file() {
     assert_eq!(fs::read(&path).unwrap(), b"old");
 
     let message = write_file(&path, Existing::Keep, |_| Ok(())).unwrap_err().to_string();
-    assert!(message.contains("`Existing::Replace`"), "{message}");
+    assert!(message.contains("`force`"), "{message}");
     write_file(&path, Existing::Replace, |file| file.write_all(b"new")).unwrap();
     assert_eq!(fs::read(&path).unwrap(), b"new");
 }

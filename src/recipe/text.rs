@@ -1,0 +1,121 @@
+//! Options as text in JSON, as on the command line. Texts of numbers are numbers.
+
+use crate::analysis::extraction::Suns;
+use crate::bake::Skybox;
+use crate::chain::ChainKind;
+use crate::filter::{self, Filter};
+use crate::format::container::Container;
+use crate::format::overflow::Overflow;
+use crate::format::{OutputLayout, Pixel};
+use crate::image::exposure::Exposure;
+use crate::io::{LayoutChoice, Pad};
+use crate::ladder::Ladder;
+use crate::lobe::{LOBES, Lobe};
+use crate::sat::Scan;
+use crate::sh::window::{self, ShWindow};
+use crate::target::{Diffuse, Flip, TARGETS, Target};
+use serde::de::{Deserialize, Deserializer, Error};
+use serde::ser::{Serialize, Serializer};
+use serde_json::{Number, Value};
+
+/// Writes `text`, a number as such.
+fn write<S: Serializer>(text: &str, serializer: S) -> Result<S::Ok, S::Error> {
+    match text.parse::<Number>() {
+        Ok(number) => number.serialize(serializer),
+        Err(_) => text.serialize(serializer),
+    }
+}
+
+/// Reads a text, or a number as text.
+fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    match Value::deserialize(deserializer)? {
+        Value::String(text) => Ok(text),
+        Value::Number(number) => Ok(number.to_string()),
+        _ => Err(D::Error::custom("a text is needed")),
+    }
+}
+
+/// Implements `Serialize` and `Deserialize` by a text and its parser.
+macro_rules! as_text {
+    ($($type:ty: $text:expr, $parse:expr;)+) => {$(
+        impl Serialize for $type {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                write(&$text(self), serializer)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                $parse(&read(deserializer)?).map_err(D::Error::custom)
+            }
+        }
+    )+};
+}
+
+/// [`as_text`] for enums, by the names of all their values.
+macro_rules! as_name {
+    ($($type:ty: $all:expr;)+) => {
+        as_text! {$($type: |value: &$type| value.name(), |text: &str| {
+            $all.into_iter().find(|value| value.name() == text).ok_or_else(|| {
+                format!("choose one of {}", $all.map(<$type>::name).join(", "))
+            })
+        };)+}
+    };
+}
+
+as_name! {
+    ChainKind: ChainKind::ALL;
+    Container: Container::ALL;
+    Diffuse: Diffuse::ALL;
+    Flip: Flip::ALL;
+    Ladder: Ladder::ALL;
+    LayoutChoice: LayoutChoice::CHOICES;
+    Lobe: LOBES;
+    OutputLayout: OutputLayout::ALL;
+    Overflow: Overflow::ALL;
+    Pad: Pad::ALL;
+    Pixel: Pixel::CHOICES;
+}
+
+as_text! {
+    Exposure: Exposure::to_string, str::parse::<Exposure>;
+    Filter: Filter::to_string, filter::parsed;
+    Scan: Scan::to_string, str::parse::<Scan>;
+    ShWindow: ShWindow::to_string, window::parsed;
+    Skybox: Skybox::to_string, Skybox::parsed;
+    Suns: Suns::to_string, Suns::parsed;
+}
+
+/// Parses a target's name.
+pub(super) fn target(text: &str) -> Result<&'static Target, String> {
+    Target::named(text).ok_or_else(|| {
+        let names: Vec<_> = TARGETS.iter().map(|target| target.name).collect();
+        format!("there are {}", names.join(", "))
+    })
+}
+
+/// Names of targets: a text with commas, or a list; null for none.
+pub(super) mod targets {
+    use super::{Deserialize, Deserializer, Error as _, Serialize, Serializer, Target, Value, target};
+
+    pub(in crate::recipe) fn serialize<S: Serializer>(
+        targets: &[&'static Target],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let names: Vec<&str> = targets.iter().map(|target| target.name).collect();
+        Some(names.join(",")).filter(|names| !names.is_empty()).serialize(serializer)
+    }
+
+    pub(in crate::recipe) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<&'static Target>, D::Error> {
+        let names: Vec<String> = match Value::deserialize(deserializer)? {
+            Value::Null => Vec::new(),
+            Value::String(text) => text.split(',').map(|name| name.trim().to_owned()).collect(),
+            list => {
+                Vec::deserialize(list).map_err(|_| D::Error::custom("a text or a list of texts is needed"))?
+            }
+        };
+        names.iter().map(|name| target(name).map_err(D::Error::custom)).collect()
+    }
+}
