@@ -148,7 +148,7 @@ pub(crate) fn printable(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Error, printable};
+    use super::{Error, printable, with_settings};
     use std::path::Path;
 
     #[test]
@@ -157,5 +157,18 @@ mod tests {
         assert_eq!(error, r"a.exr: no channels among \u{1b}[2J\u{2}, \u{e9}".replace(r"\u{e9}", "\u{e9}"));
         let long = printable(&"layer ".repeat(1_000_000));
         assert!(long.len() < 1100 && long.ends_with("..."), "{} bytes", long.len());
+    }
+
+    #[test]
+    fn settings_in_messages_are_named_as_options() {
+        let option = |setting: &str| format!("--{}", setting.replace('_', "-"));
+        for (text, expected) in [
+            ("`oem_size` 3 is odd; `size` keeps `chain`", "--oem-size 3 is odd; --size keeps --chain"),
+            ("`", "`"),
+            ("a`b.exr: `pad` fills `Up`, ``, `a b`", "a`b.exr: --pad fills `Up`, ``, `a b`"),
+            ("set `a`", "set --a"),
+        ] {
+            assert_eq!(with_settings(text, &option), expected);
+        }
     }
 }

@@ -178,9 +178,20 @@ fn estimate(elapsed: Duration, done: u64, total: u64) -> Option<String> {
 pub(super) fn error(text: &str) {
     line("error: ", text);
 }
+/// Remedies in the library's errors, and those of this program.
+const REMEDIES: [(&str, &str); 3] = [
+    (
+        "is one of the program's own streams, not a file; name a file",
+        "is one of the program's own streams, not a file; -o - writes to standard output",
+    ),
+    ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
+    ("convert it to equirect first", "run octagloss convert INPUT -o OUT --layout equirect"),
+];
+
 /// Writes the library's settings in `text` as this program's options.
 pub(super) fn with_options(text: &str) -> String {
-    with_settings(text, &|setting| format!("--{}", setting.replace('_', "-")))
+    let text = with_settings(text, &|setting| format!("--{}", setting.replace('_', "-")));
+    REMEDIES.iter().fold(text, |text, (remedy, own)| text.replace(remedy, own))
 }
 
 /// Prints a line that `--quiet` does not silence.

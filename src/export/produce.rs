@@ -196,9 +196,13 @@ pub fn products(
         let BakePlan { recipe, plan: files_plan, .. } = plan;
         bake.warnings.dedup();
         let levels = bake.levels_mut().enumerate();
-        let compressed = levels
-            .map(|(index, level)| recipe.overflow.apply(index, level, files_plan.pixel))
-            .sum::<Result<_>>()?;
+        let applied = levels.map(|(index, level)| recipe.overflow.apply(index, level, files_plan.pixel));
+        let compressed = applied.sum::<Result<_>>().map_err(|error| match error {
+            Error::Parameter(message) if files_plan.is_targeted() => {
+                Error::Parameter(format!("target {}: {message}", files_plan.target.name))
+            }
+            other => other,
+        })?;
         if recipe.preview {
             let removed: Vec<DVec3> = source.suns.iter().map(|sun| sun.direction.into()).collect();
             let origin = preview::Origin {

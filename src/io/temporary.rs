@@ -302,9 +302,7 @@ fn unwritable(path: &Path) -> Option<&'static str> {
     let describes = cfg!(unix) && path.starts_with("/proc");
     let streams = cfg!(unix) && streams.iter().any(|stream| path.starts_with(stream));
     if streams || (describes && path.iter().any(|name| name == "fd")) {
-        return Some(
-            "is one of the program's own streams, not a file; name a file, or write to standard output",
-        );
+        return Some("is one of the program's own streams, not a file; name a file");
     }
     describes.then_some("is in /proc, where the system describes processes; name another folder")
 }

@@ -255,7 +255,7 @@ pub struct InputOptions {
     )]
     pub layout: LayoutChoice,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", value_parser = text::number))]
     pub rotate_y: Option<f64>,
     /// Flip left to right, for photographs from inside
     #[cfg_attr(feature = "cli", arg(long))]
@@ -264,7 +264,7 @@ pub struct InputOptions {
     ///
     /// Applies first, when reading the input; the sun, bounds and compare's errors are those of the scaled
     /// light. Values beyond float32 are an error.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "X"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "X", value_parser = text::number))]
     pub scale: Option<f64>,
     /// Remove black bars of a panorama that is not 2:1
     ///
@@ -330,7 +330,7 @@ pub fn from_json<T: Default + Serialize + DeserializeOwned>(options: Map<String,
     let mut parsed = T::default();
     for (name, value) in options {
         let Some(old) = all.get_mut(&name) else {
-            let names: Vec<&str> = all.keys().map(String::as_str).collect();
+            let names: Vec<String> = all.keys().map(|name| format!("`{name}`")).collect();
             return wrong(format!("there is no option `{name}`; there are {}", names.join(", ")));
         };
         if value.is_null() {
@@ -349,7 +349,7 @@ pub fn from_json<T: Default + Serialize + DeserializeOwned>(options: Map<String,
 fn remedy(message: &str) -> String {
     match message.rsplit_once("expected ") {
         Some((_, "u32")) => "a whole number is needed".to_owned(),
-        Some((_, "f64")) => "a number is needed".to_owned(),
+        Some((_, "f64")) => "a finite number is needed".to_owned(),
         Some((_, what)) => format!("{what} is needed"),
         None => message.to_owned(),
     }
@@ -389,9 +389,6 @@ impl Recipe {
             return wrong(format!(
                 "`name` is {name:?}; it must be a file name without folders or a leading dot"
             ));
-        }
-        if self.name.is_some() && self.target.is_empty() {
-            return wrong("`name` is for targets; omit it");
         }
         if self.sunless && self.input.extract_sun.is_none() {
             return wrong("`sunless` writes the environment without its sun; set `extract_sun` too");

@@ -141,29 +141,56 @@ impl InputOptions {
     /// Mirrors and rotates `loaded`, and removes its suns, in this order.
     fn turned(&self, input: String, loaded: Loaded) -> Source {
         let Loaded { environment, repaired, warnings, format, layout, width, height, provenance } = loaded;
-        let mirrored = if self.mirror { environment.mirrored() } else { environment };
-        let degrees = self.rotate_y.unwrap_or(0.0);
-        let rotated = if degrees == 0.0 { mirrored } else { mirrored.rotated_y(degrees) };
+        let options = Self { mirror: false, rotate_y: None, extract_sun: None, ..self.clone() };
         let source = Source {
-            environment: Arc::new(rotated),
-            input,
-            files: Vec::new(),
-            options: Self { extract_sun: None, ..self.clone() },
+            options,
             origin: provenance,
-            suns: Vec::new(),
             repaired,
-            notes: Vec::new(),
             warnings,
             format,
-            layout,
             width,
             height,
+            ..Source::new(environment, input, layout)
         };
-        source.without(self.extract_sun.as_ref())
+        source.turned(self.mirror, self.rotate_y.unwrap_or(0.0)).without(self.extract_sun.as_ref())
     }
 }
 
 impl Source {
+    /// An `environment` that is in no file; `input` names it, and `layout` its layout.
+    #[must_use]
+    pub fn new(environment: Environment, input: String, layout: &'static str) -> Self {
+        let (width, height) = environment.layout().sides();
+        Self {
+            environment: Arc::new(environment),
+            input,
+            files: Vec::new(),
+            options: InputOptions::default(),
+            origin: Provenance::default(),
+            suns: Vec::new(),
+            repaired: Repairs::default(),
+            notes: Vec::new(),
+            warnings: Vec::new(),
+            format: String::new(),
+            layout,
+            width,
+            height,
+        }
+    }
+
+    /// The source mirrored, if `mirror`, and then rotated about +Y by `degrees`.
+    #[must_use]
+    pub fn turned(mut self, mirror: bool, degrees: f64) -> Self {
+        if mirror || degrees != 0.0 {
+            let environment = Arc::unwrap_or_clone(self.environment);
+            let mirrored = if mirror { environment.mirrored() } else { environment };
+            self.environment = Arc::new(if degrees == 0.0 { mirrored } else { mirrored.rotated_y(degrees) });
+        }
+        self.options.mirror |= mirror;
+        self.options.rotate_y = Some(self.options.rotate_y.unwrap_or(0.0) + degrees);
+        self
+    }
+
     /// The source without the suns that `asked` selects.
     #[must_use]
     pub fn without(mut self, asked: Option<&Suns>) -> Self {

@@ -94,6 +94,12 @@ pub(super) fn target(text: &str) -> Result<&'static Target, String> {
     })
 }
 
+/// Parses a number of the command line.
+#[cfg(feature = "cli")]
+pub(super) fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "not a number".to_owned())
+}
+
 /// Names of targets: a text with commas, or a list; null for none.
 pub(super) mod targets {
     use super::{Deserialize, Deserializer, Error as _, Serialize, Serializer, Target, Value, target};

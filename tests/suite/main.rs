@@ -20,6 +20,7 @@ mod oem;
 #[cfg(feature = "plot")]
 mod plot;
 mod realtime;
+mod recipe;
 mod sat;
 mod sphere;
 mod support;

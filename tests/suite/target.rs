@@ -13,7 +13,7 @@ use octagloss::internals::format::Pixel;
 use octagloss::internals::format::container::Container;
 use octagloss::internals::format::rgbp::rgb_from_rgbp;
 use octagloss::internals::io::{ReadOptions, read_from_memory};
-use octagloss::internals::lobe::{LOBE_KEY, Lobe};
+use octagloss::internals::lobe::Lobe;
 use octagloss::internals::sh::scale::{ShScale, filament_irradiance, scaled};
 use octagloss::internals::sphere::cube::{Face, direction_from_texel};
 use octagloss::internals::sphere::octahedral;
@@ -354,7 +354,7 @@ fn every_letter_is_upright_in_every_square_and_panorama() {
         } else {
             let [file] = &made[..] else { panic!("one file") };
             // Engines ignore the key by which this program turns the panorama back.
-            let bytes = renamed(&file.bytes, b"octaglossQuarterTurns", b"octaglossQuarterXurns");
+            let bytes = renamed(&file.bytes, b"quarter_turns", b"quarter_xurns");
             let loaded = read_from_memory(file.path.as_ref(), &bytes, &ReadOptions::default()).unwrap();
             (256, 128, loaded.environment.texels().to_vec())
         };
@@ -495,13 +495,15 @@ fn the_sheen_cube_holds_the_charlie_lobe() {
     let studio = synth("studio").unwrap();
     let (plan, settings) = small(Target::named("khronos").unwrap());
     let baked = bake(&studio, &settings).unwrap();
-    let made = files(&plan, "a", &baked, &[(LOBE_KEY.to_owned(), "ggx".to_owned())]).unwrap();
+    let made =
+        files(&plan, "a", &baked, &[("octaglossRecipe".to_owned(), r#"{"lobe":"ggx"}"#.to_owned())]).unwrap();
     let paths: Vec<&str> = made.iter().map(|file| file.path.as_str()).collect();
     assert_eq!(paths, ["ggx/specular.ktx2", "charlie/sheen.ktx2", "lambertian/diffuse.ktx2"]);
     for (file, lobe) in made.iter().zip(["ggx", "charlie", "cosine"]) {
         let reader = ktx2::Reader::new(&file.bytes).unwrap();
-        let (_, value) = reader.key_value_data().find(|(key, _)| *key == LOBE_KEY).unwrap();
-        assert_eq!(value, format!("{lobe}\0").as_bytes(), "{}", file.path);
+        let (_, value) = reader.key_value_data().find(|(key, _)| *key == "octaglossRecipe").unwrap();
+        let record: serde_json::Value = serde_json::from_slice(&value[..value.len() - 1]).unwrap();
+        assert_eq!(record["lobe"], lobe, "{}", file.path);
     }
     let stored = levels(plan.container, plan.pixel, &made[1].bytes);
     let sheen = baked.sheen.as_ref().unwrap();

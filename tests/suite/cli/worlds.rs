@@ -422,6 +422,14 @@ fn keep(value: &mut serde_json::Value, kept: &[&str]) {
 /// Converts the report `path` to version 0.1: without a schema version, file hashes, sizes and later options.
 fn make_report_old(path: &Path) {
     let mut report = crate::cli::json_file(path);
+    let mut options = report["recipe"].take();
+    options["extract_sun"] = (!options["extract_sun"].is_null()).into();
+    options["layout"] = "panorama".into();
+    if report["target"].is_object() {
+        report["target"]["flip"] = options["flip"].take();
+        report["target"]["diffuse"] = options["diffuse"].take();
+    }
+    report["options"] = options;
     let kept = [
         "generator",
         "input",
