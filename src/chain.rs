@@ -72,12 +72,6 @@ impl ChainKind {
         }
     }
 
-    /// The kind called `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
     /// Index of the first solved level of levels with `roughness`, sharpest first; their number if none is.
     /// Level 0 is never solved, and the first glossy level of a mixed chain never is.
     pub fn first_solved(self, roughness: impl ExactSizeIterator<Item = f64>) -> usize {

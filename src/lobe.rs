@@ -48,12 +48,6 @@ impl Lobe {
         }
     }
 
-    /// The lobe named `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        LOBES.into_iter().find(|lobe| lobe.name() == name)
-    }
-
     /// Whether it narrows to a mirror at roughness 0.
     #[must_use]
     pub const fn has_mirror(self) -> bool {

@@ -24,16 +24,10 @@ pub(crate) struct Output {
     pub(crate) force: bool,
 }
 
-/// The container of the extension of `path`.
-fn named_container(path: &Path) -> Option<Container> {
-    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-    Container::named(&extension)
-}
-
 /// The plan of `recipe` for `source`, written to `path`.
 pub(crate) fn planned(py: Python<'_>, path: &Path, recipe: &Recipe, source: &Source) -> PyResult<BakePlan> {
     let mut recipe = Recipe { input: source.options.clone(), ..recipe.clone() };
-    let named = named_container(path);
+    let named = Container::of_path(path);
     if recipe.target.is_empty() {
         if recipe.name.is_some() {
             return Err(wrong("`name` is for targets; omit it"));

@@ -3,7 +3,7 @@
 use super::args::BakeArgs;
 use super::console::with_options;
 use super::outcome::{Outcome, usage};
-use super::output::{FOREIGN, check_folder_name, extension, named_format, names_folder};
+use super::output::{FOREIGN, check_folder_name, extension, names_folder};
 use crate::format::container::Container;
 use crate::recipe::Recipe;
 use crate::recipe::plan::BakePlan;
@@ -67,7 +67,7 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
 /// The given format, else that of the output's extension.
 fn container(args: &BakeArgs, several: bool) -> Outcome<Option<Container>> {
     let file = args.output.as_deref().filter(|path| !names_folder(path));
-    let named = file.and_then(named_format);
+    let named = file.and_then(Container::of_path);
     let output = || args.output.as_deref().unwrap_or(Path::new("")).display().to_string();
     let foreign = file.and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
     if let Some(foreign) = foreign {

@@ -49,40 +49,23 @@ pub(super) fn requested(source: &InputFiles, options: &str) -> Result<(Hash, Vec
             let stem = name.split_once('.').map_or(name, |(stem, _)| stem);
             LevelName::parse(stem).is_some_and(|name| name.shown == Shown::Level(0))
         };
-        let hash = hash_where(&levels, &counts)?;
+        let (hash, bytes) = hash_where(&levels, &counts)?;
         add(hash.as_bytes());
         // A file's orientation may be in its report only.
         let report = if levels.is_file() { reported(&levels, hash) } else { None };
         add(format!("{report:?}").as_bytes());
         files.push(InputFileReport {
             path: path.display().to_string(),
-            bytes: bytes_where(&levels, &counts)?,
+            bytes,
             blake3: hash.to_hex().to_string(),
         });
     }
     Ok((hasher.finalize(), files))
 }
 
-/// Size of a file, or of a folder's files whose name `counts`.
-fn bytes_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<u64> {
-    let fail = |error| Error::io(path, error);
-    let metadata = fs::metadata(path).map_err(fail)?;
-    if !metadata.is_dir() {
-        return Ok(metadata.len());
-    }
-    let mut bytes = 0;
-    for entry in fs::read_dir(path).map_err(fail)? {
-        let entry = entry.map_err(fail)?;
-        if counts(&entry.file_name().to_string_lossy()) {
-            bytes += entry.metadata().map_err(fail)?.len();
-        }
-    }
-    Ok(bytes)
-}
-
 /// Hashes an output file or folder without reports.
 pub(super) fn hash_of(output: &Path) -> Result<Hash> {
-    hash_where(output, &|name| name != REPORT)
+    Ok(hash_where(output, &|name| name != REPORT)?.0)
 }
 
 /// [`hash_of`] for a folder of `files`, by relative paths with `/` separators.
@@ -112,11 +95,11 @@ pub(super) fn joined(hashes: impl IntoIterator<Item = Result<Hash>>) -> Result<H
     Ok(hasher.finalize())
 }
 
-/// Hashes a file's content, or the names and contents of a folder's files whose name `counts`.
-fn hash_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<Hash> {
+/// Hashes a file's content, or the names and contents of a folder's files whose name `counts`; with their size.
+fn hash_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<(Hash, u64)> {
     let fail = |error| Error::io(path, error);
     let metadata = fs::metadata(path).map_err(fail)?;
-    let mut hasher = Hasher::new();
+    let (mut hasher, mut size) = (Hasher::new(), 0);
     if metadata.is_dir() {
         let entries =
             fs::read_dir(path).and_then(Iterator::collect::<std::io::Result<Vec<_>>>).map_err(fail)?;
@@ -128,15 +111,20 @@ fn hash_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<Hash> {
             let entry = path.join(name);
             // Bakes write no links, and links may form cycles.
             if !(entry.is_symlink() && entry.is_dir()) {
-                hasher.update(hash_where(&entry, counts)?.as_bytes());
+                let (hash, bytes) = hash_where(&entry, counts)?;
+                hasher.update(hash.as_bytes());
+                size += bytes;
             }
         }
-    } else if metadata.is_file() && metadata.len() <= DEFAULT_MEMORY_LIMIT {
+    } else {
+        size = metadata.len();
+    }
+    if metadata.is_file() && metadata.len() <= DEFAULT_MEMORY_LIMIT {
         // The reader rejects other types and oversized files.
         let file = open_regular(path)?;
         hasher.update_reader(file).map_err(fail)?;
     }
-    Ok(hasher.finalize())
+    Ok((hasher.finalize(), size))
 }
 
 /// The hashes in a report. `files` maps the names of files next to it.

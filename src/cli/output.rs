@@ -330,11 +330,6 @@ fn cube_words(kind: &str, size: u32, levels: usize) -> String {
 pub(super) const FOREIGN: [&str; 11] =
     ["basis", "bmp", "gif", "jpeg", "jpg", "pfm", "png", "tga", "tif", "tiff", "webp"];
 
-/// The format of the extension of `path`.
-pub(super) fn named_format(path: &Path) -> Option<Container> {
-    Container::named(&extension(path)?)
-}
-
 /// Whether `path` ends in a slash and therefore names a folder.
 pub(super) fn names_folder(path: &Path) -> bool {
     path.as_os_str().to_string_lossy().ends_with(std::path::is_separator)
@@ -342,7 +337,7 @@ pub(super) fn names_folder(path: &Path) -> bool {
 
 /// Rejects a file extension for the folder `path`, such as `bake.hdr`, and names the remedy.
 pub(super) fn check_folder_name(path: &Path, remedy: &str) -> Outcome {
-    let names_file = named_format(path).is_some() && !names_folder(path);
+    let names_file = Container::of_path(path).is_some() && !names_folder(path);
     if names_file || extension(path).is_some_and(|name| FOREIGN.contains(&name.as_str())) {
         let folder = path.with_extension("");
         return usage(format!(

@@ -66,7 +66,7 @@ fn file_of(
     (path, content): (&str, Content),
 ) -> Result<CubeFile> {
     // Targets with containers of their own have a skybox in another one.
-    let own = || path.rsplit_once('.').and_then(|(_, extension)| Container::named(extension));
+    let own = || Container::of_path(path.as_ref());
     let container =
         if plan.target.has_container() { plan.container } else { own().unwrap_or(plan.container) };
     let pixel = if container.holds(plan.pixel) { plan.pixel } else { Pixel::F16 };

@@ -71,7 +71,7 @@ pub struct Report {
     /// The recipe of this bake, with its defaults filled in.
     pub recipe: Recipe,
     /// Conventions of the numbers and images.
-    pub conventions: ConventionsReport,
+    pub conventions: BTreeMap<&'static str, &'static str>,
     /// The target; absent without `--target`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetReport>,
@@ -200,29 +200,13 @@ pub struct FingerprintReport {
     pub files: BTreeMap<String, String>,
 }
 
-/// Conventions of the numbers and images.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct ConventionsReport {
-    /// Handedness and up.
-    pub space: String,
-    /// Faces and their axes.
-    pub cube: String,
-    /// Definition of roughness.
-    pub roughness: String,
-    /// Definition of the texel values.
-    pub radiance: String,
-}
-
-impl Default for ConventionsReport {
-    fn default() -> Self {
-        Self {
-            space: "right-handed, y up".to_owned(),
-            cube: "+X -X +Y -Y +Z -Z, axes as in OpenGL, Vulkan and Direct3D, rows downwards".to_owned(),
-            roughness: "perceptual, alpha = roughness^2".to_owned(),
-            radiance: "linear RGB, Rec. 709 primaries, the input's own unit".to_owned(),
-        }
-    }
-}
+/// Conventions of the numbers and images, by what they are about.
+const CONVENTIONS: [(&str, &str); 4] = [
+    ("space", "right-handed, y up"),
+    ("cube", "+X -X +Y -Y +Z -Z, axes as in OpenGL, Vulkan and Direct3D, rows downwards"),
+    ("roughness", "perceptual, alpha = roughness^2"),
+    ("radiance", "linear RGB, Rec. 709 primaries, the input's own unit"),
+];
 
 impl Report {
     /// The report of `bake` of `source`, which the CPU made by `plan`, before anything is made of it.
@@ -269,7 +253,7 @@ impl Report {
             compressed: 0,
             warnings: Vec::new(),
             recipe,
-            conventions: ConventionsReport::default(),
+            conventions: CONVENTIONS.into(),
             target: None,
             outputs: Vec::new(),
             fingerprint: None,

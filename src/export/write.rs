@@ -36,9 +36,7 @@ impl Bake {
     pub fn write(&self, path: impl AsRef<Path>, options: &WriteOptions) -> Result<()> {
         self.check()?;
         let path = path.as_ref();
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-        let named = extension.as_deref().and_then(Container::named);
-        let container = options.container.or(named).ok_or_else(|| {
+        let container = options.container.or_else(|| Container::of_path(path)).ok_or_else(|| {
             let path = path.display();
             Error::Parameter(format!("{path}: the name ends in none of .ktx2 .ktx .dds .exr; set `format`"))
         })?;

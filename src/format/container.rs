@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::format::{OutputLayout, Pixel};
+use std::path::Path;
 
 /// A file format of bakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -40,6 +41,12 @@ impl Container {
     #[must_use]
     pub fn named(extension: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|container| container.name() == extension)
+    }
+
+    /// The container that the extension of `path` names.
+    #[must_use]
+    pub fn of_path(path: &Path) -> Option<Self> {
+        Self::named(&path.extension()?.to_str()?.to_ascii_lowercase())
     }
 
     /// Whether one file can hold a whole cube chain.

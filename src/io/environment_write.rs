@@ -41,9 +41,7 @@ pub(crate) fn environment_bytes(path: &Path, environment: &Environment, comment:
 /// # Errors
 /// [`Error::Input`] for another extension.
 pub(crate) fn picture_container(path: &Path) -> Result<Container> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    extension
-        .and_then(|extension| Container::named(&extension))
+    Container::of_path(path)
         .filter(|container| matches!(container, Container::Exr | Container::Hdr))
         .ok_or_else(|| Error::input(path, "an environment is written as .exr or .hdr"))
 }

@@ -22,10 +22,4 @@ impl Pad {
             Self::Edge => "edge",
         }
     }
-
-    /// Returns the padding called `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|pad| pad.name() == name)
-    }
 }

@@ -567,13 +567,6 @@ impl TargetPlan {
         })
     }
 
-    /// Format name of the files with the levels.
-    #[must_use]
-    pub fn format_name(&self) -> &'static str {
-        let own = self.target.files[0].path.rsplit('.').next().unwrap_or_default();
-        if self.target.has_container() { self.container.name() } else { own }
-    }
-
     /// Whether this is the plan of a target.
     #[must_use]
     pub const fn is_targeted(&self) -> bool {
