@@ -34,7 +34,8 @@ pub(crate) fn with_options(text: &str) -> String {
 }
 
 fn snake_case(name: &str) -> String {
-    let letter = |c: char| if c.is_ascii_uppercase() { format!("_{}", c.to_ascii_lowercase()) } else { c.into() };
+    let letter =
+        |c: char| if c.is_ascii_uppercase() { format!("_{}", c.to_ascii_lowercase()) } else { c.into() };
     name.chars().map(letter).collect()
 }
 

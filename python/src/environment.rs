@@ -295,7 +295,14 @@ impl Environment {
         let (directions, shape) = directions(normals, "normals")?;
         let asked = Asked { directions, shape, roughness: Roughness::One(1.0) };
         let settings = ReflectorSettings { oem_size, sharpest: 1.0, ..ReflectorSettings::default() };
-        answers(py, (self.light(), Arc::clone(&self.tables)), asked, (Lobe::Cosine, filter), settings, (bounds, PI))
+        answers(
+            py,
+            (self.light(), Arc::clone(&self.tables)),
+            asked,
+            (Lobe::Cosine, filter),
+            settings,
+            (bounds, PI),
+        )
     }
 
     /// Spherical harmonics: float64 of shape ((order + 1)^2, 3), real and orthonormal, in the order L0; L1 by

@@ -19,7 +19,9 @@ pub(crate) fn recipe(py: Python<'_>, given: Option<&Bound<'_, PyDict>>) -> PyRes
         others.contains(&name.as_str()) || (*name != "layout" && of_input.get(name.as_str()).is_some())
     };
     if let Some(name) = options.keys().find(is_foreign) {
-        return Err(wrong(format!("a bake has no option `{name}`; Environment.from_file has those of reading")));
+        return Err(wrong(format!(
+            "a bake has no option `{name}`; Environment.from_file has those of reading"
+        )));
     }
     let layout = options.get("layout").filter(|layout| !layout.is_null());
     if let Some(name) = layout.map(|layout| layout.as_str().unwrap_or_default().to_owned()) {

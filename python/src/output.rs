@@ -43,7 +43,10 @@ pub(crate) fn planned(py: Python<'_>, path: &Path, recipe: &Recipe, source: &Sou
     let mut plans = recipe.plans().map_err(|error| raised(py, &error))?;
     let plan = plans.pop().expect("one target").settled(source.environment.layout());
     if !plan.is_file() && named.is_some() {
-        return Err(wrong(format!("{}: the output is a folder of files; omit the extension", path.display())));
+        return Err(wrong(format!(
+            "{}: the output is a folder of files; omit the extension",
+            path.display()
+        )));
     }
     Ok(plan)
 }
@@ -63,8 +66,8 @@ const fn existing(force: bool) -> Existing {
 }
 
 impl Output {
-    /// Writes the files, and for a target the report of a bake that took `seconds`; returns warnings, one line
-    /// each.
+    /// Writes the files, and for a target the report of a bake that took `seconds`; returns warnings, one
+    /// line each.
     pub(crate) fn write(&self, seconds: f64, cancel: &Cancel) -> Result<Vec<String>> {
         let Self { bake, plan, source, path, force } = self;
         let file = path.file_name().unwrap_or_default().to_string_lossy();

@@ -198,9 +198,9 @@ pub(crate) fn answers<'py>(
             let answers = queried(reflector, &directions, &roughness, (lobe, filter), cancel)?;
             check_answers(&directions, &answers)?;
             let scaled = |value: f32| (f64::from(value) * factor) as f32;
-            let radiance: Vec<f32> =
-                answers.iter().flat_map(|answer| answer.radiance.map(scaled)).collect();
-            let bound = |answer: &Answer| answer.bound.map_or([f32::INFINITY; 4], |bound| bound.values().map(scaled));
+            let radiance: Vec<f32> = answers.iter().flat_map(|answer| answer.radiance.map(scaled)).collect();
+            let bound =
+                |answer: &Answer| answer.bound.map_or([f32::INFINITY; 4], |bound| bound.values().map(scaled));
             let certified: Vec<f32> =
                 if bounds { answers.iter().flat_map(bound).collect() } else { Vec::new() };
             Ok((radiance, certified))
