@@ -117,7 +117,7 @@ fn advance(Progress { done, total, .. }: Progress) -> ControlFlow<()> {
 
 /// The object that JavaScript gets: `files`, `reports`, `warnings` and `preview`.
 fn object(products: Products, source: &Source) -> octagloss::Result<Object> {
-    let (files, reports, several) = (Array::new(), Array::new(), products.products.len() > 1);
+    let (files, reports, several) = (Array::new(), Array::new(), products.per_plan.len() > 1);
     let mut warnings: Vec<String> = Vec::new();
     let add = |name: &str, bytes: &[u8]| {
         let bytes: JsValue = Uint8Array::from(bytes).into();
@@ -126,7 +126,7 @@ fn object(products: Products, source: &Source) -> octagloss::Result<Object> {
     for (name, bytes) in products.files() {
         add(&name, bytes);
     }
-    for product in &products.products {
+    for product in &products.per_plan {
         let text = json(&product.report)?;
         add(&report_path(several, &product.plan, &name(&product.plan, source)), text.as_bytes());
         reports.push(&JsValue::from_str(&text));

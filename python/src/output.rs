@@ -74,7 +74,7 @@ impl Output {
         let name = if plan.is_file() { file.into_owned() } else { name(plan, source) };
         let baked = Baked::on_cpu(vec![(**bake).clone()]);
         let mut products = products(std::slice::from_ref(plan), source, baked, &name, Instant::now())?;
-        let product = &mut products.products[0];
+        let product = &mut products.per_plan[0];
         product.report.seconds = seconds;
         let report = json_bytes(&product.report)?;
         let report = plan.plan.is_targeted().then(|| ("report.json".to_owned(), &report[..]));

@@ -365,7 +365,7 @@ impl Work {
         let main = job.outputs.main.display();
         let mut products = products(&plans, &source, baked, &job.outputs.name, start)
             .map_err(|error| anyhow::Error::from(error).context(main.to_string()))?;
-        for product in &mut products.products {
+        for product in &mut products.per_plan {
             let target = product.plan.plan.target.name;
             let place = if target.is_empty() { String::new() } else { format!(", target {target}") };
             product.losses.iter().for_each(|loss| console.warn(&format!("{main}{place}: {loss}")));

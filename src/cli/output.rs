@@ -232,7 +232,7 @@ impl Outputs {
         let own_files: Vec<OutputFileReport> =
             files.iter().cloned().chain(picture).map(|(path, bytes)| report(path, bytes)).collect();
         let (mut reports, mut texts) = (Vec::new(), Vec::new());
-        for product in &products.products {
+        for product in &products.per_plan {
             let mut report = product.report.clone();
             if product.plan.plan.is_targeted() {
                 let of = |file: &Made| (file.path.clone(), blake3::hash(&file.bytes));

@@ -58,7 +58,7 @@ pub struct Product {
 /// Everything that a recipe makes of a source.
 pub struct Products {
     /// One for each plan.
-    pub products: Vec<Product>,
+    pub per_plan: Vec<Product>,
     /// Files about the removed suns, with their paths.
     pub suns: Vec<(String, Vec<u8>)>,
     /// A PNG file.
@@ -68,13 +68,13 @@ pub struct Products {
 impl Products {
     /// The reports, one for each plan.
     pub fn reports(&self) -> impl Iterator<Item = &Report> {
-        self.products.iter().map(|product| &product.report)
+        self.per_plan.iter().map(|product| &product.report)
     }
 
     /// All files with their paths in the output's folder, without reports and preview.
     pub fn files(&self) -> impl Iterator<Item = (String, &[u8])> {
-        let several = self.products.len() > 1;
-        let made = self.products.iter().flat_map(move |Product { plan, made, .. }| {
+        let several = self.per_plan.len() > 1;
+        let made = self.per_plan.iter().flat_map(move |Product { plan, made, .. }| {
             made.iter().map(move |made| (within(several, plan, &made.path), &made.bytes[..]))
         });
         made.chain(self.suns.iter().map(|(path, bytes)| (path.clone(), &bytes[..])))
@@ -242,7 +242,7 @@ pub fn products(
         [] => None,
         sheets => Some(png_bytes(&preview::stacked(sheets))?),
     };
-    Ok(Products { products, suns, preview })
+    Ok(Products { per_plan: products, suns, preview })
 }
 
 /// What the pixel format made of the light of `bake`, as far as it shows.

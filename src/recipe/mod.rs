@@ -40,10 +40,8 @@ pub struct Recipe {
     ///
     /// Explicit options override the preset. OUT is a folder with the target's files and report.json, one
     /// subfolder per target for several. All targets share one octahedral map.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "TARGET", value_delimiter = ',', value_parser = text::target)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TARGET", value_delimiter = ','))]
+    #[cfg_attr(feature = "cli", arg(value_parser = text::target))]
     #[cfg_attr(feature = "cli", arg(long_help = help::targets()))]
     #[serde(with = "text::targets")]
     pub target: Vec<&'static Target>,
@@ -79,10 +77,8 @@ pub struct Recipe {
     ///
     /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
     /// towards the horizon; it has no mirror and clamps roughness to at least 0.125.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "LOBE", default_value = "ggx"))]
+    #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub lobe: Lobe,
     /// adaptive:E, fitted:K, box or reference
     ///
@@ -90,10 +86,8 @@ pub struct Recipe {
     /// adaptive means adaptive:0.005. fitted:K is the real-time tier: K soft boxes (1, 2, 4 or 8) and
     /// spherical harmonics fitted to ggx. fitted means fitted:4. box is the single box of the octahedron
     /// environment maps paper. reference integrates exhaustively in double precision: slow, for auditing.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter::parsed)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "F", default_value = "adaptive:0.005"))]
+    #[cfg_attr(feature = "cli", arg(value_parser = filter::parsed))]
     pub filter: Filter,
     /// ktx2, ktx, dds, exr, hdr [default: OUT's or ktx2]
     ///
@@ -106,10 +100,8 @@ pub struct Recipe {
     /// the faces in one image. equirect: m{level}, panoramas of 2N x N for --size N. octahedral: m{level},
     /// squares of N x N. parts: one EXR file OUT, one part per face. mips: one EXR file OUT, a panorama with
     /// MIP levels down to one texel. Every texel is filtered directly, not resampled.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "LAYOUT", conflicts_with = "target", hide_possible_values = true)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "LAYOUT", conflicts_with = "target"))]
+    #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub out_layout: Option<OutputLayout>,
     /// f16, f32, rgb9e5, r11g11b10f, bc6h [default: f16]
     ///
@@ -123,10 +115,8 @@ pub struct Recipe {
     /// Handles radiance above the pixel format's maximum. clamp clamps each channel; compress scales the
     /// brightest texels of such levels down smoothly and keeps their colour; error fails. The report counts
     /// these texels.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "HOW", default_value = "clamp", hide_possible_values = true)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "HOW", default_value = "clamp"))]
+    #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub overflow: Overflow,
     /// Add an irradiance cube of edge N, 1 to 1024
     ///
@@ -153,27 +143,21 @@ pub struct Recipe {
     /// none; hanning:W, lanczos:W and sinc4:W scale band l by (1 + cos x)/2, sin(x)/x and (sin(x)/x)^4, x =
     /// pi l/W, and to 0 from l = W on; nonnegative is sinc4 with the widest W for which irradiance is nowhere
     /// negative, as cmgen's --sh-window=auto.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "WINDOW", default_value = "none", hide_default_value = true)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "WINDOW", default_value = "none"))]
+    #[cfg_attr(feature = "cli", arg(hide_default_value = true))]
     #[cfg_attr(feature = "cli", arg(value_parser = window::parsed))]
     pub sh_window: ShWindow,
     /// Axis that the engine negates: none, x or z
     ///
     /// Pre-flips cubes for engines that negate an axis at look-up. With --target only; overrides the preset.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "AXIS", requires = "target", hide_possible_values = true)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "AXIS", requires = "target"))]
+    #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub flip: Option<Flip>,
     /// Diffuse light: none, cube, sh or both
     ///
     /// An irradiance cube, spherical harmonics, or both. With --target only; overrides the preset.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "FORM", requires = "target", hide_possible_values = true)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FORM", requires = "target"))]
+    #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub diffuse: Option<Diffuse>,
     /// Base name of the files [default: INPUT's]
     ///
@@ -187,10 +171,8 @@ pub struct Recipe {
     ///
     /// auto makes the spheres' median a dark grey, and darker where much of them is very bright; highlights
     /// are compressed. Does not affect the bake.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "EV", default_value_t = Exposure::Auto, requires = "preview")
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "EV", default_value_t = Exposure::Auto))]
+    #[cfg_attr(feature = "cli", arg(requires = "preview"))]
     pub exposure: Exposure,
     /// Write the environment without its sun
     ///
@@ -249,10 +231,8 @@ pub struct InputOptions {
     /// auto uses the map that the header names, as convert writes it, else the aspect ratio: 2:1 is a
     /// panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces reads six files as one cube, in the
     /// order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...). Contradicting the header is an error.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "LAYOUT", default_value = "auto", hide_default_value = true)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "LAYOUT", default_value = "auto"))]
+    #[cfg_attr(feature = "cli", arg(hide_default_value = true))]
     pub layout: LayoutChoice,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
     #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", value_parser = text::number))]
@@ -278,8 +258,7 @@ pub struct InputOptions {
     /// default, adds black rows above and below (or columns left and right), without light; --pad=edge
     /// repeats the outermost ones. Treats every picture as a panorama and applies after --crop.
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILL", num_args = 0..=1, require_equals = true))]
-    #[cfg_attr(feature = "cli", arg(default_missing_value = "black"))]
-    #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
+    #[cfg_attr(feature = "cli", arg(default_missing_value = "black", hide_possible_values = true))]
     pub pad: Option<Pad>,
     /// Repair NaN (to 0) and Inf (to a finite neighbour)
     ///
@@ -307,10 +286,8 @@ pub struct InputOptions {
     /// bake writes the suns as directional lights to OUT.sun.json, for glTF to OUT.sun.gltf
     /// (KHR_lights_punctual), or to sun.json and sun.gltf in OUT if that is a folder, and to the report.
     /// sun.json holds one object, or null; with WHICH a list.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "WHICH", value_parser = Suns::parsed, num_args = 0..=1, require_equals = true)
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "WHICH", value_parser = Suns::parsed, num_args = 0..=1))]
+    #[cfg_attr(feature = "cli", arg(require_equals = true))]
     #[cfg_attr(feature = "cli", arg(default_missing_value = "brightest"))]
     pub extract_sun: Option<Suns>,
 }
