@@ -131,7 +131,6 @@ mod light_scale;
 mod lobe;
 #[cfg(feature = "mesh")]
 mod mesh;
-#[cfg(feature = "gpu")]
 mod names;
 mod oem;
 mod percent;

@@ -182,7 +182,7 @@ pub fn info(input: &str, bytes: Vec<u8>, options: &str) -> Result<String, JsErro
         // Counts NaN and Inf, unless repairs are errors.
         options.sanitize = !options.strict;
         let source = options.open_bytes(input, &bytes, MEMORY_LIMIT)?;
-        let statistics = Statistics::of(&source.environment);
+        let statistics = Statistics::new(&source.environment);
         let share = statistics.sun_share();
         let is_sun = |sun: &&Sun| sun.kind == Brightest::Sun;
         let info = Info {

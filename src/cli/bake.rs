@@ -16,8 +16,9 @@ use crate::analysis::oracle::Oracle;
 use crate::bake::BakeSettings;
 use crate::export::produce::{check_memory, products};
 use crate::filter::Filter;
-use crate::io::LayoutChoice;
+use crate::io::InputLayout;
 use crate::io::output::{self, Existing};
+use crate::io::regular::CHANGED;
 use crate::recipe::InputOptions;
 use crate::recipe::plan::BakePlan;
 use crate::recipe::source::Source;
@@ -84,14 +85,14 @@ impl Work {
     fn new(mut args: BakeArgs) -> Outcome<Self> {
         let typed = std::mem::take(&mut args.inputs);
         let Expansion { found, is_open, failures } = expand(typed, args.recursive, args.output.as_deref());
-        if found.is_empty() && args.recipe.input.layout == LayoutChoice::Faces {
+        if found.is_empty() && args.recipe.input.layout == InputLayout::Faces {
             // Six files are counted below.
             failures.into_iter().next().map_or(Ok(()), |error| Err(Failure::from(error)))?;
             return usage("--layout faces takes the six files of one cube");
         }
         let several = !found.is_empty()
             && (is_open || found.len() > 1)
-            && args.recipe.input.layout != LayoutChoice::Faces;
+            && args.recipe.input.layout != InputLayout::Faces;
         let plans = bake_plan::plans(&args, several)?;
         if args.verify.is_some() {
             Verify::check_plans(&plans, args.dry_run)?;
@@ -329,9 +330,12 @@ impl Work {
         console: &Console,
     ) -> Outcome {
         let start = Instant::now();
-        // Hash before reading, so a change in between is detected.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let (source, plans) = self.opened(job, console)?;
+        // The hashes in the report are those of the light.
+        if fingerprint::requested(&job.source, &self.options)?.0 != request {
+            return Err(Error::input(job.source.path(), CHANGED).into());
+        }
         let source = Source { files: input_files, ..source };
         let measured = |plan: &BakePlan| BakeSettings { measure: true, ..plan.settings.clone() };
         let settings: Vec<BakeSettings> = plans.iter().map(measured).collect();

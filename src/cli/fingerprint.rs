@@ -7,7 +7,7 @@ use crate::export::report::FingerprintReport;
 use crate::format::{LevelName, Shown};
 use crate::io::exr::write::SOFTWARE;
 use crate::io::regular::{open_regular, read_regular};
-use crate::io::side_report::{MOST_REPORT_BYTES, REPORT};
+use crate::io::side_report::{MAX_REPORT_BYTES, REPORT};
 use crate::io::{DEFAULT_MEMORY_LIMIT, levels_path, reported};
 use crate::recipe::Recipe;
 use crate::recipe::plan::BakePlan;
@@ -143,8 +143,8 @@ fn unsigned() -> String {
     "0".repeat(2 * blake3::OUT_LEN)
 }
 
-/// `text`, a report with [`fingerprint`]'s placeholder, with its own hash: of all lines but the times, which alone
-/// differ between equal runs.
+/// `text`, a report with [`fingerprint`]'s placeholder, with its own hash: of all lines but the times, which
+/// alone differ between equal runs.
 pub(super) fn signed(text: &str) -> String {
     let mut hasher = Hasher::new();
     for line in text.lines().filter(|line| !line.trim_start().starts_with("\"seconds\":")) {
@@ -167,7 +167,7 @@ pub(super) fn recorded(path: &Path) -> Option<(Vec<u8>, Option<FingerprintReport
         levels: serde::de::IgnoredAny,
         fingerprint: Option<FingerprintReport>,
     }
-    let text = read_regular(path, MOST_REPORT_BYTES).ok()?;
+    let text = read_regular(path, MAX_REPORT_BYTES).ok()?;
     let Recorded { fingerprint, .. } = serde_json::from_slice(&text).ok()?;
     Some((text, fingerprint))
 }

@@ -11,7 +11,7 @@ use crate::analysis::sun::Brightest;
 use crate::chain::{Chain, Level};
 use crate::environment::exact_luminance;
 use crate::io::provenance::Provenance;
-use crate::io::{LayoutChoice, Repairs};
+use crate::io::{InputLayout, Repairs};
 use crate::percent::percent;
 use crate::recipe::InputOptions;
 use crate::recipe::source::{Source, SunReport};
@@ -134,7 +134,7 @@ fn describe(
         Err(error) => {
             // Options of environments have errors of their own.
             let is_plain =
-                args.layout == LayoutChoice::Auto && !args.strict && !args.crop && args.pad.is_none();
+                args.layout == InputLayout::Auto && !args.strict && !args.crop && args.pad.is_none();
             let other = match source.files() {
                 [path] if is_plain => info_other::described(path, bytes, &error),
                 _ => None,
@@ -188,7 +188,7 @@ fn levels_info(chain: &Chain) -> Vec<LevelInfo> {
 }
 
 fn environment_info(input: String, bytes: u64, opened: Source) -> EnvironmentInfo {
-    let statistics = Statistics::of(&opened.environment);
+    let statistics = Statistics::new(&opened.environment);
     let energy_share = statistics.sun_share();
     let brightest = |kind: Brightest| {
         let found = statistics.sun.as_ref().filter(|region| region.kind == kind);
@@ -285,17 +285,15 @@ impl BakeInfo {
         }
         text.push_str("  level   size  roughness      least   greatest       mean  (luminance)\n");
         for level in &self.levels {
-            writeln!(
-                text,
-                "  {:>5}  {:>5}  {:>9.4}  {:>9.3e}  {:>9.3e}  {:>9.3e}",
+            text += &format!(
+                "  {:>5}  {:>5}  {:>9.4}  {:>9.3e}  {:>9.3e}  {:>9.3e}\n",
                 level.level,
                 level.size,
                 level.roughness,
                 exact_luminance(level.min),
                 exact_luminance(level.max),
                 exact_luminance(level.mean),
-            )
-            .expect("writing to a string cannot fail");
+            );
         }
         text
     }
@@ -308,7 +306,7 @@ impl EnvironmentInfo {
             self.input, self.format, self.layout, self.width, self.height
         );
         let mut row = |name: &str, value: String| {
-            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
+            text += &format!("  {name:<11} {value}\n");
         };
         row("size", console::bytes(self.bytes));
         self.origin.iter().flat_map(rows).for_each(|(name, value)| row(name, value));

@@ -3,7 +3,7 @@
 use super::console::Console;
 use super::outcome::{Outcome, usage};
 use crate::Layout;
-use crate::io::{self, LayoutChoice, LoadedChain};
+use crate::io::{self, InputLayout, LoadedChain};
 use crate::recipe::InputOptions;
 use crate::recipe::source::Source;
 use std::fs;
@@ -18,8 +18,8 @@ pub(super) fn sources(paths: Vec<PathBuf>, args: &InputOptions) -> Outcome<Vec<I
     args.check().or_else(|error| usage(error.to_string()))?;
     match (args.layout, paths.len()) {
         // A single KTX2 cube or level folder already holds its faces.
-        (LayoutChoice::Faces, 6 | 1) => Ok(vec![InputFiles(paths)]),
-        (LayoutChoice::Faces, count) => usage(format!(
+        (InputLayout::Faces, 6 | 1) => Ok(vec![InputFiles(paths)]),
+        (InputLayout::Faces, count) => usage(format!(
             "--layout faces takes the six files of one cube, or one file that holds a cube; {count} were \
              given"
         )),

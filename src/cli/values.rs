@@ -1,6 +1,6 @@
 //! Option values: choices, their meanings, and parsers.
 
-use crate::environment::MOST_DEGREES;
+use crate::environment::MAX_DEGREES;
 pub(super) use crate::filter::parsed as filter;
 use clap::ValueEnum;
 
@@ -25,33 +25,18 @@ fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "not a number".to_owned())
 }
 
-fn within(text: &str, [least, most]: [f64; 2]) -> Result<f64, String> {
-    Some(number(text)?)
-        .filter(|value| (least..=most).contains(value))
-        .ok_or_else(|| format!("must be between {least} and {most}"))
+/// Parses a number in a range.
+pub(super) fn within([least, most]: [f64; 2]) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        Some(number(text)?)
+            .filter(|value| (least..=most).contains(value))
+            .ok_or_else(|| format!("must be between {least} and {most}"))
+    }
 }
 
 /// Parses degrees about the vertical axis.
 pub(super) fn turn(text: &str) -> Result<f64, String> {
-    within(text, [-MOST_DEGREES, MOST_DEGREES])
-}
-
-/// Parses degrees of a camera's height.
-#[cfg(feature = "view")]
-pub(super) fn height(text: &str) -> Result<f64, String> {
-    within(text, [-90.0, 90.0])
-}
-
-/// Parses a distance in radii of the object.
-#[cfg(feature = "view")]
-pub(super) fn distance(text: &str) -> Result<f64, String> {
-    within(text, [1.05, 1000.0])
-}
-
-/// Parses degrees of an angle of view.
-#[cfg(feature = "view")]
-pub(super) fn view_angle(text: &str) -> Result<f64, String> {
-    within(text, [0.6, 171.0])
+    within([-MAX_DEGREES, MAX_DEGREES])(text)
 }
 
 pub(super) fn finite(text: &str) -> Result<f64, String> {
@@ -64,9 +49,7 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn roughness(text: &str) -> Result<f64, String> {
-    Some(number(text)?)
-        .filter(|value| (0.0..=1.0).contains(value))
-        .ok_or_else(|| "must be between 0 and 1".to_owned())
+    within([0.0, 1.0])(text)
 }
 
 /// Parses a share or a percentage: 0.05 or 5%.

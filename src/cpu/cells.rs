@@ -14,10 +14,11 @@
 //! reach encloses its texels, whatever their size.
 
 use crate::environment::{Environment, LUMINANCE, Rgb, exact_luminance};
+use crate::geometry::panorama_row::RunSums;
 #[cfg(feature = "gpu")]
 use crate::geometry::source_texels::SourceGrid;
-use crate::geometry::source_texels::{RunSums, SourceTexels, Texel, longest_run};
-use crate::geometry::tent::{Patch, Reconstruction, Tents};
+use crate::geometry::source_texels::{SourceTexels, longest_run};
+use crate::geometry::tent::{Patch, Reconstruction, Tents, Texel};
 use crate::geometry::tint::{TINT_FIELDS, Tint};
 use crate::light_scale::LightScale;
 use crate::oem::Oem;
@@ -73,8 +74,8 @@ pub(crate) const FIELDS: [(&str, usize); 11] = {
 /// texels would enlarge the radius of their cells.
 pub(crate) const RESIDUE: f32 = 1.0 / (1 << 21) as f32;
 
-/// A channel whose mean is below the luminance's by more than this factor is nearly black: its errors count as
-/// if its mean were that share of the luminance's.
+/// A channel whose mean is below the luminance's by more than this factor is nearly black: its errors count
+/// as if its mean were that share of the luminance's.
 pub(crate) const DIMMEST: f64 = 100.0;
 
 /// A channel's energy up to this counts as zero. Its product with a difference of directions, 2^-24, would be
@@ -108,7 +109,8 @@ impl Cell {
         Self { patch, energy, luminance: energy.dot(Vec3::from(LUMINANCE)), tints: [Tint::default(); 2] }
     }
 
-    /// Adds the tints of `member`, a part whose centroid is `apart` from this cell's, whose energies are known.
+    /// Adds the tints of `member`, a part whose centroid is `apart` from this cell's, whose energies are
+    /// known.
     #[inline(always)]
     fn absorb_tints(&mut self, member: &Self, apart: Vec3) {
         let excess = member.energy - self.energy * (member.luminance / self.luminance);

@@ -6,6 +6,7 @@ pub(crate) mod energy;
 pub mod footprints;
 pub mod light;
 pub mod overlap;
+pub(crate) mod panorama_row;
 pub mod resample;
 pub mod solid_angles;
 pub(crate) mod source_texels;

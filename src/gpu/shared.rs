@@ -5,6 +5,7 @@ use super::{
     adaptive, blur, box_filter, cells, copy, device::stage, direct, emitters, fitted, fixed_point, harmonics,
     lamp, mirror, octaves, oem, reparameterise, sat_f32, sat_hensley, sat_scan, shadow,
 };
+use crate::cpu::adaptive::{TINT_ROUNDING, USELESS};
 use crate::cpu::cells::{DIMMEST, FAINT, FIELDS, QUAD_FIELDS, RESIDUE};
 use crate::cpu::fitted::{CONE, CONE_ALPHA, HARMONICS_ALONE, HARMONICS_FROM};
 use crate::cpu::leaves::LANES;
@@ -41,7 +42,6 @@ pub fn constants() -> Vec<Constant> {
         one("blur.wgsl", "EDGE", octaves::EDGE),
         one("blur.wgsl", "GROUP_SIZE", blur::GROUP_SIZE),
         float("adaptive.wgsl", "DIMMEST", DIMMEST),
-        float("adaptive.wgsl", "NEGLIGIBLE_TINT", f64::from(NEGLIGIBLE_TINT)),
         one("blur.wgsl", "LINE_SIZE", blur::LINE_SIZE),
         one("blur.wgsl", "REACH", blur::REACH),
         one("box_filter.wgsl", "GROUP_SIZE", box_filter::GROUP_SIZE),
@@ -68,7 +68,7 @@ pub fn constants() -> Vec<Constant> {
         one("common/kernel.wgsl", "SHAPE_CONE", shape::CONE),
         one("common/kernel.wgsl", "SHAPE_COSINE", shape::COSINE),
         one("common/light.wgsl", "EMITTERS", COUNT as u32),
-        one("common/light.wgsl", "MOST_LIGHTS", fitted::MOST_LIGHTS),
+        one("common/light.wgsl", "MAX_LIGHTS", fitted::MAX_LIGHTS),
         ("common/luminance.wgsl", "LUMINANCE", LUMINANCE.map(f64::from).to_vec()),
         one("common/octaves.wgsl", "OCTAVE_BORDER", octaves::BORDER),
         one("common/quad.wgsl", "QUAD_FIELDS", QUAD_FIELDS as u32),
@@ -77,6 +77,10 @@ pub fn constants() -> Vec<Constant> {
         one("common/reduction.wgsl", "GROUP_SIZE", fixed_point::GROUP_SIZE),
         one("common/reduction.wgsl", "TEXELS", fixed_point::TEXELS),
         one("common/rows.wgsl", "ROW", stage::ROW),
+        float("common/tints.wgsl", "NEGLIGIBLE_TINT", f64::from(NEGLIGIBLE_TINT)),
+        // The GPU's differences are less exact.
+        float("common/tints.wgsl", "TINT_ROUNDING", 2.0 * f64::from(TINT_ROUNDING)),
+        float("common/tints.wgsl", "USELESS", f64::from(USELESS)),
         one("copy.wgsl", "GROUP_SIZE", copy::GROUP_SIZE),
         one("direct/cull.wgsl", "GROUP_SIZE", direct::list::GROUP_SIZE),
         one("direct/cull.wgsl", "PLANES", direct::view::PLANES as u32),

@@ -28,12 +28,14 @@ use serde_json::{Map, Number, Value, json};
 pub(crate) const KEY_PREFIX: &str = "octagloss";
 /// Key of the recipe.
 pub(crate) const RECIPE_KEY: &str = "octaglossRecipe";
+/// Key of the flip in versions 0.1 and 0.2, and of the mark in DDS files.
+pub(super) const FLIP_KEY: &str = "octaglossFlip";
 
 /// Keys of versions 0.1 and 0.2 with the fields that they hold.
 const OLD_KEYS: [(&str, &str); 14] = [
     ("octaglossTarget", "target"),
     ("octaglossContent", "content"),
-    ("octaglossFlip", "flip"),
+    (FLIP_KEY, "flip"),
     ("octaglossQuarterTurns", "quarter_turns"),
     ("octaglossRotateY", "rotate_y"),
     ("octaglossMirror", "mirror"),

@@ -9,14 +9,14 @@ mod text;
 use crate::analysis::extraction::Suns;
 use crate::bake::Skybox;
 use crate::chain::ChainKind;
-use crate::environment::MOST_DEGREES;
+use crate::environment::MAX_DEGREES;
 use crate::error::{Error, Result};
 use crate::filter::{self, Filter};
 use crate::format::container::Container;
 use crate::format::overflow::Overflow;
 use crate::format::{OutputLayout, Pixel};
 use crate::image::exposure::Exposure;
-use crate::io::{LayoutChoice, Pad, ReadOptions};
+use crate::io::{InputLayout, Pad, ReadOptions};
 use crate::ladder::Ladder;
 use crate::lobe::Lobe;
 use crate::sat::Scan;
@@ -233,7 +233,7 @@ pub struct InputOptions {
     /// order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...). Contradicting the header is an error.
     #[cfg_attr(feature = "cli", arg(long, value_name = "LAYOUT", default_value = "auto"))]
     #[cfg_attr(feature = "cli", arg(hide_default_value = true))]
-    pub layout: LayoutChoice,
+    pub layout: InputLayout,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
     #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", value_parser = text::number))]
     pub rotate_y: Option<f64>,
@@ -397,9 +397,9 @@ impl InputOptions {
     /// # Errors
     /// [`Error::Parameter`] for a number out of range, and for options that contradict each other.
     pub fn check(&self) -> Result<()> {
-        if let Some(degrees) = self.rotate_y.filter(|degrees| !(degrees.abs() <= MOST_DEGREES)) {
+        if let Some(degrees) = self.rotate_y.filter(|degrees| !(degrees.abs() <= MAX_DEGREES)) {
             return wrong(format!(
-                "`rotate_y` is {degrees}; it must be between -{MOST_DEGREES} and {MOST_DEGREES}"
+                "`rotate_y` is {degrees}; it must be between -{MAX_DEGREES} and {MAX_DEGREES}"
             ));
         }
         if let Some(scale) = self.scale.filter(|scale| !(scale.is_finite() && *scale > 0.0)) {
@@ -408,7 +408,7 @@ impl InputOptions {
         if self.strict && self.sanitize {
             return wrong("`strict` and `sanitize` contradict each other; omit one");
         }
-        let is_panorama = matches!(self.layout, LayoutChoice::Auto | LayoutChoice::Equirect);
+        let is_panorama = matches!(self.layout, InputLayout::Auto | InputLayout::Equirect);
         if (self.crop || self.pad.is_some()) && !is_panorama {
             return wrong("`pad` and `crop` are for panoramas; omit `layout`");
         }

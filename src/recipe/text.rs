@@ -8,9 +8,10 @@ use crate::format::container::Container;
 use crate::format::overflow::Overflow;
 use crate::format::{OutputLayout, Pixel};
 use crate::image::exposure::Exposure;
-use crate::io::{LayoutChoice, Pad};
+use crate::io::{InputLayout, Pad};
 use crate::ladder::Ladder;
-use crate::lobe::{LOBES, Lobe};
+use crate::lobe::Lobe;
+use crate::names::unknown;
 use crate::sat::Scan;
 use crate::sh::window::{self, ShWindow};
 use crate::target::{Diffuse, Flip, TARGETS, Target};
@@ -52,38 +53,30 @@ macro_rules! as_text {
     )+};
 }
 
-/// [`as_text`] for enums, by the names of all their values.
-macro_rules! as_name {
-    ($($type:ty: $all:expr;)+) => {
-        as_text! {$($type: |value: &$type| value.name(), |text: &str| {
-            $all.into_iter().find(|value| value.name() == text).ok_or_else(|| {
-                format!("choose one of {}", $all.map(<$type>::name).join(", "))
-            })
-        };)+}
-    };
-}
-
-as_name! {
-    ChainKind: ChainKind::ALL;
-    Container: Container::ALL;
-    Diffuse: Diffuse::ALL;
-    Flip: Flip::ALL;
-    Ladder: Ladder::ALL;
-    LayoutChoice: LayoutChoice::CHOICES;
-    Lobe: LOBES;
-    OutputLayout: OutputLayout::ALL;
-    Overflow: Overflow::ALL;
-    Pad: Pad::ALL;
-    Pixel: Pixel::CHOICES;
-}
-
 as_text! {
+    ChainKind: ChainKind::to_string, str::parse::<ChainKind>;
+    Container: Container::to_string, str::parse::<Container>;
+    Diffuse: Diffuse::to_string, str::parse::<Diffuse>;
     Exposure: Exposure::to_string, str::parse::<Exposure>;
-    Filter: Filter::to_string, filter::parsed;
+    Flip: Flip::to_string, str::parse::<Flip>;
+    InputLayout: InputLayout::to_string, str::parse::<InputLayout>;
+    Ladder: Ladder::to_string, str::parse::<Ladder>;
+    Lobe: Lobe::to_string, str::parse::<Lobe>;
+    OutputLayout: OutputLayout::to_string, str::parse::<OutputLayout>;
+    Overflow: Overflow::to_string, str::parse::<Overflow>;
+    Pad: Pad::to_string, str::parse::<Pad>;
     Scan: Scan::to_string, str::parse::<Scan>;
+    Filter: Filter::to_string, filter::parsed;
+    Pixel: Pixel::to_string, pixel;
     ShWindow: ShWindow::to_string, window::parsed;
     Skybox: Skybox::to_string, Skybox::parsed;
     Suns: Suns::to_string, Suns::parsed;
+}
+
+/// Parses the name of a pixel format that a recipe can choose.
+fn pixel(text: &str) -> Result<Pixel, String> {
+    let names = Pixel::CHOICES.map(Pixel::name);
+    Pixel::CHOICES.into_iter().find(|pixel| pixel.name() == text).ok_or_else(|| unknown(&names))
 }
 
 /// Parses a target's name.

@@ -1,6 +1,6 @@
 //! Declarations that the viewer's shaders repeat; see [`crate::gpu::shared`] for those of the stages.
 
-use super::frame::{BallUniform, Diffuse, MOST_LEVELS, ViewFrame};
+use super::frame::{BallUniform, Diffuse, MAX_LEVELS, ViewFrame};
 use super::look::ROW;
 use super::model::MaterialUniform;
 use super::present::Present;
@@ -15,9 +15,9 @@ pub fn constants() -> Vec<Constant> {
         ("common/view_texture.wgsl", "CLAMP", vec![f64::from(scene::CLAMP)]),
         ("common/view_texture.wgsl", "NEAREST", vec![f64::from(scene::NEAREST)]),
         ("common/view_scene.wgsl", "BALLS", vec![f64::from(ROW)]),
-        ("common/view_scene.wgsl", "MOST_LEVELS", vec![MOST_LEVELS as f64]),
-        ("view/scene.wgsl", "MOST_PROBES", vec![scene::MOST_PROBES as f64]),
-        ("view/scene.wgsl", "MOST_RADIANCE", vec![scene::MOST_RADIANCE]),
+        ("common/view_scene.wgsl", "MAX_LEVELS", vec![MAX_LEVELS as f64]),
+        ("view/scene.wgsl", "MAX_PROBES", vec![scene::MAX_PROBES as f64]),
+        ("view/scene.wgsl", "MAX_RADIANCE", vec![scene::MAX_RADIANCE]),
         ("view/scene_pose.wgsl", "POSE_GROUP", vec![f64::from(scene::POSE_GROUP)]),
     ]
 }

@@ -1,6 +1,6 @@
 //! A lobe around one direction, in the oracle's own formulas.
 
-use crate::lobe::{LEAST_CHARLIE_ROUGHNESS, Lobe};
+use crate::lobe::{Lobe, MIN_CHARLIE_ROUGHNESS};
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, SQRT_2};
 
@@ -56,7 +56,7 @@ impl Kernel {
             }
             Lobe::Cosine => Profile::Cosine,
             Lobe::Charlie => {
-                Profile::Charlie { power: 1.0 / (2.0 * roughness.max(LEAST_CHARLIE_ROUGHNESS).powi(2)) }
+                Profile::Charlie { power: 1.0 / (2.0 * roughness.max(MIN_CHARLIE_ROUGHNESS).powi(2)) }
             }
         };
         let support = match profile {
@@ -75,9 +75,12 @@ impl Kernel {
         Self { direction, ..self }
     }
 
-    /// Whether the support ends in a jump.
-    pub(super) const fn jumps(&self) -> bool {
-        matches!(self.profile, Profile::Cone { .. })
+    /// Whether the support ends at a great circle.
+    pub(super) fn is_hemisphere(&self) -> bool {
+        match self.profile {
+            Profile::Cone { cosine, .. } => cosine < 1e-15,
+            _ => true,
+        }
     }
 
     /// Signed distance of `point` (any length) from the boundary of the support, positive inside, in units of

@@ -52,6 +52,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/scan.wgsl",
     "common/shadow.wgsl",
     "common/source_pieces.wgsl",
+    "common/tints.wgsl",
     "common/sum.wgsl",
     "common/table.wgsl",
     "common/u64.wgsl",
@@ -151,7 +152,7 @@ const fn fitted(lights: &'static str) -> [&'static str; 5] {
 }
 
 const FITTED: [&str; 5] = fitted("var<uniform> octagloss_lights: array<OctaglossLight, 1>");
-const PROBES: [&str; 5] = fitted("var<uniform> octagloss_lights: array<OctaglossLight, MOST_LIGHTS>");
+const PROBES: [&str; 5] = fitted("var<uniform> octagloss_lights: array<OctaglossLight, MAX_LIGHTS>");
 
 /// The functions and resources of `queries`, for one shader; shared functions appear once.
 #[must_use]

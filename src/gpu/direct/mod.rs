@@ -77,18 +77,6 @@ named!(Method {
 });
 
 impl Method {
-    /// All methods.
-    pub const ALL: [Self; 8] = [
-        Self::Octants,
-        Self::ClipMask,
-        Self::StrictSplit,
-        Self::XzSplit,
-        Self::EdgeStrip,
-        Self::PerCorner,
-        Self::Cube,
-        Self::WholeCube,
-    ];
-
     /// Whether maps are right to the pixel, except for the resampling of cubes.
     #[must_use]
     pub const fn is_exact(self) -> bool {

@@ -4,13 +4,13 @@
 use crate::gpu::device::shader;
 
 /// Most probes, and most glossy parts.
-pub const MOST_PROBES: usize = 8;
+pub const MAX_PROBES: usize = 8;
 
 /// Invocations of a workgroup that places corners.
 pub(in crate::view) const POSE_GROUP: u32 = 64;
 
 /// Greatest radiance of a picture: half floats.
-pub(in crate::view) const MOST_RADIANCE: f64 = 65504.0;
+pub(in crate::view) const MAX_RADIANCE: f64 = 65504.0;
 
 /// A corner of a triangle, in the space of its part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -109,6 +109,6 @@ pub(in crate::view) struct FrameUniform {
     pub(super) high: [f32; 3],
     pub(super) probes: u32,
     pub(super) sphere: [f32; 4],
-    pub(super) centres: [[f32; 4]; MOST_PROBES],
+    pub(super) centres: [[f32; 4]; MAX_PROBES],
 }
 shader::members!(FrameUniform { clip_from_world, eye, exposure, low, proxy, high, probes, sphere, centres });

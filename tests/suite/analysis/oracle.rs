@@ -33,7 +33,7 @@ fn a_constant_stays_one() {
         let mut spots = 0;
         for lobe in LOBES {
             for roughness in [0.0, 0.1, 0.35, 0.7, 1.0] {
-                for direction in landmarks().into_iter().step_by(sweep(4, 3)) {
+                for direction in landmarks().into_iter().step_by(sweep(7, 3)) {
                     // The sums over L K and over K take the same terms: rounding of some 500 of them.
                     let value = oracle.reflect(lobe, roughness, direction);
                     let off = difference(value, [0.25, 2.0, 3e4]);
@@ -43,7 +43,7 @@ fn a_constant_stays_one() {
                 }
             }
         }
-        assert!(spots > sweep(8, 30), "{layout:?}: one brighter texel was detected in {spots} lobes");
+        assert!(spots > sweep(4, 30), "{layout:?}: one brighter texel was detected in {spots} lobes");
     }
 }
 
@@ -224,6 +224,10 @@ fn a_mirror_shows_the_texel_looked_at() {
         environment.for_each_texel(|direction, _, rgb| {
             let expected = rgb.map(f64::from);
             assert_eq!(oracle.reflect(Lobe::Ggx, 0.0, direction), expected, "{layout:?} {direction}");
+            compared += 1;
+            if compared % sweep(4, 1) > 0 {
+                return;
+            }
             // Of a lobe, alpha^2/s lies beyond s = sin^2(theta/2): 1e-12 over 2e-5 at the narrowest texel's
             // edge, and neighbours are up to 1e4 times brighter.
             let near = oracle.reflect(Lobe::Ggx, 0.001, direction);
@@ -231,7 +235,6 @@ fn a_mirror_shows_the_texel_looked_at() {
                 difference(near, expected) < 5e-4,
                 "{layout:?} {direction}: {near:?} against {expected:?}"
             );
-            compared += 1;
         });
         assert_eq!(compared, layout.texel_count());
     }
@@ -494,5 +497,28 @@ fn source_and_oem_agree_on_a_smooth_sky() {
             // mostly due to the density.
             assert!(difference(served, source) < 4e-3, "{lobe:?} {roughness}: {served:?} against {source:?}");
         }
+    }
+}
+
+#[test]
+fn a_hemisphere_takes_what_coarse_texels_have_in_it() {
+    let layout = Layout::Panorama { width: 15, height: 3 };
+    let direction = DVec3::new(-0.955, 0.036, 0.294).normalize();
+    // Northern texels wholly inside, 2 pi/15 (1 - cos 60 degrees) of the 2 pi; a few others reach over the
+    // horizon by less than a thousandth.
+    for inside in [0, 13, 14] {
+        let share = reflect(&lone(layout, inside, 1.0), Lobe::Phong, 1.0, direction)[0];
+        assert!((30.0 * share - 1.0).abs() < 1e-7, "texel {inside}: {share}");
+    }
+}
+
+#[test]
+fn a_cosine_takes_its_share_of_texels_that_the_horizon_touches() {
+    let layout = Layout::Panorama { width: 3, height: 6 };
+    let direction = DVec3::new(0.0, 1.0, 1.0).normalize();
+    // By a product of midpoint rules. The horizon touches the middle of the texel's own middle.
+    for (texel, share) in [(0, 0.043_633_79), (3, 0.037_867_43), (4, 0.118_602_67), (13, 0.000_751_54)] {
+        let found = reflect(&lone(layout, texel, 1.0), Lobe::Cosine, 1.0, direction)[0];
+        assert!((found - share).abs() < 3e-8, "texel {texel}: {found}");
     }
 }

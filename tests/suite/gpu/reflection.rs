@@ -202,7 +202,7 @@ const OWN_CONSTANTS: &[(&str, &[&str])] = &[
         &["BATCH", "DEPTH", "LEAF_FIELDS", "LEAVES", "MEMBERS", "PARTS", "PIECES", "SOURCE_DEPTH", "STACK"],
     ),
     ("blur.wgsl", &["SCAN_SIZE"]),
-    ("common/charlie.wgsl", &["ERROR_OF_S", "LEAST_X"]),
+    ("common/charlie.wgsl", &["ERROR_OF_S", "MIN_X"]),
     ("common/fitted.wgsl", &["UNIT"]),
     ("common/view_draw.wgsl", &["GREATEST"]),
     ("direct/cull.wgsl", &["SCAN_SIZE"]),
