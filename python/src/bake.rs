@@ -269,7 +269,7 @@ pub(crate) fn bake(
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Bake> {
     let recipe = options::recipe(py, options)?;
-    let Recipe { format, pixel, overflow, name, .. } = recipe.clone();
+    let Recipe { format, pixel, name, .. } = &recipe;
     if output.is_none() && (format.is_some() || pixel.is_some() || name.is_some() || force) {
         return Err(wrong("`container`, `pixel`, `name` and `force` are for `output`, which is missing"));
     }

@@ -30,7 +30,7 @@ fn the_recipe_of_a_plan_makes_the_same_plan() {
         [json!({"target": [target.name]}), changed, json!({"target": target.name, "skybox": 8, "name": "a"})]
     });
     let more = [
-        json!({"target": "three,bevy", "diffuse": "both", "irradiance": 8, "format": "exr", "flip": "none"}),
+        json!({"target": "three,generic", "diffuse": "both", "irradiance": 8, "format": "exr", "flip": "none"}),
         json!({"target": "generic", "ladder": "unity", "levels": 3, "pixel": "f32", "format": "dds"}),
     ];
     let mut count = 0;
@@ -68,8 +68,8 @@ fn options_that_there_are_not_and_values_that_they_cannot_have_are_named() {
         (json!({"scale": 0}), "`scale` is 0; it must be finite and above 0"),
         (json!({"rotate_y": 1e7}), "`rotate_y` is 10000000; it must be between"),
         (json!({"mirror": 1}), "`mirror` is 1; a boolean is needed"),
-        (json!({"lobe": "ggxx"}), "`lobe` is \"ggxx\"; choose one of ggx, phong, cone, cosine, charlie"),
-        (json!({"pixel": "auto"}), "`pixel` is \"auto\"; choose one of f16, f32"),
+        (json!({"lobe": "ggxx"}), "`lobe` is \"ggxx\"; must be ggx, phong, cone, cosine or charlie"),
+        (json!({"pixel": "auto"}), "`pixel` is \"auto\"; must be f16, f32"),
         (json!({"pad": {}}), "`pad` is {}; a text is needed"),
         (json!({"filter": "fitted:3"}), "`filter` is \"fitted:3\"; the boxes of fitted:K"),
         (json!({"skybox": 0}), "`skybox` is 0; must be 1 to 16384, or source"),
