@@ -11,7 +11,7 @@ use crate::format::{LevelName, OutputLayout, Pixel, Shown};
 use crate::io::cube_file::CubeFile;
 use crate::io::cube_write::cube_bytes;
 use crate::io::exr::write::{Attribute, Samples, exr_bytes};
-use crate::io::hdr::write::hdr_bytes_with;
+use crate::io::hdr::write::hdr_bytes;
 use crate::io::layout::Unfolding;
 use crate::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::io::oem_write::oem_bytes;
@@ -206,7 +206,7 @@ fn panorama(plan: &TargetPlan, level: &Level, path: &str, metadata: &[(String, S
         pairs.push((QUARTER_TURNS_KEY.to_owned(), plan.target.quarter_turns.to_string()));
     }
     if path.ends_with(".hdr") {
-        return hdr_bytes_with(width, height, &texels, &pairs);
+        return hdr_bytes(width, height, &texels, &pairs);
     }
     let attributes: Vec<_> = pairs.into_iter().map(|(key, text)| (key, Attribute::Text(text))).collect();
     let pixel = if Pixel::F16.clamped(&texels) == 0 { Pixel::F16 } else { Pixel::F32 };

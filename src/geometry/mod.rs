@@ -3,9 +3,11 @@
 pub mod bordered;
 pub mod conversion;
 pub(crate) mod energy;
+pub mod exact;
 pub mod footprints;
 pub mod light;
 pub mod overlap;
+pub(crate) mod panorama_row;
 pub mod resample;
 pub mod solid_angles;
 pub(crate) mod source_texels;

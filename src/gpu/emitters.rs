@@ -2,14 +2,9 @@
 
 use super::device::shader;
 use super::device::stage::Dispatch;
-use super::fitted::{EMITTERS_OFFSET, EmitterWords, FittedTables, ROTATION_OFFSET};
+use super::fitted::FittedTables;
 use super::{Context, OemPlanes, Stage};
-use crate::error::Result;
-use crate::realtime::emitters::{COUNT, Emitter, GRID, block};
-use glam::{DVec3, Vec3};
-
-/// Invocations of a workgroup that searches for the brightest cells.
-pub const GROUP_SIZE: u32 = 256;
+use crate::realtime::emitters::{COUNT, GRID, block};
 
 /// Invocations along an edge of a workgroup that writes the residual map.
 pub const EDGE: u32 = 16;
@@ -91,24 +86,5 @@ impl Emitters {
         given.extend([listed, (11, wgpu::BindingResource::Buffer(tables.light()))]);
         dispatches.push(Dispatch::new(context, &self.emitters, &given, [1, 1, 1]));
         Stage::new("emitters", dispatches)
-    }
-}
-
-impl FittedTables {
-    /// Reads the emitters back, brightest first.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] if the device fails.
-    pub async fn read_emitters(&self, context: &Context) -> Result<Vec<Emitter>> {
-        let light = self.read_light(context).await?;
-        let words = &light[EMITTERS_OFFSET as usize / 16..ROTATION_OFFSET as usize / 16];
-        let words: &[EmitterWords] = bytemuck::cast_slice(words);
-        let lit = words.iter().filter(|words| words.energy != [0.0; 3]);
-        let emitter = |words: &EmitterWords| Emitter {
-            direction: DVec3::from(Vec3::from_array(words.direction)),
-            spread: f64::from(words.spread),
-            energy: words.energy.map(f64::from),
-        };
-        Ok(lit.map(emitter).collect())
     }
 }

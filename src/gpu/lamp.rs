@@ -8,9 +8,6 @@ use glam::DVec3;
 /// Invocations along an edge of a workgroup.
 pub const EDGE: u32 = 16;
 
-/// Samples of the lamp along an edge of a texel.
-pub const PLACES: u32 = 4;
-
 /// A uniform white disc with a soft edge, at infinity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -25,8 +22,6 @@ pub struct Lamp {
     edge: f32,
     pad: [f32; 2],
 }
-
-shader::members!(Lamp { towards, radiance, disc, edge, pad });
 
 impl Lamp {
     /// A lamp in direction `towards` (of any length but zero), uniform up to `disc` radians from it and dark

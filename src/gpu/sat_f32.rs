@@ -21,7 +21,6 @@ pub struct Doubling {
     axis: u32,
     stride: u32,
 }
-shader::members!(Doubling { side, axis, stride });
 
 /// Pipelines of the pass.
 #[derive(Clone, Debug)]
@@ -30,15 +29,6 @@ pub struct SatF32 {
     mean_of_all: wgpu::ComputePipeline,
     bias: wgpu::ComputePipeline,
     double_sums: wgpu::ComputePipeline,
-}
-
-/// A float32 table: four floats per entry, row by row, and the mean that was subtracted before summing.
-#[derive(Clone, Debug)]
-pub struct F32Table {
-    /// The entries, inclusive, border included.
-    pub entries: wgpu::Buffer,
-    /// The mean of the bordered table.
-    pub mean: wgpu::Buffer,
 }
 
 impl SatF32 {
@@ -55,11 +45,12 @@ impl SatF32 {
         }
     }
 
-    /// The table of `oem`, and the stage that fills it.
+    /// The stage that fills the float32 table of `oem`; the table, four floats per entry, row by row, inclusive,
+    /// border included; and the mean of the bordered OEM that was subtracted before summing.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] if it is larger than the device can bind.
-    pub fn stage(&self, context: &Context, oem: &OemPlanes) -> Result<(Stage, F32Table)> {
+    pub fn stage(&self, context: &Context, oem: &OemPlanes) -> Result<(Stage, wgpu::Buffer, wgpu::Buffer)> {
         let Table { side, .. } = oem.table();
         let bytes = 16 * u64::from(side) * u64::from(side);
         context.fits(&format!("a float32 table of {side} x {side}"), bytes, |available| {
@@ -114,6 +105,6 @@ impl SatF32 {
             ));
         }
         let [entries, _] = buffers;
-        Ok((Stage::new("sat_f32", dispatches), F32Table { entries, mean }))
+        Ok((Stage::new("sat_f32", dispatches), entries, mean))
     }
 }

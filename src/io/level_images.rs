@@ -2,7 +2,7 @@
 
 use super::exr::parts::exr_mips_bytes;
 use super::exr::write::{Attribute, Samples, exr_bytes};
-use super::hdr::write::hdr_bytes_with;
+use super::hdr::write::hdr_bytes;
 use super::ktx2::write::ROUGHNESS_KEY;
 use super::provenance::irradiance_pairs;
 use crate::chain::Level;
@@ -53,7 +53,7 @@ pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat
                 }
                 None => irradiance_pairs(metadata),
             };
-            hdr_bytes_with(width, height, texels, &pairs)
+            hdr_bytes(width, height, texels, &pairs)
         }
         _ => Err(Error::Parameter(format!("an image of a level is exr or hdr, not {}", container.name()))),
     }

@@ -106,6 +106,7 @@ pub enum Region {
 
 impl Region {
     /// All regions.
+    #[cfg(feature = "internals")]
     pub const ALL: [Self; 4] = [Self::Sphere, Self::Poles, Self::Cones, Self::Seams];
 
     /// Name in tables.

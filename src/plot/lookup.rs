@@ -73,7 +73,7 @@ fn pair((title, caption): (&str, &str), eye: DVec3, panels: [Panel<'_>; 2]) -> S
 /// Pixels along the diameter of the spheres of [`level`].
 const PIXELS: u32 = 110;
 
-pub(super) fn level(name: String) -> Figure {
+pub(super) fn level() -> Figure {
     let title = "Quadratic layout: the mip level of the mirrored cell".to_owned();
     let caption = "A map of 256 texels with a border of 16, seen from below with 110 pixels across, at the \
                    level of equation 4 of Engelhardt and Dachsbacher 2008. Left: a pixel's cell that \
@@ -89,10 +89,10 @@ pub(super) fn level(name: String) -> Figure {
     let with = |globe: &Globe, direction: DVec3| panel(globe, direction, &quadratic_level);
     let panels: [Panel<'_>; 2] = [("level of the cell", &without), ("with the mirrored cell", &with)];
     let scene = pair((&title, caption), BELOW, panels);
-    Figure::new(name, title, caption.to_owned(), scene)
+    Figure::new(title, caption.to_owned(), scene)
 }
 
-pub(super) fn border(name: String) -> Figure {
+pub(super) fn border() -> Figure {
     let title = "Quadratic layout: the safety border".to_owned();
     let caption = "A map of 64 texels at mip level 2, seen from below. Left: no border and wrap-around \
                    access, which reads the opposite edge. Right: a border of 8 texels, which shows the \
@@ -104,10 +104,10 @@ pub(super) fn border(name: String) -> Figure {
     let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 2.0, Addressing::Clamp));
     let panels: [Panel<'_>; 2] = [("wrap-around access", &without), ("with a safety border", &with)];
     let scene = pair((&title, caption), BELOW, panels);
-    Figure::new(name, title, caption.to_owned(), scene)
+    Figure::new(title, caption.to_owned(), scene)
 }
 
-pub(super) fn greatest(name: String) -> Figure {
+pub(super) fn greatest() -> Figure {
     let title = "Quadratic layout: the greatest correct mip level".to_owned();
     let caption = "Mip level 5 of two textures of 256 texels, border included, seen from below. Left: 252 \
                    texels and a border of 2, whose greatest correct level is 2: texels of level 5 reach \
@@ -120,13 +120,13 @@ pub(super) fn greatest(name: String) -> Figure {
     let panels: [Panel<'_>; 2] =
         [("border of 2, greatest level 2", &without), ("border of 16, greatest level 5", &with)];
     let scene = pair((&title, caption), BELOW, panels);
-    Figure::new(name, title, caption.to_owned(), scene)
+    Figure::new(title, caption.to_owned(), scene)
 }
 
 /// The error of a mean shown in full colour.
 const FULL_ERROR: f64 = 0.2;
 
-pub(super) fn weights(name: String) -> Figure {
+pub(super) fn weights() -> Figure {
     let title = "Mip levels: weights by solid angle".to_owned();
     let caption = "Relative error of the texels of mip level 5 of 128 texels, against the mean of 400,000 \
                    directions: blue is 20\u{a0}% too dark, white is right, red is 20\u{a0}% too bright. The \
@@ -162,10 +162,10 @@ pub(super) fn weights(name: String) -> Figure {
     let with = |_: &Globe, direction: DVec3| panel(&right, direction);
     let panels: [Panel<'_>; 2] = [("equal weights", &without), ("weighted by solid angle", &with)];
     let scene = pair((&title, caption), BESIDE, panels);
-    Figure::new(name, title, caption.to_owned(), scene)
+    Figure::new(title, caption.to_owned(), scene)
 }
 
-pub(super) fn rectangular(name: String) -> Figure {
+pub(super) fn rectangular() -> Figure {
     let title = "Rectangular layout: one array layer per hemisphere".to_owned();
     let caption = "Layers of 64 texels at mip level 2, seen from the side. Left: clamped layers without a \
                    border; the hemispheres do not meet at the equator. Right: a border of 8 texels, which \
@@ -176,5 +176,5 @@ pub(super) fn rectangular(name: String) -> Figure {
     let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 2.0, Addressing::Clamp));
     let panels: [Panel<'_>; 2] = [("no border", &without), ("with a safety border", &with)];
     let scene = pair((&title, caption), BESIDE, panels);
-    Figure::new(name, title, caption.to_owned(), scene)
+    Figure::new(title, caption.to_owned(), scene)
 }

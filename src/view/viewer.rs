@@ -154,7 +154,7 @@ impl Viewer {
         look: Look,
         table: ReflectorSettings,
     ) -> Result<Self> {
-        let light = renderer.light_with(environment, &table)?;
+        let light = renderer.light(environment, &table)?;
         let now = Instant::now();
         Ok(Self {
             adapter: renderer.context().describe(),
@@ -203,39 +203,9 @@ impl Viewer {
         self.renderer.context()
     }
 
-    /// The current look.
-    #[must_use]
-    pub const fn look(&self) -> &Look {
-        &self.look
-    }
-
     /// The current look, for changes.
     pub const fn look_mut(&mut self) -> &mut Look {
         &mut self.look
-    }
-
-    /// The message to the user, if any.
-    #[must_use]
-    pub fn message(&self) -> Option<&str> {
-        self.message.as_deref()
-    }
-
-    /// Whether a mesh is loaded.
-    #[must_use]
-    pub const fn has_mesh(&self) -> bool {
-        self.has_mesh
-    }
-
-    /// Name of the environment.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Whether the panel is shown.
-    #[must_use]
-    pub const fn panel(&self) -> bool {
-        !self.panel_hidden
     }
 
     /// Hides the panel, or shows it if it is hidden.
@@ -245,38 +215,10 @@ impl Viewer {
         self.drawn = None;
     }
 
-    /// Position of the roughness slider in the panel: left, top, right and bottom in points.
-    #[must_use]
-    pub fn roughness_slider(&self) -> Option<[f32; 4]> {
-        self.slider.map(|slider| [slider.left(), slider.top(), slider.right(), slider.bottom()])
-    }
-
     /// Samples of the current picture, columns and rows.
     #[must_use]
     pub fn picture_size(&self) -> (u32, u32) {
         self.drawn.as_ref().map_or((0, 0), |(_, size)| *size)
-    }
-
-    /// Sets the message to the user.
-    pub fn show_message(&mut self, message: String) {
-        self.message = Some(message);
-    }
-
-    /// Opens an environment or a mesh from `bytes`, a file named `path`. On failure sets the message and
-    /// keeps the current content.
-    pub fn open(&mut self, path: &Path, bytes: &[u8]) {
-        let outcome = if is_mesh(path) {
-            Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
-        } else {
-            let chain = if is_chain(bytes) {
-                io::read_chain_from_memory(path, bytes, options().memory_limit).ok()
-            } else {
-                None
-            };
-            io::read_from_memory(path, bytes, &options())
-                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
-        };
-        self.message = outcome.err().map(|error| error.to_string());
     }
 
     /// [`Viewer::open`] for a file on disk.
@@ -310,7 +252,7 @@ impl Viewer {
         path: &Path,
     ) -> Result<()> {
         let levels = chain.and_then(|chain| Levels::new(chain, DMat3::IDENTITY).transpose());
-        let mut light = self.renderer.light_with(environment, &self.table)?;
+        let mut light = self.renderer.light(environment, &self.table)?;
         // If the levels cannot be shown, still show the environment.
         let taken = levels.map(|levels| light.set_levels(self.renderer.context(), &levels?)).transpose();
         if light.has_own_levels() {
@@ -637,6 +579,68 @@ impl Viewer {
         let edge = (right * ui.ctx().pixels_per_point()).round() as u32;
         let x = edge.min(width.saturating_sub(1));
         Viewport { x, y: 0, width: width - x, height }
+    }
+}
+
+/// What the page asks.
+#[cfg(any(feature = "internals", target_arch = "wasm32"))]
+impl Viewer {
+    /// The current look.
+    #[must_use]
+    pub const fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// The message to the user, if any.
+    #[must_use]
+    pub fn message(&self) -> Option<&str> {
+        self.message.as_deref()
+    }
+
+    /// Whether a mesh is loaded.
+    #[must_use]
+    pub const fn has_mesh(&self) -> bool {
+        self.has_mesh
+    }
+
+    /// Name of the environment.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether the panel is shown.
+    #[must_use]
+    pub const fn panel(&self) -> bool {
+        !self.panel_hidden
+    }
+
+    /// Position of the roughness slider in the panel: left, top, right and bottom in points.
+    #[must_use]
+    pub fn roughness_slider(&self) -> Option<[f32; 4]> {
+        self.slider.map(|slider| [slider.left(), slider.top(), slider.right(), slider.bottom()])
+    }
+
+    /// Sets the message to the user.
+    pub fn show_message(&mut self, message: String) {
+        self.message = Some(message);
+    }
+
+    /// Opens an environment or a mesh from `bytes`, a file named `path`. On failure sets the message and
+    /// keeps the current content.
+    pub fn open(&mut self, path: &Path, bytes: &[u8]) {
+        let outcome = if is_mesh(path) {
+            Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
+        } else {
+            let chain = if is_chain(bytes) {
+                io::read_chain_from_memory(path, bytes, options().memory_limit).ok()
+            } else {
+                None
+            };
+            io::read_from_memory(path, bytes, &options())
+                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
+        };
+        self.message = outcome.err().map(|error| error.to_string());
     }
 }
 

@@ -34,8 +34,6 @@ pub(in crate::gpu) use target::{DEPTH, cleared_depth, depth_texture};
 use target::{check_format, nearest_surface};
 use view::Bounded;
 
-shader::members!(Corner { position, octant, value });
-
 /// How triangles come into a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
@@ -77,18 +75,6 @@ named!(Method {
 });
 
 impl Method {
-    /// All methods.
-    pub const ALL: [Self; 8] = [
-        Self::Octants,
-        Self::ClipMask,
-        Self::StrictSplit,
-        Self::XzSplit,
-        Self::EdgeStrip,
-        Self::PerCorner,
-        Self::Cube,
-        Self::WholeCube,
-    ];
-
     /// Whether maps are right to the pixel, except for the resampling of cubes.
     #[must_use]
     pub const fn is_exact(self) -> bool {
@@ -373,11 +359,6 @@ impl DrawnIndices {
 }
 
 impl DirectFrame {
-    /// Records the frame's passes into `encoder`.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.record_timed(encoder, None);
-    }
-
     /// Triangles of every draw: those of the lists are counted once the frame was submitted.
     ///
     /// # Errors
@@ -408,8 +389,8 @@ impl DirectFrame {
         self.passes.len() as u32 + u32::from(self.list.is_some())
     }
 
-    /// The same as [`DirectFrame::record`], with the times of passes written to the first slots of `timer`.
-    pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+    /// Records the frame's passes into `encoder`, their times to the first slots of `timer`.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
         if let Some(List { stage, .. }) = &self.list {
             stage.record_timed(encoder, timer.map(|timer| timer.compute_writes(0)));
         }

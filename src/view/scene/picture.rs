@@ -29,7 +29,6 @@ pub(super) struct Drawn<'a> {
 #[derive(Debug)]
 pub(super) struct Targets {
     pub(super) size: (u32, u32),
-    pub(super) texture: wgpu::Texture,
     pub(super) picture: wgpu::TextureView,
     depth: wgpu::TextureView,
 }
@@ -58,7 +57,7 @@ impl Targets {
         let texture = |label, format| super::super::textures::target(context, label, format, [width, height]);
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let (picture, depth) = (texture("picture", PICTURE), texture("depth", DEPTH));
-        Ok(Self { size, picture: view(&picture), depth: view(&depth), texture: picture })
+        Ok(Self { size, picture: view(&picture), depth: view(&depth) })
     }
 }
 
