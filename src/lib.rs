@@ -154,11 +154,12 @@ mod vector;
 mod view;
 
 pub use analysis::oracle::Oracle;
+pub use analysis::statistics::Statistics;
 pub use bake::{
     Bake, BakeSettings, LevelStats, OnProgress, Processor, Progress, Skybox, bake, bake_all, unwatched,
 };
 pub use chain::{Chain, ChainKind, Level, LevelSpec};
-pub use environment::{Environment, Layout, Map, Rgb};
+pub use environment::{Environment, LUMINANCE, Layout, MOST_DEGREES, Map, Rgb, luminance};
 pub use error::{Error, Result};
 pub use export::write::WriteOptions;
 pub use filter::{Answer, Bound, Filter};
@@ -197,6 +198,13 @@ pub mod maps {
     pub use crate::sphere::map::{Component, Place, SphereMap, Texel};
     pub use crate::sphere::registry::{MAPS, NamedMap, named};
     pub use crate::sphere::{cube, equirect, octahedral};
+}
+
+/// Queries of many directions, and the words for them.
+pub mod queries {
+    pub use crate::bake::query::Query;
+    pub use crate::filter::parsed as parsed_filter;
+    pub use crate::reflector::{check_answers, sharpest, unit};
 }
 
 /// Readers of environments and prefiltered chains.

@@ -9,8 +9,9 @@ use std::path::Path;
 
 /// Constants of shaders, by file, whose twin in Rust has another name or is one of several of its name.
 const RENAMED: &[(&str, &str, &str)] = &[
+    ("adaptive.wgsl", "DIMMEST", "cells::DIMMEST"),
     ("blur.wgsl", "EDGE", "octaves::EDGE"),
-    ("common/fitted.wgsl", "FIRST_OCTAVE", "OCTAVES[0]"),
+    ("common/fitted.wgsl", "FIRST_OCTAVE", "tables::OCTAVES[0]"),
     ("common/fitted.wgsl", "FIRST_KNOT", "KNOTS[0]"),
     ("common/fitted.wgsl", "KNOT_STEP", "KNOTS[1] - KNOTS[0]"),
     ("common/fitted.wgsl", "OVERLAP", "KNOTS[3] - KNOTS[0] - 1.0"),
@@ -32,6 +33,8 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("common/reduction.wgsl", "TEXELS", "fixed_point::TEXELS"),
     ("common/rows.wgsl", "ROW", "stage::ROW"),
     ("common/view_scene.wgsl", "BALLS", "look::ROW"),
+    ("common/view_texture.wgsl", "MIRROR", "texture::MIRROR"),
+    ("common/view_texture.wgsl", "NEAREST", "texture::NEAREST"),
     ("common/view_scene.wgsl", "MOST_LEVELS", "frame::MOST_LEVELS"),
     ("common/source_pieces.wgsl", "CUBE", "source_texels::CUBE"),
     ("common/source_pieces.wgsl", "PANORAMA", "source_texels::PANORAMA"),
@@ -63,6 +66,7 @@ const OWN: &[(&str, &[&str])] = &[
             "PIECES",
             "SOURCE_DEPTH",
             "STACK",
+            "TINT_ROUNDING",
         ],
     ),
     ("blur.wgsl", &["GROUP_SIZE", "LINE_SIZE", "REACH", "SCAN_SIZE"]),
@@ -95,8 +99,12 @@ const OWN_STRUCTS: &[&str] = &[
     "Partial",
 ];
 
-/// A struct in Rust: names and types of its fields.
-type Fields = Vec<(String, String)>;
+/// A struct in Rust: the stem of its file, its name, names and types of its fields.
+struct Struct {
+    owner: String,
+    name: String,
+    fields: Vec<(String, String)>,
+}
 
 /// What the sources in Rust declare.
 #[derive(Default)]
@@ -104,7 +112,7 @@ struct Sources {
     /// Expressions of constants and discriminants, by name, with the stem of their file or their enum.
     constants: BTreeMap<String, Vec<(String, String)>>,
     /// Structs with `repr(C)`.
-    structs: BTreeMap<String, Fields>,
+    structs: Vec<Struct>,
 }
 
 impl Sources {
@@ -157,9 +165,10 @@ impl Sources {
                     let (name, ty) = without_visibility(line).strip_suffix(',')?.split_once(": ")?;
                     Some((name.to_owned(), ty.to_owned()))
                 };
-                self.structs.insert(name.to_owned(), block(at).filter_map(field).collect());
+                let fields = block(at).filter_map(field).collect();
+                self.structs.push(Struct { owner: stem.to_owned(), name: name.to_owned(), fields });
             }
-            is_c = lines[at] == "#[repr(C)]" || is_c && line.starts_with("#[");
+            is_c = lines[at].starts_with("#[repr(C") || is_c && line.starts_with("#[");
             at += 1;
         }
     }
@@ -190,27 +199,33 @@ impl Sources {
         values.all(|other| other.as_ref() == Some(&first)).then_some(first)
     }
 
-    /// Bytes of a type of words.
-    fn size(&self, ty: &str) -> Option<usize> {
+    /// Bytes of a type of words, named in the file `owner`.
+    fn size(&self, owner: &str, ty: &str) -> Option<usize> {
         if let Some(array) = ty.strip_prefix('[') {
             let (element, count) = array.strip_suffix(']')?.rsplit_once("; ")?;
-            return Some(self.size(element)? * self.values("", count)?[0] as usize);
+            return Some(self.size(owner, element)? * self.values(owner, count)?[0] as usize);
         }
         match ty {
             "u32" | "i32" | "f32" => Some(4),
-            _ => Some(self.layout(self.structs.get(ty.rsplit("::").next()?)?)?.1),
+            _ => Some(self.layout(self.named_struct(owner, ty.rsplit("::").next()?)?)?.1),
         }
     }
 
+    /// The struct `name`, of the file `owner` by preference.
+    fn named_struct(&self, owner: &str, name: &str) -> Option<&Struct> {
+        let all = || self.structs.iter().filter(|one| one.name == name);
+        all().find(|one| one.owner == owner).or_else(|| all().next())
+    }
+
     /// Names and offsets of fields without padding, and the size.
-    fn layout(&self, fields: &Fields) -> Option<(Vec<(String, usize)>, usize)> {
+    fn layout(&self, whole: &Struct) -> Option<(Vec<(String, usize)>, usize)> {
         let mut at = 0;
         let mut members = Vec::new();
-        for (name, ty) in fields {
+        for (name, ty) in &whole.fields {
             if !name.starts_with("pad") {
                 members.push((name.clone(), at));
             }
-            at += self.size(ty)?;
+            at += self.size(&whole.owner, ty)?;
         }
         Some((members, at))
     }
@@ -324,7 +339,7 @@ impl<'a> Parser<'a> {
             "size_of::" if self.takes("<") => {
                 let (ty, rest) = self.rest.split_once(">()")?;
                 self.rest = rest;
-                Some(vec![self.sources.size(ty)? as f64])
+                Some(vec![self.sources.size(self.owner, ty)? as f64])
             }
             "f64::from" | "u32::from" => self.primary(),
             path => self.sources.named(self.owner, path),
@@ -345,7 +360,11 @@ impl<'a> Parser<'a> {
         let (text, rest) = self.rest.split_at(end);
         self.rest = rest;
         let text = text.replace('_', "");
-        let text = text.trim_end_matches("u32").trim_end_matches("f32").trim_end_matches("usize");
+        let text = text
+            .trim_end_matches("u32")
+            .trim_end_matches("u128")
+            .trim_end_matches("f32")
+            .trim_end_matches("usize");
         text.trim_end_matches("f64").parse().ok()
     }
 }
@@ -387,7 +406,7 @@ fn difference(sources: &Sources, path: &str, name: &str, value: &[f64]) -> Optio
         (Some((.., text)), _) => sources.values(&stem, text),
         // The position of a field, in vectors of four floats.
         (None, Some(field)) => {
-            let quad = sources.structs.get("Quad").and_then(|fields| sources.layout(fields));
+            let quad = sources.named_struct("cells", "Quad").and_then(|quad| sources.layout(quad));
             let member = quad.and_then(|(members, _)| members.into_iter().find(|(name, _)| *name == field));
             member.map(|(_, offset)| vec![offset as f64 / 16.0])
         }
@@ -437,11 +456,11 @@ fn constants_have_the_values_of_their_twins() {
 #[test]
 fn structs_have_the_layouts_of_their_twins() {
     let sources = Sources::read();
-    let layouts: BTreeMap<&String, _> =
-        sources.structs.iter().filter_map(|(name, fields)| Some((name, sources.layout(fields)?))).collect();
+    let layouts: Vec<_> =
+        sources.structs.iter().filter_map(|one| Some((&one.name, sources.layout(one)?))).collect();
     let twin = |shader: &Shader, name: &str| {
         let layout = shader.layout(name)?;
-        layouts.iter().find(|(_, known)| **known == layout).map(|(name, _)| (*name).clone())
+        layouts.iter().find(|(_, known)| *known == layout).map(|(name, _)| (*name).clone())
     };
     let mut twins = BTreeSet::new();
     let mut own = BTreeSet::new();
