@@ -157,8 +157,8 @@ fn bytes(inner: u32) -> u64 {
 /// Tables for fitted lobes, in the form that shaders query.
 ///
 /// The stages of [`super::build_fitted::BuildFitted`] fill them; record these whenever the light has changed.
-/// [`FittedTables::bind_group_layout`] and [`wgsl`] make them available in any shader, through
-/// `octagloss_fitted(direction, roughness)`. The roughness may differ per pixel.
+/// `octagloss_fitted(direction, roughness)` of `common/fitted.wgsl` reads them; the roughness may differ per
+/// pixel.
 #[derive(Clone, Debug)]
 pub struct FittedTables {
     inner: u32,
