@@ -413,26 +413,19 @@ struct Sums {
 // A tint with a smaller share of its channel's energy is rounding error.
 const NEGLIGIBLE_TINT = 1.0f / 1048576.0f;
 
-// What a tint adds to a channel, and a bound of its error.
-fn tint_share(
-    cell: u32, name: u32, variation: f32, rounding: f32, apart: vec3<f32>, mean: Interval,
-) -> vec2<f32> {
+// What the tint at field `name` of `cell` adds to a channel.
+fn tint_share(cell: u32, name: u32, apart: vec3<f32>, slope: f32, bend: f32) -> f32 {
     let quad = (cell - 1u) >> 2u;
     let k = (cell - 1u) & 3u;
     let diagonal = tint_vector(quad, name + 3u, k);
     let mixed = tint_vector(quad, name + 6u, k);
     let first = 0.5 * dot(tint_vector(quad, name, k), apart) + 0.25 * (diagonal.x + diagonal.y + diagonal.z);
     let second = 0.25 * dot(diagonal, apart * apart) + 0.5 * dot(mixed, apart.yzx * apart.zxy);
-    let light = mean.slope * first + mean.bend * second;
-    let most = variation * mean.spread;
-    let clipped = clamp(light, -most, most);
-    let certain = most + abs(clipped);
-    let series = variation * mean.rest + abs(light - clipped) + rounding * abs(mean.slope);
-    return vec2<f32>(clipped, select(certain, min(series, certain), mean.rest >= 0.0));
+    return slope * first + bend * second;
 }
 
 // Error of a dipole, over its channel's energy times the cell's reach.
-const TINT_ROUNDING = 2e-6f;
+const TINT_ROUNDING = 1.0f / 524288.0f;
 
 // Adds the tints of `leaf`, a cell.
 fn add_tints(leaf: Leaf, apart: vec3<f32>, mean: Interval, sums: ptr<function, Sums>) {
@@ -444,13 +437,21 @@ fn add_tints(leaf: Leaf, apart: vec3<f32>, mean: Interval, sums: ptr<function, S
     if red_variation <= NEGLIGIBLE_TINT * leaf.energy.r && blue_variation <= NEGLIGIBLE_TINT * leaf.energy.b {
         return;
     }
-    let rounding = TINT_ROUNDING * leaf.radius * leaf.energy;
-    let red = tint_share(cell, FIELD_RED_TINT, red_variation, rounding.r, apart, mean);
-    let blue = tint_share(cell, FIELD_BLUE_TINT, blue_variation, rounding.b, apart, mean);
+    let useful = mean.rest >= 0.0;
+    let slope = select(0.0, mean.slope, useful);
+    let bend = select(0.0, mean.bend, useful);
+    let rest = select(2.0 * mean.spread, min(mean.rest, 2.0 * mean.spread), useful);
+    // Truth lies within: clipping brings the series nearer to it, and within twice that.
+    let most = mean.spread * vec2<f32>(red_variation, blue_variation);
+    let red = clamp(tint_share(leaf.cell, FIELD_RED_TINT, apart, slope, bend), -most.x, most.x);
+    let blue = clamp(tint_share(leaf.cell, FIELD_BLUE_TINT, apart, slope, bend), -most.y, most.y);
+    let rounding = TINT_ROUNDING * leaf.radius * abs(slope);
+    let red_off = rest * red_variation + rounding * leaf.energy.r;
+    let blue_off = rest * blue_variation + rounding * leaf.energy.b;
     // The luminance's tint is zero.
     let per_green = LUMINANCE / LUMINANCE.g;
-    (*sums).radiance += vec3<f32>(red.x, -(red.x * per_green.r + blue.x * per_green.b), blue.x);
-    (*sums).off += vec3<f32>(red.y, red.y * per_green.r + blue.y * per_green.b, blue.y);
+    (*sums).radiance += vec3<f32>(red, -(red * per_green.r + blue * per_green.b), blue);
+    (*sums).off += vec3<f32>(red_off, red_off * per_green.r + blue_off * per_green.b, blue_off);
 }
 
 fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {

@@ -124,6 +124,6 @@ fn charlie_interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius
     let radial_part =
         0.25 * max(abs(steepest), abs(flattest)) * radius * radius * radius * (distance + 0.25 * radius);
     let rest = 0.5 * (steepest - flattest) * farther * farther + radial_part + rounding;
-    let known = sharp && b <= 1.0 && rest < spread;
+    let known = sharp && b <= 1.0 && rest < 1000.0 * spread;
     return Interval(least, greatest, estimate, slope, bend, select(-1.0, rest, known), spread, rounding);
 }

@@ -181,7 +181,7 @@ struct Interval {
     slope: f32,
     bend: f32,
     // What light of zero total can add at most per unit of its variation: to the terms of `slope` and `bend`,
-    // below 0 if that is not known, and without them.
+    // below 0 where the series is of no use, and without them.
     rest: f32,
     spread: f32,
     // Effect of an error of s, where `grazing_slope` does not count it.
@@ -261,7 +261,7 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     let radial_part = 0.25 * bend * radius * radius * radius * (distance + 0.25 * radius);
     let rest = 0.5 * (max(loss, 0.0) + differing) + jump * max(high - 0.5, 0.0) + radial_part + 5e-7 * k_near;
     return Interval(
-        least, greatest, estimate, falling, bend, select(-1.0, rest, rest < spread), spread, 0.0);
+        least, greatest, estimate, falling, bend, select(-1.0, rest, rest < 1000.0 * spread), spread, 0.0);
 }
 
 // Hinge at the horizon: slope -`bend` in front of it, 0 beyond.

@@ -69,7 +69,10 @@ const GRAZING_ROUNDING: f64 = 8.0 / 16_777_216.0;
 
 /// Error of a dipole, over its channel's energy times the cell's reach: differences of energies are rounded at
 /// 2^-23 of these, once a merge, and products as often again.
-const TINT_ROUNDING: f32 = 8.0 / 8_388_608.0;
+pub(crate) const TINT_ROUNDING: f32 = 8.0 / 8_388_608.0;
+
+/// Where the series' error may exceed the kernel's variation by this factor, it is not used.
+const USELESS: f32 = 1000.0;
 
 /// Quads evaluated together, to fill the widest vectors.
 const QUADS: usize = 4;
@@ -147,27 +150,35 @@ impl TintSums {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn add(&mut self, leaf: &Leaf, tints: &[Tint; 2], packet: &Packet, series: &Series) {
         let [lx, ly, lz] = leaf.offset;
+        let rounded = leaf.radius * TINT_ROUNDING;
+        let (mut slope, mut bend) = ([0.0; LANES], [0.0; LANES]);
+        let (mut rest, mut rounding) = ([0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            // Elsewhere slopes may be infinite.
+            let useful = series.rest[k] < USELESS * series.spread[k];
+            slope[k] = if useful { series.slope[k] } else { 0.0 };
+            bend[k] = if useful { series.bend[k] } else { 0.0 };
+            rest[k] = series.rest[k].at_most(2.0 * series.spread[k]);
+            rounding[k] = rounded * slope[k].abs();
+        }
         for ((c, tint), energy) in tints.iter().enumerate().zip([leaf.energy[0], leaf.energy[2]]) {
             let [dx, dy, dz] = (0.5 * tint.dipole).to_array();
             let [xx, yy, zz] = (0.25 * tint.diagonal).to_array();
             let [yz, zx, xy] = (0.5 * tint.mixed).to_array();
             let trace = xx + yy + zz;
-            let variation = tint.variation;
-            let rounding = energy * leaf.radius * TINT_ROUNDING;
             for k in 0..LANES {
                 let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
                 let first = x.times_plus(dx, y.times_plus(dy, z.times_plus(dz, trace)));
                 let second = x.times_plus(
-                    xx.times_plus(x, xy.times_plus(y, zx * z)),
-                    y.times_plus(yy.times_plus(y, yz * z), zz * z * z),
+                    x.times_plus(xx, y.times_plus(xy, z * zx)),
+                    y.times_plus(y.times_plus(yy, z * yz), z * z * zz),
                 );
-                let light = series.slope[k].times_plus(first, series.bend[k] * second);
-                let most = variation * series.spread[k];
-                let clipped = light.at_most(most).at_least(-most);
-                self.light[c][k] += clipped;
-                let rounded = rounding.times_plus(series.slope[k].abs(), (light - clipped).abs());
-                self.error[c][k] +=
-                    variation.times_plus(series.rest[k], rounded).at_most(most + clipped.abs());
+                let light = slope[k].times_plus(first, bend[k] * second);
+                // Truth lies within: clipping brings the series nearer to it, and within twice that.
+                let most = tint.variation * series.spread[k];
+                self.light[c][k] += light.at_most(most).at_least(-most);
+                self.error[c][k] =
+                    tint.variation.times_plus(rest[k], energy.times_plus(rounding[k], self.error[c][k]));
             }
         }
     }

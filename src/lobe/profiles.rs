@@ -283,7 +283,7 @@ impl Radial for Charlie {
                 * radius
                 * radius
                 * (distance + 0.25 * radius);
-        let rest = if sharp & (b <= 1.0) & (third < spread) { third } else { f32::INFINITY };
+        let rest = if sharp & (b <= 1.0) { third } else { f32::INFINITY };
         Interval { least, greatest, estimate, slope, bend, rest, spread }
     }
 

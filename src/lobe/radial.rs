@@ -115,8 +115,8 @@ pub(crate) struct Interval {
     /// Slope and half the second derivative of k around the mean of s, faded out across the horizon.
     pub(crate) slope: f32,
     pub(crate) bend: f32,
-    /// What light of zero total can add at most per unit of its variation: to the terms of `slope` and `bend`,
-    /// and without them.
+    /// What light of zero total can add at most per unit of its variation: to the terms of `slope` and `bend`
+    /// (not a number or infinite where the series is of no use), and without them.
     pub(crate) rest: f32,
     pub(crate) spread: f32,
 }
@@ -178,17 +178,17 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
         0.5 * length.times_plus((up - down).times_plus(bend, slope), nearest - farthest)
     };
     // What the radial part of the variance, which the quadrupole leaves out, adds to the second order.
-    let radial_error = |bend: f32| 0.25 * bend * radius * radius * radius * (distance + 0.25 * radius);
-    // Of no use where it is wider, and not a number where squares overflow. Differences are rounded.
+    let cubed = 0.25 * radius * radius * radius;
+    let radial_error = |bend: f32| cubed * (0.25 * radius + distance) * bend;
+    // Differences are rounded.
     let rounding = 5e-7 * nearest;
-    let known = |rest: f32| if rest < spread { rest.at_least(0.0) + rounding } else { f32::INFINITY };
     if !ACROSS {
         let greatest = if sharp { share_above.times_plus(nearest - inner, inner) } else { nearest };
         let least =
             if sharp { share_below.times_plus(farthest - outer, outer) } else { farthest }.at_most(greatest);
         let estimate = (0.125 * curvature).times_plus(along, value).at_least(least).at_most(greatest);
         let bend = 0.5 * curvature;
-        let rest = known(series_error(slope, bend) + radial_error(bend));
+        let rest = series_error(slope, bend).at_least(0.0) + radial_error(bend) + rounding;
         return Interval { least, greatest, estimate, slope, bend, rest, spread };
     }
     // Split k into a hinge at the horizon and a smooth rest; a cell in front of the horizon needs no hinge.
@@ -217,11 +217,11 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     // terms that are used differ.
     let [front_slope, front_bend] = if s < 0.4995 { [slope, 0.5 * curvature] } else { [0.0, 0.0] };
     let slope = slope + kink * (1.0 - share);
-    let bent = series_error(front_slope, front_bend) + kink * (high - 0.5).at_least(0.0);
+    let bent = series_error(front_slope, front_bend).at_least(0.0) + kink * (high - 0.5).at_least(0.0);
     let farther = down.at_least(up);
     let differing =
         0.5 * ((slope - front_slope).abs() * (down + up) + (bend - front_bend).abs() * farther * farther);
-    let rest = known(bent + differing + radial_error(bend));
+    let rest = bent + differing + radial_error(bend) + rounding;
     Interval { least, greatest, estimate, slope, bend, rest, spread }
 }
 

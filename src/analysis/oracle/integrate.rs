@@ -56,7 +56,7 @@ fn integrate_inside<P: Cut, V: FnMut(Sample, f64)>(
     if nearest >= kernel.vanishes {
         return;
     }
-    let side = SQRT_2 * radius / kernel.panel(nearest);
+    let side = (SQRT_2 * radius / kernel.panel(nearest)).max(patch.bend());
     // A sixtieth halving is below the rounding of a direction.
     match accuracy.rule(side).or_else(|| (level == 60).then(finest_rule)) {
         Some(rule) => patch.sample(rule, &mut |s| visit(s, kernel.at(s.point, s.length_squared))),
@@ -96,7 +96,7 @@ pub fn over_texel(
 
 impl Cut for Flat {
     fn cut(&self, kernel: &Kernel, keep: &mut impl FnMut(Self)) -> bool {
-        if kernel.jumps() {
+        if !kernel.is_hemisphere() {
             // A circle is cut along chords: with pieces this small the area between is below 1e-6 of its own.
             let (_, radius) = self.cap();
             if radius > 1e-3 * kernel.support {
@@ -131,7 +131,7 @@ impl Cut for Flat {
 }
 
 impl Cut for Band {
-    fn cut(&self, _kernel: &Kernel, _keep: &mut impl FnMut(Self)) -> bool {
-        false
+    fn cut(&self, kernel: &Kernel, keep: &mut impl FnMut(Self)) -> bool {
+        kernel.is_hemisphere() && self.cut_at_hemisphere(kernel.direction, keep)
     }
 }

@@ -98,10 +98,13 @@ impl Kernel {
         Self { direction, ..self }
     }
 
-    /// Whether the support ends in a jump.
+    /// Whether the support ends at a great circle.
     #[must_use]
-    pub const fn jumps(&self) -> bool {
-        matches!(self.profile, Profile::Cone { .. })
+    pub fn is_hemisphere(&self) -> bool {
+        match self.profile {
+            Profile::Cone { cosine, .. } => cosine < 1e-15,
+            _ => true,
+        }
     }
 
     /// Signed distance of `point` (any length) from the boundary of the support, positive inside, in units of

@@ -95,10 +95,10 @@ impl<'a> Oracle<'a> {
         self.texels.for_each(|index, block, frame| {
             let texel = &self.texels.blocks()[block];
             let towards = frames[frame];
-            let cosine = towards.dot(texel.mean);
-            if cosine < -texel.radius {
+            if towards.dot(texel.centre) < -texel.radius {
                 return;
             }
+            let cosine = towards.dot(texel.mean);
             let variance = towards.dot(texel.covariance * towards);
             let kernel = kernel.around(towards);
             let distance = (texel.centre - towards).length();

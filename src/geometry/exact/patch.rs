@@ -61,6 +61,10 @@ pub fn finest_rule() -> Rule {
 pub trait Patch: Copy {
     /// Centre (unit vector) and the chord of a cap around it that holds the piece.
     fn cap(&self) -> (DVec3, f64);
+    /// Its size in units of the distance of the nearest singularity of its own shape.
+    fn bend(&self) -> f64 {
+        0.0
+    }
     /// Four pieces that make up this one.
     fn split(&self) -> [Self; 4];
     /// Calls `visit` at every point of a product rule.
@@ -202,18 +206,103 @@ impl Span {
     }
 }
 
-/// A rectangle of a panorama, in longitude about +X and polar angle from +Y.
+/// A rectangle of a panorama, in longitude about +X and polar angle from +Y, or a part of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Band {
     longitude: Span,
     polar: Span,
+    part: Option<Part>,
 }
+
+/// The part of a band in one hemisphere, between two shares of the way along its meridians.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    /// Towards the middle of the hemisphere.
+    direction: DVec3,
+    /// How far from the real longitudes its edge's polar angle is singular.
+    singular: f64,
+    shares: [f64; 2],
+}
+
+/// Greatest width in longitude of a [`Part`], over the distance of the nearest singularity of its edge.
+const MAX_PART_WIDTH: f64 = 2.0;
 
 impl Band {
     /// The rectangle between two longitudes and two polar angles.
     #[must_use]
     pub fn new(longitude: [f64; 2], polar: [f64; 2]) -> Self {
-        Self { longitude: Span::new(longitude), polar: Span::new(polar) }
+        Self { longitude: Span::new(longitude), polar: Span::new(polar), part: None }
+    }
+
+    /// The polar angles between which a meridian lies in the band.
+    fn ends(&self, longitude: Angle) -> [f64; 2] {
+        let (low, high) = (self.polar.low.radians, self.polar.high.radians);
+        let Some(Part { direction, shares, .. }) = self.part else { return [low, high] };
+        // On the meridian, the cosine to the direction is that of its level part times the sine of the polar
+        // angle, plus y times the cosine.
+        let level = direction.x * longitude.cosine + direction.z * longitude.sine;
+        let turn = direction.y.atan2(level);
+        let [from, to] = if direction.y >= 0.0 {
+            [low, (PI - turn).clamp(low, high)]
+        } else {
+            [(-turn).clamp(low, high), high]
+        };
+        shares.map(|share| from + share * (to - from))
+    }
+
+    /// The band's polar angles, from the least to the greatest.
+    fn extent(&self) -> Span {
+        let Some(Part { direction, .. }) = self.part else { return self.polar };
+        let Span { low, middle, high } = self.longitude;
+        // The great circle is farthest north and south at the direction's own longitude and across from it.
+        let off = (middle.radians - direction.z.atan2(direction.x)).rem_euclid(PI);
+        let extreme = middle.radians - if off > PI / 2.0 { off - PI } else { off };
+        let extreme = Angle::new(extreme.clamp(low.radians, high.radians));
+        let ends = [low, extreme, high].map(|longitude| self.ends(longitude));
+        Span::new([
+            ends.iter().map(|ends| ends[0]).fold(PI, f64::min),
+            ends.iter().map(|ends| ends[1]).fold(0.0, f64::max),
+        ])
+    }
+
+    /// The longitudes at which the great circle across from `direction` enters or leaves the band, and the
+    /// band's own ends; in order.
+    fn crossings(&self, direction: DVec3) -> Vec<f64> {
+        let (west, east) = (self.longitude.low.radians, self.longitude.high.radians);
+        let level = direction.x.hypot(direction.z);
+        let mut places = vec![west, east];
+        for polar in [self.polar.low, self.polar.high] {
+            let cosine = -direction.y * polar.cosine / (level * polar.sine);
+            if cosine.abs() < 1.0 {
+                for turn in [cosine.acos(), -cosine.acos()] {
+                    let place = direction.z.atan2(direction.x) + turn;
+                    let place = west + (place - west).rem_euclid(2.0 * PI);
+                    places.extend((place < east).then_some(place));
+                }
+            }
+        }
+        places.sort_by(f64::total_cmp);
+        places
+    }
+
+    /// Calls `keep` with the parts in the hemisphere around `direction`; false where the pole is too near to
+    /// the great circle, and the band to be split first.
+    pub fn cut_at_hemisphere(&self, direction: DVec3, keep: &mut impl FnMut(Self)) -> bool {
+        let singular = (direction.y.abs() / direction.x.hypot(direction.z)).asinh();
+        if self.longitude.width() > MAX_PART_WIDTH * singular {
+            return false;
+        }
+        let part = Some(Part { direction, singular, shares: [0.0, 1.0] });
+        for ends in self.crossings(direction).windows(2) {
+            let piece = Self { longitude: Span::new([ends[0], ends[1]]), part, ..*self };
+            let [from, to] = piece.ends(piece.longitude.middle);
+            if to - from >= self.polar.width() {
+                keep(Self { part: None, ..piece });
+            } else if from < to {
+                keep(piece);
+            }
+        }
+        true
     }
 }
 
@@ -223,7 +312,7 @@ fn band_direction(longitude: Angle, polar: Angle) -> DVec3 {
 
 impl Patch for Band {
     fn cap(&self) -> (DVec3, f64) {
-        let Self { longitude, polar } = self;
+        let (longitude, polar) = (self.longitude, self.extent());
         // The way to any point is along a meridian and then a parallel, the widest one of the piece.
         let widest = if polar.low.radians <= PI / 2.0 && polar.high.radians >= PI / 2.0 {
             1.0
@@ -234,13 +323,41 @@ impl Patch for Band {
         (band_direction(longitude.middle, polar.middle), half_size.length().min(2.0))
     }
 
+    fn bend(&self) -> f64 {
+        self.part.map_or(0.0, |part| self.longitude.width() / part.singular)
+    }
+
     fn split(&self) -> [Self; 4] {
-        let ([west, east], [north, south]) = (self.longitude.halves(), self.polar.halves());
-        [(west, north), (east, north), (east, south), (west, south)]
-            .map(|(longitude, polar)| Self { longitude, polar })
+        let [west, east] = self.longitude.halves();
+        let [north, south] = match self.part {
+            None => self.polar.halves().map(|polar| (polar, None)),
+            Some(part) => {
+                let [from, to] = part.shares;
+                let middle = f64::midpoint(from, to);
+                [[from, middle], [middle, to]].map(|shares| (self.polar, Some(Part { shares, ..part })))
+            }
+        };
+        [(west, north), (east, north), (east, south), (west, south)].map(|(longitude, (polar, part))| Self {
+            longitude,
+            polar,
+            part,
+        })
     }
 
     fn sample(&self, rule: &[(f64, f64)], visit: &mut impl FnMut(Sample)) {
+        if self.part.is_some() {
+            for &(a, weight_a) in rule {
+                let longitude = self.longitude.at(a);
+                let [from, to] = self.ends(longitude);
+                let area = weight_a * self.longitude.width() * (to - from);
+                for &(b, weight_b) in rule {
+                    let polar = Angle::new(from + b * (to - from));
+                    let point = band_direction(longitude, polar);
+                    visit(Sample { point, length_squared: 1.0, weight: area * weight_b * polar.sine });
+                }
+            }
+            return;
+        }
         let area = self.longitude.width() * self.polar.width();
         // Room for the greatest order.
         let mut longitudes = [self.longitude.middle; ORDERS[ORDERS.len() - 1] as usize];

@@ -38,7 +38,7 @@ fn a_constant_stays_one() {
         let mut spots = 0;
         for lobe in LOBES {
             for roughness in [0.0, 0.1, 0.35, 0.7, 1.0] {
-                for direction in landmarks().into_iter().step_by(sweep(4, 3)) {
+                for direction in landmarks().into_iter().step_by(sweep(7, 3)) {
                     // The sums over L K and over K take the same terms: rounding of some 500 of them.
                     let value = oracle.reflect(lobe, roughness, direction);
                     let off = difference(value, [0.25, 2.0, 3e4]);
@@ -48,7 +48,7 @@ fn a_constant_stays_one() {
                 }
             }
         }
-        assert!(spots > sweep(8, 30), "{layout:?}: one brighter texel was detected in {spots} lobes");
+        assert!(spots > sweep(4, 30), "{layout:?}: one brighter texel was detected in {spots} lobes");
     }
 }
 
@@ -230,6 +230,10 @@ fn a_mirror_shows_the_texel_looked_at() {
         environment.for_each_texel(|direction, _, rgb| {
             let expected = rgb.map(f64::from);
             assert_eq!(oracle.reflect(Lobe::Ggx, 0.0, direction), expected, "{layout:?} {direction}");
+            compared += 1;
+            if compared % sweep(4, 1) > 0 {
+                return;
+            }
             // Of a lobe, alpha^2/s lies beyond s = sin^2(theta/2): 1e-12 over 2e-5 at the narrowest texel's
             // edge, and neighbours are up to 1e4 times brighter.
             let near = oracle.reflect(Lobe::Ggx, 0.001, direction);
@@ -237,7 +241,6 @@ fn a_mirror_shows_the_texel_looked_at() {
                 difference(near, expected) < 5e-4,
                 "{layout:?} {direction}: {near:?} against {expected:?}"
             );
-            compared += 1;
         });
         assert_eq!(compared, layout.texel_count());
     }
@@ -528,5 +531,17 @@ fn kernels_over_all_texels_sum_to_their_integral() {
                 assert!(off < tolerance, "{layout:?} {lobe:?} {roughness}: off by {off:e}");
             }
         }
+    }
+}
+
+#[test]
+fn a_hemisphere_takes_what_coarse_texels_have_in_it() {
+    let layout = Layout::Panorama { width: 15, height: 3 };
+    let direction = DVec3::new(-0.955, 0.036, 0.294).normalize();
+    // Northern texels wholly inside, 2 pi/15 (1 - cos 60 degrees) of the 2 pi; a few others reach over the
+    // horizon by less than a thousandth.
+    for inside in [0, 13, 14] {
+        let share = Oracle::new(&lone(layout, inside, 1.0)).reflect(Lobe::Phong, 1.0, direction)[0];
+        assert!((30.0 * share - 1.0).abs() < 1e-7, "texel {inside}: {share}");
     }
 }
