@@ -49,7 +49,7 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("direct/unwrap.wgsl", "DROP", "Remedy::Drop"),
     ("direct/unwrap.wgsl", "ONE_SIDE", "Remedy::OneSide"),
     ("emitters.wgsl", "KEPT", "emitters::COUNT + 1"),
-    ("harmonics.wgsl", "COUNT", "25"),
+    ("harmonics.wgsl", "COUNT", "MAX_COUNT"),
     ("pack.wgsl", "EDGE", "box_filter::EDGE"),
 ];
 
@@ -112,6 +112,8 @@ struct Struct {
 struct Sources {
     /// Expressions of constants and discriminants, by name, with the stem of their file or their enum.
     constants: BTreeMap<String, Vec<(String, String)>>,
+    /// What short names of types stand for.
+    aliases: BTreeMap<String, String>,
     /// Structs with `repr(C)`.
     structs: Vec<Struct>,
 }
@@ -155,6 +157,10 @@ impl Sources {
                 if let Some((_, value)) = whole.trim_end_matches(';').split_once(" = ") {
                     self.constant(name, stem, value);
                 }
+            } else if let Some(alias) = line.strip_prefix("type ").and_then(|rest| rest.strip_suffix(';'))
+                && let Some((name, ty)) = alias.split_once(" = ")
+            {
+                self.aliases.insert(name.to_owned(), ty.to_owned());
             } else if let Some(name) = line.strip_prefix("enum ").and_then(|rest| rest.strip_suffix(" {")) {
                 for value in block(at).filter_map(|line| line.strip_suffix(',')?.split_once(" = ")) {
                     self.constant(value.0, name, value.1);
@@ -194,7 +200,7 @@ impl Sources {
         };
         let known = self.constants.get(name)?;
         let own: Vec<_> = known.iter().filter(|(owner, _)| owner == of).collect();
-        let all = if own.is_empty() && !path.contains("::") { known.iter().collect() } else { own };
+        let all = if own.is_empty() { known.iter().collect() } else { own };
         let mut values = all.iter().map(|(owner, text)| self.values(owner, text));
         let first = values.next()??;
         values.all(|other| other.as_ref() == Some(&first)).then_some(first)
@@ -208,6 +214,7 @@ impl Sources {
         }
         match ty {
             "u32" | "i32" | "f32" => Some(4),
+            _ if self.aliases.contains_key(ty) => self.size(owner, &self.aliases[ty]),
             _ => Some(self.layout(self.named_struct(owner, ty.rsplit("::").next()?)?)?.1),
         }
     }
@@ -343,6 +350,8 @@ impl<'a> Parser<'a> {
                 Some(vec![self.sources.size(self.owner, ty)? as f64])
             }
             "f64::from" | "u32::from" => self.primary(),
+            // Harmonics up to an order.
+            "count" => self.primary().map(|order| vec![(order[0] + 1.0) * (order[0] + 1.0)]),
             path => self.sources.named(self.owner, path),
         }
     }
