@@ -154,7 +154,7 @@ mod vector;
 mod view;
 
 pub use analysis::oracle::Oracle;
-pub use analysis::statistics::Statistics;
+pub use analysis::statistics::{HalfLoss, Statistics};
 pub use bake::{
     Bake, BakeSettings, LevelStats, OnProgress, Processor, Progress, Skybox, bake, bake_all, unwatched,
 };

@@ -254,9 +254,7 @@ impl BuildCells {
         let least = context.storage("least radiance", 16);
         let quads = context.storage("quads", bytes);
 
-        let table = (0, oem.table_buffer().as_entire_binding());
-        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
-        let planes: Vec<_> = std::iter::once(table).chain(planes).collect();
+        let planes = oem.bindings();
         let least_binding = (6, least.as_entire_binding());
         let quads_binding = (8, quads.as_entire_binding());
         let over = |width: u32| [width.div_ceil(EDGE), width.div_ceil(EDGE), 1];

@@ -57,17 +57,14 @@ impl Emitters {
         debug_assert!(cells <= GRID * GRID, "the grid is no finer");
         let brightness = context.storage("brightness of cells", 4 * u64::from(cells));
         let list = |groups: u32| context.storage("brightest cells", 8 * u64::from(groups * KEPT));
-        let mut energies = vec![(0, oem.table_buffer().as_entire_binding())];
-        energies.extend((1..4).zip(oem.planes().iter().map(wgpu::Buffer::as_entire_binding)));
+        let planes = oem.bindings();
+        // Without the solid angles.
+        let energies = planes[..4].to_vec();
 
         let mut groups = cells.div_ceil(BATCH);
         let mut brightest = list(groups);
-        let mut cells = energies.clone();
-        cells.extend([
-            (4, oem.planes()[3].as_entire_binding()),
-            (5, brightness.as_entire_binding()),
-            (7, brightest.as_entire_binding()),
-        ]);
+        let mut cells = planes.clone();
+        cells.extend([(5, brightness.as_entire_binding()), (7, brightest.as_entire_binding())]);
         let mut dispatches = vec![Dispatch::new(context, &self.brightest_cells, &cells, [groups, 1, 1])];
         while groups > 1 {
             groups = (groups * KEPT).div_ceil(BATCH);

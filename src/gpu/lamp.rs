@@ -83,8 +83,7 @@ impl LampPass {
     /// Adds to `oem` the [`Lamp`] that the uniform buffer `lamp` holds when the stage runs.
     #[must_use]
     pub fn stage(&self, context: &Context, lamp: &wgpu::Buffer, oem: &OemPlanes) -> Stage {
-        let mut resources = vec![(0, oem.table_buffer().as_entire_binding()), (5, lamp.as_entire_binding())];
-        resources.extend((1..).zip(oem.planes().iter().map(wgpu::Buffer::as_entire_binding)));
+        let resources = [oem.bindings(), vec![(5, lamp.as_entire_binding())]].concat();
         let groups = oem.table().side.div_ceil(EDGE);
         Stage::new("lamp", vec![Dispatch::new(context, &self.0, &resources, [groups, groups, 1])])
     }

@@ -115,10 +115,11 @@ impl OemPlanes {
         &self.planes
     }
 
-    /// The uniform buffer that holds the [`Table`].
-    #[must_use]
-    pub(crate) const fn table_buffer(&self) -> &wgpu::Buffer {
-        &self.table
+    /// The [`Table`] at binding 0 and the planes at 1 to 4, where stages have them.
+    pub(super) fn bindings(&self) -> Vec<(u32, wgpu::BindingResource<'_>)> {
+        (0..)
+            .zip(std::iter::once(&self.table).chain(&self.planes).map(wgpu::Buffer::as_entire_binding))
+            .collect()
     }
 
     /// Reads the planes back.

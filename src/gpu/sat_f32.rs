@@ -69,13 +69,10 @@ impl SatF32 {
             .collect();
         // The last pass writes the first buffer.
         let back = |pass: usize| &buffers[(strides.len() - pass) % 2];
-        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
-        let planes: Vec<_> =
-            std::iter::once((0, oem.table_buffer().as_entire_binding())).chain(planes).collect();
+        let planes = oem.bindings();
         let partials = (5, partials.as_entire_binding());
         let mean_binding = (6, mean.as_entire_binding());
         let groups = [side.div_ceil(EDGE), side.div_ceil(EDGE), 1];
-        let table = (0, oem.table_buffer().as_entire_binding());
         let mut dispatches = vec![
             Dispatch::new(
                 context,
@@ -83,7 +80,12 @@ impl SatF32 {
                 &[&planes[..], std::slice::from_ref(&partials)].concat(),
                 [GROUPS, 1, 1],
             ),
-            Dispatch::new(context, &self.mean_of_all, &[table, partials, mean_binding.clone()], [1, 1, 1]),
+            Dispatch::new(
+                context,
+                &self.mean_of_all,
+                &[planes[0].clone(), partials, mean_binding.clone()],
+                [1, 1, 1],
+            ),
             Dispatch::new(
                 context,
                 &self.bias,
