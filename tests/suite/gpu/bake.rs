@@ -278,7 +278,7 @@ fn bakes_of_other_maps_match_the_cpu() {
     with_passes("maps", |context, engine| {
         for map in [Map::Panorama, Map::Octahedral] {
             let settings = BakeSettings { map, size: 16, levels: Some(3), ..BakeSettings::default() };
-            let on_gpu = wait(context, bake_one(&engine, &sky, &settings));
+            let on_gpu = wait(context, bake_one(engine, &sky, &settings));
             let on_cpu = bake(&sky, &settings).expect("a small bake");
             assert_eq!(on_gpu.chain.levels[0], on_cpu.chain.levels[0], "the mirror levels differ");
             for (level, (gpu, cpu)) in

@@ -101,7 +101,7 @@ fn receivers(triangles: &Triangles, count: usize) -> Vec<Receiver> {
     (0..count)
         .map(|k| {
             let triangle = k % triangles.count();
-            let [a, b, c] = corners_of(&triangles, triangle).map(position);
+            let [a, b, c] = corners_of(triangles, triangle).map(position);
             let (s, t) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
             let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
             let normal = (b - a).cross(c - a).normalize();
@@ -145,7 +145,7 @@ fn light(triangles: &Triangles, lamp: DVec3, receiver: &Receiver) -> Light {
     let mut is_decided = corners.iter().all(|p| (0.5..=2.0).contains(&(own(*p) / here)));
     let mut shadowed = false;
     for index in (0..triangles.count()).filter(|index| *index != receiver.triangle) {
-        let [a, b, c] = corners_of(&triangles, index).map(|corner| position(corner) - lamp);
+        let [a, b, c] = corners_of(triangles, index).map(|corner| position(corner) - lamp);
         let determinant = a.dot(b.cross(c));
         let edges = [b.cross(c), c.cross(a), a.cross(b)].map(|normal| normal * determinant.signum());
         let is = |inside: f64| move |edge: &DVec3, p: &DVec3| inside * edge.dot(*p) > SNAP * edge.length();
